@@ -1,0 +1,42 @@
+//! Arc length of one quadratic segment.
+//!
+//! `|P'(u)| = 2 |d0 + u a|` is smooth but for a sharp valley at `u* = -(d0.a) / |a|^2`, the point of largest curvature. Split there, eight-point
+//! Gauss-Legendre quadrature meets a function that is nearly a straight line away from the split. The closed form (an inverse hyperbolic sine)
+//! divides by `|a|^2` and fails for the default, straight light. Relative error, worst over all shapes (see the test): 5e-10 where the curve turns by up to
+//! 60 degrees on either side of the valley, 5e-8 up to 75, and never more than 5.7e-5, for a hairpin that turns by 89.
+
+use crate::{Real, Segment};
+
+/// Abscissae and weights of the eight-point rule on `[-1, 1]`, the positive half (Abramowitz and Stegun, table 25.4).
+pub const GAUSS_LEGENDRE: [(f64, f64); 4] = [
+    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
+    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
+    (0.796_666_477_413_626_7, 0.222_381_034_453_374_47),
+    (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
+];
+
+/// Length of the centre curve from the segment's start to `u`, in tube units.
+pub fn length<F: Real>(segment: &Segment<F>, u: F) -> F {
+    let aa = F::dot(segment.a, segment.a);
+    let valley = -F::dot(segment.d0, segment.a);
+    // The valley lies inside (0, u): 0 < valley / aa < u, asked without dividing.
+    if valley > F::of(0.0) && valley < u * aa {
+        let split = valley / aa;
+        quadrature(segment, F::of(0.0), split) + quadrature(segment, split, u)
+    } else {
+        quadrature(segment, F::of(0.0), u)
+    }
+}
+
+fn quadrature<F: Real>(segment: &Segment<F>, from: F, to: F) -> F {
+    let (middle, half) = ((from + to) * F::of(0.5), (to - from) * F::of(0.5));
+    let speed = |u: F| {
+        let d = segment.d(u);
+        F::dot(d, d).sqrt()
+    };
+    let sum = GAUSS_LEGENDRE.iter().fold(F::of(0.0), |sum, &(x, weight)| {
+        let x = half * F::of(x);
+        sum + F::of(weight) * (speed(middle - x) + speed(middle + x))
+    });
+    F::of(2.0) * half * sum
+}

@@ -1,0 +1,71 @@
+//! Why a light is refused.
+
+use thiserror::Error;
+
+/// Why a light cannot be evaluated. Each sentence says what to change.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum LightError {
+    /// Fewer control points than one quadratic segment needs.
+    #[error("a BendyLight needs at least 3 control points, this one has {0}: add points")]
+    TooFewPoints(usize),
+    /// More control points than [`crate::MAX_SEGMENTS`] allows.
+    #[error("a BendyLight has at most {limit} control points, this one has {count}: remove points")]
+    TooManyPoints {
+        /// How many it has.
+        count: usize,
+        /// How many it may have.
+        limit: usize,
+    },
+    /// `radii`, `colors` or `intensities` is not as long as `points`.
+    #[error("`{field}` has {count} entries for {points} control points: give one entry a point")]
+    LengthMismatch {
+        /// The field.
+        field: &'static str,
+        /// Its length.
+        count: usize,
+        /// The length of `points`.
+        points: usize,
+    },
+    /// A number is NaN or infinite.
+    #[error("`{0}` holds a number that is not finite: replace it")]
+    NotFinite(&'static str),
+    /// A number is outside its domain.
+    #[error("`{field}` is {value}, but {domain}: change it")]
+    OutOfDomain {
+        /// The field.
+        field: &'static str,
+        /// What it holds.
+        value: f64,
+        /// The domain, as the end of a sentence.
+        domain: &'static str,
+    },
+    /// The first control point is not the light's origin.
+    #[error("`points[0]` is the source and must be [0, 0, 0]: move the light by its `transform.translation`")]
+    SourceNotAtOrigin,
+    /// A segment without direction, or one that runs back over itself.
+    #[error("segment {segment} {why}: move control point {point}")]
+    Degenerate {
+        /// Index of the segment, from 0.
+        segment: usize,
+        /// What is wrong, as a verb phrase.
+        why: &'static str,
+        /// Index of the control point to move.
+        point: usize,
+    },
+    /// The tube folds over itself: `R kappa >= 1` somewhere.
+    #[error(
+        "the tube folds in segment {segment}: its radius is {r_kappa:.3} times the radius of its bend, which must \
+         stay below 1: make `radii` around control point {point} smaller or the bend wider"
+    )]
+    Fold {
+        /// Index of the segment, from 0.
+        segment: usize,
+        /// The largest `R kappa` there.
+        r_kappa: f64,
+        /// Index of the segment's middle control point.
+        point: usize,
+    },
+    /// A spotlight cannot be divided into this many segments.
+    #[error("a light is bent into 1 to {limit} segments, not {0}: choose another number", limit = crate::MAX_SEGMENTS)]
+    SegmentCount(usize),
+}

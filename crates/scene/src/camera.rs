@@ -1,0 +1,68 @@
+//! Cameras, and one that frames a scene that has none.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use crate::{Scene, pose};
+
+/// A camera placed in the world; looks along its local -Z with +Y up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// Name for people and for `--camera`.
+    pub name: String,
+    /// Rigid placement: rotation and translation only.
+    pub world_from_camera: DAffine3,
+    /// How it projects.
+    pub projection: Projection,
+}
+
+/// glTF's two projections. The picture's own aspect ratio decides the width.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Perspective.
+    Perspective {
+        /// Full vertical angle of view in radians, more than 0 and less than pi.
+        yfov: f64,
+        /// Distance of the near plane, more than 0.
+        znear: f64,
+        /// Distance of the far plane, more than `znear`; endless where `None`.
+        zfar: Option<f64>,
+    },
+    /// Orthographic.
+    Orthographic {
+        /// Half the height of the view, more than 0.
+        ymag: f64,
+        /// Distance of the near plane, 0 or more.
+        znear: f64,
+        /// Distance of the far plane, more than `znear`.
+        zfar: f64,
+    },
+}
+
+/// A camera that sees all of `scene` from a little above and to the side, for a picture `aspect` wide by 1 high.
+///
+/// The bounding sphere fits the narrower of the two fields of view (40 degrees vertical).
+pub fn framing_camera(scene: &Scene, aspect: f64) -> Camera {
+    let (min, max) = world_bounds(scene).unwrap_or((DVec3::splat(-1.0), DVec3::splat(1.0)));
+    let (center, radius) = ((min + max) / 2.0, ((max - min).length() / 2.0).max(1e-6));
+    let yfov = 40.0_f64.to_radians();
+    let half_angle = (yfov / 2.0).min(((yfov / 2.0).tan() * aspect).atan());
+    let distance = radius / half_angle.sin();
+    let back = DVec3::new(0.45, 0.42, 1.0).normalize();
+    let right = DVec3::Y.cross(back).normalize();
+    let rotation = DMat3::from_cols(right, back.cross(right), back);
+    let projection = Projection::Perspective { yfov, znear: distance * 0.01, zfar: None };
+    let world_from_camera = DAffine3 { matrix3: rotation, translation: center + back * distance };
+    Camera { name: "framing".into(), world_from_camera, projection }
+}
+
+/// Corners of the box around every posed vertex, or `None` where there is none.
+pub fn world_bounds(scene: &Scene) -> Option<(DVec3, DVec3)> {
+    pose(scene)
+        .flat_map(|p| {
+            p.primitive.positions.iter().map(move |v| p.world_from_local.transform_point3(v.as_dvec3()))
+        })
+        .fold(None, |bounds, v| {
+            let (min, max) = bounds.unwrap_or((v, v));
+            Some((min.min(v), max.max(v)))
+        })
+}

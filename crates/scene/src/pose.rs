@@ -1,0 +1,30 @@
+//! Where everything stands in the world.
+
+use glam::DAffine3;
+
+use crate::{Primitive, Scene};
+
+/// A primitive at its place in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct PosedPrimitive<'a> {
+    /// Index of the node that carries it.
+    pub node: usize,
+    /// The shared geometry.
+    pub primitive: &'a Primitive,
+    /// Its placement, composed in f64.
+    pub world_from_local: DAffine3,
+}
+
+/// Every primitive of every node, in node order.
+pub fn pose(scene: &Scene) -> impl Iterator<Item = PosedPrimitive<'_>> {
+    let mut world_from_node: Vec<DAffine3> = Vec::with_capacity(scene.nodes.len());
+    for node in &scene.nodes {
+        let parent = node.parent.map_or(DAffine3::IDENTITY, |p| world_from_node[p]);
+        world_from_node.push(parent * node.parent_from_local);
+    }
+    scene.nodes.iter().enumerate().flat_map(move |(i, node)| {
+        let world_from_local = world_from_node[i];
+        let primitives = node.mesh.map_or(&[][..], |m| &scene.meshes[m].primitives);
+        primitives.iter().map(move |primitive| PosedPrimitive { node: i, primitive, world_from_local })
+    })
+}
