@@ -1,0 +1,81 @@
+//! What the demo scenes stand on and are seen with.
+
+use std::f64::consts::FRAC_PI_2;
+
+use glam::{DAffine3, DMat3, DVec3};
+use scene::Primitive;
+
+/// A photographer's background: a level floor that curves up into a wall behind.
+pub struct Cyclorama {
+    /// Half its extent along x.
+    pub half_width: f64,
+    /// Where the floor begins, towards the camera.
+    pub front_z: f64,
+    /// Where the floor ends and the curve begins.
+    pub bend_z: f64,
+    /// Radius of the curve.
+    pub bend_radius: f64,
+    /// Height of the wall.
+    pub height: f64,
+    /// Strips along the curve.
+    pub strips: usize,
+}
+
+impl Cyclorama {
+    /// Floor and wall are two triangles each on purpose: large triangles are what a bent shadow is hard on.
+    pub fn surface(&self) -> Primitive {
+        let mut made = Primitive::default();
+        let mut row = |y: f64, z: f64, normal: DVec3| {
+            for x in [-self.half_width, self.half_width] {
+                made.positions.push(DVec3::new(x, y, z).as_vec3());
+                made.normals.push(normal.as_vec3());
+            }
+        };
+        row(0.0, self.front_z, DVec3::Y);
+        for strip in 0..=self.strips {
+            let (sin, cos) = libm::sincos(FRAC_PI_2 * strip as f64 / self.strips as f64);
+            let normal = DVec3::new(0.0, cos, sin);
+            row(self.bend_radius * (1.0 - cos), self.bend_z - self.bend_radius * sin, normal);
+        }
+        row(self.height, self.bend_z - self.bend_radius, DVec3::Z);
+        for i in (0..made.positions.len() as u32 - 2).step_by(2) {
+            made.indices.extend([i, i + 1, i + 2, i + 1, i + 3, i + 2]);
+        }
+        made
+    }
+}
+
+/// The rigid placement of a camera at `eye` that looks at `target` with +Y up.
+pub fn look_at(eye: DVec3, target: DVec3) -> DAffine3 {
+    let back = (eye - target).normalize();
+    let right = DVec3::Y.cross(back).normalize();
+    DAffine3 { matrix3: DMat3::from_cols(right, back.cross(right), back), translation: eye }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn background_faces_the_stage_and_has_large_triangles() {
+        let stage = Cyclorama {
+            half_width: 4.0,
+            front_z: 3.0,
+            bend_z: -2.0,
+            bend_radius: 1.0,
+            height: 3.0,
+            strips: 8,
+        };
+        let made = stage.surface();
+        let (triangles, _) = made.indices.as_chunks::<3>();
+        for t in triangles {
+            let [a, b, c] = t.map(|i| made.positions[i as usize].as_dvec3());
+            let across = (b - a).cross(c - a);
+            for i in t {
+                assert!(across.dot(made.normals[*i as usize].as_dvec3()) > 0.0);
+            }
+        }
+        let floor = triangles.iter().filter(|t| t.iter().all(|&i| made.positions[i as usize].y == 0.0));
+        assert_eq!(floor.count(), 2);
+    }
+}

@@ -1,0 +1,48 @@
+//! Cameras, placed in the world.
+
+use gltf::json::camera::{Camera, Type};
+use gltf::json::validation::Checked;
+use scene::Projection;
+
+use super::nodes::{Place, rigid};
+use super::{Source, name_or};
+use crate::notes::Notes;
+
+/// Every camera of the drawn scene, in node order; one whose numbers make no picture is left out.
+pub fn read(source: &Source, places: &[Place], notes: &mut Notes) -> Vec<scene::Camera> {
+    let mut cameras = Vec::new();
+    for place in places {
+        let Some(node) = place.node.map(|index| &source.root.nodes[index]) else { continue };
+        let Some(camera) = node.camera.and_then(|camera| source.root.get(camera)) else { continue };
+        let name = name_or(node.name.as_deref().or(camera.name.as_deref()), "camera", cameras.len());
+        match projection(camera) {
+            Some(projection) => {
+                let world_from_camera = rigid(&place.world_from_local);
+                cameras.push(scene::Camera { name, world_from_camera, projection });
+            }
+            None => notes.add("cameras whose angle or planes make no picture are left out", name),
+        }
+    }
+    cameras
+}
+
+/// The projection, or `None` where a number is outside its documented domain.
+fn projection(camera: &Camera) -> Option<Projection> {
+    match (&camera.type_, &camera.perspective, &camera.orthographic) {
+        (Checked::Valid(Type::Perspective), Some(p), _) => {
+            let (yfov, znear, zfar) = (f64::from(p.yfov), f64::from(p.znear), p.zfar.map(f64::from));
+            let sound = 0.0 < yfov && yfov < std::f64::consts::PI && 0.0 < znear && planes(znear, zfar);
+            sound.then_some(Projection::Perspective { yfov, znear, zfar })
+        }
+        (Checked::Valid(Type::Orthographic), _, Some(o)) => {
+            let (ymag, znear, zfar) = (f64::from(o.ymag), f64::from(o.znear), f64::from(o.zfar));
+            let sound = 0.0 < ymag && ymag.is_finite() && 0.0 <= znear && planes(znear, Some(zfar));
+            sound.then_some(Projection::Orthographic { ymag, znear, zfar })
+        }
+        _ => None,
+    }
+}
+
+fn planes(znear: f64, zfar: Option<f64>) -> bool {
+    znear.is_finite() && zfar.is_none_or(|zfar| znear < zfar && zfar.is_finite())
+}

@@ -1,0 +1,140 @@
+//! Everything about the JSON that must hold before any of it is used: versions, extensions, indices, the
+//! node tree, and that every accessor lies inside its buffer.
+
+use gltf::json::validation::{Error, Validate};
+use gltf::json::{Path, Root};
+
+use super::accessors;
+use crate::Fault;
+use crate::fault::{broken, excerpt};
+use crate::limits::MAX_MESSAGE_CHARS;
+use crate::notes::Notes;
+
+/// Extensions that are drawn as their specifications say, or whose fallback they allow.
+const SUPPORTED: [&str; 6] = [
+    "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",
+    "KHR_lights_punctual",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+
+/// Checks the whole document, used parts or not.
+pub fn document(mut root: Root, notes: &mut Notes) -> Result<Root, Fault> {
+    version(&root)?;
+    extensions(&root, notes)?;
+    // Never needed, and the validation below copies them for every primitive that shares the accessor.
+    for accessor in &mut root.accessors {
+        (accessor.min, accessor.max) = (None, None);
+    }
+    indices(&root)?;
+    node_tree(&root)?;
+    accessors::check(&root)?;
+    left_at_rest(&root, notes);
+    Ok(root)
+}
+
+fn version(root: &Root) -> Result<(), Fault> {
+    let is_2 = |version: &str| version.split('.').next() == Some("2");
+    let minimum = root.asset.min_version.as_deref().unwrap_or("2.0");
+    if is_2(&root.asset.version) && minimum == "2.0" {
+        return Ok(());
+    }
+    let needed = if is_2(&root.asset.version) { minimum } else { &root.asset.version };
+    Err(broken(format!("it is for glTF {}", excerpt(needed, MAX_MESSAGE_CHARS))))
+}
+
+fn extensions(root: &Root, notes: &mut Notes) -> Result<(), Fault> {
+    let supported = |name: &&String| SUPPORTED.contains(&name.as_str());
+    if let Some(name) = root.extensions_required.iter().find(|name| !supported(name)) {
+        return Err(Fault::RequiredExtension(excerpt(name, MAX_MESSAGE_CHARS)));
+    }
+    for name in root.extensions_used.iter().filter(|name| !supported(name)) {
+        notes.add("extensions that are not drawn", excerpt(name, MAX_MESSAGE_CHARS));
+    }
+    Ok(())
+}
+
+/// Every index exists and every enumeration is known, by the `gltf` crate's validation and what it leaves out.
+fn indices(root: &Root) -> Result<(), Fault> {
+    // Its check of a primitive takes this index on trust, and panics.
+    let mut attributes = root.meshes.iter().flat_map(|m| &m.primitives).flat_map(|p| p.attributes.values());
+    if let Some(index) = attributes.find(|a| a.value() >= root.accessors.len()) {
+        return Err(broken(format!("a mesh uses accessor {}, which does not exist", index.value())));
+    }
+    let mut first = None;
+    root.validate(root, Path::new, &mut |path, error| {
+        if first.is_none()
+            && error != Error::Unsupported
+            && !(error == Error::Missing && is_optional(&path()))
+        {
+            first = Some(broken(format!(
+                "{} at {}",
+                describe(error),
+                excerpt(path().as_str(), MAX_MESSAGE_CHARS)
+            )));
+        }
+    });
+    if let Some(fault) = first {
+        return Err(fault);
+    }
+    let mut targets = root.animations.iter().flat_map(|a| &a.channels).map(|c| c.target.node.value());
+    if let Some(node) = targets.find(|&node| node >= root.nodes.len()) {
+        return Err(broken(format!("an animation moves node {node}, which does not exist")));
+    }
+    match root.skins.iter().position(|skin| skin.joints.is_empty()) {
+        Some(skin) => Err(broken(format!("skin {skin} has no joints"))),
+        None => Ok(()),
+    }
+}
+
+/// Bounds are not needed, an accessor without a view is all zeros, and no positions draw nothing.
+fn is_optional(path: &Path) -> bool {
+    [".min", ".max", ".bufferView", "[\"POSITION\"]"].iter().any(|end| path.as_str().ends_with(end))
+}
+
+fn describe(error: Error) -> &'static str {
+    match error {
+        Error::IndexOutOfBounds => "something that does not exist is named",
+        Error::Missing => "something is missing",
+        Error::Oversize => "a size is too large",
+        Error::Invalid | Error::Unsupported => "a value is not allowed",
+    }
+}
+
+/// Every node has at most one parent and a scene's roots have none, so every scene is a forest.
+fn node_tree(root: &Root) -> Result<(), Fault> {
+    let mut has_parent = vec![false; root.nodes.len()];
+    for child in root.nodes.iter().flat_map(|node| node.children.iter().flatten()) {
+        if std::mem::replace(&mut has_parent[child.value()], true) {
+            return Err(broken(format!("node {} has two parents", child.value())));
+        }
+    }
+    let mut listed_in = vec![None; root.nodes.len()];
+    for (index, scene) in root.scenes.iter().enumerate() {
+        for node in scene.nodes.iter().map(gltf::json::Index::value) {
+            if has_parent[node] || listed_in[node].replace(index) == Some(index) {
+                return Err(broken(format!("node {node} is not a root, or is listed twice")));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn left_at_rest(root: &Root, notes: &mut Notes) {
+    if !root.animations.is_empty() {
+        notes.add(
+            "animations are not played, everything is at rest",
+            format!("{} of them", root.animations.len()),
+        );
+    }
+    for (index, mesh) in root.meshes.iter().enumerate() {
+        if mesh.primitives.iter().any(|p| p.targets.as_ref().is_some_and(|t| !t.is_empty())) {
+            notes.add("morph targets are not applied", super::name_or(mesh.name.as_deref(), "mesh", index));
+        }
+    }
+    for (index, skin) in root.skins.iter().enumerate() {
+        notes.add("skins are not posed", super::name_or(skin.name.as_deref(), "skin", index));
+    }
+}

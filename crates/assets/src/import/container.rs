@@ -1,0 +1,118 @@
+//! From bytes to the JSON's types: the GLB container, and the bounds on JSON before it is parsed.
+
+use gltf::json::Root;
+
+use crate::fault::{broken, excerpt};
+use crate::limits::MAX_MESSAGE_CHARS;
+use crate::{Fault, Limit};
+
+/// The parts of a scene file.
+#[derive(Debug)]
+pub struct Container<'a> {
+    /// The JSON text.
+    pub json: &'a [u8],
+    /// The binary chunk of a GLB.
+    pub bin: Option<&'a [u8]>,
+}
+
+const GLB_HEADER_BYTES: usize = 12;
+const CHUNK_HEADER_BYTES: usize = 8;
+
+/// Splits a GLB (glTF 2.0, section 4.4) into its chunks; anything else is taken for JSON.
+pub fn split(bytes: &[u8]) -> Result<Container<'_>, Fault> {
+    if bytes.is_empty() {
+        return Err(broken("it is empty"));
+    }
+    if !bytes.starts_with(b"glTF") {
+        return Ok(Container { json: bytes, bin: None });
+    }
+    let (Some(version), Some(length)) = (u32_at(bytes, 4), u32_at(bytes, 8)) else {
+        return Err(broken("it ends inside its header"));
+    };
+    if version != 2 {
+        return Err(broken(format!("its GLB container has version {version} instead of 2")));
+    }
+    if length > bytes.len() {
+        return Err(broken(format!("it is cut off after {} of {length} bytes", bytes.len())));
+    }
+    let chunks = bytes.get(GLB_HEADER_BYTES..length).unwrap_or_default();
+    let (json, rest) = chunk(chunks)?;
+    if json.kind != b"JSON" {
+        return Err(broken("its first chunk is not JSON"));
+    }
+    let second = if rest.is_empty() { None } else { Some(chunk(rest)?.0) };
+    let bin = second.filter(|chunk| chunk.kind == b"BIN\0").map(|chunk| chunk.data);
+    Ok(Container { json: json.data, bin })
+}
+
+/// A GLB's chunk.
+struct Chunk<'a> {
+    kind: &'a [u8],
+    data: &'a [u8],
+}
+
+/// The first chunk, and what follows it.
+fn chunk(bytes: &[u8]) -> Result<(Chunk<'_>, &[u8]), Fault> {
+    let cut = || broken("one of its chunks is longer than the file");
+    let length = u32_at(bytes, 0).ok_or_else(cut)?;
+    let kind = bytes.get(4..CHUNK_HEADER_BYTES).ok_or_else(cut)?;
+    let (data, rest) = bytes[CHUNK_HEADER_BYTES..].split_at_checked(length).ok_or_else(cut)?;
+    Ok((Chunk { kind, data }, rest))
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> Option<usize> {
+    let four = bytes.get(at..at + 4)?.try_into().ok()?;
+    Some(u32::from_le_bytes(four) as usize)
+}
+
+/// Parses the JSON, once its depth and number of values are known to be small.
+pub fn parse(json: &[u8]) -> Result<Root, Fault> {
+    bound(json)?;
+    Root::from_slice(json).map_err(|error| broken(excerpt(&error.to_string(), 2 * MAX_MESSAGE_CHARS)))
+}
+
+/// Counts brackets and commas outside strings: at most one value follows each.
+fn bound(json: &[u8]) -> Result<(), Fault> {
+    let (mut depth, mut values) = (0_u64, 0_u64);
+    let (mut in_string, mut escaped) = (false, false);
+    for &byte in json {
+        match byte {
+            _ if escaped => escaped = false,
+            b'\\' if in_string => escaped = true,
+            b'"' => in_string = !in_string,
+            _ if in_string => {}
+            b'{' | b'[' => {
+                depth += 1;
+                values += 1;
+                Limit::JsonDepth.check(depth)?;
+            }
+            b'}' | b']' => depth = depth.saturating_sub(1),
+            b',' => values += 1,
+            _ => {}
+        }
+    }
+    Limit::JsonValues.check(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn brackets_and_commas_in_strings_do_not_count() {
+        let text = format!(r#"{{"a\"":"{}"}}"#, "[,".repeat(2 << 20));
+        assert!(bound(text.as_bytes()).is_ok());
+        assert!(bound(text.replace('"', " ").as_bytes()).is_err(), "the same outside strings is refused");
+    }
+
+    #[test]
+    fn a_chunk_of_another_kind_is_passed_over() {
+        let glb = |second: &[u8]| {
+            let mut bytes = b"glTF\x02\0\0\0\x20\0\0\0\x04\0\0\0JSON{}  \x00\0\0\0".to_vec();
+            bytes.extend(second);
+            bytes
+        };
+        assert!(split(&glb(b"BIN\0")).unwrap().bin.is_some());
+        assert!(split(&glb(b"XYZ\0")).unwrap().bin.is_none());
+    }
+}

@@ -1,0 +1,175 @@
+//! Meshes as triangle lists with normals.
+
+use glam::{Vec2, Vec3, Vec4};
+use gltf::json;
+use gltf::json::accessor::Accessor;
+use gltf::json::mesh::{Mode, Semantic};
+use gltf::json::validation::Checked;
+use scene::Primitive;
+
+use super::accessors::{Integers, components};
+use super::materials::Material;
+use super::{Ledger, Source, name_or};
+use crate::fault::broken;
+use crate::{Fault, Limit};
+
+/// Reads the mesh at `index` in the file. What has no triangles is left out.
+pub fn read(
+    source: &Source,
+    index: usize,
+    materials: &[Material],
+    ledger: &mut Ledger,
+) -> Result<scene::Mesh, Fault> {
+    let mesh = &source.root.meshes[index];
+    let name = name_or(mesh.name.as_deref(), "mesh", index);
+    let mut primitives = Vec::new();
+    for primitive in &mesh.primitives {
+        let triangles_of: fn(&[u32]) -> Vec<u32> = match primitive.mode {
+            Checked::Valid(Mode::Triangles) | Checked::Invalid => list,
+            Checked::Valid(Mode::TriangleStrip) => strip,
+            Checked::Valid(Mode::TriangleFan) => fan,
+            Checked::Valid(Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) => {
+                ledger.notes.add("points and lines are not drawn", name.as_str());
+                continue;
+            }
+        };
+        let Some(positions) = attribute(source, primitive, Semantic::Positions)? else {
+            ledger.notes.add("meshes without positions are not drawn", name.as_str());
+            continue;
+        };
+        let order = order(source, primitive, positions, ledger)?;
+        let indices = triangles_of(&order);
+        if indices.is_empty() {
+            ledger.notes.add("meshes without a whole triangle are not drawn", name.as_str());
+            continue;
+        }
+        let material = primitive.material.map_or(materials.len() - 1, |m| m.value());
+        primitives.push(assemble(source, primitive, indices, material, &materials[material], ledger)?);
+    }
+    Ok(scene::Mesh { name, primitives })
+}
+
+/// The vertices in drawing order, each in range.
+fn order(
+    source: &Source,
+    primitive: &json::mesh::Primitive,
+    positions: &Accessor,
+    ledger: &mut Ledger,
+) -> Result<Vec<u32>, Fault> {
+    let vertices = positions.count.0;
+    ledger.budget.spend(Limit::Vertices, vertices)?;
+    let indices = primitive.indices.and_then(|indices| source.root.get(indices));
+    // A strip or fan has one triangle an index.
+    let per_triangle = if primitive.mode == Checked::Valid(Mode::Triangles) { 3 } else { 1 };
+    ledger.budget.spend(Limit::Triangles, indices.map_or(vertices, |i| i.count.0) / per_triangle)?;
+    let Some(indices) = indices else { return Ok((0..vertices as u32).collect()) };
+    let order = source.indices(indices)?;
+    match order.iter().find(|&&i| u64::from(i) >= vertices) {
+        Some(index) => Err(broken(format!("an index is {index}, but there are {vertices} vertices"))),
+        None => Ok(order),
+    }
+}
+
+fn assemble(
+    source: &Source,
+    primitive: &json::mesh::Primitive,
+    indices: Vec<u32>,
+    material: usize,
+    look: &Material,
+    ledger: &mut Ledger,
+) -> Result<Primitive, Fault> {
+    let positions = attribute(source, primitive, Semantic::Positions)?;
+    let positions = positions.map_or(Ok(Vec::new()), |a| source.floats::<3>(a, Integers::AsDeclared))?;
+    let normals = attribute(source, primitive, Semantic::Normals)?;
+    let normals = normals.map(|a| source.floats::<3>(a, Integers::AsDeclared)).transpose()?;
+    let uvs = attribute(source, primitive, Semantic::TexCoords(look.coordinates.set))?;
+    let uvs = uvs.map_or(Ok(Vec::new()), |a| source.floats::<2>(a, Integers::AsDeclared))?;
+    let place = |uv| look.coordinates.picture_from_stored.transform_point2(Vec2::from_array(uv));
+    let uvs: Vec<Vec2> = uvs.into_iter().map(place).collect();
+    if !uvs.iter().all(|uv| uv.is_finite()) {
+        return Err(broken("texture coordinates are not finite"));
+    }
+    let smooth = normals.as_ref().map_or(0, Vec::len) > 0;
+    let made = Primitive {
+        positions: positions.into_iter().map(Vec3::from_array).collect(),
+        normals: normals.into_iter().flatten().map(|n| unit(Vec3::from_array(n))).collect(),
+        uvs,
+        colors: colors(source, primitive)?,
+        indices,
+        material,
+    };
+    if smooth {
+        return Ok(made);
+    }
+    ledger.budget.spend(Limit::Vertices, made.indices.len() as u64)?;
+    Ok(faceted(&made))
+}
+
+/// `COLOR_0` as RGBA, or nothing.
+fn colors(source: &Source, primitive: &json::mesh::Primitive) -> Result<Vec<Vec4>, Fault> {
+    let Some(accessor) = attribute(source, primitive, Semantic::Colors(0))? else { return Ok(Vec::new()) };
+    let colors: Vec<Vec4> = if components(accessor) == 3 {
+        let rgb = source.floats::<3>(accessor, Integers::Normalized)?;
+        rgb.into_iter().map(|c| Vec3::from_array(c).extend(1.0)).collect()
+    } else {
+        source.floats::<4>(accessor, Integers::Normalized)?.into_iter().map(Vec4::from_array).collect()
+    };
+    Ok(colors.into_iter().map(|c| c.clamp(Vec4::ZERO, Vec4::ONE)).collect())
+}
+
+/// The accessor of an attribute, which has one element a vertex.
+fn attribute<'a>(
+    source: &Source<'a>,
+    primitive: &json::mesh::Primitive,
+    semantic: Semantic,
+) -> Result<Option<&'a Accessor>, Fault> {
+    let find =
+        |semantic| primitive.attributes.get(&Checked::Valid(semantic)).and_then(|&a| source.root.get(a));
+    let accessor = find(semantic);
+    let vertices = find(Semantic::Positions).map(|a| a.count);
+    match accessor {
+        Some(accessor) if Some(accessor.count) != vertices => {
+            Err(broken("a mesh's attributes differ in length"))
+        }
+        found => Ok(found),
+    }
+}
+
+/// Every vertex split per triangle, with the triangle's own normal.
+fn faceted(shared: &Primitive) -> Primitive {
+    let corners = || shared.indices.iter().map(|&i| i as usize);
+    let positions: Vec<Vec3> = corners().map(|i| shared.positions[i]).collect();
+    let (triangles, _) = positions.as_chunks::<3>();
+    let normals = triangles.iter().flat_map(|&[a, b, c]| [normal(a, b, c); 3]).collect();
+    // Empty lists stay empty.
+    let uvs = corners().filter_map(|i| shared.uvs.get(i).copied()).collect();
+    let colors = corners().filter_map(|i| shared.colors.get(i).copied()).collect();
+    let indices = (0..positions.len() as u32).collect();
+    Primitive { positions, normals, uvs, colors, indices, material: shared.material }
+}
+
+/// The unit normal of a triangle, counterclockwise seen from outside; +Y where it has no area.
+fn normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
+    let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
+    (b - a).cross(c - a).normalize_or(glam::DVec3::Y).as_vec3()
+}
+
+/// A stored normal made unit, in f64 so that no f32 length over- or underflows; +Y where it is zero.
+fn unit(normal: Vec3) -> Vec3 {
+    normal.as_dvec3().normalize_or(glam::DVec3::Y).as_vec3()
+}
+
+fn list(order: &[u32]) -> Vec<u32> {
+    order[..order.len() / 3 * 3].to_vec()
+}
+
+/// glTF 2.0, section 3.7.2.1: every second triangle is turned over, so that all wind the same way.
+fn strip(order: &[u32]) -> Vec<u32> {
+    let turn = |(i, t): (usize, &[u32])| [t[0], t[1 + i % 2], t[2 - i % 2]];
+    order.windows(3).enumerate().flat_map(turn).collect()
+}
+
+fn fan(order: &[u32]) -> Vec<u32> {
+    let Some((&hub, rim)) = order.split_first() else { return Vec::new() };
+    rim.windows(2).flat_map(|t| [t[0], t[1], hub]).collect()
+}

@@ -1,0 +1,120 @@
+//! glTF 2.0 to a scene, in one direction: bytes, JSON, checks, then each kind of thing once.
+//!
+//! The `gltf` crate gives the JSON's types and follows its indices. Its importer and its iterators are not
+//! used: they fetch what any address names, take memory before they check, and panic on some broken files.
+
+mod accessors;
+mod addresses;
+mod cameras;
+mod check;
+mod container;
+mod images;
+mod instances;
+mod lights;
+mod materials;
+mod meshes;
+mod nodes;
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use glam::DAffine3;
+use gltf::json::Root;
+use scene::Scene;
+
+use crate::limits::{Budget, MAX_COORDINATE, MAX_NAME_CHARS};
+use crate::notes::Notes;
+use crate::{Fault, Limit, Loaded};
+
+/// What every reader needs: the checked document and the bytes behind it.
+struct Source<'a> {
+    /// Checked by [`check::document`].
+    root: &'a Root,
+    /// The scene file, beside which the others lie.
+    file: &'a Path,
+    /// One a glTF buffer, at least as long as it declares.
+    buffers: Vec<Cow<'a, [u8]>>,
+}
+
+/// What one load has used and has to say.
+#[derive(Default)]
+struct Ledger {
+    budget: Budget,
+    notes: Notes,
+}
+
+/// Reads the scene file at `path`.
+pub fn import(path: &Path) -> Result<Loaded, Fault> {
+    let mut ledger = Ledger::default();
+    let bytes = addresses::read_file(path, &mut ledger.budget)?;
+    let container = container::split(&bytes)?;
+    let root = check::document(container::parse(container.json)?, &mut ledger.notes)?;
+    let buffers = addresses::buffers(&root, container.bin, path, &mut ledger.budget)?;
+    let scene = build(&Source { root: &root, file: path, buffers }, &mut ledger)?;
+    scene.check()?;
+    Ok(Loaded { scene, notes: ledger.notes.into_sentences() })
+}
+
+fn build(source: &Source, ledger: &mut Ledger) -> Result<Scene, Fault> {
+    let mut scene = Scene::default();
+    let placed = nodes::place(source, ledger)?;
+    let (images, materials) = materials::read(source, ledger)?;
+    scene.cameras = cameras::read(source, &placed, &mut ledger.notes);
+    scene.lights = lights::read(source, &placed, &mut ledger.notes);
+
+    let mut scene_mesh: BTreeMap<usize, usize> = BTreeMap::new();
+    for place in &placed {
+        if let Some(mesh) = place.mesh
+            && !scene_mesh.contains_key(&mesh)
+        {
+            scene_mesh.insert(mesh, scene.meshes.len());
+            scene.meshes.push(meshes::read(source, mesh, &materials, ledger)?);
+        }
+        scene.nodes.push(scene::Node {
+            name: place.name.clone(),
+            parent: place.parent,
+            parent_from_local: place.parent_from_local,
+            mesh: place.mesh.map(|m| scene_mesh[&m]),
+        });
+    }
+    scene.materials = materials.into_iter().map(|m| m.material).collect();
+    scene.images = images;
+    check_extent(&scene, placed.iter().map(|p| p.world_from_local))?;
+    Ok(scene)
+}
+
+/// Bounds the posed triangles and every world coordinate, by each mesh's largest one.
+fn check_extent(scene: &Scene, world_from_node: impl Iterator<Item = DAffine3>) -> Result<(), Fault> {
+    let extents: Vec<f64> = scene.meshes.iter().map(largest_coordinate).collect();
+    let triangles =
+        |mesh: usize| scene.meshes[mesh].primitives.iter().map(|p| p.indices.len() as u64 / 3).sum();
+    let mut budget = Budget::default();
+    for (node, world_from_local) in scene.nodes.iter().zip(world_from_node) {
+        let axes = world_from_local.matrix3;
+        let extent = node.mesh.map_or(0.0, |m| extents[m]);
+        let reach = (axes.x_axis.abs() + axes.y_axis.abs() + axes.z_axis.abs()) * extent
+            + world_from_local.translation.abs();
+        // Written so that NaN, from an overflow along the hierarchy, is refused as well.
+        let inside = reach.max_element() <= MAX_COORDINATE as f64 && world_from_local.is_finite();
+        if !inside {
+            let found = (reach.max_element() as u64).max(MAX_COORDINATE + 1);
+            return Err(Fault::Limit { limit: Limit::Coordinate, found });
+        }
+        budget.spend(Limit::Triangles, node.mesh.map_or(0, triangles))?;
+    }
+    Ok(())
+}
+
+fn largest_coordinate(mesh: &scene::Mesh) -> f64 {
+    let positions = mesh.primitives.iter().flat_map(|p| &p.positions);
+    positions.fold(0.0, |most, v| most.max(f64::from(v.abs().max_element())))
+}
+
+/// The name to show for a thing: its own, shortened, or its kind and index.
+fn name_or(name: Option<&str>, kind: &str, index: usize) -> String {
+    match name {
+        Some(name) if !name.is_empty() => crate::fault::excerpt(name, MAX_NAME_CHARS),
+        _ => format!("{kind} {index}"),
+    }
+}

@@ -1,0 +1,121 @@
+//! How large a scene may be.
+//!
+//! Together the limits keep one load under 2 GiB of memory and, on one core, under 20 seconds.
+
+use std::collections::BTreeMap;
+
+use crate::Fault;
+
+/// Bytes of the scene file and of all files it refers to. Large scenes ship 100 to 300 MB; twice that is room.
+pub const MAX_BYTES_READ: u64 = 512 << 20;
+/// JSON nesting. glTF needs about 10; a parser that recurses needs a bound far below its stack.
+pub const MAX_JSON_DEPTH: u64 = 64;
+/// Values in the JSON. Two bytes of text become up to a kilobyte of structure, so bytes alone bound nothing.
+pub const MAX_JSON_VALUES: u64 = 1 << 20;
+/// Placed nodes, instances included: each costs a matrix and a draw.
+pub const MAX_NODES: u64 = 1 << 18;
+/// Stored vertices; 48 bytes each with all attributes.
+pub const MAX_VERTICES: u64 = 8 << 20;
+/// Triangles drawn, a mesh that stands in two places counted twice. The renderer solves each per light.
+pub const MAX_TRIANGLES: u64 = 16 << 20;
+/// Pixels of one picture: 8192 x 8192, the largest texture that every GPU of WebGPU's default limits holds.
+pub const MAX_IMAGE_PIXELS: u64 = 1 << 26;
+/// Pixels along one side of a picture, for the same reason.
+pub const MAX_IMAGE_SIDE: u64 = 8192;
+/// Bytes of all decoded pictures together.
+pub const MAX_TEXTURE_BYTES: u64 = 512 << 20;
+/// World coordinates, either sign. The renderer squares and multiplies them in f32, which ends at 3e38.
+pub const MAX_COORDINATE: u64 = 1_000_000_000;
+/// Characters kept of a name.
+pub const MAX_NAME_CHARS: usize = 200;
+/// Characters of a stranger's text shown in a message.
+pub const MAX_MESSAGE_CHARS: usize = 80;
+
+/// The closed set of limits that a file can break.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Limit {
+    /// [`MAX_BYTES_READ`]
+    BytesRead,
+    /// [`MAX_JSON_DEPTH`]
+    JsonDepth,
+    /// [`MAX_JSON_VALUES`]
+    JsonValues,
+    /// [`MAX_NODES`]
+    Nodes,
+    /// [`MAX_VERTICES`]
+    Vertices,
+    /// [`MAX_TRIANGLES`]
+    Triangles,
+    /// [`MAX_IMAGE_PIXELS`]
+    ImagePixels,
+    /// [`MAX_IMAGE_SIDE`]
+    ImageSide,
+    /// [`MAX_TEXTURE_BYTES`]
+    TextureBytes,
+    /// [`MAX_COORDINATE`]
+    Coordinate,
+}
+
+impl Limit {
+    /// The largest value allowed.
+    pub fn most(self) -> u64 {
+        match self {
+            Self::BytesRead => MAX_BYTES_READ,
+            Self::JsonDepth => MAX_JSON_DEPTH,
+            Self::JsonValues => MAX_JSON_VALUES,
+            Self::Nodes => MAX_NODES,
+            Self::Vertices => MAX_VERTICES,
+            Self::Triangles => MAX_TRIANGLES,
+            Self::ImagePixels => MAX_IMAGE_PIXELS,
+            Self::ImageSide => MAX_IMAGE_SIDE,
+            Self::TextureBytes => MAX_TEXTURE_BYTES,
+            Self::Coordinate => MAX_COORDINATE,
+        }
+    }
+
+    /// What is counted.
+    pub fn what(self) -> &'static str {
+        match self {
+            Self::BytesRead => "bytes in the scene's files",
+            Self::JsonDepth => "levels of nested JSON",
+            Self::JsonValues => "values in the JSON",
+            Self::Nodes => "nodes and instances",
+            Self::Vertices => "vertices",
+            Self::Triangles => "triangles",
+            Self::ImagePixels => "pixels in one picture",
+            Self::ImageSide => "pixels along one side of a picture",
+            Self::TextureBytes => "bytes of decoded pictures",
+            Self::Coordinate => "world units from the origin",
+        }
+    }
+
+    /// What a person can do about it.
+    pub fn fix(self) -> &'static str {
+        match self {
+            Self::BytesRead => "split the scene or compress its pictures",
+            Self::JsonDepth => "export it again without custom data",
+            Self::JsonValues | Self::Nodes => "join or leave out objects",
+            Self::Vertices | Self::Triangles => "simplify the meshes",
+            Self::ImagePixels | Self::ImageSide | Self::TextureBytes => "scale the pictures down",
+            Self::Coordinate => "move the scene to the origin or scale it down",
+        }
+    }
+
+    /// Refuses `found` where it is over the limit.
+    pub fn check(self, found: u64) -> Result<(), Fault> {
+        if found > self.most() { Err(Fault::Limit { limit: self, found }) } else { Ok(()) }
+    }
+}
+
+/// What one load has used so far.
+#[derive(Debug, Default)]
+pub struct Budget(BTreeMap<Limit, u64>);
+
+impl Budget {
+    /// Adds `amount` to what counts against `limit`; call it before taking the memory.
+    pub fn spend(&mut self, limit: Limit, amount: u64) -> Result<(), Fault> {
+        let spent = self.0.entry(limit).or_default();
+        *spent = spent.saturating_add(amount);
+        limit.check(*spent)
+    }
+}

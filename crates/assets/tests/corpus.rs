@@ -1,0 +1,86 @@
+//! Real files of many exporters load, or are refused with the feature named.
+
+mod support;
+
+use std::path::{Path, PathBuf};
+
+use assets::Fault;
+
+fn scene_files(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            scene_files(&path, files);
+        } else if path.extension().is_some_and(|e| e == "gltf" || e == "glb") {
+            files.push(path);
+        }
+    }
+}
+
+#[test]
+fn every_file_loads_or_names_what_it_needs() {
+    let Some(folder) = support::assets_folder() else { return };
+    let mut files = Vec::new();
+    scene_files(&folder.join("gltf"), &mut files);
+    scene_files(&folder.join("scenes"), &mut files);
+    files.sort();
+    let mut refused = Vec::new();
+    for path in &files {
+        let name = path.strip_prefix(&folder).unwrap().display().to_string();
+        match assets::load(path) {
+            Ok(loaded) => {
+                let scene = &loaded.scene;
+                support::assert_sound(scene, &name);
+                let triangles: usize = scene::pose(scene).map(|p| p.primitive.indices.len() / 3).sum();
+                let (lights, cameras, images) = (scene.lights.len(), scene.cameras.len(), scene.images.len());
+                println!(
+                    "{name}: {triangles} triangles, {lights} lights, {cameras} cameras, {images} pictures"
+                );
+                loaded.notes.iter().for_each(|note| println!("    {note}"));
+            }
+            Err(error) => {
+                println!("{error}");
+                let incomplete =
+                    matches!(error.fault, Fault::Address { .. }) && name.ends_with("assimp-Cameras.gltf");
+                assert!(matches!(error.fault, Fault::RequiredExtension(_)) || incomplete, "{error}");
+                refused.push(path.file_stem().unwrap().to_string_lossy().into_owned());
+            }
+        }
+    }
+    // Compressed by an extension; and the one whose buffer is not in the collection.
+    let compressed = ["DracoSparseMesh", "Horse-draco", "heart_draco", "meshopt-no-fallback"];
+    assert_eq!(refused, [&compressed[..], &["assimp-Cameras", "DenseSphere"]].concat());
+}
+
+#[test]
+fn counts_are_those_of_the_files() {
+    let Some(folder) = support::assets_folder() else { return };
+    // Triangles as the collection's LICENSES.md lists them; then spotlights and cameras.
+    for (file, triangles, lights, cameras) in [
+        ("scenes/bench.glb", 106_242, 1, 1),
+        ("scenes/usd-shaderball.glb", 63_856, 0, 0),
+        ("gltf/compressed/horse_morph-sparse.glb", 2182, 0, 0),
+        ("gltf/compressed/horse_morph-quantized.glb", 2182, 0, 0),
+        ("gltf/instancing/pc-simple-instancing.glb", 1500, 0, 0),
+        ("gltf/khronos/BoxInterleaved.glb", 12, 0, 0),
+        ("gltf/khronos/Fox.glb", 576, 0, 0),
+    ] {
+        let scene = assets::load(&folder.join(file)).unwrap().scene;
+        let posed: usize = scene::pose(&scene).map(|p| p.primitive.indices.len() / 3).sum();
+        assert_eq!((posed, scene.lights.len(), scene.cameras.len()), (triangles, lights, cameras), "{file}");
+    }
+}
+
+/// Three exports of one mesh: plain, 16-bit quantised, and sparse morph targets.
+#[test]
+fn quantised_and_sparse_files_hold_the_plain_ones_shape() {
+    let Some(folder) = support::assets_folder() else { return };
+    let bounds = |file: &str| scene::world_bounds(&assets::load(&folder.join(file)).unwrap().scene).unwrap();
+    let (min, max) = bounds("scenes/horse_morph.glb");
+    for file in ["gltf/compressed/horse_morph-quantized.glb", "gltf/compressed/horse_morph-sparse.glb"] {
+        let (found_min, found_max) = bounds(file);
+        // Half a step of 2^-15 of the size, a little more for the fit of the quantisation's box.
+        let tolerance = (max - min).max_element() / f64::from(1 << 13);
+        assert!((found_min - min).length() < tolerance && (found_max - max).length() < tolerance, "{file}");
+    }
+}

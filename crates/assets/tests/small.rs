@@ -1,0 +1,329 @@
+//! Small files written here, one feature each, against answers worked out by hand.
+
+use std::f64::consts::FRAC_PI_3;
+use std::path::Path;
+
+use assets::{AssetError, Fault, Limit, Loaded};
+use glam::{DVec3, Vec2, Vec3, Vec4};
+use scene::{LightKind, Primitive, Projection, Sampler, Wrap};
+
+/// A file in the making: JSON members as text, and one buffer.
+#[derive(Default)]
+struct File {
+    accessors: Vec<String>,
+    views: Vec<String>,
+    bytes: Vec<u8>,
+    members: Vec<String>,
+}
+
+impl File {
+    /// Adds an accessor over `bytes`; `about` holds its type and count.
+    fn accessor(&mut self, about: &str, bytes: &[u8]) -> usize {
+        let (offset, view) = (self.bytes.len(), self.views.len());
+        self.views.push(format!(r#"{{"buffer":0,"byteOffset":{offset},"byteLength":{}}}"#, bytes.len()));
+        self.bytes.extend(bytes);
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        self.accessors.push(format!(r#"{{"bufferView":{view},{about}}}"#));
+        self.accessors.len() - 1
+    }
+
+    /// Adds a float accessor of vectors of `N`.
+    fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
+        let bytes: Vec<u8> = values.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        let about = format!(r#""componentType":5126,"type":"VEC{N}","count":{}"#, values.len());
+        self.accessor(&about, &bytes)
+    }
+
+    /// Adds a top-level member of the JSON.
+    fn with(mut self, member: impl Into<String>) -> Self {
+        self.members.push(member.into());
+        self
+    }
+
+    fn json(&self) -> String {
+        let mut members = self.members.clone();
+        if !self.bytes.is_empty() {
+            members.push(format!(r#""accessors":[{}]"#, self.accessors.join(",")));
+            members.push(format!(r#""bufferViews":[{}]"#, self.views.join(",")));
+            members.push(format!(r#""buffers":[{{"byteLength":{},"uri":"a%20b.bin"}}]"#, self.bytes.len()));
+        }
+        format!(r#"{{"asset":{{"version":"2.0"}},{}}}"#, members.join(","))
+    }
+
+    fn load(&self) -> Result<Loaded, AssetError> {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a b.bin"), &self.bytes).unwrap();
+        std::fs::write(folder.path().join("scene.gltf"), self.json()).unwrap();
+        assets::load(&folder.path().join("scene.gltf"))
+    }
+}
+
+/// Corners of a quad in strip order, in the plane z = 0.
+const QUAD: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+
+/// One node with one mesh with one primitive.
+fn one(primitive: &str) -> String {
+    format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{{primitive}}}]}}]"#)
+}
+
+fn only_primitive(loaded: &Loaded) -> &Primitive {
+    assert_eq!((loaded.scene.meshes.len(), loaded.scene.meshes[0].primitives.len()), (1, 1));
+    &loaded.scene.meshes[0].primitives[0]
+}
+
+/// Corner positions in drawing order.
+fn corners(primitive: &Primitive) -> Vec<Vec3> {
+    primitive.indices.iter().map(|&i| primitive.positions[i as usize]).collect()
+}
+
+fn pick(order: &[usize]) -> Vec<Vec3> {
+    order.iter().map(|&i| Vec3::from_array(QUAD[i])).collect()
+}
+
+#[test]
+fn strips_and_fans_become_lists_that_wind_alike() {
+    for (mode, expected) in [(5, [0, 1, 2, 1, 3, 2]), (6, [1, 2, 0, 2, 3, 0])] {
+        let mut file = File::default();
+        let positions = file.floats(&QUAD);
+        let loaded = file
+            .with(one(&format!(r#""mode":{mode},"attributes":{{"POSITION":{positions}}}"#)))
+            .load()
+            .unwrap();
+        assert_eq!(corners(only_primitive(&loaded)), pick(&expected), "mode {mode}");
+        assert_eq!(only_primitive(&loaded).normals[0], Vec3::Z, "the first triangle of both faces +Z");
+    }
+}
+
+#[test]
+fn indices_of_every_type_are_read() {
+    let order = [2_u8, 1, 3];
+    let wide: Vec<u8> = order.iter().flat_map(|&i| u16::from(i).to_le_bytes()).collect();
+    let widest: Vec<u8> = order.iter().flat_map(|&i| u32::from(i).to_le_bytes()).collect();
+    for (kind, bytes) in [(5121, order.to_vec()), (5123, wide), (5125, widest)] {
+        let mut file = File::default();
+        let positions = file.floats(&QUAD);
+        let indices = file.accessor(&format!(r#""componentType":{kind},"type":"SCALAR","count":3"#), &bytes);
+        let primitive = format!(r#""attributes":{{"POSITION":{positions}}},"indices":{indices}"#);
+        assert_eq!(
+            corners(only_primitive(&file.with(one(&primitive)).load().unwrap())),
+            pick(&[2, 1, 3]),
+            "{kind}"
+        );
+    }
+}
+
+#[test]
+fn lines_are_left_out_with_a_note_and_half_a_triangle_too() {
+    for (mode, said) in [(1, "points and lines"), (4, "without a whole triangle")] {
+        let mut file = File::default();
+        let positions = file.floats(&QUAD[..2]);
+        let loaded = file
+            .with(one(&format!(r#""mode":{mode},"attributes":{{"POSITION":{positions}}}"#)))
+            .load()
+            .unwrap();
+        assert!(loaded.scene.meshes[0].primitives.is_empty());
+        assert!(loaded.notes[0].contains(said), "{:?}", loaded.notes);
+    }
+}
+
+#[test]
+fn quantised_attributes_are_scaled_as_declared() {
+    let mut file = File::default();
+    // Four bytes apart as glTF aligns them, here by a fourth component that the view's stride skips.
+    let about = |kind: u32, normalized: bool| {
+        format!(r#""componentType":{kind},"type":"VEC3","count":3,"normalized":{normalized}"#)
+    };
+    let positions = file.accessor(&about(5121, false), &[0, 0, 0, 0, 200, 0, 0, 0, 0, 200, 0, 0]);
+    let normals = file.accessor(&about(5120, true), &[0, 0, 0x81, 0, 0, 0, 127, 0, 0, 0, 127, 0]);
+    for view in &mut file.views {
+        *view = view.replace('}', r#","byteStride":4}"#);
+    }
+    let colors =
+        file.accessor(r#""componentType":5121,"type":"VEC4","count":3"#, &[255, 0, 51, 255].repeat(3));
+    let primitive =
+        format!(r#""attributes":{{"POSITION":{positions},"NORMAL":{normals},"COLOR_0":{colors}}}"#);
+    let file = file.with(r#""extensionsRequired":["KHR_mesh_quantization"]"#).with(one(&primitive));
+    let loaded = file.load().unwrap();
+    let made = only_primitive(&loaded);
+    assert_eq!(made.positions, [Vec3::ZERO, Vec3::X * 200.0, Vec3::Y * 200.0]);
+    assert_eq!(made.normals, [-Vec3::Z, Vec3::Z, Vec3::Z]);
+    assert_eq!(made.colors[0], Vec4::new(1.0, 0.0, 0.2, 1.0));
+}
+
+#[test]
+fn sparse_elements_replace_those_of_the_view_or_zeros() {
+    let mut file = File::default();
+    let dense = file.floats(&QUAD[..3]);
+    let at = file.accessor(r#""componentType":5121,"type":"SCALAR","count":1"#, &[1]);
+    let to = file.floats(&[[7.0_f32, 8.0, 9.0]]);
+    let sparse = format!(
+        r#""sparse":{{"count":1,"indices":{{"bufferView":{at},"componentType":5121}},"values":{{"bufferView":{to}}}}}"#
+    );
+    let about = r#""componentType":5126,"type":"VEC3","count":3"#;
+    for (base, first) in [(format!(r#""bufferView":{dense},"#), Vec3::Y), (String::new(), Vec3::ZERO)] {
+        let mut file = File {
+            accessors: file.accessors.clone(),
+            views: file.views.clone(),
+            bytes: file.bytes.clone(),
+            ..File::default()
+        };
+        file.accessors.push(format!("{{{base}{about},{sparse}}}"));
+        let positions = file.accessors.len() - 1;
+        let loaded = file.with(one(&format!(r#""attributes":{{"POSITION":{positions}}}"#))).load().unwrap();
+        assert_eq!(only_primitive(&loaded).positions, [Vec3::ZERO, Vec3::new(7.0, 8.0, 9.0), first]);
+    }
+}
+
+#[test]
+fn nodes_compose_from_matrix_and_parts() {
+    let mut file = File::default();
+    let positions = file.floats(&QUAD[..3]);
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let nodes = format!(
+        r#""nodes":[{{"children":[1],"matrix":[2,0,0,0, 0,2,0,0, 0,0,2,0, 10,0,0,1]}},
+        {{"mesh":0,"translation":[0,1,0],"rotation":[0,0,{half},{half}],"scale":[1,3,1]}}],"scenes":[{{"nodes":[0]}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{positions}}}}}]}}]"#
+    );
+    let scene = file.with(nodes).load().unwrap().scene;
+    let posed = scene::pose(&scene).next().unwrap();
+    let world = |v: DVec3| posed.world_from_local.transform_point3(v);
+    // Scale, quarter turn about Z, move, then the parent: (x, y) -> (-3y, x) -> (10 - 6y, 2x + 2).
+    for (local, expected) in
+        [(DVec3::ZERO, [10.0, 2.0, 0.0]), (DVec3::X, [10.0, 4.0, 0.0]), (DVec3::Y, [4.0, 2.0, 0.0])]
+    {
+        // The quaternion is stored in f32.
+        assert!((world(local) - DVec3::from_array(expected)).length() < 1e-5, "{local}");
+    }
+}
+
+#[test]
+fn textures_bring_sampler_coordinates_and_transform() {
+    let mut png = Vec::new();
+    let pixels = image::RgbaImage::from_raw(2, 1, vec![255, 0, 0, 255, 0, 0, 255, 128]).unwrap();
+    pixels.write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png).unwrap();
+    let mut file = File::default();
+    let positions = file.floats(&QUAD[..3]);
+    let (first, second) =
+        (file.floats(&[[9.0_f32, 9.0]; 3]), file.floats(&[[0.0_f32, 0.0], [1.0, 0.0], [0.0, 1.0]]));
+    let picture = file.accessor(r#""componentType":5121,"type":"SCALAR","count":1"#, &png);
+    let attributes = format!(r#""POSITION":{positions},"TEXCOORD_0":{first},"TEXCOORD_1":{second}"#);
+    let loaded = file
+        .with(format!(r#""images":[{{"bufferView":{picture},"mimeType":"image/png"}}]"#))
+        .with(r#""samplers":[{"wrapS":33071,"wrapT":33648,"magFilter":9728}],"textures":[{"source":0,"sampler":0},{"source":0}]"#)
+        .with(
+            r#""materials":[{"alphaMode":"MASK","doubleSided":true,"pbrMetallicRoughness":{"metallicFactor":0,
+            "baseColorTexture":{"index":0,"texCoord":1,"extensions":{"KHR_texture_transform":{"offset":[0.5,0],"scale":[2,3]}}},
+            "metallicRoughnessTexture":{"index":1}}}]"#,
+        )
+        .with(one(&format!(r#""attributes":{{{attributes}}},"material":0"#)))
+        .load()
+        .unwrap();
+    assert_eq!(only_primitive(&loaded).uvs, [Vec2::new(0.5, 0.0), Vec2::new(2.5, 0.0), Vec2::new(0.5, 3.0)]);
+    let material = &loaded.scene.materials[0];
+    let base = material.base_color_texture.unwrap();
+    let sampler = Sampler { wrap_u: Wrap::ClampToEdge, wrap_v: Wrap::MirroredRepeat, nearest: true };
+    assert_eq!((base.image, base.sampler), (0, sampler));
+    assert_eq!(material.metallic_roughness_texture.unwrap().sampler, Sampler::default());
+    assert_eq!((material.alpha_cutoff, material.double_sided), (Some(0.5), true));
+    assert_eq!(loaded.scene.images.len(), 1, "decoded once");
+    assert_eq!(loaded.scene.images[0].rgba8, pixels.into_raw());
+    assert!(loaded.notes[0].contains("placed as its base colour"), "{:?}", loaded.notes);
+}
+
+#[test]
+fn lights_and_cameras_stand_rigid_in_the_world() {
+    let loaded = File::default()
+        .with(
+            r#""extensions":{"KHR_lights_punctual":{"lights":[
+            {"type":"spot","intensity":40,"color":[1,0.5,0],"range":9,"spot":{"innerConeAngle":0.4,"outerConeAngle":0.5}},
+            {"type":"point","name":"bulb"},{"type":"spot","intensity":-1,"spot":{}}]}}"#,
+        )
+        .with(
+            r#""cameras":[{"type":"perspective","perspective":{"yfov":1.0471975511965976,"znear":0.1}},
+            {"type":"orthographic","orthographic":{"xmag":2,"ymag":1,"znear":0,"zfar":5}}]"#,
+        )
+        .with(
+            r#""nodes":[{"name":"rig","translation":[1,2,3],"scale":[5,1,2],"rotation":[0,0.7071067811865476,0,0.7071067811865476],
+            "camera":0,"extensions":{"KHR_lights_punctual":{"light":0}}},
+            {"camera":1,"extensions":{"KHR_lights_punctual":{"light":1}}},{"extensions":{"KHR_lights_punctual":{"light":2}}}]"#,
+        )
+        .load()
+        .unwrap();
+    let scene = loaded.scene;
+    let LightKind::Spot(spot) = &scene.lights[0].kind else { panic!("a spot") };
+    assert_eq!((scene.lights.len(), scene.lights[0].name.as_str()), (1, "rig"));
+    assert!((spot.cone_angle - 0.5_f64.to_degrees()).abs() < 1e-5 && (spot.cone_softness - 0.2).abs() < 1e-6);
+    assert_eq!((spot.range, spot.intensity), (Some(9.0), 40.0));
+    let shines_along = spot.transform.rotation * DVec3::NEG_Z;
+    assert!(
+        (shines_along - DVec3::NEG_X).length() < 1e-6,
+        "a quarter turn about Y takes -Z to -X: {shines_along}"
+    );
+    let looks_along = scene.cameras[0].world_from_camera.matrix3 * DVec3::NEG_Z;
+    assert!((looks_along - DVec3::NEG_X).length() < 1e-6, "{looks_along}");
+    let Projection::Perspective { yfov, .. } = scene.cameras[0].projection else { panic!("perspective") };
+    assert!((yfov - FRAC_PI_3).abs() < 1e-7);
+    assert_eq!(scene.cameras[1].projection, Projection::Orthographic { ymag: 1.0, znear: 0.0, zfar: 5.0 });
+    let notes = loaded.notes.join("; ");
+    assert!(notes.contains("point lights are not drawn") && notes.contains("make no light"), "{notes}");
+}
+
+#[test]
+fn instances_stand_where_their_accessors_say() {
+    let mut file = File::default();
+    let positions = file.floats(&QUAD[..3]);
+    let at = file.floats(&[[1.0_f32, 0.0, 0.0], [0.0, 5.0, 0.0]]);
+    let node = format!(
+        r#""nodes":[{{"mesh":0,"translation":[0,0,9],"extensions":{{"EXT_mesh_gpu_instancing":{{"attributes":{{"TRANSLATION":{at}}}}}}}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{positions}}}}}]}}]"#
+    );
+    let scene = file.with(node).load().unwrap().scene;
+    let places: Vec<DVec3> = scene::pose(&scene).map(|p| p.world_from_local.translation).collect();
+    assert_eq!(places, [DVec3::new(1.0, 0.0, 9.0), DVec3::new(0.0, 5.0, 9.0)]);
+}
+
+#[test]
+fn limits_name_themselves() {
+    let many = vec!["{}"; 600_000].join(",");
+    let fault = File::default().with(format!(r#""nodes":[{many}]"#)).load().unwrap_err().fault;
+    assert!(matches!(fault, Fault::Limit { limit: Limit::JsonValues, .. }), "{fault}");
+
+    let mut file = File::default();
+    let positions = file.floats(&QUAD[..3]);
+    file.accessors[positions] = r#"{"componentType":5126,"type":"VEC3","count":900000000}"#.into();
+    let fault =
+        file.with(one(&format!(r#""attributes":{{"POSITION":{positions}}}"#))).load().unwrap_err().fault;
+    assert!(matches!(fault, Fault::Limit { limit: Limit::Vertices, .. }), "{fault}");
+
+    let mut file = File::default();
+    let positions = file.floats(&QUAD[..3]);
+    let far = one(&format!(r#""attributes":{{"POSITION":{positions}}}"#))
+        .replace(r#"{"mesh":0}"#, r#"{"mesh":0,"scale":[2e9,1,1]}"#);
+    let fault = file.with(far).load().unwrap_err().fault;
+    assert!(matches!(fault, Fault::Limit { limit: Limit::Coordinate, .. }), "{fault}");
+}
+
+#[test]
+fn a_mesh_with_an_index_of_no_accessor_is_refused_not_followed() {
+    let fault = File::default().with(one(r#""attributes":{"POSITION":7}"#)).load().unwrap_err().fault;
+    assert!(fault.to_string().contains("accessor 7"), "{fault}");
+}
+
+#[test]
+fn required_extensions_are_refused_by_name() {
+    let error =
+        File::default().with(r#""extensionsRequired":["VENDOR_magic"]"#).load().unwrap_err().to_string();
+    assert!(
+        error
+            .ends_with("scene.gltf: VENDOR_magic is required but not supported: export the scene without it"),
+        "{error}"
+    );
+}
+
+#[test]
+fn what_is_no_file_is_refused_at_once() {
+    for path in ["no/such/file.glb", "/dev/zero", "."] {
+        let error = assets::load(Path::new(path)).unwrap_err().to_string();
+        assert!(error.starts_with(path), "{error}");
+    }
+}

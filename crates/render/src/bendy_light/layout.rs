@@ -1,0 +1,124 @@
+//! The structs of the bent passes, as WGSL lays them out.
+
+use crate::layout::{Mat4, gpu_struct};
+
+gpu_struct! {
+    /// See `curve.wgsl`.
+    Curve {
+        b0: [f32; 3],
+        r0: f32,
+        b2: [f32; 3],
+        e0: f32,
+        d0: [f32; 3],
+        ar: f32,
+        d1: [f32; 3],
+        alpha: f32,
+        a: [f32; 3],
+        beta: f32,
+        n_hat: [f32; 3],
+        t_start: f32,
+        box_center: [f32; 3],
+        t_span: f32,
+        box_axis_0: [f32; 3],
+        box_half_0: f32,
+        box_axis_1: [f32; 3],
+        box_half_1: f32,
+        box_axis_2: [f32; 3],
+        box_half_2: f32,
+    }
+}
+
+gpu_struct! {
+    /// See `tube.wgsl`.
+    Segment {
+        curve: Curve,
+        color_0: [f32; 3],
+        intensity_0: f32,
+        color_1: [f32; 3],
+        intensity_1: f32,
+        color_2: [f32; 3],
+        intensity_2: f32,
+        arc_start: f32,
+        pad0: [f32; 3],
+    }
+}
+
+gpu_struct! {
+    /// See `tube.wgsl`.
+    BendyLight {
+        tube_from_scene: Mat4,
+        world_from_tube: [[f32; 4]; 3],
+        up: [f32; 3],
+        segment_count: u32,
+        extended: u32,
+        frame_up: u32,
+        direction_path: u32,
+        decay: u32,
+        world_per_tube: f32,
+        t_max: f32,
+        shadow_resolution: f32,
+        tan2_outer: f32,
+        cos_outer: f32,
+        inv_cos_range: f32,
+        pad0: [f32; 2],
+    }
+}
+
+gpu_struct! {
+    /// See `locate.wgsl`.
+    LocatedRoot {
+        segment: u32,
+        u: f32,
+        v_len: f32,
+        w_len: f32,
+        radius: f32,
+        pad0: [f32; 3],
+        direction: [f32; 3],
+        pad1: f32,
+    }
+}
+
+gpu_struct! {
+    /// See `bent_map.wgsl`.
+    BentMap {
+        tube_from_scene: Mat4,
+        up: [f32; 3],
+        frame_up: u32,
+        slab_count: u32,
+        vertex_count: u32,
+        triangle_count: u32,
+        shadow_resolution: f32,
+        work_capacity: u32,
+        patch_capacity: u32,
+        split_capacity: u32,
+        tolerance_texels: f32,
+    }
+}
+
+gpu_struct! {
+    /// See `bent_map.wgsl`. Begins with the arguments of the two indirect draws.
+    BentCounts {
+        whole_index_count: u32,
+        whole_instance_count: u32,
+        whole_first_index: u32,
+        whole_base_vertex: u32,
+        whole_first_instance: u32,
+        split_vertex_count: u32,
+        split_instance_count: u32,
+        split_first_vertex: u32,
+        split_first_instance: u32,
+        stage: u32,
+        items: [u32; STAGES],
+    }
+}
+
+/// Passes that hand items on: clipping and ten levels of splitting, and the last that only draws.
+pub(crate) const STAGES: usize = 12;
+
+gpu_struct! {
+    /// See `bent_shadow.wgsl`.
+    BentShadow {
+        t_max: f32,
+        pad0: [f32; 3],
+    }
+}

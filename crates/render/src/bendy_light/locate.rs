@@ -1,0 +1,108 @@
+//! Points located in a light by the adapter: what the picture's own shaders find, for `eval` and for tests.
+
+use bendy::{BendyLight, EndMode, Location, Tube, TubePoint};
+use glam::{DVec3, Vec3};
+use wgpu::BufferUsages;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+
+use super::layout::LocatedRoot;
+use super::{segments, uniform};
+use crate::{Gpu, RenderError, readback, shaders};
+
+/// Threads of a workgroup, as in the shader.
+const WORKGROUP: usize = 64;
+/// Points a dispatch, so that no buffer passes the limits that every device has.
+const POINTS_A_DISPATCH: usize = 1 << 16;
+
+/// Where `points_in_world` lie in `light`, found in f32 by the same shader code that lights pictures.
+///
+/// Points are taken to tube space in f64 and rounded there. Accuracy as of [`bendy::Tube`] with eps = 2^-24.
+pub fn locate(gpu: &Gpu, light: &BendyLight, points_in_world: &[DVec3]) -> Result<Vec<Location>, RenderError> {
+    let tube = Tube::new(light)?;
+    gpu.checked(|| {
+        let pipeline = pipeline(gpu);
+        let mut locations = Vec::with_capacity(points_in_world.len());
+        for points in points_in_world.chunks(POINTS_A_DISPATCH) {
+            locations.extend(dispatch(gpu, &pipeline, &tube, points)?);
+        }
+        Ok(locations)
+    })
+}
+
+fn pipeline(gpu: &Gpu) -> wgpu::ComputePipeline {
+    gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("locate"),
+        layout: None,
+        module: &gpu.module("locate", shaders::LOCATE),
+        entry_point: Some("locate"),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    })
+}
+
+fn dispatch(
+    gpu: &Gpu,
+    pipeline: &wgpu::ComputePipeline,
+    tube: &Tube<f64>,
+    points_in_world: &[DVec3],
+) -> Result<Vec<Location>, RenderError> {
+    let stride = 2 * tube.n + usize::from(tube.end_mode() == EndMode::Extend);
+    let points: Vec<[f32; 4]> = points_in_world
+        .iter()
+        .map(|&p| tube.placement.tube_from_world(p).as_vec3().extend(0.0).to_array())
+        .collect();
+    let init = |label, contents: &[u8], usage| {
+        gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
+    };
+    let results = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+    let light = init("light", bytemuck::bytes_of(&uniform(tube, DVec3::ZERO, 1.0, 1)), BufferUsages::UNIFORM);
+    let segments = init("segments", bytemuck::cast_slice(&segments(tube)), BufferUsages::STORAGE);
+    let points = init("points", bytemuck::cast_slice(&points), BufferUsages::STORAGE);
+    // Filled so that a point that was not written cannot pass for one without roots.
+    let counts = init("root counts", &vec![0xff; 4 * points_in_world.len()], results);
+    let roots = vec![0xff; size_of::<LocatedRoot>() * stride * points_in_world.len()];
+    let roots = init("located roots", &roots, results);
+
+    let group = |index, buffers: &[&wgpu::Buffer]| {
+        let resources: Vec<_> = buffers.iter().map(|b| b.as_entire_binding()).collect();
+        gpu.group("locate", &pipeline.get_bind_group_layout(index), &resources)
+    };
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &group(0, &[&points, &counts, &roots]), &[]);
+        pass.set_bind_group(2, &group(2, &[&light, &segments]), &[]);
+        pass.dispatch_workgroups(points_in_world.len().div_ceil(WORKGROUP) as u32, 1, 1);
+    }
+    gpu.queue.submit([encoder.finish()]);
+    let counts = readback::buffer::<u32>(gpu, &counts)?;
+    let roots = readback::buffer::<LocatedRoot>(gpu, &roots)?;
+    let found = counts.iter().zip(roots.chunks(stride));
+    found.map(|(&count, roots)| Ok(location(tube, roots.get(..count as usize).ok_or_else(unwritten)?))).collect()
+}
+
+fn unwritten() -> RenderError {
+    RenderError::Gpu("some points were not evaluated".into())
+}
+
+/// The roots of one point, in the terms that people and files use; the one that counts has the smallest `|r| / R`.
+fn location(tube: &Tube<f64>, roots: &[LocatedRoot]) -> Location {
+    let offset2 = |r: &LocatedRoot| r.v_len * r.v_len + r.w_len * r.w_len;
+    let rho2 = |a: &LocatedRoot, b: &LocatedRoot| offset2(a) * b.radius * b.radius;
+    let best = roots.iter().reduce(|best, root| if rho2(root, best) < rho2(best, root) { root } else { best });
+    let t = |root: &LocatedRoot| f64::from(root.segment) + f64::from(root.u);
+    let describe = |root: &LocatedRoot| {
+        let over_radius = |x: f32| if root.radius > 0.0 { f64::from(x / root.radius) } else { 0.0 };
+        TubePoint {
+            segment: root.segment as usize,
+            u: f64::from(root.u),
+            t: t(root),
+            v: over_radius(root.v_len),
+            w: over_radius(root.w_len),
+            radius: f64::from(root.radius) * tube.placement.world_per_tube,
+            direction: tube.placement.rotation * Vec3::from(root.direction).as_dvec3(),
+        }
+    };
+    Location { point: best.map(describe), roots: roots.iter().map(t).collect() }
+}

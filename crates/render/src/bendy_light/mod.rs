@@ -1,0 +1,137 @@
+//! A BendyLight on the GPU: its tube as buffers, its bent shadow map, and points located in it.
+
+pub(crate) mod layout;
+mod locate;
+mod pass;
+mod shadow;
+
+use bendy::{Decay, Direction, EndMode, Frame, Segment, Tube};
+use glam::{DMat3, DMat4, DVec3};
+
+use crate::layout::Mat4;
+
+pub use locate::locate;
+pub(crate) use pass::{BendyPass, BendySlot};
+
+/// Columns of the matrix from scene space (world axes about `scene_origin`) to tube space, composed in f64.
+fn tube_from_scene(tube: &Tube<f64>, scene_origin: DVec3) -> Mat4 {
+    let placement = &tube.placement;
+    let rotation = placement.rotation.transpose() * DMat3::from_diagonal(DVec3::splat(1.0 / placement.world_per_tube));
+    let offset = placement.tube_from_world(scene_origin);
+    let matrix = DMat4::from_cols(
+        rotation.x_axis.extend(0.0),
+        rotation.y_axis.extend(0.0),
+        rotation.z_axis.extend(0.0),
+        offset.extend(1.0),
+    );
+    matrix.as_mat4().to_cols_array_2d()
+}
+
+/// The greatest t that anything within `half_extent` of the scene's origin can have: the end of the light, or of what it can reach where it is extended.
+pub(crate) fn t_max(tube: &Tube<f64>, scene_origin: DVec3, half_extent: DVec3) -> f64 {
+    let n = tube.n as f64;
+    if tube.end_mode() == EndMode::Cut {
+        return n;
+    }
+    let last = &tube.segments[tube.n];
+    let farthest = corners(scene_origin, half_extent)
+        .map(|corner| (tube.placement.tube_from_world(corner) - last.b0).dot(last.d0))
+        .fold(0.0, f64::max);
+    // A hundredth more, so that the far corner itself is inside.
+    n + (farthest / (2.0 * last.d0.length_squared())) * 1.01 + 1e-3
+}
+
+/// World corners of the scene's bounds.
+fn corners(scene_origin: DVec3, half_extent: DVec3) -> impl Iterator<Item = DVec3> {
+    (0..8).map(move |k| {
+        let sign = DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2 & 1)) * 2.0 - 1.0;
+        scene_origin + half_extent * sign
+    })
+}
+
+/// World points around the tube up to `t_max`: the corners of its slabs' boxes.
+pub(crate) fn hull_in_world(tube: &Tube<f64>, t_max: f64) -> Vec<DVec3> {
+    bendy::slabs(tube, t_max, 0.0)
+        .iter()
+        .flat_map(|slab| {
+            let b = slab.piece.bounds;
+            (0..8).map(move |k| {
+                let sign = |bit: i32| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
+                b.center + b.axes[0] * (b.half[0] * sign(0)) + b.axes[1] * (b.half[1] * sign(1)) + b.axes[2] * (b.half[2] * sign(2))
+            })
+        })
+        .map(|corner| tube.placement.world_from_tube(corner))
+        .collect()
+}
+
+fn curve(segment: &Segment<f32>, t_start: f64, t_span: f64) -> layout::Curve {
+    let bounds = &segment.bounds;
+    layout::Curve {
+        b0: segment.b0.to_array(),
+        r0: segment.r0,
+        b2: segment.b2.to_array(),
+        e0: segment.e0,
+        d0: segment.d0.to_array(),
+        ar: segment.ar,
+        d1: segment.d1.to_array(),
+        alpha: segment.alpha,
+        a: segment.a.to_array(),
+        beta: segment.beta,
+        n_hat: segment.n_hat.to_array(),
+        t_start: t_start as f32,
+        box_center: bounds.center.to_array(),
+        t_span: t_span as f32,
+        box_axis_0: bounds.axes[0].to_array(),
+        box_half_0: bounds.half[0],
+        box_axis_1: bounds.axes[1].to_array(),
+        box_half_1: bounds.half[1],
+        box_axis_2: bounds.axes[2].to_array(),
+        box_half_2: bounds.half[2],
+    }
+}
+
+/// The tube's segments for `tube.wgsl`.
+pub(crate) fn segments(tube: &Tube<f64>) -> Vec<layout::Segment> {
+    let one = |(i, segment): (usize, &Segment<f64>)| {
+        let s = segment.to_f32();
+        layout::Segment {
+            curve: curve(&s, i as f64, 1.0),
+            color_0: s.color[0].to_array(),
+            intensity_0: s.intensity[0],
+            color_1: s.color[1].to_array(),
+            intensity_1: s.intensity[1],
+            color_2: s.color[2].to_array(),
+            intensity_2: s.intensity[2],
+            arc_start: s.arc_start,
+            pad0: [0.0; 3],
+        }
+    };
+    tube.segments.iter().enumerate().map(one).collect()
+}
+
+/// The light's uniform for `tube.wgsl`.
+pub(crate) fn uniform(tube: &Tube<f64>, scene_origin: DVec3, t_max: f64, shadow_resolution: u32) -> layout::BendyLight {
+    let rotation = tube.placement.rotation.as_mat3();
+    let f32_tube = Tube::<f32>::from(tube);
+    layout::BendyLight {
+        tube_from_scene: tube_from_scene(tube, scene_origin),
+        world_from_tube: [rotation.x_axis, rotation.y_axis, rotation.z_axis].map(|c| c.extend(0.0).to_array()),
+        up: f32_tube.up.to_array(),
+        segment_count: tube.n as u32,
+        extended: u32::from(tube.end_mode() == EndMode::Extend),
+        frame_up: u32::from(tube.frame == Frame::Up),
+        direction_path: u32::from(tube.direction == Direction::Path),
+        decay: match tube.decay {
+            Decay::None => 0,
+            Decay::Linear => 1,
+            Decay::InverseSquare => 2,
+        },
+        world_per_tube: tube.placement.world_per_tube as f32,
+        t_max: t_max as f32,
+        shadow_resolution: shadow_resolution as f32,
+        tan2_outer: f32_tube.profile.tan2_outer,
+        cos_outer: f32_tube.profile.cos_outer,
+        inv_cos_range: f32_tube.profile.inv_cos_range,
+        pad0: [0.0; 2],
+    }
+}

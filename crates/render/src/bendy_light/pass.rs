@@ -1,0 +1,125 @@
+//! A BendyLight's lighting pass and what is kept of each light from picture to picture.
+
+use bendy::{BendyLight, EndMode, Frame, Transform, Tube};
+use glam::DVec3;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, Sampler, TextureView};
+
+use super::shadow::{BentShadowPass, Casters};
+use super::{hull_in_world, segments, t_max, uniform};
+use crate::lighting::LightingPass;
+use crate::pipeline::{DEPTH_FORMAT, NON_FILTERING, RAW_TEXTURE, STORAGE, UNIFORM};
+use crate::shadow::RESOLUTION;
+use crate::staged::StagedScene;
+use crate::{Gpu, RenderError, shaders};
+
+/// Group 2 of a BendyLight's lighting pass; see `tube.wgsl` and `bendy.wgsl`.
+const BINDINGS: [BindingType; 4] = [UNIFORM, STORAGE, RAW_TEXTURE, NON_FILTERING];
+
+/// What a bent shadow map depends on, besides the scene.
+#[derive(Clone, Debug, PartialEq)]
+struct Shape {
+    transform: Transform,
+    points: Vec<DVec3>,
+    radii: Vec<f64>,
+    up: DVec3,
+    frame: Frame,
+    end_mode: EndMode,
+}
+
+impl Shape {
+    fn of(light: &BendyLight) -> Self {
+        Self {
+            transform: light.transform,
+            points: light.points.clone(),
+            radii: light.radii.clone(),
+            up: light.up,
+            frame: light.frame,
+            end_mode: light.end_mode,
+        }
+    }
+}
+
+/// The pipelines, which outlive scenes and lights.
+#[derive(Debug)]
+pub(crate) struct BendyPass {
+    pub shadow: BentShadowPass,
+    pub lighting: LightingPass,
+    layout: BindGroupLayout,
+    sampler: Sampler,
+}
+
+/// What is kept of one BendyLight from picture to picture.
+#[derive(Debug)]
+pub(crate) struct BendySlot {
+    depth: TextureView,
+    /// What the map shows: a scene's revision and the light's shape.
+    map_key: Option<(u64, Shape)>,
+}
+
+/// A BendyLight in place.
+pub(crate) struct PlacedBendy {
+    /// Group 2 of its lighting pass.
+    pub group: BindGroup,
+    /// The convex hull of these world positions holds all that is lit.
+    pub corners_in_world: Vec<DVec3>,
+}
+
+impl BendyPass {
+    /// `camera_groups` are those of the view and the surface.
+    pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2]) -> Self {
+        let [view, surface] = camera_groups;
+        let layout = gpu.layout("bendy", &BINDINGS);
+        Self {
+            shadow: BentShadowPass::new(gpu),
+            lighting: LightingPass::new(gpu, "bendy", shaders::BENDY, &[view, surface, &layout]),
+            layout,
+            sampler: gpu
+                .device
+                .create_sampler(&wgpu::SamplerDescriptor { label: Some("bent shadow"), ..Default::default() }),
+        }
+    }
+
+    pub fn slot(gpu: &Gpu) -> BendySlot {
+        let texture = gpu.target("bent shadow map", RESOLUTION, RESOLUTION, DEPTH_FORMAT);
+        BendySlot { depth: texture.create_view(&wgpu::TextureViewDescriptor::default()), map_key: None }
+    }
+
+    /// Brings `slot` up to date with `light` over `scene`. Returns the light in place and whether its map was drawn.
+    pub fn prepare(
+        &mut self,
+        gpu: &Gpu,
+        slot: &mut BendySlot,
+        light: &BendyLight,
+        scene: &StagedScene,
+    ) -> Result<(PlacedBendy, bool), RenderError> {
+        let tube = Tube::new(light)?;
+        let t_max = t_max(&tube, scene.origin, scene.half_extent);
+        let key = Some((scene.revision, Shape::of(light)));
+        let stale = slot.map_key != key;
+        if stale {
+            let casters = Casters {
+                geometry: &scene.geometry,
+                vertex_count: scene.vertex_count,
+                triangle_count: scene.triangle_count,
+                scene_origin: scene.origin,
+            };
+            self.shadow.render(gpu, &casters, &tube, t_max, &slot.depth, RESOLUTION)?;
+            slot.map_key = key;
+        }
+        let init = |label, contents: &[u8], usage| {
+            gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
+        };
+        let uniform = uniform(&tube, scene.origin, t_max, RESOLUTION);
+        let uniform = init("bendy", bytemuck::bytes_of(&uniform), BufferUsages::UNIFORM);
+        let segments = init("segments", bytemuck::cast_slice(&segments(&tube)), BufferUsages::STORAGE);
+        let resources = [
+            uniform.as_entire_binding(),
+            segments.as_entire_binding(),
+            BindingResource::TextureView(&slot.depth),
+            BindingResource::Sampler(&self.sampler),
+        ];
+        let group = gpu.group("bendy", &self.layout, &resources);
+        Ok((PlacedBendy { group, corners_in_world: hull_in_world(&tube, t_max) }, stale))
+    }
+}

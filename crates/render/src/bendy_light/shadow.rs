@@ -1,0 +1,325 @@
+//! The bent shadow map: the scene's triangles mapped into tube space by compute passes, then drawn (see `bent_map.wgsl`).
+//!
+//! Every triangle is looked at once. Most lie in one slab and are small: they are drawn from the vertices that were mapped once. The others are
+//! clipped to slabs and split until their edges are straight in the map. Buffers for those start small and grow when a scene needs more:
+//! the counts are read back after each map, and a map that did not fit is made again.
+
+use bendy::{Frame, Tube};
+use glam::DVec3;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, RenderPipeline, TextureView};
+
+use super::layout::{BentCounts, BentMap, BentShadow, Curve, STAGES};
+use super::{curve, tube_from_scene};
+use crate::geometry::Geometry;
+use crate::pipeline::DEPTH_FORMAT;
+use crate::{Gpu, RenderError, readback, shaders};
+
+/// Largest distance, in texels, of an edge's image from the line drawn for it. The error of a bend is largest in the middle, where it is
+/// measured, but for a fifth (light model, section 4): this keeps all of it within half a texel.
+const TOLERANCE_TEXELS: f32 = 0.4;
+/// Share of a slab by which it overlaps its neighbours: some texels, whatever the rounding.
+const SLAB_OVERLAP: f64 = 0.01;
+/// Threads of a workgroup, as in the shaders.
+const WORKGROUP: u32 = 64;
+/// Most workgroups in one dimension that every device can run.
+const MAX_GROUPS: u32 = 65_535;
+
+/// What casts shadows: the scene's triangles in scene space.
+pub(crate) struct Casters<'a> {
+    /// Positions and indices.
+    pub geometry: &'a Geometry,
+    /// How many vertices.
+    pub vertex_count: u32,
+    /// How many triangles.
+    pub triangle_count: u32,
+    /// World position of scene space's origin.
+    pub scene_origin: DVec3,
+}
+
+/// The pipelines, which outlive scenes and lights, and the room they work in.
+#[derive(Debug)]
+pub(crate) struct BentShadowPass {
+    vertices: ComputePipeline,
+    triangles: ComputePipeline,
+    clip: ComputePipeline,
+    split: ComputePipeline,
+    next: ComputePipeline,
+    draw: RenderPipeline,
+    room: Room,
+}
+
+/// How many items fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Room {
+    work: u32,
+    patches: u32,
+    split_vertices: u32,
+}
+
+/// The buffers of one map.
+struct Buffers {
+    slabs: Buffer,
+    uniform: Buffer,
+    mapped: Buffer,
+    vertex_slab: Buffer,
+    whole_indices: Buffer,
+    work: Buffer,
+    patches: [Buffer; 2],
+    split_vertices: Buffer,
+    counts: Buffer,
+    workgroups: Buffer,
+}
+
+impl BentShadowPass {
+    pub fn new(gpu: &Gpu) -> Self {
+        let compute = |wgsl: &str, entry_point| {
+            gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(entry_point),
+                layout: None,
+                module: &gpu.module(entry_point, wgsl),
+                entry_point: Some(entry_point),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            })
+        };
+        Self {
+            vertices: compute(shaders::BENT_MAP_VERTICES, "map_vertices"),
+            triangles: compute(shaders::BENT_MAP_TRIANGLES, "map_triangles"),
+            clip: compute(shaders::BENT_MAP_CLIP, "clip_triangles"),
+            split: compute(shaders::BENT_MAP_SPLIT, "split_patches"),
+            next: compute(shaders::BENT_MAP_NEXT, "next_stage"),
+            draw: draw_pipeline(gpu),
+            room: Room { work: 1 << 16, patches: 1 << 16, split_vertices: 3 << 16 },
+        }
+    }
+
+    /// Draws the map of `casters` under `tube` into `depth`, whose side is `resolution` texels.
+    pub fn render(
+        &mut self,
+        gpu: &Gpu,
+        casters: &Casters,
+        tube: &Tube<f64>,
+        t_max: f64,
+        depth: &TextureView,
+        resolution: u32,
+    ) -> Result<(), RenderError> {
+        let slabs: Vec<Curve> = bendy::slabs(tube, t_max, SLAB_OVERLAP)
+            .iter()
+            .map(|slab| curve(&slab.piece.to_f32(), slab.t_start, slab.t_span))
+            .collect();
+        loop {
+            let map = BentMap {
+                tube_from_scene: tube_from_scene(tube, casters.scene_origin),
+                up: tube.up.as_vec3().to_array(),
+                frame_up: u32::from(tube.frame == Frame::Up),
+                slab_count: slabs.len() as u32,
+                vertex_count: casters.vertex_count,
+                triangle_count: casters.triangle_count,
+                shadow_resolution: resolution as f32,
+                work_capacity: self.room.work,
+                patch_capacity: self.room.patches,
+                split_capacity: self.room.split_vertices,
+                tolerance_texels: TOLERANCE_TEXELS,
+            };
+            let buffers = Buffers::new(gpu, &slabs, &map);
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            self.map(gpu, &mut encoder, casters, &buffers, &map);
+            self.draw(gpu, &mut encoder, &buffers, t_max, depth);
+            gpu.queue.submit([encoder.finish()]);
+            let counts = readback::buffer::<BentCounts>(gpu, &buffers.counts)?[0];
+            let needed = self.room.grown_for(&counts);
+            if needed == self.room {
+                return Ok(());
+            }
+            needed.check(gpu)?;
+            self.room = needed;
+        }
+    }
+
+    /// The compute passes: vertices, triangles, clipping, and splitting level by level.
+    fn map(&self, gpu: &Gpu, encoder: &mut CommandEncoder, casters: &Casters, buffers: &Buffers, map: &BentMap) {
+        let b = buffers;
+        let geometry = casters.geometry;
+        let group = |pipeline: &ComputePipeline, rest: &[&Buffer]| bind(gpu, pipeline, &[&b.uniform, &b.slabs], rest);
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        let mut run = |pipeline: &ComputePipeline, group: &BindGroup, threads: Option<u32>| {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[]);
+            match threads {
+                Some(threads) => {
+                    let groups = threads.div_ceil(WORKGROUP);
+                    let x = groups.clamp(1, MAX_GROUPS);
+                    pass.dispatch_workgroups(x, groups.div_ceil(x), 1);
+                }
+                None => pass.dispatch_workgroups_indirect(&b.workgroups, 0),
+            }
+        };
+        let vertices = group(&self.vertices, &[&geometry.positions, &b.mapped, &b.vertex_slab]);
+        run(&self.vertices, &vertices, Some(map.vertex_count));
+        let mapped = [&geometry.positions, &b.mapped, &b.vertex_slab, &geometry.indices];
+        let triangles = group(&self.triangles, &[&mapped[..], &[&b.whole_indices, &b.work, &b.counts]].concat());
+        run(&self.triangles, &triangles, Some(map.triangle_count));
+
+        let next = bind(gpu, &self.next, &[&b.uniform], &[&b.counts, &b.workgroups]);
+        run(&self.next, &next, Some(1));
+        let clip = [&geometry.positions, &geometry.indices, &b.work, &b.counts, &b.patches[1]];
+        run(&self.clip, &group(&self.clip, &clip), None);
+        let [even, odd] = [(0, 1), (1, 0)].map(|(from, to)| {
+            group(&self.split, &[&b.patches[from], &b.patches[to], &b.counts, &b.split_vertices])
+        });
+        for stage in 1..STAGES {
+            run(&self.next, &next, Some(1));
+            run(&self.split, if stage % 2 == 0 { &even } else { &odd }, None);
+        }
+    }
+
+    fn draw(&self, gpu: &Gpu, encoder: &mut CommandEncoder, buffers: &Buffers, t_max: f64, depth: &TextureView) {
+        let uniform = BentShadow { t_max: t_max as f32, ..BentShadow::default() };
+        let uniform = init(gpu, "bent shadow", bytemuck::bytes_of(&uniform), BufferUsages::UNIFORM);
+        let group = gpu.group("bent shadow", &self.draw.get_bind_group_layout(0), &[uniform.as_entire_binding()]);
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("bent shadow"),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: depth,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.draw);
+        pass.set_bind_group(0, &group, &[]);
+        pass.set_vertex_buffer(0, buffers.mapped.slice(..));
+        pass.set_index_buffer(buffers.whole_indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed_indirect(&buffers.counts, 0);
+        pass.set_vertex_buffer(0, buffers.split_vertices.slice(..));
+        pass.draw_indirect(&buffers.counts, std::mem::offset_of!(BentCounts, split_vertex_count) as u64);
+    }
+}
+
+impl Room {
+    /// Enough for what was counted, in powers of two; the same room where that fitted.
+    fn grown_for(self, counts: &BentCounts) -> Self {
+        let grow = |room: u32, count: u32| if count > room { count.next_power_of_two() } else { room };
+        let patches = counts.items[1..].iter().copied().max().unwrap_or(0);
+        Self {
+            work: grow(self.work, counts.items[0]),
+            patches: grow(self.patches, patches),
+            split_vertices: grow(self.split_vertices, counts.split_vertex_count),
+        }
+    }
+
+    /// Refuses what no buffer of this device can hold.
+    fn check(self, gpu: &Gpu) -> Result<(), RenderError> {
+        let limit = gpu.device.limits().max_storage_buffer_binding_size;
+        let largest = [
+            u64::from(self.work) * WORK_BYTES,
+            u64::from(self.patches) * PATCH_BYTES,
+            u64::from(self.split_vertices) * VERTEX_BYTES,
+        ];
+        let size = largest.into_iter().max().unwrap_or(0);
+        if size > limit {
+            let what = "the bent shadow's geometry in bytes";
+            return Err(RenderError::TooLarge { what, size: size as f64, limit: limit as f64 });
+        }
+        Ok(())
+    }
+}
+
+/// Bytes of a (triangle, slab) pair.
+const WORK_BYTES: u64 = 8;
+/// Bytes of a `Patch`.
+const PATCH_BYTES: u64 = 96;
+/// Bytes of a mapped vertex.
+const VERTEX_BYTES: u64 = 16;
+
+impl Buffers {
+    fn new(gpu: &Gpu, slabs: &[Curve], map: &BentMap) -> Self {
+        let buffer = |label, size: u64, usage| {
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: size.max(16),
+                usage: BufferUsages::STORAGE | usage,
+                mapped_at_creation: false,
+            })
+        };
+        let none = BufferUsages::empty();
+        let (vertices, triangles) = (u64::from(map.vertex_count), u64::from(map.triangle_count));
+        // Stage -1: the first `next_stage` makes it 0.
+        let counts = BentCounts {
+            whole_instance_count: 1,
+            split_instance_count: 1,
+            stage: u32::MAX,
+            ..BentCounts::default()
+        };
+        let counts_usage = BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_SRC;
+        let patches = || buffer("patches", u64::from(map.patch_capacity) * PATCH_BYTES, none);
+        Self {
+            slabs: init(gpu, "slabs", bytemuck::cast_slice(slabs), BufferUsages::STORAGE),
+            uniform: init(gpu, "bent map", bytemuck::bytes_of(map), BufferUsages::UNIFORM),
+            mapped: buffer("mapped vertices", vertices * VERTEX_BYTES, BufferUsages::VERTEX),
+            vertex_slab: buffer("slab of each vertex", vertices * 4, none),
+            whole_indices: buffer("whole triangles", triangles * 12, BufferUsages::INDEX),
+            work: buffer("triangles to clip", u64::from(map.work_capacity) * WORK_BYTES, none),
+            patches: [patches(), patches()],
+            split_vertices: buffer("split triangles", u64::from(map.split_capacity) * VERTEX_BYTES, BufferUsages::VERTEX),
+            counts: init(gpu, "bent counts", bytemuck::bytes_of(&counts), counts_usage),
+            workgroups: buffer("workgroups", 16, BufferUsages::INDIRECT),
+        }
+    }
+}
+
+fn init(gpu: &Gpu, label: &str, contents: &[u8], usage: BufferUsages) -> Buffer {
+    gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
+}
+
+/// Group 0 of a compute pass: what all share from binding 0, what it works on from binding 2.
+fn bind(gpu: &Gpu, pipeline: &ComputePipeline, common: &[&Buffer], rest: &[&Buffer]) -> BindGroup {
+    let entries: Vec<_> = (0..)
+        .zip(common)
+        .chain((2..).zip(rest))
+        .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+        .collect();
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("bent map"),
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &entries,
+    })
+}
+
+fn draw_pipeline(gpu: &Gpu) -> RenderPipeline {
+    let module = gpu.module("bent shadow", shaders::BENT_SHADOW);
+    let mapped = wgpu::VertexBufferLayout {
+        array_stride: VERTEX_BYTES,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x4],
+    };
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("bent shadow"),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vs_bent_shadow"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[Some(mapped)],
+        },
+        // Both sides cast: what light meets does not depend on which side was modelled.
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Less),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("fs_bent_shadow"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

@@ -1,0 +1,44 @@
+//! The oracle of the shadow tests: a walk along the bent path in f64 over every triangle. Slow, and shares nothing with the GPU's passes.
+
+use bendy::Tube;
+use glam::DVec3;
+
+/// Steps of the polyline that stands for a path. A chord of a path of curvature k strays by `k (length / steps)^2 / 8`: 1e-7 of the light's length here.
+const STEPS: usize = 1500;
+
+/// The tube-space point at `(t, v, w)`: `P + R (v v_hat + w w_hat)`.
+fn point_at(tube: &Tube<f64>, t: f64, v: f64, w: f64) -> DVec3 {
+    let i = (t as usize).min(tube.n - 1);
+    let (segment, u) = (&tube.segments[i], t - i as f64);
+    let (v_hat, w_hat) = tube.cross_section(segment, segment.u_hat(u));
+    segment.position(u) + (v_hat * v + w_hat * w) * segment.radius(u)
+}
+
+/// Where the segment from `a` to `b` meets the triangle, as a share of the way.
+fn hit(a: DVec3, b: DVec3, [p, q, r]: [DVec3; 3]) -> Option<f64> {
+    let (direction, e1, e2) = (b - a, q - p, r - p);
+    let normal = e1.cross(e2);
+    let closing = normal.dot(direction);
+    if closing == 0.0 {
+        return None;
+    }
+    let share = normal.dot(p - a) / closing;
+    if !(0.0..=1.0).contains(&share) {
+        return None;
+    }
+    let at = a + direction * share - p;
+    let area = normal.length_squared();
+    let (beta, gamma) = (at.cross(e2).dot(normal) / area, e1.cross(at).dot(normal) / area);
+    (beta >= 0.0 && gamma >= 0.0 && beta + gamma <= 1.0).then_some(share)
+}
+
+/// Whether light on the path (v, w) reaches `t`, over triangles in tube space that do not hold the receiver.
+pub fn reaches(tube: &Tube<f64>, triangles: &[[DVec3; 3]], t: f64, v: f64, w: f64) -> bool {
+    let mut before = point_at(tube, 0.0, v, w);
+    (1..=STEPS).all(|k| {
+        let here = point_at(tube, t * k as f64 / STEPS as f64, v, w);
+        let blocked = triangles.iter().any(|&triangle| hit(before, here, triangle).is_some());
+        before = here;
+        !blocked
+    })
+}

@@ -1,0 +1,240 @@
+//! Cameras as matrices and rays, composed in f64.
+
+use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4};
+use scene::{Camera, Projection};
+
+use crate::layout::{self, Mat4};
+use crate::{RenderError, View};
+
+/// A camera over a raster.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Raster {
+    pub world_from_camera: DAffine3,
+    pub projection: Projection,
+    pub width: u32,
+    pub height: u32,
+}
+
+impl Raster {
+    pub fn new(view: &View) -> Result<Self, RenderError> {
+        let invalid = |why| Err(RenderError::InvalidView(why));
+        if view.width == 0 || view.height == 0 {
+            return invalid("it has no pixels; give it a width and a height");
+        }
+        if view.samples == 0 {
+            return invalid("it has no samples; give it at least 1 a pixel");
+        }
+        let sound = match view.camera.projection {
+            Projection::Perspective { yfov, znear, zfar } => {
+                yfov > 0.0 && yfov < std::f64::consts::PI && znear > 0.0 && zfar.is_none_or(|f| f > znear)
+            }
+            Projection::Orthographic { ymag, znear, zfar } => ymag > 0.0 && znear >= 0.0 && zfar > znear,
+        };
+        let Camera { world_from_camera, projection, .. } = view.camera;
+        if !sound || !world_from_camera.is_finite() {
+            return invalid("its camera has numbers outside their domains; correct the camera");
+        }
+        Ok(Self { world_from_camera, projection, width: view.width, height: view.height })
+    }
+
+    /// Half width and height of what is seen: at distance 1 in perspective, everywhere without.
+    fn half_size(&self) -> DVec2 {
+        let aspect = f64::from(self.width) / f64::from(self.height);
+        let y = match self.projection {
+            Projection::Perspective { yfov, .. } => (yfov / 2.0).tan(),
+            Projection::Orthographic { ymag, .. } => ymag,
+        };
+        DVec2::new(y * aspect, y)
+    }
+
+    /// Reversed z: 1 at the near plane, 0 at the far one or at infinity.
+    pub fn clip_from_world(&self) -> DMat4 {
+        let scale = self.half_size().recip();
+        // z_clip = a z + b and w_clip = c z + d, of the camera-space z.
+        let [a, b, c, d] = match self.projection {
+            Projection::Perspective { znear, zfar: None, .. } => [0.0, znear, -1.0, 0.0],
+            Projection::Perspective { znear, zfar: Some(zfar), .. } => {
+                let k = znear / (zfar - znear);
+                [k, k * zfar, -1.0, 0.0]
+            }
+            Projection::Orthographic { znear, zfar, .. } => {
+                [1.0 / (zfar - znear), zfar / (zfar - znear), 0.0, 1.0]
+            }
+        };
+        let clip_from_camera = DMat4::from_cols(
+            DVec4::new(scale.x, 0.0, 0.0, 0.0),
+            DVec4::new(0.0, scale.y, 0.0, 0.0),
+            DVec4::new(0.0, 0.0, a, c),
+            DVec4::new(0.0, 0.0, b, d),
+        );
+        clip_from_camera * self.world_from_camera.inverse()
+    }
+
+    /// What shaders need for the samples that lie `jitter` pixels right of and below the pixels' centres.
+    pub fn uniform(
+        &self,
+        jitter: DVec2,
+        sample_weight: f32,
+        scene_origin: DVec3,
+    ) -> Result<layout::View, RenderError> {
+        let pixel = DVec2::new(2.0 / f64::from(self.width), -2.0 / f64::from(self.height));
+        // The sample of pixel (0, 0) in normalised device coordinates.
+        let first = (DVec2::splat(0.5) + jitter) * pixel + DVec2::new(-1.0, 1.0);
+        let shift = DMat4::from_translation((-jitter * pixel).extend(0.0));
+        let clip_from_scene = shift * self.clip_from_world() * DMat4::from_translation(scene_origin);
+
+        let half = self.half_size();
+        let axes = self.world_from_camera.matrix3;
+        let (dx, dy) = (axes.x_axis * half.x * pixel.x, axes.y_axis * half.y * pixel.y);
+        let corner = axes.x_axis * half.x * first.x + axes.y_axis * half.y * first.y;
+        let eye = self.world_from_camera.translation - scene_origin;
+        let forward = -axes.z_axis;
+        let (origins, directions, depth_from_z) = match self.projection {
+            Projection::Perspective { znear, zfar, .. } => {
+                let k = zfar.map_or(0.0, |f| znear / (f - znear));
+                let scale = zfar.map_or(znear, |f| f * k);
+                ([eye, DVec3::ZERO, DVec3::ZERO], [forward + corner, dx, dy], [scale, 0.0, k, 1.0])
+            }
+            Projection::Orthographic { znear, zfar, .. } => {
+                let depth_from_z = [zfar, znear - zfar, 1.0, 0.0];
+                ([eye + corner, dx, dy], [forward, DVec3::ZERO, DVec3::ZERO], depth_from_z)
+            }
+        };
+        let [ray_origin, ray_origin_dx, ray_origin_dy] = origins.map(|v| v.as_vec3().to_array());
+        let [ray_direction, ray_direction_dx, ray_direction_dy] = directions.map(|v| v.as_vec3().to_array());
+        let uniform = layout::View {
+            clip_from_scene: columns(&clip_from_scene),
+            ray_origin,
+            sample_weight,
+            ray_origin_dx,
+            ray_origin_dy,
+            ray_direction,
+            ray_direction_dx,
+            ray_direction_dy,
+            depth_from_z: depth_from_z.map(|x| x as f32),
+            ..layout::View::default()
+        };
+        if bytemuck::cast_slice::<_, f32>(&[uniform]).iter().all(|x| x.is_finite()) {
+            Ok(uniform)
+        } else {
+            Err(RenderError::InvalidView("its camera leaves the range of f32; bring it to the scene's size"))
+        }
+    }
+
+    /// The pixels that the convex hull of `corners` may touch, as `[x, y, width, height]`.
+    ///
+    /// All of them where a corner lies behind the viewer, since it then projects to no place in particular.
+    pub fn bounds_of(&self, corners_in_world: &[DVec3]) -> [u32; 4] {
+        let clip_from_world = self.clip_from_world();
+        let size = DVec2::new(f64::from(self.width), f64::from(self.height));
+        let mut low = size;
+        let mut high = DVec2::ZERO;
+        for corner in corners_in_world {
+            let clip = clip_from_world * corner.extend(1.0);
+            // The near plane has z = w; also false where NaN.
+            if !(clip.w > 0.0 && clip.z <= clip.w) {
+                return [0, 0, self.width, self.height];
+            }
+            let at = (DVec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5) * size;
+            low = low.min(at);
+            high = high.max(at);
+        }
+        // A pixel's samples lie up to half a pixel from its centre, and f32 rounds.
+        let low = (low.floor() - 1.0).clamp(DVec2::ZERO, size).as_uvec2();
+        let high = (high.ceil() + 1.0).clamp(DVec2::ZERO, size).as_uvec2();
+        let extent = high.saturating_sub(low);
+        [low.x, low.y, extent.x, extent.y]
+    }
+}
+
+/// A matrix as shaders take it.
+pub(crate) fn columns(m: &DMat4) -> Mat4 {
+    m.as_mat4().to_cols_array_2d()
+}
+
+/// Where sample `index` of `count` lies, in pixels from the pixel's centre.
+///
+/// A Fibonacci lattice, centred, so that the samples' mean is the centre; one sample is the centre itself.
+pub(crate) fn sample_offset(index: u32, count: u32) -> DVec2 {
+    const INVERSE_GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
+    let from_middle = f64::from(index) + 0.5 - f64::from(count) / 2.0;
+    let along = (0.5 + from_middle * INVERSE_GOLDEN_RATIO).rem_euclid(1.0);
+    DVec2::new(from_middle / f64::from(count), along - 0.5)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DMat3;
+
+    use super::*;
+
+    #[test]
+    fn one_sample_is_the_centre_and_many_fill_the_pixel() {
+        assert_eq!(sample_offset(0, 1), DVec2::ZERO);
+        for count in [2, 3, 4, 16, 61] {
+            let offsets: Vec<_> = (0..count).map(|i| sample_offset(i, count)).collect();
+            assert!(offsets.iter().all(|o| o.abs().max_element() <= 0.5));
+            let mean = offsets.iter().sum::<DVec2>() / f64::from(count);
+            // Samples mirror each other about the centre; the half-open edge can leave one pair unmatched.
+            assert!(mean.abs().max_element() <= 1.0 / f64::from(count), "{count}: {mean}");
+            // Each of the count columns holds one; each quadrant has its share, give or take two.
+            for (sx, sy) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+                let there = offsets.iter().filter(|o| o.x * sx > 0.0 && o.y * sy > 0.0).count();
+                assert!(there.abs_diff(count as usize / 4) <= 2, "{count}: {there}");
+            }
+        }
+    }
+
+    #[test]
+    fn rays_and_matrix_agree() {
+        // A point on the ray of a sample must project to the pixel's centre, at the depth that z stands for.
+        let world_from_camera = DAffine3 {
+            matrix3: DMat3::from_rotation_y(0.7) * DMat3::from_rotation_x(-0.3),
+            translation: DVec3::new(4.0, 5.0, 6.0),
+        };
+        let projections = [
+            Projection::Perspective { yfov: 0.8, znear: 0.1, zfar: None },
+            Projection::Perspective { yfov: 1.6, znear: 0.5, zfar: Some(40.0) },
+            Projection::Orthographic { ymag: 3.0, znear: 0.0, zfar: 30.0 },
+        ];
+        for projection in projections {
+            let raster = Raster { world_from_camera, projection, width: 7, height: 5 };
+            let scene_origin = DVec3::new(3.0, -2.0, 1.0);
+            let uniform = raster.uniform(DVec2::new(0.3, -0.2), 1.0, scene_origin).unwrap();
+            let clip_from_scene = glam::Mat4::from_cols_array_2d(&uniform.clip_from_scene);
+            let along = |base: [f32; 3], dx: [f32; 3], dy: [f32; 3], x: f32, y: f32| {
+                glam::Vec3::from(base) + glam::Vec3::from(dx) * x + glam::Vec3::from(dy) * y
+            };
+            for (x, y, depth) in [(0.0, 0.0, 1.0), (6.0, 4.0, 7.0), (2.0, 3.0, 25.0)] {
+                let u = &uniform;
+                let origin = along(u.ray_origin, u.ray_origin_dx, u.ray_origin_dy, x, y);
+                let direction = along(u.ray_direction, u.ray_direction_dx, u.ray_direction_dy, x, y);
+                let clip = clip_from_scene * (origin + direction * depth).extend(1.0);
+                let ndc = clip / clip.w;
+                // f32 rounds coordinates of size 30 by 2e-6, and a pixel of 7 is 2 / 7 of the unit: 1e-5 pixels.
+                let pixel = [(ndc.x * 0.5 + 0.5) * 7.0 - 0.5, (0.5 - ndc.y * 0.5) * 5.0 - 0.5];
+                assert!((pixel[0] - x).abs() < 1e-4 && (pixel[1] - y).abs() < 1e-4, "{projection:?} {pixel:?}");
+                let [a, b, c, d] = uniform.depth_from_z;
+                let back = (a + b * ndc.z) / (c + d * ndc.z);
+                // Without a far plane z is relative; with one, z = 0 stands for it and 6e-8 of it is lost.
+                assert!((back - depth).abs() < 1e-4 * depth, "{projection:?} {back} {depth}");
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_hold_what_they_are_of() {
+        let projection = Projection::Perspective { yfov: 1.0, znear: 0.1, zfar: None };
+        let raster =
+            Raster { world_from_camera: DAffine3::IDENTITY, projection, width: 100, height: 100 };
+        let pixels_a_unit = 50.0 / 0.5_f64.tan();
+        let [x, y, width, height] =
+            raster.bounds_of(&[DVec3::new(0.1, 0.0, -1.0), DVec3::new(0.2, 0.1, -1.0)]);
+        assert_eq!(x, (50.0 + 0.1 * pixels_a_unit).floor() as u32 - 1);
+        assert_eq!(x + width, (50.0 + 0.2 * pixels_a_unit).ceil() as u32 + 1);
+        assert_eq!((y + height, y), (51, (50.0 - 0.1 * pixels_a_unit).floor() as u32 - 1));
+        // Behind the viewer: everything. Off the picture: nothing.
+        assert_eq!(raster.bounds_of(&[DVec3::new(0.0, 0.0, 1.0)]), [0, 0, 100, 100]);
+        assert_eq!(raster.bounds_of(&[DVec3::new(9.0, 0.0, -1.0)])[2], 0);
+    }
+}

@@ -1,0 +1,111 @@
+//! The graphics device, without a window.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use wgpu::{Adapter, Backends, Device, DeviceType, ErrorFilter, Features, Limits, Queue};
+
+use crate::RenderError;
+
+/// What every pass relies on: lights add up in f32, and a pixel knows its triangle.
+const FEATURES: Features = Features::FLOAT32_BLENDABLE.union(Features::PRIMITIVE_INDEX);
+
+/// An open graphics device. Share one in an `Arc`: opening it and compiling for it is slow.
+#[derive(Debug)]
+pub struct Gpu {
+    pub(crate) device: Device,
+    pub(crate) queue: Queue,
+    adapter_name: String,
+    /// Why the device is gone, once it is.
+    lost: Arc<Mutex<Option<String>>>,
+}
+
+impl Gpu {
+    /// Opens the best device: Vulkan before GL, a GPU before a processor.
+    pub fn new() -> Result<Self, RenderError> {
+        let adapter = choose_adapter()?;
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("render"),
+            required_features: FEATURES,
+            required_limits: limits(&adapter.limits()),
+            ..Default::default()
+        }))
+        .map_err(|e| RenderError::NoAdapter(e.to_string()))?;
+
+        let lost = Arc::new(Mutex::new(None));
+        let record = |lost: &Mutex<Option<String>>, why: String| {
+            lost.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why);
+        };
+        let by_driver = Arc::clone(&lost);
+        device.set_device_lost_callback(move |_, why| record(&by_driver, why));
+        // Errors inside `checked` never get here; one outside of it leaves the device in an unknown state.
+        let by_error = Arc::clone(&lost);
+        device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| record(&by_error, e.to_string())));
+
+        let info = adapter.get_info();
+        Ok(Self { device, queue, adapter_name: format!("{} ({})", info.name, info.backend), lost })
+    }
+
+    /// Name of the driver's device and of the interface that it is used by.
+    pub fn adapter_name(&self) -> &str {
+        &self.adapter_name
+    }
+
+    /// Runs `work` on this thread and turns what the driver reports meanwhile into an error.
+    pub(crate) fn checked<T>(
+        &self,
+        work: impl FnOnce() -> Result<T, RenderError>,
+    ) -> Result<T, RenderError> {
+        let scopes = [ErrorFilter::OutOfMemory, ErrorFilter::Internal, ErrorFilter::Validation]
+            .map(|filter| self.device.push_error_scope(filter));
+        let result = work();
+        // Scopes are a stack: the last one pushed is the first to go.
+        let mut error = None;
+        for scope in scopes.into_iter().rev() {
+            error = pollster::block_on(scope.pop()).or(error);
+        }
+        if let Some(why) = self.lost.lock().unwrap_or_else(PoisonError::into_inner).clone() {
+            return Err(RenderError::DeviceLost(why));
+        }
+        error.map_or(result, |e| Err(RenderError::Gpu(e.to_string())))
+    }
+}
+
+fn choose_adapter() -> Result<Adapter, RenderError> {
+    let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
+    description.backends = Backends::VULKAN | Backends::GL;
+    // wgpu validates by itself; Vulkan's validation layer only adds false alarms and time.
+    description.flags = wgpu::InstanceFlags::empty();
+    let instance = wgpu::Instance::new(description);
+    let adapters = pollster::block_on(instance.enumerate_adapters(Backends::VULKAN | Backends::GL));
+    let found = adapters.iter().map(|a| a.get_info().name).collect::<Vec<_>>().join(", ");
+    adapters.into_iter().filter(|a| a.features().contains(FEATURES)).min_by_key(preference).ok_or_else(|| {
+        RenderError::NoAdapter(if found.is_empty() {
+            "there is none".into()
+        } else {
+            format!("none of {found} can add f32 colours and number triangles")
+        })
+    })
+}
+
+/// Smaller is better.
+fn preference(adapter: &Adapter) -> (u8, bool) {
+    let info = adapter.get_info();
+    let kind = match info.device_type {
+        DeviceType::DiscreteGpu => 0,
+        DeviceType::IntegratedGpu => 1,
+        DeviceType::VirtualGpu => 2,
+        DeviceType::Other => 3,
+        DeviceType::Cpu => 4,
+    };
+    (kind, info.backend != wgpu::Backend::Vulkan)
+}
+
+/// WebGPU's defaults where the adapter has them, and all it has where size matters.
+fn limits(adapter: &Limits) -> Limits {
+    Limits {
+        max_texture_dimension_2d: adapter.max_texture_dimension_2d,
+        max_buffer_size: adapter.max_buffer_size,
+        max_storage_buffer_binding_size: adapter.max_storage_buffer_binding_size,
+        ..Limits::defaults().or_worse_values_from(adapter)
+    }
+}

@@ -1,0 +1,49 @@
+//! Why a picture cannot be made.
+
+use thiserror::Error;
+
+use crate::Aov;
+
+/// Why a picture cannot be made. Each sentence says what to change.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum RenderError {
+    /// No usable Vulkan or GL driver.
+    #[error(
+        "no graphics driver can render this: {0}; install mesa-vulkan-drivers (it renders without a GPU) or the \
+         driver of your GPU"
+    )]
+    NoAdapter(String),
+    /// The device is gone; a new [`crate::Gpu`] is needed.
+    #[error("the graphics device was lost ({0}): open it again")]
+    DeviceLost(String),
+    /// The driver refused something.
+    #[error("the graphics driver reports an error, try a smaller picture or scene: {0}")]
+    Gpu(String),
+    /// More than this device, or f32 arithmetic, can hold.
+    #[error("{what} is {size}, but at most {limit} can be rendered: make it smaller")]
+    TooLarge {
+        /// What is too large, as the start of a sentence.
+        what: &'static str,
+        /// How large it is.
+        size: f64,
+        /// How large it may be.
+        limit: f64,
+    },
+    /// A picture without pixels, without samples, or through an impossible camera.
+    #[error("this view cannot be rendered: {0}")]
+    InvalidView(&'static str),
+    /// An AOV of a light that is not there.
+    #[error("there is no light {index} to show, this picture has {count}: choose one of them or another AOV")]
+    NoSuchLight {
+        /// The index asked for.
+        index: usize,
+        /// How many lights there are.
+        count: usize,
+    },
+    /// A name that is no AOV.
+    #[error("`{0}` is not an AOV: choose one of {names}", names = Aov::NAMES.join(", "))]
+    UnknownAov(String),
+    /// A light with numbers outside their domains.
+    #[error(transparent)]
+    Light(#[from] bendy::LightError),
+}

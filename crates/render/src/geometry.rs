@@ -1,0 +1,260 @@
+//! The pose stage: every triangle of the scene in scene space, ready for the GPU.
+
+use std::ops::Range;
+
+use glam::{DMat3, DVec3, Vec3};
+use scene::{Material, PosedPrimitive, Scene};
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use wgpu::{Buffer, BufferUsages};
+
+use crate::{Gpu, RenderError};
+
+/// Largest distance from the scene's centre: squares of it, and their products with intensities, stay within f32.
+pub(crate) const MAX_EXTENT: f64 = 1e15;
+
+/// The scene in scene space: world axes, origin at the centre of its bounds. Composed in f64, then rounded.
+#[derive(Debug, Default)]
+pub(crate) struct Posed {
+    /// Where scene space begins, in the world.
+    pub scene_origin: DVec3,
+    /// The bounds reach from minus to plus this, in scene space.
+    pub half_extent: DVec3,
+    pub positions: Vec<[f32; 3]>,
+    pub attributes: Vec<Attributes>,
+    /// Counter-clockwise seen from the front, mirrored nodes too.
+    pub indices: Vec<u32>,
+    /// One a triangle: unit normal and its product with any point of it; zeros where the area is 0.
+    pub planes: Vec<[f32; 4]>,
+    /// One a material in use; those without an alpha test first.
+    pub draws: Vec<Draw>,
+}
+
+/// What a vertex has besides its position.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct Attributes {
+    pub normal: [f32; 3],
+    pub uv: [f32; 2],
+    pub color: [f32; 4],
+}
+
+/// A run of triangles with one material.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Draw {
+    pub material: usize,
+    pub indices: Range<u32>,
+}
+
+impl Posed {
+    /// Poses `scene`, whose promises hold.
+    pub fn new(scene: &Scene) -> Result<Self, RenderError> {
+        let (min, max) = scene::world_bounds(scene).unwrap_or_default();
+        let (scene_origin, half_extent) = (min / 2.0 + max / 2.0, max / 2.0 - min / 2.0);
+        let reach = half_extent.max_element();
+        if !(reach <= MAX_EXTENT && scene_origin.is_finite()) {
+            return Err(RenderError::TooLarge {
+                what: "half the scene's size",
+                size: reach,
+                limit: MAX_EXTENT,
+            });
+        }
+        let mut posed = Self { scene_origin, half_extent, ..Self::default() };
+        let mut primitives: Vec<_> = scene::pose(scene).collect();
+        primitives.sort_by_key(|p| order(&scene.materials, p.primitive.material));
+        for primitive in &primitives {
+            posed.add(primitive)?;
+        }
+        Ok(posed)
+    }
+
+    fn add(&mut self, posed: &PosedPrimitive) -> Result<(), RenderError> {
+        let PosedPrimitive { primitive, world_from_local, .. } = *posed;
+        let too_many = |count: usize| RenderError::TooLarge {
+            what: "the number of vertices or indices",
+            size: count as f64,
+            limit: f64::from(u32::MAX),
+        };
+        let first_vertex =
+            u32::try_from(self.positions.len()).map_err(|_| too_many(self.positions.len()))?;
+        let (normal_matrix, mirrored) = normal_matrix(world_from_local.matrix3);
+        for (i, (position, normal)) in primitive.positions.iter().zip(&primitive.normals).enumerate() {
+            let in_world = world_from_local.transform_point3(position.as_dvec3());
+            self.positions.push((in_world - self.scene_origin).as_vec3().to_array());
+            self.attributes.push(Attributes {
+                normal: (normal_matrix * normal.as_dvec3()).normalize_or_zero().as_vec3().to_array(),
+                uv: primitive.uvs.get(i).map_or([0.0; 2], |uv| uv.to_array()),
+                color: primitive.colors.get(i).map_or([1.0; 4], |color| color.to_array()),
+            });
+        }
+        let first_index = u32::try_from(self.indices.len()).map_err(|_| too_many(self.indices.len()))?;
+        for &[a, b, c] in primitive.indices.as_chunks::<3>().0 {
+            let corners = if mirrored { [a, c, b] } else { [a, b, c] }.map(|k| first_vertex + k);
+            self.indices.extend(corners);
+            self.planes.push(plane(corners.map(|k| self.positions[k as usize])));
+        }
+        let end = u32::try_from(self.indices.len()).map_err(|_| too_many(self.indices.len()))?;
+        match self.draws.last_mut() {
+            Some(draw) if draw.material == primitive.material => draw.indices.end = end,
+            _ => self.draws.push(Draw { material: primitive.material, indices: first_index..end }),
+        }
+        Ok(())
+    }
+}
+
+/// Draws without an alpha test come first, in one run that a shadow pass can draw at once.
+fn order(materials: &[Material], index: usize) -> (bool, usize) {
+    (materials[index].alpha_cutoff.is_some(), index)
+}
+
+/// The matrix that takes normals along, up to a positive factor, and whether the transform mirrors.
+///
+/// The cofactor matrix is `det M` times the inverse transpose and exists for singular ones too: a mesh flattened onto
+/// a plane gets that plane's normal.
+fn normal_matrix(m: DMat3) -> (DMat3, bool) {
+    let cofactor = DMat3::from_cols(
+        m.y_axis.cross(m.z_axis),
+        m.z_axis.cross(m.x_axis),
+        m.x_axis.cross(m.y_axis),
+    );
+    let mirrored = m.determinant() < 0.0;
+    (if mirrored { -cofactor } else { cofactor }, mirrored)
+}
+
+/// Unit normal towards the side that sees the corners counter-clockwise, and its product with them.
+///
+/// Computed from the rounded corners, and the product with the rounded normal: then only the product's own rounding
+/// remains, one ulp of the distance from the scene's centre.
+fn plane(corners: [[f32; 3]; 3]) -> [f32; 4] {
+    let [a, b, c] = corners.map(|p| Vec3::from(p).as_dvec3());
+    let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
+    let offset = normal.as_dvec3().dot((a + b + c) / 3.0);
+    [normal.x, normal.y, normal.z, offset as f32]
+}
+
+/// [`Posed`] on the GPU. Every buffer can be read by shaders, so that lights may make their own casters of it.
+#[derive(Debug)]
+pub(crate) struct Geometry {
+    /// `array<f32>`, three a vertex.
+    pub positions: Buffer,
+    /// [`Attributes`] a vertex.
+    pub attributes: Buffer,
+    /// Three a triangle.
+    pub indices: Buffer,
+    /// `array<vec4f>`, one a triangle.
+    pub planes: Buffer,
+}
+
+impl Geometry {
+    pub fn new(gpu: &Gpu, posed: &Posed) -> Result<Self, RenderError> {
+        let geometry = BufferUsages::STORAGE | BufferUsages::VERTEX;
+        Ok(Self {
+            positions: upload(gpu, "the scene's vertex positions in bytes", &posed.positions, geometry)?,
+            attributes: upload(gpu, "the scene's vertex attributes in bytes", &posed.attributes, geometry)?,
+            indices: upload(
+                gpu,
+                "the scene's triangle indices in bytes",
+                &posed.indices,
+                BufferUsages::STORAGE | BufferUsages::INDEX,
+            )?,
+            planes: upload(gpu, "the scene's triangles in bytes", &posed.planes, BufferUsages::STORAGE)?,
+        })
+    }
+}
+
+fn upload<T: bytemuck::Pod>(
+    gpu: &Gpu,
+    what: &'static str,
+    data: &[T],
+    usage: BufferUsages,
+) -> Result<Buffer, RenderError> {
+    let bytes: &[u8] = bytemuck::cast_slice(data);
+    let limits = gpu.device.limits();
+    let limit = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
+    if bytes.len() as u64 > limit {
+        return Err(RenderError::TooLarge { what, size: bytes.len() as f64, limit: limit as f64 });
+    }
+    // An empty scene has buffers too: bindings may not be empty.
+    let contents = if bytes.is_empty() { &[0; 16] } else { bytes };
+    Ok(gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(what), contents, usage }))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DAffine3;
+    use scene::{Mesh, Node, Primitive};
+
+    use super::*;
+
+    /// A triangle in the plane z = 0 that faces +z, at `world_from_local`.
+    fn scene_with(world_from_local: DAffine3) -> Scene {
+        let primitive = Primitive {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            normals: vec![Vec3::Z; 3],
+            indices: vec![0, 1, 2],
+            ..Primitive::default()
+        };
+        Scene {
+            nodes: vec![Node {
+                name: String::new(),
+                parent: None,
+                parent_from_local: world_from_local,
+                mesh: Some(0),
+            }],
+            meshes: vec![Mesh { name: String::new(), primitives: vec![primitive] }],
+            materials: vec![Material::default()],
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn mirrored_nodes_keep_their_front() {
+        for scale in [DVec3::ONE, DVec3::new(-1.0, 1.0, 1.0), DVec3::new(2.0, -0.5, 3.0)] {
+            let posed = Posed::new(&scene_with(DAffine3::from_scale(scale))).unwrap();
+            assert_eq!(posed.attributes[0].normal, [0.0, 0.0, 1.0]);
+            assert_eq!(posed.planes[0][..3], [0.0, 0.0, 1.0], "scale {scale}");
+        }
+        // Turned inside out along z, the front looks the other way: the fault would be a winding that stays.
+        let posed = Posed::new(&scene_with(DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0)))).unwrap();
+        assert_eq!((posed.attributes[0].normal, posed.planes[0][2]), ([0.0, 0.0, -1.0], -1.0));
+    }
+
+    #[test]
+    fn singular_nodes_have_no_nan() {
+        for scale in [DVec3::new(1.0, 1.0, 0.0), DVec3::new(1.0, 0.0, 0.0), DVec3::ZERO] {
+            let posed = Posed::new(&scene_with(DAffine3::from_scale(scale))).unwrap();
+            assert!(posed.planes.iter().flatten().all(|x| x.is_finite()));
+            assert!(posed.attributes.iter().all(|a| a.normal.iter().all(|x| x.is_finite())));
+        }
+        let flat = Posed::new(&scene_with(DAffine3::from_scale(DVec3::new(1.0, 1.0, 0.0)))).unwrap();
+        assert_eq!(flat.attributes[0].normal, [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn far_from_the_world_origin_nothing_is_lost() {
+        let offset = DVec3::new(1e6, -2e6, 3e6);
+        let (near, far) = (
+            Posed::new(&scene_with(DAffine3::IDENTITY)).unwrap(),
+            Posed::new(&scene_with(DAffine3::from_translation(offset))).unwrap(),
+        );
+        assert_eq!(near.positions, far.positions);
+        assert_eq!(far.scene_origin - near.scene_origin, offset);
+    }
+
+    #[test]
+    fn scenes_beyond_f32_are_refused() {
+        let refused = Posed::new(&scene_with(DAffine3::from_scale(DVec3::splat(1e16)))).unwrap_err();
+        assert!(matches!(refused, RenderError::TooLarge { .. }));
+    }
+
+    #[test]
+    fn masked_draws_come_last_and_equal_materials_merge() {
+        let mut scene = scene_with(DAffine3::IDENTITY);
+        scene.materials =
+            vec![Material { alpha_cutoff: Some(0.5), ..Material::default() }, Material::default()];
+        let masked = scene.meshes[0].primitives[0].clone();
+        let opaque = Primitive { material: 1, ..masked.clone() };
+        scene.meshes[0].primitives = vec![opaque.clone(), masked, opaque];
+        let draws = Posed::new(&scene).unwrap().draws;
+        assert_eq!(draws, [Draw { material: 1, indices: 0..6 }, Draw { material: 0, indices: 6..9 }]);
+    }
+}

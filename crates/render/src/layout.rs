@@ -1,0 +1,100 @@
+//! The structs that Rust and WGSL share. A test holds every name and offset against the WGSL.
+
+/// Declares a struct as WGSL lays it out. Fields whose names begin with `pad` are gaps that WGSL leaves by itself.
+macro_rules! gpu_struct {
+    ($(#[$doc:meta])* $name:ident { $($field:ident: $type:ty,)* }) => {
+        $(#[$doc])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+        pub(crate) struct $name {
+            $(pub $field: $type,)*
+        }
+
+        #[cfg(test)]
+        impl $name {
+            /// Name, size, and the name and offset of each field.
+            pub const LAYOUT: StructLayout = (
+                stringify!($name),
+                size_of::<$name>(),
+                &[$((stringify!($field), std::mem::offset_of!($name, $field)),)*],
+            );
+        }
+    };
+}
+
+pub(crate) use gpu_struct;
+
+/// Name, size, and the name and offset of each field.
+#[cfg(test)]
+pub(crate) type StructLayout = (&'static str, usize, &'static [(&'static str, usize)]);
+
+/// Every struct of this file; the layout test walks it.
+#[cfg(test)]
+pub(crate) const ALL: &[StructLayout] =
+    &[View::LAYOUT, Material::LAYOUT, Fill::LAYOUT, ShadowView::LAYOUT, Spot::LAYOUT];
+
+/// Columns of a 4 x 4 matrix.
+pub(crate) type Mat4 = [[f32; 4]; 4];
+
+gpu_struct! {
+    /// See `view.wgsl`.
+    View {
+        clip_from_scene: Mat4,
+        ray_origin: [f32; 3],
+        sample_weight: f32,
+        ray_origin_dx: [f32; 3],
+        pad0: f32,
+        ray_origin_dy: [f32; 3],
+        pad1: f32,
+        ray_direction: [f32; 3],
+        pad2: f32,
+        ray_direction_dx: [f32; 3],
+        pad3: f32,
+        ray_direction_dy: [f32; 3],
+        pad4: f32,
+        depth_from_z: [f32; 4],
+    }
+}
+
+gpu_struct! {
+    /// See `material.wgsl`.
+    Material {
+        base_color: [f32; 4],
+        metallic: f32,
+        roughness: f32,
+        alpha_cutoff: f32,
+        first_triangle: u32,
+    }
+}
+
+gpu_struct! {
+    /// See `fill.wgsl`.
+    Fill {
+        sky: [f32; 3],
+        pad0: f32,
+        ground: [f32; 3],
+        pad1: f32,
+    }
+}
+
+gpu_struct! {
+    /// See `shadow.wgsl`.
+    ShadowView {
+        clip_from_scene: Mat4,
+    }
+}
+
+gpu_struct! {
+    /// See `spot.wgsl`.
+    Spot {
+        light_from_scene: Mat4,
+        intensity: [f32; 3],
+        tan_outer: f32,
+        decay: [f32; 3],
+        range: f32,
+        versine_outer: f32,
+        inverse_versine_span: f32,
+        shadow_near: f32,
+        shadow_tan: f32,
+    }
+}

@@ -1,0 +1,60 @@
+//! The passes that turn a G-buffer into values: the fill, quantities of the surface, and one additive pass a light.
+
+use std::cell::OnceCell;
+
+use wgpu::{
+    BindGroup, BindGroupLayout, BlendComponent, BlendFactor, BlendOperation, BlendState, PipelineLayout, RenderPass,
+    RenderPipeline, ShaderModule, TextureFormat,
+};
+
+use crate::{Aov, Gpu};
+
+/// Radiance and every AOV: raw values, added up in f32.
+pub(crate) const FORMAT: TextureFormat = TextureFormat::Rgba32Float;
+
+const ADD: BlendState = {
+    let sum = BlendComponent {
+        src_factor: BlendFactor::One,
+        dst_factor: BlendFactor::One,
+        operation: BlendOperation::Add,
+    };
+    BlendState { color: sum, alpha: sum }
+};
+
+/// A module of fullscreen entry points that add to the picture: one an AOV, `fs_` and its name. Pipelines are made
+/// when first wanted.
+#[derive(Debug)]
+pub(crate) struct LightingPass {
+    layout: PipelineLayout,
+    module: ShaderModule,
+    pipelines: [OnceCell<RenderPipeline>; Aov::NAMES.len()],
+}
+
+impl LightingPass {
+    /// `groups` begin with the view and the surface.
+    pub fn new(gpu: &Gpu, label: &str, wgsl: &str, groups: &[&BindGroupLayout]) -> Self {
+        Self {
+            layout: gpu.pipeline_layout(label, groups),
+            module: gpu.module(label, wgsl),
+            pipelines: std::array::from_fn(|_| OnceCell::new()),
+        }
+    }
+
+    /// Adds `aov` within `pixels`, `[x, y, width, height]`. `group` is what the pass binds after view and surface.
+    pub fn draw(&self, gpu: &Gpu, pass: &mut RenderPass, aov: Aov, group: Option<&BindGroup>, pixels: [u32; 4]) {
+        let [x, y, width, height] = pixels;
+        if width == 0 || height == 0 {
+            return;
+        }
+        let pipeline = self.pipelines[aov as usize].get_or_init(|| {
+            let entry_point = format!("fs_{}", aov.name());
+            gpu.fullscreen_pipeline(&self.layout, &self.module, &entry_point, FORMAT, Some(ADD))
+        });
+        pass.set_pipeline(pipeline);
+        if let Some(group) = group {
+            pass.set_bind_group(2, group, &[]);
+        }
+        pass.set_scissor_rect(x, y, width, height);
+        pass.draw(0..3, 0..1);
+    }
+}

@@ -1,0 +1,158 @@
+//! Materials on the GPU: a bind group a draw.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use scene::{Sampler, Scene, TextureRef, Wrap};
+use wgpu::util::{BufferInitDescriptor, DeviceExt, TextureDataOrder};
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, TextureFormat, TextureView};
+
+use crate::geometry::Posed;
+use crate::mipmap::{Encoding, mip_chain};
+use crate::pipeline::{COLOR_TEXTURE, FILTERING, UNIFORM};
+use crate::{Gpu, RenderError, layout};
+
+/// Group 1 of the passes that draw triangles; see `material.wgsl`.
+pub(crate) const BINDINGS: [BindingType; 5] = [UNIFORM, COLOR_TEXTURE, FILTERING, COLOR_TEXTURE, FILTERING];
+
+/// A run of triangles and what it is drawn with.
+#[derive(Debug)]
+pub(crate) struct MaterialDraw {
+    pub indices: Range<u32>,
+    pub material: BindGroup,
+    pub masked: bool,
+    pub double_sided: bool,
+}
+
+/// The draws of `posed`, those without an alpha test first.
+pub(crate) fn material_draws(
+    gpu: &Gpu,
+    layout: &BindGroupLayout,
+    scene: &Scene,
+    posed: &Posed,
+) -> Result<Vec<MaterialDraw>, RenderError> {
+    let mut textures = Textures { gpu, scene, views: HashMap::new(), samplers: HashMap::new() };
+    posed
+        .draws
+        .iter()
+        .map(|draw| {
+            let material = &scene.materials[draw.material];
+            let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
+                label: Some("material"),
+                contents: bytemuck::bytes_of(&layout::Material {
+                    base_color: material.base_color.to_array(),
+                    metallic: material.metallic,
+                    roughness: material.roughness,
+                    alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
+                    first_triangle: draw.indices.start / 3,
+                }),
+                usage: BufferUsages::UNIFORM,
+            });
+            let (base_view, base_sampler) = textures.get(material.base_color_texture, Encoding::Srgb)?;
+            let (surface_view, surface_sampler) =
+                textures.get(material.metallic_roughness_texture, Encoding::Linear)?;
+            let group = gpu.group(
+                "material",
+                layout,
+                &[
+                    uniform.as_entire_binding(),
+                    BindingResource::TextureView(&base_view),
+                    BindingResource::Sampler(&base_sampler),
+                    BindingResource::TextureView(&surface_view),
+                    BindingResource::Sampler(&surface_sampler),
+                ],
+            );
+            Ok(MaterialDraw {
+                indices: draw.indices.clone(),
+                material: group,
+                masked: material.alpha_cutoff.is_some(),
+                double_sided: material.double_sided,
+            })
+        })
+        .collect()
+}
+
+/// What has been uploaded so far; each picture once an encoding.
+struct Textures<'a> {
+    gpu: &'a Gpu,
+    scene: &'a Scene,
+    views: HashMap<(Option<usize>, Encoding), TextureView>,
+    samplers: HashMap<Sampler, wgpu::Sampler>,
+}
+
+impl Textures<'_> {
+    /// The picture and sampler of `texture`, or a white texel.
+    fn get(
+        &mut self,
+        texture: Option<TextureRef>,
+        encoding: Encoding,
+    ) -> Result<(TextureView, wgpu::Sampler), RenderError> {
+        let key = (texture.map(|t| t.image), encoding);
+        let view = match self.views.get(&key) {
+            Some(view) => view.clone(),
+            None => {
+                let (width, height, rgba8) = key.0.map_or((1, 1, &[255; 4][..]), |index| {
+                    let image = &self.scene.images[index];
+                    (image.width, image.height, &image.rgba8)
+                });
+                let view = upload(self.gpu, width, height, rgba8, encoding)?;
+                self.views.insert(key, view.clone());
+                view
+            }
+        };
+        let sampler = texture.map(|t| t.sampler).unwrap_or_default();
+        let sampler = self.samplers.entry(sampler).or_insert_with(|| create_sampler(self.gpu, sampler));
+        Ok((view, sampler.clone()))
+    }
+}
+
+fn upload(
+    gpu: &Gpu,
+    width: u32,
+    height: u32,
+    rgba8: &[u8],
+    encoding: Encoding,
+) -> Result<TextureView, RenderError> {
+    let limit = gpu.device.limits().max_texture_dimension_2d;
+    let size = width.max(height);
+    if size > limit {
+        let what = "the width or height of a texture";
+        return Err(RenderError::TooLarge { what, size: f64::from(size), limit: f64::from(limit) });
+    }
+    let texture = gpu.device.create_texture_with_data(
+        &gpu.queue,
+        &wgpu::TextureDescriptor {
+            label: Some("material texture"),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: size.ilog2() + 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: match encoding {
+                Encoding::Srgb => TextureFormat::Rgba8UnormSrgb,
+                Encoding::Linear => TextureFormat::Rgba8Unorm,
+            },
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        TextureDataOrder::MipMajor,
+        &mip_chain(width, height, rgba8, encoding),
+    );
+    Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
+}
+
+fn create_sampler(gpu: &Gpu, sampler: Sampler) -> wgpu::Sampler {
+    let address_mode = |wrap| match wrap {
+        Wrap::Repeat => wgpu::AddressMode::Repeat,
+        Wrap::MirroredRepeat => wgpu::AddressMode::MirrorRepeat,
+        Wrap::ClampToEdge => wgpu::AddressMode::ClampToEdge,
+    };
+    gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("material"),
+        address_mode_u: address_mode(sampler.wrap_u),
+        address_mode_v: address_mode(sampler.wrap_v),
+        mag_filter: if sampler.nearest { wgpu::FilterMode::Nearest } else { wgpu::FilterMode::Linear },
+        min_filter: wgpu::FilterMode::Linear,
+        mipmap_filter: wgpu::MipmapFilterMode::Linear,
+        ..Default::default()
+    })
+}

@@ -1,0 +1,189 @@
+//! Short spellings of what every pass describes to wgpu in the same way.
+
+use wgpu::{
+    BindGroupLayout, BindGroupLayoutEntry, BindingType, BlendState, BufferBindingType, ColorTargetState, ColorWrites,
+    PipelineLayout, RenderPipeline, SamplerBindingType, ShaderModule, ShaderStages, TextureFormat,
+    TextureSampleType, TextureViewDimension,
+};
+
+use crate::Gpu;
+
+/// What a pass may bind, in the order of the bindings.
+pub(crate) const UNIFORM: BindingType = buffer(BufferBindingType::Uniform);
+/// A read-only storage buffer.
+pub(crate) const STORAGE: BindingType = buffer(BufferBindingType::Storage { read_only: true });
+/// A texture that is filtered.
+pub(crate) const COLOR_TEXTURE: BindingType = texture(TextureSampleType::Float { filterable: true });
+/// A texture that is only loaded or gathered. Depth is bound so as well: the GL backend cannot load depth textures.
+pub(crate) const RAW_TEXTURE: BindingType = texture(TextureSampleType::Float { filterable: false });
+/// A texture of integers.
+pub(crate) const UINT_TEXTURE: BindingType = texture(TextureSampleType::Uint);
+/// A sampler that blends.
+pub(crate) const FILTERING: BindingType = BindingType::Sampler(SamplerBindingType::Filtering);
+/// A sampler that does not.
+pub(crate) const NON_FILTERING: BindingType = BindingType::Sampler(SamplerBindingType::NonFiltering);
+
+/// Depth of the G-buffer and of shadow maps.
+pub(crate) const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
+
+const fn buffer(ty: BufferBindingType) -> BindingType {
+    BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
+}
+
+const fn texture(sample_type: TextureSampleType) -> BindingType {
+    BindingType::Texture { sample_type, view_dimension: TextureViewDimension::D2, multisampled: false }
+}
+
+impl Gpu {
+    /// A layout whose binding `i` is `bindings[i]`, seen by vertices and fragments.
+    pub(crate) fn layout(&self, label: &str, bindings: &[BindingType]) -> BindGroupLayout {
+        let entries: Vec<_> = (0..)
+            .zip(bindings)
+            .map(|(binding, &ty)| BindGroupLayoutEntry {
+                binding,
+                visibility: ShaderStages::VERTEX_FRAGMENT,
+                ty,
+                count: None,
+            })
+            .collect();
+        self.device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+    }
+
+    /// A group whose binding `i` is `resources[i]`.
+    pub(crate) fn group(
+        &self,
+        label: &str,
+        layout: &BindGroupLayout,
+        resources: &[wgpu::BindingResource],
+    ) -> wgpu::BindGroup {
+        let entries: Vec<_> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
+            .collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(label),
+            layout,
+            entries: &entries,
+        })
+    }
+
+    pub(crate) fn pipeline_layout(&self, label: &str, groups: &[&BindGroupLayout]) -> PipelineLayout {
+        let bind_group_layouts: Vec<_> = groups.iter().map(|&group| Some(group)).collect();
+        self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(label),
+            bind_group_layouts: &bind_group_layouts,
+            immediate_size: 0,
+        })
+    }
+
+    pub(crate) fn module(&self, label: &str, wgsl: &str) -> ShaderModule {
+        self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(label),
+            source: wgpu::ShaderSource::Wgsl(wgsl.into()),
+        })
+    }
+
+    /// A pipeline that draws `vs_fullscreen` with `entry_point`, adding to or replacing what is in the target.
+    pub(crate) fn fullscreen_pipeline(
+        &self,
+        layout: &PipelineLayout,
+        module: &ShaderModule,
+        entry_point: &str,
+        format: TextureFormat,
+        blend: Option<BlendState>,
+    ) -> RenderPipeline {
+        self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(entry_point),
+            layout: Some(layout),
+            vertex: wgpu::VertexState {
+                module,
+                entry_point: Some("vs_fullscreen"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: None,
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module,
+                entry_point: Some(entry_point),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(ColorTargetState { format, blend, write_mask: ColorWrites::ALL })],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+
+    /// A uniform buffer that holds a `T`, to be written later.
+    pub(crate) fn uniform_buffer<T>(&self, label: &str) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: size_of::<T>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// A texture that is drawn to and then read, by shaders or by copies.
+    pub(crate) fn target(
+        &self,
+        label: &str,
+        width: u32,
+        height: u32,
+        format: TextureFormat,
+    ) -> wgpu::Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                | wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        })
+    }
+}
+
+/// Reversed z: what is nearer has more.
+pub(crate) fn nearer_wins() -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: DEPTH_FORMAT,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(wgpu::CompareFunction::Greater),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    }
+}
+
+/// A depth attachment that starts at infinity.
+pub(crate) fn cleared_depth(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
+        stencil_ops: None,
+    }
+}
+
+/// A colour attachment that starts at zero, or goes on.
+pub(crate) fn color_attachment(
+    view: &wgpu::TextureView,
+    clear: bool,
+) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+    let load = if clear { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
+    let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
+    Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+}
+
+/// Vertex buffers: positions alone, and the other attributes.
+pub(crate) fn vertex_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 2] {
+    const POSITION: &[wgpu::VertexAttribute] = &wgpu::vertex_attr_array![0 => Float32x3];
+    const REST: &[wgpu::VertexAttribute] = &wgpu::vertex_attr_array![1 => Float32x3, 2 => Float32x2, 3 => Float32x4];
+    [(12, POSITION), (size_of::<crate::geometry::Attributes>() as u64, REST)].map(|(array_stride, attributes)| {
+        Some(wgpu::VertexBufferLayout { array_stride, step_mode: wgpu::VertexStepMode::Vertex, attributes })
+    })
+}

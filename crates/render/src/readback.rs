@@ -1,0 +1,66 @@
+//! From textures and buffers to the processor's memory.
+
+use wgpu::{Buffer, BufferUsages, BufferView, COPY_BYTES_PER_ROW_ALIGNMENT, MapMode, PollType, Texture};
+
+use crate::{Gpu, RenderError};
+
+/// The texels of `texture`, rows from the top without gaps. Waits for everything submitted before.
+pub(crate) fn read<T: bytemuck::Pod>(gpu: &Gpu, texture: &Texture) -> Result<Vec<T>, RenderError> {
+    let (width, height) = (texture.width() as usize, texture.height() as usize);
+    let row = width * size_of::<T>();
+    let padded_row = row.next_multiple_of(COPY_BYTES_PER_ROW_ALIGNMENT as usize);
+    let size = (padded_row * height) as u64;
+    let limit = gpu.device.limits().max_buffer_size;
+    if size > limit {
+        return Err(RenderError::TooLarge {
+            what: "the picture in bytes",
+            size: size as f64,
+            limit: limit as f64,
+        });
+    }
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("readback"),
+        size,
+        usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(padded_row as u32),
+        rows_per_image: None,
+    };
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+        texture.size(),
+    );
+    gpu.queue.submit([encoder.finish()]);
+    let bytes = map(gpu, &buffer)?;
+    Ok(bytes.chunks_exact(padded_row).flat_map(|r| bytemuck::pod_collect_to_vec(&r[..row])).collect())
+}
+
+/// The contents of `buffer`, which can be copied from. Waits for everything submitted before.
+pub(crate) fn buffer<T: bytemuck::Pod>(gpu: &Gpu, buffer: &Buffer) -> Result<Vec<T>, RenderError> {
+    let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("readback"),
+        size: buffer.size(),
+        usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
+    gpu.queue.submit([encoder.finish()]);
+    Ok(bytemuck::pod_collect_to_vec(&map(gpu, &copy)?))
+}
+
+/// The bytes of a buffer that can be mapped.
+fn map(gpu: &Gpu, buffer: &Buffer) -> Result<BufferView, RenderError> {
+    let failed = |why: &dyn std::fmt::Display| RenderError::Gpu(format!("reading results back: {why}"));
+    let (sender, receiver) = std::sync::mpsc::channel();
+    // The receiver lives until the answer is in.
+    buffer.map_async(MapMode::Read, .., move |result| sender.send(result).unwrap_or_default());
+    gpu.device.poll(PollType::wait_indefinitely()).map_err(|e| failed(&e))?;
+    receiver.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
+    buffer.get_mapped_range(..).map_err(|e| failed(&e))
+}

@@ -1,0 +1,57 @@
+// A BendyLight's share of the picture. Follows tube.wgsl and lighting.wgsl.
+
+@group(2) @binding(2) var shadow_map: texture_2d<f32>;
+@group(2) @binding(3) var shadow_sampler: sampler;
+
+fn sample_light(surface: Surface) -> LightSample {
+    let q = (light.tube_from_scene * vec4f(surface.position, 1.0)).xyz;
+    let root = nearest_root(q);
+    if !root.found {
+        return LightSample();
+    }
+    var result: LightSample;
+    result.inside = true;
+    result.t = root_t(root);
+    result.vw = root.vw_len / select(1.0, root.radius, root.radius > 0.0);
+    result.to_light = normalize(light.world_from_tube * direction_at(root));
+    result.irradiance = irradiance(root);
+    result.visibility = bent_visibility(root, result.vw, surface.geometric_normal * light.world_from_tube);
+    return result;
+}
+
+// Derivative of position by t along the curve of constant (v, w): the way light takes.
+fn path_tangent(root: Root, vw: vec2f, across: mat2x3f) -> vec3f {
+    let c = segments[root.segment].curve;
+    let turn = curve_u_hat_derivative(c, root.u, root.u_hat);
+    let speed = 2.0 * length(curve_d(c, root.u));
+    return root.u_hat * (speed - dot(root.r, turn)) + (across * vw) * curve_radius_derivative(c, root.u)
+        + cross(root.u_hat, root.r) * twist(root, turn);
+}
+
+// Bilinear percentage-closer filter over the 2 x 2 texels around (v, w). Each texel is compared with the t that the receiver's own plane has at
+// that texel's centre, so that a plane cannot shadow itself: a step e in the plane is R (dv v_hat + dw w_hat) + T dt
+// with T the path's tangent, and n.e = 0 gives dt = -R (n_v dv + n_w dw) / n.T.
+fn bent_visibility(root: Root, vw: vec2f, normal: vec3f) -> f32 {
+    let across = mat2x3f(root.v_hat, cross(root.u_hat, root.v_hat));
+    let tangent = path_tangent(root, vw, across);
+    let texel_width = 2.0 * root.radius / light.shadow_resolution;
+    // One texel's width in the scene, as a step in t.
+    let footprint = texel_width / max(length(tangent), 1e-20);
+    let closing = dot(normal, tangent);
+    let slope = -texel_width * (normal * across) / select(closing, 1e-20, closing == 0.0);
+    // Seen edge on, the plane runs off along the light within a texel.
+    let step = clamp(vec2f(slope.x, -slope.y), vec2f(-32.0 * footprint), vec2f(32.0 * footprint));
+
+    let texel = (vw * vec2f(0.5, -0.5) + 0.5) * light.shadow_resolution - 0.5;
+    let first = floor(texel);
+    let blend = texel - first;
+    let start = root_t(root) - dot(step, blend);
+    let expected = start + vec4f(step.y, step.x + step.y, step.x, 0.0);
+
+    // The map is drawn to TOLERANCE_TEXELS across and along; a neighbouring facet that rises out of the plane by 0.1 rad is not an
+    // occluder; and the depth is rounded to some ulps of 1.
+    let tolerance = 0.5 * footprint + 0.5 * (abs(step.x) + abs(step.y)) + 0x1p-22 * light.t_max;
+    let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / light.shadow_resolution) * light.t_max;
+    let lit = select(vec4f(0.0), vec4f(1.0), stored >= expected - tolerance);
+    return mix(mix(lit.w, lit.z, blend.x), mix(lit.x, lit.y, blend.x), blend.y);
+}

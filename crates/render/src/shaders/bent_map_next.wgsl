@@ -1,0 +1,12 @@
+// Between passes: how many workgroups the next one needs. Follows bent_map.wgsl.
+
+@group(0) @binding(2) var<storage, read_write> counts: BentCounts;
+@group(0) @binding(3) var<storage, read_write> workgroups: vec3u;
+
+@compute @workgroup_size(1)
+fn next_stage() {
+    let stage = counts.stage + 1u;
+    counts.stage = stage;
+    let capacity = select(bent.patch_capacity, bent.work_capacity, stage == 0u);
+    workgroups = vec3u((min(atomicLoad(&counts.items[stage]), capacity) + 63u) / 64u, 1u, 1u);
+}

@@ -1,0 +1,74 @@
+// Pass 4, level by level: a patch whose edges are straight enough is drawn, any other is split at the middles of those that are not.
+// Whether an edge is split depends on that edge alone, so neighbours agree and no cracks open. Follows bent_map.wgsl.
+
+@group(0) @binding(2) var<storage, read> patches_in: array<Patch>;
+@group(0) @binding(3) var<storage, read_write> patches_out: array<Patch>;
+@group(0) @binding(4) var<storage, read_write> counts: BentCounts;
+// (V, W, R, t), three a triangle.
+@group(0) @binding(5) var<storage, read_write> split_vertices: array<vec4f>;
+
+// The last entry of `items` that patches are appended to; patches there are drawn as they are.
+const LAST_STAGE = 11u;
+
+fn draw(a: vec4f, b: vec4f, c: vec4f) {
+    let first = atomicAdd(&counts.split_vertex_count, 3u);
+    if first + 3u <= bent.split_capacity {
+        split_vertices[first] = a;
+        split_vertices[first + 1u] = b;
+        split_vertices[first + 2u] = c;
+    }
+}
+
+fn pass_on(slot: u32, slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f, qc: vec3f, c: vec4f) {
+    if slot < bent.patch_capacity {
+        patches_out[slot] = Patch(qa, slab, qb, qc, a, b, c);
+    }
+}
+
+@compute @workgroup_size(64)
+fn split_patches(@builtin(global_invocation_id) id: vec3u) {
+    let stage = counts.stage;
+    if id.x >= min(atomicLoad(&counts.items[stage]), bent.patch_capacity) {
+        return;
+    }
+    let p = patches_in[id.x];
+    let c = slabs[p.slab];
+    var ab = edge_middle(c, p.a, p.mapped_a, p.b, p.mapped_b);
+    var bc = edge_middle(c, p.b, p.mapped_b, p.c, p.mapped_c);
+    var ca = edge_middle(c, p.c, p.mapped_c, p.a, p.mapped_a);
+    let splits = u32(ab.split) + u32(bc.split) + u32(ca.split);
+    if splits == 0u || stage == LAST_STAGE {
+        draw(p.mapped_a, p.mapped_b, p.mapped_c);
+        return;
+    }
+    let slot = atomicAdd(&counts.items[stage + 1u], splits + 1u);
+    if splits == 3u {
+        pass_on(slot, p.slab, p.a, p.mapped_a, ab.q, ab.mapped, ca.q, ca.mapped);
+        pass_on(slot + 1u, p.slab, p.b, p.mapped_b, bc.q, bc.mapped, ab.q, ab.mapped);
+        pass_on(slot + 2u, p.slab, p.c, p.mapped_c, ca.q, ca.mapped, bc.q, bc.mapped);
+        pass_on(slot + 3u, p.slab, ab.q, ab.mapped, bc.q, bc.mapped, ca.q, ca.mapped);
+        return;
+    }
+    // Turn the triangle until a split edge comes first and, of two, the second next.
+    var qa = p.a; var qb = p.b; var qc = p.c;
+    var ma = p.mapped_a; var mb = p.mapped_b; var mc = p.mapped_c;
+    var first = ab;
+    var second = bc;
+    if bc.split && !ab.split {
+        qa = p.b; qb = p.c; qc = p.a;
+        ma = p.mapped_b; mb = p.mapped_c; mc = p.mapped_a;
+        first = bc; second = ca;
+    } else if ca.split && !bc.split {
+        qa = p.c; qb = p.a; qc = p.b;
+        ma = p.mapped_c; mb = p.mapped_a; mc = p.mapped_b;
+        first = ca; second = ab;
+    }
+    if splits == 1u {
+        pass_on(slot, p.slab, qa, ma, first.q, first.mapped, qc, mc);
+        pass_on(slot + 1u, p.slab, first.q, first.mapped, qb, mb, qc, mc);
+    } else {
+        pass_on(slot, p.slab, first.q, first.mapped, qb, mb, second.q, second.mapped);
+        pass_on(slot + 1u, p.slab, qa, ma, first.q, first.mapped, second.q, second.mapped);
+        pass_on(slot + 2u, p.slab, qa, ma, second.q, second.mapped, qc, mc);
+    }
+}

@@ -1,0 +1,67 @@
+// Pass 2: every triangle once: dropped, used as it is, or listed with each slab it may touch. Follows bent_map.wgsl.
+
+@group(0) @binding(2) var<storage, read> positions: array<f32>;
+@group(0) @binding(3) var<storage, read> mapped: array<vec4f>;
+@group(0) @binding(4) var<storage, read> vertex_slab: array<u32>;
+@group(0) @binding(5) var<storage, read> indices: array<u32>;
+@group(0) @binding(6) var<storage, read_write> whole_indices: array<u32>;
+@group(0) @binding(7) var<storage, read_write> work: array<vec2u>;
+@group(0) @binding(8) var<storage, read_write> counts: BentCounts;
+
+fn vertex_position(vertex: u32) -> vec3f {
+    return tube_position(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]);
+}
+
+// False where one of the slab's planes has the whole triangle on its outer side.
+fn may_touch(c: Curve, a: vec3f, b: vec3f, d: vec3f) -> bool {
+    for (var plane = 0u; plane < 6u; plane++) {
+        if max(max(slab_plane(c, plane, a), slab_plane(c, plane, b)), slab_plane(c, plane, d)) < 0.0 {
+            return false;
+        }
+    }
+    return true;
+}
+
+// Whether the three vertices lie beyond one side of the map's square.
+fn off_map(a: vec4f, b: vec4f, c: vec4f) -> bool {
+    return (a.x > a.z && b.x > b.z && c.x > c.z) || (a.x < -a.z && b.x < -b.z && c.x < -c.z)
+        || (a.y > a.z && b.y > b.z && c.y > c.z) || (a.y < -a.z && b.y < -b.z && c.y < -c.z);
+}
+
+@compute @workgroup_size(64)
+fn map_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let triangle = id.x + id.y * groups.x * 64u;
+    if triangle >= bent.triangle_count {
+        return;
+    }
+    let corners = vec3u(indices[3u * triangle], indices[3u * triangle + 1u], indices[3u * triangle + 2u]);
+    let qa = vertex_position(corners.x);
+    let qb = vertex_position(corners.y);
+    let qc = vertex_position(corners.z);
+    let slab = vertex_slab[corners.x];
+    if slab < bent.slab_count && slab == vertex_slab[corners.y] && slab == vertex_slab[corners.z] {
+        let a = mapped[corners.x];
+        let b = mapped[corners.y];
+        let c = mapped[corners.z];
+        if off_map(a, b, c) {
+            return;
+        }
+        let curve = slabs[slab];
+        if !edge_middle(curve, qa, a, qb, b).split && !edge_middle(curve, qb, b, qc, c).split
+            && !edge_middle(curve, qc, c, qa, a).split {
+            let first = atomicAdd(&counts.whole_index_count, 3u);
+            whole_indices[first] = corners.x;
+            whole_indices[first + 1u] = corners.y;
+            whole_indices[first + 2u] = corners.z;
+            return;
+        }
+    }
+    for (var i = 0u; i < bent.slab_count; i++) {
+        if may_touch(slabs[i], qa, qb, qc) {
+            let item = atomicAdd(&counts.items[0], 1u);
+            if item < bent.work_capacity {
+                work[item] = vec2u(triangle, i);
+            }
+        }
+    }
+}

@@ -1,0 +1,217 @@
+// One quadratic piece of a tube and where it is square to a point: the twin of bendy's segment.rs and solve.rs, in their order
+// and with their names. Every division is guarded: WGSL promises neither NaN nor infinity.
+
+struct Curve {
+    b0: vec3f,
+    r0: f32,
+    b2: vec3f,
+    e0: f32,
+    d0: vec3f,
+    ar: f32,
+    d1: vec3f,
+    alpha: f32,
+    a: vec3f,
+    beta: f32,
+    n_hat: vec3f,
+    t_start: f32,
+    box_center: vec3f,
+    t_span: f32,
+    box_axis_0: vec3f,
+    box_half_0: f32,
+    box_axis_1: vec3f,
+    box_half_1: f32,
+    box_axis_2: vec3f,
+    box_half_2: f32,
+}
+
+const NEWTON_STEPS = 3u;
+
+fn curve_d(c: Curve, u: f32) -> vec3f {
+    return c.d0 + c.a * u;
+}
+
+fn curve_offset(c: Curve, q: vec3f, u: f32) -> vec3f {
+    return (q - c.b0) - (c.d0 * 2.0 + c.a * u) * u;
+}
+
+fn curve_radius(c: Curve, u: f32) -> f32 {
+    return c.r0 + u * (2.0 * c.e0 + u * c.ar);
+}
+
+fn curve_radius_derivative(c: Curve, u: f32) -> f32 {
+    return 2.0 * (c.e0 + u * c.ar);
+}
+
+// Unit tangent; the one-sided limit where P' is zero at an end.
+fn curve_u_hat(c: Curve, u: f32) -> vec3f {
+    let d = curve_d(c, u);
+    if dot(d, d) > 0.0 {
+        return normalize(d);
+    }
+    return normalize(select(-c.a, c.a, u < 0.5));
+}
+
+// v_hat and w_hat of the rotation-minimising frame, as the columns of a matrix.
+fn curve_rotation_minimizing(c: Curve, u_hat: vec3f) -> mat2x3f {
+    let m = cross(c.n_hat, u_hat);
+    return mat2x3f(c.n_hat * c.alpha + m * c.beta, c.n_hat * c.beta - m * c.alpha);
+}
+
+// w_hat from `up`, or from the least-aligned axis where they are parallel.
+fn perpendicular_up(up: vec3f, u_hat: vec3f) -> vec3f {
+    let perp = up - u_hat * dot(up, u_hat);
+    if dot(perp, perp) >= 1e-12 {
+        return normalize(perp);
+    }
+    let m = abs(u_hat);
+    var axis = vec3f(0.0, 0.0, 1.0);
+    if m.x <= m.y && m.x <= m.z {
+        axis = vec3f(1.0, 0.0, 0.0);
+    } else if m.y <= m.z {
+        axis = vec3f(0.0, 1.0, 0.0);
+    }
+    return normalize(axis - u_hat * dot(axis, u_hat));
+}
+
+fn curve_u_hat_derivative(c: Curve, u: f32, u_hat: vec3f) -> vec3f {
+    let d = curve_d(c, u);
+    let speed = length(d);
+    if speed > 0.0 {
+        return (c.a - u_hat * dot(c.a, u_hat)) / speed;
+    }
+    return vec3f(0.0);
+}
+
+fn curve_box_contains(c: Curve, q: vec3f) -> bool {
+    let p = q - c.box_center;
+    return abs(dot(p, c.box_axis_0)) <= c.box_half_0
+        && abs(dot(p, c.box_axis_1)) <= c.box_half_1
+        && abs(dot(p, c.box_axis_2)) <= c.box_half_2;
+}
+
+fn sdiv(n: f32, d: f32) -> f32 {
+    if abs(n) <= 64.0 * abs(d) {
+        if d == 0.0 {
+            return 0.0;
+        }
+        return n / d;
+    }
+    return select(-64.0, 64.0, (n < 0.0) == (d < 0.0));
+}
+
+fn cbrt_above(x: f32) -> f32 {
+    return bitcast<f32>(bitcast<u32>(x) / 3u + 709921077u) * 1.06;
+}
+
+struct Cubic {
+    c0: f32,
+    c1: f32,
+    c2: f32,
+    c3: f32,
+}
+
+fn cubic_value(c: Cubic, u: f32) -> f32 {
+    return ((c.c3 * u + c.c2) * u + c.c1) * u + c.c0;
+}
+
+fn cubic_slope(c: Cubic, u: f32) -> f32 {
+    return (3.0 * c.c3 * u + 2.0 * c.c2) * u + c.c1;
+}
+
+fn cubic_half_curvature(c: Cubic, u: f32) -> f32 {
+    return 3.0 * c.c3 * u + c.c2;
+}
+
+fn climb(f: f32, g: f32, h: f32, a: f32, t_max: f32) -> f32 {
+    var t = t_max;
+    if f < g * t {
+        t = f / g;
+    }
+    if f < h * t * t {
+        t = sqrt(f / h);
+    }
+    if f < a * t * t * t {
+        t = min(cbrt_above(f / a), t);
+    }
+    for (var i = 0u; i < NEWTON_STEPS; i++) {
+        let value = ((a * t + h) * t + g) * t - f;
+        let slope = (3.0 * a * t + 2.0 * h) * t + g;
+        if slope > 0.0 {
+            t = clamp(t - value / slope, 0.0, t_max);
+        }
+    }
+    return t;
+}
+
+fn polish(c: Curve, q: vec3f, u: f32, low: f32, high: f32) -> f32 {
+    let r = curve_offset(c, q, u);
+    let d = curve_d(c, u);
+    let n = dot(r, d);
+    let slope = 2.0 * dot(d, d) - dot(r, c.a);
+    var step = 0.0;
+    if abs(n) <= abs(slope) * 0.015625 && slope != 0.0 {
+        step = n / slope;
+    }
+    return clamp(u + step, low, high);
+}
+
+struct Roots {
+    left: f32,
+    right: f32,
+    has_left: bool,
+    has_right: bool,
+}
+
+// The value that a piece's split point has: the caller's at an end, the cubic's inside.
+fn at_split(u: f32, start: f32, end: f32, inside: f32) -> f32 {
+    return select(select(inside, end, u == 1.0), start, u == 0.0);
+}
+
+fn increasing_roots(c: Curve, q: vec3f, f0: f32, f1: f32) -> Roots {
+    let from_start = q - c.b0;
+    let cubic = Cubic(
+        -dot(from_start, c.d0),
+        2.0 * dot(c.d0, c.d0) - dot(from_start, c.a),
+        3.0 * dot(c.d0, c.a),
+        dot(c.a, c.a),
+    );
+    let e0 = select(-dot(from_start, c.a), f0, dot(c.d0, c.d0) > 0.0);
+    let e1 = select(dot(q - c.b2, c.a), f1, dot(c.d1, c.d1) > 0.0);
+
+    var cl: f32;
+    var ch: f32;
+    let discriminant = cubic.c2 * cubic.c2 - 3.0 * cubic.c3 * cubic.c1;
+    if discriminant > 0.0 {
+        let root = sqrt(discriminant);
+        let qd = -(cubic.c2 + select(root, -root, cubic.c2 < 0.0));
+        let x = sdiv(qd, 3.0 * cubic.c3);
+        let y = sdiv(cubic.c1, qd);
+        cl = saturate(min(x, y));
+        ch = saturate(max(x, y));
+    } else {
+        cl = saturate(sdiv(-cubic.c2, 3.0 * cubic.c3));
+        ch = cl;
+    }
+
+    let fl = at_split(cl, f0, f1, cubic_value(cubic, cl));
+    let fh = at_split(ch, f0, f1, min(cubic_value(cubic, ch), fl));
+    let sl = at_split(cl, e0, e1, fl);
+    let sh = at_split(ch, e0, e1, fh);
+
+    var roots = Roots(0.0, 0.0, false, false);
+    if e0 <= 0.0 && 0.0 <= sl {
+        let g = max(cubic_slope(cubic, cl), 0.0);
+        let h = max(-cubic_half_curvature(cubic, cl), 0.0);
+        let u = cl - climb(abs(fl), g, h, cubic.c3, cl);
+        roots.left = polish(c, q, u, 0.0, cl);
+        roots.has_left = true;
+    }
+    if sh <= 0.0 && 0.0 <= e1 {
+        let g = max(cubic_slope(cubic, ch), 0.0);
+        let h = max(cubic_half_curvature(cubic, ch), 0.0);
+        let u = ch + climb(abs(fh), g, h, cubic.c3, 1.0 - ch);
+        roots.right = polish(c, q, u, ch, 1.0);
+        roots.has_right = true;
+    }
+    return roots;
+}

@@ -1,0 +1,27 @@
+// Linear radiance to what a screen shows: Khronos PBR Neutral (KhronosGroup/ToneMapping, 2024), then sRGB.
+
+@group(0) @binding(0) var radiance: texture_2d<f32>;
+
+// Hue and colour are kept up to START; above, peaks are compressed to 1 and desaturated.
+const START: f32 = 0.8 - 0.04;
+const DESATURATION: f32 = 0.15;
+
+fn pbr_neutral(linear: vec3f) -> vec3f {
+    // Takes off the reflection of 4 % that a dielectric adds to its base colour.
+    let low = min(linear.r, min(linear.g, linear.b));
+    let color = linear - select(0.04, low - 6.25 * low * low, low < 0.08);
+    let peak = max(color.r, max(color.g, color.b));
+    if peak < START {
+        return color;
+    }
+    let room = 1.0 - START;
+    let new_peak = 1.0 - room * room / (peak + room - START);
+    let white = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
+    return mix(color * (new_peak / peak), vec3f(new_peak), white);
+}
+
+@fragment
+fn fs_display(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
+    let linear = textureLoad(radiance, vec2u(pixel.xy), 0).rgb;
+    return vec4f(srgb_from_linear(saturate(pbr_neutral(linear))), 1.0);
+}

@@ -1,0 +1,58 @@
+// Every in-tube root of points in tube space, for `eval` and for tests. Follows tube.wgsl.
+
+struct LocatedRoot {
+    segment: u32,
+    u: f32,
+    v_len: f32,
+    w_len: f32,
+    radius: f32,
+    // Unit, in tube space, from the point to where its light comes from.
+    direction: vec3f,
+}
+
+@group(0) @binding(0) var<storage, read> points: array<vec4f>;
+// How many roots each point has.
+@group(0) @binding(1) var<storage, read_write> root_counts: array<u32>;
+// Room for two a segment and one on the extension.
+@group(0) @binding(2) var<storage, read_write> located: array<LocatedRoot>;
+
+fn report(point: u32, count: u32, root: Root) {
+    let stride = 2u * light.segment_count + light.extended;
+    located[point * stride + count] =
+        LocatedRoot(root.segment, root.u, root.vw_len.x, root.vw_len.y, root.radius, direction_at(root));
+}
+
+@compute @workgroup_size(64)
+fn locate(@builtin(global_invocation_id) id: vec3u) {
+    let point = id.x;
+    if point >= arrayLength(&points) {
+        return;
+    }
+    let q = points[point].xyz;
+    var count = 0u;
+    var last_segment = 0u;
+    var last_u = -1.0;
+    var f0 = first_joint(q);
+    for (var i = 0u; i < light.segment_count + light.extended; i++) {
+        let f1 = end_joint(i, q);
+        let roots = candidates(i, q, f0, f1);
+        let us = vec2f(roots.left, roots.right);
+        let has = vec2<bool>(roots.has_left, roots.has_right);
+        for (var side = 0u; side < 2u; side++) {
+            // The same root seen from both sides of a joint belongs to the lower segment.
+            let same = count > 0u && f32(i - last_segment) + (us[side] - last_u) < JOINT_MERGE;
+            if !has[side] || same {
+                continue;
+            }
+            let root = root_inside(i, q, us[side]);
+            if root.found {
+                report(point, count, root);
+                count += 1u;
+                last_segment = i;
+                last_u = us[side];
+            }
+        }
+        f0 = f1;
+    }
+    root_counts[point] = count;
+}

@@ -1,0 +1,87 @@
+// A spotlight drawn by its own perspective matrix (light model, section 6). Light space: source at the origin, the
+// light shines along -z.
+
+struct Spot {
+    light_from_scene: mat4x4f,
+    // Colour times intensity.
+    intensity: vec3f,
+    tan_outer: f32,
+    // Irradiance falls as 1 / (x + y s + z s^2) with the distance s.
+    decay: vec3f,
+    // Axial distance at which the light ends; 0 never.
+    range: f32,
+    // 1 - cos of the outer angle, and 1 over its excess over that of the inner angle; 0 for a hard edge.
+    versine_outer: f32,
+    inverse_versine_span: f32,
+    // Near plane and half width at depth 1 of the shadow map.
+    shadow_near: f32,
+    shadow_tan: f32,
+}
+
+@group(2) @binding(0) var<uniform> spot: Spot;
+@group(2) @binding(1) var shadow_map: texture_2d<f32>;
+@group(2) @binding(2) var shadow_sampler: sampler;
+
+// Largest factor of decay: the source itself has none that is finite.
+const MAX_DECAY: f32 = 1e15;
+
+fn sample_light(surface: Surface) -> LightSample {
+    let rotation = mat3x3f(spot.light_from_scene[0].xyz, spot.light_from_scene[1].xyz, spot.light_from_scene[2].xyz);
+    let position = (spot.light_from_scene * vec4f(surface.position, 1.0)).xyz;
+    let depth = -position.z;
+    let slope = position.xy / select(1.0, depth, depth > 0.0);
+    let tan2 = dot(slope, slope);
+    let in_range = spot.range == 0.0 || depth <= spot.range;
+    if !(depth > 0.0 && tan2 <= spot.tan_outer * spot.tan_outer && in_range) {
+        return LightSample();
+    }
+    let distance = max(length(position), spot.shadow_near);
+    let decay = min(1.0 / dot(spot.decay, vec3f(1.0, distance, distance * distance)), MAX_DECAY);
+
+    var light: LightSample;
+    light.inside = true;
+    light.t = select(depth / spot.range, 0.0, spot.range == 0.0);
+    // The axes of a BendyLight's cross-section: w_hat is up, v_hat = w_hat x u_hat is to the left of +x.
+    light.vw = vec2f(-slope.x, slope.y) / spot.tan_outer;
+    light.to_light = normalize(-position * rotation);
+    light.irradiance = spot.intensity * cone_profile(tan2) * decay;
+    light.visibility = shadow_visibility(position, rotation * surface.geometric_normal);
+    return light;
+}
+
+// Smoothstep in the cosine of the angle off the axis, given its squared tangent. The cosines come as 1 - cos, which
+// does not cancel in a narrow cone.
+fn cone_profile(tan2: f32) -> f32 {
+    let secant = sqrt(1.0 + tan2);
+    let versine = tan2 / (secant * (1.0 + secant));
+    let s = saturate((spot.versine_outer - versine) * spot.inverse_versine_span);
+    return select(s * s * (3.0 - 2.0 * s), 1.0, spot.inverse_versine_span == 0.0);
+}
+
+// Bilinear percentage-closer filter over the 2 x 2 texels around `position`. Each texel is compared with the depth
+// that the receiver's own plane has on the ray through that texel's centre, so that a plane cannot shadow itself.
+fn shadow_visibility(position: vec3f, normal: vec3f) -> f32 {
+    let depth = -position.z;
+    let resolution = vec2f(textureDimensions(shadow_map));
+    let slope = position.xy / depth;
+    let texel = (slope * vec2f(0.5, -0.5) / spot.shadow_tan + 0.5) * resolution - 0.5;
+    let first = floor(texel);
+    let blend = texel - first;
+
+    // On the ray (x, y, -1) the plane through `position` has 1 / depth = n.(x, y, -1) / n.position: linear in (x, y).
+    let texel_slope = 2.0 * spot.shadow_tan / resolution.x;
+    let plane_distance = dot(normal, position);
+    let step = normal.xy * vec2f(texel_slope, -texel_slope) / select(plane_distance, 1.0, plane_distance == 0.0);
+    let start = 1.0 / depth + dot(step, -blend);
+    let plane_at = start + vec4f(step.y, step.x + step.y, step.x, 0.0);
+    // Seen edge on, the plane runs off to the source or to infinity within a texel.
+    let expected = clamp(plane_at, vec4f(0.5 / depth), vec4f(2.0 / depth)) * spot.shadow_near;
+
+    // A neighbouring facet that rises out of this plane by 0.1 rad is not an occluder; and the map's depth, linear in
+    // the plane of the map, is rounded to some ulps of its largest value, 1.
+    let cosine = plane_distance / length(position);
+    let tolerance = 0.1 * texel_slope / max(cosine * cosine, 0.01) * spot.shadow_near / depth + 0x1p-22;
+    let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / resolution);
+    let lit = select(vec4f(0.0), vec4f(1.0), stored <= expected + tolerance);
+    return mix(mix(lit.w, lit.z, blend.x), mix(lit.x, lit.y, blend.x), blend.y);
+}

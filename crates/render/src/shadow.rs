@@ -1,0 +1,109 @@
+//! Shadow maps by ordinary rasterisation, for lights whose rays are straight.
+
+use wgpu::{BindGroupLayout, Buffer, CommandEncoder, RenderPipeline, TextureView};
+
+use crate::geometry::Geometry;
+use crate::material::MaterialDraw;
+use crate::pipeline::{DEPTH_FORMAT, UNIFORM, cleared_depth, nearer_wins, vertex_buffers};
+use crate::{Gpu, layout, shaders};
+
+/// Texels along each side of a shadow map.
+pub(crate) const RESOLUTION: u32 = 2048;
+
+/// The pipelines, which outlive scenes and lights.
+#[derive(Debug)]
+pub(crate) struct ShadowPass {
+    opaque: RenderPipeline,
+    masked: RenderPipeline,
+    layout: BindGroupLayout,
+}
+
+/// A light's own map.
+#[derive(Debug)]
+pub(crate) struct ShadowMap {
+    pub depth: TextureView,
+    uniform: Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl ShadowPass {
+    pub fn new(gpu: &Gpu, material_layout: &BindGroupLayout) -> Self {
+        let layout = gpu.layout("shadow", &[UNIFORM]);
+        let buffers = vertex_buffers();
+        let pipeline = |wgsl, groups: &[&BindGroupLayout], vertex, fragment, buffers| {
+            let module = gpu.module("shadow", wgsl);
+            gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(vertex),
+                layout: Some(&gpu.pipeline_layout("shadow", groups)),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some(vertex),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    buffers,
+                },
+                // Both sides cast: what light meets does not depend on which side was modelled.
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: Some(nearer_wins()),
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Option::map(fragment, |entry_point| wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some(entry_point),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    targets: &[],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        };
+        let opaque = pipeline(shaders::SHADOW, &[&layout], "vs_opaque", None, &buffers[..1]);
+        let masked = pipeline(
+            shaders::SHADOW_MASKED,
+            &[&layout, material_layout],
+            "vs_masked",
+            Some("fs_masked"),
+            &buffers,
+        );
+        Self { opaque, masked, layout }
+    }
+
+    pub fn map(&self, gpu: &Gpu) -> ShadowMap {
+        let texture = gpu.target("shadow map", RESOLUTION, RESOLUTION, DEPTH_FORMAT);
+        let uniform = gpu.uniform_buffer::<layout::ShadowView>("shadow view");
+        let group = gpu.group("shadow view", &self.layout, &[uniform.as_entire_binding()]);
+        ShadowMap { depth: texture.create_view(&wgpu::TextureViewDescriptor::default()), uniform, group }
+    }
+
+    pub fn draw(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        into: &ShadowMap,
+        view: &layout::ShadowView,
+        geometry: &Geometry,
+        draws: &[MaterialDraw],
+    ) {
+        gpu.queue.write_buffer(&into.uniform, 0, bytemuck::bytes_of(view));
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("shadow"),
+            depth_stencil_attachment: Some(cleared_depth(&into.depth)),
+            ..Default::default()
+        });
+        pass.set_bind_group(0, &into.group, &[]);
+        pass.set_vertex_buffer(0, geometry.positions.slice(..));
+        pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
+        let masked_from = draws.partition_point(|draw| !draw.masked);
+        let (opaque, masked) = draws.split_at(masked_from);
+        if let Some(last) = opaque.last() {
+            pass.set_pipeline(&self.opaque);
+            pass.draw_indexed(0..last.indices.end, 0, 0..1);
+        }
+        if !masked.is_empty() {
+            pass.set_pipeline(&self.masked);
+            pass.set_vertex_buffer(1, geometry.attributes.slice(..));
+        }
+        for draw in masked {
+            pass.set_bind_group(1, &draw.material, &[]);
+            pass.draw_indexed(draw.indices.clone(), 0, 0..1);
+        }
+    }
+}

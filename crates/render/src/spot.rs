@@ -1,0 +1,182 @@
+//! A spotlight drawn by its own perspective matrix. It shares no code with bent lights, so that each can test the other.
+
+use bendy::{Decay, SpotLight};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, Buffer, CommandEncoder, Sampler};
+
+use crate::camera::columns;
+use crate::geometry::MAX_EXTENT;
+use crate::lighting::LightingPass;
+use crate::pipeline::{NON_FILTERING, RAW_TEXTURE, UNIFORM};
+use crate::shadow::{RESOLUTION, ShadowMap, ShadowPass};
+use crate::staged::StagedScene;
+use crate::{Gpu, RenderError, layout, shaders};
+
+/// Group 2 of a spotlight's lighting pass; see `spot.wgsl`.
+const BINDINGS: [BindingType; 3] = [UNIFORM, RAW_TEXTURE, NON_FILTERING];
+
+/// Largest intensity of a channel: with it, decay and the BRDF at their largest, radiance is still finite.
+const MAX_INTENSITY: f64 = 1e15;
+
+/// The near plane of a shadow map that starts inside the scene, as a share of the way to the scene's far end: near
+/// enough for a lamp in its shade, far enough for the map's depths to resolve a thousandth of the same way.
+const NEAR_SHARE: f64 = 1e-3;
+
+/// What a spotlight's shadow map depends on, besides the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Shape {
+    translation: DVec3,
+    rotation: DQuat,
+    cone_angle: f64,
+}
+
+impl Shape {
+    pub fn of(light: &SpotLight) -> Self {
+        let bendy::Transform { translation, rotation, .. } = light.transform;
+        Self { translation, rotation, cone_angle: light.cone_angle }
+    }
+}
+
+/// A spotlight in place: its numbers for one scene.
+#[derive(Clone, Debug)]
+pub(crate) struct PlacedSpot {
+    pub uniform: layout::Spot,
+    pub shadow_view: layout::ShadowView,
+    /// The convex hull of these world positions holds all that is lit.
+    pub corners_in_world: [DVec3; 5],
+}
+
+impl PlacedSpot {
+    /// Places a checked light over a scene whose bounds reach `half_extent` about `scene_origin`.
+    pub fn new(light: &SpotLight, scene_origin: DVec3, half_extent: DVec3) -> Result<Self, RenderError> {
+        let rotation = DMat3::from_quat(light.transform.rotation.normalize());
+        let scene_from_light =
+            DAffine3 { matrix3: rotation, translation: light.transform.translation - scene_origin };
+        let source = scene_from_light.translation;
+        let far = (source.abs() + half_extent).length();
+        if far > MAX_EXTENT {
+            let what = "the distance of a light from the far end of the scene";
+            return Err(RenderError::TooLarge { what, size: far, limit: MAX_EXTENT });
+        }
+
+        let outer = light.cone_angle.to_radians();
+        let inner = outer * (1.0 - light.cone_softness);
+        let versine = |angle: f64| 2.0 * (angle / 2.0).sin().powi(2);
+        let versine_span = versine(outer) - versine(inner);
+        let tan_outer = outer.tan();
+        // Two texels around the cone let the filter reach over its edge.
+        let shadow_tan = tan_outer * f64::from(RESOLUTION) / f64::from(RESOLUTION - 4);
+
+        // The nearest caster: none is nearer along the axis than the box of the scene, seen in the map's corner.
+        let to_box = (source.abs() - half_extent).max(DVec3::ZERO).length();
+        let corner_cosine = (1.0 + 2.0 * shadow_tan * shadow_tan).sqrt().recip();
+        let shadow_near = (0.99 * to_box * corner_cosine).max(NEAR_SHARE * far).max(f64::MIN_POSITIVE);
+        let clip_from_light = DMat4::from_cols(
+            DVec4::X / shadow_tan,
+            DVec4::Y / shadow_tan,
+            DVec4::new(0.0, 0.0, 0.0, -1.0),
+            DVec4::new(0.0, 0.0, shadow_near, 0.0),
+        );
+        let light_from_scene = scene_from_light.inverse();
+        let clip_from_scene = clip_from_light * light_from_scene;
+
+        let intensity = (light.color * light.intensity).clamp(
+            DVec3::splat(-MAX_INTENSITY),
+            DVec3::splat(MAX_INTENSITY),
+        );
+        let decay = match light.decay {
+            Decay::None => [1.0, 0.0, 0.0],
+            Decay::Linear => [0.0, 1.0, 0.0],
+            Decay::InverseSquare => [0.0, 0.0, 1.0],
+        };
+        let end = light.range.unwrap_or(far);
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y)| DVec3::new(x * tan_outer, y * tan_outer, -1.0) * end);
+        let in_world = |local| light.transform.translation + rotation * local;
+        let [a, b, c, d] = corners.map(in_world);
+        Ok(Self {
+            uniform: layout::Spot {
+                light_from_scene: columns(&DMat4::from(light_from_scene)),
+                intensity: intensity.as_vec3().to_array(),
+                tan_outer: tan_outer as f32,
+                decay,
+                range: light.range.unwrap_or(0.0).min(2.0 * MAX_EXTENT) as f32,
+                versine_outer: versine(outer) as f32,
+                inverse_versine_span: if versine_span > 0.0 { versine_span.recip().min(1e30) as f32 } else { 0.0 },
+                shadow_near: shadow_near as f32,
+                shadow_tan: shadow_tan as f32,
+            },
+            shadow_view: layout::ShadowView { clip_from_scene: columns(&clip_from_scene) },
+            corners_in_world: [light.transform.translation, a, b, c, d],
+        })
+    }
+}
+
+/// The pipelines of spotlights, which outlive scenes and lights.
+#[derive(Debug)]
+pub(crate) struct SpotPass {
+    shadow: ShadowPass,
+    pub lighting: LightingPass,
+    layout: BindGroupLayout,
+    sampler: Sampler,
+}
+
+/// What is kept of one spotlight from picture to picture.
+#[derive(Debug)]
+pub(crate) struct SpotSlot {
+    map: ShadowMap,
+    /// What the map shows: a scene's revision and the light's shape.
+    map_key: Option<(u64, Shape)>,
+    uniform: Buffer,
+    /// Group 2 of its lighting pass.
+    pub group: BindGroup,
+}
+
+impl SpotPass {
+    /// `camera_groups` are those of the view and the surface.
+    pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2], material_layout: &BindGroupLayout) -> Self {
+        let [view, surface] = camera_groups;
+        let layout = gpu.layout("spot", &BINDINGS);
+        Self {
+            shadow: ShadowPass::new(gpu, material_layout),
+            lighting: LightingPass::new(gpu, "spot", shaders::SPOT, &[view, surface, &layout]),
+            layout,
+            sampler: gpu
+                .device
+                .create_sampler(&wgpu::SamplerDescriptor { label: Some("shadow"), ..Default::default() }),
+        }
+    }
+
+    pub fn slot(&self, gpu: &Gpu) -> SpotSlot {
+        let map = self.shadow.map(gpu);
+        let uniform = gpu.uniform_buffer::<layout::Spot>("spot");
+        let resources = [
+            uniform.as_entire_binding(),
+            BindingResource::TextureView(&map.depth),
+            BindingResource::Sampler(&self.sampler),
+        ];
+        let group = gpu.group("spot", &self.layout, &resources);
+        SpotSlot { map, map_key: None, uniform, group }
+    }
+
+    /// Brings `slot` up to date with `light` over `scene`. Returns the light in place and whether its map was drawn.
+    pub fn prepare(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        slot: &mut SpotSlot,
+        light: &SpotLight,
+        scene: &StagedScene,
+    ) -> Result<(PlacedSpot, bool), RenderError> {
+        bendy::check_spot(light)?;
+        let placed = PlacedSpot::new(light, scene.origin, scene.half_extent)?;
+        gpu.queue.write_buffer(&slot.uniform, 0, bytemuck::bytes_of(&placed.uniform));
+        let key = Some((scene.revision, Shape::of(light)));
+        let stale = slot.map_key != key;
+        if stale {
+            self.shadow.draw(gpu, encoder, &slot.map, &placed.shadow_view, &scene.geometry, &scene.draws);
+            slot.map_key = key;
+        }
+        Ok((placed, stale))
+    }
+}

@@ -1,0 +1,73 @@
+//! A scene on the GPU.
+
+use glam::DVec3;
+use scene::Scene;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages};
+
+use crate::geometry::{Geometry, Posed};
+use crate::material::{MaterialDraw, material_draws};
+use crate::{Gpu, RenderError, layout};
+
+/// What is made once a scene.
+#[derive(Debug)]
+pub(crate) struct StagedScene {
+    /// Which scene of its renderer: whatever was made from another one is stale.
+    pub revision: u64,
+    /// Where scene space begins, in the world.
+    pub origin: DVec3,
+    /// The bounds reach from minus to plus this, in scene space.
+    pub half_extent: DVec3,
+    pub geometry: Geometry,
+    pub vertex_count: u32,
+    pub triangle_count: u32,
+    pub draws: Vec<MaterialDraw>,
+    /// Group 0 of the passes that have a camera; see `view.wgsl`.
+    pub view: BindGroup,
+    /// Group 2 of the fill's pass; see `fill.wgsl`.
+    pub fill: BindGroup,
+}
+
+/// The layouts of the groups that a scene fills.
+#[derive(Debug)]
+pub(crate) struct SceneLayouts {
+    pub view: BindGroupLayout,
+    pub material: BindGroupLayout,
+    pub fill: BindGroupLayout,
+}
+
+impl StagedScene {
+    /// Poses `scene` and uploads it. `view_uniform` will hold the camera of each picture.
+    pub fn new(
+        gpu: &Gpu,
+        layouts: &SceneLayouts,
+        view_uniform: &Buffer,
+        scene: &Scene,
+        revision: u64,
+    ) -> Result<Self, RenderError> {
+        let posed = Posed::new(scene)?;
+        let geometry = Geometry::new(gpu, &posed)?;
+        let view_resources = [view_uniform.as_entire_binding(), geometry.planes.as_entire_binding()];
+        let view = gpu.group("view", &layouts.view, &view_resources);
+        let fill_uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
+            label: Some("fill"),
+            contents: bytemuck::bytes_of(&layout::Fill {
+                sky: scene.fill.sky.as_vec3().to_array(),
+                ground: scene.fill.ground.as_vec3().to_array(),
+                ..layout::Fill::default()
+            }),
+            usage: BufferUsages::UNIFORM,
+        });
+        Ok(Self {
+            revision,
+            origin: posed.scene_origin,
+            half_extent: posed.half_extent,
+            draws: material_draws(gpu, &layouts.material, scene, &posed)?,
+            vertex_count: posed.positions.len() as u32,
+            triangle_count: posed.planes.len() as u32,
+            geometry,
+            view,
+            fill: gpu.group("fill", &layouts.fill, &[fill_uniform.as_entire_binding()]),
+        })
+    }
+}

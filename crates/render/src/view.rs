@@ -1,0 +1,89 @@
+//! What is asked for and what comes back.
+
+use std::str::FromStr;
+
+use scene::Camera;
+
+use crate::RenderError;
+
+/// A picture to make.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// Where from.
+    pub camera: Camera,
+    /// Pixels, at least 1.
+    pub width: u32,
+    /// Pixels, at least 1.
+    pub height: u32,
+    /// Samples a pixel, at least 1; with 1 the sample is the pixel's centre. Only [`Aov::Beauty`] and
+    /// [`Aov::Visibility`] take more than one: the others would mean nothing if averaged over an edge.
+    pub samples: u32,
+    /// Which quantity.
+    pub aov: Aov,
+    /// Index of the light that the quantities of a light are of.
+    pub light: usize,
+}
+
+/// A quantity to show. Alpha is 1 where there is a surface (for a light's own quantities: one inside the light) and 0
+/// elsewhere, with the other channels 0 too; with several samples a pixel it is the share of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Aov {
+    /// Linear radiance under all lights and the fill.
+    #[default]
+    Beauty,
+    /// Distance along the view axis, in world units.
+    Depth,
+    /// Unit shading normal in world space, towards the viewer.
+    Normal,
+    /// Position along the light: 0 to the number of segments, or the share of the range of a spotlight.
+    T,
+    /// Position across the light: v in red, w in green; 1 is the edge.
+    Vw,
+    /// Unit vector in world space from the surface towards the arriving light.
+    Direction,
+    /// 1 lit by the light, 0 in its shadow.
+    Visibility,
+}
+
+impl Aov {
+    /// The names, in the order of the variants.
+    pub const NAMES: [&str; 7] = ["beauty", "depth", "normal", "t", "vw", "direction", "visibility"];
+
+    /// The name, which is also that of the shader's entry point after `fs_`.
+    pub fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
+    /// Whether it belongs to one light.
+    pub fn is_of_light(self) -> bool {
+        matches!(self, Self::T | Self::Vw | Self::Direction | Self::Visibility)
+    }
+
+    /// Whether an average over the pixel means something.
+    pub fn takes_samples(self) -> bool {
+        matches!(self, Self::Beauty | Self::Visibility)
+    }
+}
+
+impl FromStr for Aov {
+    type Err = RenderError;
+
+    fn from_str(name: &str) -> Result<Self, RenderError> {
+        use Aov::{Beauty, Depth, Direction, Normal, T, Visibility, Vw};
+        [Beauty, Depth, Normal, T, Vw, Direction, Visibility]
+            .into_iter()
+            .find(|aov| aov.name() == name)
+            .ok_or_else(|| RenderError::UnknownAov(name.into()))
+    }
+}
+
+/// Raw values, linear.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Rows from the top, `width * height` of them.
+    pub pixels: Vec<[f32; 4]>,
+}
