@@ -204,14 +204,16 @@ impl<F: Real> Tube<F> {
         }
     }
 
-    /// The root at `u` if it lies in the tube: `V^2 + W^2 <= R^2`.
+    /// The root at `u` if it lies in the tube: `|r| <= R`.
     fn root_inside(&self, segment: usize, q: F::Vec3, u: F) -> Option<Root<F>> {
         let s = &self.segments[segment];
-        let (r, u_hat, radius) = (s.offset(q, u), s.u_hat(u), s.radius(u));
+        let (r, radius) = (s.offset(q, u), s.radius(u));
+        if !(radius >= F::of(0.0) && F::dot(r, r) <= radius * radius) {
+            return None;
+        }
+        let u_hat = s.u_hat(u);
         let (v_hat, w_hat) = self.cross_section(s, u_hat);
-        let (v_len, w_len) = (F::dot(r, v_hat), F::dot(r, w_hat));
-        let inside = radius >= F::of(0.0) && v_len * v_len + w_len * w_len <= radius * radius;
-        inside.then_some(Root { segment, u, r, v_len, w_len, radius, v_hat, u_hat })
+        Some(Root { segment, u, r, v_len: F::dot(r, v_hat), w_len: F::dot(r, w_hat), radius, v_hat, u_hat })
     }
 
     /// `(v_hat, w_hat)` across the unit tangent, in the light's frame mode.

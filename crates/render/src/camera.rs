@@ -127,8 +127,7 @@ impl Raster {
     pub fn bounds_of(&self, corners_in_world: &[DVec3]) -> [u32; 4] {
         let clip_from_world = self.clip_from_world();
         let size = DVec2::new(f64::from(self.width), f64::from(self.height));
-        let mut low = size;
-        let mut high = DVec2::ZERO;
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for corner in corners_in_world {
             let clip = clip_from_world * corner.extend(1.0);
             // The near plane has z = w; also false where NaN.
@@ -213,7 +212,10 @@ mod tests {
                 let ndc = clip / clip.w;
                 // f32 rounds coordinates of size 30 by 2e-6, and a pixel of 7 is 2 / 7 of the unit: 1e-5 pixels.
                 let pixel = [(ndc.x * 0.5 + 0.5) * 7.0 - 0.5, (0.5 - ndc.y * 0.5) * 5.0 - 0.5];
-                assert!((pixel[0] - x).abs() < 1e-4 && (pixel[1] - y).abs() < 1e-4, "{projection:?} {pixel:?}");
+                assert!(
+                    (pixel[0] - x).abs() < 1e-4 && (pixel[1] - y).abs() < 1e-4,
+                    "{projection:?} {pixel:?}"
+                );
                 let [a, b, c, d] = uniform.depth_from_z;
                 let back = (a + b * ndc.z) / (c + d * ndc.z);
                 // Without a far plane z is relative; with one, z = 0 stands for it and 6e-8 of it is lost.
@@ -225,8 +227,7 @@ mod tests {
     #[test]
     fn bounds_hold_what_they_are_of() {
         let projection = Projection::Perspective { yfov: 1.0, znear: 0.1, zfar: None };
-        let raster =
-            Raster { world_from_camera: DAffine3::IDENTITY, projection, width: 100, height: 100 };
+        let raster = Raster { world_from_camera: DAffine3::IDENTITY, projection, width: 100, height: 100 };
         let pixels_a_unit = 50.0 / 0.5_f64.tan();
         let [x, y, width, height] =
             raster.bounds_of(&[DVec3::new(0.1, 0.0, -1.0), DVec3::new(0.2, 0.1, -1.0)]);

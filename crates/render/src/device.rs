@@ -51,10 +51,7 @@ impl Gpu {
     }
 
     /// Runs `work` on this thread and turns what the driver reports meanwhile into an error.
-    pub(crate) fn checked<T>(
-        &self,
-        work: impl FnOnce() -> Result<T, RenderError>,
-    ) -> Result<T, RenderError> {
+    pub(crate) fn checked<T>(&self, work: impl FnOnce() -> Result<T, RenderError>) -> Result<T, RenderError> {
         let scopes = [ErrorFilter::OutOfMemory, ErrorFilter::Internal, ErrorFilter::Validation]
             .map(|filter| self.device.push_error_scope(filter));
         let result = work();
@@ -70,34 +67,38 @@ impl Gpu {
     }
 }
 
+/// The best adapter of the first interface that has one; GL is only asked where Vulkan has none.
 fn choose_adapter() -> Result<Adapter, RenderError> {
-    let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
-    description.backends = Backends::VULKAN | Backends::GL;
-    // wgpu validates by itself; Vulkan's validation layer only adds false alarms and time.
-    description.flags = wgpu::InstanceFlags::empty();
-    let instance = wgpu::Instance::new(description);
-    let adapters = pollster::block_on(instance.enumerate_adapters(Backends::VULKAN | Backends::GL));
-    let found = adapters.iter().map(|a| a.get_info().name).collect::<Vec<_>>().join(", ");
-    adapters.into_iter().filter(|a| a.features().contains(FEATURES)).min_by_key(preference).ok_or_else(|| {
-        RenderError::NoAdapter(if found.is_empty() {
-            "there is none".into()
-        } else {
-            format!("none of {found} can add f32 colours and number triangles")
-        })
-    })
+    let mut unfit = Vec::new();
+    for backends in [Backends::VULKAN, Backends::GL] {
+        let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
+        description.backends = backends;
+        // wgpu validates by itself; Vulkan's validation layer only adds false alarms and time.
+        description.flags = wgpu::InstanceFlags::empty();
+        let adapters = pollster::block_on(wgpu::Instance::new(description).enumerate_adapters(backends));
+        let (fit, rest): (Vec<_>, Vec<_>) =
+            adapters.into_iter().partition(|adapter| adapter.features().contains(FEATURES));
+        unfit.extend(rest.iter().map(|adapter| adapter.get_info().name));
+        if let Some(best) = fit.into_iter().min_by_key(preference) {
+            return Ok(best);
+        }
+    }
+    Err(RenderError::NoAdapter(if unfit.is_empty() {
+        "there is none".into()
+    } else {
+        format!("{} cannot add f32 colours or number triangles", unfit.join(", "))
+    }))
 }
 
 /// Smaller is better.
-fn preference(adapter: &Adapter) -> (u8, bool) {
-    let info = adapter.get_info();
-    let kind = match info.device_type {
+fn preference(adapter: &Adapter) -> u8 {
+    match adapter.get_info().device_type {
         DeviceType::DiscreteGpu => 0,
         DeviceType::IntegratedGpu => 1,
         DeviceType::VirtualGpu => 2,
         DeviceType::Other => 3,
         DeviceType::Cpu => 4,
-    };
-    (kind, info.backend != wgpu::Backend::Vulkan)
+    }
 }
 
 /// WebGPU's defaults where the adapter has them, and all it has where size matters.

@@ -1,6 +1,8 @@
 //! Linear radiance to the bytes of a screen.
 
-use wgpu::{BindGroup, BindGroupLayout, BindingResource, CommandEncoder, RenderPipeline, TextureFormat, TextureView};
+use wgpu::{
+    BindGroup, BindGroupLayout, BindingResource, CommandEncoder, RenderPipeline, TextureFormat, TextureView,
+};
 
 use crate::pipeline::{RAW_TEXTURE, color_attachment};
 use crate::{Gpu, shaders};
@@ -31,7 +33,7 @@ impl DisplayPass {
     pub fn draw(&self, encoder: &mut CommandEncoder, radiance: &BindGroup, into: &TextureView) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("display"),
-            color_attachments: &[color_attachment(into, true)],
+            color_attachments: &[Some(color_attachment(into, true))],
             ..Default::default()
         });
         pass.set_pipeline(&self.pipeline);

@@ -1,6 +1,9 @@
 //! What each pixel sees: the one pass over the scene's triangles that a picture needs.
 
-use wgpu::{BindGroup, BindGroupLayout, BindingResource, CommandEncoder, RenderPipeline, TextureFormat, TextureView};
+use wgpu::{
+    BindGroup, BindGroupLayout, BindingResource, CommandEncoder, RenderPipeline, TextureFormat, TextureView,
+    TextureViewDescriptor,
+};
 
 use crate::geometry::Geometry;
 use crate::material::MaterialDraw;
@@ -64,7 +67,9 @@ impl GbufferPass {
     }
 
     pub fn targets(&self, gpu: &Gpu, width: u32, height: u32) -> Gbuffer {
-        let view = |format| gpu.target("gbuffer", width, height, format).create_view(&Default::default());
+        let view = |format| {
+            gpu.target("gbuffer", width, height, format).create_view(&TextureViewDescriptor::default())
+        };
         let (packed, depth) = (view(FORMAT), view(DEPTH_FORMAT));
         let resources = [BindingResource::TextureView(&packed), BindingResource::TextureView(&depth)];
         let surface = gpu.group("surface", &self.surface_layout, &resources);
@@ -81,7 +86,7 @@ impl GbufferPass {
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("gbuffer"),
-            color_attachments: &[color_attachment(&into.packed, true)],
+            color_attachments: &[Some(color_attachment(&into.packed, true))],
             depth_stencil_attachment: Some(cleared_depth(&into.depth)),
             ..Default::default()
         });

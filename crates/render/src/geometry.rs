@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
 use scene::{Material, PosedPrimitive, Scene};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
@@ -74,16 +74,15 @@ impl Posed {
             size: count as f64,
             limit: f64::from(u32::MAX),
         };
-        let first_vertex =
-            u32::try_from(self.positions.len()).map_err(|_| too_many(self.positions.len()))?;
+        let first_vertex = u32::try_from(self.positions.len()).map_err(|_| too_many(self.positions.len()))?;
         let (normal_matrix, mirrored) = normal_matrix(world_from_local.matrix3);
         for (i, (position, normal)) in primitive.positions.iter().zip(&primitive.normals).enumerate() {
             let in_world = world_from_local.transform_point3(position.as_dvec3());
             self.positions.push((in_world - self.scene_origin).as_vec3().to_array());
             self.attributes.push(Attributes {
                 normal: (normal_matrix * normal.as_dvec3()).normalize_or_zero().as_vec3().to_array(),
-                uv: primitive.uvs.get(i).map_or([0.0; 2], |uv| uv.to_array()),
-                color: primitive.colors.get(i).map_or([1.0; 4], |color| color.to_array()),
+                uv: primitive.uvs.get(i).map_or([0.0; 2], Vec2::to_array),
+                color: primitive.colors.get(i).map_or([1.0; 4], Vec4::to_array),
             });
         }
         let first_index = u32::try_from(self.indices.len()).map_err(|_| too_many(self.indices.len()))?;
@@ -111,11 +110,8 @@ fn order(materials: &[Material], index: usize) -> (bool, usize) {
 /// The cofactor matrix is `det M` times the inverse transpose and exists for singular ones too: a mesh flattened onto
 /// a plane gets that plane's normal.
 fn normal_matrix(m: DMat3) -> (DMat3, bool) {
-    let cofactor = DMat3::from_cols(
-        m.y_axis.cross(m.z_axis),
-        m.z_axis.cross(m.x_axis),
-        m.x_axis.cross(m.y_axis),
-    );
+    let cofactor =
+        DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
     let mirrored = m.determinant() < 0.0;
     (if mirrored { -cofactor } else { cofactor }, mirrored)
 }

@@ -13,7 +13,7 @@ macro_rules! gpu_struct {
         #[cfg(test)]
         impl $name {
             /// Name, size, and the name and offset of each field.
-            pub const LAYOUT: StructLayout = (
+            pub const LAYOUT: $crate::layout::StructLayout = (
                 stringify!($name),
                 size_of::<$name>(),
                 &[$((stringify!($field), std::mem::offset_of!($name, $field)),)*],
@@ -28,10 +28,25 @@ pub(crate) use gpu_struct;
 #[cfg(test)]
 pub(crate) type StructLayout = (&'static str, usize, &'static [(&'static str, usize)]);
 
-/// Every struct of this file; the layout test walks it.
+/// Every struct that Rust and WGSL share; the layout test walks it.
 #[cfg(test)]
-pub(crate) const ALL: &[StructLayout] =
-    &[View::LAYOUT, Material::LAYOUT, Fill::LAYOUT, ShadowView::LAYOUT, Spot::LAYOUT];
+pub(crate) const ALL: &[StructLayout] = {
+    use crate::bendy_light::layout as bendy;
+    &[
+        View::LAYOUT,
+        Material::LAYOUT,
+        Fill::LAYOUT,
+        ShadowView::LAYOUT,
+        Spot::LAYOUT,
+        bendy::Curve::LAYOUT,
+        bendy::Segment::LAYOUT,
+        bendy::BendyLight::LAYOUT,
+        bendy::LocatedRoot::LAYOUT,
+        bendy::BentMap::LAYOUT,
+        bendy::BentCounts::LAYOUT,
+        bendy::BentShadow::LAYOUT,
+    ]
+};
 
 /// Columns of a 4 x 4 matrix.
 pub(crate) type Mat4 = [[f32; 4]; 4];

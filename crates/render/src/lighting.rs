@@ -3,8 +3,8 @@
 use std::cell::OnceCell;
 
 use wgpu::{
-    BindGroup, BindGroupLayout, BlendComponent, BlendFactor, BlendOperation, BlendState, PipelineLayout, RenderPass,
-    RenderPipeline, ShaderModule, TextureFormat,
+    BindGroup, BindGroupLayout, BlendComponent, BlendFactor, BlendOperation, BlendState, PipelineLayout,
+    RenderPass, RenderPipeline, ShaderModule, TextureFormat,
 };
 
 use crate::{Aov, Gpu};
@@ -41,7 +41,14 @@ impl LightingPass {
     }
 
     /// Adds `aov` within `pixels`, `[x, y, width, height]`. `group` is what the pass binds after view and surface.
-    pub fn draw(&self, gpu: &Gpu, pass: &mut RenderPass, aov: Aov, group: Option<&BindGroup>, pixels: [u32; 4]) {
+    pub fn draw(
+        &self,
+        gpu: &Gpu,
+        pass: &mut RenderPass,
+        aov: Aov,
+        group: Option<&BindGroup>,
+        pixels: [u32; 4],
+    ) {
         let [x, y, width, height] = pixels;
         if width == 0 || height == 0 {
             return;

@@ -5,7 +5,9 @@ use std::ops::Range;
 
 use scene::{Sampler, Scene, TextureRef, Wrap};
 use wgpu::util::{BufferInitDescriptor, DeviceExt, TextureDataOrder};
-use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, TextureFormat, TextureView};
+use wgpu::{
+    BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, TextureFormat, TextureView,
+};
 
 use crate::geometry::Posed;
 use crate::mipmap::{Encoding, mip_chain};
@@ -88,17 +90,16 @@ impl Textures<'_> {
         encoding: Encoding,
     ) -> Result<(TextureView, wgpu::Sampler), RenderError> {
         let key = (texture.map(|t| t.image), encoding);
-        let view = match self.views.get(&key) {
-            Some(view) => view.clone(),
-            None => {
-                let (width, height, rgba8) = key.0.map_or((1, 1, &[255; 4][..]), |index| {
-                    let image = &self.scene.images[index];
-                    (image.width, image.height, &image.rgba8)
-                });
-                let view = upload(self.gpu, width, height, rgba8, encoding)?;
-                self.views.insert(key, view.clone());
-                view
-            }
+        let view = if let Some(view) = self.views.get(&key) {
+            view.clone()
+        } else {
+            let (width, height, rgba8) = key.0.map_or((1, 1, &[255; 4][..]), |index| {
+                let image = &self.scene.images[index];
+                (image.width, image.height, &image.rgba8)
+            });
+            let view = upload(self.gpu, width, height, rgba8, encoding)?;
+            self.views.insert(key, view.clone());
+            view
         };
         let sampler = texture.map(|t| t.sampler).unwrap_or_default();
         let sampler = self.samplers.entry(sampler).or_insert_with(|| create_sampler(self.gpu, sampler));

@@ -22,7 +22,12 @@ pub(crate) fn mip_chain(width: u32, height: u32, rgba8: &[u8], encoding: Encodin
         (level, width, height) = halved(&level, width, height);
         for pixel in &level {
             let [r, g, b, a] = *pixel;
-            chain.extend([encode(r, encoding), encode(g, encoding), encode(b, encoding), encode(a, Encoding::Linear)]);
+            chain.extend([
+                encode(r, encoding),
+                encode(g, encoding),
+                encode(b, encoding),
+                encode(a, Encoding::Linear),
+            ]);
         }
     }
     chain

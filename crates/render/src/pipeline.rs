@@ -1,9 +1,9 @@
 //! Short spellings of what every pass describes to wgpu in the same way.
 
 use wgpu::{
-    BindGroupLayout, BindGroupLayoutEntry, BindingType, BlendState, BufferBindingType, ColorTargetState, ColorWrites,
-    PipelineLayout, RenderPipeline, SamplerBindingType, ShaderModule, ShaderStages, TextureFormat,
-    TextureSampleType, TextureViewDimension,
+    BindGroupLayout, BindGroupLayoutEntry, BindingType, BlendState, BufferBindingType, ColorTargetState,
+    ColorWrites, PipelineLayout, RenderPipeline, SamplerBindingType, ShaderModule, ShaderStages,
+    TextureFormat, TextureSampleType, TextureViewDimension,
 };
 
 use crate::Gpu;
@@ -46,8 +46,10 @@ impl Gpu {
                 count: None,
             })
             .collect();
-        self.device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+        self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(label),
+            entries: &entries,
+        })
     }
 
     /// A group whose binding `i` is `resources[i]`.
@@ -170,20 +172,24 @@ pub(crate) fn cleared_depth(view: &wgpu::TextureView) -> wgpu::RenderPassDepthSt
 }
 
 /// A colour attachment that starts at zero, or goes on.
-pub(crate) fn color_attachment(
-    view: &wgpu::TextureView,
-    clear: bool,
-) -> Option<wgpu::RenderPassColorAttachment<'_>> {
+pub(crate) fn color_attachment(view: &wgpu::TextureView, clear: bool) -> wgpu::RenderPassColorAttachment<'_> {
     let load = if clear { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
     let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
-    Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+    wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops }
 }
 
 /// Vertex buffers: positions alone, and the other attributes.
 pub(crate) fn vertex_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 2] {
     const POSITION: &[wgpu::VertexAttribute] = &wgpu::vertex_attr_array![0 => Float32x3];
-    const REST: &[wgpu::VertexAttribute] = &wgpu::vertex_attr_array![1 => Float32x3, 2 => Float32x2, 3 => Float32x4];
-    [(12, POSITION), (size_of::<crate::geometry::Attributes>() as u64, REST)].map(|(array_stride, attributes)| {
-        Some(wgpu::VertexBufferLayout { array_stride, step_mode: wgpu::VertexStepMode::Vertex, attributes })
-    })
+    const REST: &[wgpu::VertexAttribute] =
+        &wgpu::vertex_attr_array![1 => Float32x3, 2 => Float32x2, 3 => Float32x4];
+    [(12, POSITION), (size_of::<crate::geometry::Attributes>() as u64, REST)].map(
+        |(array_stride, attributes)| {
+            Some(wgpu::VertexBufferLayout {
+                array_stride,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes,
+            })
+        },
+    )
 }

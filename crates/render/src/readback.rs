@@ -57,7 +57,7 @@ pub(crate) fn buffer<T: bytemuck::Pod>(gpu: &Gpu, buffer: &Buffer) -> Result<Vec
 /// The bytes of a buffer that can be mapped.
 fn map(gpu: &Gpu, buffer: &Buffer) -> Result<BufferView, RenderError> {
     let failed = |why: &dyn std::fmt::Display| RenderError::Gpu(format!("reading results back: {why}"));
-    let (sender, receiver) = std::sync::mpsc::channel();
+    let (sender, receiver) = std::sync::mpsc::sync_channel(1);
     // The receiver lives until the answer is in.
     buffer.map_async(MapMode::Read, .., move |result| sender.send(result).unwrap_or_default());
     gpu.device.poll(PollType::wait_indefinitely()).map_err(|e| failed(&e))?;

@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec2};
 use scene::{Light, LightKind, Projection, Scene};
 use wgpu::{BindGroup, Buffer, CommandEncoder, Texture, TextureView};
 
-use crate::bendy_light::{BendyPass, BendySlot};
+use crate::bendy_light::{Baked, BendyPass, BendySlot};
 use crate::camera::{Raster, sample_offset};
 use crate::display::{self, DisplayPass};
 use crate::gbuffer::{Gbuffer, GbufferPass};
@@ -66,7 +66,7 @@ enum LightSlot {
 #[derive(Clone, Copy, Debug)]
 enum LightingKind {
     Spot,
-    Bendy,
+    Bendy(Baked),
 }
 
 /// A light whose shadows are up to date.
@@ -140,14 +140,15 @@ impl Passes {
 impl Renderer {
     /// A renderer of an empty scene.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, RenderError> {
-        gpu.checked(|| {
+        let (passes, view_uniform, scene, targets) = gpu.checked(|| {
             let passes = Passes::new(&gpu);
             let view_uniform = gpu.uniform_buffer::<layout::View>("view");
             let scene = StagedScene::new(&gpu, &passes.layouts, &view_uniform, &Scene::default(), 0)?;
             let targets = passes.targets(&gpu, 1, 1);
-            let (slots, counts) = (Vec::new(), PassCounts::default());
-            Ok(Self { gpu: Arc::clone(&gpu), passes, view_uniform, scene, targets, slots, counts })
-        })
+            Ok((passes, view_uniform, scene, targets))
+        })?;
+        let (slots, counts) = (Vec::new(), PassCounts::default());
+        Ok(Self { gpu, passes, view_uniform, scene, targets, slots, counts })
     }
 
     /// Takes over another scene: its geometry, materials and fill. Its promises hold ([`Scene::check`]); its cameras
@@ -158,6 +159,12 @@ impl Renderer {
             StagedScene::new(&self.gpu, &self.passes.layouts, &self.view_uniform, scene, revision)
         })?;
         Ok(())
+    }
+
+    /// The bent shadow maps' pass, for tests to plant faults in.
+    #[cfg(test)]
+    pub(crate) fn bent_shadow(&mut self) -> &mut crate::bendy_light::BentShadowPass {
+        &mut self.passes.bendy.shadow
     }
 
     /// How often each pass has run.
@@ -266,7 +273,7 @@ impl Renderer {
                     }
                     let Some(LightSlot::Bendy(slot)) = slot else { continue };
                     let (placed, drawn) = passes.bendy.prepare(gpu, slot, bendy, scene)?;
-                    (LightingKind::Bendy, placed.group, placed.corners_in_world, drawn)
+                    (LightingKind::Bendy(placed.baked), placed.group, placed.corners_in_world, drawn)
                 }
             };
             counts.shadow += u64::from(shadow_drawn);
@@ -302,7 +309,7 @@ impl Renderer {
         let Self { passes, scene, targets, counts, .. } = self;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("lighting"),
-            color_attachments: &[color_attachment(&targets.radiance_view, first)],
+            color_attachments: &[Some(color_attachment(&targets.radiance_view, first))],
             ..Default::default()
         });
         pass.set_bind_group(0, &scene.view, &[]);
@@ -317,7 +324,7 @@ impl Renderer {
         for light in lights {
             let lighting = match light.kind {
                 LightingKind::Spot => &passes.spot.lighting,
-                LightingKind::Bendy => &passes.bendy.lighting,
+                LightingKind::Bendy(baked) => passes.bendy.lighting(baked),
             };
             lighting.draw(gpu, &mut pass, aov, Some(&light.group), light.pixels);
         }

@@ -58,3 +58,137 @@ const ALL: &[(&str, &str)] = &[
     ("bent_shadow", BENT_SHADOW),
     ("display", DISPLAY),
 ];
+
+#[cfg(test)]
+mod tests {
+    use std::collections::{BTreeMap, BTreeSet};
+
+    use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
+    use wgpu::naga::{AddressSpace, Block, Function, Handle, Module, Statement, TypeInner, front::wgsl};
+
+    use super::ALL;
+    use crate::layout::{self, StructLayout};
+
+    fn parse(name: &str, source: &str) -> Module {
+        wgsl::parse_str(source).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(source)))
+    }
+
+    fn modules() -> Vec<(&'static str, Module)> {
+        ALL.iter().map(|(name, source)| (*name, parse(name, source))).collect()
+    }
+
+    #[test]
+    fn every_module_is_valid() {
+        let modules = modules();
+        assert!(modules.len() >= 7);
+        for (name, module) in &modules {
+            assert!(!module.entry_points.is_empty(), "{name} has no entry point");
+            Validator::new(ValidationFlags::all(), Capabilities::PRIMITIVE_INDEX)
+                .validate(module)
+                .unwrap_or_else(|e| panic!("{name}: {e:?}"));
+        }
+    }
+
+    /// Names of the functions of `module`, and of those that some entry point calls.
+    fn functions(module: &Module) -> (BTreeSet<&str>, BTreeSet<&str>) {
+        fn calls(block: &Block, found: &mut Vec<Handle<Function>>) {
+            for statement in block {
+                match statement {
+                    Statement::Call { function, .. } => found.push(*function),
+                    Statement::Block(inner) => calls(inner, found),
+                    Statement::If { accept, reject, .. } => {
+                        calls(accept, found);
+                        calls(reject, found);
+                    }
+                    Statement::Switch { cases, .. } => cases.iter().for_each(|c| calls(&c.body, found)),
+                    Statement::Loop { body, continuing, .. } => {
+                        calls(body, found);
+                        calls(continuing, found);
+                    }
+                    _ => {}
+                }
+            }
+        }
+        let mut open = Vec::new();
+        module.entry_points.iter().for_each(|entry| calls(&entry.function.body, &mut open));
+        let mut reached = BTreeSet::new();
+        while let Some(handle) = open.pop() {
+            if reached.insert(handle) {
+                calls(&module.functions[handle].body, &mut open);
+            }
+        }
+        let name = |handle: Handle<Function>| module.functions[handle].name.as_deref().unwrap_or_default();
+        (module.functions.iter().map(|(h, _)| name(h)).collect(), reached.into_iter().map(name).collect())
+    }
+
+    #[test]
+    fn no_function_is_unreachable() {
+        let modules = modules();
+        let (mut all, mut reached) = (BTreeSet::new(), BTreeSet::new());
+        for (_, module) in &modules {
+            let (here, reached_here) = functions(module);
+            all.extend(here);
+            reached.extend(reached_here);
+        }
+        assert!(all.len() >= 10);
+        assert_eq!(all.difference(&reached).collect::<Vec<_>>(), Vec::<&&str>::new());
+        // The planted fault.
+        let module =
+            parse("fault", "fn lost() {} fn used() {} @compute @workgroup_size(1) fn main() { used(); }");
+        assert_eq!(functions(&module), (["lost", "used"].into(), ["used"].into()));
+    }
+
+    /// Name, size, and the name and offset of each field.
+    type WgslLayout = (usize, Vec<(String, usize)>);
+
+    fn structs(module: &Module) -> BTreeMap<String, WgslLayout> {
+        let of_type = |inner: &TypeInner| match inner {
+            TypeInner::Struct { members, span } => {
+                let member =
+                    |m: &wgpu::naga::StructMember| (m.name.clone().unwrap_or_default(), m.offset as usize);
+                Some((*span as usize, members.iter().map(member).collect()))
+            }
+            _ => None,
+        };
+        module.types.iter().filter_map(|(_, t)| Some((t.name.clone()?, of_type(&t.inner)?))).collect()
+    }
+
+    /// What differs between a struct in Rust and in WGSL, if anything.
+    fn difference(rust: &StructLayout, wgsl: &BTreeMap<String, WgslLayout>) -> Option<String> {
+        let (name, size, fields) = rust;
+        let Some((wgsl_size, wgsl_fields)) = wgsl.get(*name) else {
+            return Some(format!("{name} is in no module"));
+        };
+        let fields: Vec<_> =
+            fields.iter().filter(|f| !f.0.starts_with("pad")).map(|f| (f.0.to_owned(), f.1)).collect();
+        (wgsl_size != size || *wgsl_fields != fields)
+            .then(|| format!("{name}: Rust has {size} {fields:?}, WGSL has {wgsl_size} {wgsl_fields:?}"))
+    }
+
+    #[test]
+    fn rust_and_wgsl_agree_on_layouts() {
+        let modules = modules();
+        let wgsl: BTreeMap<_, _> = modules.iter().flat_map(|(_, m)| structs(m)).collect();
+        assert!(layout::ALL.len() >= 5);
+        for rust in layout::ALL {
+            assert_eq!(difference(rust, &wgsl), None);
+        }
+        // The planted faults: a field that moved, and one that has another name.
+        assert!(difference(&("Fill", 32, &[("sky", 0), ("ground", 12)]), &wgsl).is_some());
+        assert!(difference(&("Fill", 32, &[("sky", 0), ("earth", 16)]), &wgsl).is_some());
+    }
+
+    #[test]
+    fn every_shared_struct_has_its_twin() {
+        for (name, module) in modules() {
+            for (_, variable) in module.global_variables.iter() {
+                let shared = matches!(variable.space, AddressSpace::Uniform | AddressSpace::Storage { .. });
+                let ty = &module.types[variable.ty];
+                if shared && matches!(ty.inner, TypeInner::Struct { .. }) {
+                    let struct_name = ty.name.as_deref().unwrap_or_default();
+                    assert!(layout::ALL.iter().any(|s| s.0 == struct_name), "{name}: {struct_name}");
+                }
+            }
+        }
+    }
+}

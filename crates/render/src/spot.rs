@@ -80,10 +80,8 @@ impl PlacedSpot {
         let light_from_scene = scene_from_light.inverse();
         let clip_from_scene = clip_from_light * light_from_scene;
 
-        let intensity = (light.color * light.intensity).clamp(
-            DVec3::splat(-MAX_INTENSITY),
-            DVec3::splat(MAX_INTENSITY),
-        );
+        let intensity =
+            (light.color * light.intensity).clamp(DVec3::splat(-MAX_INTENSITY), DVec3::splat(MAX_INTENSITY));
         let decay = match light.decay {
             Decay::None => [1.0, 0.0, 0.0],
             Decay::Linear => [0.0, 1.0, 0.0],
@@ -102,7 +100,11 @@ impl PlacedSpot {
                 decay,
                 range: light.range.unwrap_or(0.0).min(2.0 * MAX_EXTENT) as f32,
                 versine_outer: versine(outer) as f32,
-                inverse_versine_span: if versine_span > 0.0 { versine_span.recip().min(1e30) as f32 } else { 0.0 },
+                inverse_versine_span: if versine_span > 0.0 {
+                    versine_span.recip().min(1e30) as f32
+                } else {
+                    0.0
+                },
                 shadow_near: shadow_near as f32,
                 shadow_tan: shadow_tan as f32,
             },

@@ -50,10 +50,6 @@ gpu_struct! {
         world_from_tube: [[f32; 4]; 3],
         up: [f32; 3],
         segment_count: u32,
-        extended: u32,
-        frame_up: u32,
-        direction_path: u32,
-        decay: u32,
         world_per_tube: f32,
         t_max: f32,
         shadow_resolution: f32,
@@ -119,6 +115,5 @@ gpu_struct! {
     /// See `bent_shadow.wgsl`.
     BentShadow {
         t_max: f32,
-        pad0: [f32; 3],
     }
 }

@@ -6,7 +6,7 @@ use wgpu::BufferUsages;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use super::layout::LocatedRoot;
-use super::{segments, uniform};
+use super::{Baked, segments, uniform};
 use crate::{Gpu, RenderError, readback, shaders};
 
 /// Threads of a workgroup, as in the shader.
@@ -17,10 +17,14 @@ const POINTS_A_DISPATCH: usize = 1 << 16;
 /// Where `points_in_world` lie in `light`, found in f32 by the same shader code that lights pictures.
 ///
 /// Points are taken to tube space in f64 and rounded there. Accuracy as of [`bendy::Tube`] with eps = 2^-24.
-pub fn locate(gpu: &Gpu, light: &BendyLight, points_in_world: &[DVec3]) -> Result<Vec<Location>, RenderError> {
+pub fn locate(
+    gpu: &Gpu,
+    light: &BendyLight,
+    points_in_world: &[DVec3],
+) -> Result<Vec<Location>, RenderError> {
     let tube = Tube::new(light)?;
     gpu.checked(|| {
-        let pipeline = pipeline(gpu);
+        let pipeline = pipeline(gpu, Baked::of(&tube));
         let mut locations = Vec::with_capacity(points_in_world.len());
         for points in points_in_world.chunks(POINTS_A_DISPATCH) {
             locations.extend(dispatch(gpu, &pipeline, &tube, points)?);
@@ -29,11 +33,11 @@ pub fn locate(gpu: &Gpu, light: &BendyLight, points_in_world: &[DVec3]) -> Resul
     })
 }
 
-fn pipeline(gpu: &Gpu) -> wgpu::ComputePipeline {
+fn pipeline(gpu: &Gpu, baked: Baked) -> wgpu::ComputePipeline {
     gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some("locate"),
         layout: None,
-        module: &gpu.module("locate", shaders::LOCATE),
+        module: &gpu.module("locate", &baked.into_wgsl(shaders::LOCATE)),
         entry_point: Some("locate"),
         compilation_options: wgpu::PipelineCompilationOptions::default(),
         cache: None,
@@ -56,7 +60,7 @@ fn dispatch(
     };
     let results = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
     let light = init("light", bytemuck::bytes_of(&uniform(tube, DVec3::ZERO, 1.0, 1)), BufferUsages::UNIFORM);
-    let segments = init("segments", bytemuck::cast_slice(&segments(tube)), BufferUsages::STORAGE);
+    let segments = init("segments", bytemuck::cast_slice(&segments(tube)), BufferUsages::UNIFORM);
     let points = init("points", bytemuck::cast_slice(&points), BufferUsages::STORAGE);
     // Filled so that a point that was not written cannot pass for one without roots.
     let counts = init("root counts", &vec![0xff; 4 * points_in_world.len()], results);
@@ -79,7 +83,9 @@ fn dispatch(
     let counts = readback::buffer::<u32>(gpu, &counts)?;
     let roots = readback::buffer::<LocatedRoot>(gpu, &roots)?;
     let found = counts.iter().zip(roots.chunks(stride));
-    found.map(|(&count, roots)| Ok(location(tube, roots.get(..count as usize).ok_or_else(unwritten)?))).collect()
+    found
+        .map(|(&count, roots)| Ok(location(tube, roots.get(..count as usize).ok_or_else(unwritten)?)))
+        .collect()
 }
 
 fn unwritten() -> RenderError {
@@ -90,7 +96,8 @@ fn unwritten() -> RenderError {
 fn location(tube: &Tube<f64>, roots: &[LocatedRoot]) -> Location {
     let offset2 = |r: &LocatedRoot| r.v_len * r.v_len + r.w_len * r.w_len;
     let rho2 = |a: &LocatedRoot, b: &LocatedRoot| offset2(a) * b.radius * b.radius;
-    let best = roots.iter().reduce(|best, root| if rho2(root, best) < rho2(best, root) { root } else { best });
+    let best =
+        roots.iter().reduce(|best, root| if rho2(root, best) < rho2(best, root) { root } else { best });
     let t = |root: &LocatedRoot| f64::from(root.segment) + f64::from(root.u);
     let describe = |root: &LocatedRoot| {
         let over_radius = |x: f32| if root.radius > 0.0 { f64::from(x / root.radius) } else { 0.0 };

@@ -4,6 +4,10 @@ pub(crate) mod layout;
 mod locate;
 mod pass;
 mod shadow;
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod walk;
 
 use bendy::{Decay, Direction, EndMode, Frame, Segment, Tube};
 use glam::{DMat3, DMat4, DVec3};
@@ -12,11 +16,17 @@ use crate::layout::Mat4;
 
 pub use locate::locate;
 pub(crate) use pass::{BendyPass, BendySlot};
+#[cfg(test)]
+pub(crate) use shadow::BentShadowPass;
+
+/// Length of the array of segments in `tube.wgsl`: all that a light may have, and the extension.
+const SEGMENT_ROOM: usize = bendy::MAX_SEGMENTS + 1;
 
 /// Columns of the matrix from scene space (world axes about `scene_origin`) to tube space, composed in f64.
 fn tube_from_scene(tube: &Tube<f64>, scene_origin: DVec3) -> Mat4 {
     let placement = &tube.placement;
-    let rotation = placement.rotation.transpose() * DMat3::from_diagonal(DVec3::splat(1.0 / placement.world_per_tube));
+    let rotation =
+        placement.rotation.transpose() * DMat3::from_diagonal(DVec3::splat(1.0 / placement.world_per_tube));
     let offset = placement.tube_from_world(scene_origin);
     let matrix = DMat4::from_cols(
         rotation.x_axis.extend(0.0),
@@ -57,7 +67,10 @@ pub(crate) fn hull_in_world(tube: &Tube<f64>, t_max: f64) -> Vec<DVec3> {
             let b = slab.piece.bounds;
             (0..8).map(move |k| {
                 let sign = |bit: i32| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
-                b.center + b.axes[0] * (b.half[0] * sign(0)) + b.axes[1] * (b.half[1] * sign(1)) + b.axes[2] * (b.half[2] * sign(2))
+                b.center
+                    + b.axes[0] * (b.half[0] * sign(0))
+                    + b.axes[1] * (b.half[1] * sign(1))
+                    + b.axes[2] * (b.half[2] * sign(2))
             })
         })
         .map(|corner| tube.placement.world_from_tube(corner))
@@ -90,7 +103,49 @@ fn curve(segment: &Segment<f32>, t_start: f64, t_span: f64) -> layout::Curve {
     }
 }
 
-/// The tube's segments for `tube.wgsl`.
+/// What is compiled into the shaders that evaluate a light: see the constants of `tube.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Baked {
+    segments: usize,
+    end_mode: EndMode,
+    frame: Frame,
+    direction: Direction,
+    decay: Decay,
+}
+
+impl Baked {
+    /// Most segments that are visited in straight code: `tube.wgsl` spells them out.
+    const MOST_SEGMENTS: usize = 6;
+
+    pub fn of(tube: &Tube<f64>) -> Self {
+        Self {
+            segments: if tube.n <= Self::MOST_SEGMENTS { tube.n } else { 0 },
+            end_mode: tube.end_mode(),
+            frame: tube.frame,
+            direction: tube.direction,
+            decay: tube.decay,
+        }
+    }
+
+    /// `wgsl` with the constants that `tube.wgsl` asks for.
+    pub fn into_wgsl(self, wgsl: &str) -> String {
+        let Self { segments, end_mode, frame, direction, decay } = self;
+        let decay = match decay {
+            Decay::None => 0,
+            Decay::Linear => 1,
+            Decay::InverseSquare => 2,
+        };
+        format!(
+            "const BAKED_SEGMENTS = {segments}u;\nconst EXTENDED = {};\nconst FRAME_UP = {};\nconst DIRECTION_PATH = {};\n\
+             const DECAY = {decay}u;\n{wgsl}",
+            end_mode == EndMode::Extend,
+            frame == Frame::Up,
+            direction == Direction::Path,
+        )
+    }
+}
+
+/// The tube's segments for `tube.wgsl`, filled up to the size of its array.
 pub(crate) fn segments(tube: &Tube<f64>) -> Vec<layout::Segment> {
     let one = |(i, segment): (usize, &Segment<f64>)| {
         let s = segment.to_f32();
@@ -106,26 +161,26 @@ pub(crate) fn segments(tube: &Tube<f64>) -> Vec<layout::Segment> {
             pad0: [0.0; 3],
         }
     };
-    tube.segments.iter().enumerate().map(one).collect()
+    let mut segments: Vec<_> = tube.segments.iter().enumerate().map(one).collect();
+    segments.resize(SEGMENT_ROOM, layout::Segment::default());
+    segments
 }
 
 /// The light's uniform for `tube.wgsl`.
-pub(crate) fn uniform(tube: &Tube<f64>, scene_origin: DVec3, t_max: f64, shadow_resolution: u32) -> layout::BendyLight {
+pub(crate) fn uniform(
+    tube: &Tube<f64>,
+    scene_origin: DVec3,
+    t_max: f64,
+    shadow_resolution: u32,
+) -> layout::BendyLight {
     let rotation = tube.placement.rotation.as_mat3();
     let f32_tube = Tube::<f32>::from(tube);
     layout::BendyLight {
         tube_from_scene: tube_from_scene(tube, scene_origin),
-        world_from_tube: [rotation.x_axis, rotation.y_axis, rotation.z_axis].map(|c| c.extend(0.0).to_array()),
+        world_from_tube: [rotation.x_axis, rotation.y_axis, rotation.z_axis]
+            .map(|c| c.extend(0.0).to_array()),
         up: f32_tube.up.to_array(),
         segment_count: tube.n as u32,
-        extended: u32::from(tube.end_mode() == EndMode::Extend),
-        frame_up: u32::from(tube.frame == Frame::Up),
-        direction_path: u32::from(tube.direction == Direction::Path),
-        decay: match tube.decay {
-            Decay::None => 0,
-            Decay::Linear => 1,
-            Decay::InverseSquare => 2,
-        },
         world_per_tube: tube.placement.world_per_tube as f32,
         t_max: t_max as f32,
         shadow_resolution: shadow_resolution as f32,

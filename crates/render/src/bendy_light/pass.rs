@@ -6,15 +6,15 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, Sampler, TextureView};
 
 use super::shadow::{BentShadowPass, Casters};
-use super::{hull_in_world, segments, t_max, uniform};
+use super::{Baked, hull_in_world, segments, t_max, uniform};
 use crate::lighting::LightingPass;
-use crate::pipeline::{DEPTH_FORMAT, NON_FILTERING, RAW_TEXTURE, STORAGE, UNIFORM};
+use crate::pipeline::{DEPTH_FORMAT, NON_FILTERING, RAW_TEXTURE, UNIFORM};
 use crate::shadow::RESOLUTION;
 use crate::staged::StagedScene;
 use crate::{Gpu, RenderError, shaders};
 
 /// Group 2 of a BendyLight's lighting pass; see `tube.wgsl` and `bendy.wgsl`.
-const BINDINGS: [BindingType; 4] = [UNIFORM, STORAGE, RAW_TEXTURE, NON_FILTERING];
+const BINDINGS: [BindingType; 4] = [UNIFORM, UNIFORM, RAW_TEXTURE, NON_FILTERING];
 
 /// What a bent shadow map depends on, besides the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,8 +44,10 @@ impl Shape {
 #[derive(Debug)]
 pub(crate) struct BendyPass {
     pub shadow: BentShadowPass,
-    pub lighting: LightingPass,
-    layout: BindGroupLayout,
+    /// Compiled when first wanted, one for each way of evaluating a light.
+    lighting: Vec<(Baked, LightingPass)>,
+    /// Of the view and the surface, and the light's own.
+    layouts: [BindGroupLayout; 3],
     sampler: Sampler,
 }
 
@@ -59,7 +61,9 @@ pub(crate) struct BendySlot {
 
 /// A BendyLight in place.
 pub(crate) struct PlacedBendy {
-    /// Group 2 of its lighting pass.
+    /// Which lighting pass draws it.
+    pub baked: Baked,
+    /// Group 2 of that pass.
     pub group: BindGroup,
     /// The convex hull of these world positions holds all that is lit.
     pub corners_in_world: Vec<DVec3>,
@@ -69,15 +73,21 @@ impl BendyPass {
     /// `camera_groups` are those of the view and the surface.
     pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2]) -> Self {
         let [view, surface] = camera_groups;
-        let layout = gpu.layout("bendy", &BINDINGS);
         Self {
             shadow: BentShadowPass::new(gpu),
-            lighting: LightingPass::new(gpu, "bendy", shaders::BENDY, &[view, surface, &layout]),
-            layout,
-            sampler: gpu
-                .device
-                .create_sampler(&wgpu::SamplerDescriptor { label: Some("bent shadow"), ..Default::default() }),
+            lighting: Vec::new(),
+            layouts: [view.clone(), surface.clone(), gpu.layout("bendy", &BINDINGS)],
+            sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("bent shadow"),
+                ..Default::default()
+            }),
         }
+    }
+
+    /// The pass of a light that was prepared.
+    pub fn lighting(&self, baked: Baked) -> &LightingPass {
+        let found = self.lighting.iter().find(|(b, _)| *b == baked);
+        &found.expect("prepare makes the pass of every light").1
     }
 
     pub fn slot(gpu: &Gpu) -> BendySlot {
@@ -112,14 +122,22 @@ impl BendyPass {
         };
         let uniform = uniform(&tube, scene.origin, t_max, RESOLUTION);
         let uniform = init("bendy", bytemuck::bytes_of(&uniform), BufferUsages::UNIFORM);
-        let segments = init("segments", bytemuck::cast_slice(&segments(&tube)), BufferUsages::STORAGE);
+        let mut all = segments(&tube);
+        all.resize(257, bytemuck::Zeroable::zeroed());
+        let segments = init("segments", bytemuck::cast_slice(&all), BufferUsages::UNIFORM);
         let resources = [
             uniform.as_entire_binding(),
             segments.as_entire_binding(),
             BindingResource::TextureView(&slot.depth),
             BindingResource::Sampler(&self.sampler),
         ];
-        let group = gpu.group("bendy", &self.layout, &resources);
-        Ok((PlacedBendy { group, corners_in_world: hull_in_world(&tube, t_max) }, stale))
+        let group = gpu.group("bendy", &self.layouts[2], &resources);
+        let baked = Baked::of(&tube);
+        if self.lighting.iter().all(|(b, _)| *b != baked) {
+            let layouts = self.layouts.each_ref();
+            let pass = LightingPass::new(gpu, "bendy", &baked.into_wgsl(shaders::BENDY), &layouts);
+            self.lighting.push((baked, pass));
+        }
+        Ok((PlacedBendy { baked, group, corners_in_world: hull_in_world(&tube, t_max) }, stale))
     }
 }

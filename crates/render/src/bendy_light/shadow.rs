@@ -46,6 +46,8 @@ pub(crate) struct BentShadowPass {
     split: ComputePipeline,
     next: ComputePipeline,
     draw: RenderPipeline,
+    /// See [`TOLERANCE_TEXELS`].
+    pub tolerance_texels: f32,
     room: Room,
 }
 
@@ -90,6 +92,7 @@ impl BentShadowPass {
             split: compute(shaders::BENT_MAP_SPLIT, "split_patches"),
             next: compute(shaders::BENT_MAP_NEXT, "next_stage"),
             draw: draw_pipeline(gpu),
+            tolerance_texels: TOLERANCE_TEXELS,
             room: Room { work: 1 << 16, patches: 1 << 16, split_vertices: 3 << 16 },
         }
     }
@@ -120,7 +123,7 @@ impl BentShadowPass {
                 work_capacity: self.room.work,
                 patch_capacity: self.room.patches,
                 split_capacity: self.room.split_vertices,
-                tolerance_texels: TOLERANCE_TEXELS,
+                tolerance_texels: self.tolerance_texels,
             };
             let buffers = Buffers::new(gpu, &slabs, &map);
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -138,10 +141,18 @@ impl BentShadowPass {
     }
 
     /// The compute passes: vertices, triangles, clipping, and splitting level by level.
-    fn map(&self, gpu: &Gpu, encoder: &mut CommandEncoder, casters: &Casters, buffers: &Buffers, map: &BentMap) {
+    fn map(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        casters: &Casters,
+        buffers: &Buffers,
+        map: &BentMap,
+    ) {
         let b = buffers;
         let geometry = casters.geometry;
-        let group = |pipeline: &ComputePipeline, rest: &[&Buffer]| bind(gpu, pipeline, &[&b.uniform, &b.slabs], rest);
+        let group =
+            |pipeline: &ComputePipeline, rest: &[&Buffer]| bind(gpu, pipeline, &[&b.uniform, &b.slabs], rest);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         let mut run = |pipeline: &ComputePipeline, group: &BindGroup, threads: Option<u32>| {
             pass.set_pipeline(pipeline);
@@ -158,7 +169,8 @@ impl BentShadowPass {
         let vertices = group(&self.vertices, &[&geometry.positions, &b.mapped, &b.vertex_slab]);
         run(&self.vertices, &vertices, Some(map.vertex_count));
         let mapped = [&geometry.positions, &b.mapped, &b.vertex_slab, &geometry.indices];
-        let triangles = group(&self.triangles, &[&mapped[..], &[&b.whole_indices, &b.work, &b.counts]].concat());
+        let triangles =
+            group(&self.triangles, &[&mapped[..], &[&b.whole_indices, &b.work, &b.counts]].concat());
         run(&self.triangles, &triangles, Some(map.triangle_count));
 
         let next = bind(gpu, &self.next, &[&b.uniform], &[&b.counts, &b.workgroups]);
@@ -174,15 +186,26 @@ impl BentShadowPass {
         }
     }
 
-    fn draw(&self, gpu: &Gpu, encoder: &mut CommandEncoder, buffers: &Buffers, t_max: f64, depth: &TextureView) {
-        let uniform = BentShadow { t_max: t_max as f32, ..BentShadow::default() };
+    fn draw(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        buffers: &Buffers,
+        t_max: f64,
+        depth: &TextureView,
+    ) {
+        let uniform = BentShadow { t_max: t_max as f32 };
         let uniform = init(gpu, "bent shadow", bytemuck::bytes_of(&uniform), BufferUsages::UNIFORM);
-        let group = gpu.group("bent shadow", &self.draw.get_bind_group_layout(0), &[uniform.as_entire_binding()]);
+        let group =
+            gpu.group("bent shadow", &self.draw.get_bind_group_layout(0), &[uniform.as_entire_binding()]);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("bent shadow"),
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: depth,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store }),
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(1.0),
+                    store: wgpu::StoreOp::Store,
+                }),
                 stencil_ops: None,
             }),
             ..Default::default()
@@ -262,7 +285,11 @@ impl Buffers {
             whole_indices: buffer("whole triangles", triangles * 12, BufferUsages::INDEX),
             work: buffer("triangles to clip", u64::from(map.work_capacity) * WORK_BYTES, none),
             patches: [patches(), patches()],
-            split_vertices: buffer("split triangles", u64::from(map.split_capacity) * VERTEX_BYTES, BufferUsages::VERTEX),
+            split_vertices: buffer(
+                "split triangles",
+                u64::from(map.split_capacity) * VERTEX_BYTES,
+                BufferUsages::VERTEX,
+            ),
             counts: init(gpu, "bent counts", bytemuck::bytes_of(&counts), counts_usage),
             workgroups: buffer("workgroups", 16, BufferUsages::INDIRECT),
         }

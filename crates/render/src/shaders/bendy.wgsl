@@ -5,10 +5,11 @@
 
 fn sample_light(surface: Surface) -> LightSample {
     let q = (light.tube_from_scene * vec4f(surface.position, 1.0)).xyz;
-    let root = nearest_root(q);
-    if !root.found {
+    let place = nearest_place(q);
+    if !place.found {
         return LightSample();
     }
+    let root = root_at(place, q);
     var result: LightSample;
     result.inside = true;
     result.t = root_t(root);
@@ -21,10 +22,8 @@ fn sample_light(surface: Surface) -> LightSample {
 
 // Derivative of position by t along the curve of constant (v, w): the way light takes.
 fn path_tangent(root: Root, vw: vec2f, across: mat2x3f) -> vec3f {
-    let c = segments[root.segment].curve;
-    let turn = curve_u_hat_derivative(c, root.u, root.u_hat);
-    let speed = 2.0 * length(curve_d(c, root.u));
-    return root.u_hat * (speed - dot(root.r, turn)) + (across * vw) * curve_radius_derivative(c, root.u)
+    let turn = turn_at(root);
+    return root.u_hat * (2.0 * length(root.d) - dot(root.r, turn)) + (across * vw) * root.radius_derivative
         + cross(root.u_hat, root.r) * twist(root, turn);
 }
 

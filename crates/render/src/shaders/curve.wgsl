@@ -73,15 +73,6 @@ fn perpendicular_up(up: vec3f, u_hat: vec3f) -> vec3f {
     return normalize(axis - u_hat * dot(axis, u_hat));
 }
 
-fn curve_u_hat_derivative(c: Curve, u: f32, u_hat: vec3f) -> vec3f {
-    let d = curve_d(c, u);
-    let speed = length(d);
-    if speed > 0.0 {
-        return (c.a - u_hat * dot(c.a, u_hat)) / speed;
-    }
-    return vec3f(0.0);
-}
-
 fn curve_box_contains(c: Curve, q: vec3f) -> bool {
     let p = q - c.box_center;
     return abs(dot(p, c.box_axis_0)) <= c.box_half_0

@@ -21,7 +21,3 @@ fn unit_from_bits(bits: u32) -> vec3f {
 fn srgb_from_linear(c: vec3f) -> vec3f {
     return select(1.055 * pow(c, vec3f(1.0 / 2.4)) - 0.055, 12.92 * c, c <= vec3f(0.0031308));
 }
-
-fn linear_from_srgb(c: vec3f) -> vec3f {
-    return select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
-}

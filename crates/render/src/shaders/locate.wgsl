@@ -17,7 +17,7 @@ struct LocatedRoot {
 @group(0) @binding(2) var<storage, read_write> located: array<LocatedRoot>;
 
 fn report(point: u32, count: u32, root: Root) {
-    let stride = 2u * light.segment_count + light.extended;
+    let stride = 2u * light.segment_count + u32(EXTENDED);
     located[point * stride + count] =
         LocatedRoot(root.segment, root.u, root.vw_len.x, root.vw_len.y, root.radius, direction_at(root));
 }
@@ -33,7 +33,7 @@ fn locate(@builtin(global_invocation_id) id: vec3u) {
     var last_segment = 0u;
     var last_u = -1.0;
     var f0 = first_joint(q);
-    for (var i = 0u; i < light.segment_count + light.extended; i++) {
+    for (var i = 0u; i < light.segment_count + u32(EXTENDED); i++) {
         let f1 = end_joint(i, q);
         let roots = candidates(i, q, f0, f1);
         let us = vec2f(roots.left, roots.right);
@@ -44,9 +44,9 @@ fn locate(@builtin(global_invocation_id) id: vec3u) {
             if !has[side] || same {
                 continue;
             }
-            let root = root_inside(i, q, us[side]);
-            if root.found {
-                report(point, count, root);
+            let place = place_at(i, q, us[side]);
+            if place.found {
+                report(point, count, root_at(place, q));
                 count += 1u;
                 last_segment = i;
                 last_u = us[side];

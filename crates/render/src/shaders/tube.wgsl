@@ -20,10 +20,6 @@ struct BendyLight {
     up: vec3f,
     // Number of quadratic segments; one more follows where the light is extended.
     segment_count: u32,
-    extended: u32,
-    frame_up: u32,
-    direction_path: u32,
-    decay: u32,
     world_per_tube: f32,
     // The shadow map's depth is t / t_max.
     t_max: f32,
@@ -33,16 +29,34 @@ struct BendyLight {
     inv_cos_range: f32,
 }
 
+// What does not change while a light is bent is compiled into the shader: a software driver runs both sides of a branch, and gathers from
+// an index that it does not know. The constants come before this file:
+//   BAKED_SEGMENTS  u32   segments to visit in straight code, the extension not counted; 0 for as many as the light has, in a loop
+//   EXTENDED        bool  the light goes on past its last control point
+//   FRAME_UP        bool  the frame is oriented by `up`, else rotation-minimising
+//   DIRECTION_PATH  bool  light arrives along the path, else along the tube
+//   DECAY           u32   one of the DECAY_ constants
+
 @group(2) @binding(0) var<uniform> light: BendyLight;
-@group(2) @binding(1) var<storage, read> segments: array<Segment>;
+// Uniform rather than storage: far faster on a software driver, and bendy::MAX_SEGMENTS and the extension fit into the size that all have.
+@group(2) @binding(1) var<uniform> segments: array<Segment, 257>;
 
 const JOINT_MERGE = 1e-5;
 const DIRECTION_FLOOR = 1e-18;
 const DECAY_NONE = 0u;
 const DECAY_LINEAR = 1u;
 
-struct Root {
+// A root of f that lies in the tube.
+struct Place {
     found: bool,
+    segment: u32,
+    u: f32,
+    // |q - P(u)|^2.
+    r2: f32,
+    radius: f32,
+}
+
+struct Root {
     segment: u32,
     u: f32,
     // q - P(u), across the tangent.
@@ -52,10 +66,14 @@ struct Root {
     radius: f32,
     u_hat: vec3f,
     v_hat: vec3f,
-}
-
-fn nowhere() -> Root {
-    return Root(false, 0u, 0.0, vec3f(0.0), vec2f(0.0), 0.0, vec3f(0.0), vec3f(0.0));
+    // Half the derivatives of position, first and second.
+    d: vec3f,
+    a: vec3f,
+    radius_derivative: f32,
+    // Colour times intensity.
+    radiance: vec3f,
+    // Arc length of the centre curve from the source.
+    travelled: f32,
 }
 
 fn root_t(root: Root) -> f32 {
@@ -63,27 +81,52 @@ fn root_t(root: Root) -> f32 {
 }
 
 fn cross_section(c: Curve, u_hat: vec3f) -> mat2x3f {
-    if light.frame_up == 0u {
+    if !FRAME_UP {
         return curve_rotation_minimizing(c, u_hat);
     }
     let w_hat = perpendicular_up(light.up, u_hat);
     return mat2x3f(cross(w_hat, u_hat), w_hat);
 }
 
-// The root at `u` of segment `i`, found where it lies in the tube: V^2 + W^2 <= R^2.
-fn root_inside(i: u32, q: vec3f, u: f32) -> Root {
-    let c = segments[i].curve;
-    var root = nowhere();
-    root.segment = i;
+// The root at `u` of segment `i`, found where it lies in the tube: |r| <= R.
+fn place_at(i: u32, q: vec3f, u: f32) -> Place {
+    let r = curve_offset(segments[i].curve, q, u);
+    let radius = curve_radius(segments[i].curve, u);
+    let r2 = dot(r, r);
+    return Place(radius >= 0.0 && r2 <= radius * radius, i, u, r2, radius);
+}
+
+// All that is known at a place.
+fn root_at(place: Place, q: vec3f) -> Root {
+    let c = segments[place.segment].curve;
+    let u = place.u;
+    var root: Root;
+    root.segment = place.segment;
     root.u = u;
     root.r = curve_offset(c, q, u);
+    root.radius = place.radius;
     root.u_hat = curve_u_hat(c, u);
-    root.radius = curve_radius(c, u);
     let across = cross_section(c, root.u_hat);
     root.v_hat = across[0];
     root.vw_len = root.r * across;
-    root.found = root.radius >= 0.0 && dot(root.vw_len, root.vw_len) <= root.radius * root.radius;
+    root.d = curve_d(c, u);
+    root.a = c.a;
+    root.radius_derivative = curve_radius_derivative(c, u);
+    root.radiance = source_radiance(place.segment, u);
+    if DECAY != DECAY_NONE {
+        root.travelled = segments[place.segment].arc_start + arc_length(c, u);
+    }
     return root;
+}
+
+// Colour times intensity, neither below zero.
+fn source_radiance(i: u32, u: f32) -> vec3f {
+    let w = 1.0 - u;
+    let basis = vec3f(w * w, 2.0 * w * u, u * u);
+    let s = segments[i];
+    let color = s.color_0 * basis.x + s.color_1 * basis.y + s.color_2 * basis.z;
+    let intensity = s.intensity_0 * basis.x + s.intensity_1 * basis.y + s.intensity_2 * basis.z;
+    return max(color, vec3f(0.0)) * max(intensity, 0.0);
 }
 
 // f at the start of the first segment; the loop over segments carries f from joint to joint, one value for both sides.
@@ -98,7 +141,7 @@ fn end_joint(i: u32, q: vec3f) -> f32 {
 // The parameters to test on segment `i`, whose ends have the values f0 and f1; the extension, i = n, has one without end.
 fn candidates(i: u32, q: vec3f, f0: f32, f1: f32) -> Roots {
     let c = segments[i].curve;
-    if i == light.segment_count {
+    if EXTENDED && i == light.segment_count {
         let u = -f0 / (2.0 * dot(c.d0, c.d0));
         return Roots(u, 0.0, u > 0.0, false);
     }
@@ -109,38 +152,58 @@ fn candidates(i: u32, q: vec3f, f0: f32, f1: f32) -> Roots {
 }
 
 // Whether `a` has the smaller |r| / R, asked without dividing.
-fn nearer(a: Root, b: Root) -> bool {
-    return dot(a.r, a.r) * b.radius * b.radius < dot(b.r, b.r) * a.radius * a.radius;
+fn nearer(a: Place, b: Place) -> bool {
+    return a.r2 * b.radius * b.radius < b.r2 * a.radius * a.radius;
 }
 
-// The root that counts. At a joint the same root comes from both sides with the same |r| / R, and the lower segment's came first; rounding may
-// prefer the other side, by less than rounding.
-fn nearest_root(q: vec3f) -> Root {
-    var best = nowhere();
-    var f0 = first_joint(q);
-    for (var i = 0u; i < light.segment_count + light.extended; i++) {
-        let f1 = end_joint(i, q);
-        let roots = candidates(i, q, f0, f1);
-        if roots.has_left {
-            let root = root_inside(i, q, roots.left);
-            if root.found && (!best.found || nearer(root, best)) {
-                best = root;
-            }
-        }
-        if roots.has_right {
-            let root = root_inside(i, q, roots.right);
-            if root.found && (!best.found || nearer(root, best)) {
-                best = root;
-            }
-        }
-        f0 = f1;
+struct Search {
+    best: Place,
+    // f at the joint that comes next.
+    f0: f32,
+}
+
+fn consider(search: ptr<function, Search>, i: u32, q: vec3f, u: f32) {
+    let place = place_at(i, q, u);
+    if place.found && (!(*search).best.found || nearer(place, (*search).best)) {
+        (*search).best = place;
     }
-    return best;
+}
+
+fn visit(search: ptr<function, Search>, i: u32, q: vec3f) {
+    let f1 = end_joint(i, q);
+    let roots = candidates(i, q, (*search).f0, f1);
+    if roots.has_left {
+        consider(search, i, q, roots.left);
+    }
+    if roots.has_right {
+        consider(search, i, q, roots.right);
+    }
+    (*search).f0 = f1;
+}
+
+// The place that counts: the one with the smallest |r| / R. At a joint the same root comes from both sides, equal but for rounding; either will do.
+fn nearest_place(q: vec3f) -> Place {
+    var search = Search(Place(), first_joint(q));
+    if BAKED_SEGMENTS == 0u {
+        for (var i = 0u; i < light.segment_count; i++) {
+            visit(&search, i, q);
+        }
+    }
+    if BAKED_SEGMENTS > 0u { visit(&search, 0u, q); }
+    if BAKED_SEGMENTS > 1u { visit(&search, 1u, q); }
+    if BAKED_SEGMENTS > 2u { visit(&search, 2u, q); }
+    if BAKED_SEGMENTS > 3u { visit(&search, 3u, q); }
+    if BAKED_SEGMENTS > 4u { visit(&search, 4u, q); }
+    if BAKED_SEGMENTS > 5u { visit(&search, 5u, q); }
+    if EXTENDED {
+        visit(&search, light.segment_count, q);
+    }
+    return search.best;
 }
 
 // tau, the rotation of the "up" frame about the tangent per unit of u.
 fn twist(root: Root, u_hat_derivative: vec3f) -> f32 {
-    if light.frame_up == 0u {
+    if !FRAME_UP {
         return 0.0;
     }
     let along = dot(light.up, root.u_hat);
@@ -148,15 +211,22 @@ fn twist(root: Root, u_hat_derivative: vec3f) -> f32 {
     return along * dot(u_hat_derivative, root.v_hat) / perp;
 }
 
+// Derivative of the unit tangent.
+fn turn_at(root: Root) -> vec3f {
+    let speed = length(root.d);
+    if speed > 0.0 {
+        return (root.a - root.u_hat * dot(root.a, root.u_hat)) / speed;
+    }
+    return vec3f(0.0);
+}
+
 // Unit direction in tube space from the surface to where its light comes from.
 fn direction_at(root: Root) -> vec3f {
-    let c = segments[root.segment].curve;
-    let spread = root.r * curve_radius_derivative(c, root.u);
-    var tangent = curve_d(c, root.u) * (2.0 * root.radius) + spread;
-    if light.direction_path != 0u {
-        let turn = curve_u_hat_derivative(c, root.u, root.u_hat);
-        let speed = 2.0 * length(curve_d(c, root.u));
-        tangent = root.u_hat * ((speed - dot(root.r, turn)) * root.radius) + spread
+    let spread = root.r * root.radius_derivative;
+    var tangent = root.d * (2.0 * root.radius) + spread;
+    if DIRECTION_PATH {
+        let turn = turn_at(root);
+        tangent = root.u_hat * ((2.0 * length(root.d) - dot(root.r, turn)) * root.radius) + spread
             + cross(root.u_hat, root.r) * (twist(root, turn) * root.radius);
     }
     let len = length(tangent);
@@ -206,24 +276,18 @@ fn arc_length(c: Curve, u: f32) -> f32 {
 }
 
 fn decay_at(root: Root) -> f32 {
-    if light.decay == DECAY_NONE {
+    if DECAY == DECAY_NONE {
         return 1.0;
     }
-    let along = segments[root.segment].arc_start + arc_length(segments[root.segment].curve, root.u);
-    let s2 = max(along * along + dot(root.r, root.r), 1e-12) * light.world_per_tube * light.world_per_tube;
-    return select(1.0 / s2, inverseSqrt(s2), light.decay == DECAY_LINEAR);
+    let s2 = max(root.travelled * root.travelled + dot(root.r, root.r), 1e-12) * light.world_per_tube * light.world_per_tube;
+    return select(1.0 / s2, inverseSqrt(s2), DECAY == DECAY_LINEAR);
 }
 
 // Irradiance on a surface square to the light, without visibility.
 fn irradiance(root: Root) -> vec3f {
-    let s = segments[root.segment];
-    let u = root.u;
-    let w = 1.0 - u;
-    let color = s.color_0 * (w * w) + s.color_1 * (2.0 * w * u) + s.color_2 * (u * u);
-    let intensity = s.intensity_0 * (w * w) + s.intensity_1 * (2.0 * w * u) + s.intensity_2 * (u * u);
     var rho2 = 0.0;
     if root.radius > 0.0 {
         rho2 = dot(root.r, root.r) / (root.radius * root.radius);
     }
-    return max(color, vec3f(0.0)) * (max(intensity, 0.0) * profile(rho2) * decay_at(root));
+    return root.radiance * (profile(rho2) * decay_at(root));
 }

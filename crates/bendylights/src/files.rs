@@ -1,0 +1,69 @@
+//! Reading light files and point files, within limits.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+use glam::DVec3;
+use protocol::{FileError, light_file, point_file};
+use scene::Light;
+
+use crate::error::Error;
+
+/// The largest light or point file. A million points take about 60 MB.
+const MAX_FILE_MIB: u64 = 64;
+/// What stands for standard input.
+const STDIN: &str = "-";
+
+/// The lights of a light file, each valid.
+pub fn read_lights(path: &Path) -> Result<Vec<Light>, Error> {
+    let file = path.display().to_string();
+    let text = File::open(path).and_then(read_limited);
+    parsed(file, text, light_file::parse)
+}
+
+/// The light of a light file that holds exactly one.
+pub fn read_one_light(path: &Path) -> Result<Light, Error> {
+    let mut lights = read_lights(path)?;
+    match lights.pop() {
+        Some(light) if lights.is_empty() => Ok(light),
+        last => {
+            let count = lights.len() + usize::from(last.is_some());
+            Err(Error::NotOneLight { file: path.display().to_string(), count })
+        }
+    }
+}
+
+/// The world positions of a point file, or of standard input where `path` is `-`.
+pub fn read_points(path: &Path) -> Result<Vec<DVec3>, Error> {
+    if path.as_os_str() == STDIN {
+        return parsed("standard input".into(), read_limited(io::stdin().lock()), point_file::parse);
+    }
+    let text = File::open(path).and_then(read_limited);
+    parsed(path.display().to_string(), text, point_file::parse)
+}
+
+/// All of `source` as text, or `None` where it is over the limit.
+fn read_limited(source: impl Read) -> io::Result<Option<String>> {
+    let limit = MAX_FILE_MIB << 20;
+    let mut bytes = Vec::new();
+    source.take(limit + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit {
+        return Ok(None);
+    }
+    String::from_utf8(bytes)
+        .map(Some)
+        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is not UTF-8 text"))
+}
+
+fn parsed<T>(
+    file: String,
+    text: io::Result<Option<String>>,
+    parse: impl Fn(&str) -> Result<T, FileError>,
+) -> Result<T, Error> {
+    match text {
+        Err(reason) => Err(Error::Unreadable { file, reason }),
+        Ok(None) => Err(Error::TooLarge { file, limit_mib: MAX_FILE_MIB }),
+        Ok(Some(text)) => parse(&text).map_err(|reason| Error::BadFile { file, reason }),
+    }
+}

@@ -1,0 +1,79 @@
+//! `bendylights`, the one binary. Each command has its module; the shapes of commands and files are a contract.
+//!
+//! Exit codes: 0, done; 2, the input is wrong and one sentence on standard error says how to mend it; 1, this machine
+//! cannot do it (no GPU driver, disk full).
+
+mod bend;
+mod error;
+mod eval;
+mod files;
+mod headless;
+mod output;
+mod picture;
+mod render;
+mod scenes;
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use error::Error;
+
+/// Renders scenes lit by BendyLights: spotlights whose light travels along a curve.
+#[derive(Parser)]
+#[command(version, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Render a scene to a PNG or EXR picture
+    Render(render::Args),
+    /// Say where points lie in a light
+    Eval(eval::Args),
+    /// Turn a spotlight into the equal BendyLight, ready to be bent
+    Bend(bend::Args),
+    /// List the demo scenes
+    Scenes,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  bendylights scenes
+  bendylights render demo:vases --samples 16 -o vases.png
+  bendylights bend spot.json --segments 3 > bent.json
+  echo '[[0, 1, 0], [0, 2, 1]]' | bendylights eval bent.json
+
+'bendylights help COMMAND' says more about each command.";
+
+fn main() -> ExitCode {
+    let done = match Cli::parse().command {
+        Command::Render(args) => render::run(&args),
+        Command::Eval(args) => eval::run(&args),
+        Command::Bend(args) => bend::run(&args),
+        Command::Scenes => scenes::run(),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            say(&format!("error: {error}"));
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+/// A line on standard error. Where that is closed there is nobody to tell.
+fn say(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// Writes a command's answer to standard output. A reader that has gone away (`| head`) has had enough: no error.
+fn answer(text: &str) -> Result<(), Error> {
+    let mut stdout = io::stdout().lock();
+    match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Error::Stdout(error)),
+        _ => Ok(()),
+    }
+}

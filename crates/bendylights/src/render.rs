@@ -1,0 +1,219 @@
+//! `bendylights render`: a scene as a picture.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use assets::Loaded;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use image::{DynamicImage, Rgba32FImage, RgbaImage};
+use indicatif::{ProgressBar, ProgressStyle};
+use render::{Aov, Gpu, Renderer, View};
+use scene::{Camera, Light, LightKind, Scene, framing_camera};
+
+use crate::error::Error;
+use crate::output::{Format, Output};
+use crate::{files, headless, picture, say};
+
+#[derive(clap::Args)]
+#[command(after_help = "\
+AOVs, what a picture shows:
+  beauty      the lit scene
+  depth       distance from the camera's plane, in world units
+  normal      shading normal in the world
+  t           place along the light's curve, 0 at its source to the number of segments
+  vw          place across the light's tube, in radii
+  direction   direction in the world from the surface to where the light comes from
+  visibility  1 where the light reaches, 0 in its shadow
+
+EXR holds the linear values themselves. In PNG the beauty is tone-mapped and the others are made readable: near is
+bright, directions and normals are shown as (x + 1) / 2, t as a ramp with a line at each joint, (v, w) by hue and
+distance from the curve.
+
+Examples:
+  bendylights render demo:vases -o vases.png
+  bendylights render room.glb --lights key.json --camera 0 --size 1920x1080 --samples 64 -o room.exr
+  bendylights render room.glb --lights key.json --aov visibility --light key -o shadow.png")]
+pub struct Args {
+    /// glTF file (.gltf or .glb), or `demo:NAME` as `bendylights scenes` lists them
+    scene: String,
+    /// Light file to use in place of the scene's own lights: one light or an array of them
+    #[arg(long, value_name = "FILE")]
+    lights: Option<PathBuf>,
+    /// Camera by its name or its index from 0 [default: the first, or one that frames the scene]
+    #[arg(long, value_name = "NAME|INDEX")]
+    camera: Option<String>,
+    /// Width and height in pixels, each at most 8192
+    #[arg(long, default_value = "686x382", value_name = "WxH")]
+    size: Size,
+    /// Samples a pixel, for beauty and visibility; 1 takes each pixel's centre, 16 or more smooth the edges
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    samples: u32,
+    /// What the picture shows
+    #[arg(long, default_value = "beauty", value_name = "NAME", value_parser = aov_names())]
+    aov: Aov,
+    /// The light that t, vw, direction and visibility are of [default: the first]
+    #[arg(long, value_name = "NAME")]
+    light: Option<String>,
+    /// Picture to write, as PNG or EXR by its ending
+    #[arg(short, value_name = "OUT.png|OUT.exr")]
+    output: PathBuf,
+}
+
+fn aov_names() -> impl TypedValueParser<Value = Aov> {
+    PossibleValuesParser::new(Aov::NAMES).try_map(|name| name.parse::<Aov>())
+}
+
+/// Pixels of a picture.
+#[derive(Clone, Copy)]
+struct Size {
+    width: u32,
+    height: u32,
+}
+
+/// The largest side of a picture: the largest texture that every GPU of WebGPU's default limits holds.
+const MAX_SIDE: u32 = 8192;
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let side = |text: &str| text.parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
+        text.split_once('x')
+            .and_then(|(width, height)| Some(Self { width: side(width)?, height: side(height)? }))
+            .ok_or(format!("write it as WIDTHxHEIGHT, each from 1 to {MAX_SIDE}"))
+    }
+}
+
+pub fn run(args: &Args) -> Result<(), Error> {
+    headless::prepare();
+    let output = Output::new(&args.output)?;
+    let Loaded { scene, mut notes } = open_scene(&args.scene)?;
+    let lights = match &args.lights {
+        Some(file) => files::read_lights(file)?,
+        None => scene.lights.clone(),
+    };
+    if lights.is_empty() && args.aov.is_of_light() {
+        return Err(Error::NothingToShow { scene: args.scene.clone(), aov: args.aov.name() });
+    }
+    if lights.is_empty() {
+        notes.push(
+            "there are no lights, so the picture shows the fill only; --lights names a light file".into(),
+        );
+    }
+    if args.samples > 1 && !args.aov.takes_samples() {
+        let aov = args.aov.name();
+        notes.push(format!(
+            "one sample a pixel was taken: an average of {aov} over an edge would mean nothing"
+        ));
+    }
+    let view = View {
+        camera: choose_camera(args, &scene)?,
+        width: args.size.width,
+        height: args.size.height,
+        samples: args.samples,
+        aov: args.aov,
+        light: choose_light(args, &lights)?,
+    };
+    for note in &notes {
+        say(&format!("note: {note}"));
+    }
+    let mut renderer = Renderer::new(Arc::new(Gpu::new()?))?;
+    renderer.set_scene(&scene)?;
+    let busy = sign_of_life(args.samples);
+    let picture = draw(&mut renderer, &view, &lights, output.format())?;
+    busy.finish_and_clear();
+    output.write(&picture)
+}
+
+/// The scene of a file, or the demo of that name, with notes of what was left out.
+fn open_scene(name: &str) -> Result<Loaded, Error> {
+    let Some(demo) = name.strip_prefix("demo:") else { return Ok(assets::load(Path::new(name))?) };
+    let no_such = || Error::NoSuch {
+        whose: "bendylights".into(),
+        what: "demo scene",
+        name: demo.into(),
+        choices: choices(assets::DEMO_NAMES.iter().map(|(name, _)| *name)),
+    };
+    Ok(Loaded { scene: assets::demo(demo).ok_or_else(no_such)?, notes: Vec::new() })
+}
+
+fn choose_camera(args: &Args, scene: &Scene) -> Result<Camera, Error> {
+    let Some(wanted) = &args.camera else {
+        let aspect = f64::from(args.size.width) / f64::from(args.size.height);
+        return Ok(scene.cameras.first().cloned().unwrap_or_else(|| framing_camera(scene, aspect)));
+    };
+    let named = scene.cameras.iter().find(|camera| camera.name == *wanted);
+    let indexed = || scene.cameras.get(wanted.parse::<usize>().ok()?);
+    named.or_else(indexed).cloned().ok_or_else(|| Error::NoSuch {
+        whose: args.scene.clone(),
+        what: "camera",
+        name: wanted.clone(),
+        choices: choices(scene.cameras.iter().map(|camera| camera.name.as_str())),
+    })
+}
+
+fn choose_light(args: &Args, lights: &[Light]) -> Result<usize, Error> {
+    let Some(wanted) = &args.light else { return Ok(0) };
+    lights.iter().position(|light| light.name == *wanted).ok_or_else(|| Error::NoSuch {
+        whose: args.lights.as_ref().map_or(args.scene.clone(), |file| file.display().to_string()),
+        what: "light",
+        name: wanted.clone(),
+        choices: choices(lights.iter().map(|light| light.name.as_str())),
+    })
+}
+
+/// What there is to choose from, as the end of a sentence.
+fn choices<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    const SHOWN: usize = 12;
+    let names: Vec<_> = names.map(|name| format!("`{name}`")).collect();
+    match names.len() {
+        0 => "it has none".into(),
+        n if n > SHOWN => format!("choose one of {} and {} more", names[..SHOWN].join(", "), n - SHOWN),
+        _ => format!("choose one of {}", names.join(", ")),
+    }
+}
+
+/// A line that moves while a long render runs, on a terminal.
+fn sign_of_life(samples: u32) -> ProgressBar {
+    if samples == 1 {
+        return ProgressBar::hidden();
+    }
+    let style =
+        ProgressStyle::with_template("{spinner} rendering {msg}, {elapsed}").expect("a sound template");
+    let line =
+        ProgressBar::new_spinner().with_style(style).with_message(format!("{samples} samples a pixel"));
+    line.enable_steady_tick(Duration::from_millis(200));
+    line
+}
+
+/// The picture as its format wants it: raw for EXR, readable for PNG.
+fn draw(
+    renderer: &mut Renderer,
+    view: &View,
+    lights: &[Light],
+    format: Format,
+) -> Result<DynamicImage, Error> {
+    if format == Format::Png && view.aov == Aov::Beauty {
+        let pixels = renderer.render_display(view, lights)?;
+        let image = RgbaImage::from_raw(view.width, view.height, pixels).expect("four bytes a pixel");
+        return Ok(image.into());
+    }
+    let picture = renderer.render(view, lights)?;
+    Ok(match format {
+        Format::Exr => {
+            let pixels = picture.pixels.into_flattened();
+            Rgba32FImage::from_raw(picture.width, picture.height, pixels).expect("four floats a pixel").into()
+        }
+        Format::Png => picture::readable(&picture, view.aov, segments(lights.get(view.light))).into(),
+    })
+}
+
+/// The end of t's range in a light: its number of segments, one for a spotlight.
+fn segments(light: Option<&Light>) -> usize {
+    match light.map(|light| &light.kind) {
+        Some(LightKind::Bendy(bendy)) => bendy.points.len() - 2,
+        _ => 1,
+    }
+}

@@ -1,0 +1,132 @@
+//! The commands that do their work.
+
+use image::{ColorType, DynamicImage, GenericImageView};
+use serde_json::{Value, json};
+
+use crate::program::{BENDY, Folder, SPOT, TRIANGLE, binary, run, run_with_input};
+
+/// What a command prints, which must succeed in silence.
+fn printed(args: &[&str], input: &str) -> String {
+    let done = run_with_input(args, input);
+    assert_eq!((done.code, done.stderr.as_str()), (0, ""), "{args:?}");
+    done.stdout
+}
+
+#[test]
+fn eval_prints_one_object_a_point() {
+    let folder = Folder::new();
+    let light = folder.file("light.json", BENDY);
+    let points = folder.file("points.json", "[[0,0,-1],[0,0,1],[0.1,0,-1]]");
+    let text = printed(&["eval", &light, &points], "");
+    assert_eq!(printed(&["eval", &light], "[[0,0,-1],[0,0,1],[0.1,0,-1]]"), text, "from standard input");
+    let lines: Vec<_> = text.lines().collect();
+    assert_eq!(lines.len(), 3, "a line a point");
+    // P(u) = (0, 0, -2 u); R(1/2) = (0.1 + 2 0.4 + 0.8) / 4 = 0.425; on the axis light comes from +Z.
+    assert_eq!(
+        lines[0],
+        r#"[{"inside":true,"segment":0,"u":0.5,"t":0.5,"v":0.0,"w":0.0,"radius":0.42500000000000004,"direction":[0.0,0.0,1.0],"roots":[0.5]},"#
+    );
+    assert_eq!(lines[1], r#" {"inside":false,"roots":[]},"#);
+    let answers: Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(answers[2]["t"], json!(0.5));
+    assert_eq!(printed(&["eval", &light], "[]"), "[]\n");
+}
+
+#[test]
+fn bend_makes_the_cone_it_was_given() {
+    let folder = Folder::new();
+    let spot = folder.file("spot.json", SPOT);
+    let bent = printed(&["bend", &spot, "--segments", "3"], "");
+    let light: Value = serde_json::from_str(&bent).expect("JSON");
+    assert_eq!(
+        (&light["type"], &light["name"], &light["decay"]),
+        (&json!("bendy"), &json!("lamp"), &json!("inverseSquare"))
+    );
+    assert_eq!(light["points"].as_array().expect("points").len(), 5);
+
+    // Of the cone of 20 degrees and length 6 in 3 segments: t = 3 z / 6, R = z tan 20.
+    let bent = folder.file("bent.json", bent);
+    let answers: Value =
+        serde_json::from_str(&printed(&["eval", &bent], "[[0,0,-3],[0.5,0,-3],[0,1.2,-3]]")).expect("JSON");
+    let radius = 3.0 * 20.0_f64.to_radians().tan();
+    for i in 0..2 {
+        let close = |field: &str, value: f64| {
+            let found = answers[i][field].as_f64().expect("a number");
+            // A dozen roundings of numbers about 1 lie between.
+            assert!((found - value).abs() < 1e-14, "{field}: {found} for {value}");
+        };
+        close("t", 1.5);
+        close("radius", radius);
+        // v_hat = up x u_hat = Y x -Z = -X.
+        close("v", if i == 0 { 0.0 } else { -0.5 / radius });
+    }
+    assert_eq!(answers[2], json!({"inside": false, "roots": []}), "1.2 is past the cone's 1.09");
+}
+
+#[test]
+fn scenes_lists_the_demos() {
+    assert!(printed(&["scenes"], "").starts_with("demo:vases  "));
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let light = Folder::new();
+    let light = (light.file("light.json", BENDY), light);
+    let points = format!("[{}[0,0,-1]]", "[0,0,-1],".repeat(20_000));
+    let points = light.1.file("points.json", points);
+    let command =
+        format!("{} eval {} {points} | head -n 1; echo ${{PIPESTATUS[0]}}", binary().display(), light.0);
+    let output = std::process::Command::new("bash").args(["-c", &command]).output().expect("bash");
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+    assert!(output.stdout.ends_with(b"\n0\n"));
+}
+
+/// Renders the triangle, lit from the front, and reads the picture back.
+fn rendered(folder: &Folder, name: &str, more: &[&str]) -> DynamicImage {
+    let scene = folder.file("scene.gltf", TRIANGLE);
+    // Stands before the triangle and shines along -Z onto all of it.
+    let light =
+        BENDY.replace("\"name\"", "\"transform\": {\"translation\": [0, 0, 1], \"scale\": 3}, \"name\"");
+    let light = folder.file("light.json", light);
+    let picture = folder.path(name);
+    let args =
+        [&["render", &scene, "--lights", &light, "--size", "64x48", "-o", &picture][..], more].concat();
+    assert_eq!(printed(&args, ""), "");
+    assert_eq!(folder.names(), ["light.json", name, "scene.gltf"], "the picture and nothing else");
+    image::open(&picture).expect("a picture")
+}
+
+#[test]
+fn render_writes_png_for_people() {
+    let folder = Folder::new();
+    let picture = rendered(&folder, "out.png", &["--samples", "2"]);
+    assert_eq!(picture.dimensions(), (64, 48));
+    let (middle, corner) = (picture.get_pixel(32, 26), picture.get_pixel(1, 1));
+    assert!(middle[1] > corner[1], "the triangle is lit and the background is not: {middle:?}, {corner:?}");
+    let again = rendered(&folder, "out.png", &["--aov", "visibility", "--light", "key", "--camera", "front"]);
+    assert_eq!(again.get_pixel(32, 26).0[..3], [255; 3], "written over: nothing stands before the triangle");
+}
+
+#[test]
+fn render_writes_exr_with_the_values_themselves() {
+    let folder = Folder::new();
+    let depth = rendered(&folder, "out.exr", &["--aov", "depth"]);
+    assert_eq!(depth.color(), ColorType::Rgba32F);
+    let depth = depth.into_rgba32f().get_pixel(32, 26)[0];
+    // The plane lies 4 before the camera; the depth is a float of 24 bits, kept as 1 / z over a near plane of 0.1:
+    // half a step of it is 4^2 / 0.1 * 2^-25.
+    assert!((depth - 4.0).abs() < 5e-6, "{depth}");
+}
+
+#[test]
+fn a_scene_without_lights_is_drawn_with_a_note() {
+    let folder = Folder::new();
+    let scene = folder.file("scene.gltf", TRIANGLE);
+    let done = run(&["render", &scene, "--size", "32x32", "-o", &folder.path("out.png")]);
+    assert_eq!(done.code, 0);
+    assert!(done.stderr.starts_with("note: ") && done.stderr.contains("--lights"), "{}", done.stderr);
+    let done = run(&["render", &scene, "--aov", "t", "-o", &folder.path("t.png")]);
+    assert_eq!(done.code, 2);
+    assert!(done.stderr.contains("--lights"), "{}", done.stderr);
+    assert_eq!(folder.names(), ["out.png", "scene.gltf"]);
+}

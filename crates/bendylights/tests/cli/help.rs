@@ -1,0 +1,51 @@
+//! `--help` teaches, and the README's commands are those of the program.
+
+use crate::program::run;
+
+const COMMANDS: [&str; 4] = ["render", "eval", "bend", "scenes"];
+
+fn help(args: &[&str]) -> String {
+    let done = run(args);
+    assert_eq!((done.code, done.stderr.as_str()), (0, ""));
+    done.stdout
+}
+
+#[test]
+fn help_names_every_command_and_shows_examples() {
+    let text = help(&["--help"]);
+    for command in COMMANDS {
+        assert!(text.contains(&format!("  {command} ")), "{command}");
+        assert!(help(&[command, "--help"]).contains("Usage: bendylights "), "{command}");
+    }
+    for command in ["render", "eval", "bend"] {
+        assert!(help(&[command, "--help"]).contains("Example"), "{command}");
+    }
+    assert!(help(&["--version"]).starts_with("bendylights 0."));
+}
+
+/// What is wrong with the commands that `text` shows, each on a line that starts with `bendylights`.
+fn unknown_words(text: &str) -> Vec<String> {
+    let lines = text.lines().map(str::trim).filter(|line| line.starts_with("bendylights "));
+    lines
+        .flat_map(|line| {
+            let mut words = line.split_whitespace().skip(1).map(|word| word.trim_matches(['[', ']']));
+            let command = words.next().unwrap_or_default();
+            if !COMMANDS.contains(&command) {
+                return vec![format!("{line}: no command {command}")];
+            }
+            let known = help(&[command, "--help"]);
+            let options = words.filter(|word| word.starts_with('-') && word.len() > 1);
+            let unknown = options.filter(|option| !known.contains(&format!("{option} ")));
+            unknown.map(|option| format!("{line}: no option {option}")).collect()
+        })
+        .collect()
+}
+
+#[test]
+fn the_readme_shows_commands_that_exist() {
+    let readme = include_str!("../../../../README.md");
+    assert!(readme.lines().filter(|line| line.trim().starts_with("bendylights ")).count() >= 4);
+    assert_eq!(unknown_words(readme), [""; 0]);
+    let planted = "bendylights render demo:vases --quality 3 -o out.png\nbendylights paint";
+    assert_eq!(unknown_words(planted).len(), 2);
+}

@@ -1,0 +1,90 @@
+//! Runs the real binary, in a folder that goes when the test ends.
+
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use tempfile::TempDir;
+
+/// A bendy light of one segment, straight down -Z, whose radius grows from 0.1.
+pub const BENDY: &str =
+    r#"{"type": "bendy", "name": "key", "points": [[0,0,0],[0,0,-1],[0,0,-2]], "radii": [0.1,0.4,0.8]}"#;
+
+/// A spotlight with a range.
+pub const SPOT: &str = r#"{"type": "spot", "name": "lamp", "coneAngle": 20, "range": 6}"#;
+
+/// A glTF file with one triangle, 2 units wide, in the plane z = 0, and one camera called `front` 4 units before it.
+pub const TRIANGLE: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+    "nodes": [{"mesh": 0}, {"name": "front", "camera": 0, "translation": [0, 0, 4]}],
+    "cameras": [{"name": "front", "type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+        "min": [-1, -1, 0], "max": [1, 1, 0]}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "buffers": [{"byteLength": 36,
+        "uri": "data:application/octet-stream;base64,AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAAAAAAAAgD8AAAAA"}]}"#;
+
+/// What a run left behind.
+pub struct Done {
+    pub code: i32,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+/// A folder for one test's files.
+pub struct Folder(TempDir);
+
+impl Folder {
+    pub fn new() -> Self {
+        Self(TempDir::new().expect("a temporary folder"))
+    }
+
+    /// The path of a file in it, there or not.
+    pub fn path(&self, name: &str) -> String {
+        self.0.path().join(name).display().to_string()
+    }
+
+    /// Writes a file and gives its path.
+    pub fn file(&self, name: &str, content: impl AsRef<[u8]>) -> String {
+        std::fs::write(self.path(name), content).expect("a file");
+        self.path(name)
+    }
+
+    /// Names of the files in it.
+    pub fn names(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.0.path()).expect("a folder");
+        let mut names: Vec<_> =
+            entries.map(|e| e.expect("an entry").file_name().display().to_string()).collect();
+        names.sort();
+        names
+    }
+}
+
+/// Runs `bendylights` with nothing on standard input.
+pub fn run(args: &[&str]) -> Done {
+    run_with_input(args, "")
+}
+
+/// Runs `bendylights` with `input` on standard input.
+pub fn run_with_input(args: &[&str], input: &str) -> Done {
+    let mut child = Command::new(binary())
+        .args(args)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the binary runs");
+    // A program that refuses its arguments does not read.
+    let _ = child.stdin.take().expect("a pipe").write_all(input.as_bytes());
+    let output = child.wait_with_output().expect("the binary ends");
+    Done {
+        code: output.status.code().expect("an exit code: no signal, no panic"),
+        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
+        stderr: String::from_utf8(output.stderr).expect("UTF-8"),
+    }
+}
+
+/// The binary under test.
+pub fn binary() -> &'static Path {
+    Path::new(env!("CARGO_BIN_EXE_bendylights"))
+}

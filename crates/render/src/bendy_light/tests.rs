@@ -1,0 +1,162 @@
+//! Bent shadows against the walk of `walk.rs`, pixel by pixel, and what planted faults do to that.
+
+use std::sync::Arc;
+
+use bendy::{BendyLight, Tube};
+use glam::{DAffine3, DQuat, DVec3, Vec3};
+use scene::{Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Scene, pose};
+
+use super::walk;
+use crate::shadow::RESOLUTION;
+use crate::{Aov, Gpu, Picture, Renderer, View};
+
+/// A light that falls from 4 units up, turns by 70 degrees and back a little: three strongly bent segments.
+fn light() -> BendyLight {
+    let points = [(0., 0., 0.), (0.3, 0.1, -1.2), (-0.2, 0.4, -2.6), (1.9, -0.2, -3.3), (3.1, 0.3, -4.6)];
+    let points = points.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec();
+    let mut light = BendyLight::new(points, vec![0.15, 0.35, 0.45, 0.5, 0.8]);
+    light.transform.translation = DVec3::new(-1.0, 4.0, 0.0);
+    light.transform.rotation = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2);
+    light
+}
+
+/// A box from -1 to 1.
+fn cube() -> Primitive {
+    let corner = |k: u32| Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32) * 2.0 - 1.0;
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let mut primitive = Primitive::default();
+    for face in faces {
+        let [a, b, c, d] = face.map(corner);
+        let first = primitive.positions.len() as u32;
+        primitive.positions.extend([a, b, c, d]);
+        primitive.normals.extend([(b - a).cross(c - a).normalize(); 4]);
+        primitive.indices.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
+    }
+    primitive
+}
+
+/// A floor of two large triangles and three long boxes in the light's way: every edge is longer than the tube is wide.
+fn scene() -> Scene {
+    let place = |scale: (f64, f64, f64), turn: f64, at: (f64, f64, f64)| {
+        let vector = |(x, y, z)| DVec3::new(x, y, z);
+        DAffine3::from_scale_rotation_translation(vector(scale), DQuat::from_rotation_y(turn), vector(at))
+    };
+    let parts = [
+        place((8.0, 0.1, 8.0), 0.0, (0.0, -0.6, 0.0)),
+        place((2.0, 0.04, 0.12), 0.5, (-0.8, 2.4, -0.3)),
+        place((0.12, 0.05, 2.5), 0.3, (0.1, 1.1, -0.4)),
+        place((0.1, 0.7, 0.1), 0.9, (1.0, 0.2, -0.6)),
+    ];
+    let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
+    for (mesh, parent_from_local) in parts.into_iter().enumerate() {
+        scene.meshes.push(Mesh { name: String::new(), primitives: vec![cube()] });
+        scene.nodes.push(Node { name: String::new(), parent: None, parent_from_local, mesh: Some(mesh) });
+    }
+    scene.check().expect("sound");
+    scene
+}
+
+fn view(aov: Aov) -> View {
+    let eye = DVec3::new(-1.5, 4.5, 6.0);
+    let back = (eye - DVec3::new(0.5, 0.0, 0.0)).normalize();
+    let right = DVec3::Y.cross(back).normalize();
+    let matrix3 = glam::DMat3::from_cols(right, back.cross(right), back);
+    let camera = Camera {
+        name: String::new(),
+        world_from_camera: DAffine3 { matrix3, translation: eye },
+        projection: Projection::Perspective { yfov: 0.7, znear: 0.1, zfar: None },
+    };
+    View { camera, width: 240, height: 160, samples: 1, aov, light: 0 }
+}
+
+/// The world position that a pixel of the depth AOV stands for.
+fn position(view: &View, depth: &Picture, pixel: usize) -> DVec3 {
+    let (x, y) = ((pixel % 240) as f64, (pixel / 240) as f64);
+    let half = 0.35_f64.tan();
+    let ndc = ((x + 0.5) / 120.0 - 1.0, 1.0 - (y + 0.5) / 80.0);
+    let ray = DVec3::new(ndc.0 * half * 1.5, ndc.1 * half, -1.0);
+    view.camera.world_from_camera.transform_point3(ray * f64::from(depth.pixels[pixel][0]))
+}
+
+struct Setup {
+    tube: Tube<f64>,
+    /// In tube space.
+    triangles: Vec<[DVec3; 3]>,
+    lights: [Light; 1],
+    renderer: Renderer,
+}
+
+impl Setup {
+    fn new() -> Self {
+        let (scene, light) = (scene(), light());
+        let tube = Tube::new(&light).expect("valid");
+        let gpu = Arc::new(Gpu::new().expect("tests need a graphics driver"));
+        let mut renderer = Renderer::new(gpu).expect("the device works");
+        renderer.set_scene(&scene).expect("fits");
+        let triangles = pose(&scene)
+            .flat_map(|posed| {
+                let corner = |k: u32| {
+                    let local = posed.primitive.positions[k as usize].as_dvec3();
+                    tube.placement.tube_from_world(posed.world_from_local.transform_point3(local))
+                };
+                posed.primitive.indices.chunks(3).map(|t| [corner(t[0]), corner(t[1]), corner(t[2])]).collect::<Vec<_>>()
+            })
+            .collect();
+        Self { tube, triangles, lights: [Light { name: "key".into(), kind: LightKind::Bendy(light) }], renderer }
+    }
+
+    fn picture(&mut self, aov: Aov) -> Picture {
+        self.renderer.render(&view(aov), &self.lights).expect("drawn")
+    }
+
+    /// What the walk says of pixels that lie two texels and more from any edge of the shadow: pixel and whether it is lit.
+    /// `w_sign` is 1, or -1 for a planted fault.
+    fn walked(&mut self, w_sign: f64) -> Vec<(usize, bool)> {
+        let depth = self.picture(Aov::Depth);
+        let texel = 2.0 / f64::from(RESOLUTION);
+        let mut found = Vec::new();
+        for pixel in 0..depth.pixels.len() {
+            let q = self.tube.placement.tube_from_world(position(&view(Aov::Depth), &depth, pixel));
+            let Some(root) = self.tube.nearest_root(q).filter(|_| depth.pixels[pixel][3] > 0.0) else { continue };
+            // The receiver's own plane does not shade it.
+            let plane_distance = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize().dot(q - a).abs();
+            let others: Vec<_> = self.triangles.iter().copied().filter(|&t| plane_distance(t) > 1e-5).collect();
+            let t = root.segment as f64 + root.u;
+            let (v, w) = (root.v_len / root.radius, w_sign * root.w_len / root.radius);
+            let at = |dv: f64, dw: f64| walk::reaches(&self.tube, &others, t, v + dv * texel, w + dw * texel);
+            let lit = at(0.0, 0.0);
+            let around = [(-2.0, -2.0), (-2.0, 2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 0.0), (2.0, 0.0), (0.0, 2.0), (0.0, -2.0)];
+            if around.iter().all(|&(dv, dw)| at(dv, dw) == lit) {
+                found.push((pixel, lit));
+            }
+        }
+        found
+    }
+}
+
+/// Pixels where a visibility AOV differs from what the walk says.
+fn differing(walked: &[(usize, bool)], visibility: &Picture) -> usize {
+    walked.iter().filter(|(pixel, lit)| visibility.pixels[*pixel][0] != f32::from(u8::from(*lit))).count()
+}
+
+/// Every pixel agrees; a frame whose w has the wrong sign, and a map whose edges are not split, do not.
+#[test]
+fn bent_shadows_are_where_the_paths_say() {
+    let mut setup = Setup::new();
+    let walked = setup.walked(1.0);
+    let lit = walked.iter().filter(|(_, lit)| *lit).count();
+    assert!(walked.len() >= 500 && lit > 100 && walked.len() - lit > 100, "{lit} of {} lit", walked.len());
+    let visibility = setup.picture(Aov::Visibility);
+    let wrong: Vec<_> = walked.iter().filter(|w| differing(&[**w], &visibility) > 0).collect();
+    assert!(wrong.is_empty(), "{} of {} differ: {:?}", wrong.len(), walked.len(), &wrong[..wrong.len().min(9)]);
+
+    // Planted: a sign error in w.
+    let fault = differing(&setup.walked(-1.0), &visibility);
+    assert!(fault > walked.len() / 50, "a sign error in w changes only {fault} pixels");
+
+    // Planted: edges that are never split.
+    let mut unsplit = Setup::new();
+    unsplit.renderer.bent_shadow().tolerance_texels = f32::INFINITY;
+    let fault = differing(&walked, &unsplit.picture(Aov::Visibility));
+    assert!(fault > 0, "unsplit edges went unseen");
+}

@@ -1,0 +1,61 @@
+//! Many samples a pixel.
+
+use glam::DVec3;
+use render::{Aov, View};
+use scene::Material;
+
+use crate::support::{floor, named, on_plane, picture, renderer, scene_of, spot, view};
+
+/// A white floor from straight above, whose edges cross pixels.
+fn edges(samples: u32) -> View {
+    View { samples, ..view(DVec3::new(0.02, 3.0, 0.03), DVec3::new(0.02, 0.0, 0.03), [16, 16], Aov::Beauty) }
+}
+
+fn bright_floor() -> scene::Scene {
+    let mut scene = scene_of([floor(1.0, 0.0)], vec![Material::default()]);
+    scene.fill.sky = DVec3::ONE;
+    scene.fill.ground = DVec3::ONE;
+    scene
+}
+
+#[test]
+fn coverage_is_the_area() {
+    let view = edges(64);
+    let beauty = picture(&bright_floor(), &view, &[]);
+    let half_pixel = 3.0 * 0.4_f64.tan() / 16.0;
+    let mut partly = 0;
+    for (center, color) in on_plane(&beauty, &view, DVec3::Y, 0.0) {
+        let covered = |c: f64| {
+            (((c + half_pixel).min(1.0) - (c - half_pixel).max(-1.0)) / (2.0 * half_pixel)).clamp(0.0, 1.0)
+        };
+        let area = covered(center.x) * covered(center.z);
+        // A lattice of N points misses an axis-parallel rectangle by less than (2 log2 N) / N of the pixel.
+        assert!((color[3] - area).abs() < 2.0 * 6.0 / 64.0, "{center}: {} for {area}", color[3]);
+        assert!((color[0] - color[3]).abs() < 1e-5);
+        partly += usize::from(color[3] > 0.01 && color[3] < 0.99);
+    }
+    assert!(partly > 20);
+    // The planted fault: one sample a pixel knows no parts.
+    assert!(picture(&bright_floor(), &edges(1), &[]).pixels.iter().all(|p| p[3] == 0.0 || p[3] == 1.0));
+}
+
+#[test]
+fn one_sample_is_repeatable_after_many() {
+    let mut renderer = renderer(&bright_floor());
+    let first = renderer.render(&edges(1), &[]).unwrap();
+    let many = renderer.render(&edges(8), &[]).unwrap();
+    assert_eq!(renderer.render(&edges(1), &[]).unwrap(), first);
+    assert_ne!(first, many);
+}
+
+#[test]
+fn only_what_can_be_averaged_is() {
+    let scene = scene_of([floor(1.0, 0.0), floor(0.3, 0.5)], vec![Material::default()]);
+    let lights = [named(spot(DVec3::new(0.4, 3.0, 0.0), DVec3::ZERO))];
+    for aov in [Aov::Depth, Aov::Normal, Aov::T, Aov::Vw, Aov::Direction] {
+        let of = |samples| picture(&scene, &View { aov, ..edges(samples) }, &lights);
+        assert_eq!(of(1), of(8), "{aov:?}");
+    }
+    let visibility = picture(&scene, &View { aov: Aov::Visibility, ..edges(8) }, &lights);
+    assert!(visibility.pixels.iter().any(|p| p[0] > 0.0 && p[0] < 1.0));
+}

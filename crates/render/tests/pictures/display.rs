@@ -1,0 +1,65 @@
+//! The bytes of a screen.
+
+use glam::DVec3;
+use render::Aov;
+use scene::Material;
+
+use crate::support::{floor, renderer, scene_of, view};
+
+/// Khronos PBR Neutral, as published, then sRGB (IEC 61966-2-1), to 0 to 255.
+fn expected(linear: DVec3) -> DVec3 {
+    let (start, desaturation) = (0.8 - 0.04, 0.15);
+    let low = linear.min_element();
+    let mut color = linear - if low < 0.08 { low - 6.25 * low * low } else { 0.04 };
+    let peak = color.max_element();
+    if peak >= start {
+        let d = 1.0 - start;
+        let new_peak = 1.0 - d * d / (peak + d - start);
+        color *= new_peak / peak;
+        let g = 1.0 - 1.0 / (desaturation * (peak - new_peak) + 1.0);
+        color = color.lerp(DVec3::splat(new_peak), g);
+    }
+    let srgb = |c: f64| if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+    DVec3::new(srgb(color.x), srgb(color.y), srgb(color.z)) * 255.0
+}
+
+#[test]
+fn radiance_is_tone_mapped_and_encoded() {
+    let colors = [
+        DVec3::ZERO,
+        DVec3::splat(0.001),
+        DVec3::new(0.02, 0.05, 0.3),
+        DVec3::new(0.5, 0.2, 0.1),
+        DVec3::splat(0.78),
+        DVec3::new(0.9, 0.7, 0.4),
+        DVec3::new(7.0, 1.0, 0.0),
+        DVec3::splat(1e6),
+    ];
+    for color in colors {
+        // A white floor returns what the fill gives it.
+        let mut scene = scene_of([floor(1.0, 0.0)], vec![Material::default()]);
+        scene.fill.sky = color;
+        scene.fill.ground = color;
+        let view = view(DVec3::Y * 2.0, DVec3::ZERO, [3, 3], Aov::Beauty);
+        let bytes = renderer(&scene).render_display(&view, &[]).unwrap();
+        let pixel = &bytes[16..20];
+        let expected = expected(color);
+        for (byte, expected) in pixel.iter().zip(expected.to_array()) {
+            // Rounded to the nearest byte; f32's power function may fall on the other side of a half.
+            assert!(
+                (f64::from(*byte) - expected).abs() <= 0.5 + 1e-2,
+                "{color}: {pixel:?}, expected {expected}"
+            );
+        }
+        assert_eq!(pixel[3], 255);
+    }
+    // The planted fault, truncation instead of rounding, is off by more than that somewhere.
+    assert!(colors.iter().any(|c| (expected(*c).x.floor() - expected(*c).x).abs() > 0.51));
+}
+
+#[test]
+fn the_background_is_black() {
+    let view = view(DVec3::Y * 2.0, DVec3::Y * 9.0, [3, 3], Aov::Beauty);
+    let scene = scene_of([floor(1.0, 0.0)], vec![Material::default()]);
+    assert_eq!(renderer(&scene).render_display(&view, &[]).unwrap(), [0, 0, 0, 255].repeat(9));
+}

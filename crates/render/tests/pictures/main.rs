@@ -1,0 +1,10 @@
+//! Pictures against closed forms. One binary, so that all tests share one device.
+
+mod antialiasing;
+mod caches;
+mod display;
+mod robustness;
+mod spot_light;
+mod spot_shadow;
+mod support;
+mod surface;

@@ -1,0 +1,163 @@
+//! Input that is legal and unkind.
+
+use bendy::{LightError, SpotLight};
+use glam::{DAffine3, DQuat, DVec3, Vec3};
+use render::{Aov, RenderError, View};
+use scene::{Light, Material, Primitive, Projection, Scene};
+
+use crate::support::{floor, named, picture, renderer, scene_of, spot, square, view};
+
+const ALL: [Aov; 7] =
+    [Aov::Beauty, Aov::Depth, Aov::Normal, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility];
+
+fn tables() -> Scene {
+    scene_of([floor(3.0, 0.0), floor(0.5, 1.0)], vec![Material::default()])
+}
+
+#[test]
+fn every_size_works() {
+    let lights = [named(spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO))];
+    let mut renderer = renderer(&tables());
+    for size in [[1, 1], [1, 7], [5, 1], [63, 65], [257, 3], [1, 1]] {
+        for aov in ALL {
+            let picture =
+                renderer.render(&view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, size, aov), &lights).unwrap();
+            assert_eq!(picture.pixels.len(), (size[0] * size[1]) as usize);
+            assert!(picture.pixels.iter().flatten().all(|x| x.is_finite()));
+            assert!(picture.pixels.iter().any(|p| p[3] == 1.0), "{aov:?} {size:?} is empty");
+        }
+    }
+}
+
+#[test]
+fn rows_come_from_the_top_and_columns_from_the_left() {
+    // A patch to the right of and nearer than the middle, seen from above: in the lower right of the picture.
+    let patch = (
+        square(),
+        DAffine3::from_scale_rotation_translation(
+            DVec3::splat(0.5),
+            DQuat::IDENTITY,
+            DVec3::new(1.0, 0.0, 1.0),
+        ),
+    );
+    let camera = view(DVec3::new(0.0, 6.0, 0.1), DVec3::ZERO, [9, 9], Aov::Depth);
+    let depths = picture(&scene_of([patch], vec![Material::default()]), &camera, &[]);
+    let there: Vec<_> = (0..81).filter(|&i| depths.pixels[i][3] == 1.0).collect();
+    assert!(!there.is_empty());
+    assert!(there.iter().all(|i| i % 9 > 4 && i / 9 > 4), "{there:?}");
+}
+
+#[test]
+fn unkind_geometry_has_no_nan() {
+    let opposed = Primitive { normals: vec![Vec3::Y, Vec3::NEG_Y, Vec3::Y, Vec3::NEG_Y], ..square() };
+    let unlit = Primitive { normals: vec![Vec3::ZERO; 4], ..square() };
+    let sliver = Primitive { indices: vec![0, 0, 1, 0, 1, 1, 0, 1, 2], ..square() };
+    let parts = [
+        (opposed, DAffine3::IDENTITY),
+        (unlit, DAffine3::from_translation(DVec3::new(0.3, 0.4, 0.0))),
+        (sliver, DAffine3::from_translation(DVec3::Y * 0.8)),
+        (square(), DAffine3::from_scale(DVec3::new(1.0, 0.0, 0.0))),
+        (square(), DAffine3::from_scale(DVec3::ZERO)),
+        (square(), DAffine3::from_scale(DVec3::new(1e-30, 1.0, 1.0))),
+        (Primitive::default(), DAffine3::IDENTITY),
+    ];
+    for roughness in [0.0, 1.0] {
+        for metallic in [0.0, 1.0] {
+            let material = Material { roughness, metallic, double_sided: true, ..Material::default() };
+            let mut scene = scene_of(parts.clone(), vec![material]);
+            scene.fill.sky = DVec3::ONE;
+            // Sources on a surface, in its plane, at a vertex, behind the camera; intensities at both ends.
+            let sources = [DVec3::ZERO, DVec3::X * 3.0, DVec3::new(1.0, 0.0, 1.0), DVec3::new(2.0, 3.0, 4.1)];
+            for (source, intensity) in sources.into_iter().zip([1e300, 0.0, -1e300, 1e-300]) {
+                let light = SpotLight { intensity, cone_angle: 89.9, ..spot(source, DVec3::NEG_Y) };
+                for aov in ALL {
+                    picture(
+                        &scene,
+                        &view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [41, 31], aov),
+                        &[named(light.clone())],
+                    );
+                }
+            }
+            // Edge on, and from inside a surface.
+            for eye in [DVec3::X * 3.0, DVec3::new(0.2, 0.0, 0.1)] {
+                picture(&scene, &view(eye, DVec3::ZERO, [41, 31], Aov::Beauty), &[]);
+            }
+        }
+    }
+}
+
+#[test]
+fn tiny_and_huge_scenes_are_seen_like_others() {
+    for scale in [1e-9, 1.0, 1e9] {
+        let mut scene = tables();
+        for node in &mut scene.nodes {
+            node.parent_from_local = DAffine3::from_scale(DVec3::splat(scale)) * node.parent_from_local;
+        }
+        let mut view = view(DVec3::new(2.0, 3.0, 4.0) * scale, DVec3::ZERO, [41, 31], Aov::Visibility);
+        view.camera.projection = Projection::Perspective { yfov: 0.8, znear: 0.05 * scale, zfar: None };
+        let light = spot(DVec3::new(1.0, 3.0, 0.5) * scale, DVec3::ZERO);
+        let lit = picture(&scene, &view, &[named(light)]);
+        let (inside, dark) = lit
+            .pixels
+            .iter()
+            .filter(|p| p[3] == 1.0)
+            .fold((0, 0), |(inside, dark), p| (inside + 1, dark + usize::from(p[0] == 0.0)));
+        assert!(inside > 100 && dark > 5, "{scale}: {inside} {dark}");
+    }
+}
+
+#[test]
+fn an_empty_scene_is_black() {
+    let lights = [named(spot(DVec3::Y, DVec3::ZERO))];
+    for aov in ALL {
+        let picture =
+            picture(&Scene::default(), &view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [5, 4], aov), &lights);
+        assert_eq!(picture.pixels, [[0.0; 4]; 20]);
+    }
+}
+
+/// The error of rendering `view` under `lights`.
+fn refused(view: &View, lights: &[Light]) -> RenderError {
+    let mut renderer = renderer(&tables());
+    let error = renderer.render(view, lights).expect_err("this view has no picture");
+    // The renderer still works.
+    let good = crate::support::view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [5, 4], Aov::Depth);
+    assert!(renderer.render(&good, &[]).unwrap().pixels.iter().any(|p| p[3] == 1.0));
+    error
+}
+
+#[test]
+fn impossible_views_are_refused_with_a_sentence() {
+    let good = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [5, 4], Aov::Beauty);
+    let with = |change: fn(&mut View)| {
+        let mut view = good.clone();
+        change(&mut view);
+        refused(&view, &[])
+    };
+    let invalid = [
+        with(|v| v.width = 0),
+        with(|v| v.samples = 0),
+        with(|v| v.camera.world_from_camera.translation.x = f64::NAN),
+        with(|v| v.camera.world_from_camera.translation.x = 1e60),
+        with(|v| v.camera.projection = Projection::Perspective { yfov: 4.0, znear: 0.1, zfar: None }),
+        with(|v| v.camera.projection = Projection::Perspective { yfov: 1.0, znear: 0.0, zfar: None }),
+        with(|v| v.camera.projection = Projection::Perspective { yfov: 1.0, znear: 1.0, zfar: Some(1.0) }),
+        with(|v| v.camera.projection = Projection::Orthographic { ymag: 0.0, znear: 0.0, zfar: 1.0 }),
+    ];
+    for error in invalid {
+        assert!(matches!(error, RenderError::InvalidView(_)), "{error}");
+    }
+    assert!(matches!(with(|v| v.height = 1_000_000), RenderError::TooLarge { .. }));
+    assert_eq!(with(|v| v.aov = Aov::T), RenderError::NoSuchLight { index: 0, count: 0 });
+    assert!("depht".parse::<Aov>().unwrap_err().to_string().contains("beauty, depth"));
+    assert!(ALL.iter().all(|aov| aov.name().parse() == Ok(*aov)));
+}
+
+#[test]
+fn impossible_lights_are_refused() {
+    let good = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [5, 4], Aov::Beauty);
+    let nan = SpotLight { intensity: f64::NAN, ..SpotLight::default() };
+    assert_eq!(refused(&good, &[named(nan)]), RenderError::Light(LightError::NotFinite("intensity")));
+    let far = spot(DVec3::new(1e200, 0.0, 0.0), DVec3::ZERO);
+    assert!(matches!(refused(&good, &[named(far)]), RenderError::TooLarge { .. }));
+}

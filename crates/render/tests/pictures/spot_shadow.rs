@@ -1,0 +1,130 @@
+//! Shadows of a spotlight where similar triangles say.
+
+use bendy::{Decay, SpotLight};
+use glam::{DAffine3, DQuat, DVec3};
+use render::{Aov, View};
+use scene::{Material, Projection};
+
+use crate::support::{floor, named, on_plane, picture, scene_of, spot, square, view};
+
+/// A white floor and above it a square of half size 0.25 at height 1.
+fn blocker() -> scene::Scene {
+    scene_of(
+        [floor(4.0, 0.0), floor(0.25, 1.0)],
+        vec![Material { double_sided: true, ..Material::default() }],
+    )
+}
+
+/// Straight down from height 3 with an angle of 40 degrees.
+fn lamp() -> SpotLight {
+    SpotLight { cone_angle: 40.0, decay: Decay::None, ..spot(DVec3::Y * 3.0, DVec3::ZERO) }
+}
+
+/// From below the blocker, so that it hides nothing of the floor.
+fn camera() -> View {
+    view(DVec3::new(0.0, 0.9, 3.0), DVec3::ZERO, [211, 151], Aov::Visibility)
+}
+
+/// How many pixels of the floor, further than two texels from the edge of a square shadow of `half_size`, are wrong, and
+/// how many are in that shadow.
+fn wrong(half_size: f64) -> (usize, usize) {
+    let view = camera();
+    let lit = picture(&blocker(), &view, &[named(lamp())]);
+    let texel = 2.0 * 3.0 * 40.0_f64.to_radians().tan() / 2048.0;
+    let mut count = (0, 0);
+    for (point, value) in on_plane(&lit, &view, DVec3::Y, 0.0).filter(|(_, v)| v[3] == 1.0) {
+        let outside = point.x.abs().max(point.z.abs()) - half_size;
+        if point.length() < 2.0 && outside.abs() > 2.0 * texel {
+            count.0 += usize::from(value[0] != if outside > 0.0 { 1.0 } else { 0.0 });
+            count.1 += usize::from(outside < 0.0);
+        }
+    }
+    count
+}
+
+#[test]
+fn a_square_casts_the_square_that_similar_triangles_say() {
+    // The blocker is 2 from the source, the floor 3: the shadow is 3 / 2 as large.
+    let (wrong_pixels, in_shadow) = wrong(0.25 * 1.5);
+    assert!(in_shadow > 200, "{in_shadow}");
+    assert_eq!(wrong_pixels, 0);
+    // The planted faults: no perspective, and a shadow three texels too large.
+    assert!(wrong(0.25).0 > 0);
+    assert!(wrong(0.25 * 1.5 + 3.0 * 2.46e-3).0 > 0);
+}
+
+#[test]
+fn a_bare_plane_never_shadows_itself() {
+    // From straight down to grazing, near the camera's near plane and far from it.
+    for height in [4.0, 1.0, 0.2, 0.05] {
+        for znear in [1e-3, 0.05] {
+            let light = SpotLight { cone_angle: 60.0, ..spot(DVec3::new(-1.5, height, 0.4), DVec3::X) };
+            let scene = scene_of([floor(50.0, 0.0)], vec![Material::default()]);
+            let mut view = view(DVec3::new(0.4, 0.7, 3.0), DVec3::ZERO, [173, 127], Aov::Visibility);
+            view.camera.projection = Projection::Perspective { yfov: 0.8, znear, zfar: None };
+            let lit = picture(&scene, &view, &[named(light)]);
+            let inside = lit.pixels.iter().filter(|p| p[3] == 1.0).count();
+            let dark = lit.pixels.iter().filter(|p| p[3] == 1.0 && p[0] < 1.0).count();
+            assert!(inside > 1000);
+            assert_eq!(dark, 0, "of {inside} at height {height}, near plane {znear}");
+        }
+    }
+}
+
+#[test]
+fn contact_shadows_reach_the_contact() {
+    // An upright wall on the floor, lit from behind at 45 degrees: the floor in front of it is dark from its foot on.
+    let wall = DAffine3::from_scale_rotation_translation(
+        DVec3::splat(0.5),
+        DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2),
+        DVec3::Y * 0.5,
+    );
+    let scene = scene_of(
+        [floor(4.0, 0.0), (square(), wall)],
+        vec![Material { double_sided: true, ..Material::default() }],
+    );
+    let light = SpotLight { cone_angle: 30.0, ..spot(DVec3::new(0.0, 3.0, -3.0), DVec3::ZERO) };
+    let view = view(DVec3::new(0.0, 1.5, 2.0), DVec3::ZERO, [151, 401], Aov::Visibility);
+    let lit = picture(&scene, &view, &[named(light)]);
+    let texel = 2.0 * 18.0_f64.sqrt() * 30.0_f64.to_radians().tan() / 2048.0;
+    let (mut compared, mut leaking) = (0, 0);
+    for (point, value) in on_plane(&lit, &view, DVec3::Y, 0.0) {
+        // In front of the wall, from two texels (sqrt 2 longer on the floor) off its foot; the shadow is 1 long.
+        if point.x.abs() < 0.4 && point.z > 3.0 * texel && point.z < 0.5 {
+            compared += 1;
+            leaking += usize::from(value[0] > 0.0);
+        }
+    }
+    assert!(compared > 1000);
+    assert_eq!(leaking, 0, "of {compared}");
+}
+
+#[test]
+fn masked_holes_let_light_through() {
+    use glam::Vec2;
+    use scene::{Image, Sampler, TextureRef};
+    // The blocker's left half is a hole.
+    let (mut panel, placement) = floor(0.5, 1.0);
+    panel.uvs = panel.positions.iter().map(|p| Vec2::new(p.x * 0.5 + 0.5, 0.5)).collect();
+    panel.material = 1;
+    let texture = TextureRef { image: 0, sampler: Sampler { nearest: true, ..Sampler::default() } };
+    let masked = Material {
+        alpha_cutoff: Some(0.5),
+        base_color_texture: Some(texture),
+        double_sided: true,
+        ..Material::default()
+    };
+    let mut scene = scene_of([floor(4.0, 0.0), (panel, placement)], vec![Material::default(), masked]);
+    scene.images.push(Image { width: 2, height: 1, rgba8: vec![255, 255, 255, 0, 255, 255, 255, 255] });
+    let view = camera();
+    let lit = picture(&scene, &view, &[named(lamp())]);
+    let mut seen = [0, 0];
+    for (point, value) in on_plane(&lit, &view, DVec3::Y, 0.0).filter(|(p, _)| p.z.abs() < 0.6) {
+        if (0.05..0.7).contains(&point.x.abs()) {
+            let lit = point.x < 0.0;
+            assert_eq!(value[0] == 1.0, lit, "{point}");
+            seen[usize::from(lit)] += 1;
+        }
+    }
+    assert!(seen.iter().all(|&n| n > 100));
+}

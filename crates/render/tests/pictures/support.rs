@@ -1,0 +1,135 @@
+//! Scenes small enough to know everything about, and the device that all tests share.
+
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use bendy::{SpotLight, Transform};
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
+use render::{Aov, Gpu, Picture, Renderer, View};
+use scene::{Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Scene};
+
+/// 2^-24: half an ulp of 1 in f32.
+pub const EPS: f64 = f64::EPSILON * 268_435_456.0;
+
+/// The device.
+pub fn gpu() -> Arc<Gpu> {
+    static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
+    Arc::clone(GPU.get_or_init(|| Arc::new(Gpu::new().expect("tests need a graphics driver"))))
+}
+
+/// A renderer of `scene`.
+pub fn renderer(scene: &Scene) -> Renderer {
+    scene.check().expect("test scenes keep their promises");
+    let mut renderer = Renderer::new(gpu()).expect("the device works");
+    renderer.set_scene(scene).expect("test scenes fit");
+    renderer
+}
+
+/// One picture of `scene`, by a renderer that all tests share: compiling for a new one takes longer than drawing.
+pub fn picture(scene: &Scene, view: &View, lights: &[Light]) -> Picture {
+    static SHARED: OnceLock<Mutex<Renderer>> = OnceLock::new();
+    scene.check().expect("test scenes keep their promises");
+    let shared = SHARED.get_or_init(|| Mutex::new(renderer(&Scene::default())));
+    // A test that failed with the lock held has left nothing half done: drawing starts anew with the scene.
+    let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
+    shared.set_scene(scene).expect("test scenes fit");
+    let picture = shared.render(view, lights).expect("test pictures can be made");
+    assert!(picture.pixels.iter().flatten().all(|x| x.is_finite()), "{:?} holds NaN or infinity", view.aov);
+    picture
+}
+
+/// A square from -1 to 1 in the plane y = 0 that faces up.
+pub fn square() -> Primitive {
+    Primitive {
+        positions: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
+            .map(|(x, z)| Vec3::new(x, 0.0, z))
+            .into(),
+        normals: vec![Vec3::Y; 4],
+        indices: vec![0, 1, 2, 0, 2, 3],
+        ..Primitive::default()
+    }
+}
+
+/// A scene of meshes, each in its place; without fill.
+pub fn scene_of(parts: impl IntoIterator<Item = (Primitive, DAffine3)>, materials: Vec<Material>) -> Scene {
+    let mut scene = Scene { materials, ..Scene::default() };
+    scene.fill.sky = DVec3::ZERO;
+    scene.fill.ground = DVec3::ZERO;
+    for (primitive, world_from_local) in parts {
+        let (name, mesh) = (String::new(), Some(scene.meshes.len()));
+        scene.meshes.push(Mesh { name: name.clone(), primitives: vec![primitive] });
+        scene.nodes.push(Node { name, parent: None, parent_from_local: world_from_local, mesh });
+    }
+    scene
+}
+
+/// A square of `half` the size, at `height`, in a material that is white and rough.
+pub fn floor(half: f64, height: f64) -> (Primitive, DAffine3) {
+    let placement =
+        DAffine3::from_scale_rotation_translation(DVec3::splat(half), DQuat::IDENTITY, DVec3::Y * height);
+    (square(), placement)
+}
+
+/// Axes that look from `eye` to `target`, with -z forward.
+pub fn looking(eye: DVec3, target: DVec3) -> DMat3 {
+    let back = (eye - target).normalize();
+    let right =
+        if back.cross(DVec3::Y).length() < 1e-9 { DVec3::X } else { DVec3::Y.cross(back).normalize() };
+    DMat3::from_cols(right, back.cross(right), back)
+}
+
+/// A view of `size` pixels from `eye` to `target`, 0.8 rad high.
+pub fn view(eye: DVec3, target: DVec3, size: [u32; 2], aov: Aov) -> View {
+    let camera = Camera {
+        name: String::new(),
+        world_from_camera: DAffine3 { matrix3: looking(eye, target), translation: eye },
+        projection: Projection::Perspective { yfov: 0.8, znear: 0.05, zfar: None },
+    };
+    View { camera, width: size[0], height: size[1], samples: 1, aov, light: 0 }
+}
+
+/// A spotlight of 10 cd and 25 degrees from `source` to `target`.
+pub fn spot(source: DVec3, target: DVec3) -> SpotLight {
+    let rotation = DQuat::from_mat3(&looking(source, target));
+    SpotLight {
+        transform: Transform { translation: source, rotation, scale: 1.0 },
+        intensity: 10.0,
+        ..SpotLight::default()
+    }
+}
+
+/// The light as a scene holds it.
+pub fn named(spot: SpotLight) -> Light {
+    Light { name: "key".into(), kind: LightKind::Spot(spot) }
+}
+
+/// Origin and direction of the ray through the centre of a pixel; the direction is 1 long along the view axis.
+pub fn ray_in_world(view: &View, x: usize, y: usize) -> (DVec3, DVec3) {
+    let ndc_x = (2 * x + 1) as f64 / f64::from(view.width) - 1.0;
+    let ndc_y = 1.0 - (2 * y + 1) as f64 / f64::from(view.height);
+    let aspect = f64::from(view.width) / f64::from(view.height);
+    let DAffine3 { matrix3: axes, translation: eye } = view.camera.world_from_camera;
+    match view.camera.projection {
+        Projection::Perspective { yfov, .. } => {
+            let half = (yfov / 2.0).tan();
+            (eye, axes * DVec3::new(ndc_x * half * aspect, ndc_y * half, -1.0))
+        }
+        Projection::Orthographic { ymag, .. } => {
+            (eye + axes * DVec3::new(ndc_x * ymag * aspect, ndc_y * ymag, 0.0), -axes.z_axis)
+        }
+    }
+}
+
+/// Each pixel with the point of the plane `normal . p = offset` that its ray meets in front of the camera.
+pub fn on_plane<'a>(
+    picture: &'a Picture,
+    view: &'a View,
+    normal: DVec3,
+    offset: f64,
+) -> impl Iterator<Item = (DVec3, [f64; 4])> + 'a {
+    let width = picture.width as usize;
+    picture.pixels.iter().enumerate().filter_map(move |(i, pixel)| {
+        let (origin, direction) = ray_in_world(view, i % width, i / width);
+        let depth = (offset - normal.dot(origin)) / normal.dot(direction);
+        (depth > 0.0 && depth.is_finite()).then(|| (origin + direction * depth, pixel.map(f64::from)))
+    })
+}

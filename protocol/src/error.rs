@@ -1,0 +1,66 @@
+//! Why a file is refused, and reading JSON so that the reason names the place.
+
+use bendy::LightError;
+use serde::de::DeserializeOwned;
+use thiserror::Error;
+
+/// Why a light file or a point file is refused. The caller knows the file's name and puts it in front.
+#[derive(Debug, Error)]
+pub enum FileError {
+    /// The text is not JSON.
+    #[error("not valid JSON: {0} (numbers must be finite; JSON has no NaN or Infinity)")]
+    Syntax(serde_json::Error),
+    /// The JSON does not have the shape of what it should hold.
+    #[error("{place}{problem}")]
+    Shape {
+        /// Path of the field and a colon, or empty where the whole is meant.
+        place: String,
+        /// What is wrong there and what was expected.
+        problem: String,
+    },
+    /// The light cannot be evaluated.
+    #[error("{place}{reason}")]
+    Model {
+        /// Which light of the file and a colon, or empty where there is one.
+        place: String,
+        /// Why not, and what to change.
+        reason: LightError,
+    },
+}
+
+impl FileError {
+    /// The same error, said of light `index` of a file of several.
+    pub(crate) fn of_light(self, index: usize) -> Self {
+        let prefix = |place| format!("light {index}: {place}");
+        match self {
+            Self::Syntax(error) => Self::Syntax(error),
+            Self::Shape { place, problem } => Self::Shape { place: prefix(place), problem },
+            Self::Model { place, reason } => Self::Model { place: prefix(place), reason },
+        }
+    }
+}
+
+/// Reads a `T` from the text of one JSON value, all of it.
+pub(crate) fn from_json<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
+    let mut json = serde_json::Deserializer::from_str(text);
+    let value = serde_path_to_error::deserialize(&mut json).map_err(|error| {
+        let place = match error.path().to_string() {
+            root if root == "." => String::new(),
+            path => format!("{path}: "),
+        };
+        refused(place, error.into_inner())
+    })?;
+    json.end().map_err(FileError::Syntax)?;
+    Ok(value)
+}
+
+fn refused(place: String, error: serde_json::Error) -> FileError {
+    if !error.is_data() {
+        return FileError::Syntax(error);
+    }
+    // The path says where; a line and column would count from the start of the light, not of the file. And the reader
+    // knows JSON's words, not Rust's.
+    let text = error.to_string();
+    let problem = text.rsplit_once(" at line ").map_or(text.as_str(), |(problem, _)| problem);
+    FileError::Shape { place, problem: problem.replace("expected f64", "expected a number") }
+}

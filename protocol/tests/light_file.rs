@@ -1,0 +1,251 @@
+//! Light files: what they mean, that they keep every bit, and what is said of bad ones.
+
+use bendy::{BendyLight, Decay, Direction, EndMode, Frame, SpotLight, Transform};
+use glam::{DQuat, DVec3};
+use proptest::prelude::*;
+use protocol::{light_file, point_file};
+use scene::{Light, LightKind};
+
+const FULL: &str = r#"{"type": "bendy", "name": "key",
+     "transform": {"translation": [0,4,0], "rotation": [0,0,0,1], "scale": 1},
+     "points": [[0,0,0],[0,0,-1],[0,0,-2]], "radii": [0.1,0.4,0.8],
+     "colors": [[1,1,1],[1,1,1],[1,1,1]], "intensities": [1,1,1], "up": [0,1,0], "coneAngle": 25, "coneSoftness": 0.2,
+     "frame": "rotationMinimizing", "direction": "tube", "endMode": "cut", "decay": "none"}"#;
+const SHORT: &str = r#"{"type": "bendy", "points": [[0,0,0],[0,0,-1],[0,0,-2]], "radii": [0.1,0.4,0.8]}"#;
+
+fn one(text: &str) -> Light {
+    let mut lights = light_file::parse(text).expect("a valid light");
+    assert_eq!(lights.len(), 1);
+    lights.remove(0)
+}
+
+#[test]
+fn everything_but_type_points_and_radii_has_its_documented_default() {
+    let mut expected = one(FULL);
+    let LightKind::Bendy(light) = &mut expected.kind else { panic!("a bendy light") };
+    light.transform = Transform::default();
+    expected.name = String::new();
+    assert_eq!(one(SHORT), expected);
+    assert_eq!(one(r#"{"type": "spot"}"#).kind, LightKind::Spot(SpotLight::default()));
+}
+
+#[test]
+fn every_field_is_read() {
+    let text = r#"{"type": "bendy", "name": "rim", "transform": {"translation": [1,2,3], "rotation": [0,1,0,0],
+        "scale": 2}, "points": [[0,0,0],[0,0,-1],[0,1,-2]], "radii": [0,0.1,0.2], "colors": [[1,0,0],[0,1,0],[0,0,1]],
+        "intensities": [3,2,1], "up": [1,0,0], "coneAngle": 30, "coneSoftness": 0.5, "frame": "up",
+        "direction": "path", "endMode": "extend", "decay": "linear"}"#;
+    let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.0, 1.0, -2.0)];
+    let light = BendyLight {
+        transform: Transform {
+            translation: DVec3::new(1.0, 2.0, 3.0),
+            rotation: DQuat::from_xyzw(0.0, 1.0, 0.0, 0.0),
+            scale: 2.0,
+        },
+        points,
+        radii: vec![0.0, 0.1, 0.2],
+        colors: vec![DVec3::X, DVec3::Y, DVec3::Z],
+        intensities: vec![3.0, 2.0, 1.0],
+        up: DVec3::X,
+        cone_angle: 30.0,
+        cone_softness: 0.5,
+        frame: Frame::Up,
+        direction: Direction::Path,
+        end_mode: EndMode::Extend,
+        decay: Decay::Linear,
+    };
+    assert_eq!(one(text), Light { name: "rim".into(), kind: LightKind::Bendy(light) });
+
+    let text = r#"{"type": "spot", "name": "lamp", "transform": {"translation": [1,2,3]}, "color": [1,0.5,0.25],
+        "intensity": 40, "coneAngle": 35, "coneSoftness": 0.1, "range": 12, "decay": "none"}"#;
+    let light = SpotLight {
+        transform: Transform { translation: DVec3::new(1.0, 2.0, 3.0), ..Transform::default() },
+        color: DVec3::new(1.0, 0.5, 0.25),
+        intensity: 40.0,
+        cone_angle: 35.0,
+        cone_softness: 0.1,
+        range: Some(12.0),
+        decay: Decay::None,
+    };
+    assert_eq!(one(text), Light { name: "lamp".into(), kind: LightKind::Spot(light) });
+}
+
+#[test]
+fn a_file_holds_one_light_or_an_array() {
+    assert_eq!(light_file::parse(&format!("[{FULL}, {{\"type\": \"spot\"}}]")).expect("two lights").len(), 2);
+    assert_eq!(light_file::parse(" [] ").expect("no lights"), []);
+}
+
+#[test]
+fn json_has_a_line_a_field() {
+    let json = light_file::to_json(&one(SHORT));
+    let expected = r#"{
+  "type": "bendy",
+  "name": "",
+  "transform": {"translation": [0.0, 0.0, 0.0], "rotation": [0.0, 0.0, 0.0, 1.0], "scale": 1.0},
+  "points": [[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 0.0, -2.0]],
+  "radii": [0.1, 0.4, 0.8],
+  "colors": [[1.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 1.0, 1.0]],
+  "intensities": [1.0, 1.0, 1.0],
+  "up": [0.0, 1.0, 0.0],
+  "coneAngle": 25.0,
+  "coneSoftness": 0.2,
+  "frame": "rotationMinimizing",
+  "direction": "tube",
+  "endMode": "cut",
+  "decay": "none"
+}"#;
+    assert_eq!(json, expected);
+}
+
+proptest! {
+    #[test]
+    fn a_light_comes_back_bit_for_bit(
+        translation in prop::array::uniform3(-1e300..1e300f64),
+        rotation in prop::array::uniform4(0.1..1.0f64),
+        numbers in prop::array::uniform5(0.0..1.0f64),
+        name in ".*",
+        extra in 0usize..4,
+    ) {
+        let [a, b, c, d, e] = numbers;
+        let points = (0..3 + extra).map(|i| DVec3::new(a, b, -1.0 - c) * i as f64).collect();
+        let light = BendyLight {
+            transform: Transform {
+                translation: translation.into(),
+                rotation: DQuat::from_array(rotation).normalize(),
+                scale: d + 0.5,
+            },
+            cone_angle: 1.0 + 80.0 * e,
+            cone_softness: a,
+            decay: if b < 0.5 { Decay::Linear } else { Decay::InverseSquare },
+            intensities: (0..3 + extra).map(|i| c * i as f64).collect(),
+            ..BendyLight::new(points, vec![d; 3 + extra])
+        };
+        let light = Light { name, kind: LightKind::Bendy(light) };
+        prop_assert_eq!(&one(&light_file::to_json(&light)), &light);
+
+        let spot = SpotLight { color: translation.into(), intensity: e, range: Some(a + 1.0), ..SpotLight::default() };
+        let spot = Light { name: "s".into(), kind: LightKind::Spot(SpotLight { color: spot.color.abs(), ..spot }) };
+        prop_assert_eq!(&one(&light_file::to_json(&spot)), &spot);
+    }
+
+    #[test]
+    fn a_point_comes_back_bit_for_bit(bits in any::<[u64; 3]>()) {
+        let point = bits.map(f64::from_bits);
+        prop_assume!(point.iter().all(|x| x.is_finite()));
+        let text = serde_json::to_string(&[point]).expect("numbers");
+        let back = point_file::parse(&text).expect("a point file");
+        prop_assert_eq!(back[0].to_array().map(f64::to_bits), bits);
+    }
+
+    /// Whatever the text, there is an answer and no panic; and what is read can be written and read again.
+    #[test]
+    fn no_text_panics(text in r#"[\[\]{}",:0-9a-z.\-]{0,40}"#, at in 0..SHORT.len(), byte in any::<char>()) {
+        let _ = point_file::parse(&text);
+        let _ = light_file::parse(&text);
+        let mut spoilt: Vec<char> = SHORT.chars().collect();
+        spoilt[at] = byte;
+        if let Ok(lights) = light_file::parse(&spoilt.into_iter().collect::<String>()) {
+            for light in lights {
+                prop_assert_eq!(&one(&light_file::to_json(&light)), &light);
+            }
+        }
+    }
+}
+
+/// The sentence `text` is refused with.
+fn refusal(text: &str) -> String {
+    light_file::parse(text).expect_err("a bad light").to_string()
+}
+
+/// The sentence a light is refused with that differs from [`SHORT`] by `to` in place of `from`.
+fn spoilt(from: &str, to: &str) -> String {
+    assert!(SHORT.contains(from));
+    refusal(&SHORT.replacen(from, to, 1))
+}
+
+#[test]
+fn broken_json_is_refused_with_its_line_and_column() {
+    for (said, problem) in [
+        (refusal(""), "EOF while parsing a value at line 1 column 0"),
+        (refusal("{\n\"type\""), "EOF while parsing an object at line 2 column 6"),
+        (spoilt("0.1", "NaN"), "expected value at line 1 column 68"),
+        (spoilt("0.1", "1e999"), "number out of range at line 1 column 72"),
+        (refusal(&format!("{SHORT} {SHORT}")), "trailing characters at line 1 column 82"),
+        (refusal("[{\"type\": \"spot\"},\n]"), "trailing comma at line 2 column 1"),
+    ] {
+        let hint = "(numbers must be finite; JSON has no NaN or Infinity)";
+        assert_eq!(said, format!("not valid JSON: {problem} {hint}"));
+    }
+}
+
+#[test]
+fn a_wrong_shape_is_refused_with_its_place() {
+    let bendy_fields = "`type`, `name`, `transform`, `points`, `radii`, `colors`, `intensities`, `up`, \
+                        `coneAngle`, `coneSoftness`, `frame`, `direction`, `endMode`, `decay`";
+    let spot_fields = "`type`, `name`, `transform`, `color`, `intensity`, `coneAngle`, `coneSoftness`, \
+                       `range`, `decay`";
+    let light = "a light: an object with `type`, `points`, `radii` and so on";
+    for (said, expected) in [
+        (refusal("3"), format!("invalid type: integer `3`, expected {light}")),
+        (refusal("[3]"), format!("light 0: invalid type: integer `3`, expected {light}")),
+        (refusal("{}"), "missing field `type`".into()),
+        (spoilt("bendy", "omni"), "type: unknown variant `omni`, expected `bendy` or `spot`".into()),
+        (
+            spoilt("\"radii\"", "\"radius\""),
+            format!("radius: unknown field `radius`, expected one of {bendy_fields}"),
+        ),
+        (
+            refusal("[{\"type\": \"spot\"}, {\"type\": \"spot\", \"radii\": []}]"),
+            format!("light 1: radii: unknown field `radii`, expected one of {spot_fields}"),
+        ),
+        (
+            spoilt("}", ", \"transform\": {\"size\": 1}}"),
+            "transform.size: unknown field `size`, expected one of `translation`, `rotation`, `scale`".into(),
+        ),
+        (spoilt(", \"radii\": [0.1,0.4,0.8]", ""), "missing field `radii`".into()),
+        (spoilt("}", ", \"radii\": [1,1,1]}"), "duplicate field `radii`".into()),
+        (spoilt("0.4", "\"a\""), "radii[1]: invalid type: string \"a\", expected a number".into()),
+        (spoilt("0.4", "null"), "radii[1]: invalid type: null, expected a number".into()),
+        (spoilt("[0,0,-1]", "[0,0]"), "points[1]: invalid length 2, expected an array of length 3".into()),
+        (
+            spoilt("}", ", \"decay\": \"fast\"}"),
+            "decay: unknown variant `fast`, expected one of `none`, `linear`, `inverseSquare`".into(),
+        ),
+    ] {
+        assert_eq!(said, expected);
+    }
+}
+
+#[test]
+fn what_the_model_refuses_is_refused_here() {
+    let bend = |radius: &str| {
+        let points = "[[0,0,0],[0,0,-1],[1,0,-1]]";
+        format!("{{\"type\": \"bendy\", \"points\": {points}, \"radii\": [{radius},{radius},{radius}]}}")
+    };
+    assert!(light_file::parse(&bend("0.2")).is_ok(), "the fold below comes from its radius alone");
+    for (said, must_name) in [
+        (spoilt(",[0,0,-2]", ""), "needs at least 3 control points, this one has 2"),
+        (spoilt("0.4", "-0.4"), "-0.4"),
+        (spoilt(",0.8", ""), "`radii` has 2 entries for 3 control points"),
+        (spoilt("}", ", \"colors\": [[1,1,1]]}"), "`colors` has 1 entries for 3 control points"),
+        (spoilt("}", ", \"intensities\": [1]}"), "`intensities` has 1 entries for 3 control points"),
+        (refusal(&bend("5")), "the tube folds in segment 0"),
+        (refusal(r#"{"type": "spot", "coneAngle": 90}"#), "coneAngle"),
+        (refusal(r#"[{"type": "spot"}, {"type": "spot", "coneAngle": 0}]"#), "light 1: "),
+    ] {
+        assert!(said.contains(must_name), "{said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+}
+
+#[test]
+fn a_bad_point_file_is_refused_with_its_place() {
+    for (text, expected) in [
+        ("{}", "invalid type: map, expected a sequence"),
+        ("[[0,0,0],[0,0]]", "[1]: invalid length 2, expected an array of length 3"),
+        ("[[0,\"x\",0]]", "[0][1]: invalid type: string \"x\", expected a number"),
+    ] {
+        assert_eq!(point_file::parse(text).expect_err("a bad point file").to_string(), expected);
+    }
+}

@@ -1,0 +1,185 @@
+//! Which crate knows of which: the layers of ARCHITECTURE.md, held over `cargo metadata`.
+//!
+//! Only what ships counts: normal dependencies, direct and transitive, not those of tests and build scripts.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use cargo_metadata::{DependencyKind, MetadataCommand};
+
+/// What a crate of the workspace may use and must never know of.
+struct Layer {
+    name: &'static str,
+    /// Crates of the workspace it may name in its manifest.
+    uses: &'static [&'static str],
+    /// Packages that must not be reachable from it.
+    never: &'static [&'static str],
+    /// No clock, no IO, no surroundings: a function of its arguments alone.
+    pure: bool,
+}
+
+/// What a crate with neither IO nor a wire form must not reach.
+const NO_IO: &[&str] = &["tokio", "wgpu", "axum", "serde", "serde_core", "rand", "getrandom"];
+
+const LAYERS: &[Layer] = &[
+    Layer { name: "bendy", uses: &[], never: NO_IO, pure: true },
+    Layer { name: "scene", uses: &["bendy"], never: NO_IO, pure: true },
+    Layer {
+        name: "assets",
+        uses: &["bendy", "scene"],
+        never: &["tokio", "wgpu", "axum", "protocol"],
+        pure: false,
+    },
+    Layer { name: "render", uses: &["bendy", "scene"], never: &["tokio", "axum", "protocol"], pure: false },
+    Layer { name: "protocol", uses: &["bendy", "scene"], never: &["tokio", "wgpu", "axum"], pure: false },
+    Layer {
+        name: "bendylights",
+        uses: &["bendy", "scene", "assets", "render", "protocol"],
+        never: &["cargo_metadata", "proptest"],
+        pure: false,
+    },
+    Layer { name: "bendylights-tests", uses: &[], never: &[], pure: false },
+];
+
+/// Names that say nothing about what lies behind them.
+const EMPTY_NAMES: &[&str] = &["util", "utils", "common", "core", "manager", "helpers", "misc"];
+
+/// What a pure crate's source must not mention.
+const IMPURE: &[&str] = &[
+    "std::time",
+    "std::fs",
+    "std::net",
+    "std::env",
+    "std::process",
+    "std::thread",
+    "SystemTime",
+    "Instant::now",
+];
+
+/// A package's name and the names of the packages it uses.
+type Graph = BTreeMap<String, BTreeSet<String>>;
+
+struct Workspace {
+    members: BTreeMap<String, PathBuf>,
+    uses: Graph,
+}
+
+fn workspace() -> Workspace {
+    // One platform's dependencies are enough, and the only ones that a build has downloaded.
+    let platform = format!("{}-unknown-linux-gnu", std::env::consts::ARCH);
+    let metadata = MetadataCommand::new()
+        .manifest_path(concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.toml"))
+        .other_options(["--locked".into(), "--filter-platform".into(), platform])
+        .exec()
+        .expect("cargo metadata");
+    let members = metadata.workspace_packages().into_iter().map(|package| {
+        let folder = package.manifest_path.parent().expect("a manifest lies in a folder");
+        (package.name.to_string(), folder.as_std_path().to_owned())
+    });
+    let resolve = metadata.resolve.as_ref().expect("a dependency graph");
+    let mut uses = Graph::new();
+    for node in &resolve.nodes {
+        let normal =
+            node.deps.iter().filter(|dep| dep.dep_kinds.iter().any(|k| k.kind == DependencyKind::Normal));
+        let names = normal.map(|dep| metadata[&dep.pkg].name.to_string());
+        uses.entry(metadata[&node.id].name.to_string()).or_default().extend(names);
+    }
+    Workspace { members: members.collect(), uses }
+}
+
+/// A sentence for each rule that is broken.
+fn violations(members: &[&str], uses: &Graph) -> Vec<String> {
+    let mut broken = Vec::new();
+    for &name in members {
+        if name.split(['-', '_']).any(|word| EMPTY_NAMES.contains(&word)) {
+            broken.push(format!("{name}: the name says nothing about what it is for"));
+        }
+        let Some(layer) = LAYERS.iter().find(|layer| layer.name == name) else {
+            broken.push(format!("{name}: has no layer: say in LAYERS what it may use"));
+            continue;
+        };
+        for used in members.iter().filter(|used| uses[name].contains(**used) && !layer.uses.contains(used)) {
+            broken.push(format!("{name}: must not use {used}"));
+        }
+        for (reached, path) in reach(name, uses) {
+            if layer.never.contains(&reached) {
+                broken.push(format!("{name}: must know nothing of {reached}, but {}", path.join(" uses ")));
+            }
+        }
+    }
+    broken
+}
+
+/// Every package reachable from `start`, with one way to it.
+fn reach<'a>(start: &'a str, uses: &'a Graph) -> BTreeMap<&'a str, Vec<&'a str>> {
+    let mut found = BTreeMap::new();
+    let mut open = vec![vec![start]];
+    while let Some(path) = open.pop() {
+        let last = path[path.len() - 1];
+        for next in uses.get(last).into_iter().flatten().map(String::as_str) {
+            if !found.contains_key(next) {
+                let longer: Vec<_> = path.iter().copied().chain([next]).collect();
+                found.insert(next, longer.clone());
+                open.push(longer);
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn the_workspace_keeps_its_layers() {
+    let workspace = workspace();
+    assert!(workspace.uses["scene"].contains("bendy"), "the graph has its edges");
+    let members: Vec<_> = workspace.members.keys().map(String::as_str).collect();
+    let broken = violations(&members, &workspace.uses);
+    assert!(broken.is_empty(), "{}", broken.join("\n"));
+}
+
+#[test]
+fn planted_violations_are_caught() {
+    let real = workspace();
+    let caught = |more: &[&str], edges: &[(&str, &str)], expected: &str| {
+        let mut uses = real.uses.clone();
+        for &(from, to) in edges {
+            uses.entry(from.into()).or_default().insert(to.into());
+            uses.entry(to.into()).or_default();
+        }
+        let members: Vec<_> = real.members.keys().map(String::as_str).chain(more.iter().copied()).collect();
+        let broken = violations(&members, &uses);
+        assert!(broken.iter().any(|sentence| sentence.contains(expected)), "{expected}: {broken:?}");
+    };
+    caught(&[], &[("bendy", "serde")], "bendy: must know nothing of serde, but bendy uses serde");
+    caught(&[], &[("libm", "a"), ("a", "wgpu")], "scene: must know nothing of wgpu");
+    caught(&[], &[("wgpu", "tokio")], "render: must know nothing of tokio");
+    caught(&[], &[("scene", "render")], "scene: must not use render");
+    caught(&[], &[("render", "protocol")], "render: must not use protocol");
+    caught(&["scene-utils"], &[("scene-utils", "bendy")], "scene-utils: the name says nothing");
+    caught(&["gateway"], &[("gateway", "bendy")], "gateway: has no layer");
+}
+
+/// Lines of `source` that reach outside, tests included: they too must give the same answer every time.
+fn impurities(source: &str) -> Vec<&str> {
+    source.lines().filter(|line| IMPURE.iter().any(|word| line.contains(word))).collect()
+}
+
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let (folders, files): (Vec<_>, Vec<_>) = entries.partition(|path| path.is_dir());
+    let here = files.into_iter().filter(|path| path.extension().is_some_and(|e| e == "rs"));
+    here.chain(folders.iter().flat_map(|folder| rust_files(folder))).collect()
+}
+
+#[test]
+fn pure_crates_have_no_clock_and_no_io() {
+    let workspace = workspace();
+    for layer in LAYERS.iter().filter(|layer| layer.pure) {
+        let files = rust_files(&workspace.members[layer.name].join("src"));
+        assert!(!files.is_empty(), "{} has source files", layer.name);
+        for file in files {
+            let source = std::fs::read_to_string(&file).expect("a source file");
+            assert_eq!(impurities(&source), [""; 0], "{}", file.display());
+        }
+    }
+    assert_eq!(impurities("use glam::DVec3;\nuse std::time::Instant;").len(), 1, "a planted clock is caught");
+}
