@@ -39,25 +39,28 @@ pub(crate) const BENT_SHADOW: &str = wgsl!("bent_shadow");
 /// Tone-maps for a screen.
 pub(crate) const DISPLAY: &str = wgsl!("encoding", "fullscreen", "display");
 
-/// Every module; the shader tests walk it.
+/// Every module by name, those of bent lights as several lights have them compiled; the shader tests walk it.
 #[cfg(test)]
-const ALL: &[(&str, &str)] = &[
-    ("gbuffer", GBUFFER),
-    ("fill", FILL),
-    ("inspect", INSPECT),
-    ("shadow", SHADOW),
-    ("shadow_masked", SHADOW_MASKED),
-    ("spot", SPOT),
-    ("bendy", BENDY),
-    ("locate", LOCATE),
-    ("bent_map_vertices", BENT_MAP_VERTICES),
-    ("bent_map_triangles", BENT_MAP_TRIANGLES),
-    ("bent_map_clip", BENT_MAP_CLIP),
-    ("bent_map_split", BENT_MAP_SPLIT),
-    ("bent_map_next", BENT_MAP_NEXT),
-    ("bent_shadow", BENT_SHADOW),
-    ("display", DISPLAY),
-];
+fn all() -> Vec<(&'static str, String)> {
+    let fixed = [
+        ("gbuffer", GBUFFER),
+        ("fill", FILL),
+        ("inspect", INSPECT),
+        ("shadow", SHADOW),
+        ("shadow_masked", SHADOW_MASKED),
+        ("spot", SPOT),
+        ("bent_map_vertices", BENT_MAP_VERTICES),
+        ("bent_map_triangles", BENT_MAP_TRIANGLES),
+        ("bent_map_clip", BENT_MAP_CLIP),
+        ("bent_map_split", BENT_MAP_SPLIT),
+        ("bent_map_next", BENT_MAP_NEXT),
+        ("bent_shadow", BENT_SHADOW),
+        ("display", DISPLAY),
+    ];
+    let baked = crate::bendy_light::Baked::samples().into_iter();
+    let baked = baked.flat_map(|b| [("bendy", b.into_wgsl(BENDY)), ("locate", b.into_wgsl(LOCATE))]);
+    fixed.map(|(name, wgsl)| (name, wgsl.to_owned())).into_iter().chain(baked).collect()
+}
 
 #[cfg(test)]
 mod tests {
@@ -66,7 +69,8 @@ mod tests {
     use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
     use wgpu::naga::{AddressSpace, Block, Function, Handle, Module, Statement, TypeInner, front::wgsl};
 
-    use super::ALL;
+    use super::all;
+    use crate::bendy_light;
     use crate::layout::{self, StructLayout};
 
     fn parse(name: &str, source: &str) -> Module {
@@ -74,7 +78,7 @@ mod tests {
     }
 
     fn modules() -> Vec<(&'static str, Module)> {
-        ALL.iter().map(|(name, source)| (*name, parse(name, source))).collect()
+        all().iter().map(|(name, source)| (*name, parse(name, source))).collect()
     }
 
     #[test]
@@ -138,6 +142,10 @@ mod tests {
         assert_eq!(functions(&module), (["lost", "used"].into(), ["used"].into()));
     }
 
+    fn rust_structs() -> impl Iterator<Item = &'static StructLayout> {
+        layout::ALL.iter().chain(bendy_light::layout::ALL)
+    }
+
     /// Name, size, and the name and offset of each field.
     type WgslLayout = (usize, Vec<(String, usize)>);
 
@@ -169,8 +177,7 @@ mod tests {
     fn rust_and_wgsl_agree_on_layouts() {
         let modules = modules();
         let wgsl: BTreeMap<_, _> = modules.iter().flat_map(|(_, m)| structs(m)).collect();
-        assert!(layout::ALL.len() >= 5);
-        for rust in layout::ALL {
+        for rust in rust_structs() {
             assert_eq!(difference(rust, &wgsl), None);
         }
         // The planted faults: a field that moved, and one that has another name.
@@ -186,7 +193,7 @@ mod tests {
                 let ty = &module.types[variable.ty];
                 if shared && matches!(ty.inner, TypeInner::Struct { .. }) {
                     let struct_name = ty.name.as_deref().unwrap_or_default();
-                    assert!(layout::ALL.iter().any(|s| s.0 == struct_name), "{name}: {struct_name}");
+                    assert!(rust_structs().any(|s| s.0 == struct_name), "{name}: {struct_name}");
                 }
             }
         }

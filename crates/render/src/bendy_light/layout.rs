@@ -1,6 +1,21 @@
 //! The structs of the bent passes, as WGSL lays them out.
 
+#[cfg(test)]
+use crate::layout::StructLayout;
 use crate::layout::{Mat4, gpu_struct};
+
+/// Every struct of this file; the layout test walks it.
+#[cfg(test)]
+pub(crate) const ALL: &[StructLayout] = &[
+    Curve::LAYOUT,
+    Segment::LAYOUT,
+    BendyLight::LAYOUT,
+    LocatedRoot::LAYOUT,
+    BentMap::LAYOUT,
+    BentCounts::LAYOUT,
+    BentShadow::LAYOUT,
+    Patch::LAYOUT,
+];
 
 gpu_struct! {
     /// See `curve.wgsl`.
@@ -105,6 +120,21 @@ gpu_struct! {
         split_first_instance: u32,
         stage: u32,
         items: [u32; STAGES],
+    }
+}
+
+gpu_struct! {
+    /// See `bent_map.wgsl`.
+    Patch {
+        a: [f32; 3],
+        slab: u32,
+        b: [f32; 3],
+        pad0: f32,
+        c: [f32; 3],
+        pad1: f32,
+        mapped_a: [f32; 4],
+        mapped_b: [f32; 4],
+        mapped_c: [f32; 4],
     }
 }
 

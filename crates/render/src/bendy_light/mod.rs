@@ -127,6 +127,23 @@ impl Baked {
         }
     }
 
+    /// Each value of each field at least once.
+    #[cfg(test)]
+    pub fn samples() -> [Self; 3] {
+        let one = |segments, end_mode, frame, direction, decay| Self {
+            segments,
+            end_mode,
+            frame,
+            direction,
+            decay,
+        };
+        [
+            one(3, EndMode::Cut, Frame::RotationMinimizing, Direction::Tube, Decay::None),
+            one(6, EndMode::Extend, Frame::Up, Direction::Path, Decay::InverseSquare),
+            one(0, EndMode::Extend, Frame::RotationMinimizing, Direction::Tube, Decay::Linear),
+        ]
+    }
+
     /// `wgsl` with the constants that `tube.wgsl` asks for.
     pub fn into_wgsl(self, wgsl: &str) -> String {
         let Self { segments, end_mode, frame, direction, decay } = self;

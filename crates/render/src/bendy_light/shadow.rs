@@ -9,7 +9,7 @@ use glam::DVec3;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, RenderPipeline, TextureView};
 
-use super::layout::{BentCounts, BentMap, BentShadow, Curve, STAGES};
+use super::layout::{BentCounts, BentMap, BentShadow, Curve, Patch, STAGES};
 use super::{curve, tube_from_scene};
 use crate::geometry::Geometry;
 use crate::pipeline::DEPTH_FORMAT;
@@ -251,8 +251,8 @@ impl Room {
 
 /// Bytes of a (triangle, slab) pair.
 const WORK_BYTES: u64 = 8;
-/// Bytes of a `Patch`.
-const PATCH_BYTES: u64 = 96;
+/// Bytes of a patch.
+const PATCH_BYTES: u64 = size_of::<Patch>() as u64;
 /// Bytes of a mapped vertex.
 const VERTEX_BYTES: u64 = 16;
 

@@ -99,10 +99,20 @@ impl Setup {
                     let local = posed.primitive.positions[k as usize].as_dvec3();
                     tube.placement.tube_from_world(posed.world_from_local.transform_point3(local))
                 };
-                posed.primitive.indices.chunks(3).map(|t| [corner(t[0]), corner(t[1]), corner(t[2])]).collect::<Vec<_>>()
+                posed
+                    .primitive
+                    .indices
+                    .chunks(3)
+                    .map(|t| [corner(t[0]), corner(t[1]), corner(t[2])])
+                    .collect::<Vec<_>>()
             })
             .collect();
-        Self { tube, triangles, lights: [Light { name: "key".into(), kind: LightKind::Bendy(light) }], renderer }
+        Self {
+            tube,
+            triangles,
+            lights: [Light { name: "key".into(), kind: LightKind::Bendy(light) }],
+            renderer,
+        }
     }
 
     fn picture(&mut self, aov: Aov) -> Picture {
@@ -117,15 +127,27 @@ impl Setup {
         let mut found = Vec::new();
         for pixel in 0..depth.pixels.len() {
             let q = self.tube.placement.tube_from_world(position(&view(Aov::Depth), &depth, pixel));
-            let Some(root) = self.tube.nearest_root(q).filter(|_| depth.pixels[pixel][3] > 0.0) else { continue };
+            let Some(root) = self.tube.nearest_root(q).filter(|_| depth.pixels[pixel][3] > 0.0) else {
+                continue;
+            };
             // The receiver's own plane does not shade it.
             let plane_distance = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize().dot(q - a).abs();
-            let others: Vec<_> = self.triangles.iter().copied().filter(|&t| plane_distance(t) > 1e-5).collect();
+            let others: Vec<_> =
+                self.triangles.iter().copied().filter(|&t| plane_distance(t) > 1e-5).collect();
             let t = root.segment as f64 + root.u;
             let (v, w) = (root.v_len / root.radius, w_sign * root.w_len / root.radius);
             let at = |dv: f64, dw: f64| walk::reaches(&self.tube, &others, t, v + dv * texel, w + dw * texel);
             let lit = at(0.0, 0.0);
-            let around = [(-2.0, -2.0), (-2.0, 2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 0.0), (2.0, 0.0), (0.0, 2.0), (0.0, -2.0)];
+            let around = [
+                (-2.0, -2.0),
+                (-2.0, 2.0),
+                (2.0, -2.0),
+                (2.0, 2.0),
+                (-2.0, 0.0),
+                (2.0, 0.0),
+                (0.0, 2.0),
+                (0.0, -2.0),
+            ];
             if around.iter().all(|&(dv, dw)| at(dv, dw) == lit) {
                 found.push((pixel, lit));
             }
@@ -148,7 +170,13 @@ fn bent_shadows_are_where_the_paths_say() {
     assert!(walked.len() >= 500 && lit > 100 && walked.len() - lit > 100, "{lit} of {} lit", walked.len());
     let visibility = setup.picture(Aov::Visibility);
     let wrong: Vec<_> = walked.iter().filter(|w| differing(&[**w], &visibility) > 0).collect();
-    assert!(wrong.is_empty(), "{} of {} differ: {:?}", wrong.len(), walked.len(), &wrong[..wrong.len().min(9)]);
+    assert!(
+        wrong.is_empty(),
+        "{} of {} differ: {:?}",
+        wrong.len(),
+        walked.len(),
+        &wrong[..wrong.len().min(9)]
+    );
 
     // Planted: a sign error in w.
     let fault = differing(&setup.walked(-1.0), &visibility);
@@ -159,4 +187,25 @@ fn bent_shadows_are_where_the_paths_say() {
     unsplit.renderer.bent_shadow().tolerance_texels = f32::INFINITY;
     let fault = differing(&walked, &unsplit.picture(Aov::Visibility));
     assert!(fault > 0, "unsplit edges went unseen");
+}
+
+/// The numbers that WGSL spells out are Rust's.
+#[test]
+fn constants_are_the_models() {
+    use bendy::{GAUSS_LEGENDRE, Real};
+    let curve = include_str!("../shaders/curve.wgsl");
+    let tube = include_str!("../shaders/tube.wgsl");
+    let split = include_str!("../shaders/bent_map_split.wgsl");
+    let spelled = |wgsl: &str, line: &str| assert!(wgsl.contains(line), "`{line}` is not in the WGSL");
+    spelled(curve, &format!("const NEWTON_STEPS = {}u;", f32::NEWTON_STEPS));
+    spelled(tube, &format!("const JOINT_MERGE = {:e};", f32::JOINT_MERGE));
+    spelled(tube, &format!("const DIRECTION_FLOOR = {:e};", f32::DIRECTION_FLOOR));
+    spelled(tube, &format!("segments: array<Segment, {}>;", super::SEGMENT_ROOM));
+    spelled(split, &format!("const LAST_STAGE = {}u;", super::layout::STAGES - 1));
+    for (abscissa, weight) in GAUSS_LEGENDRE {
+        spelled(tube, &format!("vec2f({}, {}),", abscissa as f32, weight as f32));
+    }
+    for straight in 0..super::Baked::MOST_SEGMENTS {
+        spelled(tube, &format!("if BAKED_SEGMENTS > {straight}u {{ visit(&search, {straight}u, q); }}"));
+    }
 }

@@ -247,10 +247,10 @@ fn profile(rho2: f32) -> f32 {
 
 // Abscissae and weights of bendy::GAUSS_LEGENDRE.
 const GAUSS_LEGENDRE = array<vec2f, 4>(
-    vec2f(0.18343464, 0.36268378),
-    vec2f(0.5255324, 0.31370665),
-    vec2f(0.7966665, 0.22238103),
-    vec2f(0.96028986, 0.10122854),
+    vec2f(0.18343464, 0.36268377),
+    vec2f(0.5255324, 0.31370664),
+    vec2f(0.7966665, 0.22238104),
+    vec2f(0.96028984, 0.101228535),
 );
 
 fn arc_quadrature(c: Curve, start: f32, end: f32) -> f32 {

@@ -1,6 +1,7 @@
 //! Pictures against closed forms. One binary, so that all tests share one device.
 
 mod antialiasing;
+mod bendy_light;
 mod caches;
 mod display;
 mod robustness;

@@ -1,0 +1,159 @@
+//! A BendyLight in the picture: equal to the spotlight it was made from, and its quantities those of the light model in f64.
+
+use bendy::{BendyLight, Decay, SpotLight, Tube, bend};
+use glam::{DAffine3, DQuat, DVec3};
+use render::{Aov, Picture, View};
+use scene::{Light, LightKind, Material, Scene};
+
+use crate::support::{EPS, floor, named, picture, ray_in_world, scene_of, spot, square, view};
+
+fn bendy(light: BendyLight) -> [Light; 1] {
+    [Light { name: "key".into(), kind: LightKind::Bendy(light) }]
+}
+
+/// A floor with two tilted squares above it, in a glossy and a rough material.
+fn tilted() -> Scene {
+    let tilt = |x: f64, y: f64, z: f64, angle: f64| {
+        let rotation = DQuat::from_rotation_z(angle) * DQuat::from_rotation_x(0.5 * angle);
+        (
+            square(),
+            DAffine3::from_scale_rotation_translation(DVec3::splat(0.3), rotation, DVec3::new(x, y, z)),
+        )
+    };
+    let material = Material { roughness: 0.4, double_sided: true, ..Material::default() };
+    scene_of([floor(3.0, 0.0), tilt(-0.4, 0.5, 0.2, 0.6), tilt(0.5, 0.8, -0.3, -0.9)], vec![material])
+}
+
+const EYE: DVec3 = DVec3::new(2.0, 2.5, 3.5);
+
+/// Pixels within one of which (3 x 3) either light's visibility is not the same whole number: the shadow's boundary, filtered differently
+/// by two maps of different orientation.
+fn on_boundary(a: &Picture, b: &Picture, pixel: usize) -> bool {
+    let (width, height) = (a.width as usize, a.height as usize);
+    let (x, y) = (pixel % width, pixel / width);
+    let around = (y.saturating_sub(1)..(y + 2).min(height))
+        .flat_map(|j| (x.saturating_sub(1)..(x + 2).min(width)).map(move |i| j * width + i));
+    let key = |p: &Picture, i: usize| [p.pixels[i][0], p.pixels[i][3]];
+    let whole = key(a, pixel);
+    around.into_iter().any(|i| key(a, i) != whole || key(b, i) != whole)
+}
+
+/// The largest difference in radiance off the boundary, and the share of lit pixels on it.
+fn difference(spot: &SpotLight, bent: &BendyLight) -> (f32, f64) {
+    let scene = tilted();
+    let shoot = |aov, lights: &[Light]| picture(&scene, &view(EYE, DVec3::Y * 0.3, [200, 150], aov), lights);
+    let (spot, bent) = ([named(spot.clone())], bendy(bent.clone()));
+    let visibility = [shoot(Aov::Visibility, &spot), shoot(Aov::Visibility, &bent)];
+    let radiance = [shoot(Aov::Beauty, &spot), shoot(Aov::Beauty, &bent)];
+    let lit = visibility[0].pixels.iter().filter(|p| p[0] > 0.0).count();
+    assert!(lit > 3000, "the light hits the scene: {lit}");
+    let (mut worst, mut boundary) = (0.0_f32, 0);
+    for pixel in 0..radiance[0].pixels.len() {
+        if on_boundary(&visibility[0], &visibility[1], pixel) {
+            boundary += 1;
+            continue;
+        }
+        for channel in 0..3 {
+            worst =
+                worst.max((radiance[0].pixels[pixel][channel] - radiance[1].pixels[pixel][channel]).abs());
+        }
+    }
+    (worst, boundary as f64 / lit as f64)
+}
+
+/// The promise is 1/255. Both lights are the same formulas in f32 but for the cosine of the profile and the distance; 1e-4 of a radiance up to 1
+/// leaves room for a thousand roundings and would still show any wrong factor.
+#[test]
+fn a_bent_spotlight_is_that_spotlight() {
+    let base = spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::new(0.1, 0.0, 0.0));
+    let with_range = SpotLight { range: Some(6.0), ..base.clone() };
+    let cinematic = SpotLight { decay: Decay::None, intensity: 2.0, cone_softness: 0.6, ..base.clone() };
+    let linear = SpotLight { decay: Decay::Linear, intensity: 4.0, ..base.clone() };
+    for (light, segments) in [(&base, 3), (&with_range, 1), (&with_range, 3), (&cinematic, 5), (&linear, 8)] {
+        let (worst, boundary) = difference(light, &bend(light, segments).expect("valid"));
+        assert!(worst < 1e-4, "{segments} segments: {worst} off {light:?}");
+        assert!(boundary < 0.25, "{boundary} of the lit pixels are left out");
+    }
+    // The planted faults: no decay, and a cone one percent wider.
+    let bent = bend(&with_range, 3).expect("valid");
+    assert!(difference(&with_range, &BendyLight { decay: Decay::None, ..bent.clone() }).0 > 1.0 / 255.0);
+    let wider = BendyLight { radii: bent.radii.iter().map(|r| r * 1.01).collect(), ..bent };
+    assert!(difference(&with_range, &wider).0 > 1.0 / 255.0);
+}
+
+/// Three segments that wind through the scene.
+fn winding() -> BendyLight {
+    let points = [(0., 0., 0.), (0.2, 0.5, -0.9), (-0.7, 0.1, -1.9), (0.5, -0.3, -2.9), (0.9, 0.2, -4.0)];
+    let points = points.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec();
+    let mut light = BendyLight::new(points, vec![0.2, 0.35, 0.45, 0.6, 1.2]);
+    light.transform = spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::ZERO).transform;
+    light
+}
+
+/// The largest error of the AOVs t, vw and direction over their bound, and at how many pixels.
+fn worst_over_bound(light: &BendyLight, shown: &BendyLight) -> (f64, usize) {
+    let scene = tilted();
+    let shoot = |aov, light: &BendyLight| {
+        let view: View = view(EYE, DVec3::Y * 0.3, [240, 180], aov);
+        (picture(&scene, &view, &bendy(light.clone())), view)
+    };
+    let (depth, view) = shoot(Aov::Depth, light);
+    let [t, vw, direction] = [Aov::T, Aov::Vw, Aov::Direction].map(|aov| shoot(aov, shown).0);
+    let tube = Tube::new(light).expect("valid");
+    let size = tube.placement.world_per_tube;
+    let (mut worst, mut count) = (0.0_f64, 0);
+    for (i, pixel) in depth.pixels.iter().enumerate() {
+        let (origin, ray) = ray_in_world(&view, i % 240, i / 240);
+        let world = origin + ray * f64::from(pixel[0]);
+        let q = tube.placement.tube_from_world(world);
+        let Some(root) = tube.nearest_root(q) else { continue };
+        // A pixel whose point lies within rounding of the tube's edge may fall on either side.
+        let rim = root.r.length() / root.radius > 1.0 - 1e-4;
+        if rim || t.pixels[i][3] == 0.0 {
+            assert!(rim, "pixel {i} lies in the light, and the picture says it does not");
+            continue;
+        }
+        count += 1;
+        let segment = &tube.segments[root.segment];
+        let speed = 2.0 * segment.d(root.u).length();
+        let bend = segment.u_hat_derivative(root.u, root.u_hat).dot(root.r) / speed;
+        let length = segment.d0.length() + segment.d1.length();
+        // Light model, section 5; the position comes through f32 at the camera's distance and the scene's size.
+        let reach = (pixel[0] as f64 * ray.length() + scene_reach()) / size;
+        let cond = (root.r.length() + length) / (speed * (1.0 - bend)) * (1.0 + reach);
+        let expected = tube.describe(&root);
+        let d = |a: f32, b: f64| (f64::from(a) - b).abs();
+        let errors = [
+            d(t.pixels[i][0], expected.t),
+            d(vw.pixels[i][0], expected.v) * root.radius,
+            d(vw.pixels[i][1], expected.w) * root.radius,
+            d(direction.pixels[i][0], expected.direction.x),
+            d(direction.pixels[i][1], expected.direction.y),
+            d(direction.pixels[i][2], expected.direction.z),
+        ];
+        worst = errors.into_iter().fold(worst, |w, e| w.max(e / (16.0 * EPS * cond)));
+    }
+    (worst, count)
+}
+
+/// Half the diagonal of the scene.
+fn scene_reach() -> f64 {
+    DVec3::new(3.0, 0.6, 3.0).length()
+}
+
+#[test]
+fn aovs_are_the_models() {
+    let light = winding();
+    for frame in [bendy::Frame::RotationMinimizing, bendy::Frame::Up] {
+        for direction in [bendy::Direction::Tube, bendy::Direction::Path] {
+            let light = BendyLight { frame, direction, ..light.clone() };
+            let (worst, count) = worst_over_bound(&light, &light);
+            assert!(count > 1000, "only {count} pixels lie in the light");
+            assert!(worst <= 1.0, "{worst} times the bound with {frame:?}, {direction:?}");
+        }
+    }
+    // The planted fault: a control point moved by a ten-thousandth of the light's length.
+    let mut moved = light.clone();
+    moved.points[2].x += 4e-4;
+    assert!(worst_over_bound(&light, &moved).0 > 1.0);
+}
