@@ -30,6 +30,18 @@ impl<F: Real> TubeBox<F> {
     }
 }
 
+impl TubeBox<f64> {
+    /// The eight corners.
+    pub fn corners(&self) -> [DVec3; 8] {
+        std::array::from_fn(|k| {
+            let side = |axis: usize| {
+                self.axes[axis] * if k >> axis & 1 == 1 { self.half[axis] } else { -self.half[axis] }
+            };
+            self.center + side(0) + side(1) + side(2)
+        })
+    }
+}
+
 /// One segment in tube space, prepared in f64 and rounded once.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment<F: Real> {

@@ -29,7 +29,7 @@ impl Gpu {
             required_limits: limits(&adapter.limits()),
             ..Default::default()
         }))
-        .map_err(|e| RenderError::NoAdapter(e.to_string()))?;
+        .map_err(|e| RenderError::NoAdapter(one_line(&e)))?;
 
         let lost = Arc::new(Mutex::new(None));
         let record = |lost: &Mutex<Option<String>>, why: String| {
@@ -39,7 +39,7 @@ impl Gpu {
         device.set_device_lost_callback(move |_, why| record(&by_driver, why));
         // Errors inside `checked` never get here; one outside of it leaves the device in an unknown state.
         let by_error = Arc::clone(&lost);
-        device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| record(&by_error, e.to_string())));
+        device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| record(&by_error, one_line(&e))));
 
         let info = adapter.get_info();
         Ok(Self { device, queue, adapter_name: format!("{} ({})", info.name, info.backend), lost })
@@ -63,11 +63,16 @@ impl Gpu {
         if let Some(why) = self.lost.lock().unwrap_or_else(PoisonError::into_inner).clone() {
             return Err(RenderError::DeviceLost(why));
         }
-        error.map_or(result, |e| Err(RenderError::Gpu(e.to_string())))
+        error.map_or(result, |e| Err(RenderError::Gpu(one_line(&e))))
     }
 }
 
 /// The best adapter of the first interface that has one; GL is only asked where Vulkan has none.
+/// wgpu explains over several lines; ours is the last part of one sentence.
+fn one_line(error: &dyn std::fmt::Display) -> String {
+    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 fn choose_adapter() -> Result<Adapter, RenderError> {
     let mut unfit = Vec::new();
     for backends in [Backends::VULKAN, Backends::GL] {

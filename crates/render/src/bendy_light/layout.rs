@@ -15,6 +15,7 @@ pub(crate) const ALL: &[StructLayout] = &[
     BentCounts::LAYOUT,
     BentShadow::LAYOUT,
     Patch::LAYOUT,
+    Slab::LAYOUT,
 ];
 
 gpu_struct! {
@@ -95,7 +96,9 @@ gpu_struct! {
         tube_from_scene: Mat4,
         up: [f32; 3],
         frame_up: u32,
+        box_min: [f32; 3],
         slab_count: u32,
+        box_max: [f32; 3],
         vertex_count: u32,
         triangle_count: u32,
         shadow_resolution: f32,
@@ -103,6 +106,17 @@ gpu_struct! {
         patch_capacity: u32,
         split_capacity: u32,
         tolerance_texels: f32,
+        pad0: [f32; 2],
+    }
+}
+
+gpu_struct! {
+    /// See `bent_map.wgsl`.
+    Slab {
+        curve: Curve,
+        planes: [[f32; 4]; 6],
+        safe_texels: f32,
+        pad0: [f32; 3],
     }
 }
 

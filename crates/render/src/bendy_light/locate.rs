@@ -11,8 +11,8 @@ use crate::{Gpu, RenderError, readback, shaders};
 
 /// Threads of a workgroup, as in the shader.
 const WORKGROUP: usize = 64;
-/// Points a dispatch, so that no buffer passes the limits that every device has.
-const POINTS_A_DISPATCH: usize = 1 << 16;
+/// Roots a dispatch has room for: 16 MiB of them, well within the limits that every device has.
+const ROOTS_A_DISPATCH: usize = (16 << 20) / size_of::<LocatedRoot>();
 
 /// Where `points_in_world` lie in `light`, found in f32 by the same shader code that lights pictures.
 ///
@@ -26,11 +26,16 @@ pub fn locate(
     gpu.checked(|| {
         let pipeline = pipeline(gpu, Baked::of(&tube));
         let mut locations = Vec::with_capacity(points_in_world.len());
-        for points in points_in_world.chunks(POINTS_A_DISPATCH) {
+        for points in points_in_world.chunks(ROOTS_A_DISPATCH / roots_a_point(&tube)) {
             locations.extend(dispatch(gpu, &pipeline, &tube, points)?);
         }
         Ok(locations)
     })
+}
+
+/// Two a segment and one on the extension.
+fn roots_a_point(tube: &Tube<f64>) -> usize {
+    2 * tube.n + usize::from(tube.end_mode() == EndMode::Extend)
 }
 
 fn pipeline(gpu: &Gpu, baked: Baked) -> wgpu::ComputePipeline {
@@ -50,7 +55,7 @@ fn dispatch(
     tube: &Tube<f64>,
     points_in_world: &[DVec3],
 ) -> Result<Vec<Location>, RenderError> {
-    let stride = 2 * tube.n + usize::from(tube.end_mode() == EndMode::Extend);
+    let stride = roots_a_point(tube);
     let points: Vec<[f32; 4]> = points_in_world
         .iter()
         .map(|&p| tube.placement.tube_from_world(p).as_vec3().extend(0.0).to_array())

@@ -4,6 +4,7 @@ pub(crate) mod layout;
 mod locate;
 mod pass;
 mod shadow;
+mod slab;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
@@ -63,16 +64,7 @@ fn corners(scene_origin: DVec3, half_extent: DVec3) -> impl Iterator<Item = DVec
 pub(crate) fn hull_in_world(tube: &Tube<f64>, t_max: f64) -> Vec<DVec3> {
     bendy::slabs(tube, t_max, 0.0)
         .iter()
-        .flat_map(|slab| {
-            let b = slab.piece.bounds;
-            (0..8).map(move |k| {
-                let sign = |bit: i32| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
-                b.center
-                    + b.axes[0] * (b.half[0] * sign(0))
-                    + b.axes[1] * (b.half[1] * sign(1))
-                    + b.axes[2] * (b.half[2] * sign(2))
-            })
-        })
+        .flat_map(|slab| slab.piece.bounds.corners())
         .map(|corner| tube.placement.world_from_tube(corner))
         .collect()
 }

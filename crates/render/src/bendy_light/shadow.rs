@@ -6,11 +6,11 @@
 
 use bendy::{Frame, Tube};
 use glam::DVec3;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, RenderPipeline, TextureView};
 
-use super::layout::{BentCounts, BentMap, BentShadow, Curve, Patch, STAGES};
-use super::{curve, tube_from_scene};
+use super::layout::{BentCounts, BentMap, BentShadow, Patch, STAGES, Slab};
+use super::slab::{self, SLABS_A_TURN};
+use super::tube_from_scene;
 use crate::geometry::Geometry;
 use crate::pipeline::DEPTH_FORMAT;
 use crate::{Gpu, RenderError, readback, shaders};
@@ -18,8 +18,6 @@ use crate::{Gpu, RenderError, readback, shaders};
 /// Largest distance, in texels, of an edge's image from the line drawn for it. The error of a bend is largest in the middle, where it is
 /// measured, but for a fifth (light model, section 4): this keeps all of it within half a texel.
 const TOLERANCE_TEXELS: f32 = 0.4;
-/// Share of a slab by which it overlaps its neighbours: some texels, whatever the rounding.
-const SLAB_OVERLAP: f64 = 0.01;
 /// Threads of a workgroup, as in the shaders.
 const WORKGROUP: u32 = 64;
 /// Most workgroups in one dimension that every device can run.
@@ -49,6 +47,7 @@ pub(crate) struct BentShadowPass {
     /// See [`TOLERANCE_TEXELS`].
     pub tolerance_texels: f32,
     room: Room,
+    buffers: Option<Buffers>,
 }
 
 /// How many items fit.
@@ -59,10 +58,23 @@ struct Room {
     split_vertices: u32,
 }
 
-/// The buffers of one map.
+/// Where a map is drawn.
+struct Target<'a> {
+    depth: &'a TextureView,
+    resolution: u32,
+    t_max: f64,
+    /// Whether it has to be emptied first.
+    clear: bool,
+}
+
+/// The buffers of one map, kept for the next.
+#[derive(Debug)]
 struct Buffers {
+    /// For how many vertices, triangles, and what room.
+    size: (u32, u32, Room),
     slabs: Buffer,
     uniform: Buffer,
+    shadow_uniform: Buffer,
     mapped: Buffer,
     vertex_slab: Buffer,
     whole_indices: Buffer,
@@ -94,6 +106,7 @@ impl BentShadowPass {
             draw: draw_pipeline(gpu),
             tolerance_texels: TOLERANCE_TEXELS,
             room: Room { work: 1 << 16, patches: 1 << 16, split_vertices: 3 << 16 },
+            buffers: None,
         }
     }
 
@@ -107,30 +120,55 @@ impl BentShadowPass {
         depth: &TextureView,
         resolution: u32,
     ) -> Result<(), RenderError> {
-        let slabs: Vec<Curve> = bendy::slabs(tube, t_max, SLAB_OVERLAP)
-            .iter()
-            .map(|slab| curve(&slab.piece.to_f32(), slab.t_start, slab.t_span))
-            .collect();
+        let slabs = slab::slabs(tube, t_max, f64::from(resolution), f64::from(self.tolerance_texels));
+        let mut target = Target { depth, resolution, t_max, clear: true };
+        for turn in slabs.chunks(SLABS_A_TURN) {
+            self.render_turn(gpu, casters, tube, turn, &target)?;
+            target.clear = false;
+        }
+        Ok(())
+    }
+
+    /// Maps and draws what lies in some of the slabs; again with more room where it did not fit.
+    fn render_turn(
+        &mut self,
+        gpu: &Gpu,
+        casters: &Casters,
+        tube: &Tube<f64>,
+        slabs: &[(Slab, [DVec3; 8])],
+        target: &Target,
+    ) -> Result<(), RenderError> {
+        let corners = || slabs.iter().flat_map(|slab| slab.1);
+        let mut table: Vec<Slab> = slabs.iter().map(|slab| slab.0).collect();
+        table.resize(SLABS_A_TURN, Slab::default());
         loop {
             let map = BentMap {
                 tube_from_scene: tube_from_scene(tube, casters.scene_origin),
                 up: tube.up.as_vec3().to_array(),
                 frame_up: u32::from(tube.frame == Frame::Up),
+                box_min: corners().fold(DVec3::INFINITY, DVec3::min).as_vec3().to_array(),
                 slab_count: slabs.len() as u32,
+                box_max: corners().fold(DVec3::NEG_INFINITY, DVec3::max).as_vec3().to_array(),
                 vertex_count: casters.vertex_count,
                 triangle_count: casters.triangle_count,
-                shadow_resolution: resolution as f32,
+                shadow_resolution: target.resolution as f32,
                 work_capacity: self.room.work,
                 patch_capacity: self.room.patches,
                 split_capacity: self.room.split_vertices,
                 tolerance_texels: self.tolerance_texels,
+                ..BentMap::default()
             };
-            let buffers = Buffers::new(gpu, &slabs, &map);
+            let buffers = match self.buffers.take() {
+                Some(kept) if kept.fits(&map) => kept,
+                _ => Buffers::new(gpu, &map),
+            };
+            buffers.write(gpu, &table, &map, target.t_max);
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             self.map(gpu, &mut encoder, casters, &buffers, &map);
-            self.draw(gpu, &mut encoder, &buffers, t_max, depth);
+            self.draw(gpu, &mut encoder, &buffers, target);
             gpu.queue.submit([encoder.finish()]);
             let counts = readback::buffer::<BentCounts>(gpu, &buffers.counts)?[0];
+            self.buffers = Some(buffers);
             let needed = self.room.grown_for(&counts);
             if needed == self.room {
                 return Ok(());
@@ -186,26 +224,15 @@ impl BentShadowPass {
         }
     }
 
-    fn draw(
-        &self,
-        gpu: &Gpu,
-        encoder: &mut CommandEncoder,
-        buffers: &Buffers,
-        t_max: f64,
-        depth: &TextureView,
-    ) {
-        let uniform = BentShadow { t_max: t_max as f32 };
-        let uniform = init(gpu, "bent shadow", bytemuck::bytes_of(&uniform), BufferUsages::UNIFORM);
-        let group =
-            gpu.group("bent shadow", &self.draw.get_bind_group_layout(0), &[uniform.as_entire_binding()]);
+    fn draw(&self, gpu: &Gpu, encoder: &mut CommandEncoder, buffers: &Buffers, target: &Target) {
+        let uniform = buffers.shadow_uniform.as_entire_binding();
+        let group = gpu.group("bent shadow", &self.draw.get_bind_group_layout(0), &[uniform]);
+        let load = if target.clear { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("bent shadow"),
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: depth,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(1.0),
-                    store: wgpu::StoreOp::Store,
-                }),
+                view: target.depth,
+                depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
                 stencil_ops: None,
             }),
             ..Default::default()
@@ -257,17 +284,50 @@ const PATCH_BYTES: u64 = size_of::<Patch>() as u64;
 const VERTEX_BYTES: u64 = 16;
 
 impl Buffers {
-    fn new(gpu: &Gpu, slabs: &[Curve], map: &BentMap) -> Self {
+    fn new(gpu: &Gpu, map: &BentMap) -> Self {
         let buffer = |label, size: u64, usage| {
+            let size = size.max(16);
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
-                size: size.max(16),
-                usage: BufferUsages::STORAGE | usage,
+                size,
+                usage,
                 mapped_at_creation: false,
             })
         };
+        let storage = |label, size, usage| buffer(label, size, BufferUsages::STORAGE | usage);
         let none = BufferUsages::empty();
+        let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
+        let counted = BufferUsages::INDIRECT | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let (vertices, triangles) = (u64::from(map.vertex_count), u64::from(map.triangle_count));
+        let patches = || storage("patches", u64::from(map.patch_capacity) * PATCH_BYTES, none);
+        let split_bytes = u64::from(map.split_capacity) * VERTEX_BYTES;
+        Self {
+            size: Self::size_for(map),
+            slabs: buffer("slabs", (size_of::<Slab>() * SLABS_A_TURN) as u64, uniform),
+            uniform: buffer("bent map", size_of::<BentMap>() as u64, uniform),
+            shadow_uniform: buffer("bent shadow", size_of::<BentShadow>() as u64, uniform),
+            mapped: storage("mapped vertices", vertices * VERTEX_BYTES, BufferUsages::VERTEX),
+            vertex_slab: storage("slab of each vertex", vertices * 4, none),
+            whole_indices: storage("whole triangles", triangles * 12, BufferUsages::INDEX),
+            work: storage("triangles to clip", u64::from(map.work_capacity) * WORK_BYTES, none),
+            patches: [patches(), patches()],
+            split_vertices: storage("split triangles", split_bytes, BufferUsages::VERTEX),
+            counts: storage("bent counts", size_of::<BentCounts>() as u64, counted),
+            workgroups: storage("workgroups", 16, BufferUsages::INDIRECT),
+        }
+    }
+
+    fn size_for(map: &BentMap) -> (u32, u32, Room) {
+        let room =
+            Room { work: map.work_capacity, patches: map.patch_capacity, split_vertices: map.split_capacity };
+        (map.vertex_count, map.triangle_count, room)
+    }
+
+    fn fits(&self, map: &BentMap) -> bool {
+        self.size == Self::size_for(map)
+    }
+
+    fn write(&self, gpu: &Gpu, slabs: &[Slab], map: &BentMap, t_max: f64) {
         // Stage -1: the first `next_stage` makes it 0.
         let counts = BentCounts {
             whole_instance_count: 1,
@@ -275,29 +335,12 @@ impl Buffers {
             stage: u32::MAX,
             ..BentCounts::default()
         };
-        let counts_usage = BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_SRC;
-        let patches = || buffer("patches", u64::from(map.patch_capacity) * PATCH_BYTES, none);
-        Self {
-            slabs: init(gpu, "slabs", bytemuck::cast_slice(slabs), BufferUsages::STORAGE),
-            uniform: init(gpu, "bent map", bytemuck::bytes_of(map), BufferUsages::UNIFORM),
-            mapped: buffer("mapped vertices", vertices * VERTEX_BYTES, BufferUsages::VERTEX),
-            vertex_slab: buffer("slab of each vertex", vertices * 4, none),
-            whole_indices: buffer("whole triangles", triangles * 12, BufferUsages::INDEX),
-            work: buffer("triangles to clip", u64::from(map.work_capacity) * WORK_BYTES, none),
-            patches: [patches(), patches()],
-            split_vertices: buffer(
-                "split triangles",
-                u64::from(map.split_capacity) * VERTEX_BYTES,
-                BufferUsages::VERTEX,
-            ),
-            counts: init(gpu, "bent counts", bytemuck::bytes_of(&counts), counts_usage),
-            workgroups: buffer("workgroups", 16, BufferUsages::INDIRECT),
-        }
+        let shadow = BentShadow { t_max: t_max as f32 };
+        gpu.queue.write_buffer(&self.slabs, 0, bytemuck::cast_slice(slabs));
+        gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(map));
+        gpu.queue.write_buffer(&self.shadow_uniform, 0, bytemuck::bytes_of(&shadow));
+        gpu.queue.write_buffer(&self.counts, 0, bytemuck::bytes_of(&counts));
     }
-}
-
-fn init(gpu: &Gpu, label: &str, contents: &[u8], usage: BufferUsages) -> Buffer {
-    gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
 }
 
 /// Group 0 of a compute pass: what all share from binding 0, what it works on from binding 2.

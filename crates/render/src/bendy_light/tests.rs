@@ -201,6 +201,8 @@ fn constants_are_the_models() {
     spelled(tube, &format!("const JOINT_MERGE = {:e};", f32::JOINT_MERGE));
     spelled(tube, &format!("const DIRECTION_FLOOR = {:e};", f32::DIRECTION_FLOOR));
     spelled(tube, &format!("segments: array<Segment, {}>;", super::SEGMENT_ROOM));
+    let map = include_str!("../shaders/bent_map.wgsl");
+    spelled(map, &format!("slabs: array<Slab, {}>;", super::slab::SLABS_A_TURN));
     spelled(split, &format!("const LAST_STAGE = {}u;", super::layout::STAGES - 1));
     for (abscissa, weight) in GAUSS_LEGENDRE {
         spelled(tube, &format!("vec2f({}, {}),", abscissa as f32, weight as f32));

@@ -4,12 +4,23 @@
 // little, so that what is mapped slab by slab has no seams. A triangle is clipped in the scene, where its edges are straight, and then split until
 // its edges are as good as straight in tube space too.
 
+struct Slab {
+    curve: Curve,
+    // n.q + w of the planes around the slab, ends first; zero or more inside.
+    planes: array<vec4f, 6>,
+    // An edge shorter than this many texels is straight enough whatever its direction.
+    safe_texels: f32,
+}
+
 struct BentMap {
     // Columns; the translation is in the last one.
     tube_from_scene: mat4x4f,
     up: vec3f,
     frame_up: u32,
+    // Around all slabs.
+    box_min: vec3f,
     slab_count: u32,
+    box_max: vec3f,
     vertex_count: u32,
     triangle_count: u32,
     shadow_resolution: f32,
@@ -21,7 +32,8 @@ struct BentMap {
 }
 
 @group(0) @binding(0) var<uniform> bent: BentMap;
-@group(0) @binding(1) var<storage, read> slabs: array<Curve>;
+// As many as a uniform of 64 KiB holds.
+@group(0) @binding(1) var<uniform> slabs: array<Slab, 240>;
 
 // A triangle in a slab: corners in tube space and mapped.
 struct Patch {
@@ -56,16 +68,10 @@ fn tube_position(positions_x: f32, positions_y: f32, positions_z: f32) -> vec3f 
     return (bent.tube_from_scene * vec4f(positions_x, positions_y, positions_z, 1.0)).xyz;
 }
 
-// Signed against the six planes around a slab; inside where all are zero or more.
-fn slab_plane(c: Curve, plane: u32, q: vec3f) -> f32 {
-    switch plane {
-        case 0u: { return dot(q - c.b0, c.d0); }
-        case 1u: { return dot(c.b2 - q, c.d1); }
-        case 2u: { return c.box_half_1 - dot(q - c.box_center, c.box_axis_1); }
-        case 3u: { return c.box_half_1 + dot(q - c.box_center, c.box_axis_1); }
-        case 4u: { return c.box_half_2 - dot(q - c.box_center, c.box_axis_2); }
-        default: { return c.box_half_2 + dot(q - c.box_center, c.box_axis_2); }
-    }
+// Signed distance from one of the planes around a slab; inside where all six are zero or more.
+fn slab_plane(slab: u32, plane: u32, q: vec3f) -> f32 {
+    let p = slabs[slab].planes[plane];
+    return dot(p.xyz, q) + p.w;
 }
 
 fn slab_cross_section(c: Curve, u_hat: vec3f) -> mat2x3f {
@@ -100,26 +106,25 @@ struct Middle {
 
 // Compares the image of the edge's middle with the middle of the images, in texels: across the map, and along the light as the length it is in
 // the scene. The middle of homogeneous (V, W, R) is what the rasteriser draws; on a straight cone both agree.
-fn edge_middle(c: Curve, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> Middle {
+fn edge_middle(slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> Middle {
     var middle = Middle(false, (qa + qb) * 0.5, vec4f(0.0));
-    let straight = (a + b) * 0.5;
-    // Nothing shorter than four texels bends by a noticeable part of one.
-    let span = abs(a.xy * b.z - b.xy * a.z);
+    if edge_is_safe(slab, qa, a, qb, b) {
+        return middle;
+    }
+    let c = slabs[slab].curve;
     let scale = 0.5 * bent.shadow_resolution;
-    let drawn = max(span.x, span.y) * scale > 4.0 * a.z * b.z;
-    if straight.z <= 0.0 {
-        return middle;
-    }
-    let length_texels = abs(a.w - b.w) / c.t_span * 2.0 * length(curve_d(c, 0.5)) * scale / straight.z;
-    if !drawn && length_texels < 4.0 {
-        return middle;
-    }
     middle.mapped = map_to_slab(c, middle.q);
-    if middle.mapped.z <= 0.0 {
+    let straight = (a + b) * 0.5;
+    if min(middle.mapped.z, straight.z) <= 0.0 {
         return middle;
     }
     let across = (middle.mapped.xy / middle.mapped.z - straight.xy / straight.z) * scale;
     let along = (middle.mapped.w - straight.w) / c.t_span * 2.0 * length(curve_d(c, 0.5)) * scale / straight.z;
     middle.split = max(length(across), abs(along)) > bent.tolerance_texels;
     return middle;
+}
+
+// Whether the edge is so short that no bend of this slab shows in it.
+fn edge_is_safe(slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> bool {
+    return length(qb - qa) * 0.5 * bent.shadow_resolution <= slabs[slab].safe_texels * min(a.z, b.z);
 }

@@ -25,7 +25,7 @@ fn clip_triangles(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let item = work[id.x];
-    let c = slabs[item.y];
+    let c = slabs[item.y].curve;
     var polygon: array<vec3f, MAX_CORNERS>;
     for (var k = 0u; k < 3u; k++) {
         polygon[k] = corner(item.x, k);
@@ -35,10 +35,10 @@ fn clip_triangles(@builtin(global_invocation_id) id: vec3u) {
         var kept: array<vec3f, MAX_CORNERS>;
         var kept_count = 0u;
         var before = polygon[corners - 1u];
-        var before_distance = slab_plane(c, plane, before);
+        var before_distance = slab_plane(item.y, plane, before);
         for (var k = 0u; k < corners; k++) {
             let here = polygon[k];
-            let distance = slab_plane(c, plane, here);
+            let distance = slab_plane(item.y, plane, here);
             if before_distance < 0.0 && distance >= 0.0 && kept_count < MAX_CORNERS {
                 kept[kept_count] = crossing(before, before_distance, here, distance);
                 kept_count += 1u;

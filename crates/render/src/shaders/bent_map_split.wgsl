@@ -32,10 +32,9 @@ fn split_patches(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let p = patches_in[id.x];
-    let c = slabs[p.slab];
-    var ab = edge_middle(c, p.a, p.mapped_a, p.b, p.mapped_b);
-    var bc = edge_middle(c, p.b, p.mapped_b, p.c, p.mapped_c);
-    var ca = edge_middle(c, p.c, p.mapped_c, p.a, p.mapped_a);
+    var ab = edge_middle(p.slab, p.a, p.mapped_a, p.b, p.mapped_b);
+    var bc = edge_middle(p.slab, p.b, p.mapped_b, p.c, p.mapped_c);
+    var ca = edge_middle(p.slab, p.c, p.mapped_c, p.a, p.mapped_a);
     let splits = u32(ab.split) + u32(bc.split) + u32(ca.split);
     if splits == 0u || stage == LAST_STAGE {
         draw(p.mapped_a, p.mapped_b, p.mapped_c);

@@ -12,14 +12,14 @@ fn vertex_position(vertex: u32) -> vec3f {
     return tube_position(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]);
 }
 
-// False where one of the slab's planes has the whole triangle on its outer side.
-fn may_touch(c: Curve, a: vec3f, b: vec3f, d: vec3f) -> bool {
-    for (var plane = 0u; plane < 6u; plane++) {
-        if max(max(slab_plane(c, plane, a), slab_plane(c, plane, b)), slab_plane(c, plane, d)) < 0.0 {
-            return false;
-        }
-    }
-    return true;
+// Whether the whole triangle lies on the outer side of one of the slab's planes.
+fn beyond(slab: u32, plane: u32, a: vec3f, b: vec3f, c: vec3f) -> bool {
+    return max(max(slab_plane(slab, plane, a), slab_plane(slab, plane, b)), slab_plane(slab, plane, c)) < 0.0;
+}
+
+fn may_touch(slab: u32, a: vec3f, b: vec3f, c: vec3f) -> bool {
+    return !(beyond(slab, 0u, a, b, c) || beyond(slab, 1u, a, b, c) || beyond(slab, 2u, a, b, c)
+        || beyond(slab, 3u, a, b, c) || beyond(slab, 4u, a, b, c) || beyond(slab, 5u, a, b, c));
 }
 
 // Whether the three vertices lie beyond one side of the map's square.
@@ -38,6 +38,8 @@ fn map_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
     let qa = vertex_position(corners.x);
     let qb = vertex_position(corners.y);
     let qc = vertex_position(corners.z);
+    var first_slab = 0u;
+    var end_slab = bent.slab_count;
     let slab = vertex_slab[corners.x];
     if slab < bent.slab_count && slab == vertex_slab[corners.y] && slab == vertex_slab[corners.z] {
         let a = mapped[corners.x];
@@ -46,18 +48,19 @@ fn map_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
         if off_map(a, b, c) {
             return;
         }
-        let curve = slabs[slab];
-        if !edge_middle(curve, qa, a, qb, b).split && !edge_middle(curve, qb, b, qc, c).split
-            && !edge_middle(curve, qc, c, qa, a).split {
+        if edge_is_safe(slab, qa, a, qb, b) && edge_is_safe(slab, qb, b, qc, c) && edge_is_safe(slab, qc, c, qa, a) {
             let first = atomicAdd(&counts.whole_index_count, 3u);
             whole_indices[first] = corners.x;
             whole_indices[first + 1u] = corners.y;
             whole_indices[first + 2u] = corners.z;
             return;
         }
+        first_slab = slab;
+        end_slab = slab + 1u;
     }
-    for (var i = 0u; i < bent.slab_count; i++) {
-        if may_touch(slabs[i], qa, qb, qc) {
+    let near = all(max(max(qa, qb), qc) >= bent.box_min) && all(min(min(qa, qb), qc) <= bent.box_max);
+    for (var i = first_slab; near && i < end_slab; i++) {
+        if may_touch(i, qa, qb, qc) {
             let item = atomicAdd(&counts.items[0], 1u);
             if item < bent.work_capacity {
                 work[item] = vec2u(triangle, i);

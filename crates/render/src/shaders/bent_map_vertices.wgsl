@@ -10,13 +10,10 @@ const NO_SLAB = 0xffffffffu;
 // In slabs of distant parts of the tube that overlap here.
 const SEVERAL_SLABS = 0xfffffffeu;
 
-fn slab_holds(c: Curve, q: vec3f) -> bool {
-    for (var plane = 0u; plane < 6u; plane++) {
-        if slab_plane(c, plane, q) < 0.0 {
-            return false;
-        }
-    }
-    return true;
+fn slab_holds(slab: u32, q: vec3f) -> bool {
+    let ends = min(slab_plane(slab, 0u, q), slab_plane(slab, 1u, q));
+    let sides = min(min(slab_plane(slab, 2u, q), slab_plane(slab, 3u, q)), min(slab_plane(slab, 4u, q), slab_plane(slab, 5u, q)));
+    return min(ends, sides) >= 0.0;
 }
 
 @compute @workgroup_size(64)
@@ -26,9 +23,11 @@ fn map_vertices(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
         return;
     }
     let q = tube_position(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]);
+    let near = all(q >= bent.box_min) && all(q <= bent.box_max);
     var slab = NO_SLAB;
-    for (var i = 0u; i < bent.slab_count; i++) {
-        if !slab_holds(slabs[i], q) {
+    // The bound, not a branch, is what lets a group of far vertices leave at once on a software driver.
+    for (var i = 0u; near && i < bent.slab_count && slab != SEVERAL_SLABS; i++) {
+        if !slab_holds(i, q) {
             continue;
         }
         if slab == NO_SLAB {
@@ -36,11 +35,10 @@ fn map_vertices(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
         } else if i > slab + 1u {
             // The next slab shares a margin with this one; any later one is another part of the tube.
             slab = SEVERAL_SLABS;
-            break;
         }
     }
     vertex_slab[vertex] = slab;
     if slab < bent.slab_count {
-        mapped[vertex] = map_to_slab(slabs[slab], q);
+        mapped[vertex] = map_to_slab(slabs[slab].curve, q);
     }
 }

@@ -96,9 +96,25 @@ fn place_at(i: u32, q: vec3f, u: f32) -> Place {
     return Place(radius >= 0.0 && r2 <= radius * radius, i, u, r2, radius);
 }
 
+// Segment `i`, picked from all where their number is known: a software driver gathers one number after the other.
+fn segment_at(i: u32) -> Segment {
+    if BAKED_SEGMENTS == 0u {
+        return segments[i];
+    }
+    var s = segments[0];
+    if BAKED_SEGMENTS > 1u && i == 1u { s = segments[1]; }
+    if BAKED_SEGMENTS > 2u && i == 2u { s = segments[2]; }
+    if BAKED_SEGMENTS > 3u && i == 3u { s = segments[3]; }
+    if BAKED_SEGMENTS > 4u && i == 4u { s = segments[4]; }
+    if BAKED_SEGMENTS > 5u && i == 5u { s = segments[5]; }
+    if EXTENDED && i == BAKED_SEGMENTS { s = segments[BAKED_SEGMENTS]; }
+    return s;
+}
+
 // All that is known at a place.
 fn root_at(place: Place, q: vec3f) -> Root {
-    let c = segments[place.segment].curve;
+    let s = segment_at(place.segment);
+    let c = s.curve;
     let u = place.u;
     var root: Root;
     root.segment = place.segment;
@@ -112,18 +128,17 @@ fn root_at(place: Place, q: vec3f) -> Root {
     root.d = curve_d(c, u);
     root.a = c.a;
     root.radius_derivative = curve_radius_derivative(c, u);
-    root.radiance = source_radiance(place.segment, u);
+    root.radiance = source_radiance(s, u);
     if DECAY != DECAY_NONE {
-        root.travelled = segments[place.segment].arc_start + arc_length(c, u);
+        root.travelled = s.arc_start + arc_length(c, u);
     }
     return root;
 }
 
 // Colour times intensity, neither below zero.
-fn source_radiance(i: u32, u: f32) -> vec3f {
+fn source_radiance(s: Segment, u: f32) -> vec3f {
     let w = 1.0 - u;
     let basis = vec3f(w * w, 2.0 * w * u, u * u);
-    let s = segments[i];
     let color = s.color_0 * basis.x + s.color_1 * basis.y + s.color_2 * basis.z;
     let intensity = s.intensity_0 * basis.x + s.intensity_1 * basis.y + s.intensity_2 * basis.z;
     return max(color, vec3f(0.0)) * max(intensity, 0.0);
@@ -196,7 +211,7 @@ fn nearest_place(q: vec3f) -> Place {
     if BAKED_SEGMENTS > 4u { visit(&search, 4u, q); }
     if BAKED_SEGMENTS > 5u { visit(&search, 5u, q); }
     if EXTENDED {
-        visit(&search, light.segment_count, q);
+        visit(&search, select(light.segment_count, BAKED_SEGMENTS, BAKED_SEGMENTS > 0u), q);
     }
     return search.best;
 }
