@@ -27,6 +27,7 @@ mod slab;
 mod solve;
 mod tube;
 mod validity;
+mod warning;
 
 pub use arc::GAUSS_LEGENDRE;
 pub use bend::{bend, greville};
@@ -40,3 +41,4 @@ pub use real::Real;
 pub use segment::{Segment, TubeBox};
 pub use slab::{Slab, slabs};
 pub use tube::{Location, Profile, Root, Tube, TubePoint};
+pub use warning::LightWarning;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use assets::Loaded;
+use bendy::Tube;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use image::{DynamicImage, Rgba32FImage, RgbaImage};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -108,6 +109,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
             "one sample a pixel was taken: an average of {aov} over an edge would mean nothing"
         ));
     }
+    notes.extend(lights.iter().flat_map(warnings));
     let view = View {
         camera: choose_camera(args, &scene)?,
         width: args.size.width,
@@ -125,6 +127,14 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let picture = draw(&mut renderer, &view, &lights, output.format())?;
     busy.finish_and_clear();
     output.write(&picture)
+}
+
+/// What should be known of a light that is usable all the same.
+fn warnings(light: &Light) -> Vec<String> {
+    let LightKind::Bendy(bendy) = &light.kind else { return Vec::new() };
+    // A light that is refused is reported when it is drawn.
+    let warnings = Tube::new(bendy).map(|tube| tube.warnings()).unwrap_or_default();
+    warnings.iter().map(|warning| format!("light `{}`: {warning}", light.name)).collect()
 }
 
 /// The scene of a file, or the demo of that name, with notes of what was left out.

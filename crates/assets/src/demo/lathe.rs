@@ -5,8 +5,10 @@ use std::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 use scene::Primitive;
 
-/// Rows of vertices for each span between two control points.
-const ROWS_PER_SPAN: usize = 3;
+/// Rows of vertices from end to end of the profile.
+const ROWS: usize = 64;
+/// Points tried for each span between two control points, of which the rows are chosen.
+const TRIED_PER_SPAN: usize = 24;
 /// Vertices around the axis.
 const AROUND: usize = 60;
 
@@ -46,22 +48,45 @@ pub fn lathe(profile: &[DVec2]) -> Primitive {
     made
 }
 
-/// Points and tangents of the uniform cubic B-spline; a mirrored point beyond each end makes it start and end
-/// at its control points.
+/// Points and tangents of the uniform cubic B-spline, `ROWS` of them from end to end; a mirrored point beyond each end makes it
+/// start and end at its control points.
+///
+/// Rows are spread evenly over the sum of length and turn, each as a share of the whole: long walls and tight lips both look round.
 fn sample(control: &[DVec2]) -> Vec<(DVec2, DVec2)> {
     let last = control.len() - 1;
     let mut p = vec![2.0 * control[0] - control[1]];
     p.extend_from_slice(control);
     p.push(2.0 * control[last] - control[last - 1]);
-    let spans = last * ROWS_PER_SPAN;
     let at = |row: usize| {
-        let span = (row / ROWS_PER_SPAN).min(last - 1);
-        let u = (row - span * ROWS_PER_SPAN) as f64 / ROWS_PER_SPAN as f64;
+        let span = (row / TRIED_PER_SPAN).min(last - 1);
+        let u = (row - span * TRIED_PER_SPAN) as f64 / TRIED_PER_SPAN as f64;
         let (b, db) = basis(u);
         let blend = |weights: [f64; 4]| weights.iter().zip(&p[span..]).map(|(w, p)| *w * *p).sum();
         (blend(b), blend(db))
     };
-    (0..=spans).map(at).collect()
+    let tried: Vec<(DVec2, DVec2)> = (0..=last * TRIED_PER_SPAN).map(at).collect();
+    let so_far = |step: fn(&[(DVec2, DVec2)]) -> f64| {
+        let sums = tried.windows(2).scan(0.0, |sum, pair| {
+            *sum += step(pair);
+            Some(*sum)
+        });
+        std::iter::once(0.0).chain(sums).collect::<Vec<f64>>()
+    };
+    let length = so_far(|pair| pair[1].0.distance(pair[0].0));
+    let turn = so_far(|pair| {
+        let (a, b) = (pair[0].1.normalize(), pair[1].1.normalize());
+        libm::atan2(a.perp_dot(b).abs(), a.dot(b))
+    });
+    let (whole_length, whole_turn) = (length[tried.len() - 1], turn[tried.len() - 1]);
+    let effort = |k: usize| length[k] / whole_length + turn[k] / whole_turn;
+    let mut chosen: Vec<usize> = (0..ROWS)
+        .map(|row| {
+            let wanted = 2.0 * row as f64 / (ROWS - 1) as f64;
+            (0..tried.len()).find(|&k| effort(k) >= wanted - 1e-9).unwrap_or(tried.len() - 1)
+        })
+        .collect();
+    chosen.dedup();
+    chosen.into_iter().map(|k| tried[k]).collect()
 }
 
 /// The four uniform cubic B-spline weights at `u` in 0 to 1, and their derivatives.

@@ -57,7 +57,7 @@ fn key() -> Light {
 
 /// A cool sky over a warm table, weak enough that the shadow stays dark.
 fn fill() -> Fill {
-    Fill { sky: DVec3::new(0.085, 0.10, 0.13), ground: DVec3::new(0.055, 0.048, 0.040) }
+    Fill { sky: DVec3::new(0.10, 0.115, 0.145), ground: DVec3::new(0.070, 0.060, 0.050) }
 }
 
 /// Frames both vases and their shadows at the paper's 686 x 382.

@@ -1,6 +1,6 @@
 //! What is refused, and that it says why.
 
-use bendy::{BendyLight, LightError, SpotLight, Tube, bend, check_spot};
+use bendy::{BendyLight, LightError, LightWarning, SpotLight, Tube, bend, check_spot};
 use glam::DVec3;
 
 fn along_z(n: usize) -> BendyLight {
@@ -57,6 +57,21 @@ fn spotlights() {
     assert_eq!(bend(&SpotLight::default(), 0), Err(LightError::SegmentCount(0)));
 }
 
+/// A curl that comes back through its own light is usable, and said.
+#[test]
+fn overlaps_are_reported() {
+    let ring = |turn: f64, drop: f64| {
+        let at = |k: i32| {
+            let angle = f64::from(k) * turn;
+            DVec3::new(angle.sin(), drop * f64::from(k), angle.cos() - 1.0)
+        };
+        Tube::new(&BendyLight::new((0..8).map(at).collect(), vec![0.3; 8])).expect("valid")
+    };
+    assert!(matches!(ring(1.0, 0.0).warnings()[..], [LightWarning::Overlap { .. }]));
+    assert_eq!(ring(1.0, 0.3).warnings(), [], "a helix passes beside itself");
+    assert_eq!(Tube::new(&along_z(5)).expect("valid").warnings(), []);
+}
+
 /// Two control points in one place make a corner; the light stays usable and its frame goes on by the smallest rotation.
 #[test]
 fn corner_of_coincident_points() {
@@ -65,5 +80,8 @@ fn corner_of_coincident_points() {
     let tube = Tube::new(&BendyLight::new(points, vec![0.1; 4])).expect("valid");
     let (v_hat, _) = tube.cross_section(&tube.segments[1], tube.segments[1].u_hat(0.0));
     assert!((v_hat.length() - 1.0).abs() < 1e-14);
+    // On the inside of the corner both legs of the tube hold the same points.
+    let warnings = tube.warnings();
+    assert!(matches!(warnings[..], [LightWarning::Corner { t: 1.0 }, LightWarning::Overlap { .. }]), "{warnings:?}");
     assert!(tube.locate(DVec3::new(0.5, 0.01, -1.0)).point.is_some());
 }
