@@ -58,8 +58,8 @@ fn refused(place: String, error: serde_json::Error) -> FileError {
     if !error.is_data() {
         return FileError::Syntax(error);
     }
-    // The path says where; a line and column would count from the start of the light, not of the file. And the reader
-    // knows JSON's words, not Rust's.
+    // The path says where; a line and column would count from the start of the light, not of the file. And
+    // the reader knows JSON's words, not Rust's.
     let text = error.to_string();
     let problem = text.rsplit_once(" at line ").map_or(text.as_str(), |(problem, _)| problem);
     FileError::Shape { place, problem: problem.replace("expected f64", "expected a number") }

@@ -1,7 +1,7 @@
 //! A light in JSON, and its conversion from and to the domain.
 //!
-//! Field names are the JSON's in camelCase. Unknown fields are refused by name. Lengths are light-local units (of a
-//! [`Bendy`]) or world units (of a [`Spot`]), angles are degrees, colours are linear RGB.
+//! Field names are the JSON's in camelCase. Unknown fields are refused by name. Lengths are light-local units
+//! (of a [`Bendy`]) or world units (of a [`Spot`]), angles are degrees, colours are linear RGB.
 
 use bendy::{BendyLight, Decay, Direction, EndMode, Frame, LightError, SpotLight, Tube, check_spot};
 use glam::{DQuat, DVec3};

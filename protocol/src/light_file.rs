@@ -42,8 +42,8 @@ fn parse_light(text: &str) -> Result<scene::Light, FileError> {
 
 /// A light file's text with one light: a line a field, every field given, ending without a newline.
 ///
-/// [`parse`] gives the same light back, bit for bit. The light's numbers must be finite, as those of every valid
-/// light are.
+/// [`parse`] gives the same light back, bit for bit. The light's numbers must be finite, as those of every
+/// valid light are.
 pub fn to_json(light: &scene::Light) -> String {
     let mut text = Vec::new();
     Light::from(light)

@@ -1,13 +1,16 @@
 //! Arc length of one quadratic segment.
 //!
-//! `|P'(u)| = 2 |d0 + u a|` is smooth but for a sharp valley at `u* = -(d0.a) / |a|^2`, the point of largest curvature. Split there, eight-point
-//! Gauss-Legendre quadrature meets a function that is nearly a straight line away from the split. The closed form (an inverse hyperbolic sine)
-//! divides by `|a|^2` and fails for the default, straight light. Relative error, worst over all shapes (see the test): 5e-10 where the curve turns by up to
-//! 60 degrees on either side of the valley, 5e-8 up to 75, and never more than 5.7e-5, for a hairpin that turns by 89.
+//! `|P'(u)| = 2 |d0 + u a|` is smooth but for a sharp valley at `u* = -(d0.a) / |a|^2`, the point of largest
+//! curvature. Split there, eight-point Gauss-Legendre quadrature meets a function that is nearly a straight
+//! line away from the split. The closed form (an inverse hyperbolic sine) divides by `|a|^2` and fails for
+//! the default, straight light. Relative error, worst over all shapes (see the test): 5e-10 where the curve
+//! turns by up to 60 degrees on either side of the valley, 5e-8 up to 75, and never more than 5.7e-5, for a
+//! hairpin that turns by 89.
 
 use crate::{Real, Segment};
 
-/// Abscissae and weights of the eight-point rule on `[-1, 1]`, the positive half (Abramowitz and Stegun, table 25.4).
+/// Abscissae and weights of the eight-point rule on `[-1, 1]`, the positive half (Abramowitz and Stegun,
+/// table 25.4).
 pub const GAUSS_LEGENDRE: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),

@@ -7,9 +7,10 @@ use crate::{BendyLight, EndMode, LightError, SpotLight};
 
 /// The BendyLight equal to `spot`, with `segments` quadratic segments to bend.
 ///
-/// Control points and radii are linear in the Greville abscissae `0, 1/2, 3/2, ..., n - 1/2, n`, at which a clamped quadratic B-spline
-/// reproduces linear functions exactly (light model, section 1): the tube is the cone, parametrised evenly.
-/// It ends at the spotlight's `range`; without one, its control points span one local unit and it is extended without end.
+/// Control points and radii are linear in the Greville abscissae `0, 1/2, 3/2, ..., n - 1/2, n`, at which a
+/// clamped quadratic B-spline reproduces linear functions exactly (light model, section 1): the tube is the
+/// cone, parametrised evenly. It ends at the spotlight's `range`; without one, its control points span one
+/// local unit and it is extended without end.
 pub fn bend(spot: &SpotLight, segments: usize) -> Result<BendyLight, LightError> {
     check_spot(spot)?;
     if !(1..=MAX_SEGMENTS).contains(&segments) {
@@ -34,7 +35,8 @@ pub fn bend(spot: &SpotLight, segments: usize) -> Result<BendyLight, LightError>
     })
 }
 
-/// The Greville abscissae of a clamped uniform quadratic B-spline with `n` segments: `0, 1/2, 3/2, ..., n - 1/2, n`.
+/// The Greville abscissae of a clamped uniform quadratic B-spline with `n` segments: `0, 1/2, 3/2, ..., n -
+/// 1/2, n`.
 pub fn greville(n: usize) -> Vec<f64> {
     let inner = (0..n).map(|i| i as f64 + 0.5);
     std::iter::once(0.0).chain(inner).chain(std::iter::once(n as f64)).collect()

@@ -1,4 +1,5 @@
-//! From what an artist set to a [`Tube`] that can be evaluated: checks, Bezier extraction and the frame's constants.
+//! From what an artist set to a [`Tube`] that can be evaluated: checks, Bezier extraction and the frame's
+//! constants.
 
 use glam::{DMat3, DVec3};
 
@@ -8,8 +9,9 @@ use crate::{BendyLight, EndMode, LightError, Real, SpotLight, Transform, arc, va
 /// Most segments of one light: far past what an artist handles, and small enough for any GPU buffer.
 pub const MAX_SEGMENTS: usize = 256;
 
-/// Where tube space lies in the world. Tube space is light-local space scaled by a power of two so that the control polygon is
-/// about one unit long: f32 then never under- or overflows, and the scaling itself is exact.
+/// Where tube space lies in the world. Tube space is light-local space scaled by a power of two so that the
+/// control polygon is about one unit long: f32 then never under- or overflows, and the scaling itself is
+/// exact.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
     /// World position of the source.
@@ -115,7 +117,8 @@ fn check_bendy(light: &BendyLight) -> Result<(), LightError> {
     check_common(&light.transform, light.cone_angle, light.cone_softness)
 }
 
-/// Bezier control values of segment `i` of the clamped uniform quadratic B-spline through `c` (light model, section 1).
+/// Bezier control values of segment `i` of the clamped uniform quadratic B-spline through `c` (light model,
+/// section 1).
 pub fn bezier<T>(c: &[T], i: usize) -> [T; 3]
 where
     T: Copy + std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>,
@@ -126,7 +129,8 @@ where
     [b0, c[i + 1], b2]
 }
 
-/// Half the derivatives at both ends, from the control points' differences so that neighbours share them bit for bit.
+/// Half the derivatives at both ends, from the control points' differences so that neighbours share them bit
+/// for bit.
 fn half_derivatives<T>(c: &[T], i: usize) -> (T, T)
 where
     T: Copy + std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>,
@@ -241,7 +245,8 @@ fn orient(segment: &mut Segment<f64>, carried: Option<Carried>, up: DVec3) -> Ca
     (u_end, segment.rotation_minimizing(u_end).0)
 }
 
-/// `w_hat` from the unit vector `up`: its part across `u_hat`, or the least-aligned axis's where they are parallel.
+/// `w_hat` from the unit vector `up`: its part across `u_hat`, or the least-aligned axis's where they are
+/// parallel.
 pub fn perpendicular_up<F: Real>(up: F::Vec3, u_hat: F::Vec3) -> F::Vec3 {
     let across = |v: F::Vec3| v - u_hat * F::dot(v, u_hat);
     let perp = across(up);
@@ -269,8 +274,8 @@ fn least_aligned_axis(v: DVec3) -> DVec3 {
     }
 }
 
-/// `v` turned by the smallest rotation that takes the unit vector `from` to `to`: nothing where the curve is C1, and the turn
-/// at a corner where two control points coincide.
+/// `v` turned by the smallest rotation that takes the unit vector `from` to `to`: nothing where the curve is
+/// C1, and the turn at a corner where two control points coincide.
 fn minimal_rotation(from: DVec3, to: DVec3, v: DVec3) -> DVec3 {
     let (cos, axis) = (from.dot(to), from.cross(to));
     if cos <= -1.0 + 1e-12 {
@@ -279,8 +284,8 @@ fn minimal_rotation(from: DVec3, to: DVec3, v: DVec3) -> DVec3 {
     v * cos + axis.cross(v) + axis * (axis.dot(v) / (1.0 + cos))
 }
 
-/// The light past its last control point: straight on, with linear radius, colour and intensity; `None` where it ends
-/// without a direction to go on in.
+/// The light past its last control point: straight on, with linear radius, colour and intensity; `None` where
+/// it ends without a direction to go on in.
 fn extension(last: &Segment<f64>, arc_start: f64) -> Option<Segment<f64>> {
     let grow = |b: [f64; 3]| 2.0 * (b[2] - b[1]);
     let grow3 = |b: [DVec3; 3]| (b[2] - b[1]) * 2.0;

@@ -1,8 +1,9 @@
 //! The BendyLight model: light that travels along a quadratic B-spline inside a tube of varying radius.
 //!
-//! Pure functions over f64 and f32; knows no scene, no files and no clock. Where this crate says "light model, section n",
-//! it means the numbered sections in `ARCHITECTURE.md`. The paper is Kerr, Pellacini and Denning, "BendyLights: Artistic Control of Direct
-//! Illumination by Curving Light Rays", 2010; symbols are its own.
+//! Pure functions over f64 and f32; knows no scene, no files and no clock. Where this crate says "light
+//! model, section n", it means the numbered sections in `ARCHITECTURE.md`. The paper is Kerr, Pellacini and
+//! Denning, "BendyLights: Artistic Control of Direct Illumination by Curving Light Rays", 2010; symbols are
+//! its own.
 //!
 //! ```
 //! use bendy::{BendyLight, Tube};

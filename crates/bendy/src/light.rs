@@ -93,7 +93,8 @@ pub struct BendyLight {
     pub intensities: Vec<f64>,
     /// Light-local direction that orients the cross-section at the source.
     pub up: DVec3,
-    /// Nominal half angle in degrees, `0 < coneAngle < 90`: the angle the tube's edge stands for in the profile.
+    /// Nominal half angle in degrees, `0 < coneAngle < 90`: the angle the tube's edge stands for in the
+    /// profile.
     pub cone_angle: f64,
     /// Share of the cone angle over which the profile falls from full to zero, 0 to 1.
     pub cone_softness: f64,

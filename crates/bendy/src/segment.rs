@@ -1,4 +1,5 @@
-//! One quadratic segment of the tube: position, radius, colour and intensity over `u`, and the frame's constants.
+//! One quadratic segment of the tube: position, radius, colour and intensity over `u`, and the frame's
+//! constants.
 //!
 //! Light model, sections 1 and 2. With `d(u) = d0 + u a`:
 //!
@@ -127,7 +128,8 @@ impl<F: Real> Segment<F> {
 impl Segment<f64> {
     /// The piece over `[start, end]`, as a segment of its own whose parameter runs from 0 to 1.
     ///
-    /// The range may reach past `[0, 1]`: the polynomials go on. For geometry only: colour, intensity and arc length stay those of the whole.
+    /// The range may reach past `[0, 1]`: the polynomials go on. For geometry only: colour, intensity and arc
+    /// length stay those of the whole.
     #[must_use]
     pub fn piece(&self, start: f64, end: f64) -> Self {
         let h = end - start;

@@ -1,4 +1,5 @@
-//! The tube cut across into pieces that turn little, for whoever maps surfaces into it (shadow maps, bent rays).
+//! The tube cut across into pieces that turn little, for whoever maps surfaces into it (shadow maps, bent
+//! rays).
 
 use crate::{EndMode, Segment, Tube};
 
@@ -13,15 +14,17 @@ pub struct Slab {
     pub t_span: f64,
 }
 
-/// Largest turn of the tangent in a slab. With it, a point of the tube's slab lies between the slab's two end planes, and the
-/// inner side of the slab's box stays this side of the evolute: half the turn adds `1 - cos 7.5 degrees` = 0.9 % of the bend's radius to R.
+/// Largest turn of the tangent in a slab. With it, a point of the tube's slab lies between the slab's two end
+/// planes, and the inner side of the slab's box stays this side of the evolute: half the turn adds `1 - cos
+/// 7.5 degrees` = 0.9 % of the bend's radius to R.
 const MAX_TURN_COS: f64 = 0.965_925_826_289_068_3;
 /// Largest ratio of the speeds at a slab's ends: the parameter is then nearly even over the slab.
 const MAX_SPEED_RATIO: f64 = 1.4;
 /// Slabs of one segment, at most `2^MAX_HALVINGS`; only a cusp asks for more.
 const MAX_HALVINGS: usize = 6;
 
-/// Cuts a light's tube into slabs in ascending t. An extended light is cut at `t_max`; otherwise that has no effect.
+/// Cuts a light's tube into slabs in ascending t. An extended light is cut at `t_max`; otherwise that has no
+/// effect.
 ///
 /// Neighbours overlap by `overlap` in their own parameter, so that what is mapped piece by piece has no seams.
 pub fn slabs(tube: &Tube<f64>, t_max: f64, overlap: f64) -> Vec<Slab> {

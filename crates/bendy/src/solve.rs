@@ -3,11 +3,13 @@
 //! Light model, section 5. `f = c3 u^3 + c2 u^2 + c1 u + c0` is half the derivative of the squared distance, so
 //! an increasing root is a nearest point of the curve. Its leading coefficient `|a|^2` is zero for a straight
 //! segment and tiny for a nearly straight one, where every closed form fails. Instead: split `[0, 1]` where
-//! `f'` changes sign, expand `f` about the split (all coefficients then have one sign, so Newton from an upper bound
-//! is monotone and needs no bracketing), and finish with one step formed from the geometry, which the
-//! rounding of the coefficients does not touch. `tube.wgsl` holds the twin of this file, function by function.
+//! `f'` changes sign, expand `f` about the split (all coefficients then have one sign, so Newton from an
+//! upper bound is monotone and needs no bracketing), and finish with one step formed from the geometry, which
+//! the rounding of the coefficients does not touch. `tube.wgsl` holds the twin of this file, function by
+//! function.
 //!
-//! Accuracy: `|du| <= 16 eps cond` for tubes with `R kappa <= 0.9` and `|P'| >= 0.1 (|d0| + |d1|)`; see [`crate::Tube`].
+//! Accuracy: `|du| <= 16 eps cond` for tubes with `R kappa <= 0.9` and `|P'| >= 0.1 (|d0| + |d1|)`; see
+//! [`crate::Tube`].
 
 use crate::{Real, Segment};
 
@@ -46,7 +48,8 @@ impl<F: Real> Cubic<F> {
 
 /// The smallest `t >= 0` with `a t^3 + h t^2 + g t = f`, limited to `t_max`; all four are zero or more.
 ///
-/// Starts at the least of the bounds that each term alone gives; the polynomial is convex, so Newton descends to the root.
+/// Starts at the least of the bounds that each term alone gives; the polynomial is convex, so Newton descends
+/// to the root.
 fn climb<F: Real>(f: F, g: F, h: F, a: F, t_max: F) -> F {
     let mut t = t_max;
     if f < g * t {
@@ -80,8 +83,9 @@ fn polish<F: Real>(segment: &Segment<F>, q: F::Vec3, u: F, low: F, high: F) -> F
 
 /// The increasing roots of `f` on `[0, 1]`.
 ///
-/// `f0` and `f1` are `f` at the ends, computed by the caller from the geometry, once a joint: both segments that meet
-/// there then agree on the side a point lies on. Where `f` vanishes with `P'` at an end, the sign comes from the one-sided tangent.
+/// `f0` and `f1` are `f` at the ends, computed by the caller from the geometry, once a joint: both segments
+/// that meet there then agree on the side a point lies on. Where `f` vanishes with `P'` at an end, the sign
+/// comes from the one-sided tangent.
 pub fn increasing_roots<F: Real>(segment: &Segment<F>, q: F::Vec3, f0: F, f1: F) -> Roots<F> {
     let (zero, one) = (F::of(0.0), F::of(1.0));
     let (d0, a) = (segment.d0, segment.a);

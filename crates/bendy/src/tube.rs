@@ -11,9 +11,9 @@ use crate::{BendyLight, Decay, Direction, EndMode, Frame, LightError, Real, arc}
 ///
 /// Everything is prepared in f64 and, for `f32`, rounded once. Geometry is in tube space, see [`Placement`].
 ///
-/// Accuracy: for tubes with `R kappa <= 0.9` and `|P'| >= 0.1 L`, `L = |d0| + |d1|`, the parameter of a point at
-/// offset `r` is within `16 eps cond`, `cond = (|r| + L) / (|P'| (1 - kappa r.N))`, `eps` 2^-52 or 2^-24; times
-/// `1 + |world offset| / size` for world positions.
+/// Accuracy: for tubes with `R kappa <= 0.9` and `|P'| >= 0.1 L`, `L = |d0| + |d1|`, the parameter of a point
+/// at offset `r` is within `16 eps cond`, `cond = (|r| + L) / (|P'| (1 - kappa r.N))`, `eps` 2^-52 or 2^-24;
+/// times `1 + |world offset| / size` for world positions.
 #[derive(Clone, Debug)]
 pub struct Tube<F: Real> {
     /// The segments; with [`EndMode::Extend`] one more, whose parameter has no end.
@@ -77,17 +77,19 @@ pub struct TubePoint {
 /// The answer for one world position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Location {
-    /// The point's place, or `None` outside the light. Where distant parts of a tube overlap, the one with the smallest `|r| / R`.
+    /// The point's place, or `None` outside the light. Where distant parts of a tube overlap, the one with
+    /// the smallest `|r| / R`.
     pub point: Option<TubePoint>,
     /// Every in-tube `t`, ascending; one at a joint counted once.
     pub roots: Vec<f64>,
 }
 
-/// The smooth profile over `rho = |r| / R` (light model, section 6): 1 inside, then an S-curve to 0 at the tube's edge.
+/// The smooth profile over `rho = |r| / R` (light model, section 6): 1 inside, then an S-curve to 0 at the
+/// tube's edge.
 ///
 /// `rho` stands for the angle `theta = atan(rho tan coneAngle)` of a spotlight; the curve is `s^2 (3 - 2 s)`,
-/// `s = (cos theta - cos outer) / (cos inner - cos outer)`, `inner = outer (1 - coneSoftness)`. Cosines, as Real-Time Rendering's
-/// eq. 7.18 has them, need no inverse trigonometry, which GPUs do badly.
+/// `s = (cos theta - cos outer) / (cos inner - cos outer)`, `inner = outer (1 - coneSoftness)`. Cosines, as
+/// Real-Time Rendering's eq. 7.18 has them, need no inverse trigonometry, which GPUs do badly.
 #[derive(Clone, Copy, Debug)]
 pub struct Profile<F> {
     /// `tan^2 coneAngle`.
@@ -170,7 +172,8 @@ impl<F: Real> Tube<F> {
         if self.segments.len() > self.n { EndMode::Extend } else { EndMode::Cut }
     }
 
-    /// Calls `found` with every in-tube root of the tube-space point `q`, in ascending t; one at a joint comes once.
+    /// Calls `found` with every in-tube root of the tube-space point `q`, in ascending t; one at a joint
+    /// comes once.
     pub fn for_each_root(&self, q: F::Vec3, mut found: impl FnMut(Root<F>)) {
         let (zero, one) = (F::of(0.0), F::of(1.0));
         let mut last: Option<(usize, F)> = None;
@@ -236,7 +239,8 @@ impl<F: Real> Tube<F> {
         best
     }
 
-    /// Unit direction in tube space from the surface to where its light comes from (light model, section 3, times R).
+    /// Unit direction in tube space from the surface to where its light comes from (light model, section 3,
+    /// times R).
     pub fn direction_at(&self, root: &Root<F>) -> F::Vec3 {
         let s = &self.segments[root.segment];
         let (u_hat, r, radius) = (root.u_hat, root.r, root.radius);
@@ -265,8 +269,8 @@ impl<F: Real> Tube<F> {
         along * F::dot(u_hat_derivative, root.v_hat) / length
     }
 
-    /// Irradiance on a surface square to the light, linear RGB: colour, intensity, profile and decay (light model, section 6),
-    /// without visibility.
+    /// Irradiance on a surface square to the light, linear RGB: colour, intensity, profile and decay (light
+    /// model, section 6), without visibility.
     pub fn irradiance(&self, root: &Root<F>) -> F::Vec3 {
         let (zero, one) = (F::of(0.0), F::of(1.0));
         let s = &self.segments[root.segment];
@@ -287,7 +291,8 @@ impl<F: Real> Tube<F> {
         let along = s.arc_start + arc::length(s, root.u);
         let s2 = along * along + F::dot(root.r, root.r);
         let world = F::of(self.placement.world_per_tube);
-        // A point on the source itself would be infinitely bright; a millionth of the light's length stops that.
+        // A point on the source itself would be infinitely bright; a millionth of the light's length stops
+        // that.
         let s2 = s2.most(F::of(1e-12)) * (world * world);
         F::of(1.0) / if self.decay == Decay::Linear { s2.sqrt() } else { s2 }
     }

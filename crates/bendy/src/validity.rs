@@ -2,11 +2,13 @@
 
 use crate::Segment;
 
-/// The largest value of `R(u) kappa(u)` over `[0, 1]`; the tube is an embedding near its curve where this is below 1.
+/// The largest value of `R(u) kappa(u)` over `[0, 1]`; the tube is an embedding near its curve where this is
+/// below 1.
 ///
 /// `kappa = |d0 x d1| / (2 |d|^3)`. Candidates are the ends and the roots of `R' g - 1.5 R g'` with `g = |d|^2`
-/// (light model, section 3), a cubic. It is isolated between the zeros of its derivative and bisected to rounding level; the
-/// value at the maximum is flat in `u`, so that costs no accuracy. Infinite where a bent tube's speed vanishes.
+/// (light model, section 3), a cubic. It is isolated between the zeros of its derivative and bisected to
+/// rounding level; the value at the maximum is flat in `u`, so that costs no accuracy. Infinite where a bent
+/// tube's speed vanishes.
 pub fn r_kappa_max(segment: &Segment<f64>) -> f64 {
     let cross = segment.d0.cross(segment.d1).length();
     if cross <= 1e-15 * segment.d0.length() * segment.d1.length() {
@@ -29,7 +31,8 @@ pub fn r_kappa_max(segment: &Segment<f64>) -> f64 {
     candidates.into_iter().chain([0.0, 1.0]).map(r_kappa).fold(0.0, f64::max)
 }
 
-/// Roots in `[0, 1]` of the cubic with these ascending coefficients, by bisection between the zeros of its derivative.
+/// Roots in `[0, 1]` of the cubic with these ascending coefficients, by bisection between the zeros of its
+/// derivative.
 fn roots_in_unit_interval(c: &[f64; 4]) -> Vec<f64> {
     let value = |u: f64| ((c[3] * u + c[2]) * u + c[1]) * u + c[0];
     let mut knots = vec![0.0];

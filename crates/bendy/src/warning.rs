@@ -42,8 +42,8 @@ const ALONG: usize = 16;
 const AROUND: usize = 12;
 
 impl Tube<f64> {
-    /// What should be known of this light. Overlaps are looked for at the rim of the tube and on its axis, on a grid: one narrower than a
-    /// sixteenth of a segment may go unseen. At most one overlap is reported.
+    /// What should be known of this light. Overlaps are looked for at the rim of the tube and on its axis, on
+    /// a grid: one narrower than a sixteenth of a segment may go unseen. At most one overlap is reported.
     pub fn warnings(&self) -> Vec<LightWarning> {
         let corners = self.segments.windows(2).enumerate().filter_map(|(i, pair)| {
             let cos = pair[0].u_hat(1.0).dot(pair[1].u_hat(0.0));

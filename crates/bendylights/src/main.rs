@@ -1,7 +1,7 @@
 //! `bendylights`, the one binary. Each command has its module; the shapes of commands and files are a contract.
 //!
-//! Exit codes: 0, done; 2, the input is wrong and one sentence on standard error says how to mend it; 1, this machine
-//! cannot do it (no GPU driver, disk full).
+//! Exit codes: 0, done; 2, the input is wrong and one sentence on standard error says how to mend it; 1, this
+//! machine cannot do it (no GPU driver, disk full).
 
 mod bend;
 mod error;
@@ -69,7 +69,8 @@ fn say(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 
-/// Writes a command's answer to standard output. A reader that has gone away (`| head`) has had enough: no error.
+/// Writes a command's answer to standard output. A reader that has gone away (`| head`) has had enough: no
+/// error.
 fn answer(text: &str) -> Result<(), Error> {
     let mut stdout = io::stdout().lock();
     match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {

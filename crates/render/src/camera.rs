@@ -210,7 +210,8 @@ mod tests {
                 let direction = along(u.ray_direction, u.ray_direction_dx, u.ray_direction_dy, x, y);
                 let clip = clip_from_scene * (origin + direction * depth).extend(1.0);
                 let ndc = clip / clip.w;
-                // f32 rounds coordinates of size 30 by 2e-6, and a pixel of 7 is 2 / 7 of the unit: 1e-5 pixels.
+                // f32 rounds coordinates of size 30 by 2e-6, and a pixel of 7 is 2 / 7 of the unit: 1e-5
+                // pixels.
                 let pixel = [(ndc.x * 0.5 + 0.5) * 7.0 - 0.5, (0.5 - ndc.y * 0.5) * 5.0 - 0.5];
                 assert!(
                     (pixel[0] - x).abs() < 1e-4 && (pixel[1] - y).abs() < 1e-4,

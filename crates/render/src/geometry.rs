@@ -9,7 +9,8 @@ use wgpu::{Buffer, BufferUsages};
 
 use crate::{Gpu, RenderError};
 
-/// Largest distance from the scene's centre: squares of it, and their products with intensities, stay within f32.
+/// Largest distance from the scene's centre: squares of it, and their products with intensities, stay within
+/// f32.
 pub(crate) const MAX_EXTENT: f64 = 1e15;
 
 /// The scene in scene space: world axes, origin at the centre of its bounds. Composed in f64, then rounded.
@@ -107,8 +108,8 @@ fn order(materials: &[Material], index: usize) -> (bool, usize) {
 
 /// The matrix that takes normals along, up to a positive factor, and whether the transform mirrors.
 ///
-/// The cofactor matrix is `det M` times the inverse transpose and exists for singular ones too: a mesh flattened onto
-/// a plane gets that plane's normal.
+/// The cofactor matrix is `det M` times the inverse transpose and exists for singular ones too: a mesh
+/// flattened onto a plane gets that plane's normal.
 fn normal_matrix(m: DMat3) -> (DMat3, bool) {
     let cofactor =
         DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
@@ -118,8 +119,8 @@ fn normal_matrix(m: DMat3) -> (DMat3, bool) {
 
 /// Unit normal towards the side that sees the corners counter-clockwise, and its product with them.
 ///
-/// Computed from the rounded corners, and the product with the rounded normal: then only the product's own rounding
-/// remains, one ulp of the distance from the scene's centre.
+/// Computed from the rounded corners, and the product with the rounded normal: then only the product's own
+/// rounding remains, one ulp of the distance from the scene's centre.
 fn plane(corners: [[f32; 3]; 3]) -> [f32; 4] {
     let [a, b, c] = corners.map(|p| Vec3::from(p).as_dvec3());
     let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();

@@ -1,6 +1,7 @@
 //! The structs that Rust and WGSL share. A test holds every name and offset against the WGSL.
 
-/// Declares a struct as WGSL lays it out. Fields whose names begin with `pad` are gaps that WGSL leaves by itself.
+/// Declares a struct as WGSL lays it out. Fields whose names begin with `pad` are gaps that WGSL leaves by
+/// itself.
 macro_rules! gpu_struct {
     ($(#[$doc:meta])* $name:ident { $($field:ident: $type:ty,)* }) => {
         $(#[$doc])*

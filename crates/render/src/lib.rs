@@ -1,9 +1,9 @@
 //! The picture: a headless wgpu renderer of a [`scene::Scene`] under its lights.
 //!
-//! Geometry is posed once a scene ([`Renderer::set_scene`]) into scene space: world axes, with the origin at the
-//! centre of the scene's bounds, so that f32 on the GPU keeps its precision wherever the scene stands. A picture
-//! ([`Renderer::render`]) is a G-buffer, a shadow map a light and one additive pass a light. G-buffer and shadow maps
-//! stay while nothing they depend on changes.
+//! Geometry is posed once a scene ([`Renderer::set_scene`]) into scene space: world axes, with the origin at
+//! the centre of the scene's bounds, so that f32 on the GPU keeps its precision wherever the scene stands. A
+//! picture ([`Renderer::render`]) is a G-buffer, a shadow map a light and one additive pass a light. G-buffer
+//! and shadow maps stay while nothing they depend on changes.
 
 mod bendy_light;
 mod camera;

@@ -1,4 +1,5 @@
-//! The passes that turn a G-buffer into values: the fill, quantities of the surface, and one additive pass a light.
+//! The passes that turn a G-buffer into values: the fill, quantities of the surface, and one additive pass a
+//! light.
 
 use std::cell::OnceCell;
 
@@ -21,8 +22,8 @@ const ADD: BlendState = {
     BlendState { color: sum, alpha: sum }
 };
 
-/// A module of fullscreen entry points that add to the picture: one an AOV, `fs_` and its name. Pipelines are made
-/// when first wanted.
+/// A module of fullscreen entry points that add to the picture: one an AOV, `fs_` and its name. Pipelines are
+/// made when first wanted.
 #[derive(Debug)]
 pub(crate) struct LightingPass {
     layout: PipelineLayout,
@@ -40,7 +41,8 @@ impl LightingPass {
         }
     }
 
-    /// Adds `aov` within `pixels`, `[x, y, width, height]`. `group` is what the pass binds after view and surface.
+    /// Adds `aov` within `pixels`, `[x, y, width, height]`. `group` is what the pass binds after view and
+    /// surface.
     pub fn draw(
         &self,
         gpu: &Gpu,

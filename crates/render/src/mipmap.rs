@@ -100,7 +100,8 @@ mod tests {
     fn odd_sizes_share_the_middle_texel() {
         // Three texels into one: a third each.
         assert_eq!(mip_chain(3, 1, &[[30; 4], [60; 4], [90; 4]].concat(), Encoding::Linear)[12..], [60; 4]);
-        // Five into two: 2.5 texels each, the middle one in both: (10 + 20 + 30 / 2) / 2.5 and (30 / 2 + 40 + 50) / 2.5.
+        // Five into two: 2.5 texels each, the middle one in both: (10 + 20 + 30 / 2) / 2.5 and (30 / 2 + 40 +
+        // 50) / 2.5.
         let row: Vec<u8> = [10, 20, 30, 40, 50].into_iter().flat_map(|v| [v; 4]).collect();
         let chain = mip_chain(5, 1, &row, Encoding::Linear);
         assert_eq!(chain[20..28], [18, 18, 18, 18, 42, 42, 42, 42]);

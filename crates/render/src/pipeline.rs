@@ -14,7 +14,8 @@ pub(crate) const UNIFORM: BindingType = buffer(BufferBindingType::Uniform);
 pub(crate) const STORAGE: BindingType = buffer(BufferBindingType::Storage { read_only: true });
 /// A texture that is filtered.
 pub(crate) const COLOR_TEXTURE: BindingType = texture(TextureSampleType::Float { filterable: true });
-/// A texture that is only loaded or gathered. Depth is bound so as well: the GL backend cannot load depth textures.
+/// A texture that is only loaded or gathered. Depth is bound so as well: the GL backend cannot load depth
+/// textures.
 pub(crate) const RAW_TEXTURE: BindingType = texture(TextureSampleType::Float { filterable: false });
 /// A texture of integers.
 pub(crate) const UINT_TEXTURE: BindingType = texture(TextureSampleType::Uint);

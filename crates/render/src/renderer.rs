@@ -151,8 +151,8 @@ impl Renderer {
         Ok(Self { gpu, passes, view_uniform, scene, targets, slots, counts })
     }
 
-    /// Takes over another scene: its geometry, materials and fill. Its promises hold ([`Scene::check`]); its cameras
-    /// and lights are not used. On an error the scene before stays.
+    /// Takes over another scene: its geometry, materials and fill. Its promises hold ([`Scene::check`]); its
+    /// cameras and lights are not used. On an error the scene before stays.
     pub fn set_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
         let revision = self.scene.revision + 1;
         self.scene = self.gpu.checked(|| {
@@ -181,8 +181,8 @@ impl Renderer {
         Ok(Picture { width: view.width, height: view.height, pixels })
     }
 
-    /// The beauty of `view` under `lights` as a screen shows it, whatever `view.aov` says: tone-mapped sRGB, RGBA, 8
-    /// bits a channel, rows from the top.
+    /// The beauty of `view` under `lights` as a screen shows it, whatever `view.aov` says: tone-mapped sRGB,
+    /// RGBA, 8 bits a channel, rows from the top.
     pub fn render_display(&mut self, view: &View, lights: &[Light]) -> Result<Vec<u8>, RenderError> {
         self.attempt(|renderer, gpu| {
             renderer.draw(gpu, view, Aov::Beauty, lights)?;

@@ -1,4 +1,5 @@
-//! A spotlight drawn by its own perspective matrix. It shares no code with bent lights, so that each can test the other.
+//! A spotlight drawn by its own perspective matrix. It shares no code with bent lights, so that each can test
+//! the other.
 
 use bendy::{Decay, SpotLight};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
@@ -18,8 +19,9 @@ const BINDINGS: [BindingType; 3] = [UNIFORM, RAW_TEXTURE, NON_FILTERING];
 /// Largest intensity of a channel: with it, decay and the BRDF at their largest, radiance is still finite.
 const MAX_INTENSITY: f64 = 1e15;
 
-/// The near plane of a shadow map that starts inside the scene, as a share of the way to the scene's far end: near
-/// enough for a lamp in its shade, far enough for the map's depths to resolve a thousandth of the same way.
+/// The near plane of a shadow map that starts inside the scene, as a share of the way to the scene's far end:
+/// near enough for a lamp in its shade, far enough for the map's depths to resolve a thousandth of the same
+/// way.
 const NEAR_SHARE: f64 = 1e-3;
 
 /// What a spotlight's shadow map depends on, besides the scene.
@@ -67,7 +69,8 @@ impl PlacedSpot {
         // Two texels around the cone let the filter reach over its edge.
         let shadow_tan = tan_outer * f64::from(RESOLUTION) / f64::from(RESOLUTION - 4);
 
-        // The nearest caster: none is nearer along the axis than the box of the scene, seen in the map's corner.
+        // The nearest caster: none is nearer along the axis than the box of the scene, seen in the map's
+        // corner.
         let to_box = (source.abs() - half_extent).max(DVec3::ZERO).length();
         let corner_cosine = (1.0 + 2.0 * shadow_tan * shadow_tan).sqrt().recip();
         let shadow_near = (0.99 * to_box * corner_cosine).max(NEAR_SHARE * far).max(f64::MIN_POSITIVE);
@@ -161,7 +164,8 @@ impl SpotPass {
         SpotSlot { map, map_key: None, uniform, group }
     }
 
-    /// Brings `slot` up to date with `light` over `scene`. Returns the light in place and whether its map was drawn.
+    /// Brings `slot` up to date with `light` over `scene`. Returns the light in place and whether its map was
+    /// drawn.
     pub fn prepare(
         &self,
         gpu: &Gpu,

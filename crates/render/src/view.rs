@@ -24,8 +24,9 @@ pub struct View {
     pub light: usize,
 }
 
-/// A quantity to show. Alpha is 1 where there is a surface (for a light's own quantities: one inside the light) and 0
-/// elsewhere, with the other channels 0 too; with several samples a pixel it is the share of them.
+/// A quantity to show. Alpha is 1 where there is a surface (for a light's own quantities: one inside the
+/// light) and 0 elsewhere, with the other channels 0 too; with several samples a pixel it is the share of
+/// them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Aov {
     /// Linear radiance under all lights and the fill.

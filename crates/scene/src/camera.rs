@@ -38,7 +38,8 @@ pub enum Projection {
     },
 }
 
-/// A camera that sees all of `scene` from a little above and to the side, for a picture `aspect` wide by 1 high.
+/// A camera that sees all of `scene` from a little above and to the side, for a picture `aspect` wide by 1
+/// high.
 ///
 /// The bounding sphere fits the narrower of the two fields of view (40 degrees vertical).
 pub fn framing_camera(scene: &Scene, aspect: f64) -> Camera {

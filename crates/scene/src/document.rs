@@ -197,7 +197,8 @@ pub struct SceneError {
 }
 
 impl Scene {
-    /// Verifies every promise stated on the fields: indices in range, parents first, lengths equal, numbers finite.
+    /// Verifies every promise stated on the fields: indices in range, parents first, lengths equal, numbers
+    /// finite.
     pub fn check(&self) -> Result<(), SceneError> {
         let fail = |what, index, why| Err(SceneError { what, index, why });
         for (i, node) in self.nodes.iter().enumerate() {

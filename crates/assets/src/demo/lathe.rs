@@ -48,10 +48,11 @@ pub fn lathe(profile: &[DVec2]) -> Primitive {
     made
 }
 
-/// Points and tangents of the uniform cubic B-spline, `ROWS` of them from end to end; a mirrored point beyond each end makes it
-/// start and end at its control points.
+/// Points and tangents of the uniform cubic B-spline, `ROWS` of them from end to end; a mirrored point beyond
+/// each end makes it start and end at its control points.
 ///
-/// Rows are spread evenly over the sum of length and turn, each as a share of the whole: long walls and tight lips both look round.
+/// Rows are spread evenly over the sum of length and turn, each as a share of the whole: long walls and tight
+/// lips both look round.
 fn sample(control: &[DVec2]) -> Vec<(DVec2, DVec2)> {
     let last = control.len() - 1;
     let mut p = vec![2.0 * control[0] - control[1]];

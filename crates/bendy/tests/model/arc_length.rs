@@ -18,8 +18,9 @@ fn distance(tube: &Tube<f64>, u: f64) -> f64 {
     (1.0 / tube.irradiance(&root).x).sqrt() / tube.placement.world_per_tube
 }
 
-/// Relative error over all hairpins: the legs are `width` apart, so each turns by `atan(2 / width)`. 5e-10 up to 60 degrees, 5e-8 up to 75,
-/// and nowhere above 5.7e-5, the maximum of the eight-point rule's error over `sqrt(x^2 + c^2)` on `[0, 1]`.
+/// Relative error over all hairpins: the legs are `width` apart, so each turns by `atan(2 / width)`. 5e-10 up
+/// to 60 degrees, 5e-8 up to 75, and nowhere above 5.7e-5, the maximum of the eight-point rule's error over
+/// `sqrt(x^2 + c^2)` on `[0, 1]`.
 #[test]
 fn quadrature_meets_the_closed_form() {
     for step in 0..100 {

@@ -3,7 +3,8 @@
 use bendy::{Decay, SpotLight, Transform, Tube, bend};
 use glam::{DQuat, DVec3};
 
-/// t is the share of the range, the radius that of the cone, the irradiance the spotlight's, for any number of segments.
+/// t is the share of the range, the radius that of the cone, the irradiance the spotlight's, for any number
+/// of segments.
 #[test]
 fn equal_to_its_spotlight() {
     let transform = Transform {

@@ -9,8 +9,9 @@ use proptest::prelude::*;
 use crate::lights::{bent, point_at};
 
 proptest! {
-    /// "path" is the tangent of the curve of constant (v, w), in both frames. The central difference over h = 1e-6 is good to about
-    /// h^2 times third derivatives, amplified where the curve of constant (v, w) is slow: 1e-6 of an angle where its speed is over a tenth.
+    /// "path" is the tangent of the curve of constant (v, w), in both frames. The central difference over h =
+    /// 1e-6 is good to about h^2 times third derivatives, amplified where the curve of constant (v, w) is
+    /// slow: 1e-6 of an angle where its speed is over a tenth.
     #[test]
     fn path_is_the_tangent((light, _) in bent(0.7), at in 0.02..0.98_f64, angle in 0.0..TAU, up in any::<bool>()) {
         let frame = if up { Frame::Up } else { Frame::RotationMinimizing };

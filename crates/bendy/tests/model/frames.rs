@@ -22,8 +22,9 @@ proptest! {
         prop_assert!((v_hat.length() - 1.0).abs() < bound && v_hat.dot(w_hat).abs() < bound);
     }
 
-    /// No rotation about the tangent: `v_hat' . w_hat = 0`. A central difference over h = 1e-5 leaves h^2 times third derivatives and
-    /// 1e-16 / h of rounding; a frame that twists (the "up" one) shows 1e-3 and more.
+    /// No rotation about the tangent: `v_hat' . w_hat = 0`. A central difference over h = 1e-5 leaves h^2
+    /// times third derivatives and 1e-16 / h of rounding; a frame that twists (the "up" one) shows 1e-3 and
+    /// more.
     #[test]
     fn rotation_minimizing((light, tube) in bent(1.0), at in 0.01..0.99_f64) {
         let h = 1e-5;
@@ -35,7 +36,8 @@ proptest! {
         prop_assert!(turn(&tube).abs() < 1e-6);
         let twisting = Tube::new(&BendyLight { frame: Frame::Up, ..light }).expect("the same shape is valid");
         prop_assume!(tube.r_kappa_max()[0] > 0.05);
-        // The planted fault: the comparison would see a frame that follows "up", unless the curve's plane holds it.
+        // The planted fault: the comparison would see a frame that follows "up", unless the curve's plane
+        // holds it.
         let plane_holds_up = tube.segments[0].n_hat.dot(twisting.up).abs() < 0.1;
         prop_assert!(plane_holds_up || turn(&twisting).abs() > 1e-6 || turn(&twisting) == 0.0);
     }

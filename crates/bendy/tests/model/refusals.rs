@@ -31,8 +31,8 @@ fn shapes_that_cannot_be() {
     assert!(matches!(doubled, LightError::Degenerate { .. }), "{doubled}");
 }
 
-/// `R kappa` is exact: a quarter turn of a parabola has its largest curvature in the middle, and one per mille of radius more or
-/// less decides.
+/// `R kappa` is exact: a quarter turn of a parabola has its largest curvature in the middle, and one per
+/// mille of radius more or less decides.
 #[test]
 fn folds_are_refused_at_one() {
     let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(1.0, 0.0, -1.0)];
@@ -72,7 +72,8 @@ fn overlaps_are_reported() {
     assert_eq!(Tube::new(&along_z(5)).expect("valid").warnings(), []);
 }
 
-/// Two control points in one place make a corner; the light stays usable and its frame goes on by the smallest rotation.
+/// Two control points in one place make a corner; the light stays usable and its frame goes on by the
+/// smallest rotation.
 #[test]
 fn corner_of_coincident_points() {
     let points =
@@ -82,6 +83,9 @@ fn corner_of_coincident_points() {
     assert!((v_hat.length() - 1.0).abs() < 1e-14);
     // On the inside of the corner both legs of the tube hold the same points.
     let warnings = tube.warnings();
-    assert!(matches!(warnings[..], [LightWarning::Corner { t: 1.0 }, LightWarning::Overlap { .. }]), "{warnings:?}");
+    assert!(
+        matches!(warnings[..], [LightWarning::Corner { t: 1.0 }, LightWarning::Overlap { .. }]),
+        "{warnings:?}"
+    );
     assert!(tube.locate(DVec3::new(0.5, 0.01, -1.0)).point.is_some());
 }

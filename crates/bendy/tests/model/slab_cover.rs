@@ -8,7 +8,8 @@ use proptest::prelude::*;
 use crate::lights::{bent, point_at};
 
 proptest! {
-    /// Every point of the tube lies in the slab of its t: between the end planes and in the box. Slack 1e-12 for points made on the edge.
+    /// Every point of the tube lies in the slab of its t: between the end planes and in the box. Slack 1e-12
+    /// for points made on the edge.
     #[test]
     fn slabs_cover_the_tube((_, tube) in bent(0.9), share in 0.0..1.0_f64, angle in 0.0..TAU) {
         prop_assume!(tube.r_kappa_max().iter().all(|&k| k < 0.97));

@@ -37,8 +37,8 @@ fn roots_by_bisection(tube: &Tube<f64>, q: DVec3) -> Vec<f64> {
 }
 
 proptest! {
-    /// A point made from (t, v, w) is found again. `R kappa < 0.9` and `|P'| >= 0.1 L` keep cond below 200 for points of the unit-size tube; 16 eps cond
-    /// and the rounding of the point itself, eps L, give 1e-12.
+    /// A point made from (t, v, w) is found again. `R kappa < 0.9` and `|P'| >= 0.1 L` keep cond below 200
+    /// for points of the unit-size tube; 16 eps cond and the rounding of the point itself, eps L, give 1e-12.
     #[test]
     fn round_trip((_, tube) in bent(0.6), t in 0.0..1.0_f64, angle in 0.0..TAU, rho in 0.0..0.99_f64) {
         prop_assume!(tube.r_kappa_max().iter().all(|&k| k < 0.9));
@@ -54,7 +54,8 @@ proptest! {
         prop_assert!(w.abs() < 1e-11 || (point.w + w).abs() > 1e-11);
     }
 
-    /// No wrong root and none missed, against bisection, in f64 and f32; points within rounding of the tube's edge are left out.
+    /// No wrong root and none missed, against bisection, in f64 and f32; points within rounding of the tube's
+    /// edge are left out.
     #[test]
     fn same_roots_as_bisection((_, tube) in bent(1.2), q in unit_cube()) {
         let q = (q * DVec3::new(1.0, 1.0, 0.6)) - DVec3::Z * 0.5;
@@ -75,7 +76,8 @@ proptest! {
         }
     }
 
-    /// Nothing is ever NaN, however wild the curve: hairpins, coincident points, huge and tiny lights, points far away.
+    /// Nothing is ever NaN, however wild the curve: hairpins, coincident points, huge and tiny lights, points
+    /// far away.
     #[test]
     fn always_finite(
         knots in prop::collection::vec((unit_cube(), 0.0..0.3_f64), 3..7),
@@ -111,7 +113,8 @@ fn joints_count_once() {
     assert_eq!(location.point.map(|p| (p.segment, p.u)), Some((0, 1.0)));
 }
 
-/// At a cone's apex the radius is zero: the apex is inside with v = w = 0, its neighbours behind and beside are not.
+/// At a cone's apex the radius is zero: the apex is inside with v = w = 0, its neighbours behind and beside
+/// are not.
 #[test]
 fn apex() {
     let points = (0..3).map(|i| DVec3::new(0.0, 0.0, -f64::from(i))).collect();

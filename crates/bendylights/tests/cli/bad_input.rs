@@ -1,5 +1,5 @@
-//! Bad input: exit code 2, one sentence on standard error that names the file, nothing on standard output, and no
-//! picture or part of one left behind.
+//! Bad input: exit code 2, one sentence on standard error that names the file, nothing on standard output,
+//! and no picture or part of one left behind.
 
 use crate::program::{BENDY, Folder, SPOT, TRIANGLE, run, run_with_input};
 

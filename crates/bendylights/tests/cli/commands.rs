@@ -113,8 +113,8 @@ fn render_writes_exr_with_the_values_themselves() {
     let depth = rendered(&folder, "out.exr", &["--aov", "depth"]);
     assert_eq!(depth.color(), ColorType::Rgba32F);
     let depth = depth.into_rgba32f().get_pixel(32, 26)[0];
-    // The plane lies 4 before the camera; the depth is a float of 24 bits, kept as 1 / z over a near plane of 0.1:
-    // half a step of it is 4^2 / 0.1 * 2^-25.
+    // The plane lies 4 before the camera; the depth is a float of 24 bits, kept as 1 / z over a near plane of
+    // 0.1: half a step of it is 4^2 / 0.1 * 2^-25.
     assert!((depth - 4.0).abs() < 5e-6, "{depth}");
 }
 

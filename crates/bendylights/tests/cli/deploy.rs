@@ -7,7 +7,8 @@ use crate::program::{Folder, binary, run};
 const UNIT: &str = include_str!("../../../../deploy/bendylights-render@.service");
 const INSTALLED: &str = "/usr/local/bin/bendylights";
 
-/// What `systemd-analyze verify` says of the unit, nothing where it is sound; `None` where there is no such program.
+/// What `systemd-analyze verify` says of the unit, nothing where it is sound; `None` where there is no such
+/// program.
 fn complaints(unit: &str) -> Option<String> {
     let folder = Folder::new();
     // systemd looks whether the program is there: it is, but where it was built.

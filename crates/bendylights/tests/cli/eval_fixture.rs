@@ -1,15 +1,17 @@
 //! `bendylights eval` against answers computed with 50 digits (`fixtures/eval.json`), on f64, f32 and the GPU.
 //!
-//! Bounds, from the light model, section 5, "Conditioning". A point at offset `r` from the curve has its parameter within
+//! Bounds, from the light model, section 5, "Conditioning". A point at offset `r` from the curve has its
+//! parameter within
 //!
 //! ```text
 //! |dt| <= 16 eps cond,   cond = (|r| + L) / (|P'| (1 - kappa r.N)) (1 + |world offset| / size),   L = |d0| + |d1|
 //! ```
 //!
-//! with `eps` 2^-52 in f64 and 2^-24 in f32 and on the GPU. The direction is a unit vector: the same bound, on the length of
-//! the difference. `v` and `w` are an offset over the radius: the same bound times `size / R`. The radius moves by `R'` times
-//! the error of t, and is itself a sum of products of control radii, none larger than the largest: that much more.
-//! `size` is the length of the control polygon. Which root, how many, which segment, and inside or not: never wrong.
+//! with `eps` 2^-52 in f64 and 2^-24 in f32 and on the GPU. The direction is a unit vector: the same bound,
+//! on the length of the difference. `v` and `w` are an offset over the radius: the same bound times `size /
+//! R`. The radius moves by `R'` times the error of t, and is itself a sum of products of control radii, none
+//! larger than the largest: that much more. `size` is the length of the control polygon. Which root, how
+//! many, which segment, and inside or not: never wrong.
 
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};

@@ -13,7 +13,8 @@ pub const BENDY: &str =
 /// A spotlight with a range.
 pub const SPOT: &str = r#"{"type": "spot", "name": "lamp", "coneAngle": 20, "range": 6}"#;
 
-/// A glTF file with one triangle, 2 units wide, in the plane z = 0, and one camera called `front` 4 units before it.
+/// A glTF file with one triangle, 2 units wide, in the plane z = 0, and one camera called `front` 4 units
+/// before it.
 pub const TRIANGLE: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
     "nodes": [{"mesh": 0}, {"name": "front", "camera": 0, "translation": [0, 0, 4]}],
     "cameras": [{"name": "front", "type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],

@@ -97,7 +97,8 @@ fn unwritten() -> RenderError {
     RenderError::Gpu("some points were not evaluated".into())
 }
 
-/// The roots of one point, in the terms that people and files use; the one that counts has the smallest `|r| / R`.
+/// The roots of one point, in the terms that people and files use; the one that counts has the smallest `|r|
+/// / R`.
 fn location(tube: &Tube<f64>, roots: &[LocatedRoot]) -> Location {
     let offset2 = |r: &LocatedRoot| r.v_len * r.v_len + r.w_len * r.w_len;
     let rho2 = |a: &LocatedRoot, b: &LocatedRoot| offset2(a) * b.radius * b.radius;

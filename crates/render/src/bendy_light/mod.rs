@@ -38,7 +38,8 @@ fn tube_from_scene(tube: &Tube<f64>, scene_origin: DVec3) -> Mat4 {
     matrix.as_mat4().to_cols_array_2d()
 }
 
-/// The greatest t that anything within `half_extent` of the scene's origin can have: the end of the light, or of what it can reach where it is extended.
+/// The greatest t that anything within `half_extent` of the scene's origin can have: the end of the light, or
+/// of what it can reach where it is extended.
 pub(crate) fn t_max(tube: &Tube<f64>, scene_origin: DVec3, half_extent: DVec3) -> f64 {
     let n = tube.n as f64;
     if tube.end_mode() == EndMode::Cut {

@@ -95,7 +95,8 @@ impl BendyPass {
         BendySlot { depth: texture.create_view(&wgpu::TextureViewDescriptor::default()), map_key: None }
     }
 
-    /// Brings `slot` up to date with `light` over `scene`. Returns the light in place and whether its map was drawn.
+    /// Brings `slot` up to date with `light` over `scene`. Returns the light in place and whether its map was
+    /// drawn.
     pub fn prepare(
         &mut self,
         gpu: &Gpu,

@@ -1,8 +1,10 @@
-//! The bent shadow map: the scene's triangles mapped into tube space by compute passes, then drawn (see `bent_map.wgsl`).
+//! The bent shadow map: the scene's triangles mapped into tube space by compute passes, then drawn (see
+//! `bent_map.wgsl`).
 //!
-//! Every triangle is looked at once. Most lie in one slab and are small: they are drawn from the vertices that were mapped once. The others are
-//! clipped to slabs and split until their edges are straight in the map. Buffers for those start small and grow when a scene needs more:
-//! the counts are read back after each map, and a map that did not fit is made again.
+//! Every triangle is looked at once. Most lie in one slab and are small: they are drawn from the vertices
+//! that were mapped once. The others are clipped to slabs and split until their edges are straight in the
+//! map. Buffers for those start small and grow when a scene needs more: the counts are read back after each
+//! map, and a map that did not fit is made again.
 
 use bendy::{Frame, Tube};
 use glam::DVec3;
@@ -15,8 +17,9 @@ use crate::geometry::Geometry;
 use crate::pipeline::DEPTH_FORMAT;
 use crate::{Gpu, RenderError, readback, shaders};
 
-/// Largest distance, in texels, of an edge's image from the line drawn for it. The error of a bend is largest in the middle, where it is
-/// measured, but for a fifth (light model, section 4): this keeps all of it within half a texel.
+/// Largest distance, in texels, of an edge's image from the line drawn for it. The error of a bend is largest
+/// in the middle, where it is measured, but for a fifth (light model, section 4): this keeps all of it within
+/// half a texel.
 const TOLERANCE_TEXELS: f32 = 0.4;
 /// Threads of a workgroup, as in the shaders.
 const WORKGROUP: u32 = 64;

@@ -1,4 +1,5 @@
-//! Slabs of the tube as the mapping passes want them: curve, planes around, and how long an edge is surely straight.
+//! Slabs of the tube as the mapping passes want them: curve, planes around, and how long an edge is surely
+//! straight.
 
 use bendy::{Segment, Tube};
 use glam::DVec3;
@@ -36,7 +37,8 @@ pub(crate) fn slabs(
         .collect()
 }
 
-/// `(n, w)` with `n.q + w` the distance inside: the planes square to the curve at both ends, then the sides of the box.
+/// `(n, w)` with `n.q + w` the distance inside: the planes square to the curve at both ends, then the sides
+/// of the box.
 fn planes(piece: &Segment<f64>) -> [[f32; 4]; 6] {
     let through = |point: DVec3, inward: DVec3| inward.extend(-inward.dot(point)).as_vec4().to_array();
     let b = &piece.bounds;
@@ -53,11 +55,13 @@ fn planes(piece: &Segment<f64>) -> [[f32; 4]; 6] {
     ]
 }
 
-/// Largest error, in texels, of the straight image of an edge one texel long: it grows with the square of the length.
+/// Largest error, in texels, of the straight image of an edge one texel long: it grows with the square of the
+/// length.
 ///
-/// Light model, section 4: `E = (resolution / 16 R) |(H_V - v H_R, H_W - w H_R)|`, and along the light `(resolution / 16 R) |H_t| sigma`,
-/// with each second derivative at its largest over the edge's directions. `|e| = 2 R / resolution` is one texel. Infinite where
-/// the map is close to folding, and in the "up" frame, whose twist the formulas leave out.
+/// Light model, section 4: `E = (resolution / 16 R) |(H_V - v H_R, H_W - w H_R)|`, and along the light
+/// `(resolution / 16 R) |H_t| sigma`, with each second derivative at its largest over the edge's directions.
+/// `|e| = 2 R / resolution` is one texel. Infinite where the map is close to folding, and in the "up" frame,
+/// whose twist the formulas leave out.
 fn bend_a_texel2(tube: &Tube<f64>, piece: &Segment<f64>, resolution: f64) -> f64 {
     if tube.frame == bendy::Frame::Up {
         return f64::INFINITY;

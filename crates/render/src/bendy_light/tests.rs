@@ -35,7 +35,8 @@ fn cube() -> Primitive {
     primitive
 }
 
-/// A floor of two large triangles and three long boxes in the light's way: every edge is longer than the tube is wide.
+/// A floor of two large triangles and three long boxes in the light's way: every edge is longer than the tube
+/// is wide.
 fn scene() -> Scene {
     let place = |scale: (f64, f64, f64), turn: f64, at: (f64, f64, f64)| {
         let vector = |(x, y, z)| DVec3::new(x, y, z);
@@ -119,8 +120,8 @@ impl Setup {
         self.renderer.render(&view(aov), &self.lights).expect("drawn")
     }
 
-    /// What the walk says of pixels that lie two texels and more from any edge of the shadow: pixel and whether it is lit.
-    /// `w_sign` is 1, or -1 for a planted fault.
+    /// What the walk says of pixels that lie two texels and more from any edge of the shadow: pixel and
+    /// whether it is lit. `w_sign` is 1, or -1 for a planted fault.
     fn walked(&mut self, w_sign: f64) -> Vec<(usize, bool)> {
         let depth = self.picture(Aov::Depth);
         let texel = 2.0 / f64::from(RESOLUTION);

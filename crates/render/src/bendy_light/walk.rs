@@ -1,9 +1,11 @@
-//! The oracle of the shadow tests: a walk along the bent path in f64 over every triangle. Slow, and shares nothing with the GPU's passes.
+//! The oracle of the shadow tests: a walk along the bent path in f64 over every triangle. Slow, and shares
+//! nothing with the GPU's passes.
 
 use bendy::Tube;
 use glam::DVec3;
 
-/// Steps of the polyline that stands for a path. A chord of a path of curvature k strays by `k (length / steps)^2 / 8`: 1e-7 of the light's length here.
+/// Steps of the polyline that stands for a path. A chord of a path of curvature k strays by `k (length /
+/// steps)^2 / 8`: 1e-7 of the light's length here.
 const STEPS: usize = 1500;
 
 /// The tube-space point at `(t, v, w)`: `P + R (v v_hat + w w_hat)`.

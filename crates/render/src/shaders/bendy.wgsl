@@ -27,9 +27,10 @@ fn path_tangent(root: Root, vw: vec2f, across: mat2x3f) -> vec3f {
         + cross(root.u_hat, root.r) * twist(root, turn);
 }
 
-// Bilinear percentage-closer filter over the 2 x 2 texels around (v, w). Each texel is compared with the t that the receiver's own plane has at
-// that texel's centre, so that a plane cannot shadow itself: a step e in the plane is R (dv v_hat + dw w_hat) + T dt
-// with T the path's tangent, and n.e = 0 gives dt = -R (n_v dv + n_w dw) / n.T.
+// Bilinear percentage-closer filter over the 2 x 2 texels around (v, w). Each texel is compared with the t
+// that the receiver's own plane has at that texel's centre, so that a plane cannot shadow itself: a step e in
+// the plane is R (dv v_hat + dw w_hat) + T dt with T the path's tangent, and n.e = 0 gives dt = -R (n_v dv +
+// n_w dw) / n.T.
 fn bent_visibility(root: Root, vw: vec2f, normal: vec3f) -> f32 {
     let across = mat2x3f(root.v_hat, cross(root.u_hat, root.v_hat));
     let tangent = path_tangent(root, vw, across);
@@ -47,8 +48,8 @@ fn bent_visibility(root: Root, vw: vec2f, normal: vec3f) -> f32 {
     let start = root_t(root) - dot(step, blend);
     let expected = start + vec4f(step.y, step.x + step.y, step.x, 0.0);
 
-    // The map is drawn to TOLERANCE_TEXELS across and along; a neighbouring facet that rises out of the plane by 0.1 rad is not an
-    // occluder; and the depth is rounded to some ulps of 1.
+    // The map is drawn to TOLERANCE_TEXELS across and along; a neighbouring facet that rises out of the plane
+    // by 0.1 rad is not an occluder; and the depth is rounded to some ulps of 1.
     let tolerance = 0.5 * footprint + 0.5 * (abs(step.x) + abs(step.y)) + 0x1p-22 * light.t_max;
     let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / light.shadow_resolution) * light.t_max;
     let lit = select(vec4f(0.0), vec4f(1.0), stored >= expected - tolerance);

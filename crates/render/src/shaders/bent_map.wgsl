@@ -1,8 +1,9 @@
 // World triangles into tube space, slab by slab. Follows curve.wgsl.
 //
-// A slab is a piece of the tube between two planes square to its curve; inside it and its box the map is one to one. Slabs overlap a
-// little, so that what is mapped slab by slab has no seams. A triangle is clipped in the scene, where its edges are straight, and then split until
-// its edges are as good as straight in tube space too.
+// A slab is a piece of the tube between two planes square to its curve; inside it and its box the map is one
+// to one. Slabs overlap a little, so that what is mapped slab by slab has no seams. A triangle is clipped in
+// the scene, where its edges are straight, and then split until its edges are as good as straight in tube
+// space too.
 
 struct Slab {
     curve: Curve,
@@ -82,7 +83,8 @@ fn slab_cross_section(c: Curve, u_hat: vec3f) -> mat2x3f {
     return mat2x3f(cross(w_hat, u_hat), w_hat);
 }
 
-// (V, W, R, t) of a point of the slab. The signs at the ends are known; rounding at a clipping plane must not lose the root.
+// (V, W, R, t) of a point of the slab. The signs at the ends are known; rounding at a clipping plane must not
+// lose the root.
 fn map_to_slab(c: Curve, q: vec3f) -> vec4f {
     let f0 = min(-dot(q - c.b0, c.d0), 0.0);
     let f1 = max(-dot(q - c.b2, c.d1), 0.0);
@@ -104,8 +106,9 @@ struct Middle {
     mapped: vec4f,
 }
 
-// Compares the image of the edge's middle with the middle of the images, in texels: across the map, and along the light as the length it is in
-// the scene. The middle of homogeneous (V, W, R) is what the rasteriser draws; on a straight cone both agree.
+// Compares the image of the edge's middle with the middle of the images, in texels: across the map, and along
+// the light as the length it is in the scene. The middle of homogeneous (V, W, R) is what the rasteriser
+// draws; on a straight cone both agree.
 fn edge_middle(slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> Middle {
     var middle = Middle(false, (qa + qb) * 0.5, vec4f(0.0));
     if edge_is_safe(slab, qa, a, qb, b) {

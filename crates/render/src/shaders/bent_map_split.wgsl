@@ -1,5 +1,6 @@
-// Pass 4, level by level: a patch whose edges are straight enough is drawn, any other is split at the middles of those that are not.
-// Whether an edge is split depends on that edge alone, so neighbours agree and no cracks open. Follows bent_map.wgsl.
+// Pass 4, level by level: a patch whose edges are straight enough is drawn, any other is split at the middles
+// of those that are not. Whether an edge is split depends on that edge alone, so neighbours agree and no
+// cracks open. Follows bent_map.wgsl.
 
 @group(0) @binding(2) var<storage, read> patches_in: array<Patch>;
 @group(0) @binding(3) var<storage, read_write> patches_out: array<Patch>;

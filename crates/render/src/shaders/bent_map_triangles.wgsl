@@ -1,4 +1,5 @@
-// Pass 2: every triangle once: dropped, used as it is, or listed with each slab it may touch. Follows bent_map.wgsl.
+// Pass 2: every triangle once: dropped, used as it is, or listed with each slab it may touch. Follows
+// bent_map.wgsl.
 
 @group(0) @binding(2) var<storage, read> positions: array<f32>;
 @group(0) @binding(3) var<storage, read> mapped: array<vec4f>;

@@ -12,8 +12,9 @@ const SEVERAL_SLABS = 0xfffffffeu;
 
 fn slab_holds(slab: u32, q: vec3f) -> bool {
     let ends = min(slab_plane(slab, 0u, q), slab_plane(slab, 1u, q));
-    let sides = min(min(slab_plane(slab, 2u, q), slab_plane(slab, 3u, q)), min(slab_plane(slab, 4u, q), slab_plane(slab, 5u, q)));
-    return min(ends, sides) >= 0.0;
+    let across = min(slab_plane(slab, 2u, q), slab_plane(slab, 3u, q));
+    let along_normal = min(slab_plane(slab, 4u, q), slab_plane(slab, 5u, q));
+    return min(ends, min(across, along_normal)) >= 0.0;
 }
 
 @compute @workgroup_size(64)

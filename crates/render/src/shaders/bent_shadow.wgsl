@@ -1,5 +1,6 @@
-// Draws mapped triangles into the shadow map. Clip position (V, W, R/2, R): a straight cone is an ordinary perspective spotlight without tessellation,
-// a constant radius an orthographic one. Depth is t / t_max; t is not linear on the map, so the fragment writes it.
+// Draws mapped triangles into the shadow map. Clip position (V, W, R/2, R): a straight cone is an ordinary
+// perspective spotlight without tessellation, a constant radius an orthographic one. Depth is t / t_max; t is
+// not linear on the map, so the fragment writes it.
 
 struct BentShadow {
     t_max: f32,

@@ -1,9 +1,9 @@
-// glTF 2.0 appendix B: Lambert under GGX (Walter et al. 2007) with the height-correlated Smith visibility (Heitz 2014)
-// and Schlick's Fresnel term.
+// glTF 2.0 appendix B: Lambert under GGX (Walter et al. 2007) with the height-correlated Smith visibility
+// (Heitz 2014) and Schlick's Fresnel term.
 
 const PI: f32 = 3.14159265358979;
-// A point light mirrored in a perfectly smooth surface has infinite radiance, and the stored normals resolve 2e-5 rad:
-// this width keeps highlights finite and a hundred times wider than the steps of the normals.
+// A point light mirrored in a perfectly smooth surface has infinite radiance, and the stored normals resolve
+// 2e-5 rad: this width keeps highlights finite and a hundred times wider than the steps of the normals.
 const MIN_ALPHA: f32 = 0.002;
 
 // f(l, v) max(0, n.l): what reaches the eye of unit irradiance perpendicular to `to_light`.

@@ -1,5 +1,6 @@
-// One quadratic piece of a tube and where it is square to a point: the twin of bendy's segment.rs and solve.rs, in their order
-// and with their names. Every division is guarded: WGSL promises neither NaN nor infinity.
+// One quadratic piece of a tube and where it is square to a point: the twin of bendy's segment.rs and
+// solve.rs, in their order and with their names. Every division is guarded: WGSL promises neither NaN nor
+// infinity.
 
 struct Curve {
     b0: vec3f,

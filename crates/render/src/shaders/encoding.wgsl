@@ -1,5 +1,5 @@
-// Octahedral unit vectors (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors")
-// in 2 x 16 bits, and the sRGB transfer function (IEC 61966-2-1).
+// Octahedral unit vectors (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit
+// Vectors") in 2 x 16 bits, and the sRGB transfer function (IEC 61966-2-1).
 
 fn sign_or_one(v: vec2f) -> vec2f {
     return select(vec2f(-1.0), vec2f(1.0), v >= vec2f(0.0));

@@ -17,8 +17,8 @@ fn fs_beauty(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     if !surface.exists {
         return vec4f(0.0);
     }
-    // Dielectrics scatter what arrives about the normal, metals mirror what arrives about the reflected ray; both
-    // with the base colour as their albedo, so that a white surface returns what it gets.
+    // Dielectrics scatter what arrives about the normal, metals mirror what arrives about the reflected ray;
+    // both with the base colour as their albedo, so that a white surface returns what it gets.
     let mirrored = reflect(-surface.to_eye, surface.normal);
     let diffuse = hemisphere(surface.normal);
     let specular = hemisphere(mix(mirrored, surface.normal, surface.roughness));

@@ -3,8 +3,8 @@
 //   y  index of the triangle + 1; 0 is the background
 //   z  square root of the base colour (near sRGB, and cheap to undo) and metallic, 4 x 8 bits
 //   w  roughness in the low 16 bits
-// The position is not stored: surface.wgsl cuts the pixel's ray with the plane of its triangle, which is more exact
-// than any depth buffer and gives the geometric normal as well.
+// The position is not stored: surface.wgsl cuts the pixel's ray with the plane of its triangle, which is more
+// exact than any depth buffer and gives the geometric normal as well.
 
 struct Varyings {
     @builtin(position) clip: vec4f,

@@ -1,5 +1,5 @@
-// A spotlight drawn by its own perspective matrix (light model, section 6). Light space: source at the origin, the
-// light shines along -z.
+// A spotlight drawn by its own perspective matrix (light model, section 6). Light space: source at the
+// origin, the light shines along -z.
 
 struct Spot {
     light_from_scene: mat4x4f,
@@ -49,8 +49,8 @@ fn sample_light(surface: Surface) -> LightSample {
     return light;
 }
 
-// Smoothstep in the cosine of the angle off the axis, given its squared tangent. The cosines come as 1 - cos, which
-// does not cancel in a narrow cone.
+// Smoothstep in the cosine of the angle off the axis, given its squared tangent. The cosines come as 1 - cos,
+// which does not cancel in a narrow cone.
 fn cone_profile(tan2: f32) -> f32 {
     let secant = sqrt(1.0 + tan2);
     let versine = tan2 / (secant * (1.0 + secant));
@@ -58,8 +58,9 @@ fn cone_profile(tan2: f32) -> f32 {
     return select(s * s * (3.0 - 2.0 * s), 1.0, spot.inverse_versine_span == 0.0);
 }
 
-// Bilinear percentage-closer filter over the 2 x 2 texels around `position`. Each texel is compared with the depth
-// that the receiver's own plane has on the ray through that texel's centre, so that a plane cannot shadow itself.
+// Bilinear percentage-closer filter over the 2 x 2 texels around `position`. Each texel is compared with the
+// depth that the receiver's own plane has on the ray through that texel's centre, so that a plane cannot
+// shadow itself.
 fn shadow_visibility(position: vec3f, normal: vec3f) -> f32 {
     let depth = -position.z;
     let resolution = vec2f(textureDimensions(shadow_map));
@@ -68,7 +69,8 @@ fn shadow_visibility(position: vec3f, normal: vec3f) -> f32 {
     let first = floor(texel);
     let blend = texel - first;
 
-    // On the ray (x, y, -1) the plane through `position` has 1 / depth = n.(x, y, -1) / n.position: linear in (x, y).
+    // On the ray (x, y, -1) the plane through `position` has 1 / depth = n.(x, y, -1) / n.position: linear in
+    // (x, y).
     let texel_slope = 2.0 * spot.shadow_tan / resolution.x;
     let plane_distance = dot(normal, position);
     let step = normal.xy * vec2f(texel_slope, -texel_slope) / select(plane_distance, 1.0, plane_distance == 0.0);
@@ -77,8 +79,9 @@ fn shadow_visibility(position: vec3f, normal: vec3f) -> f32 {
     // Seen edge on, the plane runs off to the source or to infinity within a texel.
     let expected = clamp(plane_at, vec4f(0.5 / depth), vec4f(2.0 / depth)) * spot.shadow_near;
 
-    // A neighbouring facet that rises out of this plane by 0.25 rad is not an occluder: that many texels of depth, more
-    // where light grazes. And the map's depth, linear across a triangle, is off by some ulps of its largest value, 1.
+    // A neighbouring facet that rises out of this plane by 0.25 rad is not an occluder: that many texels of
+    // depth, more where light grazes. And the map's depth, linear across a triangle, is off by some ulps of
+    // its largest value, 1.
     let cosine = plane_distance / length(position);
     let tolerance = 0.25 * texel_slope / max(cosine * cosine, 0.01) * spot.shadow_near / depth + 0x1p-22;
     let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / resolution);

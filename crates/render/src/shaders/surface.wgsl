@@ -32,7 +32,8 @@ fn surface_at(pixel: vec2u) -> Surface {
     let origin = view.ray_origin + at.x * view.ray_origin_dx + at.y * view.ray_origin_dy;
     let direction = view.ray_direction + at.x * view.ray_direction_dx + at.y * view.ray_direction_dy;
 
-    // The rasteriser's depth is right to a few thousandths of a percent; it only serves where the plane is seen edge on.
+    // The rasteriser's depth is right to a few thousandths of a percent; it only serves where the plane is
+    // seen edge on.
     let z = textureLoad(gbuffer_z, pixel, 0).x;
     let c = view.depth_from_z;
     let rough_depth = (c.x + c.y * z) / (c.z + c.w * z);

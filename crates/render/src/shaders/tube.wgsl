@@ -29,16 +29,18 @@ struct BendyLight {
     inv_cos_range: f32,
 }
 
-// What does not change while a light is bent is compiled into the shader: a software driver runs both sides of a branch, and gathers from
-// an index that it does not know. The constants come before this file:
-//   BAKED_SEGMENTS  u32   segments to visit in straight code, the extension not counted; 0 for as many as the light has, in a loop
+// What does not change while a light is bent is compiled into the shader: a software driver runs both sides
+// of a branch, and gathers from an index that it does not know. The constants come before this file:
+//   BAKED_SEGMENTS  u32   segments to visit in straight code, the extension not counted; 0 for as many as the
+// light has, in a loop
 //   EXTENDED        bool  the light goes on past its last control point
 //   FRAME_UP        bool  the frame is oriented by `up`, else rotation-minimising
 //   DIRECTION_PATH  bool  light arrives along the path, else along the tube
 //   DECAY           u32   one of the DECAY_ constants
 
 @group(2) @binding(0) var<uniform> light: BendyLight;
-// Uniform rather than storage: far faster on a software driver, and bendy::MAX_SEGMENTS and the extension fit into the size that all have.
+// Uniform rather than storage: far faster on a software driver, and bendy::MAX_SEGMENTS and the extension fit
+// into the size that all have.
 @group(2) @binding(1) var<uniform> segments: array<Segment, 257>;
 
 const JOINT_MERGE = 1e-5;
@@ -96,7 +98,8 @@ fn place_at(i: u32, q: vec3f, u: f32) -> Place {
     return Place(radius >= 0.0 && r2 <= radius * radius, i, u, r2, radius);
 }
 
-// Segment `i`, picked from all where their number is known: a software driver gathers one number after the other.
+// Segment `i`, picked from all where their number is known: a software driver gathers one number after the
+// other.
 fn segment_at(i: u32) -> Segment {
     if BAKED_SEGMENTS == 0u {
         return segments[i];
@@ -144,7 +147,8 @@ fn source_radiance(s: Segment, u: f32) -> vec3f {
     return max(color, vec3f(0.0)) * max(intensity, 0.0);
 }
 
-// f at the start of the first segment; the loop over segments carries f from joint to joint, one value for both sides.
+// f at the start of the first segment; the loop over segments carries f from joint to joint, one value for
+// both sides.
 fn first_joint(q: vec3f) -> f32 {
     return -dot(q - segments[0].curve.b0, segments[0].curve.d0);
 }
@@ -153,7 +157,8 @@ fn end_joint(i: u32, q: vec3f) -> f32 {
     return -dot(q - segments[i].curve.b2, segments[i].curve.d1);
 }
 
-// The parameters to test on segment `i`, whose ends have the values f0 and f1; the extension, i = n, has one without end.
+// The parameters to test on segment `i`, whose ends have the values f0 and f1; the extension, i = n, has one
+// without end.
 fn candidates(i: u32, q: vec3f, f0: f32, f1: f32) -> Roots {
     let c = segments[i].curve;
     if EXTENDED && i == light.segment_count {
@@ -196,7 +201,8 @@ fn visit(search: ptr<function, Search>, i: u32, q: vec3f) {
     (*search).f0 = f1;
 }
 
-// The place that counts: the one with the smallest |r| / R. At a joint the same root comes from both sides, equal but for rounding; either will do.
+// The place that counts: the one with the smallest |r| / R. At a joint the same root comes from both sides,
+// equal but for rounding; either will do.
 fn nearest_place(q: vec3f) -> Place {
     var search = Search(Place(), first_joint(q));
     if BAKED_SEGMENTS == 0u {
@@ -294,7 +300,8 @@ fn decay_at(root: Root) -> f32 {
     if DECAY == DECAY_NONE {
         return 1.0;
     }
-    let s2 = max(root.travelled * root.travelled + dot(root.r, root.r), 1e-12) * light.world_per_tube * light.world_per_tube;
+    let in_tube = max(root.travelled * root.travelled + dot(root.r, root.r), 1e-12);
+    let s2 = in_tube * light.world_per_tube * light.world_per_tube;
     return select(1.0 / s2, inverseSqrt(s2), DECAY == DECAY_LINEAR);
 }
 

@@ -1,4 +1,5 @@
-// The camera of the picture. Everything happens in scene space: world axes, origin at the centre of the scene's bounds.
+// The camera of the picture. Everything happens in scene space: world axes, origin at the centre of the
+// scene's bounds.
 
 struct View {
     // Reversed z: 1 at the near plane, 0 at the far one. Holds the offset of the sample in its pixel.

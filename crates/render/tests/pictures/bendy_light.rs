@@ -1,4 +1,5 @@
-//! A BendyLight in the picture: equal to the spotlight it was made from, and its quantities those of the light model in f64.
+//! A BendyLight in the picture: equal to the spotlight it was made from, and its quantities those of the
+//! light model in f64.
 
 use bendy::{BendyLight, Decay, SpotLight, Tube, bend};
 use glam::{DAffine3, DQuat, DVec3};
@@ -26,8 +27,8 @@ fn tilted() -> Scene {
 
 const EYE: DVec3 = DVec3::new(2.0, 2.5, 3.5);
 
-/// Pixels within one of which (3 x 3) either light's visibility is not the same whole number: the shadow's boundary, filtered differently
-/// by two maps of different orientation.
+/// Pixels within one of which (3 x 3) either light's visibility is not the same whole number: the shadow's
+/// boundary, filtered differently by two maps of different orientation.
 fn on_boundary(a: &Picture, b: &Picture, pixel: usize) -> bool {
     let (width, height) = (a.width as usize, a.height as usize);
     let (x, y) = (pixel % width, pixel / width);
@@ -61,8 +62,9 @@ fn difference(spot: &SpotLight, bent: &BendyLight) -> (f32, f64) {
     (worst, boundary as f64 / lit as f64)
 }
 
-/// The promise is 1/255. Both lights are the same formulas in f32 but for the cosine of the profile and the distance; 1e-4 of a radiance up to 1
-/// leaves room for a thousand roundings and would still show any wrong factor.
+/// The promise is 1/255. Both lights are the same formulas in f32 but for the cosine of the profile and the
+/// distance; 1e-4 of a radiance up to 1 leaves room for a thousand roundings and would still show any wrong
+/// factor.
 #[test]
 fn a_bent_spotlight_is_that_spotlight() {
     let base = spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::new(0.1, 0.0, 0.0));

@@ -25,8 +25,8 @@ fn camera() -> View {
     view(DVec3::new(0.0, 0.9, 3.0), DVec3::ZERO, [211, 151], Aov::Visibility)
 }
 
-/// How many pixels of the floor, further than two texels from the edge of a square shadow of `half_size`, are wrong, and
-/// how many are in that shadow.
+/// How many pixels of the floor, further than two texels from the edge of a square shadow of `half_size`, are
+/// wrong, and how many are in that shadow.
 fn wrong(half_size: f64) -> (usize, usize) {
     let view = camera();
     let lit = picture(&blocker(), &view, &[named(lamp())]);
@@ -73,7 +73,8 @@ fn a_bare_plane_never_shadows_itself() {
 
 #[test]
 fn contact_shadows_reach_the_contact() {
-    // An upright wall on the floor, lit from behind at 45 degrees: the floor in front of it is dark from its foot on.
+    // An upright wall on the floor, lit from behind at 45 degrees: the floor in front of it is dark from its
+    // foot on.
     let wall = DAffine3::from_scale_rotation_translation(
         DVec3::splat(0.5),
         DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2),
@@ -89,7 +90,8 @@ fn contact_shadows_reach_the_contact() {
     let texel = 2.0 * 18.0_f64.sqrt() * 30.0_f64.to_radians().tan() / 2048.0;
     let (mut compared, mut leaking) = (0, 0);
     for (point, value) in on_plane(&lit, &view, DVec3::Y, 0.0) {
-        // In front of the wall, from two texels (sqrt 2 longer on the floor) off its foot; the shadow is 1 long.
+        // In front of the wall, from two texels (sqrt 2 longer on the floor) off its foot; the shadow is 1
+        // long.
         if point.x.abs() < 0.4 && point.z > 3.0 * texel && point.z < 0.5 {
             compared += 1;
             leaking += usize::from(value[0] > 0.0);

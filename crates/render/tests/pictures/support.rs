@@ -24,7 +24,8 @@ pub fn renderer(scene: &Scene) -> Renderer {
     renderer
 }
 
-/// One picture of `scene`, by a renderer that all tests share: compiling for a new one takes longer than drawing.
+/// One picture of `scene`, by a renderer that all tests share: compiling for a new one takes longer than
+/// drawing.
 pub fn picture(scene: &Scene, view: &View, lights: &[Light]) -> Picture {
     static SHARED: OnceLock<Mutex<Renderer>> = OnceLock::new();
     scene.check().expect("test scenes keep their promises");

@@ -13,10 +13,12 @@ fn tilted(center: DVec3) -> (Scene, DVec3) {
     (scene_of([(square(), placement)], vec![Material::default()]), rotation * DVec3::Y)
 }
 
-/// The largest error of a depth picture of the plane through `center`, over its bound; and how many pixels were compared.
+/// The largest error of a depth picture of the plane through `center`, over its bound; and how many pixels
+/// were compared.
 ///
-/// The bound: the plane's offset, the eye's distance from it and the ray's closing speed are each a sum of three
-/// products of rounded numbers no larger than the scene and the eye's distance from its centre: 8 roundings.
+/// The bound: the plane's offset, the eye's distance from it and the ray's closing speed are each a sum of
+/// three products of rounded numbers no larger than the scene and the eye's distance from its centre: 8
+/// roundings.
 fn depth_error(depths: &Picture, view: &View, center: DVec3, normal: DVec3) -> (f64, usize) {
     let mut worst = (0.0, 0);
     for (i, pixel) in depths.pixels.iter().enumerate().filter(|(_, p)| p[3] == 1.0) {
@@ -156,7 +158,8 @@ fn textures_vertex_colours_and_factors_multiply_in_linear_light() {
     scene.fill.sky = DVec3::ONE;
     scene.fill.ground = DVec3::ONE;
     let beauty = picture(&scene, &view(DVec3::Y * 2.0, DVec3::ZERO, [9, 9], Aov::Beauty), &[]);
-    // A fill of 1 returns the base colour, stored as its square root in 8 bits: half a step is 1 / 255 relative at 1/4.
+    // A fill of 1 returns the base colour, stored as its square root in 8 bits: half a step is 1 / 255
+    // relative at 1/4.
     let near = |a: [f32; 4], b: [f32; 3]| {
         a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1.1 * b.sqrt() / 255.0 + 1e-4)
     };
@@ -177,7 +180,8 @@ fn metal_and_roughness_come_from_blue_and_green() {
     scene.images.push(image);
     let light = crate::support::named(crate::support::spot(DVec3::new(0.0, 3.0, 0.0), DVec3::ZERO));
     let beauty = picture(&scene, &view(DVec3::Y * 2.0, DVec3::ZERO, [9, 9], Aov::Beauty), &[light]);
-    // Rough metal next to a perfectly smooth dielectric: off the highlight, the first is GGX of a white metal, the second Lambert.
+    // Rough metal next to a perfectly smooth dielectric: off the highlight, the first is GGX of a white
+    // metal, the second Lambert.
     let (metal, dielectric) = (beauty.pixels[4 * 9 + 2][0], beauty.pixels[4 * 9 + 6][0]);
     assert!(metal > 0.0 && dielectric > 0.0 && (metal - dielectric).abs() > 0.05 * dielectric);
 }
