@@ -23,6 +23,10 @@ pub(crate) use shadow::BentShadowPass;
 /// Length of the array of segments in `tube.wgsl`: all that a light may have, and the extension.
 const SEGMENT_ROOM: usize = bendy::MAX_SEGMENTS + 1;
 
+/// Largest colour and intensity: their product is still finite in f32; `tube.wgsl` then keeps it, decay and
+/// the BRDF within f32.
+const MAX_INTENSITY: f32 = 1e15;
+
 /// Columns of the matrix from scene space (world axes about `scene_origin`) to tube space, composed in f64.
 fn tube_from_scene(tube: &Tube<f64>, scene_origin: DVec3) -> Mat4 {
     let placement = &tube.placement;
@@ -159,14 +163,17 @@ impl Baked {
 pub(crate) fn segments(tube: &Tube<f64>) -> Vec<layout::Segment> {
     let one = |(i, segment): (usize, &Segment<f64>)| {
         let s = segment.to_f32();
+        let bound = |x: f32| x.clamp(-MAX_INTENSITY, MAX_INTENSITY);
+        let [color_0, color_1, color_2] = s.color.map(|c| c.to_array().map(bound));
+        let [intensity_0, intensity_1, intensity_2] = s.intensity.map(bound);
         layout::Segment {
             curve: curve(&s, i as f64, 1.0),
-            color_0: s.color[0].to_array(),
-            intensity_0: s.intensity[0],
-            color_1: s.color[1].to_array(),
-            intensity_1: s.intensity[1],
-            color_2: s.color[2].to_array(),
-            intensity_2: s.intensity[2],
+            color_0,
+            intensity_0,
+            color_1,
+            intensity_1,
+            color_2,
+            intensity_2,
             arc_start: s.arc_start,
             pad0: [0.0; 3],
         }

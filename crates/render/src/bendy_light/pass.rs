@@ -7,6 +7,7 @@ use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsage
 
 use super::shadow::{BentShadowPass, Casters};
 use super::{Baked, hull_in_world, segments, t_max, uniform};
+use crate::geometry::MAX_EXTENT;
 use crate::lighting::LightingPass;
 use crate::pipeline::{DEPTH_FORMAT, NON_FILTERING, RAW_TEXTURE, UNIFORM};
 use crate::shadow::RESOLUTION;
@@ -69,6 +70,18 @@ pub(crate) struct PlacedBendy {
     pub corners_in_world: Vec<DVec3>,
 }
 
+/// Refuses a light so far from the scene, or so small against it, that f32 cannot hold the scene in tube space.
+fn check_reach(tube: &Tube<f64>, scene: &StagedScene) -> Result<(), RenderError> {
+    let offset = (tube.placement.translation - scene.origin).abs() + scene.half_extent;
+    let size = offset.length() / tube.placement.world_per_tube.min(1.0);
+    if size > MAX_EXTENT {
+        let what =
+            "the distance of a light from the far end of the scene, also against the light's own size,";
+        return Err(RenderError::TooLarge { what, size, limit: MAX_EXTENT });
+    }
+    Ok(())
+}
+
 impl BendyPass {
     /// `camera_groups` are those of the view and the surface.
     pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2]) -> Self {
@@ -105,6 +118,7 @@ impl BendyPass {
         scene: &StagedScene,
     ) -> Result<(PlacedBendy, bool), RenderError> {
         let tube = Tube::new(light)?;
+        check_reach(&tube, scene)?;
         let t_max = t_max(&tube, scene.origin, scene.half_extent);
         let key = Some((scene.revision, Shape::of(light)));
         let stale = slot.map_key != key;

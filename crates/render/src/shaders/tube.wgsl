@@ -45,6 +45,9 @@ struct BendyLight {
 
 const JOINT_MERGE = 1e-5;
 const DIRECTION_FLOOR = 1e-18;
+// Largest values that stay finite through decay and the BRDF.
+const MAX_RADIANCE = 1e15;
+const MAX_DECAY = 1e15;
 const DECAY_NONE = 0u;
 const DECAY_LINEAR = 1u;
 
@@ -144,7 +147,7 @@ fn source_radiance(s: Segment, u: f32) -> vec3f {
     let basis = vec3f(w * w, 2.0 * w * u, u * u);
     let color = s.color_0 * basis.x + s.color_1 * basis.y + s.color_2 * basis.z;
     let intensity = s.intensity_0 * basis.x + s.intensity_1 * basis.y + s.intensity_2 * basis.z;
-    return max(color, vec3f(0.0)) * max(intensity, 0.0);
+    return min(max(color, vec3f(0.0)) * max(intensity, 0.0), vec3f(MAX_RADIANCE));
 }
 
 // f at the start of the first segment; the loop over segments carries f from joint to joint, one value for
@@ -302,7 +305,10 @@ fn decay_at(root: Root) -> f32 {
     }
     let in_tube = max(root.travelled * root.travelled + dot(root.r, root.r), 1e-12);
     let s2 = in_tube * light.world_per_tube * light.world_per_tube;
-    return select(1.0 / s2, inverseSqrt(s2), DECAY == DECAY_LINEAR);
+    if DECAY == DECAY_LINEAR {
+        return min(inverseSqrt(max(s2, 1e-30)), MAX_DECAY);
+    }
+    return min(1.0 / max(s2, 1e-30), MAX_DECAY);
 }
 
 // Irradiance on a surface square to the light, without visibility.

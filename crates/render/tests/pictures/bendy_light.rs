@@ -3,10 +3,10 @@
 
 use bendy::{BendyLight, Decay, SpotLight, Tube, bend};
 use glam::{DAffine3, DQuat, DVec3};
-use render::{Aov, Picture, View};
+use render::{Aov, Picture, RenderError, View};
 use scene::{Light, LightKind, Material, Scene};
 
-use crate::support::{EPS, floor, named, picture, ray_in_world, scene_of, spot, square, view};
+use crate::support::{EPS, floor, named, picture, ray_in_world, renderer, scene_of, spot, square, view};
 
 fn bendy(light: BendyLight) -> [Light; 1] {
     [Light { name: "key".into(), kind: LightKind::Bendy(light) }]
@@ -158,4 +158,73 @@ fn aovs_are_the_models() {
     let mut moved = light.clone();
     moved.points[2].x += 4e-4;
     assert!(worst_over_bound(&light, &moved).0 > 1.0);
+}
+
+/// No NaN and no infinity (`picture` asserts it) under lights that are legal and unkind, in any AOV.
+#[test]
+fn unkind_lights_have_no_nan() {
+    let bright =
+        BendyLight { intensities: vec![1e300; 5], colors: vec![DVec3::splat(1e300); 5], ..winding() };
+    let at_a_surface = {
+        let mut light = bright.clone();
+        (light.transform.translation, light.decay) = (DVec3::ZERO, Decay::InverseSquare);
+        light
+    };
+    let dark = BendyLight { intensities: vec![-1.0, 1.0, -1e300, 0.0, 1e-300], ..winding() };
+    let thin = BendyLight { radii: vec![0.0; 5], ..winding() };
+    let pointed =
+        BendyLight { radii: vec![0.0, 0.3, 0.0, 0.4, 0.0], end_mode: bendy::EndMode::Extend, ..winding() };
+    let mut tiny = winding();
+    tiny.transform.scale = 1e-9;
+    let mut huge = winding();
+    huge.transform.scale = 1e7;
+    let corner = {
+        let mut light = winding();
+        light.points[2] = light.points[1];
+        light
+    };
+    let many = bend(&spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::ZERO), 250).expect("valid");
+    let all = [bright, at_a_surface, dark, thin, pointed, tiny, huge, corner, many];
+    for light in all {
+        for frame in [bendy::Frame::RotationMinimizing, bendy::Frame::Up] {
+            let light = bendy(BendyLight { frame, ..light.clone() });
+            for aov in [Aov::Beauty, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility] {
+                picture(&tilted(), &view(EYE, DVec3::Y * 0.3, [41, 31], aov), &light);
+            }
+        }
+    }
+    picture(&Scene::default(), &view(EYE, DVec3::ZERO, [5, 4], Aov::Visibility), &bendy(winding()));
+}
+
+/// A light out of reach of f32 is refused; one that folds says so.
+#[test]
+fn impossible_lights_are_refused() {
+    let refused = |change: fn(&mut BendyLight)| {
+        let mut light = winding();
+        change(&mut light);
+        let view = view(EYE, DVec3::ZERO, [5, 4], Aov::Beauty);
+        renderer(&tilted()).render(&view, &bendy(light)).expect_err("refused")
+    };
+    assert!(matches!(refused(|l| l.transform.translation.x = 1e200), RenderError::TooLarge { .. }));
+    assert!(matches!(refused(|l| l.transform.scale = 1e-30), RenderError::TooLarge { .. }));
+    assert!(matches!(refused(|l| l.radii[2] = 9.0), RenderError::Light(bendy::LightError::Fold { .. })));
+}
+
+/// The world moved by a million units, lights and all, gives the same picture: everything is composed in f64.
+/// Shadows may differ where rounding of the offset, 1e-10, moves a texel.
+#[test]
+fn far_from_the_origin_nothing_changes() {
+    let offset = DVec3::new(1e6, -2e6, 3e6);
+    let shoot = |offset: DVec3| {
+        let mut scene = tilted();
+        for node in &mut scene.nodes {
+            node.parent_from_local = DAffine3::from_translation(offset) * node.parent_from_local;
+        }
+        let mut light = winding();
+        light.transform.translation += offset;
+        picture(&scene, &view(EYE + offset, DVec3::Y * 0.3 + offset, [120, 90], Aov::Beauty), &bendy(light))
+    };
+    let (near, far) = (shoot(DVec3::ZERO), shoot(offset));
+    let differ = near.pixels.iter().zip(&far.pixels).filter(|(a, b)| (a[0] - b[0]).abs() > 1e-4).count();
+    assert!(differ <= near.pixels.len() / 500, "{differ} pixels differ");
 }
