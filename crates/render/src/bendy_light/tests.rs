@@ -1,6 +1,6 @@
 //! Bent shadows against the walk of `walk.rs`, pixel by pixel, and what planted faults do to that.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use bendy::{BendyLight, Tube};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
@@ -89,10 +89,12 @@ struct Setup {
 
 impl Setup {
     fn new() -> Self {
+        // The device that all tests of this binary share.
+        static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
         let (scene, light) = (scene(), light());
         let tube = Tube::new(&light).expect("valid");
-        let gpu = Arc::new(Gpu::new().expect("tests need a graphics driver"));
-        let mut renderer = Renderer::new(gpu).expect("the device works");
+        let gpu = GPU.get_or_init(|| Arc::new(Gpu::new().expect("tests need a graphics driver")));
+        let mut renderer = Renderer::new(Arc::clone(gpu)).expect("the device works");
         renderer.set_scene(&scene).expect("fits");
         let triangles = pose(&scene)
             .flat_map(|posed| {
