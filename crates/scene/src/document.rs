@@ -225,8 +225,11 @@ impl Scene {
                 if p.material >= self.materials.len() {
                     return fail("mesh", i, "its material does not exist");
                 }
-                if !p.positions.iter().all(|v| v.is_finite()) || !p.normals.iter().all(|v| v.is_finite()) {
-                    return fail("mesh", i, "it has positions or normals that are not finite");
+                let finite = p.positions.iter().chain(&p.normals).all(|v| v.is_finite())
+                    && p.uvs.iter().all(|v| v.is_finite())
+                    && p.colors.iter().all(|v| v.is_finite());
+                if !finite {
+                    return fail("mesh", i, "it has positions, normals, uvs or colours that are not finite");
                 }
             }
         }

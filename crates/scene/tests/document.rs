@@ -1,0 +1,84 @@
+//! Poses, the framing camera, and what `Scene::check` catches.
+
+use glam::{DAffine3, DVec3, Vec2, Vec3};
+use scene::{Material, Mesh, Node, Primitive, Projection, Scene, framing_camera, pose, world_bounds};
+
+fn node(parent: Option<usize>, parent_from_local: DAffine3, mesh: Option<usize>) -> Node {
+    Node { name: String::new(), parent, parent_from_local, mesh }
+}
+
+/// One triangle, on a node under a moved and a scaled one.
+fn nested() -> Scene {
+    let primitive = Primitive {
+        positions: vec![Vec3::ZERO, Vec3::X, Vec3::new(0.0, 2.0, 1.0)],
+        normals: vec![Vec3::Z; 3],
+        indices: vec![0, 1, 2],
+        ..Primitive::default()
+    };
+    let moved = DAffine3::from_translation(DVec3::new(10.0, 0.0, 0.0));
+    Scene {
+        nodes: vec![
+            node(None, moved, None),
+            node(Some(0), DAffine3::from_scale(DVec3::splat(2.0)), None),
+            node(Some(1), moved, Some(0)),
+        ],
+        meshes: vec![Mesh { name: String::new(), primitives: vec![primitive] }],
+        materials: vec![Material::default()],
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn placements_are_composed_from_the_root() {
+    let scene = nested();
+    let posed: Vec<_> = pose(&scene).collect();
+    assert_eq!(posed.len(), 1);
+    assert_eq!(posed[0].node, 2);
+    // 10 + 2 (10 + 1): outer first.
+    assert_eq!(posed[0].world_from_local.transform_point3(DVec3::X), DVec3::new(32.0, 0.0, 0.0));
+    assert_eq!(world_bounds(&scene), Some((DVec3::new(30.0, 0.0, 0.0), DVec3::new(32.0, 4.0, 2.0))));
+    assert_eq!(world_bounds(&Scene::default()), None);
+}
+
+/// Every corner of the bounds is in the picture, wide or tall, and in front of the near plane.
+#[test]
+fn the_framing_camera_sees_everything() {
+    let scene = nested();
+    let (min, max) = world_bounds(&scene).expect("it has a triangle");
+    for aspect in [0.25, 1.0, 686.0 / 382.0, 4.0] {
+        let camera = framing_camera(&scene, aspect);
+        let Projection::Perspective { yfov, znear, .. } = camera.projection else { panic!("perspective") };
+        let camera_from_world = camera.world_from_camera.inverse();
+        let half = (yfov / 2.0).tan();
+        for k in 0..8 {
+            let pick = |bit: i32, low: f64, high: f64| if k >> bit & 1 == 1 { high } else { low };
+            let corner = DVec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z));
+            let p = camera_from_world.transform_point3(corner);
+            assert!(-p.z > znear, "{aspect}: {p} is before the near plane");
+            assert!(
+                p.x.abs() <= -p.z * half * aspect && p.y.abs() <= -p.z * half,
+                "{aspect}: {p} is outside"
+            );
+        }
+    }
+}
+
+#[test]
+fn broken_promises_are_named() {
+    assert_eq!(nested().check(), Ok(()));
+    let broken = |change: fn(&mut Scene)| {
+        let mut scene = nested();
+        change(&mut scene);
+        let error = scene.check().expect_err("broken");
+        (error.what, error.index)
+    };
+    assert_eq!(broken(|s| s.nodes[1].parent = Some(2)), ("node", 1));
+    assert_eq!(broken(|s| s.nodes[2].mesh = Some(1)), ("node", 2));
+    assert_eq!(broken(|s| s.nodes[0].parent_from_local.translation.x = f64::NAN), ("node", 0));
+    assert_eq!(broken(|s| s.meshes[0].primitives[0].indices[2] = 3), ("mesh", 0));
+    assert_eq!(broken(|s| s.meshes[0].primitives[0].indices.truncate(2)), ("mesh", 0));
+    assert_eq!(broken(|s| s.meshes[0].primitives[0].normals.truncate(2)), ("mesh", 0));
+    assert_eq!(broken(|s| s.meshes[0].primitives[0].positions[0].x = f32::INFINITY), ("mesh", 0));
+    assert_eq!(broken(|s| s.meshes[0].primitives[0].uvs = vec![Vec2::NAN; 3]), ("mesh", 0));
+    assert_eq!(broken(|s| s.meshes[0].primitives[0].material = 1), ("mesh", 0));
+}
