@@ -42,7 +42,7 @@ fn check_common(transform: &Transform, cone_angle: f64, cone_softness: f64) -> R
     let length = transform.rotation.length();
     if !(0.5..=2.0).contains(&length) {
         let domain = "it must be a unit quaternion [x, y, z, w], of length 1";
-        return Err(LightError::OutOfDomain { field: "transform.rotation", value: length, domain });
+        return Err(LightError::OutOfDomain { field: "transform.rotation's length", value: length, domain });
     }
     if transform.scale <= 0.0 {
         let domain = "it must be more than 0";
@@ -105,8 +105,12 @@ fn check_bendy(light: &BendyLight) -> Result<(), LightError> {
     if let Some((field, _)) = finite.iter().find(|(_, ok)| !ok) {
         return Err(LightError::NotFinite(field));
     }
-    if let Some(&value) = light.radii.iter().find(|r| **r < 0.0) {
-        return Err(LightError::OutOfDomain { field: "radii", value, domain: "a radius must be 0 or more" });
+    // Wider than this, f32 has no digits left for the curve. A light without length is refused for that.
+    let length = polygon_length(&light.points);
+    let widest = if length > 0.0 { 1e6 * length } else { f64::MAX };
+    if let Some((index, &value)) = light.radii.iter().enumerate().find(|(_, r)| !(0.0..=widest).contains(*r))
+    {
+        return Err(LightError::Radius { index, value });
     }
     if light.up == DVec3::ZERO {
         return Err(LightError::OutOfDomain { field: "up", value: 0.0, domain: "it must have a direction" });
@@ -129,6 +133,11 @@ where
     [b0, c[i + 1], b2]
 }
 
+/// Length of the control polygon.
+fn polygon_length(points: &[DVec3]) -> f64 {
+    points.windows(2).map(|p| p[1].distance(p[0])).sum()
+}
+
 /// Half the derivatives at both ends, from the control points' differences so that neighbours share them bit
 /// for bit.
 fn half_derivatives<T>(c: &[T], i: usize) -> (T, T)
@@ -144,7 +153,7 @@ where
 /// The segments of a checked light, in tube space, and the placement of that space.
 pub fn segments(light: &BendyLight) -> Result<(Vec<Segment<f64>>, Placement), LightError> {
     check_bendy(light)?;
-    let polygon: f64 = light.points.windows(2).map(|p| p[1].distance(p[0])).sum();
+    let polygon = polygon_length(&light.points);
     if polygon == 0.0 {
         return Err(LightError::Degenerate {
             segment: 0,

@@ -39,6 +39,16 @@ pub enum LightError {
         /// The domain, as the end of a sentence.
         domain: &'static str,
     },
+    /// A radius that no tube can have.
+    #[error(
+        "`radii[{index}]` is {value}, but a radius must be 0 or more and at most a million times the light's length: change it"
+    )]
+    Radius {
+        /// Index of the control point.
+        index: usize,
+        /// The radius.
+        value: f64,
+    },
     /// The first control point is not the light's origin.
     #[error("`points[0]` is the source and must be [0, 0, 0]: move the light by its `transform.translation`")]
     SourceNotAtOrigin,

@@ -29,6 +29,11 @@ pub enum RenderError {
         /// How large it may be.
         limit: f64,
     },
+    /// A light that f32 cannot relate to the scene.
+    #[error(
+        "a light is too far from the scene, or too small against it, for single precision: bring it nearer or scale it up"
+    )]
+    OutOfReach,
     /// A picture without pixels, without samples, or through an impossible camera.
     #[error("this view cannot be rendered: {0}")]
     InvalidView(&'static str),

@@ -57,8 +57,7 @@ impl PlacedSpot {
         let source = scene_from_light.translation;
         let far = (source.abs() + half_extent).length();
         if far > MAX_EXTENT {
-            let what = "the distance of a light from the far end of the scene";
-            return Err(RenderError::TooLarge { what, size: far, limit: MAX_EXTENT });
+            return Err(RenderError::OutOfReach);
         }
 
         let outer = light.cone_angle.to_radians();

@@ -18,7 +18,8 @@ fn shapes_that_cannot_be() {
     assert_eq!(Tube::new(&along_z(2)).expect_err("refused"), LightError::TooFewPoints(2));
     assert!(matches!(Tube::new(&along_z(300)), Err(LightError::TooManyPoints { count: 300, .. })));
     assert!(matches!(refusal(|l| l.radii.truncate(2)), LightError::LengthMismatch { field: "radii", .. }));
-    assert!(matches!(refusal(|l| l.radii[1] = -0.1), LightError::OutOfDomain { field: "radii", .. }));
+    assert_eq!(refusal(|l| l.radii[1] = -0.1), LightError::Radius { index: 1, value: -0.1 });
+    assert_eq!(refusal(|l| l.radii[2] = 1e308), LightError::Radius { index: 2, value: 1e308 });
     assert_eq!(refusal(|l| l.points[1].x = f64::NAN), LightError::NotFinite("points"));
     assert_eq!(refusal(|l| l.transform.translation.x = f64::INFINITY), LightError::NotFinite("transform"));
     assert_eq!(refusal(|l| l.points[0].x = 0.5), LightError::SourceNotAtOrigin);

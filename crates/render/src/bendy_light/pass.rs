@@ -75,9 +75,7 @@ fn check_reach(tube: &Tube<f64>, scene: &StagedScene) -> Result<(), RenderError>
     let offset = (tube.placement.translation - scene.origin).abs() + scene.half_extent;
     let size = offset.length() / tube.placement.world_per_tube.min(1.0);
     if size > MAX_EXTENT {
-        let what =
-            "the distance of a light from the far end of the scene, also against the light's own size,";
-        return Err(RenderError::TooLarge { what, size, limit: MAX_EXTENT });
+        return Err(RenderError::OutOfReach);
     }
     Ok(())
 }

@@ -9,8 +9,9 @@ use super::layout::Slab;
 
 /// How many fit into one uniform; `bent_map.wgsl` has the same number. A light with more is mapped in turns.
 pub(crate) const SLABS_A_TURN: usize = 240;
-/// Share of a slab by which it overlaps its neighbours: some texels, whatever the rounding.
-const OVERLAP: f64 = 0.01;
+/// Share of a slab by which it overlaps its neighbours. More than rounding, 1e-6; and little, because past a
+/// joint the curve is not this segment's: there t is off by up to the square of it.
+const OVERLAP: f64 = 5e-4;
 /// The bend is sampled on a grid over the slab; between samples it may be this much larger.
 const SAMPLING_MARGIN: f64 = 2.0;
 

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use bendy::{BendyLight, Tube};
+use bendy::{BendyLight, Decay, Direction, SpotLight, Tube};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 use scene::{Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Scene, pose};
 
@@ -79,6 +79,15 @@ fn position(view: &View, depth: &Picture, pixel: usize) -> DVec3 {
     view.camera.world_from_camera.transform_point3(ray * f64::from(depth.pixels[pixel][0]))
 }
 
+/// A renderer on the device that all tests of this binary share.
+fn renderer(scene: &Scene) -> Renderer {
+    static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
+    let gpu = GPU.get_or_init(|| Arc::new(Gpu::new().expect("tests need a graphics driver")));
+    let mut renderer = Renderer::new(Arc::clone(gpu)).expect("the device works");
+    renderer.set_scene(scene).expect("fits");
+    renderer
+}
+
 struct Setup {
     tube: Tube<f64>,
     /// In tube space.
@@ -89,13 +98,9 @@ struct Setup {
 
 impl Setup {
     fn new() -> Self {
-        // The device that all tests of this binary share.
-        static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
         let (scene, light) = (scene(), light());
         let tube = Tube::new(&light).expect("valid");
-        let gpu = GPU.get_or_init(|| Arc::new(Gpu::new().expect("tests need a graphics driver")));
-        let mut renderer = Renderer::new(Arc::clone(gpu)).expect("the device works");
-        renderer.set_scene(&scene).expect("fits");
+        let renderer = renderer(&scene);
         let triangles = pose(&scene)
             .flat_map(|posed| {
                 let corner = |k: u32| {
@@ -190,6 +195,71 @@ fn bent_shadows_are_where_the_paths_say() {
     unsplit.renderer.bent_shadow().tolerance_texels = f32::INFINITY;
     let fault = differing(&walked, &unsplit.picture(Aov::Visibility));
     assert!(fault > 0, "unsplit edges went unseen");
+}
+
+/// Spotlights bent into 1 to 8 segments, by more and more; those that would fold are left out.
+fn bent_spots() -> Vec<BendyLight> {
+    let spot = SpotLight { cone_angle: 22.0, range: Some(11.0), decay: Decay::None, ..SpotLight::default() };
+    let mut lights = Vec::new();
+    for (segments, amount) in [1, 2, 3, 5, 8].into_iter().flat_map(|n| [0.5, 1.0, 2.0, 3.0].map(|a| (n, a))) {
+        let mut light = bendy::bend(&spot, segments).expect("valid");
+        let back = (DVec3::new(-3.0, 7.0, 2.0) - DVec3::X).normalize();
+        let right = DVec3::Y.cross(back).normalize();
+        light.transform.rotation = DQuat::from_mat3(&glam::DMat3::from_cols(right, back.cross(right), back));
+        light.transform.translation = DVec3::new(-3.0, 7.0, 2.0);
+        let last = (light.points.len() - 1) as f64;
+        for (i, point) in light.points.iter_mut().enumerate() {
+            point.x += amount * (i as f64 / last).powi(2);
+        }
+        let uneven = light.points.iter().map(|p| 1.5 + (2.0 * p.z).sin()).collect();
+        lights.extend([BendyLight { radii: uneven, ..light.clone() }, light]);
+    }
+    lights.retain(|light| Tube::new(light).is_ok());
+    lights
+}
+
+/// How many pixels of a lone plane lie in shadow where light falls on it at more than 6 degrees.
+fn self_shadowed(renderer: &mut Renderer, light: &BendyLight) -> usize {
+    let lights = [Light { name: "key".into(), kind: LightKind::Bendy(light.clone()) }];
+    let mut picture = |aov| {
+        let mut view = view(aov);
+        view.camera.world_from_camera.translation *= 2.0;
+        renderer.render(&view, &lights).expect("drawn")
+    };
+    let (visibility, direction) = (picture(Aov::Visibility), picture(Aov::Direction));
+    let pixels = visibility.pixels.iter().zip(&direction.pixels);
+    pixels.filter(|(v, d)| v[3] == 1.0 && v[0] < 1.0 && d[1] > 0.1).count()
+}
+
+/// A plane with nothing above it is lit wherever the light reaches, at joints and slabs, in every taper; where edges are never split it
+/// is not.
+#[test]
+fn a_lone_plane_never_shadows_itself() {
+    let mut scene = scene();
+    scene.nodes.truncate(1);
+    // Only its top.
+    let floor = &mut scene.meshes[0].primitives[0];
+    let tops = floor.indices.chunks(3).filter(|t| floor.normals[t[0] as usize].y > 0.5).flatten();
+    floor.indices = tops.copied().collect();
+    assert_eq!(floor.indices.len(), 6);
+
+    let lights: Vec<_> = bent_spots()
+        .into_iter()
+        .flat_map(|light| {
+            [Direction::Tube, Direction::Path].map(|direction| BendyLight { direction, ..light.clone() })
+        })
+        .collect();
+    assert!(lights.len() >= 30, "{}", lights.len());
+    let mut renderer = renderer(&scene);
+    for light in &lights {
+        let shadowed = self_shadowed(&mut renderer, light);
+        assert_eq!(shadowed, 0, "{:?} {:?}", light.points, light.radii);
+    }
+    renderer.bent_shadow().tolerance_texels = f32::INFINITY;
+    // Moved, so that its map is drawn anew.
+    let mut moved = lights[lights.len() - 1].clone();
+    moved.transform.translation.x += 1e-3;
+    assert!(self_shadowed(&mut renderer, &moved) > 0, "unsplit edges went unseen");
 }
 
 /// The numbers that WGSL spells out are Rust's.

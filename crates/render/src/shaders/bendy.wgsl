@@ -35,8 +35,9 @@ fn bent_visibility(root: Root, vw: vec2f, normal: vec3f) -> f32 {
     let across = mat2x3f(root.v_hat, cross(root.u_hat, root.v_hat));
     let tangent = path_tangent(root, vw, across);
     let texel_width = 2.0 * root.radius / light.shadow_resolution;
-    // One texel's width in the scene, as a step in t.
-    let footprint = texel_width / max(length(tangent), 1e-20);
+    // One texel's width in the scene, as a step in t; at most that along the centre, in which the map's own
+    // error is measured.
+    let footprint = texel_width / max(min(length(tangent), 2.0 * length(root.d)), 1e-20);
     let closing = dot(normal, tangent);
     let slope = -texel_width * (normal * across) / select(closing, 1e-20, closing == 0.0);
     // Seen edge on, the plane runs off along the light within a texel.
@@ -48,10 +49,12 @@ fn bent_visibility(root: Root, vw: vec2f, normal: vec3f) -> f32 {
     let start = root_t(root) - dot(step, blend);
     let expected = start + vec4f(step.y, step.x + step.y, step.x, 0.0);
 
-    // The map is drawn to TOLERANCE_TEXELS across and along; a neighbouring facet that rises out of the plane
-    // by 0.1 rad is not an occluder; and the depth is rounded to some ulps of 1.
-    let tolerance = 0.5 * footprint + 0.5 * (abs(step.x) + abs(step.y)) + 0x1p-22 * light.t_max;
+    // The map is right to half a texel across and along; a quarter more, because a neighbouring facet that
+    // rises a little out of the plane is not an occluder; and the depth is rounded to some ulps of 1.
+    let tolerance = 0.75 * footprint + 0.75 * (abs(step.x) + abs(step.y)) + 0x1p-22 * light.t_max;
+    // A texel that nothing was drawn to holds t_max, and a plane may run on past the light's end.
+    let needed = min(expected - tolerance, vec4f(light.t_max * (1.0 - 0x1p-22)));
     let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / light.shadow_resolution) * light.t_max;
-    let lit = select(vec4f(0.0), vec4f(1.0), stored >= expected - tolerance);
+    let lit = select(vec4f(0.0), vec4f(1.0), stored >= needed);
     return mix(mix(lit.w, lit.z, blend.x), mix(lit.x, lit.y, blend.x), blend.y);
 }
