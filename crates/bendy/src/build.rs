@@ -260,6 +260,8 @@ pub fn perpendicular_up<F: Real>(up: F::Vec3, u_hat: F::Vec3) -> F::Vec3 {
     let across = |v: F::Vec3| v - u_hat * F::dot(v, u_hat);
     let perp = across(up);
     if F::dot(perp, perp) >= F::of(1e-12) {
+        // Once more: what rounding left along `u_hat` is large against a small `perp`.
+        let perp = across(F::unit(perp).unwrap_or(perp));
         return F::unit(perp).unwrap_or(perp);
     }
     let axis = across(F::vec(least_aligned_axis(F::vec_f64(u_hat))));

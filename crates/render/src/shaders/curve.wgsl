@@ -62,7 +62,9 @@ fn curve_rotation_minimizing(c: Curve, u_hat: vec3f) -> mat2x3f {
 fn perpendicular_up(up: vec3f, u_hat: vec3f) -> vec3f {
     let perp = up - u_hat * dot(up, u_hat);
     if dot(perp, perp) >= 1e-12 {
-        return normalize(perp);
+        // Once more: what rounding left along `u_hat` is large against a small `perp`.
+        let unit = normalize(perp);
+        return normalize(unit - u_hat * dot(unit, u_hat));
     }
     let m = abs(u_hat);
     var axis = vec3f(0.0, 0.0, 1.0);
