@@ -55,6 +55,13 @@ pub(crate) fn from_json<T: DeserializeOwned>(text: &str) -> Result<T, FileError>
 }
 
 fn refused(place: String, error: serde_json::Error) -> FileError {
+    // serde_json calls a fixed-length array's surplus a syntax error; inside a value it is one of shape.
+    if error.to_string().starts_with("trailing characters") && !place.is_empty() {
+        return FileError::Shape {
+            place,
+            problem: "too many numbers: give 3 for a vector, 4 for a rotation".into(),
+        };
+    }
     if !error.is_data() {
         return FileError::Syntax(error);
     }

@@ -249,3 +249,15 @@ fn a_bad_point_file_is_refused_with_its_place() {
         assert_eq!(point_file::parse(text).expect_err("a bad point file").to_string(), expected);
     }
 }
+
+/// A vector with a number too many or too few is a matter of shape, and says where.
+#[test]
+fn vectors_have_three_numbers() {
+    let said = |text: &str| protocol::point_file::parse(text).expect_err("refused").to_string();
+    assert_eq!(
+        said("[[0, 0, 0], [1, 2, 3, 4]]"),
+        "[1]: too many numbers: give 3 for a vector, 4 for a rotation"
+    );
+    assert_eq!(said("[[0, 0, 0], [1, 2]]"), "[1]: invalid length 2, expected an array of length 3");
+    assert!(said("[[0, 0, 0]] 7").starts_with("not valid JSON: trailing characters"));
+}
