@@ -23,7 +23,8 @@ pub fn bend(spot: &SpotLight, segments: usize) -> Result<BendyLight, LightError>
     let count = axis.len();
     Ok(BendyLight {
         transform: spot.transform,
-        points: axis.iter().map(|&z| DVec3::new(0.0, 0.0, -z)).map(|p| p + DVec3::ZERO).collect(),
+        // Subtracted rather than negated: the source is at 0, not at -0.
+        points: axis.iter().map(|&z| DVec3::new(0.0, 0.0, 0.0 - z)).collect(),
         radii: axis.iter().map(|z| z * slope).collect(),
         colors: vec![spot.color; count],
         intensities: vec![spot.intensity; count],

@@ -5,7 +5,7 @@ use glam::DVec3;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, Sampler, TextureView};
 
-use super::shadow::{BentShadowPass, Casters};
+use super::shadow::BentShadowPass;
 use super::{Baked, hull_in_world, segments, t_max, uniform};
 use crate::geometry::MAX_EXTENT;
 use crate::lighting::LightingPass;
@@ -58,9 +58,12 @@ pub(crate) struct BendySlot {
     depth: TextureView,
     /// What the map shows: a scene's revision and the light's shape.
     map_key: Option<(u64, Shape)>,
+    /// The light in place, and of which scene's revision and which light.
+    placed: Option<(u64, BendyLight, PlacedBendy)>,
 }
 
 /// A BendyLight in place.
+#[derive(Clone, Debug)]
 pub(crate) struct PlacedBendy {
     /// Which lighting pass draws it.
     pub baked: Baked,
@@ -103,7 +106,8 @@ impl BendyPass {
 
     pub fn slot(gpu: &Gpu) -> BendySlot {
         let texture = gpu.target("bent shadow map", RESOLUTION, RESOLUTION, DEPTH_FORMAT);
-        BendySlot { depth: texture.create_view(&wgpu::TextureViewDescriptor::default()), map_key: None }
+        let depth = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        BendySlot { depth, map_key: None, placed: None }
     }
 
     /// Brings `slot` up to date with `light` over `scene`. Returns the light in place and whether its map was
@@ -115,19 +119,18 @@ impl BendyPass {
         light: &BendyLight,
         scene: &StagedScene,
     ) -> Result<(PlacedBendy, bool), RenderError> {
+        if let Some((revision, same, placed)) = &slot.placed
+            && (*revision, same) == (scene.revision, light)
+        {
+            return Ok((placed.clone(), false));
+        }
         let tube = Tube::new(light)?;
         check_reach(&tube, scene)?;
         let t_max = t_max(&tube, scene.origin, scene.half_extent);
         let key = Some((scene.revision, Shape::of(light)));
         let stale = slot.map_key != key;
         if stale {
-            let casters = Casters {
-                geometry: &scene.geometry,
-                vertex_count: scene.vertex_count,
-                triangle_count: scene.triangle_count,
-                scene_origin: scene.origin,
-            };
-            self.shadow.render(gpu, &casters, &tube, t_max, &slot.depth, RESOLUTION)?;
+            self.shadow.render(gpu, scene, &tube, t_max, &slot.depth, RESOLUTION)?;
             slot.map_key = key;
         }
         let init = |label, contents: &[u8], usage| {
@@ -135,9 +138,7 @@ impl BendyPass {
         };
         let uniform = uniform(&tube, scene.origin, t_max, RESOLUTION);
         let uniform = init("bendy", bytemuck::bytes_of(&uniform), BufferUsages::UNIFORM);
-        let mut all = segments(&tube);
-        all.resize(257, bytemuck::Zeroable::zeroed());
-        let segments = init("segments", bytemuck::cast_slice(&all), BufferUsages::UNIFORM);
+        let segments = init("segments", bytemuck::cast_slice(&segments(&tube)), BufferUsages::UNIFORM);
         let resources = [
             uniform.as_entire_binding(),
             segments.as_entire_binding(),
@@ -151,6 +152,8 @@ impl BendyPass {
             let pass = LightingPass::new(gpu, "bendy", &baked.into_wgsl(shaders::BENDY), &layouts);
             self.lighting.push((baked, pass));
         }
-        Ok((PlacedBendy { baked, group, corners_in_world: hull_in_world(&tube, t_max) }, stale))
+        let placed = PlacedBendy { baked, group, corners_in_world: hull_in_world(&tube, t_max) };
+        slot.placed = Some((scene.revision, light.clone(), placed.clone()));
+        Ok((placed, stale))
     }
 }

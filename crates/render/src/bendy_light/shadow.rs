@@ -13,8 +13,8 @@ use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, Ren
 use super::layout::{BentCounts, BentMap, BentShadow, Patch, STAGES, Slab};
 use super::slab::{self, SLABS_A_TURN};
 use super::tube_from_scene;
-use crate::geometry::Geometry;
 use crate::pipeline::DEPTH_FORMAT;
+use crate::staged::StagedScene;
 use crate::{Gpu, RenderError, readback, shaders};
 
 /// Largest distance, in texels, of an edge's image from the line drawn for it. The error of a bend is largest
@@ -25,18 +25,6 @@ const TOLERANCE_TEXELS: f32 = 0.4;
 const WORKGROUP: u32 = 64;
 /// Most workgroups in one dimension that every device can run.
 const MAX_GROUPS: u32 = 65_535;
-
-/// What casts shadows: the scene's triangles in scene space.
-pub(crate) struct Casters<'a> {
-    /// Positions and indices.
-    pub geometry: &'a Geometry,
-    /// How many vertices.
-    pub vertex_count: u32,
-    /// How many triangles.
-    pub triangle_count: u32,
-    /// World position of scene space's origin.
-    pub scene_origin: DVec3,
-}
 
 /// The pipelines, which outlive scenes and lights, and the room they work in.
 #[derive(Debug)]
@@ -49,16 +37,19 @@ pub(crate) struct BentShadowPass {
     draw: RenderPipeline,
     /// See [`TOLERANCE_TEXELS`].
     pub tolerance_texels: f32,
-    room: Room,
+    pub room: Room,
     buffers: Option<Buffers>,
 }
 
 /// How many items fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Room {
-    work: u32,
-    patches: u32,
-    split_vertices: u32,
+pub(crate) struct Room {
+    /// (triangle, slab) pairs.
+    pub work: u32,
+    /// Patches of one level.
+    pub patches: u32,
+    /// Vertices of what was clipped and split.
+    pub split_vertices: u32,
 }
 
 /// Where a map is drawn.
@@ -113,72 +104,90 @@ impl BentShadowPass {
         }
     }
 
-    /// Draws the map of `casters` under `tube` into `depth`, whose side is `resolution` texels.
+    /// Draws the map of `scene` under `tube` into `depth`, whose side is `resolution` texels.
     pub fn render(
         &mut self,
         gpu: &Gpu,
-        casters: &Casters,
+        scene: &StagedScene,
         tube: &Tube<f64>,
         t_max: f64,
         depth: &TextureView,
         resolution: u32,
     ) -> Result<(), RenderError> {
         let slabs = slab::slabs(tube, t_max, f64::from(resolution), f64::from(self.tolerance_texels));
-        let mut target = Target { depth, resolution, t_max, clear: true };
-        for turn in slabs.chunks(SLABS_A_TURN) {
-            self.render_turn(gpu, casters, tube, turn, &target)?;
-            target.clear = false;
-        }
+        // What a turn without room has drawn is not to be kept, so all turns start again.
+        while !self.render_turns(
+            gpu,
+            scene,
+            tube,
+            &slabs,
+            Target { depth, resolution, t_max, clear: true },
+        )? {}
         Ok(())
     }
 
-    /// Maps and draws what lies in some of the slabs; again with more room where it did not fit.
+    /// Maps and draws as many slabs at a time as a uniform holds. False where the room had to grow.
+    fn render_turns(
+        &mut self,
+        gpu: &Gpu,
+        scene: &StagedScene,
+        tube: &Tube<f64>,
+        slabs: &[(Slab, [DVec3; 8])],
+        mut target: Target,
+    ) -> Result<bool, RenderError> {
+        for turn in slabs.chunks(SLABS_A_TURN) {
+            if !self.render_turn(gpu, scene, tube, turn, &target)? {
+                return Ok(false);
+            }
+            target.clear = false;
+        }
+        Ok(true)
+    }
+
+    /// Maps and draws what lies in some of the slabs. False where it did not fit; there is more room then.
     fn render_turn(
         &mut self,
         gpu: &Gpu,
-        casters: &Casters,
+        scene: &StagedScene,
         tube: &Tube<f64>,
         slabs: &[(Slab, [DVec3; 8])],
         target: &Target,
-    ) -> Result<(), RenderError> {
+    ) -> Result<bool, RenderError> {
         let corners = || slabs.iter().flat_map(|slab| slab.1);
         let mut table: Vec<Slab> = slabs.iter().map(|slab| slab.0).collect();
         table.resize(SLABS_A_TURN, Slab::default());
-        loop {
-            let map = BentMap {
-                tube_from_scene: tube_from_scene(tube, casters.scene_origin),
-                up: tube.up.as_vec3().to_array(),
-                frame_up: u32::from(tube.frame == Frame::Up),
-                box_min: corners().fold(DVec3::INFINITY, DVec3::min).as_vec3().to_array(),
-                slab_count: slabs.len() as u32,
-                box_max: corners().fold(DVec3::NEG_INFINITY, DVec3::max).as_vec3().to_array(),
-                vertex_count: casters.vertex_count,
-                triangle_count: casters.triangle_count,
-                shadow_resolution: target.resolution as f32,
-                work_capacity: self.room.work,
-                patch_capacity: self.room.patches,
-                split_capacity: self.room.split_vertices,
-                tolerance_texels: self.tolerance_texels,
-                ..BentMap::default()
-            };
-            let buffers = match self.buffers.take() {
-                Some(kept) if kept.fits(&map) => kept,
-                _ => Buffers::new(gpu, &map),
-            };
-            buffers.write(gpu, &table, &map, target.t_max);
-            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            self.map(gpu, &mut encoder, casters, &buffers, &map);
-            self.draw(gpu, &mut encoder, &buffers, target);
-            gpu.queue.submit([encoder.finish()]);
-            let counts = readback::buffer::<BentCounts>(gpu, &buffers.counts)?[0];
-            self.buffers = Some(buffers);
-            let needed = self.room.grown_for(&counts);
-            if needed == self.room {
-                return Ok(());
-            }
-            needed.check(gpu)?;
-            self.room = needed;
-        }
+        let map = BentMap {
+            tube_from_scene: tube_from_scene(tube, scene.origin),
+            up: tube.up.as_vec3().to_array(),
+            frame_up: u32::from(tube.frame == Frame::Up),
+            box_min: corners().fold(DVec3::INFINITY, DVec3::min).as_vec3().to_array(),
+            slab_count: slabs.len() as u32,
+            box_max: corners().fold(DVec3::NEG_INFINITY, DVec3::max).as_vec3().to_array(),
+            vertex_count: scene.vertex_count,
+            triangle_count: scene.triangle_count,
+            shadow_resolution: target.resolution as f32,
+            work_capacity: self.room.work,
+            patch_capacity: self.room.patches,
+            split_capacity: self.room.split_vertices,
+            tolerance_texels: self.tolerance_texels,
+            ..BentMap::default()
+        };
+        let buffers = match self.buffers.take() {
+            Some(kept) if kept.fits(&map) => kept,
+            _ => Buffers::new(gpu, &map),
+        };
+        buffers.write(gpu, &table, &map, target.t_max);
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.map(gpu, &mut encoder, scene, &buffers, &map);
+        self.draw(gpu, &mut encoder, &buffers, target);
+        gpu.queue.submit([encoder.finish()]);
+        let counts = readback::buffer::<BentCounts>(gpu, &buffers.counts)?[0];
+        self.buffers = Some(buffers);
+        let needed = self.room.grown_for(&counts);
+        needed.check(gpu)?;
+        let fitted = needed == self.room;
+        self.room = needed;
+        Ok(fitted)
     }
 
     /// The compute passes: vertices, triangles, clipping, and splitting level by level.
@@ -186,12 +195,12 @@ impl BentShadowPass {
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        casters: &Casters,
+        scene: &StagedScene,
         buffers: &Buffers,
         map: &BentMap,
     ) {
         let b = buffers;
-        let geometry = casters.geometry;
+        let geometry = &scene.geometry;
         let group =
             |pipeline: &ComputePipeline, rest: &[&Buffer]| bind(gpu, pipeline, &[&b.uniform, &b.slabs], rest);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());

@@ -6,6 +6,7 @@ use bendy::{BendyLight, Decay, Direction, SpotLight, Tube};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 use scene::{Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Scene, pose};
 
+use super::shadow::Room;
 use super::walk;
 use crate::shadow::RESOLUTION;
 use crate::{Aov, Gpu, Picture, Renderer, View};
@@ -260,6 +261,18 @@ fn a_lone_plane_never_shadows_itself() {
     let mut moved = lights[lights.len() - 1].clone();
     moved.transform.translation.x += 1e-3;
     assert!(self_shadowed(&mut renderer, &moved) > 0, "unsplit edges went unseen");
+}
+
+/// A map that does not fit into its buffers is drawn again, and is the same.
+#[test]
+fn room_grows_until_a_map_fits() {
+    let mut ample = Setup::new();
+    let expected = ample.picture(Aov::Visibility);
+    let mut cramped = Setup::new();
+    cramped.renderer.bent_shadow().room = Room { work: 1, patches: 1, split_vertices: 3 };
+    assert_eq!(cramped.picture(Aov::Visibility), expected);
+    let room = cramped.renderer.bent_shadow().room;
+    assert!(room.work > 1 && room.patches > 1 && room.split_vertices > 3, "{room:?}");
 }
 
 /// The numbers that WGSL spells out are Rust's.

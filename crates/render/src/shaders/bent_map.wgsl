@@ -65,22 +65,14 @@ struct BentCounts {
     items: array<atomic<u32>, 12>,
 }
 
-fn tube_position(positions_x: f32, positions_y: f32, positions_z: f32) -> vec3f {
-    return (bent.tube_from_scene * vec4f(positions_x, positions_y, positions_z, 1.0)).xyz;
+fn tube_position(x: f32, y: f32, z: f32) -> vec3f {
+    return (bent.tube_from_scene * vec4f(x, y, z, 1.0)).xyz;
 }
 
 // Signed distance from one of the planes around a slab; inside where all six are zero or more.
 fn slab_plane(slab: u32, plane: u32, q: vec3f) -> f32 {
     let p = slabs[slab].planes[plane];
     return dot(p.xyz, q) + p.w;
-}
-
-fn slab_cross_section(c: Curve, u_hat: vec3f) -> mat2x3f {
-    if bent.frame_up == 0u {
-        return curve_rotation_minimizing(c, u_hat);
-    }
-    let w_hat = perpendicular_up(bent.up, u_hat);
-    return mat2x3f(cross(w_hat, u_hat), w_hat);
 }
 
 // (V, W, R, t) of a point of the slab. The signs at the ends are known; rounding at a clipping plane must not
@@ -95,7 +87,8 @@ fn map_to_slab(c: Curve, q: vec3f) -> vec4f {
         && length(curve_offset(c, q, roots.right)) < length(curve_offset(c, q, roots.left)) {
         u = roots.right;
     }
-    let vw = curve_offset(c, q, u) * slab_cross_section(c, curve_u_hat(c, u));
+    let across = curve_cross_section(c, curve_u_hat(c, u), bent.frame_up != 0u, bent.up);
+    let vw = curve_offset(c, q, u) * across;
     return vec4f(vw, max(curve_radius(c, u), 0.0), c.t_start + c.t_span * u);
 }
 

@@ -39,8 +39,6 @@ fn map_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
     let qa = vertex_position(corners.x);
     let qb = vertex_position(corners.y);
     let qc = vertex_position(corners.z);
-    var first_slab = 0u;
-    var end_slab = bent.slab_count;
     let slab = vertex_slab[corners.x];
     if slab < bent.slab_count && slab == vertex_slab[corners.y] && slab == vertex_slab[corners.z] {
         let a = mapped[corners.x];
@@ -56,11 +54,9 @@ fn map_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
             whole_indices[first + 2u] = corners.z;
             return;
         }
-        first_slab = slab;
-        end_slab = slab + 1u;
     }
     let near = all(max(max(qa, qb), qc) >= bent.box_min) && all(min(min(qa, qb), qc) <= bent.box_max);
-    for (var i = first_slab; near && i < end_slab; i++) {
+    for (var i = 0u; near && i < bent.slab_count; i++) {
         if may_touch(i, qa, qb, qc) {
             let item = atomicAdd(&counts.items[0], 1u);
             if item < bent.work_capacity {

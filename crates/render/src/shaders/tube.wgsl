@@ -85,14 +85,6 @@ fn root_t(root: Root) -> f32 {
     return f32(root.segment) + root.u;
 }
 
-fn cross_section(c: Curve, u_hat: vec3f) -> mat2x3f {
-    if !FRAME_UP {
-        return curve_rotation_minimizing(c, u_hat);
-    }
-    let w_hat = perpendicular_up(light.up, u_hat);
-    return mat2x3f(cross(w_hat, u_hat), w_hat);
-}
-
 // The root at `u` of segment `i`, found where it lies in the tube: |r| <= R.
 fn place_at(i: u32, q: vec3f, u: f32) -> Place {
     let r = curve_offset(segments[i].curve, q, u);
@@ -128,7 +120,7 @@ fn root_at(place: Place, q: vec3f) -> Root {
     root.r = curve_offset(c, q, u);
     root.radius = place.radius;
     root.u_hat = curve_u_hat(c, u);
-    let across = cross_section(c, root.u_hat);
+    let across = curve_cross_section(c, root.u_hat, FRAME_UP, light.up);
     root.v_hat = across[0];
     root.vw_len = root.r * across;
     root.d = curve_d(c, u);

@@ -71,7 +71,10 @@ fn a_bent_spotlight_is_that_spotlight() {
     let with_range = SpotLight { range: Some(6.0), ..base.clone() };
     let cinematic = SpotLight { decay: Decay::None, intensity: 2.0, cone_softness: 0.6, ..base.clone() };
     let linear = SpotLight { decay: Decay::Linear, intensity: 4.0, ..base.clone() };
-    for (light, segments) in [(&base, 3), (&with_range, 1), (&with_range, 3), (&cinematic, 5), (&linear, 8)] {
+    // 250 segments are more slabs than one turn maps.
+    let cases =
+        [(&base, 3), (&with_range, 1), (&with_range, 3), (&cinematic, 5), (&linear, 8), (&with_range, 250)];
+    for (light, segments) in cases {
         let (worst, boundary) = difference(light, &bend(light, segments).expect("valid"));
         assert!(worst < 1e-4, "{segments} segments: {worst} off {light:?}");
         assert!(boundary < 0.25, "{boundary} of the lit pixels are left out");
@@ -227,4 +230,26 @@ fn far_from_the_origin_nothing_changes() {
     let (near, far) = (shoot(DVec3::ZERO), shoot(offset));
     let differ = near.pixels.iter().zip(&far.pixels).filter(|(a, b)| (a[0] - b[0]).abs() > 1e-4).count();
     assert!(differ <= near.pixels.len() / 500, "{differ} pixels differ");
+}
+
+/// A change of colour, intensity or decay draws no shadow map; one of shape draws one; no change draws none.
+#[test]
+fn shadow_maps_are_kept_while_the_shape_is() {
+    let mut renderer = renderer(&tilted());
+    let view = view(EYE, DVec3::ZERO, [9, 7], Aov::Beauty);
+    let mut shadows_after = |light: BendyLight| {
+        renderer.render(&view, &bendy(light)).expect("drawn");
+        (renderer.counts().shadow, renderer.counts().gbuffer)
+    };
+    let light = winding();
+    assert_eq!(shadows_after(light.clone()), (1, 1));
+    assert_eq!(shadows_after(light.clone()), (1, 1));
+    assert_eq!(shadows_after(BendyLight { intensities: vec![2.0; 5], ..light.clone() }), (1, 1));
+    assert_eq!(
+        shadows_after(BendyLight { decay: Decay::Linear, cone_softness: 0.7, ..light.clone() }),
+        (1, 1)
+    );
+    let mut moved = light;
+    moved.points[4].x += 0.1;
+    assert_eq!(shadows_after(moved), (2, 1));
 }
