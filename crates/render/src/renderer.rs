@@ -59,7 +59,7 @@ struct Passes {
 #[derive(Debug)]
 enum LightSlot {
     Spot(SpotSlot),
-    Bendy(Box<BendySlot>),
+    Bendy(BendySlot),
 }
 
 /// Which lighting pass draws a light.
@@ -269,7 +269,7 @@ impl Renderer {
                 }
                 LightKind::Bendy(bendy) => {
                     if !matches!(slot, Some(LightSlot::Bendy(_))) {
-                        *slot = Some(LightSlot::Bendy(Box::new(BendyPass::slot(gpu))));
+                        *slot = Some(LightSlot::Bendy(BendyPass::slot(gpu)));
                     }
                     let Some(LightSlot::Bendy(slot)) = slot else { continue };
                     let (placed, drawn) = passes.bendy.prepare(gpu, slot, bendy, scene)?;

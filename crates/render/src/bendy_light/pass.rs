@@ -59,7 +59,7 @@ pub(crate) struct BendySlot {
     /// What the map shows: a scene's revision and the light's shape.
     map_key: Option<(u64, Shape)>,
     /// The light in place, and of which scene's revision and which light.
-    placed: Option<(u64, BendyLight, PlacedBendy)>,
+    placed: Option<Box<(u64, BendyLight, PlacedBendy)>>,
 }
 
 /// A BendyLight in place.
@@ -119,7 +119,7 @@ impl BendyPass {
         light: &BendyLight,
         scene: &StagedScene,
     ) -> Result<(PlacedBendy, bool), RenderError> {
-        if let Some((revision, same, placed)) = &slot.placed
+        if let Some((revision, same, placed)) = slot.placed.as_deref()
             && (*revision, same) == (scene.revision, light)
         {
             return Ok((placed.clone(), false));
@@ -153,7 +153,7 @@ impl BendyPass {
             self.lighting.push((baked, pass));
         }
         let placed = PlacedBendy { baked, group, corners_in_world: hull_in_world(&tube, t_max) };
-        slot.placed = Some((scene.revision, light.clone(), placed.clone()));
+        slot.placed = Some(Box::new((scene.revision, light.clone(), placed.clone())));
         Ok((placed, stale))
     }
 }
