@@ -1,6 +1,6 @@
 //! Cameras, and one that frames a scene that has none.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use crate::{Scene, pose};
 
@@ -9,10 +9,41 @@ use crate::{Scene, pose};
 pub struct Camera {
     /// Name for people and for `--camera`.
     pub name: String,
-    /// Rigid placement: rotation and translation only.
-    pub world_from_camera: DAffine3,
+    /// World position of the eye.
+    pub translation: DVec3,
+    /// Rotation from camera to world axes. It need not be of exactly unit length; it is normalised before use.
+    pub rotation: DQuat,
     /// How it projects.
     pub projection: Projection,
+}
+
+impl Camera {
+    /// The placement as a rigid transform.
+    pub fn world_from_camera(&self) -> DAffine3 {
+        DAffine3::from_rotation_translation(self.rotation.normalize(), self.translation)
+    }
+
+    /// Whether its numbers make a picture; the error ends the sentence "the camera's".
+    pub fn check(&self) -> Result<(), &'static str> {
+        let projected = match self.projection {
+            Projection::Perspective { yfov, znear, zfar } => {
+                let far = zfar.is_none_or(|zfar| znear < zfar && zfar.is_finite());
+                0.0 < yfov && yfov < std::f64::consts::PI && 0.0 < znear && znear.is_finite() && far
+            }
+            Projection::Orthographic { ymag, znear, zfar } => {
+                0.0 < ymag && ymag.is_finite() && 0.0 <= znear && znear < zfar && zfar.is_finite()
+            }
+        };
+        if !projected {
+            return Err("angle, size or planes make no picture");
+        }
+        // Rounding may leave a unit quaternion a little off; what is far off was meant as something else.
+        let unit = (self.rotation.length_squared() - 1.0).abs() < 1e-3;
+        if !unit {
+            return Err("rotation is not a quaternion of unit length");
+        }
+        if self.translation.is_finite() { Ok(()) } else { Err("translation is not finite") }
+    }
 }
 
 /// glTF's two projections. The picture's own aspect ratio decides the width.
@@ -52,8 +83,8 @@ pub fn framing_camera(scene: &Scene, aspect: f64) -> Camera {
     let right = DVec3::Y.cross(back).normalize();
     let rotation = DMat3::from_cols(right, back.cross(right), back);
     let projection = Projection::Perspective { yfov, znear: distance * 0.01, zfar: None };
-    let world_from_camera = DAffine3 { matrix3: rotation, translation: center + back * distance };
-    Camera { name: "framing".into(), world_from_camera, projection }
+    let translation = center + back * distance;
+    Camera { name: "framing".into(), translation, rotation: DQuat::from_mat3(&rotation), projection }
 }
 
 /// Corners of the box around every posed vertex, or `None` where there is none.

@@ -1,249 +1,212 @@
-//! The document's types and its invariants.
+//! What a session edits: a scene, and the lights and cameras placed in it.
 
-use bendy::{BendyLight, SpotLight};
-use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
-use thiserror::Error;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
 
-use crate::Camera;
+use glam::DVec3;
+use sha2::{Digest, Sha256};
 
-/// Everything that is drawn and everything that lights it. World space is right-handed, +Y up, metres by habit.
-#[derive(Clone, Debug, Default)]
-pub struct Scene {
-    /// The node hierarchy. Parents come before their children.
-    pub nodes: Vec<Node>,
-    /// Meshes that nodes refer to; one mesh may stand in many places.
-    pub meshes: Vec<Mesh>,
-    /// Materials that primitives refer to.
-    pub materials: Vec<Material>,
-    /// Decoded pictures that materials refer to.
-    pub images: Vec<Image>,
-    /// Cameras, placed in the world.
-    pub cameras: Vec<Camera>,
-    /// Lights, placed in the world.
-    pub lights: Vec<Light>,
-    /// Light from everywhere, so that what no light reaches can be read.
-    pub fill: Fill,
-}
+use crate::{Camera, Light, LightKind, Scene};
 
-/// A place in the hierarchy.
-#[derive(Clone, Debug)]
-pub struct Node {
-    /// Name for people; not unique.
-    pub name: String,
-    /// Index of the parent in [`Scene::nodes`], less than this node's own.
-    pub parent: Option<usize>,
-    /// Placement in the parent's space; finite, may be singular.
-    pub parent_from_local: DAffine3,
-    /// Index in [`Scene::meshes`].
-    pub mesh: Option<usize>,
-}
+/// Identifies a light for as long as a session lives. Never used twice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct LightId(pub u64);
 
-/// Primitives that move together.
-#[derive(Clone, Debug, Default)]
-pub struct Mesh {
-    /// Name for people.
-    pub name: String,
-    /// One a material.
-    pub primitives: Vec<Primitive>,
-}
+/// Identifies a camera for as long as a session lives. Never used twice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CameraId(pub u64);
 
-/// A triangle list with one material, in mesh-local space.
-///
-/// `normals` has one unit vector a vertex; `uvs` and `colors` are empty or have one entry a vertex.
-#[derive(Clone, Debug, Default)]
-pub struct Primitive {
-    /// Finite positions.
-    pub positions: Vec<Vec3>,
-    /// Unit shading normals.
-    pub normals: Vec<Vec3>,
-    /// Texture coordinates, glTF's convention: origin at the top left.
-    pub uvs: Vec<Vec2>,
-    /// Linear RGBA that multiplies the base colour.
-    pub colors: Vec<Vec4>,
-    /// Three a triangle, each less than the vertex count.
-    pub indices: Vec<u32>,
-    /// Index in [`Scene::materials`].
-    pub material: usize,
-}
-
-/// glTF's metallic-roughness material.
-#[derive(Clone, Debug)]
-pub struct Material {
-    /// Name for people.
-    pub name: String,
-    /// Linear RGBA.
-    pub base_color: Vec4,
-    /// 0 to 1.
-    pub metallic: f32,
-    /// Perceptual roughness, 0 to 1; the GGX alpha is its square.
-    pub roughness: f32,
-    /// sRGB picture that multiplies the base colour.
-    pub base_color_texture: Option<TextureRef>,
-    /// Linear picture: roughness in green, metallic in blue.
-    pub metallic_roughness_texture: Option<TextureRef>,
-    /// Fragments with less alpha are not drawn; `None` draws all.
-    pub alpha_cutoff: Option<f32>,
-    /// Draw back faces too.
-    pub double_sided: bool,
-}
-
-impl Default for Material {
-    fn default() -> Self {
-        Self {
-            name: String::new(),
-            base_color: Vec4::ONE,
-            metallic: 0.0,
-            roughness: 1.0,
-            base_color_texture: None,
-            metallic_roughness_texture: None,
-            alpha_cutoff: None,
-            double_sided: false,
-        }
-    }
-}
-
-/// A picture and how it is read.
+/// Names one numbering of a light's control points: another one after each insertion or removal, the earlier
+/// one again when that is undone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct TextureRef {
-    /// Index in [`Scene::images`].
-    pub image: usize,
-    /// How it is read.
-    pub sampler: Sampler,
-}
+pub struct Layout(pub u64);
 
-/// glTF's sampler: wrapping and whether magnified texels are blended.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Sampler {
-    /// Along u.
-    pub wrap_u: Wrap,
-    /// Along v.
-    pub wrap_v: Wrap,
-    /// Nearest texel instead of a blend.
-    pub nearest: bool,
-}
+/// SHA-256 of an asset's bytes, what `sha256sum` prints; written `sha256:` and 64 hexadecimal digits.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct AssetHash(pub [u8; 32]);
 
-/// What a texture does outside 0 to 1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Wrap {
-    /// Starts again.
-    #[default]
-    Repeat,
-    /// Starts again, mirrored.
-    MirroredRepeat,
-    /// Goes on with its edge.
-    ClampToEdge,
-}
-
-/// Eight bits a channel RGBA, rows from the top, `width * height * 4` bytes, as stored (sRGB for colours).
-#[derive(Clone)]
-pub struct Image {
-    /// Pixels, at least 1.
-    pub width: u32,
-    /// Pixels, at least 1.
-    pub height: u32,
-    /// The bytes.
-    pub rgba8: Vec<u8>,
-}
-
-impl std::fmt::Debug for Image {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Image({} x {})", self.width, self.height)
-    }
-}
-
-/// A light with the name people know it by.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Light {
-    /// Name for people and for `--light`.
+/// The scene of a document.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneRef {
+    /// Its bytes.
+    pub asset: AssetHash,
+    /// What people call it; a label, part of neither identity nor hash.
     pub name: String,
-    /// Which light it is.
-    pub kind: LightKind,
 }
 
-/// The closed set of lights.
+/// A light and how its control points are numbered.
 #[derive(Clone, Debug, PartialEq)]
-pub enum LightKind {
-    /// Light along a spline.
-    Bendy(BendyLight),
-    /// Light along straight lines.
-    Spot(SpotLight),
+pub struct PlacedLight {
+    /// The numbering.
+    pub layout: Layout,
+    /// The light.
+    pub light: Light,
 }
 
-/// Hemisphere fill: irradiance over pi from above and below, blended by the normal's height.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fill {
-    /// Radiance of the upper hemisphere, linear RGB.
-    pub sky: DVec3,
-    /// Radiance of the lower hemisphere, linear RGB.
-    pub ground: DVec3,
+/// Everything that an edit log describes. It changes by [`Document::apply`] alone, so that ids stay unique.
+///
+/// Cloning is cheap: geometry is shared.
+#[derive(Clone, Debug, Default)]
+pub struct Document {
+    scene_ref: Option<SceneRef>,
+    scene: Arc<Scene>,
+    lights: BTreeMap<LightId, PlacedLight>,
+    cameras: BTreeMap<CameraId, Camera>,
+    /// The largest number given out as an id or a layout. Not part of the document's content: undoing an
+    /// addition gives the content back, but not the number.
+    last_number: u64,
 }
 
-impl Default for Fill {
-    fn default() -> Self {
-        Self { sky: DVec3::splat(0.10), ground: DVec3::splat(0.05) }
+impl Document {
+    /// Which scene it is; `None` before one is loaded.
+    pub fn scene_ref(&self) -> Option<&SceneRef> {
+        self.scene_ref.as_ref()
+    }
+
+    /// Geometry, materials and fill. Its own cameras and lights were copied when it was loaded and mean nothing
+    /// since.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// The lights, in the order of their ids.
+    pub fn lights(&self) -> &BTreeMap<LightId, PlacedLight> {
+        &self.lights
+    }
+
+    /// The cameras, in the order of their ids.
+    pub fn cameras(&self) -> &BTreeMap<CameraId, Camera> {
+        &self.cameras
+    }
+
+    /// The next number for an id or a layout. It is taken once something carries it.
+    pub(crate) fn next_number(&self) -> u64 {
+        self.last_number.saturating_add(1)
+    }
+
+    pub(crate) fn take_number(&mut self, number: u64) {
+        self.last_number = self.last_number.max(number);
+    }
+
+    pub(crate) fn set_scene(&mut self, scene_ref: Option<SceneRef>, scene: Arc<Scene>) {
+        (self.scene_ref, self.scene) = (scene_ref, scene);
+    }
+
+    pub(crate) fn lights_mut(&mut self) -> &mut BTreeMap<LightId, PlacedLight> {
+        &mut self.lights
+    }
+
+    pub(crate) fn cameras_mut(&mut self) -> &mut BTreeMap<CameraId, Camera> {
+        &mut self.cameras
+    }
+
+    /// A document as it was written down, with all that [`Document::apply`] made of it. `last_number` is the
+    /// largest number ever given out; the ids and layouts here count too.
+    pub fn restore(
+        scene: Option<(SceneRef, Arc<Scene>)>,
+        lights: BTreeMap<LightId, PlacedLight>,
+        cameras: BTreeMap<CameraId, Camera>,
+        last_number: u64,
+    ) -> Self {
+        let (scene_ref, scene) = scene.map_or_else(Default::default, |(r, s)| (Some(r), s));
+        let numbers = lights.iter().flat_map(|(id, light)| [id.0, light.layout.0]);
+        let last_number = numbers.chain(cameras.keys().map(|id| id.0)).fold(last_number, u64::max);
+        Self { scene_ref, scene, lights, cameras, last_number }
+    }
+
+    /// The largest number ever given out as an id or a layout; what [`Document::restore`] needs.
+    pub fn last_number(&self) -> u64 {
+        self.last_number
     }
 }
 
-/// A broken promise in a [`Scene`].
-#[derive(Debug, Error, PartialEq, Eq)]
-#[error("{what} {index} is not sound: {why}")]
-pub struct SceneError {
-    /// Which kind of thing.
-    pub what: &'static str,
-    /// Its index in the scene.
-    pub index: usize,
-    /// Which promise.
-    pub why: &'static str,
+/// The control points of a BendyLight with all they carry: what is renumbered as one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ControlPoints {
+    /// Their numbering.
+    pub layout: Layout,
+    /// Positions, light-local.
+    pub points: Vec<DVec3>,
+    /// Radii, light-local.
+    pub radii: Vec<f64>,
+    /// Colours, linear RGB.
+    pub colors: Vec<DVec3>,
+    /// Intensities.
+    pub intensities: Vec<f64>,
 }
 
-impl Scene {
-    /// Verifies every promise stated on the fields: indices in range, parents first, lengths equal, numbers
-    /// finite.
-    pub fn check(&self) -> Result<(), SceneError> {
-        let fail = |what, index, why| Err(SceneError { what, index, why });
-        for (i, node) in self.nodes.iter().enumerate() {
-            if node.parent.is_some_and(|p| p >= i) {
-                return fail("node", i, "its parent does not come before it");
-            }
-            if node.mesh.is_some_and(|m| m >= self.meshes.len()) {
-                return fail("node", i, "its mesh does not exist");
-            }
-            if !node.parent_from_local.is_finite() {
-                return fail("node", i, "its transform is not finite");
-            }
+impl ControlPoints {
+    /// Those of `placed`; `None` for a spotlight, which has none.
+    pub fn of(placed: &PlacedLight) -> Option<Self> {
+        let LightKind::Bendy(bendy) = &placed.light.kind else { return None };
+        Some(Self {
+            layout: placed.layout,
+            points: bendy.points.clone(),
+            radii: bendy.radii.clone(),
+            colors: bendy.colors.clone(),
+            intensities: bendy.intensities.clone(),
+        })
+    }
+}
+
+impl fmt::Display for LightId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl fmt::Display for CameraId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl AssetHash {
+    /// Of an asset's bytes.
+    pub fn of(bytes: &[u8]) -> Self {
+        Self(Sha256::digest(bytes).into())
+    }
+
+    /// The 64 digits alone.
+    pub fn hex(&self) -> String {
+        self.to_string().split_off("sha256:".len())
+    }
+}
+
+impl fmt::Display for AssetHash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("sha256:")?;
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+impl fmt::Debug for AssetHash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+/// Text that is not `sha256:` and 64 hexadecimal digits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "an asset's name is `sha256:` and 64 hexadecimal digits: copy it from where the asset was made known"
+)]
+pub struct NotAnAssetHash;
+
+impl FromStr for AssetHash {
+    type Err = NotAnAssetHash;
+
+    fn from_str(text: &str) -> Result<Self, NotAnAssetHash> {
+        let digits = text.strip_prefix("sha256:").map(str::as_bytes).filter(|d| d.len() == 64);
+        let digits = digits.ok_or(NotAnAssetHash)?;
+        let value = |digit: u8| char::from(digit).to_digit(16).filter(|_| !digit.is_ascii_uppercase());
+        let mut bytes = [0; 32];
+        for (byte, pair) in bytes.iter_mut().zip(digits.chunks_exact(2)) {
+            let (high, low) = value(pair[0]).zip(value(pair[1])).ok_or(NotAnAssetHash)?;
+            *byte = (high * 16 + low) as u8;
         }
-        for (i, mesh) in self.meshes.iter().enumerate() {
-            for p in &mesh.primitives {
-                let n = p.positions.len();
-                let optional = |len: usize| len == 0 || len == n;
-                if p.normals.len() != n || !optional(p.uvs.len()) || !optional(p.colors.len()) {
-                    return fail("mesh", i, "its attributes differ in length");
-                }
-                if p.indices.len() % 3 != 0 || p.indices.iter().any(|&k| k as usize >= n) {
-                    return fail("mesh", i, "its indices do not form triangles of its vertices");
-                }
-                if p.material >= self.materials.len() {
-                    return fail("mesh", i, "its material does not exist");
-                }
-                let finite = p.positions.iter().chain(&p.normals).all(|v| v.is_finite())
-                    && p.uvs.iter().all(|v| v.is_finite())
-                    && p.colors.iter().all(|v| v.is_finite());
-                if !finite {
-                    return fail("mesh", i, "it has positions, normals, uvs or colours that are not finite");
-                }
-            }
-        }
-        for (i, m) in self.materials.iter().enumerate() {
-            let textures = [m.base_color_texture, m.metallic_roughness_texture];
-            if textures.iter().flatten().any(|t| t.image >= self.images.len()) {
-                return fail("material", i, "its picture does not exist");
-            }
-        }
-        for (i, image) in self.images.iter().enumerate() {
-            if image.width == 0 || image.rgba8.len() != image.width as usize * image.height as usize * 4 {
-                return fail("image", i, "its bytes do not fill its width and height");
-            }
-        }
-        Ok(())
+        Ok(Self(bytes))
     }
 }

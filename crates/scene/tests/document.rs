@@ -48,7 +48,7 @@ fn the_framing_camera_sees_everything() {
     for aspect in [0.25, 1.0, 686.0 / 382.0, 4.0] {
         let camera = framing_camera(&scene, aspect);
         let Projection::Perspective { yfov, znear, .. } = camera.projection else { panic!("perspective") };
-        let camera_from_world = camera.world_from_camera.inverse();
+        let camera_from_world = camera.world_from_camera().inverse();
         let half = (yfov / 2.0).tan();
         for k in 0..8 {
             let pick = |bit: i32, low: f64, high: f64| if k >> bit & 1 == 1 { high } else { low };

@@ -1,0 +1,18 @@
+//! The edit log: records, undo and redo, gestures, replay.
+//!
+//! A [`Session`] is a document, how it came about and what is being dragged in it. It is a function of its
+//! records: whoever feeds it the same ones has the same session. It does no IO and knows no clock; whoever owns
+//! it writes records down, tells the time and finds scenes.
+
+mod gesture;
+mod history;
+mod record;
+mod refusal;
+mod session;
+mod take_back;
+
+pub use gesture::{Gesture, LEASE_MS, MAX_GESTURES};
+pub use history::MAX_UNDO_DEPTH;
+pub use record::{Action, Actor, Record, Scope};
+pub use refusal::{Refusal, ReplayError};
+pub use session::{Committed, MAX_RECORDS, Request, Session};

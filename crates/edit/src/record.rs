@@ -1,0 +1,75 @@
+//! What the log holds.
+
+use scene::{Change, Command};
+
+/// Who did it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Actor {
+    /// Stays with a person over connections; decides what "mine" means in undo.
+    pub id: String,
+    /// For people.
+    pub name: String,
+}
+
+/// Whose steps undo and redo look at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scope {
+    /// One's own.
+    Mine,
+    /// Everybody's.
+    Session,
+}
+
+/// One committed step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    /// Counts from 1 without gaps.
+    pub seq: u64,
+    /// When, in milliseconds since 1970 UTC. For people; nothing depends on it.
+    pub time_ms: u64,
+    /// Who.
+    pub actor: Actor,
+    /// The sender's own name for the step: one that comes again is not carried out again.
+    pub op_id: String,
+    /// What was asked for.
+    pub action: Action,
+    /// What it did. Replay makes these and looks at nothing else.
+    pub changes: Vec<Change>,
+}
+
+/// What was asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// A command.
+    Edit(Command),
+    /// The last command of a drag.
+    Gesture(Command),
+    /// Taking back a step.
+    Undo {
+        /// Whose steps were looked at.
+        scope: Scope,
+        /// The step's record.
+        target: u64,
+        /// What was left as it is, and why.
+        skipped: Vec<String>,
+    },
+    /// Taking back an undo.
+    Redo {
+        /// Whose undos were looked at.
+        scope: Scope,
+        /// The undo's record.
+        target: u64,
+        /// What was left as it is, and why.
+        skipped: Vec<String>,
+    },
+}
+
+impl Action {
+    /// What undo or redo left as it was.
+    pub fn skipped(&self) -> &[String] {
+        match self {
+            Self::Edit(_) | Self::Gesture(_) => &[],
+            Self::Undo { skipped, .. } | Self::Redo { skipped, .. } => skipped,
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Why a request is refused, and why a log cannot be replayed.
+
+use scene::{EditError, LightId};
+use thiserror::Error;
+
+/// Why a request is refused. Each sentence says what to do.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum Refusal {
+    /// The document does not allow it.
+    #[error("{0}")]
+    Edit(#[from] EditError),
+    /// The light is being dragged.
+    #[error("light {light} is held by {holder}, who is dragging it: wait until it is let go")]
+    Locked {
+        /// Which.
+        light: LightId,
+        /// Name of whoever drags it.
+        holder: String,
+    },
+    /// The control points have other numbers than the sender knew.
+    #[error("the control points of light {light} were renumbered in record {seq}: look at the light again")]
+    Stale {
+        /// Which.
+        light: LightId,
+        /// The record that did it.
+        seq: u64,
+    },
+    /// No step to take back.
+    #[error("there is nothing to undo")]
+    NothingToUndo,
+    /// No undo to take back.
+    #[error("there is nothing to redo")]
+    NothingToRedo,
+    /// No such drag: never begun, ended, or somebody else's.
+    #[error("there is no gesture {0} of yours: begin it again")]
+    NoGesture(String),
+    /// A drag that is committed before its first update.
+    #[error("gesture {0} was never updated and has nothing to commit: cancel such a gesture")]
+    EmptyGesture(String),
+    /// A drag of that name is under way.
+    #[error("gesture {0} is already under way: choose another name")]
+    GestureExists(String),
+    /// A drag's command is not of its light.
+    #[error("a gesture on light {0} can only change that light: begin another gesture")]
+    OtherLight(LightId),
+    /// A limit of the session.
+    #[error("a session has at most {limit} {what}: {remedy}")]
+    TooMany {
+        /// Of what.
+        what: &'static str,
+        /// How many.
+        limit: usize,
+        /// What to do.
+        remedy: &'static str,
+    },
+}
+
+impl Refusal {
+    /// The code that programs act on.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Edit(error) => match error {
+                EditError::NoLight(_) | EditError::NoCamera(_) | EditError::NoPoint { .. } => "notFound",
+                EditError::WrongKind { .. } => "wrongKind",
+                EditError::Source => "source",
+                EditError::InvalidLight(_) => "invalidLight",
+                EditError::InvalidCamera(_) => "invalidCamera",
+                EditError::UnknownAsset(_) => "unknownAsset",
+                EditError::TooMany { .. } => "tooMany",
+                EditError::Conflict(_) => "conflict",
+            },
+            Self::Locked { .. } => "locked",
+            Self::Stale { .. } => "stale",
+            Self::NothingToUndo => "nothingToUndo",
+            Self::NothingToRedo => "nothingToRedo",
+            Self::NoGesture(_) => "noGesture",
+            Self::EmptyGesture(_) => "emptyGesture",
+            Self::GestureExists(_) => "exists",
+            Self::OtherLight(_) => "otherLight",
+            Self::TooMany { .. } => "tooMany",
+        }
+    }
+}
+
+/// Why a record does not go on from where a log stands.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ReplayError {
+    /// A record is missing or out of order.
+    #[error("record {found} follows record {after}: the log has a gap; export it again")]
+    Gap {
+        /// The sequence that came.
+        found: u64,
+        /// The one before.
+        after: u64,
+    },
+    /// A record does not fit the document before it.
+    #[error("record {seq}: {reason}")]
+    Record {
+        /// Which.
+        seq: u64,
+        /// Why.
+        reason: EditError,
+    },
+    /// A record takes back what is not there to take back.
+    #[error("record {seq} takes back record {target}, which is not in effect: the log was changed by hand")]
+    Target {
+        /// Which.
+        seq: u64,
+        /// What it takes back.
+        target: u64,
+    },
+    /// Two steps of one name.
+    #[error("record {seq} repeats operation {op_id} of the same actor: the log was changed by hand")]
+    Repeated {
+        /// Which.
+        seq: u64,
+        /// The operation.
+        op_id: String,
+    },
+}

@@ -1,0 +1,302 @@
+//! A document, how it came about, and what is being dragged in it.
+
+use std::collections::BTreeMap;
+
+use rpds::RedBlackTreeMapSync;
+use scene::{Change, Command, Document, FindScene, LightId, changes_of};
+
+use crate::gesture::{Gesture, LEASE_MS, MAX_GESTURES};
+use crate::history::History;
+use crate::take_back::take_back;
+use crate::{Action, Actor, Record, Refusal, ReplayError, Scope};
+
+/// Records that a log has at most.
+pub const MAX_RECORDS: usize = 1_000_000;
+
+/// What can be asked of a session that ends in a record.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Request {
+    /// Carry out a command.
+    Edit {
+        /// The latest record that the sender knew; `None` where it does not say.
+        base_seq: Option<u64>,
+        /// What to do.
+        command: Command,
+    },
+    /// Commit a gesture of this name.
+    Commit(String),
+    /// Take back a step.
+    Undo(Scope),
+    /// Take back an undo.
+    Redo(Scope),
+}
+
+/// The answer to a request that is or was carried out.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Committed {
+    /// A new record, to be written down.
+    New {
+        /// The record.
+        record: Box<Record>,
+        /// Whether somebody else changed the same light after the sender's `base_seq`.
+        rebased: bool,
+    },
+    /// An operation of that name was carried out before, in this record.
+    Before(u64),
+}
+
+/// See the crate's documentation. Cloning costs as much as the document, not as the log, so that the state before a
+/// commit can be kept.
+#[derive(Clone, Debug, Default)]
+pub struct Session {
+    document: Document,
+    seq: u64,
+    history: History,
+    /// The record of each operation, by actor and operation.
+    operations: RedBlackTreeMapSync<(String, String), u64>,
+    /// The latest record of each actor on each light.
+    touched: BTreeMap<(LightId, String), u64>,
+    /// The latest record that renumbered each light's control points.
+    renumbered: BTreeMap<LightId, u64>,
+    /// Ordered by light, of which each has one at most.
+    gestures: BTreeMap<LightId, Gesture>,
+}
+
+impl Session {
+    /// The document after the latest record.
+    pub fn document(&self) -> &Document {
+        &self.document
+    }
+
+    /// Sequence of the latest record, 0 before the first.
+    pub fn seq(&self) -> u64 {
+        self.seq
+    }
+
+    /// Takes in a record that was written down before.
+    pub fn replay(&mut self, record: &Record, find_scene: FindScene) -> Result<(), ReplayError> {
+        let seq = record.seq;
+        if seq != self.seq + 1 {
+            return Err(ReplayError::Gap { found: seq, after: self.seq });
+        }
+        let operation = (record.actor.id.clone(), record.op_id.clone());
+        if self.operations.contains_key(&operation) {
+            return Err(ReplayError::Repeated { seq, op_id: operation.1 });
+        }
+        if let Action::Undo { target, .. } | Action::Redo { target, .. } = record.action
+            && !self.history.is_in_effect(&record.action)
+        {
+            return Err(ReplayError::Target { seq, target });
+        }
+        self.document
+            .apply(&record.changes, find_scene)
+            .map_err(|reason| ReplayError::Record { seq, reason })?;
+        self.history.note(record);
+        self.seq = seq;
+        self.operations.insert_mut(operation, seq);
+        for change in &record.changes {
+            let Some(light) = change.light() else { continue };
+            self.touched.insert((light, record.actor.id.clone()), seq);
+            if matches!(change, Change::ControlPoints { .. }) {
+                self.renumbered.insert(light, seq);
+            }
+        }
+        Ok(())
+    }
+
+    /// Carries out a request and gives the record to write down. `now_ms` is the time of day.
+    ///
+    /// Until the record is written down the caller keeps a clone of the session before, to go back to.
+    pub fn request(
+        &mut self,
+        request: Request,
+        actor: &Actor,
+        op_id: &str,
+        now_ms: u64,
+        find_scene: FindScene,
+    ) -> Result<Committed, Refusal> {
+        if let Some(&seq) = self.operations.get(&(actor.id.clone(), op_id.to_owned())) {
+            return Ok(Committed::Before(seq));
+        }
+        if self.seq as usize >= MAX_RECORDS {
+            let remedy = "make a new session from its document";
+            return Err(Refusal::TooMany { what: "records", limit: MAX_RECORDS, remedy });
+        }
+        let (action, changes, rebased) = match request {
+            Request::Edit { base_seq, command } => {
+                let rebased = self.check_base(&command, actor, base_seq)?;
+                let changes = changes_of(&self.document, &command, find_scene)?;
+                (Action::Edit(command), changes, rebased)
+            }
+            Request::Commit(id) => {
+                let gesture = self.end_gesture(&id, actor)?;
+                let Some(command) = gesture.command else { return Err(Refusal::EmptyGesture(id)) };
+                let rebased = self.check_base(&command, actor, Some(gesture.base_seq))?;
+                let changes = changes_of(&self.document, &command, find_scene)?;
+                (Action::Gesture(command), changes, rebased)
+            }
+            Request::Undo(scope) => {
+                let target = self.history.undo_target(&actor.id, scope).ok_or(Refusal::NothingToUndo)?;
+                let taken = take_back(&self.document, &target.1, find_scene);
+                let action = Action::Undo { scope, target: target.0, skipped: taken.skipped };
+                (action, taken.changes, false)
+            }
+            Request::Redo(scope) => {
+                let target = self.history.redo_target(&actor.id, scope).ok_or(Refusal::NothingToRedo)?;
+                let taken = take_back(&self.document, &target.1, find_scene);
+                let action = Action::Redo { scope, target: target.0, skipped: taken.skipped };
+                (action, taken.changes, false)
+            }
+        };
+        self.check_locks(&changes, actor)?;
+        let (actor, op_id) = (actor.clone(), op_id.to_owned());
+        let record = Record { seq: self.seq + 1, time_ms: now_ms, actor, op_id, action, changes };
+        self.replay(&record, find_scene).map_err(|error| match error {
+            ReplayError::Record { reason, .. } => Refusal::Edit(reason),
+            other => unreachable!("a record made here follows the one before: {other}"),
+        })?;
+        Ok(Committed::New { record: Box::new(record), rebased })
+    }
+
+    /// Refuses control points by outdated numbers; says whether somebody else came in between.
+    fn check_base(&self, command: &Command, actor: &Actor, base_seq: Option<u64>) -> Result<bool, Refusal> {
+        let (Some(light), Some(base_seq)) = (command.light(), base_seq) else { return Ok(false) };
+        if command.counts_points() {
+            check_numbering(&self.renumbered, light, base_seq)?;
+        }
+        let mut touches =
+            self.touched.range((light, String::new())..).take_while(|((id, _), _)| *id == light);
+        Ok(touches.any(|((_, by), &seq)| *by != actor.id && seq > base_seq))
+    }
+
+    fn check_locks(&self, changes: &[Change], actor: &Actor) -> Result<(), Refusal> {
+        changes.iter().filter_map(Change::light).try_for_each(|light| self.check_lock(light, actor))
+    }
+
+    fn check_lock(&self, light: LightId, actor: &Actor) -> Result<(), Refusal> {
+        match self.gestures.get(&light) {
+            Some(held) if held.actor.id != actor.id => {
+                Err(Refusal::Locked { light, holder: held.actor.name.clone() })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The gestures under way, in the order of their lights.
+    pub fn gestures(&self) -> impl Iterator<Item = &Gesture> {
+        self.gestures.values()
+    }
+
+    /// Begins a gesture named `id` on `light`. `base_seq` as in [`Request::Edit`]. `client` is the connection that it
+    /// ends with, `now_ms` any clock that only goes forward.
+    pub fn begin_gesture(
+        &mut self,
+        id: &str,
+        light: LightId,
+        base_seq: u64,
+        (client, actor): (u64, &Actor),
+        now_ms: u64,
+    ) -> Result<&Gesture, Refusal> {
+        if !self.document.lights().contains_key(&light) {
+            return Err(scene::EditError::NoLight(light).into());
+        }
+        check_numbering(&self.renumbered, light, base_seq)?;
+        self.check_lock(light, actor)?;
+        if self.gestures.contains_key(&light)
+            || self.gestures().any(|held| held.id == id && held.actor.id == actor.id)
+        {
+            return Err(Refusal::GestureExists(id.to_owned()));
+        }
+        if self.gestures.len() >= MAX_GESTURES {
+            let remedy = "wait until one is let go";
+            return Err(Refusal::TooMany { what: "gestures under way", limit: MAX_GESTURES, remedy });
+        }
+        Ok(self.gestures.entry(light).or_insert(Gesture {
+            id: id.to_owned(),
+            client,
+            actor: actor.clone(),
+            light,
+            update: 0,
+            command: None,
+            changes: Vec::new(),
+            base_seq,
+            touched_ms: now_ms,
+        }))
+    }
+
+    /// The latest state of a drag. A command that is refused leaves the one before in place, and the lease renewed.
+    pub fn update_gesture(
+        &mut self,
+        id: &str,
+        update: u64,
+        command: Command,
+        actor: &Actor,
+        now_ms: u64,
+        find_scene: FindScene,
+    ) -> Result<&Gesture, Refusal> {
+        let light = self.gesture_of(id, actor)?;
+        let Some(gesture) = self.gestures.get_mut(&light) else {
+            return Err(Refusal::NoGesture(id.to_owned()));
+        };
+        gesture.touched_ms = now_ms;
+        let removes = matches!(command, Command::RemoveLight(_));
+        if command.light() != Some(light) || removes {
+            return Err(Refusal::OtherLight(light));
+        }
+        if command.counts_points() {
+            check_numbering(&self.renumbered, light, gesture.base_seq)?;
+        }
+        gesture.changes = changes_of(&self.document, &command, find_scene)?;
+        gesture.command = Some(command);
+        gesture.update = update;
+        Ok(gesture)
+    }
+
+    /// Ends a gesture without a record.
+    pub fn end_gesture(&mut self, id: &str, actor: &Actor) -> Result<Gesture, Refusal> {
+        let light = self.gesture_of(id, actor)?;
+        self.gestures.remove(&light).ok_or_else(|| Refusal::NoGesture(id.to_owned()))
+    }
+
+    /// Ends the gestures of a connection that is gone.
+    pub fn end_gestures_of(&mut self, client: u64) -> Vec<Gesture> {
+        self.gestures
+            .extract_if(.., |_, gesture| gesture.client == client)
+            .map(|(_, gesture)| gesture)
+            .collect()
+    }
+
+    /// Ends the gestures whose lease is over.
+    pub fn expire_gestures(&mut self, now_ms: u64) -> Vec<Gesture> {
+        let over = |gesture: &Gesture| now_ms.saturating_sub(gesture.touched_ms) > LEASE_MS;
+        self.gestures.extract_if(.., |_, gesture| over(gesture)).map(|(_, gesture)| gesture).collect()
+    }
+
+    fn gesture_of(&self, id: &str, actor: &Actor) -> Result<LightId, Refusal> {
+        let mut mine = self.gestures().filter(|held| held.id == id && held.actor.id == actor.id);
+        mine.next().map(|held| held.light).ok_or_else(|| Refusal::NoGesture(id.to_owned()))
+    }
+
+    /// The document as everybody sees it: with the gestures under way.
+    pub fn live_document(&self, find_scene: FindScene) -> Document {
+        let mut live = self.document.clone();
+        for gesture in self.gestures() {
+            // One that no longer fits, its light being gone, shows nothing and is refused when it is committed.
+            let _ = live.apply(&gesture.changes, find_scene);
+        }
+        live
+    }
+}
+
+/// Refuses to count the control points of `light` as they were at record `base_seq` where they have since been
+/// renumbered.
+fn check_numbering(
+    renumbered: &BTreeMap<LightId, u64>,
+    light: LightId,
+    base_seq: u64,
+) -> Result<(), Refusal> {
+    match renumbered.get(&light) {
+        Some(&seq) if seq > base_seq => Err(Refusal::Stale { light, seq }),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,203 @@
+//! Drags under way.
+
+use edit::{Action, Gesture, LEASE_MS, MAX_GESTURES, Refusal, Request, Scope};
+use scene::{Command, LightId};
+
+use crate::support::{KEY, Studio, actor, angle, bent_light, find_scene, insert, position, radius, softness};
+
+impl Studio {
+    fn begin(&mut self, who: &str, id: &str) -> Result<Gesture, Refusal> {
+        let seq = self.session.seq();
+        self.session.begin_gesture(id, KEY, seq, (7, &actor(who)), 0).cloned()
+    }
+
+    fn update(&mut self, who: &str, id: &str, update: u64, command: Command) -> Result<Gesture, Refusal> {
+        self.session.update_gesture(id, update, command, &actor(who), 0, &find_scene).cloned()
+    }
+
+    fn live_angle(&self) -> f64 {
+        match &self.session.live_document(&find_scene).lights()[&KEY].light.kind {
+            scene::LightKind::Bendy(light) => light.cone_angle,
+            scene::LightKind::Spot(_) => unreachable!("a BendyLight"),
+        }
+    }
+}
+
+/// Rules: GEST-1
+#[test]
+fn a_drag_is_live_while_it_lasts_and_one_record_in_the_end() {
+    let mut studio = Studio::new();
+    studio.begin("ada", "g").expect("nobody holds the light");
+    for (update, degrees) in [(1, 30.0), (2, 40.0), (3, 50.0)] {
+        let gesture = studio.update("ada", "g", update, angle(degrees)).expect("a valid state");
+        assert_eq!((gesture.update, gesture.changes.len()), (update, 1));
+        assert_eq!((studio.live_angle(), studio.light().cone_angle), (degrees, 25.0), "live, not yet done");
+    }
+    assert_eq!(studio.session.seq(), 1, "nothing is logged");
+    let record = studio.done("ada", Request::Commit("g".into()));
+    assert_eq!(record.action, Action::Gesture(angle(50.0)));
+    assert_eq!((studio.light().cone_angle, studio.live_angle()), (50.0, 50.0));
+    assert_eq!(studio.session.gestures().count(), 0);
+    studio.undo("ada");
+    assert_eq!(studio.light().cone_angle, 25.0, "a drag is one step");
+}
+
+/// Rules: GEST-1
+#[test]
+fn a_cancelled_drag_leaves_no_trace() {
+    let mut studio = Studio::new();
+    let before = studio.hash();
+    studio.begin("ada", "g").expect("nobody holds the light");
+    studio.update("ada", "g", 1, angle(50.0)).expect("a valid state");
+    assert_ne!(studio.session.live_document(&find_scene).hash(), before);
+    studio.session.end_gesture("g", &actor("ada")).expect("it is hers");
+    assert_eq!((studio.hash(), studio.session.live_document(&find_scene).hash()), (before, before));
+    let ended = studio.session.end_gesture("g", &actor("ada"));
+    assert_eq!(ended, Err(Refusal::NoGesture("g".into())));
+}
+
+/// Rules: GEST-2
+#[test]
+fn a_held_light_is_locked_for_others() {
+    let mut studio = Studio::new();
+    studio.edit("ben", softness(0.5));
+    studio.begin("ada", "g").expect("nobody holds the light");
+    let locked = Refusal::Locked { light: KEY, holder: "ADA".into() };
+    assert_eq!(locked.code(), "locked");
+    let before = studio.hash();
+    for request in [
+        Request::Edit { base_seq: None, command: angle(40.0) },
+        Request::Edit { base_seq: None, command: Command::RemoveLight(KEY) },
+        Request::Undo(Scope::Mine),
+        Request::Undo(Scope::Session),
+    ] {
+        assert_eq!(studio.ask("ben", request).expect_err("ada holds it"), locked);
+    }
+    assert_eq!(studio.begin("ben", "h").expect_err("ada holds it"), locked);
+    assert_eq!(studio.hash(), before);
+    studio.edit("ben", Command::AddLight(Box::new(bent_light())));
+    studio.edit("ada", angle(30.0));
+    studio.session.end_gesture("g", &actor("ada")).expect("it is hers");
+    studio.edit("ben", angle(40.0));
+}
+
+/// Rules: GEST-3
+#[test]
+fn a_drag_ends_with_its_connection_or_its_lease() {
+    let mut studio = Studio::new();
+    let light = |ended: &[Gesture]| ended.iter().map(|gesture| gesture.light).collect::<Vec<_>>();
+    studio.begin("ada", "g").expect("nobody holds the light");
+    assert!(studio.session.end_gestures_of(8).is_empty(), "another connection");
+    assert_eq!(light(&studio.session.end_gestures_of(7)), [KEY]);
+
+    studio.begin("ada", "g").expect("it is free again");
+    let later = 20_000;
+    let update = |studio: &mut Studio, now_ms| {
+        let holder = actor("ada");
+        studio.session.update_gesture("g", 1, angle(50.0), &holder, now_ms, &find_scene).map(drop)
+    };
+    update(&mut studio, later).expect("a valid state");
+    assert!(studio.session.expire_gestures(LEASE_MS + later).is_empty(), "30 seconds after the update");
+    assert_eq!(light(&studio.session.expire_gestures(LEASE_MS + later + 1)), [KEY]);
+    assert_eq!(studio.live_angle(), 25.0, "the light is as it was");
+    assert_eq!(update(&mut studio, later), Err(Refusal::NoGesture("g".into())));
+}
+
+/// Rules: GEST-4, CMD-2
+#[test]
+fn an_invalid_state_leaves_the_last_valid_one() {
+    let mut studio = Studio::new();
+    studio.begin("ada", "g").expect("nobody holds the light");
+    studio.update("ada", "g", 1, position(2, 0.5, -4.0)).expect("a valid state");
+    let live = studio.session.live_document(&find_scene).hash();
+    let refused = studio.update("ada", "g", 2, position(2, 30.0, -1.0)).expect_err("it folds");
+    assert_eq!(refused.code(), "invalidLight");
+    let gesture = studio.session.gestures().next().expect("it goes on").clone();
+    assert_eq!((gesture.update, gesture.command), (1, Some(position(2, 0.5, -4.0))));
+    assert_eq!(studio.session.live_document(&find_scene).hash(), live);
+    let record = studio.done("ada", Request::Commit("g".into()));
+    assert_eq!((record.action, studio.hash()), (Action::Gesture(position(2, 0.5, -4.0)), live));
+}
+
+/// Rules: GEST-3, GEST-4
+#[test]
+fn an_invalid_state_renews_the_lease() {
+    let mut studio = Studio::new();
+    studio.begin("ada", "g").expect("nobody holds the light");
+    let holder = actor("ada");
+    studio.session.update_gesture("g", 1, angle(90.0), &holder, 20_000, &find_scene).expect_err("no cone");
+    assert!(studio.session.expire_gestures(LEASE_MS + 1).is_empty());
+}
+
+/// Rules: GEST-1, GEST-2
+#[test]
+fn a_drag_keeps_to_its_light_and_its_holder() {
+    let mut studio = Studio::new();
+    studio.edit("rig", Command::AddLight(Box::new(bent_light())));
+    studio.begin("ada", "g").expect("nobody holds the light");
+    let elsewhere = Command::RemovePoint { light: LightId(2), point: 1 };
+    for command in [elsewhere, Command::RemoveLight(KEY), Command::AddLight(Box::new(bent_light()))] {
+        assert_eq!(studio.update("ada", "g", 1, command), Err(Refusal::OtherLight(KEY)));
+    }
+    assert_eq!(studio.update("ben", "g", 1, angle(40.0)), Err(Refusal::NoGesture("g".into())));
+    let commit =
+        |studio: &mut Studio, who| studio.ask(who, Request::Commit("g".into())).expect_err("refused");
+    assert_eq!(commit(&mut studio, "ben"), Refusal::NoGesture("g".into()));
+    assert_eq!(studio.begin("ada", "h"), Err(Refusal::GestureExists("h".into())), "one a light");
+    assert_eq!(commit(&mut studio, "ada"), Refusal::EmptyGesture("g".into()), "nothing to commit");
+    let nowhere = studio.session.begin_gesture("g", LightId(9), 0, (7, &actor("ada")), 0).cloned();
+    assert_eq!(nowhere.expect_err("no such light").code(), "notFound");
+}
+
+/// Her own undo can renumber the points under her hand; the drag must not move another point then.
+///
+/// Rules: SOCK-5, GEST-1
+#[test]
+fn a_drag_counts_points_as_they_were_when_it_began() {
+    let mut studio = Studio::new();
+    let known = studio.session.seq();
+    studio.edit("ada", insert(1));
+    let stale = studio.session.begin_gesture("g", KEY, known, (7, &actor("ada")), 0).cloned();
+    assert_eq!(stale.expect_err("outdated").code(), "stale");
+
+    studio.begin("ada", "g").expect("nobody holds the light");
+    studio.update("ada", "g", 1, radius(2, 0.5)).expect("a valid state");
+    let mut renumbered = studio.clone();
+    renumbered.undo("ada");
+    assert_eq!(renumbered.update("ada", "g", 2, radius(2, 0.55)).expect_err("outdated").code(), "stale");
+    renumbered.update("ada", "g", 3, angle(40.0)).expect("what counts no points");
+    studio.undo("ada");
+    let refused = studio.ask("ada", Request::Commit("g".into())).expect_err("outdated");
+    assert_eq!(refused.code(), "stale");
+    assert_eq!(studio.light().radii[2], 0.6);
+}
+
+/// Rules: SOCK-5
+#[test]
+fn a_drag_is_rebased_on_what_its_holder_did_not_know() {
+    let mut studio = Studio::new();
+    let known = studio.session.seq();
+    studio.edit("ben", softness(0.5));
+    studio.session.begin_gesture("g", KEY, known, (7, &actor("ada")), 0).expect("nobody holds the light");
+    studio.update("ada", "g", 1, angle(40.0)).expect("a valid state");
+    assert!(studio.committed("ada", Request::Commit("g".into())).1);
+    studio.begin("ada", "h").expect("she let go");
+    studio.update("ada", "h", 1, angle(50.0)).expect("a valid state");
+    assert!(!studio.committed("ada", Request::Commit("h".into())).1);
+}
+
+/// Rules: GEST-1
+#[test]
+fn a_session_has_so_many_drags_at_once() {
+    let mut studio = Studio::new();
+    for _ in 0..MAX_GESTURES {
+        studio.edit("rig", Command::AddLight(Box::new(bent_light())));
+    }
+    let lights: Vec<_> = studio.session.document().lights().keys().copied().collect();
+    let mut begun = lights.iter().enumerate().map(|(index, &light)| {
+        let id = index.to_string();
+        studio.session.begin_gesture(&id, light, studio.session.seq(), (7, &actor("ada")), 0).map(drop)
+    });
+    assert!(begun.by_ref().take(MAX_GESTURES).all(|begun| begun.is_ok()));
+    assert_eq!(begun.next().expect("one more light").expect_err("too many").code(), "tooMany");
+}

@@ -1,0 +1,11 @@
+//! Sessions: requests, undo and redo, gestures, replay.
+
+mod gestures;
+mod model;
+mod properties;
+#[path = "../../../scene/tests/editing/random.rs"]
+mod random;
+mod replay;
+mod requests;
+mod support;
+mod undo;

@@ -1,0 +1,95 @@
+//! Which step undo and redo take, against the rules read out over the whole log: slow, and plain to see.
+
+use edit::{Action, Record, Refusal, Scope};
+use proptest::prelude::*;
+
+use crate::properties::{Step, play, request};
+use crate::support::{Studio, angle};
+
+fn is_edit(record: &Record) -> bool {
+    matches!(record.action, Action::Edit(_) | Action::Gesture(_))
+}
+
+fn target(record: &Record) -> Option<u64> {
+    match record.action {
+        Action::Undo { target, .. } | Action::Redo { target, .. } => Some(target),
+        Action::Edit(_) | Action::Gesture(_) => None,
+    }
+}
+
+/// Whether nothing takes the record back, or what does is itself taken back.
+fn is_in_effect(log: &[Record], record: &Record) -> bool {
+    let takers = log.iter().filter(|later| target(later) == Some(record.seq));
+    takers.filter(|taker| is_in_effect(log, taker)).count() == 0
+}
+
+fn is_seen(record: &Record, who: &str, scope: Scope) -> bool {
+    scope == Scope::Session || record.actor.id == who
+}
+
+/// UNDO-1: the latest step in effect, of the actor or of anybody.
+fn undo_target(log: &[Record], who: &str, scope: Scope) -> Option<u64> {
+    let steps = log.iter().rev().filter(|record| is_edit(record) && is_seen(record, who, scope));
+    steps.map(|record| (record.seq, is_in_effect(log, record))).find(|step| step.1).map(|step| step.0)
+}
+
+/// UNDO-3: the latest undo of that scope in effect, with no edit since by the actor or by anybody.
+fn redo_target(log: &[Record], who: &str, scope: Scope) -> Option<u64> {
+    let of_scope =
+        |record: &&Record| matches!(record.action, Action::Undo { scope: its, .. } if its == scope);
+    let undos = log.iter().rev().filter(of_scope).filter(|record| is_seen(record, who, scope));
+    let is_ended = |undo: &Record| {
+        log.iter().any(|later| later.seq > undo.seq && is_edit(later) && is_seen(later, who, scope))
+    };
+    undos.filter(|undo| is_in_effect(log, undo) && !is_ended(undo)).map(|undo| undo.seq).next()
+}
+
+/// The target that the session chose.
+fn chosen(answer: Result<edit::Committed, Refusal>) -> Option<u64> {
+    match answer {
+        Ok(edit::Committed::New { record, .. }) => target(&record),
+        Err(Refusal::NothingToUndo | Refusal::NothingToRedo) => None,
+        other => panic!("{other:?}"),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    /// Rules: UNDO-1, UNDO-3, UNDO-5
+    #[test]
+    fn undo_and_redo_take_what_the_rules_say(play in play(&["ada", "ben", "cyd"], 60)) {
+        let mut studio = Studio::new();
+        for (who, step) in play {
+            let expected = match step {
+                Step::Undo(scope) => undo_target(&studio.log, who, scope),
+                Step::Redo(scope) => redo_target(&studio.log, who, scope),
+                Step::Edit(_) => {
+                    let _ = studio.ask(who, request(step, &studio));
+                    continue;
+                }
+            };
+            prop_assert_eq!(chosen(studio.ask(who, request(step, &studio))), expected);
+        }
+    }
+}
+
+/// The comparison above can fail: a log in which a step belongs to somebody else gives other targets.
+///
+/// Rules: UNDO-1, UNDO-3
+#[test]
+fn the_model_sees_who_did_what() {
+    let mut studio = Studio::new();
+    studio.edit("ada", angle(30.0));
+    studio.edit("ben", angle(40.0));
+    studio.undo("ben");
+    let model = |log: &[Record]| (undo_target(log, "ada", Scope::Mine), redo_target(log, "ben", Scope::Mine));
+    assert_eq!(model(&studio.log), (Some(2), Some(4)));
+    let mut planted = studio.log.clone();
+    planted[1].actor.id = "ben".into();
+    planted[3].actor.id = "ada".into();
+    assert_eq!(model(&planted), (None, None));
+    let mut later = studio.log.clone();
+    later.push(Record { seq: 5, ..studio.log[2].clone() });
+    assert_eq!(model(&later), (Some(2), None), "an edit of his own ends his redo");
+}

@@ -1,0 +1,94 @@
+//! Requests: repeated, outdated, rebased.
+
+use edit::{Committed, Refusal, Request, Scope};
+use scene::Command;
+
+use crate::support::{KEY, Studio, angle, based, bent_light, find_scene, insert, radius, softness};
+
+/// Rules: REC-4
+#[test]
+fn an_operation_is_carried_out_once() {
+    let mut studio = Studio::new();
+    let edit = |degrees| Request::Edit { base_seq: None, command: angle(degrees) };
+    let first = studio.ask_as("ada", edit(30.0), "x").expect("a valid edit");
+    assert!(matches!(first, Committed::New { .. }));
+    for again in [edit(30.0), edit(40.0), Request::Undo(Scope::Mine)] {
+        assert_eq!(studio.ask_as("ada", again, "x"), Ok(Committed::Before(2)), "whatever it asks for");
+    }
+    assert_eq!((studio.session.seq(), studio.light().cone_angle), (2, 30.0));
+    assert!(matches!(studio.ask_as("ben", edit(40.0), "x"), Ok(Committed::New { .. })), "another actor's x");
+    let undo = studio.ask_as("ada", Request::Undo(Scope::Session), "y");
+    assert!(matches!(undo, Ok(Committed::New { .. })));
+    assert_eq!(studio.ask_as("ada", Request::Undo(Scope::Session), "y"), Ok(Committed::Before(4)));
+}
+
+/// Rules: REC-4, CMD-1
+#[test]
+fn what_was_refused_may_be_asked_again() {
+    let mut studio = Studio::new();
+    let edit = |degrees| Request::Edit { base_seq: None, command: angle(degrees) };
+    assert_eq!(studio.ask_as("ada", edit(90.0), "x").expect_err("no cone").code(), "invalidLight");
+    assert!(matches!(studio.ask_as("ada", edit(80.0), "x"), Ok(Committed::New { .. })));
+}
+
+/// Rules: REC-4, UNDO-1
+#[test]
+fn operations_are_known_after_a_restart() {
+    let mut studio = Studio::new();
+    studio.edit("ada", angle(30.0));
+    let mut restarted = Studio::default();
+    for record in &studio.log {
+        restarted.session.replay(record, &find_scene).expect("a log just made");
+    }
+    let again = Request::Edit { base_seq: None, command: angle(50.0) };
+    assert_eq!(restarted.ask_as("ada", again, "op 2"), Ok(Committed::Before(2)));
+}
+
+/// Rules: SOCK-5
+#[test]
+fn points_counted_before_a_renumbering_are_stale() {
+    let mut studio = Studio::new();
+    let known = studio.session.seq();
+    let renumbering = studio.edit("ben", insert(2)).seq;
+    let stale = Refusal::Stale { light: KEY, seq: renumbering };
+    for command in [radius(1, 0.3), insert(1), Command::RemovePoint { light: KEY, point: 1 }] {
+        let refused = studio.ask("ada", based(known, command.clone())).expect_err("outdated");
+        assert_eq!((refused.code(), &refused), ("stale", &stale));
+        let mut aware = studio.clone();
+        aware.ask("ada", based(renumbering, command.clone())).expect("counted as they are now");
+        let mut silent = studio.clone();
+        silent.ask("ada", Request::Edit { base_seq: None, command }).expect("the sender does not say");
+    }
+    let (_, rebased) = studio.committed("ada", based(known, angle(30.0)));
+    assert!(rebased, "what counts no points is only rebased");
+    studio.undo("ben");
+    let refused = studio.ask("ada", based(renumbering, radius(1, 0.3))).expect_err("renumbered again");
+    assert_eq!(refused.code(), "stale");
+}
+
+/// Rules: SOCK-5
+#[test]
+fn rebased_means_that_another_changed_the_same_light() {
+    let mut studio = Studio::new();
+    studio.edit("rig", Command::AddLight(Box::new(bent_light())));
+    let known = studio.session.seq();
+    studio.edit("ada", angle(30.0));
+    assert!(!studio.committed("ada", based(known, angle(31.0))).1, "only herself");
+    studio.edit("ben", Command::RemoveLight(scene::LightId(2)));
+    assert!(!studio.committed("ada", based(known, angle(32.0))).1, "another light");
+    let theirs = studio.edit("ben", softness(0.5)).seq;
+    assert!(studio.committed("ada", based(known, angle(33.0))).1);
+    assert!(!studio.committed("ada", based(theirs, angle(34.0))).1, "she knew that");
+    assert!(studio.committed("ben", based(theirs, softness(0.6))).1, "he did not know hers");
+}
+
+/// Rules: CMD-3, CMD-4
+#[test]
+fn nothing_done_is_a_record_and_nothing_there_is_not() {
+    let mut studio = Studio::new();
+    let record = studio.edit("ada", angle(25.0));
+    assert_eq!((record.seq, record.changes), (2, Vec::new()));
+    let gone = Request::Edit { base_seq: None, command: Command::RemoveLight(scene::LightId(9)) };
+    assert_eq!(studio.ask("ada", gone).expect_err("no such light").code(), "notFound");
+    assert_eq!(studio.session.seq(), 2);
+}

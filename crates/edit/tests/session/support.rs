@@ -1,0 +1,126 @@
+//! A session with a light, and three people who edit it.
+
+use std::sync::Arc;
+
+use bendy::BendyLight;
+use edit::{Actor, Committed, Record, Refusal, Request, Scope, Session};
+use glam::DVec3;
+use scene::{
+    AssetHash, Command, DocumentHash, Light, LightId, LightKind, LightParameter, PointParameter, Scene,
+};
+
+/// Scenes that can be loaded: one with a light, one with nothing.
+pub const SCENES: &[AssetHash] = &[AssetHash([1; 32]), AssetHash([2; 32])];
+/// The light of [`Studio::new`].
+pub const KEY: LightId = LightId(1);
+
+pub fn find_scene(asset: &AssetHash) -> Option<Arc<Scene>> {
+    let lights = if *asset == SCENES[0] { vec![bent_light()] } else { Vec::new() };
+    SCENES.contains(asset).then(|| Arc::new(Scene { lights, ..Scene::default() }))
+}
+
+/// Four control points, two units apart, nearly straight.
+pub fn bent_light() -> Light {
+    let points = (0..4).map(|i| DVec3::new(0.1 * f64::from(i), 0.0, -2.0 * f64::from(i))).collect();
+    Light { name: "key".into(), kind: LightKind::Bendy(BendyLight::new(points, vec![0.1, 0.4, 0.6, 0.8])) }
+}
+
+/// One of the people: `"ada"`, `"ben"` or `"cyd"`.
+pub fn actor(id: &str) -> Actor {
+    Actor { id: id.into(), name: id.to_uppercase() }
+}
+
+/// A session under way, with all its records.
+#[derive(Clone, Default)]
+pub struct Studio {
+    pub session: Session,
+    pub log: Vec<Record>,
+}
+
+impl Studio {
+    /// With a light that nobody of the three has added.
+    pub fn new() -> Self {
+        let mut studio = Self::default();
+        studio.done(
+            "rig",
+            Request::Edit { base_seq: None, command: Command::AddLight(Box::new(bent_light())) },
+        );
+        studio
+    }
+
+    /// What comes of a request under a name of its own.
+    pub fn ask(&mut self, who: &str, request: Request) -> Result<Committed, Refusal> {
+        // What is refused leaves no record, and its name free.
+        let op_id = format!("op {}", self.session.seq() + 1);
+        self.ask_as(who, request, &op_id)
+    }
+
+    pub fn ask_as(&mut self, who: &str, request: Request, op_id: &str) -> Result<Committed, Refusal> {
+        let answer = self.session.request(request, &actor(who), op_id, 0, &find_scene);
+        if let Ok(Committed::New { record, .. }) = &answer {
+            self.log.push(Record::clone(record));
+        }
+        answer
+    }
+
+    /// The record of a request that must be carried out, and whether it was rebased.
+    pub fn committed(&mut self, who: &str, request: Request) -> (Record, bool) {
+        match self.ask(who, request).expect("a valid request") {
+            Committed::New { record, rebased } => (*record, rebased),
+            Committed::Before(seq) => panic!("it is record {seq} already"),
+        }
+    }
+
+    pub fn done(&mut self, who: &str, request: Request) -> Record {
+        self.committed(who, request).0
+    }
+
+    pub fn edit(&mut self, who: &str, command: Command) -> Record {
+        self.done(who, Request::Edit { base_seq: None, command })
+    }
+
+    pub fn undo(&mut self, who: &str) -> Record {
+        self.done(who, Request::Undo(Scope::Mine))
+    }
+
+    pub fn redo(&mut self, who: &str) -> Record {
+        self.done(who, Request::Redo(Scope::Mine))
+    }
+
+    pub fn hash(&self) -> DocumentHash {
+        self.session.document().hash()
+    }
+
+    pub fn light(&self) -> &BendyLight {
+        match &self.session.document().lights()[&KEY].light.kind {
+            LightKind::Bendy(light) => light,
+            LightKind::Spot(_) => unreachable!("a BendyLight"),
+        }
+    }
+}
+
+pub fn angle(degrees: f64) -> Command {
+    Command::SetLight { light: KEY, parameter: LightParameter::ConeAngle(degrees) }
+}
+
+pub fn softness(share: f64) -> Command {
+    Command::SetLight { light: KEY, parameter: LightParameter::ConeSoftness(share) }
+}
+
+pub fn radius(point: usize, radius: f64) -> Command {
+    Command::SetPoint { light: KEY, point, parameter: PointParameter::Radius(radius) }
+}
+
+pub fn position(point: usize, x: f64, z: f64) -> Command {
+    let parameter = PointParameter::Position(DVec3::new(x, 0.0, z));
+    Command::SetPoint { light: KEY, point, parameter }
+}
+
+pub fn insert(point: usize) -> Command {
+    Command::InsertPoint { light: KEY, point, position: None, radius: None, color: None, intensity: None }
+}
+
+/// As [`Request::Edit`], from what the sender knew at record `base_seq`.
+pub fn based(base_seq: u64, command: Command) -> Request {
+    Request::Edit { base_seq: Some(base_seq), command }
+}

@@ -1,0 +1,180 @@
+//! Undo and redo, step by step.
+
+use edit::{Action, Refusal, Request, Scope};
+use glam::{DQuat, DVec3};
+use scene::{Command, LightParameter};
+
+use crate::support::{KEY, Studio, angle, bent_light, insert, position, radius, softness};
+
+/// Rules: UNDO-1, REC-1
+#[test]
+fn undo_is_a_record_like_any_other() {
+    let mut studio = Studio::new();
+    let before = studio.hash();
+    let edit = studio.edit("ada", angle(40.0));
+    let undo = studio.undo("ada");
+    assert_eq!(undo.seq, edit.seq + 1);
+    assert_eq!(undo.action, Action::Undo { scope: Scope::Mine, target: edit.seq, skipped: Vec::new() });
+    assert_eq!(undo.changes, [edit.changes[0].inverse()]);
+    assert_eq!(studio.hash(), before);
+}
+
+/// Rules: UNDO-1
+#[test]
+fn mine_passes_over_the_steps_of_others() {
+    let mut studio = Studio::new();
+    studio.edit("ada", angle(40.0));
+    studio.edit("ben", softness(0.5));
+    studio.undo("ada");
+    assert_eq!((studio.light().cone_angle, studio.light().cone_softness), (25.0, 0.5), "theirs stays");
+    let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("nothing of hers is left");
+    assert_eq!((refused.code(), refused), ("nothingToUndo", Refusal::NothingToUndo));
+}
+
+/// Rules: UNDO-1
+#[test]
+fn session_takes_back_whoever_was_last() {
+    let mut studio = Studio::new();
+    let undo = |studio: &mut Studio| studio.done("cyd", Request::Undo(Scope::Session)).changes.len();
+    studio.edit("ada", angle(40.0));
+    studio.edit("ben", softness(0.5));
+    undo(&mut studio);
+    assert_eq!((studio.light().cone_angle, studio.light().cone_softness), (40.0, 0.2));
+    undo(&mut studio);
+    assert_eq!((studio.light().cone_angle, studio.light().cone_softness), (25.0, 0.2));
+    undo(&mut studio);
+    assert!(studio.session.document().lights().is_empty(), "the light itself was a step");
+    studio.ask("cyd", Request::Undo(Scope::Session)).expect_err("that was all");
+}
+
+/// Rules: UNDO-2
+#[test]
+fn what_somebody_else_changed_since_is_skipped_and_named() {
+    let mut studio = Studio::new();
+    studio.edit(
+        "ada",
+        Command::PlaceLight {
+            light: KEY,
+            translation: Some(DVec3::X),
+            rotation: Some(DQuat::from_rotation_x(0.5)),
+            scale: None,
+        },
+    );
+    let parameter = LightParameter::Translation(DVec3::Y);
+    studio.edit("ben", Command::SetLight { light: KEY, parameter });
+    let undo = studio.undo("ada");
+    assert_eq!(undo.action.skipped(), ["light 1's translation has been changed since"]);
+    let transform = studio.light().transform;
+    assert_eq!((transform.translation, transform.rotation), (DVec3::Y, DQuat::IDENTITY));
+
+    studio.edit("ada", radius(1, 0.3));
+    studio.edit("ben", radius(1, 0.35));
+    let all_skipped = studio.undo("ada");
+    assert_eq!(all_skipped.changes, []);
+    assert_eq!(all_skipped.action.skipped().len(), 1);
+    assert_eq!(studio.light().radii[1], 0.35);
+    let redo = studio.redo("ada");
+    assert_eq!(
+        (redo.changes.len(), redo.action.skipped().len()),
+        (0, 0),
+        "nothing was done, nothing comes back"
+    );
+}
+
+/// Rules: UNDO-2, DOC-2
+#[test]
+fn a_point_of_an_outdated_numbering_is_skipped() {
+    let mut studio = Studio::new();
+    studio.edit("ada", radius(2, 0.5));
+    studio.edit("ben", insert(1));
+    let undo = studio.undo("ada");
+    assert_eq!(undo.action.skipped(), ["light 1's radius at control point 2 has been changed since"]);
+    assert_eq!(studio.light().radii.len(), 5);
+    studio.done("ben", Request::Undo(Scope::Mine));
+    assert_eq!((studio.light().radii.len(), studio.light().radii[2]), (4, 0.5), "the old numbering is back");
+}
+
+/// Rules: UNDO-2, CMD-2
+#[test]
+fn what_would_leave_a_fold_is_skipped() {
+    let mut studio = Studio::new();
+    studio.edit("ada", radius(1, 0.05));
+    studio.edit("ada", radius(2, 0.05));
+    studio.edit("ben", radius(3, 0.05));
+    // A bend that the thin tube can make and the wide one cannot.
+    studio.edit("ben", position(2, 1.2, -2.0));
+    let before = studio.hash();
+    let undo = studio.undo("ada");
+    let [why] = undo.action.skipped() else { panic!("{:?}", undo.action) };
+    assert!(why.starts_with("light 1's radius at control point 2 stays: ") && why.contains("folds"), "{why}");
+    assert_eq!((studio.hash(), undo.changes), (before, Vec::new()));
+}
+
+/// Rules: UNDO-2, CMD-3
+#[test]
+fn what_is_gone_is_skipped() {
+    let mut studio = Studio::new();
+    studio.edit("ada", angle(40.0));
+    studio.edit("ben", Command::RemoveLight(KEY));
+    let undo = studio.undo("ada");
+    assert_eq!((undo.changes.len(), undo.action.skipped().len()), (0, 1));
+    studio.undo("ben");
+    assert_eq!(studio.light().cone_angle, 40.0, "as it was when it went");
+}
+
+/// Rules: UNDO-3, UNDO-5
+#[test]
+fn an_edit_ends_what_its_actor_can_redo() {
+    let nothing = |studio: &mut Studio, who: &str, scope| {
+        studio.clone().ask(who, Request::Redo(scope)).is_err_and(|refusal| refusal.code() == "nothingToRedo")
+    };
+    let mut studio = Studio::new();
+    assert!(nothing(&mut studio, "ada", Scope::Mine) && nothing(&mut studio, "ada", Scope::Session));
+    studio.edit("ada", angle(40.0));
+    studio.undo("ada");
+    assert!(!nothing(&mut studio, "ada", Scope::Mine));
+    assert!(nothing(&mut studio, "ada", Scope::Session), "it was not undone for the session");
+    assert!(nothing(&mut studio, "ben", Scope::Mine), "it is not his");
+    studio.edit("ben", softness(0.5));
+    assert!(!nothing(&mut studio, "ada", Scope::Mine), "another's edit ends nothing of hers");
+    studio.edit("ada", softness(0.6));
+    assert!(nothing(&mut studio, "ada", Scope::Mine));
+
+    studio.done("ada", Request::Undo(Scope::Session));
+    assert!(!nothing(&mut studio, "ben", Scope::Session), "anybody can redo for the session");
+    studio.edit("cyd", angle(50.0));
+    assert!(nothing(&mut studio, "ben", Scope::Session), "and any edit ends it");
+}
+
+/// Rules: UNDO-3, UNDO-1
+#[test]
+fn redo_brings_steps_back_latest_undo_first() {
+    let mut studio = Studio::new();
+    for degrees in [30.0, 40.0, 50.0] {
+        studio.edit("ada", angle(degrees));
+    }
+    studio.undo("ada");
+    let second = studio.undo("ada");
+    let redo = studio.redo("ada");
+    assert_eq!(redo.action, Action::Redo { scope: Scope::Mine, target: second.seq, skipped: Vec::new() });
+    assert_eq!(studio.light().cone_angle, 40.0);
+    let undo = studio.undo("ada");
+    assert!(matches!(undo.action, Action::Undo { target: 3, .. }), "what was redone can be undone again");
+    studio.redo("ada");
+    studio.redo("ada");
+    assert_eq!(studio.light().cone_angle, 50.0);
+    studio.ask("ada", Request::Redo(Scope::Mine)).expect_err("all are back");
+}
+
+/// Rules: UNDO-1, DOC-1
+#[test]
+fn a_light_comes_back_as_itself() {
+    let mut studio = Studio::new();
+    let placed = studio.session.document().lights()[&KEY].clone();
+    studio.edit("ada", Command::RemoveLight(KEY));
+    studio.undo("ada");
+    assert_eq!(studio.session.document().lights()[&KEY], placed);
+    studio.redo("ada");
+    studio.edit("ada", Command::AddLight(Box::new(bent_light())));
+    assert!(!studio.session.document().lights().contains_key(&KEY), "its number is not used again");
+}

@@ -1,0 +1,13 @@
+//! Commands, changes and the document's hash.
+
+mod apply;
+mod asset_names;
+mod cameras;
+mod hash;
+mod identity;
+mod lights;
+mod points;
+mod properties;
+mod random;
+mod scenes;
+mod support;
