@@ -1,6 +1,7 @@
 //! Why a file is refused, and reading JSON so that the reason names the place.
 
 use bendy::LightError;
+use scene::{EditError, NotAnAssetHash};
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
@@ -26,6 +27,44 @@ pub enum FileError {
         /// Why not, and what to change.
         reason: LightError,
     },
+    /// A log or a record of a format that this program does not know: [`Refused::Format`].
+    #[error("{0}")]
+    Format(Refused),
+}
+
+/// Why what is well-formed JSON has no meaning in the domain.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum Refused {
+    /// A light that cannot be evaluated.
+    #[error("{0}")]
+    Light(#[from] LightError),
+    /// An asset that is not named by its hash.
+    #[error("{0}")]
+    Asset(#[from] NotAnAssetHash),
+    /// Something that the document does not allow.
+    #[error("{0}")]
+    Edit(#[from] EditError),
+    /// A record of a format that this program does not know.
+    #[error(
+        "format {found} is not known to this program, which knows formats 1 to {}: use a newer program",
+        crate::FORMAT
+    )]
+    Format {
+        /// What it says.
+        found: u32,
+    },
+}
+
+impl Refused {
+    /// The code that programs act on.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Light(_) => "invalidLight",
+            Self::Asset(_) => "badMessage",
+            Self::Edit(_) => "unknownAsset",
+            Self::Format { .. } => "format",
+        }
+    }
 }
 
 impl FileError {
@@ -33,7 +72,7 @@ impl FileError {
     pub(crate) fn of_light(self, index: usize) -> Self {
         let prefix = |place| format!("light {index}: {place}");
         match self {
-            Self::Syntax(error) => Self::Syntax(error),
+            Self::Syntax(_) | Self::Format(_) => self,
             Self::Shape { place, problem } => Self::Shape { place: prefix(place), problem },
             Self::Model { place, reason } => Self::Model { place: prefix(place), reason },
         }

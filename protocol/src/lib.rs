@@ -1,15 +1,36 @@
-//! The one serialised form of BendyLights: what light files, point files and results look like in JSON.
+//! The one serialised form of BendyLights: light files, documents, commands, records, messages.
 //!
-//! There are two shapes of a light, this one and the domain's ([`scene::Light`]), and they are converted here
-//! and nowhere else. Reading validates: what [`light_file::parse`] returns can be evaluated. Numbers keep
-//! every bit both ways.
+//! `SPEC.md` beside this crate's manifest says what they mean. There are two shapes of each thing, this one and the
+//! domain's ([`scene`], [`edit`]), and they are converted here and nowhere else. Reading validates: a light that comes out
+//! can be evaluated. Numbers keep every bit both ways.
 
+mod command;
+mod document;
 mod error;
 mod evaluation;
+mod http;
 mod light;
 pub mod light_file;
+mod log_file;
+mod message;
 pub mod point_file;
+mod record;
+mod schema;
 
-pub use error::FileError;
+pub use command::{CameraParameter, Command, LightParameter, PointParameter};
+pub use document::{
+    Bounds, Camera, Document, DocumentCamera, DocumentLight, Projection, Quat, SceneRef, Vec3,
+};
+pub use error::{FileError, Refused};
 pub use evaluation::{Evaluation, TubePoint};
+pub use http::{
+    Asset, Edit, EditResults, Edits, ErrorBody, NewSession, Problem, SessionEntry, SessionList, SessionState,
+};
 pub use light::{Bendy, BendyType, Light, Spot, SpotType, Transform};
+pub use log_file::{Checkpoint, CheckpointLine, LogHeader, LogLine};
+pub use message::{
+    ClientMessage, EditResult, EditStatus, GestureEnd, GestureState, PROTOCOL, Presence, ServerMessage,
+    Settings, State, ViewSource, Welcome, parse_body,
+};
+pub use record::{Action, Actor, Change, ControlPoints, FORMAT, PlacedLight, Record, Scope};
+pub use schema::{Face, json_schema, openapi};

@@ -6,10 +6,11 @@
 use bendy::{BendyLight, Decay, Direction, EndMode, Frame, LightError, SpotLight, Tube, check_spot};
 use glam::{DQuat, DVec3};
 use scene::LightKind;
-use serde::{Deserialize, Serialize};
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize, de};
 
 /// One light. In JSON the field `type` says which.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Light {
     /// `"type": "bendy"`: light along a spline.
@@ -19,7 +20,7 @@ pub enum Light {
 }
 
 /// The `type` of a [`Bendy`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum BendyType {
     /// The only one.
@@ -28,7 +29,7 @@ pub enum BendyType {
 }
 
 /// The `type` of a [`Spot`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum SpotType {
     /// The only one.
@@ -37,7 +38,7 @@ pub enum SpotType {
 }
 
 /// [`BendyLight`] in JSON. Only `type`, `points` and `radii` are required.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Bendy {
     /// `"bendy"`.
@@ -69,20 +70,24 @@ pub struct Bendy {
     pub cone_softness: f64,
     /// `"rotationMinimizing"` (default) or `"up"`.
     #[serde(default, with = "FrameName")]
+    #[schemars(with = "FrameName")]
     pub frame: Frame,
     /// `"tube"` (default) or `"path"`.
     #[serde(default, with = "DirectionName")]
+    #[schemars(with = "DirectionName")]
     pub direction: Direction,
     /// `"cut"` (default) or `"extend"`.
     #[serde(default, with = "EndModeName")]
+    #[schemars(with = "EndModeName")]
     pub end_mode: EndMode,
     /// `"none"` (default), `"linear"` or `"inverseSquare"`.
     #[serde(default, with = "DecayName")]
+    #[schemars(with = "DecayName")]
     pub decay: Decay,
 }
 
 /// [`SpotLight`] in JSON. Only `type` is required; the rest defaults to [`SpotLight::default`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct Spot {
     /// `"spot"`.
@@ -104,11 +109,12 @@ pub struct Spot {
     pub range: Option<f64>,
     /// `"none"`, `"linear"` or `"inverseSquare"` (default).
     #[serde(with = "DecayName")]
+    #[schemars(with = "DecayName")]
     pub decay: Decay,
 }
 
 /// [`bendy::Transform`] in JSON.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct Transform {
     /// World position of the light's origin.
@@ -119,33 +125,57 @@ pub struct Transform {
     pub scale: f64,
 }
 
-#[derive(Serialize, Deserialize)]
+/// [`bendy::Frame`] in JSON.
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(remote = "Frame", rename_all = "camelCase")]
-enum FrameName {
+#[schemars(rename = "Frame")]
+pub(crate) enum FrameName {
     RotationMinimizing,
     Up,
 }
 
-#[derive(Serialize, Deserialize)]
+/// [`bendy::Direction`] in JSON.
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(remote = "Direction", rename_all = "camelCase")]
-enum DirectionName {
+#[schemars(rename = "Direction")]
+pub(crate) enum DirectionName {
     Tube,
     Path,
 }
 
-#[derive(Serialize, Deserialize)]
+/// [`bendy::EndMode`] in JSON.
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(remote = "EndMode", rename_all = "camelCase")]
-enum EndModeName {
+#[schemars(rename = "EndMode")]
+pub(crate) enum EndModeName {
     Cut,
     Extend,
 }
 
-#[derive(Serialize, Deserialize)]
+/// [`bendy::Decay`] in JSON.
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(remote = "Decay", rename_all = "camelCase")]
-enum DecayName {
+#[schemars(rename = "Decay")]
+pub(crate) enum DecayName {
     None,
     Linear,
     InverseSquare,
+}
+
+impl<'de> Deserialize<'de> for Light {
+    /// By `type`; the reason for a refusal names the field.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = serde_json::Value::deserialize(deserializer)?;
+        let refused = |error: serde_path_to_error::Error<serde_json::Error>| match error.path().to_string() {
+            root if root == "." => de::Error::custom(format!("light: {}", error.into_inner())),
+            field => de::Error::custom(format!("light.{field}: {}", error.into_inner())),
+        };
+        match value.get("type").and_then(serde_json::Value::as_str) {
+            Some("bendy") => serde_path_to_error::deserialize(value).map(Self::Bendy).map_err(refused),
+            Some("spot") => serde_path_to_error::deserialize(value).map(Self::Spot).map_err(refused),
+            _ => Err(de::Error::custom("light.type: expected \"bendy\" or \"spot\"")),
+        }
+    }
 }
 
 fn default_up() -> [f64; 3] {

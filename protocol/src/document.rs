@@ -1,0 +1,210 @@
+//! A document in JSON.
+
+use std::sync::Arc;
+
+use glam::{DQuat, DVec3};
+use scene::{AssetHash, CameraId, Layout, LightId, NotAnAssetHash, Scene};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{Light, Refused};
+
+/// A vector or a colour: `[x, y, z]`, `[r, g, b]`.
+pub type Vec3 = [f64; 3];
+/// A quaternion: `[x, y, z, w]`.
+pub type Quat = [f64; 4];
+
+/// [`scene::Document`] in JSON, lists in the order of ids.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Document {
+    /// Its scene; `null` before one is loaded.
+    pub scene: Option<SceneRef>,
+    /// Its lights.
+    pub lights: Vec<DocumentLight>,
+    /// Its cameras.
+    pub cameras: Vec<DocumentCamera>,
+}
+
+/// [`scene::SceneRef`] in JSON.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct SceneRef {
+    /// `sha256:` and 64 hexadecimal digits.
+    pub asset: String,
+    /// What people call it.
+    pub name: String,
+}
+
+/// A light of a document.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct DocumentLight {
+    /// Its id.
+    pub id: u64,
+    /// Numbering of its control points.
+    pub layout: u64,
+    /// The light.
+    pub light: Light,
+}
+
+/// A camera of a document.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct DocumentCamera {
+    /// Its id.
+    pub id: u64,
+    /// The camera.
+    pub camera: Camera,
+}
+
+/// [`scene::Camera`] in JSON. Looks along its local -Z with +Y up.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Camera {
+    /// Name for people; empty by default.
+    #[serde(default)]
+    pub name: String,
+    /// World position of the eye.
+    pub translation: Vec3,
+    /// Camera to world axes.
+    pub rotation: Quat,
+    /// How it projects.
+    pub projection: Projection,
+}
+
+/// [`scene::Projection`] in JSON.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub enum Projection {
+    /// Perspective.
+    Perspective {
+        /// Full vertical angle of view, radians.
+        yfov: f64,
+        /// Distance of the near plane, more than 0.
+        znear: f64,
+        /// Distance of the far plane; endless by default.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        zfar: Option<f64>,
+    },
+    /// Orthographic.
+    Orthographic {
+        /// Half the height of the view.
+        ymag: f64,
+        /// Distance of the near plane, 0 or more.
+        znear: f64,
+        /// Distance of the far plane.
+        zfar: f64,
+    },
+}
+
+/// Corners of the box around a scene, in the world.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Bounds {
+    /// Smallest coordinates.
+    pub min: Vec3,
+    /// Largest coordinates.
+    pub max: Vec3,
+}
+
+impl Bounds {
+    /// Of a scene; a box of side 2 around the origin where it has no geometry.
+    pub fn of(scene: &Scene) -> Self {
+        let (min, max) = scene::world_bounds(scene).unwrap_or((DVec3::NEG_ONE, DVec3::ONE));
+        Self { min: min.to_array(), max: max.to_array() }
+    }
+}
+
+impl From<&scene::Document> for Document {
+    fn from(document: &scene::Document) -> Self {
+        let lights = document.lights().iter().map(|(id, placed)| DocumentLight {
+            id: id.0,
+            layout: placed.layout.0,
+            light: Light::from(&placed.light),
+        });
+        let cameras = document.cameras().iter();
+        Self {
+            scene: document.scene_ref().map(SceneRef::from),
+            lights: lights.collect(),
+            cameras: cameras.map(|(id, camera)| DocumentCamera { id: id.0, camera: camera.into() }).collect(),
+        }
+    }
+}
+
+impl Document {
+    /// The domain's document; `find_scene` as in [`scene::Document::apply`].
+    pub fn into_domain(self, find_scene: scene::FindScene) -> Result<scene::Document, Refused> {
+        let scene = match self.scene {
+            None => None,
+            Some(wire) => {
+                let scene_ref = scene::SceneRef::try_from(wire)?;
+                let scene: Arc<Scene> =
+                    find_scene(&scene_ref.asset).ok_or(scene::EditError::UnknownAsset(scene_ref.asset))?;
+                Some((scene_ref, scene))
+            }
+        };
+        let placed = |wire: DocumentLight| {
+            let light = scene::Light::try_from(wire.light)?;
+            Ok((LightId(wire.id), scene::PlacedLight { layout: Layout(wire.layout), light }))
+        };
+        let lights = self.lights.into_iter().map(placed).collect::<Result<_, Refused>>()?;
+        let cameras = self.cameras.into_iter().map(|wire| (CameraId(wire.id), wire.camera.into())).collect();
+        Ok(scene::Document::restore(scene, lights, cameras, 0))
+    }
+}
+
+impl From<&scene::SceneRef> for SceneRef {
+    fn from(scene: &scene::SceneRef) -> Self {
+        Self { asset: scene.asset.to_string(), name: scene.name.clone() }
+    }
+}
+
+impl TryFrom<SceneRef> for scene::SceneRef {
+    type Error = NotAnAssetHash;
+
+    fn try_from(wire: SceneRef) -> Result<Self, NotAnAssetHash> {
+        Ok(Self { asset: wire.asset.parse::<AssetHash>()?, name: wire.name })
+    }
+}
+
+impl From<&scene::Camera> for Camera {
+    fn from(camera: &scene::Camera) -> Self {
+        Self {
+            name: camera.name.clone(),
+            translation: camera.translation.to_array(),
+            rotation: camera.rotation.to_array(),
+            projection: camera.projection.into(),
+        }
+    }
+}
+
+impl From<Camera> for scene::Camera {
+    /// Not checked: [`scene::Camera::check`] says whether it makes a picture.
+    fn from(wire: Camera) -> Self {
+        Self {
+            name: wire.name,
+            translation: wire.translation.into(),
+            rotation: DQuat::from_array(wire.rotation),
+            projection: wire.projection.into(),
+        }
+    }
+}
+
+impl From<scene::Projection> for Projection {
+    fn from(projection: scene::Projection) -> Self {
+        match projection {
+            scene::Projection::Perspective { yfov, znear, zfar } => Self::Perspective { yfov, znear, zfar },
+            scene::Projection::Orthographic { ymag, znear, zfar } => Self::Orthographic { ymag, znear, zfar },
+        }
+    }
+}
+
+impl From<Projection> for scene::Projection {
+    fn from(wire: Projection) -> Self {
+        match wire {
+            Projection::Perspective { yfov, znear, zfar } => Self::Perspective { yfov, znear, zfar },
+            Projection::Orthographic { ymag, znear, zfar } => Self::Orthographic { ymag, znear, zfar },
+        }
+    }
+}

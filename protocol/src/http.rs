@@ -1,0 +1,123 @@
+//! Bodies of the HTTP interface (SPEC, section 9).
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{Actor, Command, Document, EditResult, Scope};
+
+/// `POST /sessions`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct NewSession {
+    /// 1 to 64 of `a-z A-Z 0-9 - _ .`, the first a letter or a digit.
+    pub name: String,
+    /// Scene to load: `"demo:NAME"` or `"sha256:HEX"`; an empty document by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scene: Option<String>,
+}
+
+/// An entry of `GET /sessions`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct SessionEntry {
+    /// Its name.
+    pub name: String,
+    /// The latest record.
+    pub seq: u64,
+    /// How many clients are connected.
+    pub clients: usize,
+}
+
+/// `GET /sessions`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct SessionList {
+    /// In the order of names.
+    pub sessions: Vec<SessionEntry>,
+}
+
+/// `GET /sessions/S` and the answer to `POST /sessions`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct SessionState {
+    /// Its name.
+    pub name: String,
+    /// Names the history that `seq` counts in.
+    pub epoch: String,
+    /// The latest record.
+    pub seq: u64,
+    /// The document's hash after it.
+    pub hash: String,
+    /// The document.
+    pub document: Document,
+}
+
+/// `POST /sessions/S/edits`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Edits {
+    /// Who; by default `{"id": "api", "name": "API"}`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub actor: Option<Actor>,
+    /// What to do, in order.
+    pub edits: Vec<Edit>,
+}
+
+/// One of [`Edits`]: exactly one of `command`, `undo` and `redo`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Edit {
+    /// The sender's name for it, so that a repeated request does no harm; made up by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub op_id: Option<String>,
+    /// The latest record that the sender knew; by default the latest there is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base_seq: Option<u64>,
+    /// A command.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command: Option<Command>,
+    /// Take back a step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub undo: Option<Scope>,
+    /// Take back an undo.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub redo: Option<Scope>,
+}
+
+/// The answer to [`Edits`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct EditResults {
+    /// One an edit, in order.
+    pub results: Vec<EditResult>,
+    /// The latest record.
+    pub seq: u64,
+    /// The document's hash after it.
+    pub hash: String,
+}
+
+/// The answer to `POST /assets`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Asset {
+    /// `sha256:` and 64 hexadecimal digits.
+    pub asset: String,
+}
+
+/// Every refused request's answer.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct ErrorBody {
+    /// What is wrong.
+    pub error: Problem,
+}
+
+/// What is wrong with a request.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Problem {
+    /// For programs.
+    pub code: String,
+    /// For people: what to do.
+    pub message: String,
+}

@@ -1,0 +1,356 @@
+//! Control messages of the socket (SPEC, section 6).
+
+use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use crate::error::from_json;
+use crate::{Actor, Bounds, Camera, Change, Command, Document, FileError, Record, Scope};
+
+/// The version of the protocol that `hello` and `welcome` name.
+pub const PROTOCOL: u32 = 1;
+
+/// What a client sends.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "camelCase", rename_all_fields = "camelCase", deny_unknown_fields)]
+pub enum ClientMessage {
+    /// The first message.
+    Hello {
+        /// [`PROTOCOL`].
+        protocol: u32,
+        /// The server's token.
+        token: String,
+        /// Name of the session.
+        session: String,
+        /// Who is here.
+        actor: Actor,
+        /// The history that the client knows.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        epoch: Option<String>,
+        /// The latest record that the client knows.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        last_seq: Option<u64>,
+    },
+    /// Asks for frames; another one replaces the view before.
+    OpenView {
+        /// From where.
+        source: ViewSource,
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+        /// The client's number for its camera.
+        camera_revision: u32,
+    },
+    /// Moves one's own view; never logged.
+    SetCamera {
+        /// Where to.
+        camera: Camera,
+        /// The client's number for it.
+        camera_revision: u32,
+    },
+    /// The view has another size.
+    Viewport {
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+    },
+    /// A frame has been decoded and shown.
+    Ack {
+        /// Its number.
+        frame: u64,
+    },
+    /// One command.
+    Edit {
+        /// The client's name for it; see REC-4.
+        op_id: String,
+        /// The latest record that the client knew.
+        base_seq: u64,
+        /// The command.
+        command: Command,
+    },
+    /// Begins a drag.
+    GestureBegin {
+        /// The client's name for it.
+        gesture: String,
+        /// The light it is on.
+        light: u64,
+        /// The latest record that the client knew.
+        base_seq: u64,
+    },
+    /// The latest state of a drag.
+    GestureUpdate {
+        /// Which.
+        gesture: String,
+        /// The client's number for this state.
+        update: u64,
+        /// The state.
+        command: Command,
+    },
+    /// Ends a drag as one record.
+    GestureCommit {
+        /// Which.
+        gesture: String,
+        /// The client's name for the record.
+        op_id: String,
+    },
+    /// Ends a drag without a trace.
+    GestureCancel {
+        /// Which.
+        gesture: String,
+    },
+    /// Takes back a step.
+    Undo {
+        /// The client's name for it.
+        op_id: String,
+        /// Whose.
+        scope: Scope,
+    },
+    /// Takes back an undo.
+    Redo {
+        /// The client's name for it.
+        op_id: String,
+        /// Whose.
+        scope: Scope,
+    },
+    /// What this person is looking at.
+    Presence {
+        /// A light's id.
+        selection: Option<u64>,
+    },
+    /// Answered by `pong`.
+    Ping {
+        /// Comes back as it is.
+        sent: f64,
+    },
+}
+
+/// Where a view looks from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum ViewSource {
+    /// A camera of one's own.
+    Own(Camera),
+    /// Another client's view, by the client's number.
+    Follow(u64),
+}
+
+/// What the server sends.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "camelCase", rename_all_fields = "camelCase")]
+pub enum ServerMessage {
+    /// The answer to `hello`.
+    Welcome(Box<Welcome>),
+    /// A committed record.
+    Log {
+        /// The record.
+        record: Box<Record>,
+        /// The document's hash after it.
+        hash: String,
+        /// Of the scene, where the record loads one.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        bounds: Option<Bounds>,
+    },
+    /// The answer to `edit`, `gestureCommit`, `undo` and `redo`.
+    EditResult(EditResult),
+    /// A drag, one's own or another's.
+    GestureState(GestureState),
+    /// Everybody who is here.
+    Presence {
+        /// In the order in which they came.
+        clients: Vec<Presence>,
+    },
+    /// How the view is served from now on.
+    ViewConfig {
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+        /// From where.
+        source: ViewSource,
+    },
+    /// The answer to `ping`.
+    Pong {
+        /// As it came.
+        sent: f64,
+        /// The server's clock, in microseconds since it started.
+        server_time_us: u64,
+    },
+    /// The server stops.
+    Draining {
+        /// When to try again.
+        retry_after_ms: u64,
+    },
+    /// Something that no other answer says.
+    Error {
+        /// For programs.
+        code: String,
+        /// For people.
+        message: String,
+        /// Whether the connection ends.
+        fatal: bool,
+    },
+}
+
+/// The state of the session at a client's arrival.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Welcome {
+    /// [`PROTOCOL`].
+    pub protocol: u32,
+    /// Name of the session.
+    pub session: String,
+    /// This client's number.
+    pub client: u64,
+    /// Names the history that `seq` counts in.
+    pub epoch: String,
+    /// The latest record.
+    pub seq: u64,
+    /// The document's hash after it.
+    pub hash: String,
+    /// How to get there.
+    pub state: State,
+    /// Of the scene.
+    pub bounds: Bounds,
+    /// Where a new view may start.
+    pub camera: Camera,
+    /// Everybody who is here, this client included.
+    pub clients: Vec<Presence>,
+    /// The drags under way.
+    pub gestures: Vec<GestureState>,
+    /// Numbers that clients need.
+    pub settings: Settings,
+}
+
+/// The document, whole or from where the client stands.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum State {
+    /// All of it.
+    Snapshot(Document),
+    /// The records after the client's `lastSeq`.
+    Tail(Vec<Record>),
+}
+
+/// Numbers that clients need.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Settings {
+    /// Frames under way at most.
+    pub ack_window: u32,
+    /// How long a gesture is held without an update.
+    pub lease_ms: u64,
+    /// Largest width and height of a view.
+    pub max_view_side: u32,
+}
+
+/// The answer to a request that ends in a record.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct EditResult {
+    /// The sender's name for it.
+    pub op_id: String,
+    /// What became of it.
+    pub status: EditStatus,
+    /// Its record, where it was committed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seq: Option<u64>,
+    /// What undo or redo left as it was, a sentence each.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub skipped: Vec<String>,
+    /// Why it was rejected, for programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub code: Option<String>,
+    /// Why it was rejected, for people.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub message: Option<String>,
+}
+
+/// What became of a request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum EditStatus {
+    /// In the log.
+    Committed,
+    /// In the log, after another's change of the same light that the sender did not know.
+    Rebased,
+    /// Not carried out.
+    Rejected,
+}
+
+/// A drag as all clients see it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct GestureState {
+    /// Its holder's name for it.
+    pub gesture: String,
+    /// Its holder.
+    pub client: u64,
+    /// The light it is on.
+    pub light: u64,
+    /// The latest update.
+    pub update: u64,
+    /// The session's count of gesture changes; frames carry it.
+    pub live_revision: u32,
+    /// What it changes in the document now.
+    pub changes: Vec<Change>,
+    /// How it ended; missing while it is under way.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ended: Option<GestureEnd>,
+    /// Why an update or a commit was refused, for programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub code: Option<String>,
+    /// Why an update or a commit was refused, for people.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub message: Option<String>,
+}
+
+/// How a drag ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum GestureEnd {
+    /// As a record.
+    Committed,
+    /// By its holder, or with the connection.
+    Cancelled,
+    /// Without an update for too long.
+    Expired,
+    /// The begin or the commit was refused.
+    Rejected,
+}
+
+/// One client of a session.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Presence {
+    /// Its number.
+    pub client: u64,
+    /// Who.
+    pub actor: Actor,
+    /// The light that is selected.
+    pub selection: Option<u64>,
+    /// The client whose view it follows.
+    pub following: Option<u64>,
+    /// Where its own view is; `null` without a view.
+    pub camera: Option<Camera>,
+}
+
+impl ClientMessage {
+    /// Reads a text message.
+    pub fn parse(text: &str) -> Result<Self, FileError> {
+        from_json(text)
+    }
+}
+
+impl ServerMessage {
+    /// Reads a text message.
+    pub fn parse(text: &str) -> Result<Self, FileError> {
+        from_json(text)
+    }
+}
+
+/// Reads the body of a request.
+pub fn parse_body<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
+    from_json(text)
+}

@@ -1,0 +1,324 @@
+//! Changes and records in JSON, and the lines of a log file.
+
+use glam::DVec3;
+use scene::{CameraId, Layout, LightId};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::document::Vec3;
+use crate::error::from_json;
+use crate::{
+    Camera, CameraParameter, Command, FileError, Light, LightParameter, PointParameter, Refused, SceneRef,
+};
+
+/// The format of records that this version writes. Earlier ones are upgraded when they are read.
+pub const FORMAT: u32 = 1;
+
+/// [`scene::Change`] in JSON; `type` says which (SPEC, section 3).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "camelCase", deny_unknown_fields)]
+#[expect(missing_docs, reason = "the fields are those of scene::Change, one by one")]
+pub enum Change {
+    /// Another scene's geometry.
+    Scene { old: Option<SceneRef>, new: Option<SceneRef> },
+    /// A light that comes or goes.
+    Light { light: u64, old: Option<Box<PlacedLight>>, new: Option<Box<PlacedLight>> },
+    /// A parameter of a light.
+    LightParameter { light: u64, old: LightParameter, new: LightParameter },
+    /// A parameter of a control point.
+    Point { light: u64, layout: u64, point: usize, old: PointParameter, new: PointParameter },
+    /// Control points that were renumbered.
+    ControlPoints { light: u64, old: ControlPoints, new: ControlPoints },
+    /// A camera that comes or goes.
+    Camera { camera: u64, old: Option<Camera>, new: Option<Camera> },
+    /// A parameter of a camera.
+    CameraParameter { camera: u64, old: CameraParameter, new: CameraParameter },
+}
+
+/// [`scene::PlacedLight`] in JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct PlacedLight {
+    /// Numbering of its control points.
+    pub layout: u64,
+    /// The light.
+    pub light: Light,
+}
+
+/// [`scene::ControlPoints`] in JSON; one entry a control point in each list.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct ControlPoints {
+    /// Their numbering.
+    pub layout: u64,
+    /// Light-local positions.
+    pub points: Vec<Vec3>,
+    /// Light-local radii.
+    pub radii: Vec<f64>,
+    /// Linear RGB.
+    pub colors: Vec<Vec3>,
+    /// Intensities.
+    pub intensities: Vec<f64>,
+}
+
+/// [`edit::Actor`] in JSON.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Actor {
+    /// Stays with a person over connections.
+    pub id: String,
+    /// For people.
+    pub name: String,
+}
+
+/// [`edit::Scope`] in JSON.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum Scope {
+    /// One's own steps.
+    Mine,
+    /// Everybody's.
+    Session,
+}
+
+/// [`edit::Action`] in JSON; `type` says which.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "camelCase", deny_unknown_fields)]
+#[expect(missing_docs, reason = "the fields are those of edit::Action, one by one")]
+pub enum Action {
+    /// A command.
+    Edit { command: Command },
+    /// The last command of a drag.
+    Gesture { command: Command },
+    /// Taking back a step.
+    Undo { scope: Scope, target: u64, skipped: Vec<String> },
+    /// Taking back an undo.
+    Redo { scope: Scope, target: u64, skipped: Vec<String> },
+}
+
+/// [`edit::Record`] in JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Record {
+    /// [`FORMAT`].
+    pub format: u32,
+    /// Counts from 1 without gaps.
+    pub seq: u64,
+    /// Milliseconds since 1970 UTC.
+    pub time_ms: u64,
+    /// Who.
+    pub actor: Actor,
+    /// The sender's name for the step.
+    pub op_id: String,
+    /// What was asked for.
+    pub action: Action,
+    /// What it did.
+    pub changes: Vec<Change>,
+}
+
+impl Record {
+    /// Reads a record of any format up to [`FORMAT`]. This is the place where one of an earlier format will be upgraded.
+    pub fn parse(text: &str) -> Result<Self, FileError> {
+        #[derive(Deserialize)]
+        struct Versioned {
+            format: u32,
+        }
+        // Before the rest is looked at: a later format may have fields that are not known here.
+        known_format(from_json::<Versioned>(text)?.format)?;
+        from_json(text)
+    }
+}
+
+/// Refuses a format that this version cannot read.
+pub(crate) fn known_format(found: u32) -> Result<(), FileError> {
+    if (1..=FORMAT).contains(&found) { Ok(()) } else { Err(FileError::Format(Refused::Format { found })) }
+}
+
+impl From<&scene::PlacedLight> for PlacedLight {
+    fn from(placed: &scene::PlacedLight) -> Self {
+        Self { layout: placed.layout.0, light: Light::from(&placed.light) }
+    }
+}
+
+impl TryFrom<PlacedLight> for scene::PlacedLight {
+    type Error = Refused;
+
+    fn try_from(wire: PlacedLight) -> Result<Self, Refused> {
+        Ok(Self { layout: Layout(wire.layout), light: wire.light.try_into()? })
+    }
+}
+
+impl From<scene::ControlPoints> for ControlPoints {
+    fn from(domain: scene::ControlPoints) -> Self {
+        Self {
+            layout: domain.layout.0,
+            points: domain.points.iter().map(DVec3::to_array).collect(),
+            radii: domain.radii,
+            colors: domain.colors.iter().map(DVec3::to_array).collect(),
+            intensities: domain.intensities,
+        }
+    }
+}
+
+impl From<ControlPoints> for scene::ControlPoints {
+    fn from(wire: ControlPoints) -> Self {
+        Self {
+            layout: Layout(wire.layout),
+            points: wire.points.into_iter().map(DVec3::from).collect(),
+            radii: wire.radii,
+            colors: wire.colors.into_iter().map(DVec3::from).collect(),
+            intensities: wire.intensities,
+        }
+    }
+}
+
+impl From<&scene::Change> for Change {
+    fn from(change: &scene::Change) -> Self {
+        use scene::Change as C;
+        match change.clone() {
+            C::Scene { old, new } => {
+                Self::Scene { old: old.as_ref().map(Into::into), new: new.as_ref().map(Into::into) }
+            }
+            C::Light { light, old, new } => Self::Light {
+                light: light.0,
+                old: old.as_deref().map(|p| Box::new(p.into())),
+                new: new.as_deref().map(|p| Box::new(p.into())),
+            },
+            C::LightParameter { light, old, new } => {
+                Self::LightParameter { light: light.0, old: old.into(), new: new.into() }
+            }
+            C::Point { light, layout, point, old, new } => {
+                Self::Point { light: light.0, layout: layout.0, point, old: old.into(), new: new.into() }
+            }
+            C::ControlPoints { light, old, new } => {
+                Self::ControlPoints { light: light.0, old: old.into(), new: new.into() }
+            }
+            C::Camera { camera, old, new } => Self::Camera {
+                camera: camera.0,
+                old: old.as_ref().map(Into::into),
+                new: new.as_ref().map(Into::into),
+            },
+            C::CameraParameter { camera, old, new } => {
+                Self::CameraParameter { camera: camera.0, old: old.into(), new: new.into() }
+            }
+        }
+    }
+}
+
+impl TryFrom<Change> for scene::Change {
+    type Error = Refused;
+
+    fn try_from(wire: Change) -> Result<Self, Refused> {
+        let scene = |scene: Option<SceneRef>| scene.map(scene::SceneRef::try_from).transpose();
+        let placed = |placed: Option<Box<PlacedLight>>| {
+            placed.map(|p| scene::PlacedLight::try_from(*p).map(Box::new)).transpose()
+        };
+        Ok(match wire {
+            Change::Scene { old, new } => Self::Scene { old: scene(old)?, new: scene(new)? },
+            Change::Light { light, old, new } => {
+                Self::Light { light: LightId(light), old: placed(old)?, new: placed(new)? }
+            }
+            Change::LightParameter { light, old, new } => {
+                Self::LightParameter { light: LightId(light), old: old.into(), new: new.into() }
+            }
+            Change::Point { light, layout, point, old, new } => Self::Point {
+                light: LightId(light),
+                layout: Layout(layout),
+                point,
+                old: old.into(),
+                new: new.into(),
+            },
+            Change::ControlPoints { light, old, new } => {
+                Self::ControlPoints { light: LightId(light), old: old.into(), new: new.into() }
+            }
+            Change::Camera { camera, old, new } => {
+                Self::Camera { camera: CameraId(camera), old: old.map(Into::into), new: new.map(Into::into) }
+            }
+            Change::CameraParameter { camera, old, new } => {
+                Self::CameraParameter { camera: CameraId(camera), old: old.into(), new: new.into() }
+            }
+        })
+    }
+}
+
+impl From<&edit::Actor> for Actor {
+    fn from(actor: &edit::Actor) -> Self {
+        Self { id: actor.id.clone(), name: actor.name.clone() }
+    }
+}
+
+impl From<Actor> for edit::Actor {
+    fn from(wire: Actor) -> Self {
+        Self { id: wire.id, name: wire.name }
+    }
+}
+
+impl From<Scope> for edit::Scope {
+    fn from(wire: Scope) -> Self {
+        match wire {
+            Scope::Mine => Self::Mine,
+            Scope::Session => Self::Session,
+        }
+    }
+}
+
+impl From<edit::Scope> for Scope {
+    fn from(scope: edit::Scope) -> Self {
+        match scope {
+            edit::Scope::Mine => Self::Mine,
+            edit::Scope::Session => Self::Session,
+        }
+    }
+}
+
+impl From<&edit::Record> for Record {
+    fn from(record: &edit::Record) -> Self {
+        let action = match record.action.clone() {
+            edit::Action::Edit(command) => Action::Edit { command: (&command).into() },
+            edit::Action::Gesture(command) => Action::Gesture { command: (&command).into() },
+            edit::Action::Undo { scope, target, skipped } => {
+                Action::Undo { scope: scope.into(), target, skipped }
+            }
+            edit::Action::Redo { scope, target, skipped } => {
+                Action::Redo { scope: scope.into(), target, skipped }
+            }
+        };
+        Self {
+            format: FORMAT,
+            seq: record.seq,
+            time_ms: record.time_ms,
+            actor: (&record.actor).into(),
+            op_id: record.op_id.clone(),
+            action,
+            changes: record.changes.iter().map(Change::from).collect(),
+        }
+    }
+}
+
+impl TryFrom<Record> for edit::Record {
+    type Error = Refused;
+
+    fn try_from(wire: Record) -> Result<Self, Refused> {
+        if wire.format != FORMAT {
+            return Err(Refused::Format { found: wire.format });
+        }
+        let action = match wire.action {
+            Action::Edit { command } => edit::Action::Edit(command.try_into()?),
+            Action::Gesture { command } => edit::Action::Gesture(command.try_into()?),
+            Action::Undo { scope, target, skipped } => {
+                edit::Action::Undo { scope: scope.into(), target, skipped }
+            }
+            Action::Redo { scope, target, skipped } => {
+                edit::Action::Redo { scope: scope.into(), target, skipped }
+            }
+        };
+        Ok(Self {
+            seq: wire.seq,
+            time_ms: wire.time_ms,
+            actor: wire.actor.into(),
+            op_id: wire.op_id,
+            action,
+            changes: wire.changes.into_iter().map(scene::Change::try_from).collect::<Result<_, _>>()?,
+        })
+    }
+}

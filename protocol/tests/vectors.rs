@@ -1,0 +1,229 @@
+//! `vectors/`: cases that this side makes and the page's side runs too. Run with `BENDYLIGHTS_BLESS=1` to write them
+//! anew.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use bendy::{BendyLight, Decay, Direction, EndMode, Frame, SpotLight, Tube};
+use glam::{DQuat, DVec3};
+use protocol::{Change, Document, Light};
+use scene::{
+    AssetHash, Camera, CameraId, CameraParameter, Command, LightId, LightKind, LightParameter,
+    PointParameter, Projection, Scene, changes_of,
+};
+use serde_json::{Value, json};
+use stream::{Codec, Flags, FrameHeader, Tile};
+
+/// The committed file is what the code makes.
+fn agrees(name: &str, made: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("vectors").join(name);
+    if std::env::var_os("BENDYLIGHTS_BLESS").is_some() {
+        std::fs::write(&path, made).expect("written");
+    }
+    let committed = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(committed == made, "{name} is not what the code makes: run this test with BENDYLIGHTS_BLESS=1");
+}
+
+/// A case a line.
+fn list(cases: &[Value]) -> String {
+    let lines: Vec<_> = cases.iter().map(Value::to_string).collect();
+    format!("[\n{}\n]\n", lines.join(",\n"))
+}
+
+const BENDY: LightId = LightId(1);
+const SPOT: LightId = LightId(2);
+const EYE: CameraId = CameraId(3);
+
+fn bendy() -> scene::Light {
+    let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.5, 0.25, -2.0)];
+    scene::Light {
+        name: "key".into(),
+        kind: LightKind::Bendy(BendyLight::new(points, vec![0.125, 0.25, 0.5])),
+    }
+}
+
+fn spot() -> scene::Light {
+    scene::Light { name: "lamp".into(), kind: LightKind::Spot(SpotLight::default()) }
+}
+
+fn eye() -> Camera {
+    let projection = Projection::Perspective { yfov: 0.75, znear: 0.125, zfar: None };
+    let (translation, rotation) = (DVec3::new(0.0, 1.0, 5.0), DQuat::IDENTITY);
+    Camera { name: "eye".into(), translation, rotation, projection }
+}
+
+/// A scene with a spotlight.
+const ROOM: AssetHash = AssetHash([1; 32]);
+
+fn find_scene(asset: &AssetHash) -> Option<Arc<Scene>> {
+    let scene = Scene { lights: vec![spot()], cameras: vec![eye()], ..Scene::default() };
+    (*asset == ROOM).then(|| Arc::new(scene))
+}
+
+/// What `command` does to `document`, which goes on from there.
+fn done(document: &mut scene::Document, command: &Command) -> Vec<scene::Change> {
+    let changes = changes_of(document, command, &find_scene).expect("a valid command");
+    document.apply(&changes, &find_scene).expect("changes just made");
+    changes
+}
+
+fn edited() -> scene::Document {
+    let mut document = scene::Document::default();
+    done(&mut document, &Command::AddLight(Box::new(bendy())));
+    done(&mut document, &Command::AddLight(Box::new(spot())));
+    done(&mut document, &Command::AddCamera(eye()));
+    document
+}
+
+fn change_case(
+    name: &str,
+    before: &scene::Document,
+    changes: &[scene::Change],
+    after: &scene::Document,
+) -> Value {
+    let changes: Vec<_> = changes.iter().map(Change::from).collect();
+    json!({"name": name, "document": Document::from(before), "changes": changes, "after": Document::from(after)})
+}
+
+/// The command on [`edited`], and taking it back.
+fn there_and_back((name, command): &(&str, Command)) -> [Value; 2] {
+    let before = edited();
+    let mut after = before.clone();
+    let changes = done(&mut after, command);
+    let inverses: Vec<_> = changes.iter().rev().map(scene::Change::inverse).collect();
+    let back = change_case(&format!("{name}, taken back"), &after, &inverses, &before);
+    [change_case(name, &before, &changes, &after), back]
+}
+
+/// A command for each type of change, and for what comes and goes.
+fn commands() -> Vec<(&'static str, Command)> {
+    let (vector, rotation) = (DVec3::new(0.5, 0.25, 0.125), DQuat::from_xyzw(0.0, 0.6, 0.0, 0.8));
+    let set_light = |light, parameter| Command::SetLight { light, parameter };
+    let set_point = |parameter| Command::SetPoint { light: BENDY, point: 1, parameter };
+    let set_camera = |parameter| Command::SetCamera { camera: EYE, parameter };
+    let (position, radius, color, intensity) = (None, None, None, None);
+    let orthographic = Projection::Orthographic { ymag: 2.0, znear: 0.5, zfar: 10.0 };
+    let (translation, scale) = (Some(vector), Some(2.0));
+    vec![
+        ("a scene", Command::LoadScene { asset: ROOM, name: "room".into() }),
+        ("a light that comes", Command::AddLight(Box::new(bendy()))),
+        ("a light that goes", Command::RemoveLight(BENDY)),
+        ("a light placed", Command::PlaceLight { light: SPOT, translation, rotation: Some(rotation), scale }),
+        ("a light's name", set_light(BENDY, LightParameter::Name("rim \u{e9} \"".into()))),
+        ("a light's cone angle", set_light(BENDY, LightParameter::ConeAngle(30.1))),
+        ("a light's softness", set_light(SPOT, LightParameter::ConeSoftness(0.75))),
+        ("a light's decay", set_light(SPOT, LightParameter::Decay(Decay::Linear))),
+        ("a bendy light's up", set_light(BENDY, LightParameter::Up(vector))),
+        ("a bendy light's frame", set_light(BENDY, LightParameter::Frame(Frame::Up))),
+        ("a bendy light's direction", set_light(BENDY, LightParameter::Direction(Direction::Path))),
+        ("a bendy light's end", set_light(BENDY, LightParameter::EndMode(EndMode::Extend))),
+        ("a spotlight's colour", set_light(SPOT, LightParameter::Color(vector))),
+        ("a spotlight's intensity", set_light(SPOT, LightParameter::Intensity(3.5))),
+        ("a spotlight's range", set_light(SPOT, LightParameter::Range(Some(6.5)))),
+        ("a point's position", set_point(PointParameter::Position(DVec3::new(0.1, 0.2, -1.1)))),
+        ("a point's radius", set_point(PointParameter::Radius(0.3))),
+        ("a point's colour", set_point(PointParameter::Color(vector))),
+        ("a point's intensity", set_point(PointParameter::Intensity(3.5))),
+        (
+            "a point inserted",
+            Command::InsertPoint { light: BENDY, point: 2, position, radius, color, intensity },
+        ),
+        ("a camera that comes", Command::AddCamera(eye())),
+        ("a camera that goes", Command::RemoveCamera(EYE)),
+        ("a camera placed", Command::PlaceCamera { camera: EYE, translation, rotation: Some(rotation) }),
+        ("a camera's name", set_camera(CameraParameter::Name("side".into()))),
+        ("a camera's projection", set_camera(CameraParameter::Projection(orthographic))),
+    ]
+}
+
+/// Rules: REC-2, DOC-1, DOC-2
+#[test]
+fn changes_do_the_same_on_both_sides() {
+    let cases: Vec<Value> = commands().iter().flat_map(there_and_back).collect();
+    let types = ["scene", "light", "lightParameter", "point", "controlPoints", "camera", "cameraParameter"];
+    for name in types {
+        let of_type =
+            |case: &Value| case["changes"].as_array().is_some_and(|c| c.iter().any(|c| c["type"] == name));
+        assert!(cases.iter().any(of_type), "{name}");
+    }
+    assert!(cases.iter().all(|case| case["document"] != case["after"]), "each case can fail");
+    agrees("changes.json", &list(&cases));
+}
+
+/// The curve of `light`, of scale 1, at `t`: light-local position, radius, and P'(t).
+fn curve_case(light: &scene::Light, t: f64) -> Value {
+    let LightKind::Bendy(bendy) = &light.kind else { panic!("a BendyLight") };
+    let tube = Tube::<f64>::new(bendy).expect("a valid light");
+    let local_per_tube = tube.placement.world_per_tube / bendy.transform.scale;
+    let index = (t.floor() as usize).min(tube.n - 1);
+    let (segment, u) = (&tube.segments[index], t - index as f64);
+    let [position, tangent] =
+        [segment.position(u), segment.d(u) * 2.0].map(|v| (v * local_per_tube).to_array());
+    let radius = segment.radius(u) * local_per_tube;
+    json!({"light": Light::from(light), "t": t, "position": position, "radius": radius, "tangent": tangent})
+}
+
+/// Rules: DOC-1
+#[test]
+fn a_curve_is_the_same_on_both_sides() {
+    let demo = assets::demo("vases").expect("the demo scene");
+    let key = demo.lights.into_iter().find(|light| light.name == "key").expect("its light");
+    let points = (0..7).map(|i| DVec3::new(0.25 * f64::from(i * i), 0.5 * f64::from(i), 0.0)).collect();
+    let radii = vec![0.0, 0.1, 0.2, 0.15, 0.3, 0.25, 0.4];
+    let long = scene::Light { name: "long".into(), kind: LightKind::Bendy(BendyLight::new(points, radii)) };
+    let mut cases = Vec::new();
+    for light in [bendy(), key, long] {
+        let LightKind::Bendy(bendy) = &light.kind else { panic!("a BendyLight") };
+        let segments = (bendy.points.len() - 2) as f64;
+        let places = [0.0, 0.1, 0.5, 1.0, segments - 0.7, segments - 0.25, segments];
+        let mut places: Vec<f64> = places.into_iter().filter(|&t| t <= segments).collect();
+        places.dedup();
+        cases.extend(places.iter().map(|&t| curve_case(&light, t)));
+    }
+    assert_eq!(cases[0]["position"], json!([0.0, 0.0, 0.0]), "it starts in its first control point");
+    agrees("curve.json", &list(&cases));
+}
+
+/// Rules: FRAME-1
+#[test]
+fn a_frame_header_is_the_same_on_both_sides() {
+    let tile = Tile { x: 1, y: 2, width: 640, height: 360 };
+    let header = FrameHeader {
+        codec: Codec::Png,
+        flags: Flags { key: true, settle: true, last_tile: true },
+        view: 0,
+        frame: 41,
+        log_seq: 1_234_567_890_123,
+        camera_revision: 9,
+        live_revision: 17,
+        samples: 4,
+        tile,
+        width: 640,
+        height: 382,
+        wait_us: 1_500,
+        render_us: 85_000,
+        encode_us: 3_200,
+    };
+    let bytes = header.to_bytes();
+    assert_eq!(FrameHeader::from_bytes(&bytes).expect("a header"), header);
+    let hex = bytes.map(|byte| format!("{byte:02x}")).concat();
+    let vector = json!({"hex": hex, "header": {
+        "codec": "png",
+        "key": header.flags.key,
+        "settle": header.flags.settle,
+        "lastTile": header.flags.last_tile,
+        "view": header.view,
+        "frame": header.frame,
+        "logSeq": header.log_seq,
+        "cameraRevision": header.camera_revision,
+        "liveRevision": header.live_revision,
+        "samples": header.samples,
+        "tile": {"x": tile.x, "y": tile.y, "width": tile.width, "height": tile.height},
+        "width": header.width,
+        "height": header.height,
+        "waitUs": header.wait_us,
+        "renderUs": header.render_us,
+        "encodeUs": header.encode_us,
+    }});
+    agrees("frame.json", &format!("{vector:#}\n"));
+}
