@@ -11,7 +11,7 @@ use crate::Limit;
 #[derive(Debug, Error)]
 #[error("{file}: {fault}")]
 pub struct AssetError {
-    /// The scene file, as it was named to [`crate::load`].
+    /// The scene file, as it was named to [`crate::load`]; "the scene" where it came as bytes.
     pub file: String,
     /// What is wrong with it.
     #[source]
@@ -57,6 +57,11 @@ pub enum Fault {
         /// What is wrong with it.
         why: String,
     },
+    /// Bytes that name a demo scene of another version of this program.
+    #[error(
+        "is the demo scene '{0}', which this version of the program does not have: use the version that made it"
+    )]
+    UnknownDemo(String),
     /// The result breaks a promise of the scene document.
     #[error("does not make a sound scene: {0}; export it again")]
     Unsound(#[from] SceneError),

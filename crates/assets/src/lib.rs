@@ -2,6 +2,7 @@
 //!
 //! A scene file comes from a stranger. So every number in it is checked before it is used, every size is
 //! checked before memory is taken (see [`limits`]), and nothing outside the scene's own folder is read.
+//! [`pack`] makes one file of many, for keeping by its hash.
 //! Input never panics; it loads, or an [`AssetError`] says why not and what to do.
 
 mod demo;
@@ -12,7 +13,7 @@ mod notes;
 
 use std::path::Path;
 
-pub use demo::{DEMO_NAMES, demo};
+pub use demo::{DEMO_NAMES, demo, demo_bytes};
 pub use fault::{AssetError, Fault};
 pub use limits::Limit;
 use scene::Scene;
@@ -30,5 +31,25 @@ pub struct Loaded {
 ///
 /// Units and axes are glTF's: metres, +Y up. Animations, skins and morph targets are left at rest.
 pub fn load(path: &Path) -> Result<Loaded, AssetError> {
-    import::import(path).map_err(|fault| AssetError { file: path.display().to_string(), fault })
+    import::file(path).map_err(|fault| AssetError { file: path.display().to_string(), fault })
+}
+
+/// Reads a scene from bytes that hold all of it: those of [`pack`], of a `.glb` or self-contained `.gltf`
+/// file, or of [`demo_bytes`]. No file is read.
+pub fn load_bytes(bytes: &[u8]) -> Result<Loaded, AssetError> {
+    let loaded = match demo::named_by(bytes) {
+        Some(scene) => scene.map(|scene| Loaded { scene, notes: Vec::new() }),
+        None => import::bytes(bytes),
+    };
+    loaded.map_err(|fault| AssetError { file: "the scene".into(), fault })
+}
+
+/// The bytes of one file that holds all of a scene on disk.
+///
+/// A file that refers to no others is taken as it is. Of any other the JSON is, with all that it refers to
+/// put in its place as `data:` addresses: pictures that are not drawn, too, so that a later version that
+/// draws them finds them. The same files give the same bytes on every machine, and [`load_bytes`] makes of
+/// them what [`load`] makes of the files.
+pub fn pack(path: &Path) -> Result<Vec<u8>, AssetError> {
+    import::pack(path).map_err(|fault| AssetError { file: path.display().to_string(), fault })
 }

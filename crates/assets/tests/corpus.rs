@@ -6,24 +6,25 @@ use std::path::{Path, PathBuf};
 
 use assets::Fault;
 
-fn scene_files(folder: &Path, files: &mut Vec<PathBuf>) {
+/// The scene files in and below a folder, sorted.
+fn scene_files(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {
-            scene_files(&path, files);
+            files.extend(scene_files(&path));
         } else if path.extension().is_some_and(|e| e == "gltf" || e == "glb") {
             files.push(path);
         }
     }
+    files.sort();
+    files
 }
 
 #[test]
 fn every_file_loads_or_names_what_it_needs() {
     let Some(folder) = support::assets_folder() else { return };
-    let mut files = Vec::new();
-    scene_files(&folder.join("gltf"), &mut files);
-    scene_files(&folder.join("scenes"), &mut files);
-    files.sort();
+    let files = [scene_files(&folder.join("gltf")), scene_files(&folder.join("scenes"))].concat();
     let mut refused = Vec::new();
     for path in &files {
         let name = path.strip_prefix(&folder).unwrap().display().to_string();
@@ -83,4 +84,32 @@ fn quantised_and_sparse_files_hold_the_plain_ones_shape() {
         let tolerance = (max - min).max_element() / f64::from(1 << 13);
         assert!((found_min - min).length() < tolerance && (found_max - max).length() < tolerance, "{file}");
     }
+}
+
+/// Every file gives the same scene from its packed bytes, and hostile ones are refused as before.
+#[test]
+fn packed_files_stay_what_they_are() {
+    let Some(folder) = support::assets_folder() else { return };
+    let (mut same, mut inlined) = (0, 0);
+    for path in scene_files(&folder) {
+        let file = assets::load(&path);
+        let Ok(bytes) = assets::pack(&path) else {
+            assert!(file.is_err(), "{} loads but cannot be packed", path.display());
+            continue;
+        };
+        match (file, assets::load_bytes(&bytes)) {
+            (Ok(file), Ok(packed)) => {
+                assert_eq!(format!("{:?}", file.scene), format!("{:?}", packed.scene), "{}", path.display());
+                let images = file.scene.images.iter().zip(&packed.scene.images);
+                assert!(images.into_iter().all(|(a, b)| a.rgba8 == b.rgba8), "{}", path.display());
+                assert_eq!(file.notes, packed.notes);
+                same += 1;
+            }
+            (Err(_), Err(_)) => {}
+            (file, packed) => panic!("{}: {:?} {:?}", path.display(), file.err(), packed.err()),
+        }
+        inlined += usize::from(bytes != std::fs::read(&path).unwrap());
+    }
+    println!("{same} scenes the same, {inlined} files made of several");
+    assert!(same > 30 && inlined > 5, "{same} {inlined}");
 }

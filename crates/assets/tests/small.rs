@@ -259,7 +259,7 @@ fn lights_and_cameras_stand_rigid_in_the_world() {
         (shines_along - DVec3::NEG_X).length() < 1e-6,
         "a quarter turn about Y takes -Z to -X: {shines_along}"
     );
-    let looks_along = scene.cameras[0].world_from_camera.matrix3 * DVec3::NEG_Z;
+    let looks_along = scene.cameras[0].rotation * DVec3::NEG_Z;
     assert!((looks_along - DVec3::NEG_X).length() < 1e-6, "{looks_along}");
     let Projection::Perspective { yfov, .. } = scene.cameras[0].projection else { panic!("perspective") };
     assert!((yfov - FRAC_PI_3).abs() < 1e-7);

@@ -1,7 +1,7 @@
 //! Cameras as matrices and rays, composed in f64.
 
 use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4};
-use scene::{Camera, Projection};
+use scene::Projection;
 
 use crate::layout::{self, Mat4};
 use crate::{RenderError, View};
@@ -30,7 +30,7 @@ impl Raster {
             }
             Projection::Orthographic { ymag, znear, zfar } => ymag > 0.0 && znear >= 0.0 && zfar > znear,
         };
-        let Camera { world_from_camera, projection, .. } = view.camera;
+        let (world_from_camera, projection) = (view.camera.world_from_camera(), view.camera.projection);
         if !sound || !world_from_camera.is_finite() {
             return invalid("its camera has numbers outside their domains; correct the camera");
         }

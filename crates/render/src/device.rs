@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use wgpu::{Adapter, Backends, Device, DeviceType, ErrorFilter, Features, Limits, Queue};
+use wgpu::{Adapter, Backends, Device, DeviceType, ErrorFilter, Features, Limits, PollType, Queue};
 
 use crate::RenderError;
 
@@ -50,6 +50,14 @@ impl Gpu {
         &self.adapter_name
     }
 
+    /// Waits for everything submitted before.
+    pub(crate) fn wait(&self) -> Result<(), RenderError> {
+        match self.device.poll(PollType::wait_indefinitely()) {
+            Ok(_) => Ok(()),
+            Err(why) => Err(RenderError::Gpu(one_line(&why))),
+        }
+    }
+
     /// Runs `work` on this thread and turns what the driver reports meanwhile into an error.
     pub(crate) fn checked<T>(&self, work: impl FnOnce() -> Result<T, RenderError>) -> Result<T, RenderError> {
         let scopes = [ErrorFilter::OutOfMemory, ErrorFilter::Internal, ErrorFilter::Validation]
@@ -67,12 +75,12 @@ impl Gpu {
     }
 }
 
-/// The best adapter of the first interface that has one; GL is only asked where Vulkan has none.
 /// wgpu explains over several lines; ours is the last part of one sentence.
 fn one_line(error: &dyn std::fmt::Display) -> String {
     error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
+/// The best adapter of the first interface that has one; GL is only asked where Vulkan has none.
 fn choose_adapter() -> Result<Adapter, RenderError> {
     let mut unfit = Vec::new();
     for backends in [Backends::VULKAN, Backends::GL] {

@@ -48,6 +48,9 @@ pub enum RenderError {
     /// A name that is no AOV.
     #[error("`{0}` is not an AOV: choose one of {names}", names = Aov::NAMES.join(", "))]
     UnknownAov(String),
+    /// A picture that its file format cannot hold.
+    #[error("the picture cannot be encoded ({0}): make it smaller")]
+    Encode(String),
     /// A light with numbers outside their domains.
     #[error(transparent)]
     Light(#[from] bendy::LightError),

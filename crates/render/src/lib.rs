@@ -2,8 +2,9 @@
 //!
 //! Geometry is posed once a scene ([`Renderer::set_scene`]) into scene space: world axes, with the origin at
 //! the centre of the scene's bounds, so that f32 on the GPU keeps its precision wherever the scene stands. A
-//! picture ([`Renderer::render`]) is a G-buffer, a shadow map a light and one additive pass a light. G-buffer
-//! and shadow maps stay while nothing they depend on changes.
+//! picture ([`Renderer::render`]) is a G-buffer, a shadow map a light and one additive pass a light. Shadow
+//! maps stay while nothing they depend on changes, and so do, for each viewer, its G-buffer and its last
+//! picture.
 
 mod bendy_light;
 mod camera;
@@ -14,8 +15,11 @@ mod gbuffer;
 mod geometry;
 mod layout;
 mod lighting;
+mod lights;
 mod material;
 mod mipmap;
+mod passes;
+mod picture;
 mod pipeline;
 mod readback;
 mod renderer;
@@ -23,10 +27,13 @@ mod shaders;
 mod shadow;
 mod spot;
 mod staged;
+mod targets;
 mod view;
+mod warm;
 
 pub use bendy_light::locate;
 pub use device::Gpu;
 pub use error::RenderError;
+pub use picture::PictureFormat;
 pub use renderer::{PassCounts, Renderer};
-pub use view::{Aov, Picture, View};
+pub use view::{Aov, Picture, View, ViewSlot};

@@ -1,7 +1,7 @@
 //! The passes that turn a G-buffer into values: the fill, quantities of the surface, and one additive pass a
 //! light.
 
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 use wgpu::{
     BindGroup, BindGroupLayout, BlendComponent, BlendFactor, BlendOperation, BlendState, PipelineLayout,
@@ -28,7 +28,7 @@ const ADD: BlendState = {
 pub(crate) struct LightingPass {
     layout: PipelineLayout,
     module: ShaderModule,
-    pipelines: [OnceCell<RenderPipeline>; Aov::NAMES.len()],
+    pipelines: [OnceLock<RenderPipeline>; Aov::NAMES.len()],
 }
 
 impl LightingPass {
@@ -37,7 +37,7 @@ impl LightingPass {
         Self {
             layout: gpu.pipeline_layout(label, groups),
             module: gpu.module(label, wgsl),
-            pipelines: std::array::from_fn(|_| OnceCell::new()),
+            pipelines: std::array::from_fn(|_| OnceLock::new()),
         }
     }
 

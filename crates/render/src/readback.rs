@@ -1,6 +1,6 @@
 //! From textures and buffers to the processor's memory.
 
-use wgpu::{Buffer, BufferUsages, BufferView, COPY_BYTES_PER_ROW_ALIGNMENT, MapMode, PollType, Texture};
+use wgpu::{Buffer, BufferUsages, BufferView, COPY_BYTES_PER_ROW_ALIGNMENT, MapMode, Texture};
 
 use crate::{Gpu, RenderError};
 
@@ -60,7 +60,7 @@ fn map(gpu: &Gpu, buffer: &Buffer) -> Result<BufferView, RenderError> {
     let (sender, receiver) = std::sync::mpsc::sync_channel(1);
     // The receiver lives until the answer is in.
     buffer.map_async(MapMode::Read, .., move |result| sender.send(result).unwrap_or_default());
-    gpu.device.poll(PollType::wait_indefinitely()).map_err(|e| failed(&e))?;
+    gpu.wait()?;
     receiver.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
     buffer.get_mapped_range(..).map_err(|e| failed(&e))
 }

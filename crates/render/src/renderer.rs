@@ -3,19 +3,15 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec2};
-use scene::{Light, LightKind, Projection, Scene};
-use wgpu::{BindGroup, Buffer, CommandEncoder, Texture, TextureView};
+use scene::{Light, Scene};
+use wgpu::{Buffer, CommandEncoderDescriptor};
 
-use crate::bendy_light::{Baked, BendyPass, BendySlot};
 use crate::camera::{Raster, sample_offset};
-use crate::display::{self, DisplayPass};
-use crate::gbuffer::{Gbuffer, GbufferPass};
-use crate::lighting::{self, LightingPass};
-use crate::pipeline::{STORAGE, UNIFORM, color_attachment};
-use crate::spot::{SpotPass, SpotSlot};
-use crate::staged::{SceneLayouts, StagedScene};
-use crate::{Aov, Gpu, Picture, RenderError, View, layout, material, readback, shaders};
+use crate::lights::LightSlots;
+use crate::passes::Passes;
+use crate::staged::StagedScene;
+use crate::targets::Viewers;
+use crate::{Aov, Gpu, Picture, RenderError, View, ViewSlot, layout, readback};
 
 /// How often each pass has run since the renderer was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,125 +26,42 @@ pub struct PassCounts {
     pub display: u64,
 }
 
-/// Draws pictures of one scene at a time.
+/// Draws pictures of one scene at a time, for any number of viewers.
+///
+/// What a picture shares with the one before is not drawn again: each light's shadow map, and for each
+/// [`ViewSlot`] the G-buffer and the picture itself.
 #[derive(Debug)]
 pub struct Renderer {
     gpu: Arc<Gpu>,
-    passes: Passes,
+    passes: Arc<Passes>,
     view_uniform: Buffer,
     scene: StagedScene,
-    targets: Targets,
-    /// One a light, in the order of the last picture's lights; `None` where that light was not needed yet.
-    slots: Vec<Option<LightSlot>>,
+    viewers: Viewers,
+    lights: LightSlots,
     counts: PassCounts,
-}
-
-/// The pipelines and layouts, which outlive scenes and pictures.
-#[derive(Debug)]
-struct Passes {
-    layouts: SceneLayouts,
-    gbuffer: GbufferPass,
-    fill: LightingPass,
-    inspect: LightingPass,
-    spot: SpotPass,
-    bendy: BendyPass,
-    display: DisplayPass,
-}
-
-/// What is kept of a light from picture to picture.
-#[derive(Debug)]
-enum LightSlot {
-    Spot(SpotSlot),
-    Bendy(BendySlot),
-}
-
-/// Which lighting pass draws a light.
-#[derive(Clone, Copy, Debug)]
-enum LightingKind {
-    Spot,
-    Bendy(Baked),
-}
-
-/// A light whose shadows are up to date.
-#[derive(Debug)]
-struct ReadyLight {
-    kind: LightingKind,
-    /// Group 2 of its lighting pass.
-    group: BindGroup,
-    /// What it may reach: `[x, y, width, height]`.
-    pixels: [u32; 4],
-}
-
-/// What is made once a picture size.
-#[derive(Debug)]
-struct Targets {
-    size: [u32; 2],
-    gbuffer: Gbuffer,
-    /// What the G-buffer shows.
-    gbuffer_key: Option<GbufferKey>,
-    radiance: Texture,
-    radiance_view: TextureView,
-    radiance_group: BindGroup,
-    display: Texture,
-}
-
-/// All that a G-buffer depends on, besides its size.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct GbufferKey {
-    revision: u64,
-    world_from_camera: DAffine3,
-    projection: Projection,
-    sample_offset: DVec2,
-}
-
-impl Passes {
-    fn new(gpu: &Gpu) -> Self {
-        let layouts = SceneLayouts {
-            view: gpu.layout("view", &[UNIFORM, STORAGE]),
-            material: gpu.layout("material", &material::BINDINGS),
-            fill: gpu.layout("fill", &[UNIFORM]),
-        };
-        let gbuffer = GbufferPass::new(gpu, &layouts.view, &layouts.material);
-        let camera_groups = [&layouts.view, &gbuffer.surface_layout];
-        let [view, surface] = camera_groups;
-        Self {
-            fill: LightingPass::new(gpu, "fill", shaders::FILL, &[view, surface, &layouts.fill]),
-            inspect: LightingPass::new(gpu, "inspect", shaders::INSPECT, &camera_groups),
-            spot: SpotPass::new(gpu, camera_groups, &layouts.material),
-            bendy: BendyPass::new(gpu, camera_groups),
-            display: DisplayPass::new(gpu),
-            gbuffer,
-            layouts,
-        }
-    }
-
-    fn targets(&self, gpu: &Gpu, width: u32, height: u32) -> Targets {
-        let radiance = gpu.target("radiance", width, height, lighting::FORMAT);
-        let radiance_view = radiance.create_view(&wgpu::TextureViewDescriptor::default());
-        Targets {
-            size: [width, height],
-            gbuffer: self.gbuffer.targets(gpu, width, height),
-            gbuffer_key: None,
-            radiance_group: self.display.group(gpu, &radiance_view),
-            radiance,
-            radiance_view,
-            display: gpu.target("display", width, height, display::FORMAT),
-        }
-    }
 }
 
 impl Renderer {
     /// A renderer of an empty scene.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, RenderError> {
-        let (passes, view_uniform, scene, targets) = gpu.checked(|| {
-            let passes = Passes::new(&gpu);
+        let passes = gpu.checked(|| Ok(Passes::new(&gpu)))?;
+        Self::with(gpu, Arc::new(passes))
+    }
+
+    /// A renderer of another scene, empty at first, by the same pipelines: what this one has compiled, or
+    /// will, serves both.
+    pub fn another(&self) -> Result<Self, RenderError> {
+        Self::with(Arc::clone(&self.gpu), Arc::clone(&self.passes))
+    }
+
+    fn with(gpu: Arc<Gpu>, passes: Arc<Passes>) -> Result<Self, RenderError> {
+        let (view_uniform, scene) = gpu.checked(|| {
             let view_uniform = gpu.uniform_buffer::<layout::View>("view");
             let scene = StagedScene::new(&gpu, &passes.layouts, &view_uniform, &Scene::default(), 0)?;
-            let targets = passes.targets(&gpu, 1, 1);
-            Ok((passes, view_uniform, scene, targets))
+            Ok((view_uniform, scene))
         })?;
-        let (slots, counts) = (Vec::new(), PassCounts::default());
-        Ok(Self { gpu, passes, view_uniform, scene, targets, slots, counts })
+        let (viewers, lights, counts) = (Viewers::default(), LightSlots::new(), PassCounts::default());
+        Ok(Self { gpu, passes, view_uniform, scene, viewers, lights, counts })
     }
 
     /// Takes over another scene: its geometry, materials and fill. Its promises hold ([`Scene::check`]); its
@@ -161,10 +74,10 @@ impl Renderer {
         Ok(())
     }
 
-    /// The bent shadow maps' pass, for tests to plant faults in.
+    /// What bent shadow maps are made in, for tests to plant faults in.
     #[cfg(test)]
-    pub(crate) fn bent_shadow(&mut self) -> &mut crate::bendy_light::BentShadowPass {
-        &mut self.passes.bendy.shadow
+    pub(crate) fn bent_work(&mut self) -> &mut crate::bendy_light::BentWork {
+        &mut self.lights.bent_work
     }
 
     /// How often each pass has run.
@@ -172,11 +85,30 @@ impl Renderer {
         self.counts
     }
 
+    /// Drops what is kept for a viewer; a later picture of it starts anew.
+    pub fn forget(&mut self, slot: ViewSlot) {
+        self.viewers.forget(slot);
+    }
+
+    /// Draws some of the samples that `view` under `lights` takes: at least one, then more while `keep_going`
+    /// says so. Returns whether none is left.
+    ///
+    /// Called again with the same view and lights it goes on where it stopped, as do [`Self::render`] and
+    /// [`Self::render_display`]; another picture in the same slot starts anew.
+    pub fn advance(
+        &mut self,
+        view: &View,
+        lights: &[Light],
+        mut keep_going: impl FnMut() -> bool,
+    ) -> Result<bool, RenderError> {
+        self.draw(view, view.aov, lights, &mut keep_going)
+    }
+
     /// The raw values of `view` under `lights`.
     pub fn render(&mut self, view: &View, lights: &[Light]) -> Result<Picture, RenderError> {
-        let pixels = self.attempt(|renderer, gpu| {
-            renderer.draw(gpu, view, view.aov, lights)?;
-            readback::read(gpu, &renderer.targets.radiance)
+        self.draw(view, view.aov, lights, &mut || true)?;
+        let pixels = self.attempt(view.slot, |renderer, gpu| {
+            readback::read(gpu, &renderer.viewers.targets(gpu, &renderer.passes, view)?.radiance)
         })?;
         Ok(Picture { width: view.width, height: view.height, pixels })
     }
@@ -184,151 +116,78 @@ impl Renderer {
     /// The beauty of `view` under `lights` as a screen shows it, whatever `view.aov` says: tone-mapped sRGB,
     /// RGBA, 8 bits a channel, rows from the top.
     pub fn render_display(&mut self, view: &View, lights: &[Light]) -> Result<Vec<u8>, RenderError> {
-        self.attempt(|renderer, gpu| {
-            renderer.draw(gpu, view, Aov::Beauty, lights)?;
-            let Targets { radiance_group, display, .. } = &renderer.targets;
-            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let screen = display.create_view(&wgpu::TextureViewDescriptor::default());
-            renderer.passes.display.draw(&mut encoder, radiance_group, &screen);
+        self.draw(view, Aov::Beauty, lights, &mut || true)?;
+        self.attempt(view.slot, |renderer, gpu| {
+            let targets = renderer.viewers.targets(gpu, &renderer.passes, view)?;
+            let mut encoder = gpu.device.create_command_encoder(&CommandEncoderDescriptor::default());
+            targets.draw_display(&mut encoder, &renderer.passes);
             gpu.queue.submit([encoder.finish()]);
             renderer.counts.display += 1;
-            Ok(readback::read::<[u8; 4]>(gpu, &renderer.targets.display)?.into_flattened())
+            Ok(readback::read::<[u8; 4]>(gpu, &targets.display)?.into_flattened())
+        })
+    }
+
+    /// Draws samples of `aov` of `view` into the radiance of its slot, as [`Self::advance`] says.
+    fn draw(
+        &mut self,
+        view: &View,
+        aov: Aov,
+        lights: &[Light],
+        keep_going: &mut dyn FnMut() -> bool,
+    ) -> Result<bool, RenderError> {
+        // What cannot be drawn is refused here, before anything that is kept has changed.
+        let raster = Raster::new(view)?;
+        let wanted = wanted_lights(aov, view.light, lights.len())?;
+        let samples = if aov.takes_samples() { view.samples } else { 1 };
+        self.attempt(view.slot, |renderer, gpu| {
+            let Self { passes, scene, viewers, counts, view_uniform, .. } = renderer;
+            let targets = viewers.targets(gpu, passes, view)?;
+            targets.begin(scene.revision, view, aov, lights);
+            if targets.samples_drawn == samples {
+                return Ok(true);
+            }
+            let new_encoder = || gpu.device.create_command_encoder(&CommandEncoderDescriptor::default());
+            let mut encoder = new_encoder();
+            let ready = renderer.lights.ready(gpu, &mut encoder, (passes, scene, &raster), lights, wanted)?;
+            counts.shadow += ready.iter().filter(|light| light.shadow_drawn).count() as u64;
+
+            for sample in targets.samples_drawn..samples {
+                let offset = sample_offset(sample, samples);
+                let uniform = raster.uniform(offset, 1.0 / samples as f32, scene.origin)?;
+                gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
+                counts.gbuffer +=
+                    u64::from(targets.draw_gbuffer(&mut encoder, passes, scene, &raster, offset));
+                targets.draw_lighting(gpu, &mut encoder, (passes, scene), aov, &ready, sample == 0);
+                counts.lighting += 1;
+                // What is written to a buffer is seen by the next submission: one a sample.
+                gpu.queue.submit([std::mem::replace(&mut encoder, new_encoder()).finish()]);
+                targets.samples_drawn = sample + 1;
+                if targets.samples_drawn < samples {
+                    // Submitting is quick: without waiting, all would be under way before anybody can stop
+                    // it.
+                    gpu.wait()?;
+                    if !keep_going() {
+                        return Ok(false);
+                    }
+                }
+            }
+            Ok(true)
         })
     }
 
     /// Runs `work`; where it fails, nothing that it may have left half done is kept.
     fn attempt<T>(
         &mut self,
+        slot: ViewSlot,
         work: impl FnOnce(&mut Self, &Gpu) -> Result<T, RenderError>,
     ) -> Result<T, RenderError> {
         let gpu = Arc::clone(&self.gpu);
         let result = gpu.checked(|| work(self, &gpu));
         if result.is_err() {
-            self.targets.size = [0, 0];
-            self.slots.clear();
+            self.viewers.forget(slot);
+            self.lights.clear();
         }
         result
-    }
-
-    /// Draws `aov` of `view` into the radiance target.
-    fn draw(&mut self, gpu: &Gpu, view: &View, aov: Aov, lights: &[Light]) -> Result<(), RenderError> {
-        let raster = Raster::new(view)?;
-        let wanted = wanted_lights(aov, view.light, lights.len())?;
-        self.fit_targets(gpu, view.width, view.height)?;
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let ready = self.ready_lights(gpu, &mut encoder, &raster, lights, wanted)?;
-
-        let samples = if aov.takes_samples() { view.samples } else { 1 };
-        for sample in 0..samples {
-            let offset = sample_offset(sample, samples);
-            let uniform = raster.uniform(offset, 1.0 / samples as f32, self.scene.origin)?;
-            gpu.queue.write_buffer(&self.view_uniform, 0, bytemuck::bytes_of(&uniform));
-            self.draw_gbuffer(&mut encoder, &raster, offset);
-            self.draw_lighting(gpu, &mut encoder, aov, &ready, sample == 0);
-            // What is written to a buffer is seen by the next submission: one a sample.
-            let next = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            gpu.queue.submit([std::mem::replace(&mut encoder, next).finish()]);
-        }
-        Ok(())
-    }
-
-    fn fit_targets(&mut self, gpu: &Gpu, width: u32, height: u32) -> Result<(), RenderError> {
-        let limit = gpu.device.limits().max_texture_dimension_2d;
-        let size = width.max(height);
-        if size > limit {
-            let what = "the picture's width or height";
-            return Err(RenderError::TooLarge { what, size: f64::from(size), limit: f64::from(limit) });
-        }
-        if self.targets.size != [width, height] {
-            self.targets = self.passes.targets(gpu, width, height);
-        }
-        Ok(())
-    }
-
-    /// Brings the shadows of `lights[wanted]` up to date.
-    fn ready_lights(
-        &mut self,
-        gpu: &Gpu,
-        encoder: &mut CommandEncoder,
-        raster: &Raster,
-        lights: &[Light],
-        wanted: Range<usize>,
-    ) -> Result<Vec<ReadyLight>, RenderError> {
-        let Self { passes, scene, slots, counts, .. } = self;
-        slots.resize_with(lights.len(), || None);
-        let mut ready = Vec::with_capacity(wanted.len());
-        for (slot, light) in slots.iter_mut().zip(lights).take(wanted.end).skip(wanted.start) {
-            let (kind, group, corners_in_world, shadow_drawn) = match &light.kind {
-                LightKind::Spot(spot) => {
-                    if !matches!(slot, Some(LightSlot::Spot(_))) {
-                        *slot = Some(LightSlot::Spot(passes.spot.slot(gpu)));
-                    }
-                    let Some(LightSlot::Spot(slot)) = slot else { continue };
-                    let (placed, drawn) = passes.spot.prepare(gpu, encoder, slot, spot, scene)?;
-                    (LightingKind::Spot, slot.group.clone(), placed.corners_in_world.to_vec(), drawn)
-                }
-                LightKind::Bendy(bendy) => {
-                    if !matches!(slot, Some(LightSlot::Bendy(_))) {
-                        *slot = Some(LightSlot::Bendy(BendyPass::slot(gpu)));
-                    }
-                    let Some(LightSlot::Bendy(slot)) = slot else { continue };
-                    let (placed, drawn) = passes.bendy.prepare(gpu, slot, bendy, scene)?;
-                    (LightingKind::Bendy(placed.baked), placed.group, placed.corners_in_world, drawn)
-                }
-            };
-            counts.shadow += u64::from(shadow_drawn);
-            ready.push(ReadyLight { kind, group, pixels: raster.bounds_of(&corners_in_world) });
-        }
-        Ok(ready)
-    }
-
-    fn draw_gbuffer(&mut self, encoder: &mut CommandEncoder, raster: &Raster, sample_offset: DVec2) {
-        let key = Some(GbufferKey {
-            revision: self.scene.revision,
-            world_from_camera: raster.world_from_camera,
-            projection: raster.projection,
-            sample_offset,
-        });
-        if self.targets.gbuffer_key != key {
-            let StagedScene { view, geometry, draws, .. } = &self.scene;
-            self.passes.gbuffer.draw(encoder, &self.targets.gbuffer, view, geometry, draws);
-            self.targets.gbuffer_key = key;
-            self.counts.gbuffer += 1;
-        }
-    }
-
-    /// Adds one sample of `aov`, to nothing if it is the first.
-    fn draw_lighting(
-        &mut self,
-        gpu: &Gpu,
-        encoder: &mut CommandEncoder,
-        aov: Aov,
-        lights: &[ReadyLight],
-        first: bool,
-    ) {
-        let Self { passes, scene, targets, counts, .. } = self;
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("lighting"),
-            color_attachments: &[Some(color_attachment(&targets.radiance_view, first))],
-            ..Default::default()
-        });
-        pass.set_bind_group(0, &scene.view, &[]);
-        pass.set_bind_group(1, &targets.gbuffer.surface, &[]);
-        let [width, height] = targets.size;
-        let everywhere = [0, 0, width, height];
-        match aov {
-            Aov::Beauty => passes.fill.draw(gpu, &mut pass, aov, Some(&scene.fill), everywhere),
-            Aov::Depth | Aov::Normal => passes.inspect.draw(gpu, &mut pass, aov, None, everywhere),
-            Aov::T | Aov::Vw | Aov::Direction | Aov::Visibility => {}
-        }
-        for light in lights {
-            let lighting = match light.kind {
-                LightingKind::Spot => &passes.spot.lighting,
-                LightingKind::Bendy(baked) => passes.bendy.lighting(baked),
-            };
-            lighting.draw(gpu, &mut pass, aov, Some(&light.group), light.pixels);
-        }
-        counts.lighting += 1;
     }
 }
 

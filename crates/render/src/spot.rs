@@ -136,6 +136,13 @@ pub(crate) struct SpotSlot {
     pub group: BindGroup,
 }
 
+impl SpotSlot {
+    /// Whether its map is that of `light` over the scene of that revision.
+    pub fn shows(&self, light: &SpotLight, revision: u64) -> bool {
+        self.map_key == Some((revision, Shape::of(light)))
+    }
+}
+
 impl SpotPass {
     /// `camera_groups` are those of the view and the surface.
     pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2], material_layout: &BindGroupLayout) -> Self {

@@ -22,7 +22,14 @@ pub struct View {
     pub aov: Aov,
     /// Index of the light that the quantities of a light are of.
     pub light: usize,
+    /// Whose picture it is.
+    pub slot: ViewSlot,
 }
+
+/// Names a viewer: for each the renderer keeps what it last drew, so that viewers with cameras of their own
+/// do not undo each other's work. Any number will do; one viewer alone has the default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct ViewSlot(pub u64);
 
 /// A quantity to show. Alpha is 1 where there is a surface (for a light's own quantities: one inside the
 /// light) and 0 elsewhere, with the other channels 0 too; with several samples a pixel it is the share of

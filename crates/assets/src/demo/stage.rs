@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use scene::Primitive;
 
 /// A photographer's background: a level floor that curves up into a wall behind.
@@ -45,11 +45,11 @@ impl Cyclorama {
     }
 }
 
-/// The rigid placement of a camera at `eye` that looks at `target` with +Y up.
-pub fn look_at(eye: DVec3, target: DVec3) -> DAffine3 {
+/// The rotation of a camera at `eye` that looks at `target` with +Y up.
+pub fn look_at(eye: DVec3, target: DVec3) -> DQuat {
     let back = (eye - target).normalize();
     let right = DVec3::Y.cross(back).normalize();
-    DAffine3 { matrix3: DMat3::from_cols(right, back.cross(right), back), translation: eye }
+    DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back))
 }
 
 #[cfg(test)]

@@ -7,6 +7,9 @@ use scene::{Camera, Fill, Light, LightKind, Material, Mesh, Node, Primitive, Pro
 use super::lathe::lathe;
 use super::stage::{Cyclorama, look_at};
 
+/// Raised whenever the scene changes: sessions that have it refer to it by this.
+pub const VERSION: u32 = 1;
+
 /// The scene `vases`.
 pub fn vases() -> Scene {
     let mut scene = Scene { cameras: vec![camera()], lights: vec![key()], fill: fill(), ..Scene::default() };
@@ -62,9 +65,11 @@ fn fill() -> Fill {
 
 /// Frames both vases and their shadows at the paper's 686 x 382.
 fn camera() -> Camera {
+    let translation = DVec3::new(0.30, 2.30, 4.5);
     Camera {
         name: "camera".into(),
-        world_from_camera: look_at(DVec3::new(0.30, 2.30, 4.5), DVec3::new(0.24, 0.37, 0.0)),
+        translation,
+        rotation: look_at(translation, DVec3::new(0.24, 0.37, 0.0)),
         projection: Projection::Perspective { yfov: 24.0_f64.to_radians(), znear: 0.1, zfar: None },
     }
 }

@@ -26,10 +26,16 @@ pub fn read_file(path: &Path, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
     Ok(bytes)
 }
 
-/// The bytes that `uri` names, seen from the scene file at `scene_file`.
-pub fn read(uri: &str, scene_file: &Path, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
+/// Whether `uri` holds its bytes itself.
+pub fn is_data(uri: &str) -> bool {
+    uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
+}
+
+/// The bytes that `uri` names, seen from the scene file at `scene_file`; without one there are no other
+/// files.
+pub fn read(uri: &str, scene_file: Option<&Path>, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
     let refuse = |why: String| Fault::Address { uri: excerpt(uri, MAX_MESSAGE_CHARS), why };
-    if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
+    if is_data(uri) {
         let decoded = DataUrl::process(uri).ok().and_then(|url| url.decode_to_vec().ok());
         return decoded.map(|(bytes, _)| bytes).ok_or_else(|| refuse("cannot be decoded".into()));
     }
@@ -37,6 +43,7 @@ pub fn read(uri: &str, scene_file: &Path, budget: &mut Budget) -> Result<Vec<u8>
     let name = name.map_err(|_| refuse("is not UTF-8".into()))?;
     stays_inside(&name).map_err(|why| refuse(why.into()))?;
 
+    let scene_file = scene_file.ok_or_else(|| refuse("is not part of it".into()))?;
     let folder = scene_file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let unreadable = |error: std::io::Error| refuse(format!("cannot be read ({error})"));
     let folder = folder.canonicalize().map_err(unreadable)?;
@@ -77,7 +84,7 @@ fn stays_inside(name: &str) -> Result<(), &'static str> {
 pub fn buffers<'a>(
     root: &Root,
     bin: Option<&'a [u8]>,
-    scene_file: &Path,
+    scene_file: Option<&Path>,
     budget: &mut Budget,
 ) -> Result<Vec<Cow<'a, [u8]>>, Fault> {
     let mut buffers = Vec::new();
@@ -119,7 +126,7 @@ mod tests {
         std::fs::create_dir(folder.path().join("inner")).unwrap();
         std::fs::write(folder.path().join("inner/a b.bin"), b"inside").unwrap();
         std::fs::write(folder.path().join("secret.bin"), b"outside").unwrap();
-        let read = |uri: &str| super::read(uri, &scene_file, &mut Budget::default());
+        let read = |uri: &str| super::read(uri, Some(&scene_file), &mut Budget::default());
         assert_eq!(read("a%20b.bin").unwrap(), b"inside");
         assert_eq!(read("data:,hi%20there").unwrap(), b"hi there");
         assert_eq!(read("data:application/octet-stream;base64,aGk=").unwrap(), b"hi");

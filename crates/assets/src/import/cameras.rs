@@ -1,5 +1,6 @@
 //! Cameras, placed in the world.
 
+use glam::DQuat;
 use gltf::json::camera::{Camera, Type};
 use gltf::json::validation::Checked;
 use scene::Projection;
@@ -17,8 +18,9 @@ pub fn read(source: &Source, places: &[Place], notes: &mut Notes) -> Vec<scene::
         let name = name_or(node.name.as_deref().or(camera.name.as_deref()), "camera", cameras.len());
         match projection(camera) {
             Some(projection) => {
-                let world_from_camera = rigid(&place.world_from_local);
-                cameras.push(scene::Camera { name, world_from_camera, projection });
+                let placed = rigid(&place.world_from_local);
+                let rotation = DQuat::from_mat3(&placed.matrix3);
+                cameras.push(scene::Camera { name, translation: placed.translation, rotation, projection });
             }
             None => notes.add("cameras whose angle or planes make no picture are left out", name),
         }

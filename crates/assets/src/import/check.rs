@@ -56,7 +56,8 @@ fn extensions(root: &Root, notes: &mut Notes) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Every index exists and every enumeration is known, by the `gltf` crate's validation and what it leaves out.
+/// Every index exists and every enumeration is known, by the `gltf` crate's validation and what it leaves
+/// out.
 fn indices(root: &Root) -> Result<(), Fault> {
     // Its check of a primitive takes this index on trust, and panics.
     let mut attributes = root.meshes.iter().flat_map(|m| &m.primitives).flat_map(|p| p.attributes.values());

@@ -14,6 +14,7 @@ mod lights;
 mod materials;
 mod meshes;
 mod nodes;
+mod pack;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -21,6 +22,7 @@ use std::path::Path;
 
 use glam::DAffine3;
 use gltf::json::Root;
+pub use pack::pack;
 use scene::Scene;
 
 use crate::limits::{Budget, MAX_COORDINATE, MAX_NAME_CHARS};
@@ -31,8 +33,8 @@ use crate::{Fault, Limit, Loaded};
 struct Source<'a> {
     /// Checked by [`check::document`].
     root: &'a Root,
-    /// The scene file, beside which the others lie.
-    file: &'a Path,
+    /// The scene file, beside which the others lie; `None` where there are no others.
+    file: Option<&'a Path>,
     /// One a glTF buffer, at least as long as it declares.
     buffers: Vec<Cow<'a, [u8]>>,
 }
@@ -44,14 +46,25 @@ struct Ledger {
     notes: Notes,
 }
 
-/// Reads the scene file at `path`.
-pub fn import(path: &Path) -> Result<Loaded, Fault> {
+/// Reads the scene file at `path` and the files that it refers to.
+pub fn file(path: &Path) -> Result<Loaded, Fault> {
     let mut ledger = Ledger::default();
     let bytes = addresses::read_file(path, &mut ledger.budget)?;
-    let container = container::split(&bytes)?;
+    import(&bytes, Some(path), ledger)
+}
+
+/// Reads a scene file that refers to no others.
+pub fn bytes(bytes: &[u8]) -> Result<Loaded, Fault> {
+    let mut ledger = Ledger::default();
+    ledger.budget.spend(Limit::BytesRead, bytes.len() as u64)?;
+    import(bytes, None, ledger)
+}
+
+fn import(bytes: &[u8], file: Option<&Path>, mut ledger: Ledger) -> Result<Loaded, Fault> {
+    let container = container::split(bytes)?;
     let root = check::document(container::parse(container.json)?, &mut ledger.notes)?;
-    let buffers = addresses::buffers(&root, container.bin, path, &mut ledger.budget)?;
-    let scene = build(&Source { root: &root, file: path, buffers }, &mut ledger)?;
+    let buffers = addresses::buffers(&root, container.bin, file, &mut ledger.budget)?;
+    let scene = build(&Source { root: &root, file, buffers }, &mut ledger)?;
     scene.check()?;
     Ok(Loaded { scene, notes: ledger.notes.into_sentences() })
 }

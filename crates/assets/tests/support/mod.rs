@@ -36,7 +36,7 @@ pub fn assert_sound(scene: &Scene, what: &str) {
         assert!(posed.primitive.positions.iter().all(|v| world(v).is_finite()), "{what}: world positions");
     }
     for camera in &scene.cameras {
-        let axes = camera.world_from_camera.matrix3;
+        let axes = camera.world_from_camera().matrix3;
         assert!((axes.determinant() - 1.0).abs() < 1e-9 && axes.is_finite(), "{what}: {camera:?} is rigid");
         let sound = match camera.projection {
             Projection::Perspective { yfov, znear, zfar } => {

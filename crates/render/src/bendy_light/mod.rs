@@ -17,8 +17,7 @@ use crate::layout::Mat4;
 
 pub use locate::locate;
 pub(crate) use pass::{BendyPass, BendySlot};
-#[cfg(test)]
-pub(crate) use shadow::BentShadowPass;
+pub(crate) use shadow::BentWork;
 
 /// Length of the array of segments in `tube.wgsl`: all that a light may have, and the extension.
 const SEGMENT_ROOM: usize = bendy::MAX_SEGMENTS + 1;
@@ -113,6 +112,16 @@ pub(crate) struct Baked {
 impl Baked {
     /// Most segments that are visited in straight code: `tube.wgsl` spells them out.
     const MOST_SEGMENTS: usize = 6;
+
+    /// How many values there are.
+    pub const COUNT: usize = (Self::MOST_SEGMENTS + 1) * 2 * 2 * 2 * 3;
+
+    /// Numbers the values from 0.
+    pub fn index(self) -> usize {
+        let Self { segments, end_mode, frame, direction, decay } = self;
+        (((segments * 2 + end_mode as usize) * 2 + frame as usize) * 2 + direction as usize) * 3
+            + decay as usize
+    }
 
     pub fn of(tube: &Tube<f64>) -> Self {
         Self {

@@ -1,11 +1,13 @@
 //! A BendyLight's lighting pass and what is kept of each light from picture to picture.
 
+use std::sync::OnceLock;
+
 use bendy::{BendyLight, EndMode, Frame, Transform, Tube};
 use glam::DVec3;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, Sampler, TextureView};
 
-use super::shadow::BentShadowPass;
+use super::shadow::{BentShadowPass, BentWork, MapRequest};
 use super::{Baked, hull_in_world, segments, t_max, uniform};
 use crate::geometry::MAX_EXTENT;
 use crate::lighting::LightingPass;
@@ -44,9 +46,9 @@ impl Shape {
 /// The pipelines, which outlive scenes and lights.
 #[derive(Debug)]
 pub(crate) struct BendyPass {
-    pub shadow: BentShadowPass,
-    /// Compiled when first wanted, one for each way of evaluating a light.
-    lighting: Vec<(Baked, LightingPass)>,
+    shadow: BentShadowPass,
+    /// Compiled when first wanted, one for each way of evaluating a light, by [`Baked::index`].
+    lighting: Box<[OnceLock<LightingPass>]>,
     /// Of the view and the surface, and the light's own.
     layouts: [BindGroupLayout; 3],
     sampler: Sampler,
@@ -73,7 +75,8 @@ pub(crate) struct PlacedBendy {
     pub corners_in_world: Vec<DVec3>,
 }
 
-/// Refuses a light so far from the scene, or so small against it, that f32 cannot hold the scene in tube space.
+/// Refuses a light so far from the scene, or so small against it, that f32 cannot hold the scene in tube
+/// space.
 fn check_reach(tube: &Tube<f64>, scene: &StagedScene) -> Result<(), RenderError> {
     let offset = (tube.placement.translation - scene.origin).abs() + scene.half_extent;
     let size = offset.length() / tube.placement.world_per_tube.min(1.0);
@@ -83,13 +86,20 @@ fn check_reach(tube: &Tube<f64>, scene: &StagedScene) -> Result<(), RenderError>
     Ok(())
 }
 
+impl BendySlot {
+    /// Whether its map is that of `light` over the scene of that revision.
+    pub fn shows(&self, light: &BendyLight, revision: u64) -> bool {
+        self.map_key.as_ref().is_some_and(|(r, shape)| *r == revision && *shape == Shape::of(light))
+    }
+}
+
 impl BendyPass {
     /// `camera_groups` are those of the view and the surface.
     pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2]) -> Self {
         let [view, surface] = camera_groups;
         Self {
             shadow: BentShadowPass::new(gpu),
-            lighting: Vec::new(),
+            lighting: std::iter::repeat_with(OnceLock::new).take(Baked::COUNT).collect(),
             layouts: [view.clone(), surface.clone(), gpu.layout("bendy", &BINDINGS)],
             sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("bent shadow"),
@@ -98,10 +108,11 @@ impl BendyPass {
         }
     }
 
-    /// The pass of a light that was prepared.
-    pub fn lighting(&self, baked: Baked) -> &LightingPass {
-        let found = self.lighting.iter().find(|(b, _)| *b == baked);
-        &found.expect("prepare makes the pass of every light").1
+    /// The pass that evaluates lights in the way of `baked`.
+    pub fn lighting(&self, gpu: &Gpu, baked: Baked) -> &LightingPass {
+        self.lighting[baked.index()].get_or_init(|| {
+            LightingPass::new(gpu, "bendy", &baked.into_wgsl(shaders::BENDY), &self.layouts.each_ref())
+        })
     }
 
     pub fn slot(gpu: &Gpu) -> BendySlot {
@@ -113,8 +124,9 @@ impl BendyPass {
     /// Brings `slot` up to date with `light` over `scene`. Returns the light in place and whether its map was
     /// drawn.
     pub fn prepare(
-        &mut self,
+        &self,
         gpu: &Gpu,
+        work: &mut BentWork,
         slot: &mut BendySlot,
         light: &BendyLight,
         scene: &StagedScene,
@@ -130,7 +142,12 @@ impl BendyPass {
         let key = Some((scene.revision, Shape::of(light)));
         let stale = slot.map_key != key;
         if stale {
-            self.shadow.render(gpu, scene, &tube, t_max, &slot.depth, RESOLUTION)?;
+            let (depth, tube) = (&slot.depth, &tube);
+            self.shadow.render(
+                gpu,
+                work,
+                &MapRequest { scene, tube, t_max, depth, resolution: RESOLUTION },
+            )?;
             slot.map_key = key;
         }
         let init = |label, contents: &[u8], usage| {
@@ -146,13 +163,8 @@ impl BendyPass {
             BindingResource::Sampler(&self.sampler),
         ];
         let group = gpu.group("bendy", &self.layouts[2], &resources);
-        let baked = Baked::of(&tube);
-        if self.lighting.iter().all(|(b, _)| *b != baked) {
-            let layouts = self.layouts.each_ref();
-            let pass = LightingPass::new(gpu, "bendy", &baked.into_wgsl(shaders::BENDY), &layouts);
-            self.lighting.push((baked, pass));
-        }
-        let placed = PlacedBendy { baked, group, corners_in_world: hull_in_world(&tube, t_max) };
+        let corners_in_world = hull_in_world(&tube, t_max);
+        let placed = PlacedBendy { baked: Baked::of(&tube), group, corners_in_world };
         slot.placed = Some(Box::new((scene.revision, light.clone(), placed.clone())));
         Ok((placed, stale))
     }

@@ -1,10 +1,10 @@
 //! The bent shadow map: the scene's triangles mapped into tube space by compute passes, then drawn (see
 //! `bent_map.wgsl`).
 //!
-//! Every triangle is looked at once. Most lie in one slab and are small: they are drawn from the vertices
-//! that were mapped once. The others are clipped to slabs and split until their edges are straight in the
-//! map. Buffers for those start small and grow when a scene needs more: the counts are read back after each
-//! map, and a map that did not fit is made again.
+//! Every triangle is looked at once. Most lie in one slab and are straight in the map: they are drawn from
+//! the vertices that were mapped once. The others are clipped to slabs and split until their edges are
+//! straight. Buffers for those start small and grow when a scene needs more: the counts are read back after
+//! each map, and a map that did not fit is made again.
 
 use bendy::{Frame, Tube};
 use glam::DVec3;
@@ -26,7 +26,7 @@ const WORKGROUP: u32 = 64;
 /// Most workgroups in one dimension that every device can run.
 const MAX_GROUPS: u32 = 65_535;
 
-/// The pipelines, which outlive scenes and lights, and the room they work in.
+/// The pipelines, which outlive scenes and lights.
 #[derive(Debug)]
 pub(crate) struct BentShadowPass {
     vertices: ComputePipeline,
@@ -35,6 +35,11 @@ pub(crate) struct BentShadowPass {
     split: ComputePipeline,
     next: ComputePipeline,
     draw: RenderPipeline,
+}
+
+/// What the maps of one scene are made in, one after another.
+#[derive(Debug)]
+pub(crate) struct BentWork {
     /// See [`TOLERANCE_TEXELS`].
     pub tolerance_texels: f32,
     pub room: Room,
@@ -52,13 +57,15 @@ pub(crate) struct Room {
     pub split_vertices: u32,
 }
 
-/// Where a map is drawn.
-struct Target<'a> {
-    depth: &'a TextureView,
-    resolution: u32,
-    t_max: f64,
-    /// Whether it has to be emptied first.
-    clear: bool,
+/// A map to be drawn: of what, and where.
+pub(crate) struct MapRequest<'a> {
+    pub scene: &'a StagedScene,
+    pub tube: &'a Tube<f64>,
+    /// What stands for the depth 1; see [`super::t_max`].
+    pub t_max: f64,
+    pub depth: &'a TextureView,
+    /// Texels along each side.
+    pub resolution: u32,
 }
 
 /// The buffers of one map, kept for the next.
@@ -98,95 +105,52 @@ impl BentShadowPass {
             split: compute(shaders::BENT_MAP_SPLIT, "split_patches"),
             next: compute(shaders::BENT_MAP_NEXT, "next_stage"),
             draw: draw_pipeline(gpu),
-            tolerance_texels: TOLERANCE_TEXELS,
-            room: Room { work: 1 << 16, patches: 1 << 16, split_vertices: 3 << 16 },
-            buffers: None,
         }
     }
 
-    /// Draws the map of `scene` under `tube` into `depth`, whose side is `resolution` texels.
-    pub fn render(
-        &mut self,
-        gpu: &Gpu,
-        scene: &StagedScene,
-        tube: &Tube<f64>,
-        t_max: f64,
-        depth: &TextureView,
-        resolution: u32,
-    ) -> Result<(), RenderError> {
-        let slabs = slab::slabs(tube, t_max, f64::from(resolution), f64::from(self.tolerance_texels));
+    /// Draws a map, in turns of as many slabs as a uniform holds.
+    pub fn render(&self, gpu: &Gpu, work: &mut BentWork, request: &MapRequest) -> Result<(), RenderError> {
+        let MapRequest { tube, t_max, resolution, .. } = *request;
+        let slabs = slab::slabs(tube, t_max, f64::from(resolution), f64::from(work.tolerance_texels));
         // What a turn without room has drawn is not to be kept, so all turns start again.
-        while !self.render_turns(
-            gpu,
-            scene,
-            tube,
-            &slabs,
-            Target { depth, resolution, t_max, clear: true },
-        )? {}
-        Ok(())
-    }
-
-    /// Maps and draws as many slabs at a time as a uniform holds. False where the room had to grow.
-    fn render_turns(
-        &mut self,
-        gpu: &Gpu,
-        scene: &StagedScene,
-        tube: &Tube<f64>,
-        slabs: &[(Slab, [DVec3; 8])],
-        mut target: Target,
-    ) -> Result<bool, RenderError> {
-        for turn in slabs.chunks(SLABS_A_TURN) {
-            if !self.render_turn(gpu, scene, tube, turn, &target)? {
-                return Ok(false);
+        'all: loop {
+            for (index, turn) in slabs.chunks(SLABS_A_TURN).enumerate() {
+                if !self.render_turn(gpu, work, request, turn, index == 0)? {
+                    continue 'all;
+                }
             }
-            target.clear = false;
+            return Ok(());
         }
-        Ok(true)
     }
 
-    /// Maps and draws what lies in some of the slabs. False where it did not fit; there is more room then.
+    /// Maps and draws what lies in some of the slabs, into an emptied map if it is the first. False where it
+    /// did not fit; there is more room then.
     fn render_turn(
-        &mut self,
+        &self,
         gpu: &Gpu,
-        scene: &StagedScene,
-        tube: &Tube<f64>,
+        work: &mut BentWork,
+        request: &MapRequest,
         slabs: &[(Slab, [DVec3; 8])],
-        target: &Target,
+        first: bool,
     ) -> Result<bool, RenderError> {
-        let corners = || slabs.iter().flat_map(|slab| slab.1);
-        let mut table: Vec<Slab> = slabs.iter().map(|slab| slab.0).collect();
-        table.resize(SLABS_A_TURN, Slab::default());
-        let map = BentMap {
-            tube_from_scene: tube_from_scene(tube, scene.origin),
-            up: tube.up.as_vec3().to_array(),
-            frame_up: u32::from(tube.frame == Frame::Up),
-            box_min: corners().fold(DVec3::INFINITY, DVec3::min).as_vec3().to_array(),
-            slab_count: slabs.len() as u32,
-            box_max: corners().fold(DVec3::NEG_INFINITY, DVec3::max).as_vec3().to_array(),
-            vertex_count: scene.vertex_count,
-            triangle_count: scene.triangle_count,
-            shadow_resolution: target.resolution as f32,
-            work_capacity: self.room.work,
-            patch_capacity: self.room.patches,
-            split_capacity: self.room.split_vertices,
-            tolerance_texels: self.tolerance_texels,
-            ..BentMap::default()
-        };
-        let buffers = match self.buffers.take() {
+        let map = work.map(request, slabs);
+        let buffers = match work.buffers.take() {
             Some(kept) if kept.fits(&map) => kept,
             _ => Buffers::new(gpu, &map),
         };
-        buffers.write(gpu, &table, &map, target.t_max);
+        let mut table: Vec<Slab> = slabs.iter().map(|slab| slab.0).collect();
+        table.resize(SLABS_A_TURN, Slab::default());
+        buffers.write(gpu, &table, &map, request.t_max);
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.map(gpu, &mut encoder, scene, &buffers, &map);
-        self.draw(gpu, &mut encoder, &buffers, target);
+        self.map(gpu, &mut encoder, request.scene, &buffers, &map);
+        self.draw(gpu, &mut encoder, &buffers, request.depth, first);
         gpu.queue.submit([encoder.finish()]);
         let counts = readback::buffer::<BentCounts>(gpu, &buffers.counts)?[0];
-        self.buffers = Some(buffers);
-        let needed = self.room.grown_for(&counts);
+        work.buffers = Some(buffers);
+        let needed = work.room.grown_for(&counts);
         needed.check(gpu)?;
-        let fitted = needed == self.room;
-        self.room = needed;
+        let fitted = needed == work.room;
+        work.room = needed;
         Ok(fitted)
     }
 
@@ -219,8 +183,10 @@ impl BentShadowPass {
         let vertices = group(&self.vertices, &[&geometry.positions, &b.mapped, &b.vertex_slab]);
         run(&self.vertices, &vertices, Some(map.vertex_count));
         let mapped = [&geometry.positions, &b.mapped, &b.vertex_slab, &geometry.indices];
-        let triangles =
-            group(&self.triangles, &[&mapped[..], &[&b.whole_indices, &b.work, &b.counts]].concat());
+        let triangles = group(
+            &self.triangles,
+            &[&mapped[..], &[&b.whole_indices, &b.work, &b.counts, &b.patches[1]]].concat(),
+        );
         run(&self.triangles, &triangles, Some(map.triangle_count));
 
         let next = bind(gpu, &self.next, &[&b.uniform], &[&b.counts, &b.workgroups]);
@@ -236,14 +202,21 @@ impl BentShadowPass {
         }
     }
 
-    fn draw(&self, gpu: &Gpu, encoder: &mut CommandEncoder, buffers: &Buffers, target: &Target) {
+    fn draw(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        buffers: &Buffers,
+        depth: &TextureView,
+        clear: bool,
+    ) {
         let uniform = buffers.shadow_uniform.as_entire_binding();
         let group = gpu.group("bent shadow", &self.draw.get_bind_group_layout(0), &[uniform]);
-        let load = if target.clear { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load };
+        let load = if clear { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("bent shadow"),
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: target.depth,
+                view: depth,
                 depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
                 stencil_ops: None,
             }),
@@ -256,6 +229,35 @@ impl BentShadowPass {
         pass.draw_indexed_indirect(&buffers.counts, 0);
         pass.set_vertex_buffer(0, buffers.split_vertices.slice(..));
         pass.draw_indirect(&buffers.counts, std::mem::offset_of!(BentCounts, split_vertex_count) as u64);
+    }
+}
+
+impl BentWork {
+    pub fn new() -> Self {
+        let room = Room { work: 1 << 16, patches: 1 << 16, split_vertices: 3 << 16 };
+        Self { tolerance_texels: TOLERANCE_TEXELS, room, buffers: None }
+    }
+
+    /// The uniform of a turn.
+    fn map(&self, request: &MapRequest, slabs: &[(Slab, [DVec3; 8])]) -> BentMap {
+        let MapRequest { scene, tube, resolution, .. } = *request;
+        let corners = || slabs.iter().flat_map(|slab| slab.1);
+        BentMap {
+            tube_from_scene: tube_from_scene(tube, scene.origin),
+            up: tube.up.as_vec3().to_array(),
+            frame_up: u32::from(tube.frame == Frame::Up),
+            box_min: corners().fold(DVec3::INFINITY, DVec3::min).as_vec3().to_array(),
+            slab_count: slabs.len() as u32,
+            box_max: corners().fold(DVec3::NEG_INFINITY, DVec3::max).as_vec3().to_array(),
+            vertex_count: scene.vertex_count,
+            triangle_count: scene.triangle_count,
+            shadow_resolution: resolution as f32,
+            work_capacity: self.room.work,
+            patch_capacity: self.room.patches,
+            split_capacity: self.room.split_vertices,
+            tolerance_texels: self.tolerance_texels,
+            ..BentMap::default()
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use scene::{Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projectio
 use super::shadow::Room;
 use super::walk;
 use crate::shadow::RESOLUTION;
-use crate::{Aov, Gpu, Picture, Renderer, View};
+use crate::{Aov, Gpu, Picture, Renderer, View, ViewSlot};
 
 /// A light that falls from 4 units up, turns by 70 degrees and back a little: three strongly bent segments.
 fn light() -> BendyLight {
@@ -65,10 +65,11 @@ fn view(aov: Aov) -> View {
     let matrix3 = glam::DMat3::from_cols(right, back.cross(right), back);
     let camera = Camera {
         name: String::new(),
-        world_from_camera: DAffine3 { matrix3, translation: eye },
+        translation: eye,
+        rotation: glam::DQuat::from_mat3(&matrix3),
         projection: Projection::Perspective { yfov: 0.7, znear: 0.1, zfar: None },
     };
-    View { camera, width: 240, height: 160, samples: 1, aov, light: 0 }
+    View { camera, width: 240, height: 160, samples: 1, aov, light: 0, slot: ViewSlot::default() }
 }
 
 /// The world position that a pixel of the depth AOV stands for.
@@ -77,7 +78,7 @@ fn position(view: &View, depth: &Picture, pixel: usize) -> DVec3 {
     let half = 0.35_f64.tan();
     let ndc = ((x + 0.5) / 120.0 - 1.0, 1.0 - (y + 0.5) / 80.0);
     let ray = DVec3::new(ndc.0 * half * 1.5, ndc.1 * half, -1.0);
-    view.camera.world_from_camera.transform_point3(ray * f64::from(depth.pixels[pixel][0]))
+    view.camera.world_from_camera().transform_point3(ray * f64::from(depth.pixels[pixel][0]))
 }
 
 /// A renderer on the device that all tests of this binary share.
@@ -193,7 +194,7 @@ fn bent_shadows_are_where_the_paths_say() {
 
     // Planted: edges that are never split.
     let mut unsplit = Setup::new();
-    unsplit.renderer.bent_shadow().tolerance_texels = f32::INFINITY;
+    unsplit.renderer.bent_work().tolerance_texels = f32::INFINITY;
     let fault = differing(&walked, &unsplit.picture(Aov::Visibility));
     assert!(fault > 0, "unsplit edges went unseen");
 }
@@ -224,7 +225,7 @@ fn self_shadowed(renderer: &mut Renderer, light: &BendyLight) -> usize {
     let lights = [Light { name: "key".into(), kind: LightKind::Bendy(light.clone()) }];
     let mut picture = |aov| {
         let mut view = view(aov);
-        view.camera.world_from_camera.translation *= 2.0;
+        view.camera.translation *= 2.0;
         renderer.render(&view, &lights).expect("drawn")
     };
     let (visibility, direction) = (picture(Aov::Visibility), picture(Aov::Direction));
@@ -232,8 +233,8 @@ fn self_shadowed(renderer: &mut Renderer, light: &BendyLight) -> usize {
     pixels.filter(|(v, d)| v[3] == 1.0 && v[0] < 1.0 && d[1] > 0.1).count()
 }
 
-/// A plane with nothing above it is lit wherever the light reaches, at joints and slabs, in every taper; where edges are never split it
-/// is not.
+/// A plane with nothing above it is lit wherever the light reaches, at joints and slabs, in every taper;
+/// where edges are never split it is not.
 #[test]
 fn a_lone_plane_never_shadows_itself() {
     let mut scene = scene();
@@ -256,7 +257,7 @@ fn a_lone_plane_never_shadows_itself() {
         let shadowed = self_shadowed(&mut renderer, light);
         assert_eq!(shadowed, 0, "{:?} {:?}", light.points, light.radii);
     }
-    renderer.bent_shadow().tolerance_texels = f32::INFINITY;
+    renderer.bent_work().tolerance_texels = f32::INFINITY;
     // Moved, so that its map is drawn anew.
     let mut moved = lights[lights.len() - 1].clone();
     moved.transform.translation.x += 1e-3;
@@ -269,9 +270,9 @@ fn room_grows_until_a_map_fits() {
     let mut ample = Setup::new();
     let expected = ample.picture(Aov::Visibility);
     let mut cramped = Setup::new();
-    cramped.renderer.bent_shadow().room = Room { work: 1, patches: 1, split_vertices: 3 };
+    cramped.renderer.bent_work().room = Room { work: 1, patches: 1, split_vertices: 3 };
     assert_eq!(cramped.picture(Aov::Visibility), expected);
-    let room = cramped.renderer.bent_shadow().room;
+    let room = cramped.renderer.bent_work().room;
     assert!(room.work > 1 && room.patches > 1 && room.split_vertices > 3, "{room:?}");
 }
 

@@ -1,5 +1,5 @@
-// Pass 2: every triangle once: dropped, used as it is, or listed with each slab it may touch. Follows
-// bent_map.wgsl.
+// Pass 2: every triangle once: dropped, used as it is, passed on as a patch where it lies in one slab and is
+// not straight, or else listed with each slab it may touch. Follows bent_map.wgsl.
 
 @group(0) @binding(2) var<storage, read> positions: array<f32>;
 @group(0) @binding(3) var<storage, read> mapped: array<vec4f>;
@@ -8,6 +8,7 @@
 @group(0) @binding(6) var<storage, read_write> whole_indices: array<u32>;
 @group(0) @binding(7) var<storage, read_write> work: array<vec2u>;
 @group(0) @binding(8) var<storage, read_write> counts: BentCounts;
+@group(0) @binding(9) var<storage, read_write> patches_out: array<Patch>;
 
 fn vertex_position(vertex: u32) -> vec3f {
     return tube_position(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]);
@@ -47,13 +48,20 @@ fn map_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
         if off_map(a, b, c) {
             return;
         }
-        if edge_is_safe(slab, qa, a, qb, b) && edge_is_safe(slab, qb, b, qc, c) && edge_is_safe(slab, qc, c, qa, a) {
-            let first = atomicAdd(&counts.whole_index_count, 3u);
-            whole_indices[first] = corners.x;
-            whole_indices[first + 1u] = corners.y;
-            whole_indices[first + 2u] = corners.z;
+        let splits = edge_middle(slab, qa, a, qb, b).split || edge_middle(slab, qb, b, qc, c).split
+            || edge_middle(slab, qc, c, qa, a).split;
+        if splits {
+            let item = atomicAdd(&counts.items[1], 1u);
+            if item < bent.patch_capacity {
+                patches_out[item] = Patch(qa, slab, qb, qc, a, b, c);
+            }
             return;
         }
+        let first = atomicAdd(&counts.whole_index_count, 3u);
+        whole_indices[first] = corners.x;
+        whole_indices[first + 1u] = corners.y;
+        whole_indices[first + 2u] = corners.z;
+        return;
     }
     let near = all(max(max(qa, qb), qc) >= bent.box_min) && all(min(min(qa, qb), qc) <= bent.box_max);
     for (var i = 0u; near && i < bent.slab_count; i++) {

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use bendy::SpotLight;
 use glam::DVec3;
-use render::{Aov, Gpu, PassCounts, RenderError, Renderer};
+use render::{Aov, Gpu, PassCounts, Picture, RenderError, Renderer, View, ViewSlot};
 use scene::{Light, LightKind, Material, Scene};
 
-use crate::support::{floor, named, renderer, scene_of, spot, view};
+use crate::support::{floor, named, picture, renderer, scene_of, spot, view};
 
 fn tables() -> Scene {
     scene_of([floor(3.0, 0.0), floor(0.5, 1.0)], vec![Material::default()])
@@ -18,7 +18,7 @@ fn key() -> SpotLight {
 }
 
 /// Which passes `change` makes run again.
-fn runs(change: impl FnOnce(&mut Renderer, &mut render::View, &mut Vec<Light>)) -> PassCounts {
+fn runs(change: impl FnOnce(&mut Renderer, &mut View, &mut Vec<Light>)) -> PassCounts {
     let mut renderer = renderer(&tables());
     let mut view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
     let mut lights = vec![named(key()), named(SpotLight { intensity: 3.0, ..key() })];
@@ -27,7 +27,10 @@ fn runs(change: impl FnOnce(&mut Renderer, &mut render::View, &mut Vec<Light>)) 
     assert_eq!(before, PassCounts { gbuffer: 1, shadow: 2, lighting: 1, display: 0 });
     change(&mut renderer, &mut view, &mut lights);
     renderer.render(&view, &lights).unwrap();
-    let after = renderer.counts();
+    since(before, renderer.counts())
+}
+
+fn since(before: PassCounts, after: PassCounts) -> PassCounts {
     PassCounts {
         gbuffer: after.gbuffer - before.gbuffer,
         shadow: after.shadow - before.shadow,
@@ -48,7 +51,7 @@ const LIT: PassCounts = PassCounts { gbuffer: 0, shadow: 0, lighting: 1, display
 
 #[test]
 fn only_what_changed_is_drawn_again() {
-    assert_eq!(runs(|_, _, _| {}), LIT);
+    assert_eq!(runs(|_, _, _| {}), PassCounts::default());
     assert_eq!(runs(|_, _, lights| edit(lights, |l| l.intensity = 5.0)), LIT);
     assert_eq!(runs(|_, _, lights| edit(lights, |l| l.color = DVec3::X)), LIT);
     assert_eq!(runs(|_, _, lights| edit(lights, |l| l.cone_softness = 0.5)), LIT);
@@ -57,20 +60,143 @@ fn only_what_changed_is_drawn_again() {
     assert_eq!(runs(|_, _, lights| edit(lights, |l| l.transform.translation.x = 1.5)), shadow);
     assert_eq!(runs(|_, _, lights| edit(lights, |l| l.cone_angle = 20.0)), shadow);
     let gbuffer = PassCounts { gbuffer: 1, ..LIT };
-    assert_eq!(runs(|_, view, _| view.camera.world_from_camera.translation.x += 0.1), gbuffer);
+    assert_eq!(runs(|_, view, _| view.camera.translation.x += 0.1), gbuffer);
     assert_eq!(runs(|_, view, _| view.width = 34), gbuffer);
     assert_eq!(runs(|_, view, _| view.camera.name = "other".into()), LIT);
     let everything = PassCounts { gbuffer: 1, shadow: 2, ..LIT };
     assert_eq!(runs(|renderer, _, _| renderer.set_scene(&tables()).unwrap()), everything);
     // Each sample has its own G-buffer, but shadows are drawn once.
     assert_eq!(runs(|_, view, _| view.samples = 4), PassCounts { gbuffer: 4, lighting: 4, ..LIT });
+    assert_eq!(runs(|renderer, view, _| renderer.forget(view.slot)), PassCounts { gbuffer: 1, ..LIT });
     // Quantities of the surface need no light, those of a light only that one.
-    let one_light = |renderer: &mut Renderer, view: &mut render::View, lights: &mut Vec<Light>| {
+    let one_light = |renderer: &mut Renderer, view: &mut View, lights: &mut Vec<Light>| {
         (view.aov, view.light) = (Aov::T, 1);
         edit(lights, |l| l.cone_angle = 20.0);
         assert_eq!(renderer.render(view, lights).unwrap().pixels.len(), 33 * 21);
     };
-    assert_eq!(runs(one_light), PassCounts { lighting: 2, ..LIT });
+    assert_eq!(runs(one_light), LIT);
+}
+
+/// What each picture makes run, in a renderer that has drawn nothing before.
+fn steps<'a>(pictures: impl IntoIterator<Item = (&'a View, &'a [Light])>) -> Vec<PassCounts> {
+    let mut renderer = renderer(&tables());
+    let mut step = |(view, lights): (&View, &[Light])| {
+        let before = renderer.counts();
+        renderer.render(view, lights).unwrap();
+        since(before, renderer.counts())
+    };
+    pictures.into_iter().map(&mut step).collect()
+}
+
+/// Two viewers who move nothing cost each other nothing; in one slot they would.
+#[test]
+fn viewers_keep_their_pictures() {
+    let lights = [[named(key())], [named(SpotLight { intensity: 3.0, ..key() })]];
+    let near = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
+    let mut far = View { width: 24, slot: ViewSlot(7), ..near.clone() };
+    far.camera.translation *= 2.0;
+    let turns = |other: &View| {
+        steps([(&near, &lights[0][..]), (other, &lights[0]), (&near, &lights[1]), (other, &lights[1])])
+    };
+    let first = PassCounts { gbuffer: 1, shadow: 1, ..LIT };
+    let second = PassCounts { gbuffer: 1, ..LIT };
+    assert_eq!(turns(&far), [first, second, LIT, LIT]);
+    // The planted fault: one slot for both.
+    assert_eq!(turns(&View { slot: near.slot, ..far.clone() }), [first, second, second, second]);
+}
+
+/// The pictures of the viewers above are their own.
+#[test]
+fn viewers_see_their_own_cameras() {
+    let lights = [named(key())];
+    let near = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
+    let mut far = View { slot: ViewSlot(7), ..near.clone() };
+    far.camera.translation *= 2.0;
+    let mut shared = renderer(&tables());
+    for view in [&near, &far, &near, &far] {
+        assert_eq!(shared.render(view, &lights).unwrap(), picture(&tables(), view, &lights));
+    }
+    assert_ne!(shared.render(&near, &lights).unwrap(), shared.render(&far, &lights).unwrap());
+}
+
+/// Past the limit of viewers the longest unused starts anew, and only that one.
+#[test]
+fn the_number_of_viewers_is_bounded() {
+    let first = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [8, 8], Aov::Depth);
+    let of = |slot| View { slot: ViewSlot(slot), ..first.clone() };
+    let views: Vec<View> = (0..40).map(of).chain([of(39), of(0)]).collect();
+    let runs = steps(views.iter().map(|view| (view, &[][..])));
+    assert_eq!((runs[39].gbuffer, runs[40].gbuffer, runs[41].gbuffer), (1, 0, 1));
+}
+
+/// A light that comes or goes in the middle leaves the shadow maps of the others.
+#[test]
+fn shadow_maps_follow_their_lights() {
+    let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
+    let light = |x: f64| named(spot(DVec3::new(x, 3.0, 0.5), DVec3::ZERO));
+    let bent = |x: f64| {
+        let spot = spot(DVec3::new(x, 3.0, 0.5), DVec3::ZERO);
+        Light { name: "bent".into(), kind: LightKind::Bendy(bendy::bend(&spot, 2).unwrap()) }
+    };
+    let lists = [
+        vec![light(0.0), bent(1.0), light(2.0)],
+        // One more in the middle; two gone; the order turned; one back at the front.
+        vec![light(0.0), light(0.5), bent(1.0), light(2.0)],
+        vec![light(0.5), light(2.0)],
+        vec![light(2.0), light(0.5)],
+        vec![bent(1.0), light(2.0), light(0.5)],
+    ];
+    let runs = steps(lists.iter().map(|lights| (&view, &lights[..])));
+    assert_eq!(runs.iter().map(|run| run.shadow).collect::<Vec<_>>(), [3, 1, 0, 0, 1]);
+
+    let mut kept = renderer(&tables());
+    let pictures: Vec<Picture> = lists.iter().map(|lights| kept.render(&view, lights).unwrap()).collect();
+    for (lights, kept) in lists.iter().zip(&pictures) {
+        assert_eq!(*kept, picture(&tables(), &view, lights));
+    }
+    // The planted fault: a map that stayed at its old place would show another light's shadow.
+    assert_ne!(pictures[0], pictures[1]);
+}
+
+/// A picture of many samples stops where it is told to, goes on where it stopped, and leaves nothing wrong
+/// behind for another picture that comes between.
+#[test]
+fn a_picture_can_be_interrupted() {
+    let one = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
+    let many = View { samples: 6, ..one.clone() };
+    let lights = [named(key())];
+    let moved = [named(spot(DVec3::new(-1.0, 2.0, 0.5), DVec3::ZERO))];
+    let mut renderer = renderer(&tables());
+    let lighting = |renderer: &mut Renderer, work: &mut dyn FnMut(&mut Renderer)| {
+        let before = renderer.counts();
+        work(renderer);
+        since(before, renderer.counts()).lighting
+    };
+    let mut asked = 0;
+    let begun = lighting(&mut renderer, &mut |renderer| {
+        let keep_going = || {
+            asked += 1;
+            asked < 3
+        };
+        assert!(!renderer.advance(&many, &lights, keep_going).unwrap());
+    });
+    let finished = lighting(&mut renderer, &mut |renderer| {
+        assert_eq!(renderer.render(&many, &lights).unwrap(), picture(&tables(), &many, &lights));
+    });
+    assert_eq!((begun, finished), (3, 3));
+    assert!(renderer.advance(&many, &lights, || false).unwrap(), "none is left");
+
+    // Interrupted at once by an edit, then again for good.
+    assert!(!renderer.advance(&many, &moved, || false).unwrap());
+    assert_eq!(renderer.render(&one, &lights).unwrap(), picture(&tables(), &one, &lights));
+    let anew = lighting(&mut renderer, &mut |renderer| {
+        assert_eq!(renderer.render(&many, &moved).unwrap(), picture(&tables(), &many, &moved));
+    });
+    assert_eq!(anew, 6);
+    // The planted fault: any of these pictures taken for another.
+    let pictures =
+        [(&one, &lights), (&many, &lights), (&many, &moved)].map(|(v, l)| picture(&tables(), v, l));
+    assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2]);
 }
 
 #[test]
@@ -116,4 +242,24 @@ fn renderers_share_a_device() {
     assert!(full.render(&view, &[]).unwrap().pixels.iter().any(|p| p[3] == 1.0));
     assert!(empty.render(&view, &[]).unwrap().pixels.iter().all(|p| *p == [0.0; 4]));
     assert!(!gpu.adapter_name().is_empty());
+
+    // By the same pipelines, and still each its own scene, viewers and counts.
+    let mut another = full.another().unwrap();
+    assert_eq!(another.render(&view, &[]).unwrap(), empty.render(&view, &[]).unwrap());
+    another.set_scene(&tables()).unwrap();
+    assert_eq!(another.render(&view, &[]).unwrap(), full.render(&view, &[]).unwrap());
+    assert_eq!(another.counts(), PassCounts { gbuffer: 2, lighting: 2, ..PassCounts::default() });
+}
+
+/// Drawing every pipeline once changes nothing that can be seen.
+#[test]
+fn warming_up_leaves_the_scene() {
+    let mut renderer = renderer(&tables());
+    let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
+    let before = renderer.render(&view, &[named(key())]).unwrap();
+    let counts = renderer.counts();
+    renderer.warm().unwrap();
+    assert_eq!(renderer.counts(), counts);
+    renderer.forget(view.slot);
+    assert_eq!(renderer.render(&view, &[named(key())]).unwrap(), before);
 }

@@ -1,10 +1,10 @@
 //! The bytes of a screen.
 
 use glam::DVec3;
-use render::Aov;
+use render::{Aov, PictureFormat, View};
 use scene::Material;
 
-use crate::support::{floor, renderer, scene_of, view};
+use crate::support::{floor, named, renderer, scene_of, spot, view};
 
 /// Khronos PBR Neutral, as published, then sRGB (IEC 61966-2-1), to 0 to 255.
 fn expected(linear: DVec3) -> DVec3 {
@@ -62,4 +62,30 @@ fn the_background_is_black() {
     let view = view(DVec3::Y * 2.0, DVec3::Y * 9.0, [3, 3], Aov::Beauty);
     let scene = scene_of([floor(1.0, 0.0)], vec![Material::default()]);
     assert_eq!(renderer(&scene).render_display(&view, &[]).unwrap(), [0, 0, 0, 255].repeat(9));
+}
+
+/// A PNG holds the bytes of the screen, or the values made readable; an EXR the values themselves.
+#[test]
+fn files_hold_the_picture() {
+    let mut renderer = renderer(&scene_of([floor(1.0, 0.0)], vec![Material::default()]));
+    let mut view = view(DVec3::Y * 2.0, DVec3::ZERO, [4, 3], Aov::Beauty);
+    let lights = [named(spot(DVec3::Y * 3.0, DVec3::ZERO))];
+    let mut decoded = |view: &View, format| {
+        let file = renderer.render_file(view, &lights, format).unwrap();
+        image::load_from_memory(&file).unwrap()
+    };
+    let (png, exr) = (decoded(&view, PictureFormat::Png), decoded(&view, PictureFormat::Exr));
+    view.aov = Aov::Depth;
+    let depth = decoded(&view, PictureFormat::Png);
+    let raw = decoded(&view, PictureFormat::Exr);
+    assert_eq!(raw.into_rgba32f().into_raw(), renderer.render(&view, &lights).unwrap().pixels.as_flattened());
+    assert_eq!(png.into_rgba8().into_raw(), renderer.render_display(&view, &lights).unwrap());
+    view.aov = Aov::Beauty;
+    let beauty = renderer.render(&view, &lights).unwrap();
+    assert_eq!(exr.into_rgba32f().into_raw(), beauty.pixels.as_flattened());
+    // The middle is nearest, so brightest.
+    let shades: Vec<u8> = depth.into_rgb8().pixels().map(|pixel| pixel.0[0]).collect();
+    assert_eq!(shades.iter().max(), Some(&255));
+    // The planted fault: one AOV taken for another.
+    assert_ne!(beauty, renderer.render(&View { aov: Aov::Depth, ..view }, &lights).unwrap());
 }

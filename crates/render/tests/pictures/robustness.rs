@@ -137,8 +137,8 @@ fn impossible_views_are_refused_with_a_sentence() {
     let invalid = [
         with(|v| v.width = 0),
         with(|v| v.samples = 0),
-        with(|v| v.camera.world_from_camera.translation.x = f64::NAN),
-        with(|v| v.camera.world_from_camera.translation.x = 1e60),
+        with(|v| v.camera.translation.x = f64::NAN),
+        with(|v| v.camera.translation.x = 1e60),
         with(|v| v.camera.projection = Projection::Perspective { yfov: 4.0, znear: 0.1, zfar: None }),
         with(|v| v.camera.projection = Projection::Perspective { yfov: 1.0, znear: 0.0, zfar: None }),
         with(|v| v.camera.projection = Projection::Perspective { yfov: 1.0, znear: 1.0, zfar: Some(1.0) }),

@@ -75,7 +75,7 @@ fn worst_ratio(beauty: &Picture, radiance: impl Fn(DVec3) -> f64) -> f64 {
 
 #[test]
 fn radiance_is_the_closed_form() {
-    let eye = camera(Aov::Beauty).camera.world_from_camera.translation;
+    let eye = camera(Aov::Beauty).camera.translation;
     for decay in [Decay::None, Decay::Linear, Decay::InverseSquare] {
         for (base, metallic, roughness) in [(1.0, 0.0, 1.0), (0.25, 0.0, 0.5), (1.0, 1.0, 0.4)] {
             let light = SpotLight { decay, ..key() };

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use bendy::{SpotLight, Transform};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
-use render::{Aov, Gpu, Picture, Renderer, View};
+use render::{Aov, Gpu, Picture, Renderer, View, ViewSlot};
 use scene::{Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Scene};
 
 /// 2^-24: half an ulp of 1 in f32.
@@ -82,10 +82,11 @@ pub fn looking(eye: DVec3, target: DVec3) -> DMat3 {
 pub fn view(eye: DVec3, target: DVec3, size: [u32; 2], aov: Aov) -> View {
     let camera = Camera {
         name: String::new(),
-        world_from_camera: DAffine3 { matrix3: looking(eye, target), translation: eye },
+        translation: eye,
+        rotation: DQuat::from_mat3(&looking(eye, target)),
         projection: Projection::Perspective { yfov: 0.8, znear: 0.05, zfar: None },
     };
-    View { camera, width: size[0], height: size[1], samples: 1, aov, light: 0 }
+    View { camera, width: size[0], height: size[1], samples: 1, aov, light: 0, slot: ViewSlot::default() }
 }
 
 /// A spotlight of 10 cd and 25 degrees from `source` to `target`.
@@ -108,7 +109,7 @@ pub fn ray_in_world(view: &View, x: usize, y: usize) -> (DVec3, DVec3) {
     let ndc_x = (2 * x + 1) as f64 / f64::from(view.width) - 1.0;
     let ndc_y = 1.0 - (2 * y + 1) as f64 / f64::from(view.height);
     let aspect = f64::from(view.width) / f64::from(view.height);
-    let DAffine3 { matrix3: axes, translation: eye } = view.camera.world_from_camera;
+    let DAffine3 { matrix3: axes, translation: eye } = view.camera.world_from_camera();
     match view.camera.projection {
         Projection::Perspective { yfov, .. } => {
             let half = (yfov / 2.0).tan();

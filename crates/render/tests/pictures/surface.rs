@@ -1,6 +1,6 @@
 //! Where the surface is, and which way it faces.
 
-use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
 use render::{Aov, Picture, View};
 use scene::{Image, Material, Projection, Sampler, Scene, TextureRef};
 
@@ -53,9 +53,9 @@ fn depth_is_where_the_ray_meets_the_plane() {
         let mut shifted = view.clone();
         match &mut shifted.camera.projection {
             Projection::Perspective { .. } => {
-                shifted.camera.world_from_camera.matrix3 *= DMat3::from_rotation_y(shift.length() / 2.0);
+                shifted.camera.rotation *= DQuat::from_rotation_y(shift.length() / 2.0);
             }
-            Projection::Orthographic { .. } => shifted.camera.world_from_camera.translation.x += 0.02,
+            Projection::Orthographic { .. } => shifted.camera.translation.x += 0.02,
         }
         assert!(depth_error(&depths, &shifted, DVec3::ZERO, normal).0 > 100.0);
     }

@@ -1,0 +1,123 @@
+//! What is kept of each light from picture to picture: above all its shadow map.
+
+use std::ops::Range;
+
+use scene::{Light, LightKind};
+use wgpu::{BindGroup, CommandEncoder};
+
+use crate::bendy_light::{Baked, BendyPass, BendySlot, BentWork};
+use crate::camera::Raster;
+use crate::passes::Passes;
+use crate::spot::SpotSlot;
+use crate::staged::StagedScene;
+use crate::{Gpu, RenderError};
+
+/// The lights of one scene.
+#[derive(Debug)]
+pub(crate) struct LightSlots {
+    /// One a light, in the order of the last picture's lights; `None` where that light was not needed yet.
+    slots: Vec<Option<LightSlot>>,
+    pub bent_work: BentWork,
+}
+
+#[derive(Debug)]
+enum LightSlot {
+    Spot(SpotSlot),
+    Bendy(BendySlot),
+}
+
+/// Which lighting pass draws a light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum LightingKind {
+    Spot,
+    Bendy(Baked),
+}
+
+/// A light whose shadows are up to date.
+#[derive(Debug)]
+pub(crate) struct ReadyLight {
+    pub kind: LightingKind,
+    /// Group 2 of its lighting pass.
+    pub group: BindGroup,
+    /// What it may reach: `[x, y, width, height]`.
+    pub pixels: [u32; 4],
+    /// Whether its shadow map had to be drawn.
+    pub shadow_drawn: bool,
+}
+
+impl LightSlot {
+    fn of_kind(&self, light: &Light) -> bool {
+        matches!(
+            (self, &light.kind),
+            (Self::Spot(_), LightKind::Spot(_)) | (Self::Bendy(_), LightKind::Bendy(_))
+        )
+    }
+
+    /// Whether its map is that of `light` over the scene of that revision.
+    fn shows(&self, light: &Light, revision: u64) -> bool {
+        match (self, &light.kind) {
+            (Self::Spot(slot), LightKind::Spot(spot)) => slot.shows(spot, revision),
+            (Self::Bendy(slot), LightKind::Bendy(bendy)) => slot.shows(bendy, revision),
+            _ => false,
+        }
+    }
+}
+
+impl LightSlots {
+    pub fn new() -> Self {
+        Self { slots: Vec::new(), bent_work: BentWork::new() }
+    }
+
+    /// Drops every map.
+    pub fn clear(&mut self) {
+        self.slots.clear();
+    }
+
+    /// Brings the shadows of `lights[wanted]` up to date.
+    pub fn ready(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        (passes, scene, raster): (&Passes, &StagedScene, &Raster),
+        lights: &[Light],
+        wanted: Range<usize>,
+    ) -> Result<Vec<ReadyLight>, RenderError> {
+        self.arrange(lights, scene.revision);
+        let mut ready = Vec::with_capacity(wanted.len());
+        for (slot, light) in self.slots.iter_mut().zip(lights).take(wanted.end).skip(wanted.start) {
+            let (kind, group, corners_in_world, shadow_drawn) = match &light.kind {
+                LightKind::Spot(spot) => {
+                    let made = slot.get_or_insert_with(|| LightSlot::Spot(passes.spot.slot(gpu)));
+                    let LightSlot::Spot(slot) = made else { continue };
+                    let (placed, drawn) = passes.spot.prepare(gpu, encoder, slot, spot, scene)?;
+                    (LightingKind::Spot, slot.group.clone(), placed.corners_in_world.to_vec(), drawn)
+                }
+                LightKind::Bendy(bendy) => {
+                    let made = slot.get_or_insert_with(|| LightSlot::Bendy(BendyPass::slot(gpu)));
+                    let LightSlot::Bendy(slot) = made else { continue };
+                    let (placed, drawn) =
+                        passes.bendy.prepare(gpu, &mut self.bent_work, slot, bendy, scene)?;
+                    (LightingKind::Bendy(placed.baked), placed.group, placed.corners_in_world, drawn)
+                }
+            };
+            ready.push(ReadyLight { kind, group, pixels: raster.bounds_of(&corners_in_world), shadow_drawn });
+        }
+        Ok(ready)
+    }
+
+    /// Gives each light the slot whose map is its own, wherever it stood before, or else a free one of its
+    /// kind: a light that comes or goes leaves the maps of the others as they are.
+    fn arrange(&mut self, lights: &[Light], revision: u64) {
+        let mut free: Vec<LightSlot> = self.slots.drain(..).flatten().collect();
+        let mut take = |fits: &dyn Fn(&LightSlot) -> bool| {
+            let index = free.iter().position(fits)?;
+            Some(free.remove(index))
+        };
+        let mut slots: Vec<_> =
+            lights.iter().map(|light| take(&|slot| slot.shows(light, revision))).collect();
+        for (slot, light) in slots.iter_mut().zip(lights).filter(|(slot, _)| slot.is_none()) {
+            *slot = take(&|free| free.of_kind(light));
+        }
+        self.slots = slots;
+    }
+}

@@ -1,0 +1,187 @@
+//! Pictures as files: raw values for programs, eight bits a channel for people.
+
+use std::io::Cursor;
+
+use image::{DynamicImage, ImageFormat, Rgb, RgbImage, Rgba32FImage, RgbaImage};
+use scene::{Light, LightKind};
+
+use crate::{Aov, Picture, RenderError, Renderer, View};
+
+/// The two formats of picture files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// Eight bits, for people: the beauty as [`Renderer::render_display`] gives it, the other AOVs made
+    /// readable.
+    Png,
+    /// The linear values themselves, for programs.
+    Exr,
+}
+
+impl Renderer {
+    /// The bytes of a picture file of `view` under `lights`.
+    ///
+    /// In a PNG near is bright; directions and normals are `(x + 1) / 2`; t is a ramp over the light's
+    /// segments, dark at joints; (v, w) are hue and distance from the curve. Pixels without a value are
+    /// black.
+    pub fn render_file(
+        &mut self,
+        view: &View,
+        lights: &[Light],
+        format: PictureFormat,
+    ) -> Result<Vec<u8>, RenderError> {
+        let (width, height) = (view.width, view.height);
+        let image: DynamicImage = match (format, view.aov) {
+            (PictureFormat::Png, Aov::Beauty) => {
+                let bytes = self.render_display(view, lights)?;
+                RgbaImage::from_raw(width, height, bytes).expect("four bytes a pixel").into()
+            }
+            (PictureFormat::Png, aov) => {
+                let segments = segments(lights.get(view.light));
+                readable(&self.render(view, lights)?, aov, segments).into()
+            }
+            (PictureFormat::Exr, _) => {
+                let values = self.render(view, lights)?.pixels.into_flattened();
+                Rgba32FImage::from_raw(width, height, values).expect("four floats a pixel").into()
+            }
+        };
+        encode(&image, format)
+    }
+}
+
+fn encode(image: &DynamicImage, format: PictureFormat) -> Result<Vec<u8>, RenderError> {
+    let format = match format {
+        PictureFormat::Png => ImageFormat::Png,
+        PictureFormat::Exr => ImageFormat::OpenExr,
+    };
+    let mut bytes = Cursor::new(Vec::new());
+    image.write_to(&mut bytes, format).map_err(|why| RenderError::Encode(why.to_string()))?;
+    Ok(bytes.into_inner())
+}
+
+/// The end of t's range in a light: its number of segments, one for a spotlight.
+fn segments(light: Option<&Light>) -> usize {
+    match light.map(|light| &light.kind) {
+        Some(LightKind::Bendy(bendy)) => bendy.points.len() - 2,
+        _ => 1,
+    }
+}
+
+/// A colour, each channel 0 to 1, as a screen shows it.
+type Color = [f32; 3];
+
+/// The picture of `aov` for a screen; black where a pixel has no value. `segments` is the end of t's range.
+///
+/// - depth: near is bright, far dark, over the range there is;
+/// - normal, direction: `(x + 1) / 2`;
+/// - t: a ramp over `[0, segments]`, dark at joints;
+/// - vw: hue by the angle around the curve, brightness by the distance from it in radii;
+/// - visibility, beauty: as they are.
+fn readable(picture: &Picture, aov: Aov, segments: usize) -> RgbImage {
+    let color: &dyn Fn(usize, [f32; 4]) -> Color = match aov {
+        Aov::Beauty | Aov::Visibility => &|_, [x, y, z, _]| [x, y, z],
+        Aov::Normal | Aov::Direction => &|_, [x, y, z, _]| [x, y, z].map(|c| 0.5 + 0.5 * c),
+        Aov::Depth => {
+            let (near, far) = range(picture);
+            &move |_, [depth, ..]| [1.0 - 0.9 * (depth - near) / (far - near).max(f32::MIN_POSITIVE); 3]
+        }
+        Aov::T => &|index, [t, ..]| {
+            let shade = if at_joint(picture, index) { 0.3 } else { 1.0 };
+            ramp(t / segments as f32).map(|c| c * shade)
+        },
+        Aov::Vw => &|_, [v, w, ..]| around(v, w),
+    };
+    RgbImage::from_fn(picture.width, picture.height, |x, y| {
+        let index = (y * picture.width + x) as usize;
+        let pixel = picture.pixels[index];
+        let shown = if has_value(pixel) { color(index, pixel) } else { [0.0; 3] };
+        Rgb(shown.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8))
+    })
+}
+
+/// A pixel that shows no surface, or one that the light does not reach, has an alpha of 0.
+fn has_value([.., alpha]: [f32; 4]) -> bool {
+    alpha > 0.0
+}
+
+/// Smallest and largest first channel.
+fn range(picture: &Picture) -> (f32, f32) {
+    let values = picture.pixels.iter().filter(|pixel| has_value(**pixel)).map(|pixel| pixel[0]);
+    values.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+}
+
+/// Whether the pixel to the right or below lies in another segment.
+fn at_joint(picture: &Picture, index: usize) -> bool {
+    let width = picture.width as usize;
+    let here = picture.pixels[index];
+    let right = (index % width + 1 < width).then_some(index + 1);
+    [right, Some(index + width)].into_iter().flatten().any(|neighbour| {
+        picture
+            .pixels
+            .get(neighbour)
+            .is_some_and(|&there| has_value(there) && here[0].floor() != there[0].floor())
+    })
+}
+
+/// A ramp from dark blue over green to yellow, of even steps in lightness, for `x` from 0 to 1.
+fn ramp(x: f32) -> Color {
+    const STOPS: [Color; 5] =
+        [[0.17, 0.11, 0.42], [0.12, 0.34, 0.60], [0.10, 0.56, 0.55], [0.45, 0.75, 0.33], [0.99, 0.91, 0.24]];
+    let x = x.clamp(0.0, 1.0) * (STOPS.len() - 1) as f32;
+    let i = (x as usize).min(STOPS.len() - 2);
+    let share = x - i as f32;
+    std::array::from_fn(|k| STOPS[i][k] + (STOPS[i + 1][k] - STOPS[i][k]) * share)
+}
+
+/// Hue by the angle of (v, w), red along +v; from gray on the curve to full at the tube's edge.
+fn around(v: f32, w: f32) -> Color {
+    let (turn, rho) = (w.atan2(v) / std::f32::consts::TAU, v.hypot(w).min(1.0));
+    std::array::from_fn(|k| {
+        // Each channel is full within a sixth of a turn of its own hue and gone a third away.
+        let away = (turn - k as f32 / 3.0).rem_euclid(1.0);
+        let hue = (2.0 - 6.0 * away.min(1.0 - away)).clamp(0.0, 1.0);
+        0.5 + (hue - 0.5) * rho
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The bytes of a row of pixels.
+    fn row(aov: Aov, pixels: &[[f32; 4]]) -> Vec<[u8; 3]> {
+        let picture = Picture { width: pixels.len() as u32, height: 1, pixels: pixels.to_vec() };
+        readable(&picture, aov, 2).pixels().map(|pixel| pixel.0).collect()
+    }
+
+    #[test]
+    fn what_has_no_value_is_black() {
+        for aov in [Aov::Depth, Aov::Normal, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility] {
+            assert_eq!(row(aov, &[[1.0, 1.0, 1.0, 0.0], [f32::NAN, f32::NAN, f32::NAN, 0.0]]), [[0; 3]; 2]);
+        }
+    }
+
+    #[test]
+    fn near_is_bright_and_far_is_dark() {
+        let depth = |d| [d, 0.0, 0.0, 1.0];
+        let shown = row(Aov::Depth, &[depth(2.0), depth(4.0), depth(6.0)]);
+        assert_eq!(shown, [[255; 3], [140; 3], [26; 3]]);
+        assert_eq!(row(Aov::Depth, &[depth(3.0); 2]), [[255; 3]; 2], "one depth everywhere");
+    }
+
+    #[test]
+    fn axes_have_their_colours() {
+        assert_eq!(row(Aov::Normal, &[[1.0, 0.0, -1.0, 1.0]]), [[255, 128, 0]]);
+        assert_eq!(row(Aov::Vw, &[[1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]]), [[255, 0, 0], [128; 3]]);
+        assert_eq!(row(Aov::Visibility, &[[0.5, 0.5, 0.5, 1.0]]), [[128; 3]]);
+    }
+
+    #[test]
+    fn the_ramp_grows_lighter_and_is_dark_at_joints() {
+        let luma = |c: &[u8; 3]| 2 * u32::from(c[0]) + 7 * u32::from(c[1]) + u32::from(c[2]);
+        let at = |t: f32| luma(&row(Aov::T, &[[t, 0.0, 0.0, 1.0]])[0]);
+        let steps: Vec<u32> = (0..=8).map(|i| at(i as f32 / 4.0)).collect();
+        assert!(steps.windows(2).all(|pair| pair[0] < pair[1]), "{steps:?}");
+        let joint = row(Aov::T, &[[0.95, 0.0, 0.0, 1.0], [1.05, 0.0, 0.0, 1.0]]);
+        assert!(luma(&joint[0]) < luma(&joint[1]) / 2);
+    }
+}

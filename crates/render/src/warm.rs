@@ -1,0 +1,87 @@
+//! Every pipeline drawn once, so that no first picture waits for a compiler.
+
+use bendy::{Decay, SpotLight, Transform};
+use glam::{DAffine3, DQuat, DVec3, Vec3};
+use scene::{Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Scene};
+
+use crate::{Aov, RenderError, Renderer, View, ViewSlot};
+
+/// Most segments of the lights that are compiled for.
+const SEGMENTS: usize = 5;
+
+impl Renderer {
+    /// Draws what pictures are commonly made of once, in a small scene of its own: drivers compile a pipeline
+    /// at its first draw, which takes them up to a second. Serves every renderer that shares the pipelines.
+    ///
+    /// Each way to evaluate a BendyLight is compiled by itself. These are the ones of lights of up to 5
+    /// segments, cut or extended, with all else at its default; another one makes its first picture wait.
+    pub fn warm(&self) -> Result<(), RenderError> {
+        let mut renderer = self.another()?;
+        renderer.set_scene(&scene())?;
+        let spot = spot();
+        let mut lights = vec![light(LightKind::Spot(spot.clone()))];
+        renderer.render_display(&view(Aov::Beauty, 0), &lights)?;
+        for (segments, range) in (1..=SEGMENTS).flat_map(|n| [(n, None), (n, Some(4.0))]) {
+            let spot = SpotLight { range, decay: Decay::None, ..spot.clone() };
+            lights.truncate(1);
+            lights.push(light(LightKind::Bendy(bendy::bend(&spot, segments)?)));
+            renderer.render_display(&view(Aov::Beauty, 0), &lights)?;
+        }
+        for aov in [Aov::Depth, Aov::Normal, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility] {
+            renderer.render(&view(aov, 0), &lights)?;
+            renderer.render(&view(aov, 1), &lights)?;
+        }
+        Ok(())
+    }
+}
+
+/// Three squares: one-sided, double-sided and cut out by alpha, each drawn by another pipeline.
+fn scene() -> Scene {
+    let square = |material| Primitive {
+        positions: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
+            .map(|(x, z)| Vec3::new(x, 0.0, z))
+            .into(),
+        normals: vec![Vec3::Y; 4],
+        indices: vec![0, 1, 2, 0, 2, 3],
+        material,
+        ..Primitive::default()
+    };
+    let one_sided = Material::default();
+    let double_sided = Material { double_sided: true, ..one_sided.clone() };
+    let cut_out = Material { alpha_cutoff: Some(0.5), ..one_sided.clone() };
+    let primitives = (0..3).map(square).collect();
+    let node =
+        Node { name: String::new(), parent: None, parent_from_local: DAffine3::IDENTITY, mesh: Some(0) };
+    Scene {
+        materials: vec![one_sided, double_sided, cut_out],
+        meshes: vec![Mesh { name: String::new(), primitives }],
+        nodes: vec![node],
+        ..Scene::default()
+    }
+}
+
+/// From above; the sides are no powers of two, as drivers may compile those apart.
+fn view(aov: Aov, light: usize) -> View {
+    let camera = Camera {
+        name: String::new(),
+        translation: DVec3::Y * 3.0,
+        rotation: downwards(),
+        projection: Projection::Perspective { yfov: 0.8, znear: 0.1, zfar: None },
+    };
+    View { camera, width: 42, height: 22, samples: 1, aov, light, slot: ViewSlot::default() }
+}
+
+/// A light over the middle of the squares.
+fn spot() -> SpotLight {
+    let transform = Transform { translation: DVec3::Y * 2.0, rotation: downwards(), scale: 1.0 };
+    SpotLight { transform, ..SpotLight::default() }
+}
+
+fn light(kind: LightKind) -> Light {
+    Light { name: String::new(), kind }
+}
+
+/// Turns what looks along -Z to look along -Y.
+fn downwards() -> DQuat {
+    DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2)
+}

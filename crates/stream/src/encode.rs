@@ -1,0 +1,58 @@
+//! Pixels to the bytes of a picture. Alpha is dropped: frames are opaque.
+
+use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
+use png::{BitDepth, Compression, Filter};
+
+use crate::StreamError;
+
+/// Quality of frames while things move.
+///
+/// Chosen with the sampling on the picture of `bendylights render demo:vases`, in KiB, rms error and largest
+/// error of a channel: 4:2:0 at 85 takes 18, 2.9 and 128, 4:4:4 at 80 takes 21, 2.3 and 81. A sixth more
+/// bytes keep the colour of light inside its edges.
+pub const MOVING_QUALITY: u8 = 80;
+
+/// A JPEG of RGBA pixels, rows from the top; `quality` from 1 to 100.
+pub fn jpeg(rgba: &[u8], width: u16, height: u16, quality: u8) -> Result<Vec<u8>, StreamError> {
+    check_size(rgba, width, height)?;
+    if !(1..=100).contains(&quality) {
+        return Err(StreamError::JpegQuality(quality));
+    }
+    let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes, quality);
+    encoder.set_sampling_factor(SamplingFactor::R_4_4_4);
+    let encoded = encoder.encode(rgba, width, height, ColorType::Rgba);
+    encoded.map_err(|why| StreamError::Encode(why.to_string()))?;
+    Ok(bytes)
+}
+
+/// A PNG of RGBA pixels, rows from the top: every colour comes back as it is.
+pub fn png(rgba: &[u8], width: u16, height: u16) -> Result<Vec<u8>, StreamError> {
+    check_size(rgba, width, height)?;
+    let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width.into(), height.into());
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(BitDepth::Eight);
+    // On the same picture 0.7 ms and 87 KiB. Other filters save a tenth for five times the time; what
+    // compresses harder saves a third for thirty times.
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(Filter::Sub);
+    let written = encoder.write_header().and_then(|mut writer| {
+        writer.write_image_data(&rgb)?;
+        writer.finish()
+    });
+    written.map_err(|why| StreamError::Encode(why.to_string()))?;
+    Ok(bytes)
+}
+
+fn check_size(rgba: &[u8], width: u16, height: u16) -> Result<(), StreamError> {
+    if width == 0 || height == 0 {
+        return Err(StreamError::Empty { width, height });
+    }
+    let (expected, found) = (4 * usize::from(width) * usize::from(height), rgba.len());
+    if found != expected {
+        return Err(StreamError::PixelCount { width, height, expected, found });
+    }
+    Ok(())
+}

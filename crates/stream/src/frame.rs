@@ -1,0 +1,160 @@
+//! The header that stands before a frame's payload: section 8 of the protocol.
+
+use crate::StreamError;
+
+/// Bytes of a header.
+pub const HEADER_BYTES: usize = 64;
+
+/// The one kind of frame there is.
+const PICTURE: u8 = 1;
+
+/// How the payload is encoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Codec {
+    /// With loss, while things move.
+    Jpeg,
+    /// Without.
+    Png,
+}
+
+/// What is special about a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Flags {
+    /// Needs no earlier frame, and replaces all of them.
+    pub key: bool,
+    /// The lossless picture of a still view.
+    pub settle: bool,
+    /// The picture is complete with this tile.
+    pub last_tile: bool,
+}
+
+/// The part of the picture that a frame holds, in pixels from the top left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tile {
+    /// Left edge.
+    pub x: u16,
+    /// Upper edge.
+    pub y: u16,
+    /// Pixels.
+    pub width: u16,
+    /// Pixels.
+    pub height: u16,
+}
+
+/// What a frame shows and how it came about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameHeader {
+    /// Of the payload.
+    pub codec: Codec,
+    /// What is special about it.
+    pub flags: Flags,
+    /// Which view of the connection.
+    pub view: u32,
+    /// Counts from 1 for each connection.
+    pub frame: u64,
+    /// The log's sequence that it shows.
+    pub log_seq: u64,
+    /// Of the view's camera.
+    pub camera_revision: u32,
+    /// Of the session's gestures.
+    pub live_revision: u32,
+    /// Samples a pixel.
+    pub samples: u16,
+    /// Where the payload goes.
+    pub tile: Tile,
+    /// Width of the whole picture in pixels.
+    pub width: u16,
+    /// Height of the whole picture in pixels.
+    pub height: u16,
+    /// Microseconds from the change to the start of the render.
+    pub wait_us: u32,
+    /// Microseconds of the render.
+    pub render_us: u32,
+    /// Microseconds of the encoding.
+    pub encode_us: u32,
+}
+
+impl FrameHeader {
+    /// The header as it goes over the wire; the payload follows.
+    pub fn to_bytes(&self) -> [u8; HEADER_BYTES] {
+        let mut bytes = [0; HEADER_BYTES];
+        let mut put =
+            |offset: usize, field: &[u8]| bytes[offset..offset + field.len()].copy_from_slice(field);
+        let codec = match self.codec {
+            Codec::Jpeg => 1,
+            Codec::Png => 2,
+        };
+        put(0, &[PICTURE, codec]);
+        put(2, &self.flags.to_bits().to_le_bytes());
+        put(4, &self.view.to_le_bytes());
+        put(8, &self.frame.to_le_bytes());
+        put(16, &self.log_seq.to_le_bytes());
+        put(24, &self.camera_revision.to_le_bytes());
+        put(28, &self.live_revision.to_le_bytes());
+        put(32, &self.samples.to_le_bytes());
+        let Tile { x, y, width, height } = self.tile;
+        for (index, side) in [x, y, width, height, self.width, self.height].into_iter().enumerate() {
+            put(36 + 2 * index, &side.to_le_bytes());
+        }
+        put(48, &self.wait_us.to_le_bytes());
+        put(52, &self.render_us.to_le_bytes());
+        put(56, &self.encode_us.to_le_bytes());
+        bytes
+    }
+
+    /// The header at the beginning of a message; the payload begins at [`HEADER_BYTES`]. Reserved bytes are
+    /// not looked at.
+    pub fn from_bytes(message: &[u8]) -> Result<Self, StreamError> {
+        let header: &[u8; HEADER_BYTES] = message.first_chunk().ok_or(StreamError::Short(message.len()))?;
+        let u16_at = |offset: usize| u16::from_le_bytes(array_at(header, offset));
+        let u32_at = |offset: usize| u32::from_le_bytes(array_at(header, offset));
+        let u64_at = |offset: usize| u64::from_le_bytes(array_at(header, offset));
+        if header[0] != PICTURE {
+            return Err(StreamError::Unknown { field: "kind", value: header[0].into() });
+        }
+        let codec = match header[1] {
+            1 => Codec::Jpeg,
+            2 => Codec::Png,
+            other => return Err(StreamError::Unknown { field: "codec", value: other.into() }),
+        };
+        Ok(Self {
+            codec,
+            flags: Flags::from_bits(u16_at(2))?,
+            view: u32_at(4),
+            frame: u64_at(8),
+            log_seq: u64_at(16),
+            camera_revision: u32_at(24),
+            live_revision: u32_at(28),
+            samples: u16_at(32),
+            tile: Tile { x: u16_at(36), y: u16_at(38), width: u16_at(40), height: u16_at(42) },
+            width: u16_at(44),
+            height: u16_at(46),
+            wait_us: u32_at(48),
+            render_us: u32_at(52),
+            encode_us: u32_at(56),
+        })
+    }
+}
+
+fn array_at<const N: usize>(header: &[u8; HEADER_BYTES], offset: usize) -> [u8; N] {
+    std::array::from_fn(|k| header[offset + k])
+}
+
+impl Flags {
+    const KEY: u16 = 1;
+    const SETTLE: u16 = 2;
+    const LAST_TILE: u16 = 4;
+
+    fn to_bits(self) -> u16 {
+        let bit = |set: bool, bit: u16| if set { bit } else { 0 };
+        bit(self.key, Self::KEY) | bit(self.settle, Self::SETTLE) | bit(self.last_tile, Self::LAST_TILE)
+    }
+
+    fn from_bits(bits: u16) -> Result<Self, StreamError> {
+        if bits & !(Self::KEY | Self::SETTLE | Self::LAST_TILE) != 0 {
+            return Err(StreamError::Unknown { field: "flags", value: bits.into() });
+        }
+        let has = |bit: u16| bits & bit != 0;
+        Ok(Self { key: has(Self::KEY), settle: has(Self::SETTLE), last_tile: has(Self::LAST_TILE) })
+    }
+}

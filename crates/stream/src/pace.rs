@@ -1,0 +1,109 @@
+//! When a client gets its next frame, and which.
+
+use std::time::{Duration, Instant};
+
+use crate::AckWindow;
+
+/// How long after the last change a view counts as still.
+pub const SETTLE_AFTER: Duration = Duration::from_millis(250);
+
+/// What a view shows at the moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Content {
+    /// Another one for all that can change the picture: the document, a gesture, the camera, the size.
+    pub revision: u64,
+    /// When it last did.
+    pub changed_at: Instant,
+}
+
+/// How good a frame is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quality {
+    /// Quick, with loss: things move.
+    Moving,
+    /// Lossless: things are still.
+    Settled,
+}
+
+/// What a client needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// Nothing, until the content changes or the client acknowledges a frame.
+    Nothing,
+    /// Nothing before this time either; ask again then.
+    WaitUntil(Instant),
+    /// A frame of [`Quality::Moving`], now.
+    Moving,
+    /// A frame of [`Quality::Settled`], now. Give it up when the content changes meanwhile.
+    Settle,
+}
+
+/// What one client of a view has been sent, and what follows from it.
+///
+/// A new content is sent at once as a moving frame, if the window has room; what lies between two such
+/// moments is never sent. Once the content is still, one settled frame of it follows. Whoever uses it asks
+/// for [`Pace::next`] when the content has changed, a frame was acknowledged, or the time it named has come.
+#[derive(Clone, Debug, Default)]
+pub struct Pace {
+    window: AckWindow,
+    /// The revision and quality of the latest frame; `None` where the client has to start anew.
+    latest: Option<(u64, Quality)>,
+    /// The revision at which frames were last given up.
+    stalled_at: Option<u64>,
+}
+
+impl Pace {
+    /// For a client that has seen nothing of this view.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// What the client needs. Gives up what is on its way to a client that has stalled.
+    pub fn next(&mut self, content: Content, now: Instant) -> Next {
+        // Each content is sent anew at most once: a link too slow for it would have it sent for ever.
+        let left_alone = self.stalled_at == Some(content.revision)
+            && self.latest == Some((content.revision, Quality::Settled));
+        if self.window.stalled(now) && !left_alone {
+            self.window.clear();
+            self.latest = None;
+            self.stalled_at = Some(content.revision);
+        }
+        let stalls_at = self.window.stalls_at().filter(|_| !left_alone);
+        let wait_until = |time: Option<Instant>| time.map_or(Next::Nothing, Next::WaitUntil);
+        let still_at = content.changed_at + SETTLE_AFTER;
+        match self.latest {
+            _ if !self.window.is_open() => wait_until(stalls_at),
+            Some((revision, Quality::Settled)) if revision == content.revision => wait_until(stalls_at),
+            Some((revision, Quality::Moving)) if revision == content.revision => {
+                if still_at <= now {
+                    Next::Settle
+                } else {
+                    Next::WaitUntil(stalls_at.map_or(still_at, |time| time.min(still_at)))
+                }
+            }
+            _ => Next::Moving,
+        }
+    }
+
+    /// Whether the client's next frame is a key frame: its first, and the first after it has stalled.
+    pub fn owes_key(&self) -> bool {
+        self.latest.is_none()
+    }
+
+    /// How many frames are on their way.
+    pub fn under_way(&self) -> usize {
+        self.window.under_way()
+    }
+
+    /// A frame of that revision was sent, as [`Pace::next`] asked for.
+    pub fn sent(&mut self, frame: u64, revision: u64, quality: Quality, now: Instant) {
+        self.window.sent(frame, now);
+        self.latest = Some((revision, quality));
+    }
+
+    /// The client has shown a frame. Returns how long after sending, or `None` where the frame is not on its
+    /// way.
+    pub fn acked(&mut self, frame: u64, now: Instant) -> Option<Duration> {
+        self.window.acked(frame, now)
+    }
+}

@@ -1,0 +1,231 @@
+//! Clients with good and bad links over planned changes, millisecond by millisecond. No time passes in these
+//! tests.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use proptest::prelude::*;
+use stream::{Content, Next, Pace, Quality, SETTLE_AFTER, STALL_AFTER, WINDOW};
+
+/// A frame that was sent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Sent {
+    at_ms: u64,
+    revision: u64,
+    quality: Quality,
+    key: bool,
+    /// When its acknowledgement comes.
+    acked_at_ms: Option<u64>,
+}
+
+/// A client and its link. Frame `k` is acknowledged after `delays_ms[k % len]`, never before an earlier one;
+/// `None` never.
+struct Client {
+    delays_ms: Vec<Option<u64>>,
+    pace: Pace,
+    wake: Option<Instant>,
+    acks: VecDeque<(u64, u64)>,
+    sent: Vec<Sent>,
+}
+
+impl Client {
+    fn new(delays_ms: &[Option<u64>]) -> Self {
+        let delays_ms = delays_ms.to_vec();
+        Self { delays_ms, pace: Pace::new(), wake: None, acks: VecDeque::new(), sent: Vec::new() }
+    }
+
+    /// Delivers what arrives now. Returns whether anything did.
+    fn receive(&mut self, now_ms: u64, now: Instant) -> bool {
+        let mut any = false;
+        while self.acks.front().is_some_and(|(at_ms, _)| *at_ms <= now_ms) {
+            let (_, frame) = self.acks.pop_front().expect("just seen");
+            self.pace.acked(frame, now);
+            any = true;
+        }
+        any
+    }
+
+    /// Sends what the pace asks for.
+    fn send(&mut self, content: Content, now_ms: u64, now: Instant) {
+        self.wake = None;
+        loop {
+            let quality = match self.pace.next(content, now) {
+                Next::Nothing => return,
+                Next::WaitUntil(time) => {
+                    assert!(time > now, "a time that has come already would be asked for again and again");
+                    self.wake = Some(time);
+                    return;
+                }
+                Next::Moving => Quality::Moving,
+                Next::Settle => Quality::Settled,
+            };
+            let key = self.pace.owes_key();
+            self.pace.sent(self.sent.len() as u64, content.revision, quality, now);
+            let delay_ms = self.delays_ms[self.sent.len() % self.delays_ms.len()];
+            let before_ms = self.acks.back().map_or(0, |(at_ms, _)| *at_ms);
+            let acked_at_ms = delay_ms.map(|delay_ms| before_ms.max(now_ms + delay_ms));
+            self.acks.extend(acked_at_ms.map(|at_ms| (at_ms, self.sent.len() as u64)));
+            self.sent.push(Sent { at_ms: now_ms, revision: content.revision, quality, key, acked_at_ms });
+        }
+    }
+}
+
+/// What each client is sent when the content changes at those times, and for 20 seconds after.
+fn play(changes_ms: &[u64], links: &[&[Option<u64>]]) -> Vec<Vec<Sent>> {
+    let start = Instant::now();
+    let mut clients: Vec<_> = links.iter().map(|delays_ms| Client::new(delays_ms)).collect();
+    let mut content = Content { revision: 0, changed_at: start };
+    let end_ms = changes_ms.last().unwrap_or(&0) + 20_000;
+    for now_ms in 0..end_ms {
+        let now = start + Duration::from_millis(now_ms);
+        let changed = now_ms == 0 || changes_ms.contains(&now_ms);
+        if changed {
+            content = Content { revision: content.revision + 1, changed_at: now };
+        }
+        for client in &mut clients {
+            let received = client.receive(now_ms, now);
+            if changed || received || client.wake.is_some_and(|time| time <= now) {
+                client.send(content, now_ms, now);
+            }
+        }
+    }
+    clients.into_iter().map(|client| client.sent).collect()
+}
+
+/// What is wrong with the frames of a client that never stalls.
+fn faults(sent: &[Sent], changes_ms: &[u64]) -> Vec<&'static str> {
+    let mut faults = Vec::new();
+    let mut fault = |found: bool, what| faults.extend(found.then_some(what));
+    let changes_ms: Vec<u64> =
+        [0].into_iter().chain(changes_ms.iter().copied().filter(|at| *at > 0)).collect();
+    let settle_ms = SETTLE_AFTER.as_millis() as u64;
+    for (index, frame) in sent.iter().enumerate() {
+        let under_way =
+            sent[..=index].iter().filter(|f| f.acked_at_ms.is_none_or(|at| at > frame.at_ms)).count();
+        fault(under_way > WINDOW, "more frames under way than the window holds");
+        let last_change_ms = changes_ms.iter().rfind(|at| **at <= frame.at_ms).expect("0 is one");
+        let is_settled = frame.quality == Quality::Settled;
+        fault(is_settled && frame.at_ms < last_change_ms + settle_ms, "settled while things moved");
+        let revision = changes_ms.iter().filter(|at| **at <= frame.at_ms).count() as u64;
+        fault(frame.revision != revision, "not the latest state");
+        fault(frame.key != (index == 0), "a key frame for no reason, or none at the start");
+        let again = sent[..index].iter().any(|f| (f.revision, f.quality) == (frame.revision, frame.quality));
+        fault(again, "the same frame twice");
+    }
+    let last = sent.last().map(|frame| (frame.revision, frame.quality));
+    fault(last != Some((changes_ms.len() as u64, Quality::Settled)), "the last state did not arrive settled");
+    faults
+}
+
+/// Sorted times of changes: bursts and pauses.
+fn changes() -> impl Strategy<Value = Vec<u64>> {
+    let gaps = proptest::collection::vec(prop_oneof![1..40_u64, 200..300_u64, 1..3000_u64], 0..40);
+    gaps.prop_map(|gaps| {
+        let mut at = 0;
+        let times = gaps.into_iter().map(|gap| {
+            at += gap;
+            at
+        });
+        times.collect()
+    })
+}
+
+/// A link that acknowledges everything in less time than counts as stalled.
+fn live_link() -> impl Strategy<Value = Vec<Option<u64>>> {
+    proptest::collection::vec((0..1900_u64).prop_map(Some), 1..6)
+}
+
+fn any_link() -> impl Strategy<Value = Vec<Option<u64>>> {
+    proptest::collection::vec(proptest::option::of(0..5000_u64), 1..6)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(128) })]
+
+    /// FRAME-2, FRAME-3 and FRAME-4 on every link that works.
+    #[test]
+    fn a_live_client_ends_with_the_settled_state(changes_ms in changes(), link in live_link()) {
+        let sent = &play(&changes_ms, &[&link])[0];
+        prop_assert_eq!(faults(sent, &changes_ms), Vec::<&str>::new());
+
+        // Planted: the last frame lost, one out of date, one too early, one too many, a fourth under way.
+        let damaged = |damage: fn(&mut Vec<Sent>)| {
+            let mut sent = sent.clone();
+            damage(&mut sent);
+            faults(&sent, &changes_ms)
+        };
+        prop_assert!(!damaged(|sent| sent.truncate(sent.len() - 1)).is_empty());
+        prop_assert!(!damaged(|sent| sent[0].revision += 1).is_empty());
+        prop_assert!(!damaged(|sent| sent.last_mut().expect("some").at_ms -= 1).is_empty());
+        prop_assert!(!damaged(|sent| sent.push(sent[sent.len() - 1])).is_empty());
+        let unacknowledged = damaged(|sent| sent.iter_mut().for_each(|frame| frame.acked_at_ms = None));
+        prop_assert_eq!(unacknowledged.is_empty(), sent.len() <= WINDOW);
+    }
+
+    /// FRAME-6: however bad one link is, it changes nothing for the other client; and at rest it ends.
+    #[test]
+    fn links_do_not_touch_each_other(changes_ms in changes(), good in live_link(), bad in any_link()) {
+        let both = play(&changes_ms, &[&bad, &good]);
+        prop_assert_eq!(&both[1], &play(&changes_ms, &[&good])[0]);
+        let rest_from_ms = changes_ms.last().unwrap_or(&0) + 12_000;
+        prop_assert!(both[0].iter().all(|frame| frame.at_ms < rest_from_ms), "still sending at rest");
+    }
+}
+
+/// FRAME-6: a client that says nothing is tried again after 2 seconds, with a key frame; at rest only once.
+#[test]
+fn a_silent_client_gets_a_key_frame() {
+    let stall_ms = STALL_AFTER.as_millis() as u64;
+    let sent = &play(&[], &[&[None]])[0];
+    let times: Vec<_> = sent.iter().map(|frame| (frame.at_ms, frame.quality, frame.key)).collect();
+    let expected = [
+        (0, Quality::Moving, true),
+        (250, Quality::Settled, false),
+        (stall_ms, Quality::Moving, true),
+        (stall_ms, Quality::Settled, false),
+    ];
+    assert_eq!(times, expected);
+
+    // While things move it gets a window full each time.
+    let changes_ms: Vec<u64> = (1..600).map(|k| 10 * k).collect();
+    let sent = &play(&changes_ms, &[&[None]])[0];
+    let moving = sent.iter().filter(|frame| frame.at_ms < 3 * stall_ms);
+    let times: Vec<_> = moving.map(|frame| (frame.at_ms, frame.key)).collect();
+    let round = |at_ms| [(at_ms, true), (at_ms + 10, false), (at_ms + 20, false)];
+    assert_eq!(times, [round(0), round(stall_ms), round(2 * stall_ms)].concat());
+}
+
+/// A client that was silent and speaks again is served as any other.
+#[test]
+fn a_client_that_wakes_up_goes_on() {
+    let start = Instant::now();
+    let at = |ms| start + Duration::from_millis(ms);
+    let mut pace = Pace::new();
+    let content = |revision, ms| Content { revision, changed_at: at(ms) };
+    for frame in 1..=3 {
+        assert_eq!(pace.next(content(frame, frame), at(frame)), Next::Moving);
+        pace.sent(frame, frame, Quality::Moving, at(frame));
+    }
+    assert_eq!(pace.next(content(4, 4), at(4)), Next::WaitUntil(at(2001)));
+    assert_eq!(pace.next(content(4, 4), at(2001)), Next::Moving);
+    assert!(pace.owes_key());
+    pace.sent(4, 4, Quality::Moving, at(2001));
+    assert_eq!(pace.acked(2, at(2100)), None, "given up");
+    assert_eq!(pace.acked(9, at(2100)), None, "never sent");
+    assert_eq!(pace.under_way(), 1);
+    assert_eq!(pace.acked(4, at(2101)), Some(Duration::from_millis(100)));
+    assert_eq!(pace.next(content(4, 4), at(2101)), Next::Settle);
+    assert!(!pace.owes_key());
+}
+
+/// A later frame's acknowledgement counts for those that the client passed over.
+#[test]
+fn a_client_may_pass_frames_over() {
+    let now = Instant::now();
+    let mut pace = Pace::new();
+    for frame in 1..=3 {
+        pace.sent(frame, frame, Quality::Moving, now);
+    }
+    assert_eq!(pace.acked(2, now), Some(Duration::ZERO));
+    assert_eq!((pace.under_way(), pace.acked(1, now)), (1, None));
+}
