@@ -1,0 +1,179 @@
+//! What can go wrong with stored logs and assets.
+
+use std::io;
+use std::path::PathBuf;
+
+use edit::ReplayError;
+use protocol::{FileError, Refused};
+use scene::{AssetHash, EditError};
+use thiserror::Error;
+
+use crate::sessions::{MAX_NAME_CHARS, MAX_SESSIONS};
+use crate::{MAX_ASSET_BYTES, MAX_RECORD_BYTES};
+
+/// Why the store did not do what was asked. Each sentence says what to do.
+#[derive(Debug, Error)]
+pub enum StoreError {
+    /// The folder holds no data.
+    #[error("{}: holds no sessions; name the folder that `bendylights serve --data` was given", .0.display())]
+    NoData(PathBuf),
+    /// A file or folder that the system would not read or write.
+    #[error("{}: cannot be used ({reason}); check that you may write there and that the disk is not full", path.display())]
+    Io {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        reason: io::Error,
+    },
+    /// SQLite could not.
+    #[error(
+        "the database of sessions cannot be used ({0}); check the disk, and that its folder may be written"
+    )]
+    Database(#[from] rusqlite::Error),
+    /// The database is of a later version.
+    #[error("{}: was written by a newer version of this program (schema {found}); use that one", path.display())]
+    Newer {
+        /// The database.
+        path: PathBuf,
+        /// Its version.
+        found: u32,
+    },
+    /// The file system cannot keep the log safe.
+    #[error("{}: cannot hold a write-ahead log; choose a folder on a local disk", .0.display())]
+    NoWriteAheadLog(PathBuf),
+    /// Not a session's name.
+    #[error(
+        "`{0}` cannot name a session: take 1 to {MAX_NAME_CHARS} of a-z A-Z 0-9 - _ . and start with a letter or digit"
+    )]
+    BadName(String),
+    /// The name is taken.
+    #[error("there is a session `{0}` already: choose another name")]
+    Exists(String),
+    /// No such session.
+    #[error("there is no session `{0}`: look at the list of sessions")]
+    NoSession(String),
+    /// Too many sessions.
+    #[error("there are {MAX_SESSIONS} sessions, the most a folder holds: use another folder")]
+    TooManySessions,
+    /// A log is shorter than was asked for.
+    #[error("the log ends with record {last} and has no record {asked}: ask for an earlier one")]
+    NoRecord {
+        /// Which was asked for.
+        asked: u64,
+        /// The last there is.
+        last: u64,
+    },
+    /// A record does not follow what is stored.
+    #[error(
+        "record {0} does not follow the stored log: another program has written to it; open the session again"
+    )]
+    OutOfStep(u64),
+    /// A record over the limit.
+    #[error("a record has more than {MAX_RECORD_BYTES} bytes: divide the edit into smaller ones")]
+    RecordTooLarge,
+    /// A log over the limit.
+    #[error(
+        "the log has more than {} records, the most a session holds: import a shorter one",
+        edit::MAX_RECORDS
+    )]
+    TooManyRecords,
+    /// An asset over the limit.
+    #[error("an asset has more than {MAX_ASSET_BYTES} bytes: make the scene smaller")]
+    AssetTooLarge,
+    /// An asset's file does not hold what its name says.
+    #[error("the stored file of {0} is damaged: put the scene's file into the assets again")]
+    DamagedAsset(AssetHash),
+    /// A log file that cannot be read.
+    #[error("the log cannot be read ({0}); check the file")]
+    Unreadable(io::Error),
+    /// A log file that cannot be written.
+    #[error("the log cannot be written ({0}); check that the disk is not full")]
+    Unwritable(io::Error),
+    /// A line of a log file that is not UTF-8. Lines count from 1.
+    #[error("line {line}: is not UTF-8 text; give a file that `bendylights export` wrote")]
+    NotText {
+        /// Which.
+        line: u64,
+    },
+    /// A line of a log file that does not have the right shape. Lines count from 1.
+    #[error("line {line}: {reason}")]
+    Line {
+        /// Which.
+        line: u64,
+        /// Why.
+        reason: FileError,
+    },
+    /// A stored record that does not have the right shape.
+    #[error("record {seq} is damaged: {reason}")]
+    DamagedRecord {
+        /// Which.
+        seq: u64,
+        /// Why.
+        reason: FileError,
+    },
+    /// A record without a meaning.
+    #[error("record {seq}: {reason}")]
+    Meaningless {
+        /// Which.
+        seq: u64,
+        /// Why.
+        reason: Refused,
+    },
+    /// A log file without its end.
+    #[error("the log ends without a checkpoint: it was cut short; export it again")]
+    Cut,
+    /// A checkpoint in the wrong place.
+    #[error(
+        "line {line}: a checkpoint of record {found} follows record {after}: the log was changed by hand; export it again"
+    )]
+    Misplaced {
+        /// The line.
+        line: u64,
+        /// What it says.
+        found: u64,
+        /// Where it stands.
+        after: u64,
+    },
+    /// A record does not go on from those before it.
+    #[error("{0}")]
+    Replay(#[from] ReplayError),
+    /// The document is not what it was when the log was written.
+    #[error(
+        "the document after record {seq} is not the one that was logged: the log or the program was changed; export it again"
+    )]
+    Differs {
+        /// The first record whose checkpoint differs.
+        seq: u64,
+    },
+}
+
+impl StoreError {
+    /// The code that programs act on.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::NoSession(_) | Self::NoRecord { .. } => "notFound",
+            Self::Exists(_) => "exists",
+            Self::BadName(_) => "badName",
+            Self::TooManySessions | Self::TooManyRecords => "tooMany",
+            Self::RecordTooLarge | Self::AssetTooLarge => "tooLarge",
+            Self::Replay(ReplayError::Record { reason: EditError::UnknownAsset(_), .. }) => "unknownAsset",
+            Self::Line { .. }
+            | Self::NotText { .. }
+            | Self::Meaningless { .. }
+            | Self::Cut
+            | Self::Misplaced { .. }
+            | Self::Replay(_)
+            | Self::Differs { .. } => "badLog",
+            Self::NoData(_)
+            | Self::Io { .. }
+            | Self::Database(_)
+            | Self::Newer { .. }
+            | Self::NoWriteAheadLog(_)
+            | Self::OutOfStep(_)
+            | Self::DamagedAsset(_)
+            | Self::DamagedRecord { .. }
+            | Self::Unreadable(_)
+            | Self::Unwritable(_) => "storage",
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! Where edit logs and assets live: a folder with one SQLite database and a file for each asset.
+//!
+//! What [`Store::append`] and [`Store::put_asset`] have returned from survives a crash of the program and of the
+//! machine. A log is read in passes and never held in memory as a whole. Calls block; whoever serves many runs them on
+//! a thread for that.
+
+mod assets;
+mod database;
+#[cfg(test)]
+mod durability;
+mod error;
+mod log_file;
+mod records;
+mod sessions;
+
+pub use assets::{MAX_ASSET_BYTES, asset_hash};
+pub use database::Store;
+pub use error::StoreError;
+pub use log_file::{ReplayedLog, replay_log};
+pub use records::{Batch, MAX_PAGE_BYTES, MAX_RECORD_BYTES};
+pub use sessions::{MAX_NAME_CHARS, MAX_SESSIONS, SessionRow};

@@ -1,0 +1,36 @@
+//! Assets: named by their bytes, proven by them.
+
+use std::fs;
+
+use store::StoreError;
+
+use crate::support::Folder;
+
+/// Rules: DOC-5
+#[test]
+fn an_asset_comes_back_by_its_hash() {
+    let folder = Folder::new();
+    let store = folder.store();
+    let asset = store.put_asset(b"abc").expect("a file");
+    // The example of FIPS 180-2, which `printf abc | sha256sum` prints.
+    assert_eq!(asset.hex(), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    assert_eq!(store.put_asset(b"abc").expect("the same again"), asset);
+    assert_eq!(store.asset(&asset).expect("a file"), Some(b"abc".to_vec()));
+    let empty = store.put_asset(b"").expect("a file");
+    assert_eq!(store.asset(&empty).expect("a file"), Some(Vec::new()));
+    assert_eq!(store.asset(&scene::AssetHash([0; 32])).expect("no error"), None);
+    let files = fs::read_dir(folder.data().join("assets")).expect("a folder");
+    assert_eq!(files.count(), 2, "nothing but the two");
+}
+
+/// Rules: DOC-5
+#[test]
+fn a_damaged_asset_is_caught_and_can_be_mended() {
+    let folder = Folder::new();
+    let store = folder.store();
+    let asset = store.put_asset(b"bytes").expect("a file");
+    fs::write(folder.data().join("assets").join(asset.hex()), b"bytez").expect("a planted fault");
+    assert!(matches!(store.asset(&asset), Err(StoreError::DamagedAsset(named)) if named == asset));
+    assert_eq!(store.put_asset(b"bytes").expect("written again"), asset);
+    assert_eq!(store.asset(&asset).expect("whole"), Some(b"bytes".to_vec()));
+}

@@ -1,0 +1,146 @@
+//! Log files: written, read back, and refused where they were changed.
+
+use store::{Store, StoreError, replay_log};
+
+use crate::support::{Folder, Log, empty_hash, find_none, find_scene, stored_log};
+
+fn exported(store: &Store, session: &str) -> String {
+    let mut text = Vec::new();
+    store.export(session, &mut text).expect("a log");
+    String::from_utf8(text).expect("JSON")
+}
+
+/// The log of `edits` steps as a file, and what it was.
+fn log_file(edits: u64) -> (String, Log) {
+    let mut store = Folder::new().store();
+    let log = stored_log(&mut store, "main", edits);
+    (exported(&store, "main"), log)
+}
+
+fn import(text: &str, name: Option<&str>) -> Result<store::SessionRow, StoreError> {
+    Folder::new().store().import(text.as_bytes(), name, &find_scene)
+}
+
+/// Rules: LOG-1, LOG-2, SOCK-2
+#[test]
+fn a_log_goes_out_and_comes_in_again() {
+    let folder = Folder::new();
+    let mut store = folder.store();
+    let log = stored_log(&mut store, "main", 250);
+    let text = exported(&store, "main");
+    let lines: Vec<_> = text.lines().collect();
+    assert_eq!(lines[0], r#"{"format":1,"session":"main"}"#);
+    assert_eq!(lines.len(), 1 + 252 + 26, "records 10, 20, ..., 250 and 252 have checkpoints");
+    let last = format!(r#"{{"checkpoint":{{"seq":252,"hash":"{}"}}}}"#, log.hash());
+    assert_eq!(lines.last(), Some(&last.as_str()));
+
+    let row = store.import(text.as_bytes(), Some("copy"), &find_scene).expect("a sound log");
+    assert_eq!((row.name.as_str(), row.seq, &row.hash), ("copy", 252, &log.hash().to_string()));
+    assert_ne!(row.epoch, store.session("main").expect("a session").epoch, "another history");
+    assert_eq!(exported(&store, "copy"), text.replace("\"session\":\"main\"", "\"session\":\"copy\""));
+    let copy = store.replay("copy", None, &find_scene).expect("a log");
+    assert_eq!(copy.document().hash(), log.hash());
+    let taken = store.import(text.as_bytes(), None, &find_scene).expect_err("`main` is there");
+    assert_eq!(taken.code(), "exists");
+}
+
+/// Rules: LOG-1
+#[test]
+fn an_empty_log_is_a_log() {
+    let mut store = Folder::new().store();
+    store.create_session("main").expect("a new name");
+    let text = exported(&store, "main");
+    let checkpoint = format!(r#"{{"checkpoint":{{"seq":0,"hash":"{}"}}}}"#, empty_hash());
+    assert_eq!(text, format!("{{\"format\":1,\"session\":\"main\"}}\n{checkpoint}\n"));
+    let row = store.import(text.as_bytes(), Some("copy"), &find_none).expect("a log");
+    assert_eq!((row.seq, row.hash), (0, empty_hash()));
+    assert!(matches!(store.export("none", &mut Vec::new()), Err(StoreError::NoSession(_))));
+}
+
+/// Rules: LOG-2
+#[test]
+fn a_log_file_replays_to_any_record() {
+    let (text, log) = log_file(30);
+    let replayed = |to| replay_log(text.as_bytes(), to, &find_scene);
+    let whole = replayed(None).expect("a log");
+    assert_eq!((whole.session.document().hash(), whole.differs), (log.hash(), None));
+    for to in [0, 1, 17, 32] {
+        let session = replayed(Some(to)).expect("a log").session;
+        assert_eq!((session.seq(), session.document().hash()), (to, log.hash_after(to)));
+    }
+    assert!(matches!(replayed(Some(33)), Err(StoreError::NoRecord { asked: 33, last: 32 })));
+}
+
+/// Rules: LOG-1, LOG-2, REC-1, REC-3, REC-4
+#[test]
+fn a_changed_log_is_refused_by_line_or_record() {
+    let (text, log) = log_file(20);
+    import(&text, None).expect("as it was written");
+    let lines: Vec<_> = text.lines().map(String::from).collect();
+    let refused = |what: &str, expected: &str, change: &dyn Fn(&mut Vec<String>)| {
+        let mut lines = lines.clone();
+        change(&mut lines);
+        let error = import(&(lines.join("\n") + "\n"), None).expect_err(what);
+        assert!(error.to_string().contains(expected), "{what}: {error}");
+        assert_eq!(error.code(), "badLog", "{what}");
+    };
+    // Up to record 10 its index is its sequence; a checkpoint follows each tenth.
+    refused("dropped", "record 10 follows record 8", &|l| drop(l.remove(9)));
+    refused("swapped", "record 10 follows record 8", &|l| l.swap(9, 10));
+    refused("doubled", "record 9 follows record 9", &|l| l.insert(10, l[9].clone()));
+    refused("cut", "cut short", &|l| drop(l.pop()));
+    refused("no header", "line 1", &|l| drop(l.remove(0)));
+    refused("header alone", "cut short", &|l| l.truncate(1));
+    refused("a value", "record 5: ", &|l| l[4] = l[4].replace("[1.0,", "[1.25,"));
+    refused("the last value", "after record 22", &|l| l[24] = l[24].replace("19.0", "19.5"));
+    refused("an operation", "record 9 repeats operation op 8", &|l| l[9] = l[9].replace("op 9", "op 8"));
+    refused("an undo's target", "record 9 takes back record 22", &|l| {
+        l[9] = l[9].replace("\"target\":8", "\"target\":22");
+    });
+    refused("a hash", "after record 22", &|l| *l.last_mut().expect("lines") = checkpoint(22, &empty_hash()));
+    refused("a checkpoint's place", "checkpoint of record 21", &|l| {
+        *l.last_mut().expect("lines") = checkpoint(21, &log.hash().to_string());
+    });
+    refused("a newer format", "format 2", &|l| l[0] = l[0].replace("\"format\":1", "\"format\":2"));
+    refused("a newer record", "line 5: format 2", &|l| {
+        l[4] = l[4].replace("\"format\":1", "\"format\":2,\"later\":0");
+    });
+    refused("an unknown field", "`gobo`", &|l| l[4] = l[4].replacen('{', "{\"gobo\":1,", 1));
+    refused("no JSON", "line 5: ", &|l| l[4] = "{".into());
+}
+
+fn checkpoint(seq: u64, hash: &str) -> String {
+    format!(r#"{{"checkpoint":{{"seq":{seq},"hash":"{hash}"}}}}"#)
+}
+
+/// Rules: LOG-1
+#[test]
+fn a_refused_log_leaves_nothing_behind() {
+    let folder = Folder::new();
+    let mut store = folder.store();
+    let (text, _) = log_file(20);
+    let cut = &text[..text.len() - 80];
+    store.import(cut.as_bytes(), None, &find_scene).expect_err("cut");
+    store.import(text.as_bytes(), None, &find_none).expect_err("no scene");
+    store.import(text.as_bytes(), Some("a b"), &find_scene).expect_err("no name");
+    let latin1: &[u8] = b"{\"format\":1,\"session\":\"\xe9\"}\n";
+    store.import(latin1, None, &find_scene).expect_err("not UTF-8");
+    let endless = std::io::BufReader::new(std::io::repeat(b' '));
+    let refused = store.import(endless, None, &find_scene).expect_err("a line without end");
+    assert_eq!(refused.code(), "tooLarge");
+    assert_eq!(store.sessions().expect("a list"), []);
+    store.import(text.as_bytes(), None, &find_scene).expect("the name is free");
+}
+
+/// Rules: LOG-2
+#[test]
+fn a_replay_says_which_checkpoint_differs_and_goes_on() {
+    let (text, log) = log_file(250);
+    let planted = text.replace("\"seq\":100,\"hash\":\"", "\"seq\":100,\"hash\":\"0");
+    let replayed = replay_log(planted.as_bytes(), None, &find_scene).expect("a log");
+    assert_eq!((replayed.differs, replayed.session.document().hash()), (Some(100), log.hash()));
+    let before = replay_log(planted.as_bytes(), Some(99), &find_scene).expect("a log");
+    assert_eq!(before.differs, None);
+    let there = replay_log(planted.as_bytes(), Some(100), &find_scene).expect("a log");
+    assert_eq!(there.differs, Some(100), "the checkpoint of the last record counts");
+}

@@ -1,0 +1,133 @@
+//! Folders that go when a test ends, and logs to put there.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use bendy::BendyLight;
+use edit::{Actor, Committed, Record, Request, Scope, Session};
+use glam::DVec3;
+use scene::{
+    AssetHash, Command, Document, DocumentHash, Light, LightId, LightKind, LightParameter, PointParameter,
+    Scene,
+};
+use store::{Batch, Store};
+use tempfile::TempDir;
+
+/// A scene that [`find_scene`] finds.
+pub const SCENE: AssetHash = AssetHash([7; 32]);
+
+/// Finds [`SCENE`], which is empty.
+pub fn find_scene(asset: &AssetHash) -> Option<Arc<Scene>> {
+    (*asset == SCENE).then(Arc::default)
+}
+
+/// Finds nothing.
+pub fn find_none(_: &AssetHash) -> Option<Arc<Scene>> {
+    None
+}
+
+/// A folder for one test's data.
+pub struct Folder(TempDir);
+
+impl Folder {
+    pub fn new() -> Self {
+        Self(TempDir::new().expect("a temporary folder"))
+    }
+
+    /// The data folder, there or not.
+    pub fn data(&self) -> PathBuf {
+        self.0.path().join("data")
+    }
+
+    pub fn store(&self) -> Store {
+        Store::create(&self.data()).expect("a store")
+    }
+}
+
+fn bent_light() -> Light {
+    let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.5, 0.0, -2.0)];
+    Light { name: "key".into(), kind: LightKind::Bendy(BendyLight::new(points, vec![0.1, 0.4, 0.8])) }
+}
+
+/// A log under way: its records, and the session after them.
+#[derive(Default)]
+pub struct Log {
+    pub session: Session,
+    pub records: Vec<Record>,
+}
+
+impl Log {
+    /// A scene, a light, and `edits` more steps on it; every seventh is an undo.
+    pub fn of(edits: u64) -> Self {
+        let mut log = Self::default();
+        log.edit(Command::LoadScene { asset: SCENE, name: "empty".into() });
+        log.edit(Command::AddLight(Box::new(bent_light())));
+        let light = LightId(1);
+        for step in 0..edits {
+            let value = step as f64;
+            match step % 7 {
+                3 => {
+                    let parameter = PointParameter::Intensity(value + 1.5);
+                    log.edit(Command::SetPoint { light, point: 1, parameter });
+                }
+                6 => log.take(Request::Undo(Scope::Mine)),
+                _ => {
+                    let parameter = LightParameter::Translation(DVec3::splat(value));
+                    log.edit(Command::SetLight { light, parameter });
+                }
+            }
+        }
+        log
+    }
+
+    pub fn edit(&mut self, command: Command) {
+        self.take(Request::Edit { base_seq: None, command });
+    }
+
+    fn take(&mut self, request: Request) {
+        let actor = Actor { id: "a".into(), name: "Ada".into() };
+        let op_id = format!("op {}", self.session.seq() + 1);
+        match self.session.request(request, &actor, &op_id, 1_790_000_000_000, &find_scene) {
+            Ok(Committed::New { record, .. }) => self.records.push(*record),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// All of it, as one batch of `session`.
+    pub fn batch<'a>(&'a self, session: &'a str) -> Batch<'a> {
+        Batch { session, records: &self.records, hash: self.hash() }
+    }
+
+    pub fn hash(&self) -> DocumentHash {
+        self.session.document().hash()
+    }
+
+    /// The document's hash after record `seq`.
+    pub fn hash_after(&self, seq: u64) -> DocumentHash {
+        let mut session = Session::default();
+        for record in self.records.iter().filter(|record| record.seq <= seq) {
+            session.replay(record, &find_scene).expect("it goes on");
+        }
+        session.document().hash()
+    }
+}
+
+/// The hash of a document without anything.
+pub fn empty_hash() -> String {
+    Document::default().hash().to_string()
+}
+
+/// A session called `name` with the log of [`Log::of`], a batch of ten records at a time.
+pub fn stored_log(store: &mut Store, name: &str, edits: u64) -> Log {
+    let log = Log::of(edits);
+    store.create_session(name).expect("a new name");
+    let mut replayed = Session::default();
+    for records in log.records.chunks(10) {
+        for record in records {
+            replayed.replay(record, &find_scene).expect("it goes on");
+        }
+        let hash = replayed.document().hash();
+        store.append(&[Batch { session: name, records, hash }]).expect("a commit");
+    }
+    log
+}
