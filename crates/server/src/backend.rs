@@ -1,0 +1,31 @@
+//! What every part of the server uses.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use tokio_util::sync::CancellationToken;
+use tokio_util::task::TaskTracker;
+
+use crate::metrics::Metrics;
+use crate::renderer::Renders;
+use crate::scenes::Scenes;
+use crate::storage::Storage;
+
+/// One of each; clones share them.
+#[derive(Clone, Debug)]
+pub struct Backend {
+    /// Logs and assets.
+    pub storage: Storage,
+    /// Decoded scenes.
+    pub scenes: Arc<Scenes>,
+    /// The renderer.
+    pub renders: Renders,
+    /// What is counted.
+    pub metrics: Arc<Metrics>,
+    /// Cancelled when the server is asked to stop.
+    pub draining: CancellationToken,
+    /// When the server started: the zero of its clock.
+    pub started: Instant,
+    /// The tasks of sockets, which a stopping server waits for.
+    pub sockets: TaskTracker,
+}

@@ -1,0 +1,190 @@
+//! What can go wrong. Users get a code and a sentence that says what to do; what lies behind it goes to the log.
+
+use std::io;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use axum::http::StatusCode;
+use edit::Refusal;
+use protocol::{FileError, PROTOCOL, Problem, Refused};
+use render::RenderError;
+use store::StoreError;
+use thiserror::Error;
+
+use crate::limits::{CONTROL_QUEUE, HELLO_WITHIN};
+
+/// Why the server does not start, or why a request is refused.
+#[derive(Debug, Error)]
+pub enum ServerError {
+    /// A file of the data folder that the system would not read or write.
+    #[error("{}: cannot be used ({reason}); check the folder and that you may write there", path.display())]
+    Data {
+        /// Which.
+        path: PathBuf,
+        /// Why not.
+        reason: io::Error,
+    },
+    /// The data folder has another server.
+    #[error("{}: another server is using this folder; stop it, or name another folder with --data", .0.display())]
+    Locked(PathBuf),
+    /// The token's file holds something else.
+    #[error("{}: is not a token of 32 hexadecimal digits; remove the file to get a new one", .0.display())]
+    BadToken(PathBuf),
+    /// The listening socket failed.
+    #[error("the server can no longer accept connections ({0}): start it again")]
+    Listen(io::Error),
+    /// A scene that cannot be used.
+    #[error(transparent)]
+    Scene(#[from] assets::AssetError),
+    /// No demo scene of that name.
+    #[error("there is no demo scene `{0}`: `bendylights scenes` lists them")]
+    NoDemo(String),
+    /// A picture that cannot be made.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// A picture that cannot be encoded.
+    #[error(transparent)]
+    Encode(#[from] stream::StreamError),
+    /// The store refused, or its disk did.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// Why a session could not be opened, for each who asked.
+    #[error(transparent)]
+    Opening(Arc<ServerError>),
+
+    /// No token, or another server's.
+    #[error("the token is missing or wrong: open the address that the server printed when it started")]
+    Unauthorized,
+    /// A page of somewhere else.
+    #[error("pages of {0} may not use this server: open the server's own address")]
+    ForeignOrigin(String),
+    /// Another version of the protocol.
+    #[error(
+        "this server speaks protocol {PROTOCOL}, not {0}: reload the page, or use a client of that version"
+    )]
+    Protocol(u32),
+    /// Something else before `hello`, or a second one.
+    #[error("a connection begins with exactly one `hello`: send that first")]
+    Hello,
+    /// No `hello` at all.
+    #[error("no `hello` came within {} seconds: connect again", HELLO_WITHIN.as_secs())]
+    HelloTooLate,
+    /// A message or a body that cannot be read.
+    #[error("{0}")]
+    BadMessage(String),
+    /// A command that means nothing.
+    #[error(transparent)]
+    BadCommand(#[from] Refused),
+    /// What the session refuses.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+    /// Something that does not exist.
+    #[error("there is no {what} `{name}`: {remedy}")]
+    NotFound {
+        /// Of which kind.
+        what: &'static str,
+        /// What was asked for.
+        name: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// No such page or method.
+    #[error("{0} is not an address of this server: /openapi.json lists them")]
+    NoRoute(String),
+    /// A size over its limit.
+    #[error("{what} may have at most {limit} {unit}: make it smaller")]
+    TooLarge {
+        /// Of what.
+        what: &'static str,
+        /// How large it may be.
+        limit: usize,
+        /// Counted in what.
+        unit: &'static str,
+    },
+    /// A count over its limit.
+    #[error("this server takes at most {limit} {what} at once: try again later")]
+    TooMany {
+        /// Of what.
+        what: &'static str,
+        /// How many.
+        limit: usize,
+    },
+    /// A client that does not read.
+    #[error("this connection does not take its messages, {CONTROL_QUEUE} wait: connect again")]
+    TooSlow,
+    /// The pipelines are not ready yet.
+    #[error("the renderer is warming up: try again in a few seconds")]
+    WarmingUp,
+    /// They never will be.
+    #[error("the renderer could not be warmed up ({0}): restart the server")]
+    Cold(RenderError),
+    /// The server is asked to stop.
+    #[error("the server is stopping: try again in a moment")]
+    Draining,
+    /// A task of the server is gone.
+    #[error("the server has a fault of its own: try again, and send its log to its makers")]
+    Fault,
+}
+
+impl ServerError {
+    /// The code that programs act on.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Data { .. } | Self::Locked(_) | Self::BadToken(_) => "storage",
+            Self::Listen(_) | Self::Fault => "fault",
+            Self::Scene(_) => "badScene",
+            Self::NoDemo(_) => "unknownAsset",
+            Self::Render(_) | Self::Encode(_) => "render",
+            Self::Store(error) => error.code(),
+            Self::Opening(error) => error.code(),
+            Self::Unauthorized => "unauthorized",
+            Self::ForeignOrigin(_) => "foreignOrigin",
+            Self::Protocol(_) | Self::Hello => "protocol",
+            Self::HelloTooLate => "helloTooLate",
+            Self::BadMessage(_) => "badMessage",
+            Self::BadCommand(refused) => refused.code(),
+            Self::Refused(refusal) => refusal.code(),
+            Self::NotFound { .. } | Self::NoRoute(_) => "notFound",
+            Self::TooLarge { .. } => "tooLarge",
+            Self::TooMany { .. } => "tooMany",
+            Self::TooSlow => "tooSlow",
+            Self::WarmingUp => "warmingUp",
+            Self::Cold(_) => "notReady",
+            Self::Draining => "draining",
+        }
+    }
+
+    /// The HTTP status of a refused request.
+    pub fn status(&self) -> StatusCode {
+        match self.code() {
+            "unauthorized" => StatusCode::UNAUTHORIZED,
+            "foreignOrigin" => StatusCode::FORBIDDEN,
+            "notFound" | "unknownAsset" => StatusCode::NOT_FOUND,
+            "exists" => StatusCode::CONFLICT,
+            "tooLarge" => StatusCode::PAYLOAD_TOO_LARGE,
+            "tooMany" => StatusCode::TOO_MANY_REQUESTS,
+            "warmingUp" | "notReady" | "draining" => StatusCode::SERVICE_UNAVAILABLE,
+            "storage" | "fault" => StatusCode::INTERNAL_SERVER_ERROR,
+            _ => StatusCode::BAD_REQUEST,
+        }
+    }
+
+    /// What a user is told. The disk's own words name folders of this machine: those go to the log only.
+    pub fn problem(&self) -> Problem {
+        let code = self.code();
+        let message = match code {
+            "storage" => {
+                tracing::error!("the store failed: {self}");
+                "the server cannot write to its disk, nothing was changed: tell whoever runs it, and try again".into()
+            }
+            _ => self.to_string(),
+        };
+        Problem { code: code.into(), message }
+    }
+}
+
+impl From<FileError> for ServerError {
+    fn from(error: FileError) -> Self {
+        Self::BadMessage(error.to_string())
+    }
+}

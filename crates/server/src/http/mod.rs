@@ -1,0 +1,149 @@
+//! The HTTP interface: section 9 of the protocol.
+
+mod assets;
+mod guard;
+mod page;
+mod render;
+mod sessions;
+
+use std::sync::Arc;
+
+use axum::Router;
+use axum::body::{Body, Bytes, to_bytes};
+use axum::extract::ws::WebSocketUpgrade;
+use axum::extract::ws::rejection::WebSocketUpgradeRejection;
+use axum::extract::{DefaultBodyLimit, FromRequestParts, Path, Query, State};
+use axum::http::request::Parts;
+use axum::http::{StatusCode, Uri, header};
+use axum::middleware;
+use axum::response::{IntoResponse, Response};
+use axum::routing::{get, post};
+use protocol::ErrorBody;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::ServerError;
+use crate::limits::{MAX_BODY_BYTES, MAX_MESSAGE_BYTES, MAX_SOCKETS};
+use crate::renderer::Warmth;
+use crate::server::Shared;
+use crate::socket;
+
+/// What a handler answers.
+type Answer = Result<Response, ServerError>;
+
+/// Every route.
+pub fn router(shared: Arc<Shared>) -> Router {
+    let needs_token = Router::new()
+        .route("/sessions", get(sessions::list).post(sessions::create))
+        .route("/sessions/{name}", get(sessions::show))
+        .route("/sessions/{name}/edits", post(sessions::edit))
+        .route("/sessions/{name}/log", get(sessions::log))
+        .route("/sessions/{name}/render", get(render::render))
+        .route("/assets", post(assets::add))
+        .route("/metrics", get(metrics))
+        .route_layer(middleware::from_fn_with_state(Arc::clone(&shared), guard::limit_requests))
+        .route_layer(middleware::from_fn_with_state(Arc::clone(&shared), guard::need_token));
+    Router::new()
+        .merge(needs_token)
+        .route("/socket", get(open_socket))
+        .route("/healthz", get(|| async { "the server runs\n" }))
+        .route("/readyz", get(ready))
+        .route("/openapi.json", get(|| async { json(&protocol::openapi()) }))
+        .fallback(page::page)
+        .method_not_allowed_fallback(|uri: Uri| async move { ServerError::NoRoute(uri.path().into()) })
+        .layer(DefaultBodyLimit::disable())
+        .layer(middleware::from_fn(guard::refuse_foreign_origins))
+        .with_state(shared)
+}
+
+/// `GET /socket`.
+async fn open_socket(
+    State(shared): State<Arc<Shared>>,
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+) -> Answer {
+    let upgrade = upgrade.map_err(|why| {
+        ServerError::BadMessage(format!("{}: connect with a WebSocket client", why.body_text()))
+    })?;
+    if shared.backend.draining.is_cancelled() {
+        return Err(ServerError::Draining);
+    }
+    let too_many = |_| ServerError::TooMany { what: "sockets", limit: MAX_SOCKETS };
+    let permit = Arc::clone(&shared.sockets).try_acquire_owned().map_err(too_many)?;
+    let sockets = shared.backend.sockets.clone();
+    // A message a little over the limit is answered with a sentence; one far over it ends the connection.
+    let upgrade = upgrade.max_message_size(4 * MAX_MESSAGE_BYTES).max_frame_size(4 * MAX_MESSAGE_BYTES);
+    Ok(upgrade.on_upgrade(move |socket| {
+        sockets.track_future(async move {
+            socket::serve(socket, shared).await;
+            drop(permit);
+        })
+    }))
+}
+
+/// `GET /readyz`.
+async fn ready(State(shared): State<Arc<Shared>>) -> Answer {
+    if shared.backend.draining.is_cancelled() {
+        return Err(ServerError::Draining);
+    }
+    match shared.backend.renders.warmth() {
+        Warmth::Warm => Ok("every pipeline has drawn\n".into_response()),
+        Warmth::Warming => Err(ServerError::WarmingUp),
+        Warmth::Failed(error) => Err(ServerError::Cold(error)),
+    }
+}
+
+/// `GET /metrics`.
+async fn metrics(State(shared): State<Arc<Shared>>) -> Response {
+    let kind = "application/openmetrics-text; version=1.0.0; charset=utf-8";
+    ([(header::CONTENT_TYPE, kind)], shared.backend.metrics.to_text()).into_response()
+}
+
+/// The session that an address names.
+struct SessionName(String);
+
+impl<S: Send + Sync> FromRequestParts<S> for SessionName {
+    type Rejection = ServerError;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ServerError> {
+        let name = Path::from_request_parts(parts, state).await;
+        name.map(|Path(name)| Self(name)).map_err(|why| ServerError::BadMessage(why.body_text()))
+    }
+}
+
+impl IntoResponse for ServerError {
+    fn into_response(self) -> Response {
+        (self.status(), json(&ErrorBody { error: self.problem() })).into_response()
+    }
+}
+
+/// A body of JSON.
+fn json(value: &impl Serialize) -> Response {
+    let text = serde_json::to_string(value).expect("plain data with string keys");
+    ([(header::CONTENT_TYPE, "application/json")], text + "\n").into_response()
+}
+
+/// The JSON of a request.
+async fn read_json<T: DeserializeOwned>(body: Body) -> Result<T, ServerError> {
+    let bytes = read_body(body, "a request", MAX_BODY_BYTES).await?;
+    let text = std::str::from_utf8(&bytes)
+        .map_err(|_| ServerError::BadMessage("the body is not UTF-8: send JSON as UTF-8".into()))?;
+    Ok(protocol::parse_body(text)?)
+}
+
+/// All of a body, up to a limit.
+async fn read_body(body: Body, what: &'static str, limit: usize) -> Result<Bytes, ServerError> {
+    // The only other reason is a connection that is gone, and then nobody reads the answer.
+    to_bytes(body, limit).await.map_err(|_| ServerError::TooLarge { what, limit, unit: "bytes" })
+}
+
+/// The parameters after the `?`; unknown ones are refused.
+fn read_query<T: DeserializeOwned>(uri: &Uri) -> Result<T, ServerError> {
+    let Query(query) =
+        Query::try_from_uri(uri).map_err(|error| ServerError::BadMessage(error.body_text()))?;
+    Ok(query)
+}
+
+/// 201 with a body of JSON.
+fn created(value: &impl Serialize) -> Response {
+    (StatusCode::CREATED, json(value)).into_response()
+}

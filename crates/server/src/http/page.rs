@@ -1,0 +1,52 @@
+//! The page, as it was built into the program.
+
+use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
+use axum::response::{Html, IntoResponse, Response};
+use rust_embed::RustEmbed;
+
+use super::Answer;
+use crate::ServerError;
+
+#[derive(RustEmbed)]
+#[folder = "../../web-client/dist"]
+#[allow_missing = true]
+struct Page;
+
+const INDEX: &str = "index.html";
+/// Where the build puts files with the hash of their content in their name.
+const HASHED: &str = "assets/";
+/// What a page may load and where it may connect to: this server. Frames are shown from memory.
+const POLICY: &str = "default-src 'self'; connect-src 'self' ws: wss:; img-src 'self' blob: data:";
+
+const NOT_BUILT: &str = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>BendyLights</title>\
+    <h1>The page is not built</h1><p>This server was built without its page. Run <code>make build</code> in the source \
+    folder and start the server again. The HTTP interface works all the same.</p></html>\n";
+
+/// A file of the page; `/` is the page itself.
+pub async fn page(method: Method, uri: Uri) -> Answer {
+    let path = uri.path().trim_start_matches('/');
+    let path = if path.is_empty() { INDEX } else { path };
+    let reads = method == Method::GET || method == Method::HEAD;
+    match Page::get(path).filter(|_| reads) {
+        Some(file) => {
+            let cache =
+                if path.starts_with(HASHED) { "public, max-age=31536000, immutable" } else { "no-cache" };
+            let kind = file.metadata.mimetype().to_owned();
+            let headers = [(header::CONTENT_TYPE, kind), (header::CACHE_CONTROL, cache.into())];
+            Ok(guarded((headers, file.data).into_response()))
+        }
+        None if reads && path == INDEX => {
+            Ok(guarded((StatusCode::SERVICE_UNAVAILABLE, Html(NOT_BUILT)).into_response()))
+        }
+        None => Err(ServerError::NoRoute(uri.path().chars().take(100).collect())),
+    }
+}
+
+/// Tells the browser to load nothing from elsewhere, to guess no types and to pass on no addresses.
+fn guarded(mut response: Response) -> Response {
+    let headers = response.headers_mut();
+    headers.insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(POLICY));
+    headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
+    headers.insert(header::REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
+    response
+}

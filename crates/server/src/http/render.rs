@@ -1,0 +1,146 @@
+//! `GET /sessions/S/render`: a picture of the document, as it is or as it was.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use axum::extract::State;
+use axum::http::{Uri, header};
+use axum::response::IntoResponse;
+use render::{Aov, PictureFormat, View, ViewSlot};
+use scene::{Camera, Document, Light, framing_camera};
+use serde::Deserialize;
+use tokio::task::spawn_blocking;
+
+use super::{Answer, SessionName, read_query};
+use crate::ServerError;
+use crate::limits::{MAX_SAMPLES, MAX_STILLS, MAX_VIEW_SIDE};
+use crate::renderer::{Output, Request, Urgency};
+use crate::room::{Message, Snapshot};
+use crate::server::Shared;
+
+/// Width and height where none is asked for, as of `bendylights render`.
+const DEFAULT_SIZE: [u32; 2] = [686, 382];
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Query {
+    camera: Option<String>,
+    size: Option<String>,
+    aov: Option<String>,
+    samples: Option<u32>,
+    light: Option<String>,
+    at: Option<u64>,
+    format: Option<Format>,
+}
+
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Format {
+    #[default]
+    Png,
+    Exr,
+}
+
+/// The picture that the address asks for. It waits behind the views.
+pub async fn render(State(shared): State<Arc<Shared>>, SessionName(name): SessionName, uri: Uri) -> Answer {
+    let query: Query = read_query(&uri)?;
+    let too_many = |_| ServerError::TooMany { what: "pictures", limit: MAX_STILLS };
+    let _permit = shared.stills.try_acquire().map_err(too_many)?;
+    let Snapshot { name, mut document, stage, .. } =
+        shared.rooms.find(&name).await?.ask(Message::Look).await?;
+    if let Some(seq) = query.at {
+        let scenes = Arc::clone(&shared.backend.scenes);
+        let replay = move |store: &store::Store| store.replay(&name, Some(seq), &|asset| scenes.find(asset));
+        document = shared.backend.storage.read(replay).await?.document().clone();
+    }
+    let format = query.format.unwrap_or_default();
+    let slot = ViewSlot(u64::MAX - shared.stills_begun.fetch_add(1, Ordering::Relaxed));
+    let request = request(query, document, (stage, slot)).await?;
+    let drawn = shared.backend.renders.draw(request).await?;
+    let kind = match format {
+        Format::Png => "image/png",
+        Format::Exr => "image/x-exr",
+    };
+    Ok(([(header::CONTENT_TYPE, kind)], drawn.bytes).into_response())
+}
+
+async fn request(
+    query: Query,
+    document: Document,
+    (stage, slot): (u64, ViewSlot),
+) -> Result<Request, ServerError> {
+    let [width, height] = query.size.as_deref().map_or(Ok(DEFAULT_SIZE), size)?;
+    let samples = query.samples.unwrap_or(1);
+    if samples == 0 {
+        return Err(ServerError::BadMessage(
+            "a picture takes at least 1 sample a pixel: ask for more than 0".into(),
+        ));
+    }
+    if samples > MAX_SAMPLES {
+        let (what, limit) = ("a pixel", MAX_SAMPLES as usize);
+        return Err(ServerError::TooLarge { what, limit, unit: "samples" });
+    }
+    let aov = query.aov.as_deref().map_or(Ok(Aov::Beauty), str::parse)?;
+    let light = query.light.as_deref().map_or(Ok(0), |wanted| choose_light(&document, wanted))?;
+    let camera = match query.camera {
+        Some(wanted) => choose_camera(&document, &wanted)?,
+        None => default_camera(&document, f64::from(width) / f64::from(height)).await?,
+    };
+    Ok(Request {
+        stage,
+        scene: Arc::clone(document.scene()),
+        view: View { camera, width, height, samples, aov, light, slot },
+        lights: lights(&document),
+        output: Output::File(match query.format.unwrap_or_default() {
+            Format::Png => PictureFormat::Png,
+            Format::Exr => PictureFormat::Exr,
+        }),
+        urgency: Urgency::Still,
+    })
+}
+
+fn lights(document: &Document) -> Vec<Light> {
+    document.lights().values().map(|placed| placed.light.clone()).collect()
+}
+
+fn size(text: &str) -> Result<[u32; 2], ServerError> {
+    let side = |text: &str| text.parse().ok().filter(|side: &u32| *side > 0);
+    let sides = text.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
+    let Some(size) = sides else {
+        return Err(ServerError::BadMessage(format!("size is `{text:.20}`: write it as WIDTHxHEIGHT")));
+    };
+    if size.iter().any(|side| *side > MAX_VIEW_SIDE) {
+        let (what, limit) = ("a side of a picture", MAX_VIEW_SIDE as usize);
+        return Err(ServerError::TooLarge { what, limit, unit: "pixels" });
+    }
+    Ok(size)
+}
+
+/// The index of a light by its id or its name.
+fn choose_light(document: &Document, wanted: &str) -> Result<usize, ServerError> {
+    let by_id = document.lights().keys().position(|id| id.to_string() == wanted);
+    let by_name = || document.lights().values().position(|placed| placed.light.name == wanted);
+    by_id.or_else(by_name).ok_or_else(|| not_found("light", wanted))
+}
+
+/// A camera by its id or its name.
+fn choose_camera(document: &Document, wanted: &str) -> Result<Camera, ServerError> {
+    let cameras = document.cameras();
+    let by_id = cameras.iter().find(|(id, _)| id.to_string() == wanted).map(|(_, camera)| camera);
+    let by_name = || cameras.values().find(|camera| camera.name == wanted);
+    by_id.or_else(by_name).cloned().ok_or_else(|| not_found("camera", wanted))
+}
+
+/// The first camera, or one that sees everything.
+async fn default_camera(document: &Document, aspect: f64) -> Result<Camera, ServerError> {
+    if let Some(first) = document.cameras().values().next() {
+        return Ok(first.clone());
+    }
+    let scene = Arc::clone(document.scene());
+    spawn_blocking(move || framing_camera(&scene, aspect)).await.map_err(|_| ServerError::Fault)
+}
+
+fn not_found(what: &'static str, wanted: &str) -> ServerError {
+    let remedy = "give the id or the name of one of the document's";
+    ServerError::NotFound { what, name: wanted.chars().take(64).collect(), remedy }
+}

@@ -1,0 +1,158 @@
+//! `/sessions` and what is below it, but for pictures.
+
+use std::sync::Arc;
+
+use axum::body::{Body, Bytes};
+use axum::extract::State;
+use axum::http::{Uri, header};
+use axum::response::{IntoResponse, Response};
+use edit::{Actor, Request};
+use futures_util::stream::try_unfold;
+use protocol::{Edit, EditResults, Edits, NewSession, SessionEntry, SessionList, SessionState};
+use serde::Deserialize;
+use store::{SessionRow, Store};
+
+use super::{Answer, SessionName, created, json, read_json, read_query};
+use crate::ServerError;
+use crate::ask::{actor, edit_request, step};
+use crate::limits::{MAX_EDITS, MAX_LOG_RECORDS};
+use crate::room::{Message, Snapshot, Step};
+use crate::scenes::Scenes;
+use crate::server::Shared;
+use crate::storage::Storage;
+use crate::token::random_digits;
+
+/// Records that are read from the store at a time.
+const PAGE: usize = 256;
+
+/// `GET /sessions`.
+pub async fn list(State(shared): State<Arc<Shared>>) -> Answer {
+    let rows = shared.backend.storage.read(Store::sessions).await?;
+    let clients = shared.rooms.count_clients().await?;
+    let entry = |row: SessionRow| SessionEntry {
+        clients: clients.get(row.name.as_str()).copied().unwrap_or_default(),
+        name: row.name,
+        seq: row.seq,
+    };
+    Ok(json(&SessionList { sessions: rows.into_iter().map(entry).collect() }))
+}
+
+/// `POST /sessions`.
+pub async fn create(State(shared): State<Arc<Shared>>, body: Body) -> Answer {
+    let NewSession { name, scene } = read_json(body).await?;
+    let load = match scene {
+        None => None,
+        Some(scene) => {
+            let command = protocol::Command::LoadScene { scene, name: None };
+            Some(edit_request(command, None, &shared.backend.scenes).await?)
+        }
+    };
+    shared.backend.storage.create_session(name.clone()).await?;
+    let room = shared.rooms.find(&name).await?;
+    if let Some(load) = load {
+        let steps = vec![Step { op_id: new_op_id()?, request: Ok(load) }];
+        let _: EditResults = room.ask(|reply| Message::Edit { actor: program(), steps, reply }).await?;
+    }
+    let snapshot = room.ask(Message::Look).await?;
+    Ok(created(&state(&snapshot)))
+}
+
+/// `GET /sessions/S`.
+pub async fn show(State(shared): State<Arc<Shared>>, SessionName(name): SessionName) -> Answer {
+    let snapshot = shared.rooms.find(&name).await?.ask(Message::Look).await?;
+    Ok(json(&state(&snapshot)))
+}
+
+fn state(snapshot: &Snapshot) -> SessionState {
+    SessionState {
+        name: snapshot.name.clone(),
+        epoch: snapshot.epoch.clone(),
+        seq: snapshot.seq,
+        hash: snapshot.document.hash().to_string(),
+        document: (&snapshot.document).into(),
+    }
+}
+
+/// `POST /sessions/S/edits`.
+pub async fn edit(State(shared): State<Arc<Shared>>, SessionName(name): SessionName, body: Body) -> Answer {
+    let Edits { actor: who, edits } = read_json(body).await?;
+    if edits.len() > MAX_EDITS {
+        return Err(ServerError::TooLarge { what: "a request", limit: MAX_EDITS, unit: "edits" });
+    }
+    let actor = who.map_or_else(|| Ok(program()), actor)?;
+    let mut steps = Vec::with_capacity(edits.len());
+    for edit in edits {
+        steps.push(understand(edit, &shared.backend.scenes).await?);
+    }
+    let room = shared.rooms.find(&name).await?;
+    let results = room.ask(|reply| Message::Edit { actor, steps, reply }).await?;
+    Ok(json(&results))
+}
+
+/// One edit; what is wrong with its command is its own result, not that of the request.
+async fn understand(edit: Edit, scenes: &Scenes) -> Result<Step, ServerError> {
+    let Edit { op_id, base_seq, command, undo, redo } = edit;
+    let request = match (command, undo, redo) {
+        (Some(command), None, None) => edit_request(command, base_seq, scenes).await,
+        (None, Some(scope), None) => Ok(Request::Undo(scope.into())),
+        (None, None, Some(scope)) => Ok(Request::Redo(scope.into())),
+        _ => {
+            let sentence = "an edit has exactly one of `command`, `undo` and `redo`: divide it";
+            Err(ServerError::BadMessage(sentence.into()))
+        }
+    };
+    step(op_id.map_or_else(new_op_id, Ok)?, request)
+}
+
+/// Who edits where nobody is named.
+fn program() -> Actor {
+    Actor { id: "api".into(), name: "API".into() }
+}
+
+fn new_op_id() -> Result<String, ServerError> {
+    random_digits().map_err(|error| {
+        tracing::error!("the system gives no random numbers: {error}");
+        ServerError::Fault
+    })
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LogQuery {
+    from: Option<u64>,
+    limit: Option<usize>,
+}
+
+/// `GET /sessions/S/log`, sent as it is read.
+pub async fn log(State(shared): State<Arc<Shared>>, SessionName(name): SessionName, uri: Uri) -> Answer {
+    let LogQuery { from, limit } = read_query(&uri)?;
+    let limit = limit.unwrap_or(MAX_LOG_RECORDS);
+    if limit > MAX_LOG_RECORDS {
+        return Err(ServerError::TooLarge { what: "an answer", limit: MAX_LOG_RECORDS, unit: "records" });
+    }
+    let storage = shared.backend.storage.clone();
+    let session = name.clone();
+    storage.read(move |store| store.session(&session)).await?;
+    let pages = try_unfold((from.unwrap_or(1).max(1), limit), move |(from, left)| {
+        page(storage.clone(), name.clone(), from, left)
+    });
+    let kind = [(header::CONTENT_TYPE, "application/jsonl")];
+    Ok(Response::new(Body::from_stream(pages))).map(|body| (kind, body).into_response())
+}
+
+/// The lines of some records from `from` on, and where the next page begins; `None` past the last.
+async fn page(
+    storage: Storage,
+    name: String,
+    from: u64,
+    left: usize,
+) -> Result<Option<(Bytes, (u64, usize))>, ServerError> {
+    let records = storage.read(move |store| store.records(&name, from, left.min(PAGE))).await?;
+    let Some(last) = records.last() else { return Ok(None) };
+    let next = (last.seq + 1, left - records.len());
+    let line = |record: &protocol::Record| {
+        serde_json::to_string(record).expect("plain data with string keys") + "\n"
+    };
+    let lines: String = records.iter().map(line).collect();
+    Ok(Some((lines.into(), next)))
+}

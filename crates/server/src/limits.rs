@@ -1,0 +1,78 @@
+//! How much of everything the server takes. What goes past one is refused, with its number in the sentence.
+
+use std::time::Duration;
+
+/// Sockets at once.
+pub const MAX_SOCKETS: usize = 256;
+/// HTTP requests under way at once, sockets not counted.
+pub const MAX_REQUESTS: usize = 64;
+/// Pictures for HTTP that are rendered or wait for it.
+pub const MAX_STILLS: usize = 8;
+/// Scenes that are being sent to the server; each may have hundreds of megabytes.
+pub const MAX_UPLOADS: usize = 2;
+/// Sessions that are open at once; the others rest in the store.
+pub const MAX_ROOMS: usize = 64;
+/// Clients in one session.
+pub const MAX_CLIENTS: usize = 64;
+/// Sessions' documents that the renderer holds at once; others are staged again when they are next drawn.
+pub const MAX_STAGES: usize = 8;
+/// Decoded scenes kept besides those in use.
+pub const MAX_SCENES_KEPT: usize = 4;
+
+/// Bytes of a control message. A light with the most control points takes less than a tenth.
+pub const MAX_MESSAGE_BYTES: usize = 1 << 20;
+/// Bytes of a request's JSON.
+pub const MAX_BODY_BYTES: usize = 8 << 20;
+/// Edits in one request.
+pub const MAX_EDITS: usize = 1_000;
+/// Records in one answer of the log.
+pub const MAX_LOG_RECORDS: usize = 10_000;
+/// Bytes of names that clients choose: of actors, operations and gestures.
+pub const MAX_LABEL_BYTES: usize = 128;
+
+/// Pixels along a side of a picture.
+pub const MAX_VIEW_SIDE: u32 = 4096;
+/// Pixels of a view that is streamed, enough for 3840 x 2160; the GPU keeps 40 bytes for each.
+pub const MAX_VIEW_PIXELS: u32 = 1 << 23;
+/// Samples a pixel of a picture for HTTP.
+pub const MAX_SAMPLES: u32 = 64;
+
+/// Messages that wait for a session's task; senders wait past that.
+pub const ROOM_QUEUE: usize = 1_024;
+/// Messages that a session's task carries out before it commits their edits together.
+pub const MAX_TICK: usize = 256;
+/// Control messages that wait for one client; one that lets more pile up is closed.
+pub const CONTROL_QUEUE: usize = 1_024;
+/// Frames that wait for one client: its window. With more its socket has stalled, and it is sent none.
+pub const FRAME_QUEUE: usize = stream::WINDOW;
+/// Pictures that wait for the renderer; senders wait past that.
+pub const RENDER_QUEUE: usize = 256;
+/// Commits that wait for the disk; senders wait past that.
+pub const COMMIT_QUEUE: usize = 64;
+/// Records that a returning client is sent at most; one that missed more is sent the document.
+pub const MAX_TAIL: u64 = 1_000;
+
+/// How long a socket may take to say hello.
+pub const HELLO_WITHIN: Duration = Duration::from_secs(10);
+/// How often a client is asked for a sign of life.
+pub const PING_EVERY: Duration = Duration::from_secs(20);
+/// How long a client may give none.
+pub const SILENT_AT_MOST: Duration = Duration::from_mins(1);
+/// How long a client may take for one message.
+pub const SEND_WITHIN: Duration = Duration::from_secs(30);
+/// How long a client may take to close its side.
+pub const CLOSE_WITHIN: Duration = Duration::from_secs(1);
+/// How long a session stays open without clients and requests.
+pub const IDLE_AT_MOST: Duration = Duration::from_mins(1);
+/// How often leases of gestures are looked at.
+pub const LEASE_CHECK_EVERY: Duration = Duration::from_secs(1);
+/// How often a stalled socket is looked at.
+pub const STALLED_CHECK_EVERY: Duration = Duration::from_millis(100);
+/// How often all are told where the others' cameras are, at most.
+pub const PRESENCE_EVERY: Duration = Duration::from_millis(100);
+/// How long a picture of less urgency waits behind moving ones before it gets a sample all the same.
+pub const PATIENCE: Duration = Duration::from_millis(500);
+/// How long a server that is asked to stop may take.
+pub const DRAIN_WITHIN: Duration = Duration::from_secs(10);
+/// When clients should try again after that.
+pub const RETRY_AFTER: Duration = Duration::from_secs(1);

@@ -1,0 +1,116 @@
+//! What the server counts, for `GET /metrics`.
+
+use prometheus_client::encoding::{EncodeLabelSet, text};
+use prometheus_client::metrics::counter::Counter;
+use prometheus_client::metrics::family::Family;
+use prometheus_client::metrics::gauge::Gauge;
+use prometheus_client::metrics::histogram::{Histogram, exponential_buckets};
+use prometheus_client::registry::Registry;
+use stream::Codec;
+
+/// Every count, with the registry that knows their names.
+#[derive(Debug)]
+pub struct Metrics {
+    registry: Registry,
+    /// Pictures drawn for views.
+    pub frames_rendered: Counter,
+    /// Pictures encoded for views.
+    pub frames_encoded: Family<CodecLabel, Counter>,
+    /// Frames given to sockets.
+    pub frames_sent: Family<CodecLabel, Counter>,
+    /// Their bytes.
+    pub frame_bytes_sent: Counter,
+    /// Windows cleared because nothing was acknowledged.
+    pub window_stalls: Counter,
+    /// Requests for records, by what became of them.
+    pub edits: Family<OutcomeLabel, Counter>,
+    /// Transactions of the store.
+    pub commit_seconds: Histogram,
+    /// Renders for views.
+    pub render_seconds: Histogram,
+    /// Encodings for views.
+    pub encode_seconds: Histogram,
+    /// Clients that have said hello.
+    pub clients: Gauge,
+    /// Sessions that are open.
+    pub rooms: Gauge,
+}
+
+/// By encoding.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+pub struct CodecLabel {
+    codec: &'static str,
+}
+
+/// `committed`, or the code of the rejection.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+pub struct OutcomeLabel {
+    /// Which.
+    pub outcome: String,
+}
+
+impl From<Codec> for CodecLabel {
+    fn from(codec: Codec) -> Self {
+        let codec = match codec {
+            Codec::Jpeg => "jpeg",
+            Codec::Png => "png",
+        };
+        Self { codec }
+    }
+}
+
+impl Metrics {
+    /// All at zero.
+    pub fn new() -> Self {
+        // From a millisecond to 8 seconds, each bound twice the one before.
+        let seconds = || Histogram::new(exponential_buckets(0.001, 2.0, 14));
+        let mut metrics = Self {
+            registry: Registry::with_prefix("bendylights"),
+            frames_rendered: Counter::default(),
+            frames_encoded: Family::default(),
+            frames_sent: Family::default(),
+            frame_bytes_sent: Counter::default(),
+            window_stalls: Counter::default(),
+            edits: Family::default(),
+            commit_seconds: seconds(),
+            render_seconds: seconds(),
+            encode_seconds: seconds(),
+            clients: Gauge::default(),
+            rooms: Gauge::default(),
+        };
+        metrics.register();
+        metrics
+    }
+
+    fn register(&mut self) {
+        let registry = &mut self.registry;
+        registry.register("frames_rendered", "Pictures drawn for views", self.frames_rendered.clone());
+        registry.register("frames_encoded", "Pictures encoded for views", self.frames_encoded.clone());
+        registry.register("frames_sent", "Frames given to sockets", self.frames_sent.clone());
+        registry.register(
+            "frame_bytes_sent",
+            "Bytes of frames given to sockets",
+            self.frame_bytes_sent.clone(),
+        );
+        let stalls = "Windows cleared because nothing was acknowledged";
+        registry.register("window_stalls", stalls, self.window_stalls.clone());
+        registry.register("edits", "Requests for records, by outcome", self.edits.clone());
+        registry.register("commit_seconds", "Transactions of the store", self.commit_seconds.clone());
+        registry.register("render_seconds", "Renders for views", self.render_seconds.clone());
+        registry.register("encode_seconds", "Encodings for views", self.encode_seconds.clone());
+        registry.register("clients", "Clients that have said hello", self.clients.clone());
+        registry.register("rooms", "Sessions that are open", self.rooms.clone());
+    }
+
+    /// Counts a request for a record.
+    pub fn count_edit(&self, outcome: &str) {
+        self.edits.get_or_create(&OutcomeLabel { outcome: outcome.into() }).inc();
+    }
+
+    /// All of them in Prometheus' text format.
+    pub fn to_text(&self) -> String {
+        let mut out = String::new();
+        text::encode(&mut out, &self.registry).expect("writing to a string does not fail");
+        out
+    }
+}

@@ -1,0 +1,158 @@
+//! Which sessions are open, and the one way to open them: a task that nobody can race.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use tokio::sync::{mpsc, oneshot, watch};
+use tokio::task::JoinHandle;
+
+use super::message::{Message, Opening, Reply, RoomHandle};
+use crate::ServerError;
+use crate::backend::Backend;
+use crate::limits::{MAX_ROOMS, ROOM_QUEUE};
+
+/// The way to the directory.
+#[derive(Clone, Debug)]
+pub struct Rooms {
+    errands: mpsc::Sender<Errand>,
+}
+
+#[derive(Debug)]
+enum Errand {
+    Find {
+        name: String,
+        reply: Reply<RoomHandle>,
+    },
+    /// The room of that number has had nothing to do for a while.
+    Idle {
+        name: Arc<str>,
+        number: u64,
+    },
+    CountClients(oneshot::Sender<BTreeMap<Arc<str>, usize>>),
+    /// Close all rooms and open no more; answered when they have ended.
+    Drain(oneshot::Sender<()>),
+}
+
+struct Entry {
+    number: u64,
+    /// `None` once it was told to close.
+    handle: Option<RoomHandle>,
+    clients: Arc<AtomicUsize>,
+    task: JoinHandle<()>,
+}
+
+impl Rooms {
+    /// Starts the directory, with no session open.
+    pub fn start(backend: Backend) -> Self {
+        let (errands, inbox) = mpsc::channel(ROOM_QUEUE);
+        let rooms = Self { errands };
+        let directory = Directory { backend, rooms: rooms.clone(), entries: BTreeMap::new(), last_number: 0 };
+        tokio::spawn(directory.run(inbox));
+        rooms
+    }
+
+    /// The way to a session, which is opened where it is not.
+    pub async fn find(&self, name: &str) -> Result<RoomHandle, ServerError> {
+        let (reply, found) = oneshot::channel();
+        let errand = Errand::Find { name: name.into(), reply };
+        self.errands.send(errand).await.map_err(|_| ServerError::Draining)?;
+        found.await.map_err(|_| ServerError::Draining)??.opened().await
+    }
+
+    /// How many clients each open session has.
+    pub async fn count_clients(&self) -> Result<BTreeMap<Arc<str>, usize>, ServerError> {
+        let (reply, counts) = oneshot::channel();
+        self.errands.send(Errand::CountClients(reply)).await.map_err(|_| ServerError::Draining)?;
+        counts.await.map_err(|_| ServerError::Draining)
+    }
+
+    /// Closes all sessions. Returns when each has committed what it had accepted and told its clients.
+    pub async fn drain(&self) {
+        let (reply, done) = oneshot::channel();
+        if self.errands.send(Errand::Drain(reply)).await.is_ok() {
+            // An error means that the directory has ended, and with it all rooms.
+            let _ = done.await;
+        }
+    }
+
+    /// A room has nothing to do and may be closed. Where the queue is full it will say so again.
+    pub(super) fn idle(&self, name: &Arc<str>, number: u64) {
+        let _ = self.errands.try_send(Errand::Idle { name: Arc::clone(name), number });
+    }
+}
+
+struct Directory {
+    backend: Backend,
+    rooms: Rooms,
+    entries: BTreeMap<Arc<str>, Entry>,
+    last_number: u64,
+}
+
+impl Directory {
+    async fn run(mut self, mut inbox: mpsc::Receiver<Errand>) {
+        while let Some(errand) = inbox.recv().await {
+            // Whoever asked may not be waiting any more.
+            match errand {
+                Errand::Find { name, reply } => drop(reply.send(self.find(name.into()))),
+                Errand::Idle { name, number } => self.retire(&name, number),
+                Errand::CountClients(reply) => drop(reply.send(self.count_clients())),
+                Errand::Drain(done) => {
+                    inbox.close();
+                    self.drain().await;
+                    let _ = done.send(());
+                    break;
+                }
+            }
+        }
+    }
+
+    fn find(&mut self, name: Arc<str>) -> Result<RoomHandle, ServerError> {
+        if let Some(handle) = self.entries.get(&name).and_then(|entry| entry.handle.as_ref())
+            && !handle.is_over()
+        {
+            return Ok(handle.clone());
+        }
+        self.entries.retain(|_, entry| !entry.task.is_finished());
+        let before = self.entries.remove(&name).map(|entry| entry.task);
+        if self.entries.len() >= MAX_ROOMS {
+            return Err(ServerError::TooMany { what: "open sessions", limit: MAX_ROOMS });
+        }
+        self.last_number += 1;
+        let (number, clients) = (self.last_number, Arc::new(AtomicUsize::new(0)));
+        let (sender, inbox) = mpsc::channel(ROOM_QUEUE);
+        let (opening, opened) = watch::channel(Opening::UnderWay);
+        let named = (Arc::clone(&name), number);
+        let shared = (self.backend.clone(), self.rooms.clone());
+        let room = super::run(inbox, named, (opening, Arc::clone(&clients)), shared, before);
+        let handle = RoomHandle::new(sender, opened);
+        let entry = Entry { number, handle: Some(handle.clone()), clients, task: tokio::spawn(room) };
+        self.entries.insert(name, entry);
+        Ok(handle)
+    }
+
+    /// Closes a room that nobody else has a way to: its inbox ends once our own handle is dropped.
+    fn retire(&mut self, name: &str, number: u64) {
+        if let Some(entry) = self.entries.get_mut(name)
+            && entry.number == number
+            && entry.handle.as_ref().is_some_and(RoomHandle::is_last)
+        {
+            entry.handle = None;
+        }
+    }
+
+    fn count_clients(&self) -> BTreeMap<Arc<str>, usize> {
+        let count = |entry: &Entry| entry.clients.load(Ordering::Relaxed);
+        self.entries.iter().map(|(name, entry)| (Arc::clone(name), count(entry))).collect()
+    }
+
+    async fn drain(&mut self) {
+        for handle in self.entries.values().filter_map(|entry| entry.handle.as_ref()) {
+            // One that is over needs no telling.
+            let _ = handle.tell(Message::Drain).await;
+        }
+        for (_, entry) in std::mem::take(&mut self.entries) {
+            let _ = entry.task.await;
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! One session: one task that owns its document, its clients and their views.
+//!
+//! The task takes a message, and what else is waiting; carries all of it out; commits the records that came of it
+//! together; and only then tells anybody (`tick`). In between it keeps the views' pictures going (`views`).
+
+mod clients;
+mod directory;
+mod gestures;
+mod message;
+mod pictures;
+mod tick;
+mod views;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use protocol::Bounds;
+use scene::{Camera, Scene};
+use tokio::sync::{mpsc, watch};
+use tokio::task::{JoinHandle, JoinSet, spawn_blocking};
+use tokio::time::{Instant, sleep_until};
+
+pub use directory::Rooms;
+pub use message::{Ask, ClientId, Join, Message, RoomHandle, Snapshot, Step};
+pub(crate) use tick::time_ms;
+
+use crate::ServerError;
+use crate::backend::Backend;
+use crate::limits::{IDLE_AT_MOST, LEASE_CHECK_EVERY, PRESENCE_EVERY, RETRY_AFTER};
+use clients::Client;
+use message::Opening;
+use pictures::Picture;
+
+/// What the task owns.
+struct Room {
+    name: Arc<str>,
+    /// Names the room among all there ever were; the renderer keeps its scene by it.
+    number: u64,
+    epoch: String,
+    backend: Backend,
+    session: edit::Session,
+    surroundings: Surroundings,
+    clients: BTreeMap<ClientId, Client>,
+    last_client: ClientId,
+    /// How many clients there are, for the directory to see.
+    client_count: Arc<AtomicUsize>,
+    /// Counts what gestures show; frames carry it.
+    live_revision: u32,
+    /// Counts what views show.
+    content_revision: u64,
+    pictures: JoinSet<Picture>,
+    /// Somebody came, went, selected or moved since presence was last sent.
+    presence_changed: bool,
+    presence_due: Instant,
+    leases_due: Instant,
+    opened: Instant,
+    /// When it was last told anything.
+    used: Instant,
+    draining: bool,
+}
+
+/// What is derived from a scene by looking at all of its vertices.
+#[derive(Clone)]
+struct Surroundings {
+    bounds: Bounds,
+    /// A camera that sees everything.
+    framing: Camera,
+}
+
+/// Aspect ratio of a picture of which nothing is known yet.
+const COMMON_ASPECT: f64 = 16.0 / 9.0;
+
+/// Opens a session, says in `opening` how that went, and serves it until its inbox is closed. `before` is the task
+/// that had the session before.
+async fn run(
+    mut inbox: mpsc::Receiver<Message>,
+    (name, number): (Arc<str>, u64),
+    (opening, client_count): (watch::Sender<Opening>, Arc<AtomicUsize>),
+    (backend, rooms): (Backend, Rooms),
+    before: Option<JoinHandle<()>>,
+) {
+    if let Some(before) = before {
+        // It may have failed; what it had committed is in the store.
+        let _ = before.await;
+    }
+    match Room::open((&name, number), client_count, backend.clone()).await {
+        Ok(mut room) => {
+            opening.send_replace(Opening::Open);
+            backend.metrics.rooms.inc();
+            room.serve(&mut inbox, &rooms).await;
+            backend.metrics.rooms.dec();
+        }
+        Err(error) => drop(opening.send_replace(Opening::Failed(Arc::new(error)))),
+    }
+    backend.renders.forget(number);
+}
+
+impl Room {
+    async fn open(
+        (name, number): (&Arc<str>, u64),
+        client_count: Arc<AtomicUsize>,
+        backend: Backend,
+    ) -> Result<Self, ServerError> {
+        let (session_name, scenes) = (Arc::clone(name), Arc::clone(&backend.scenes));
+        let replay = backend.storage.read(move |store| {
+            let row = store.session(&session_name)?;
+            Ok((row.epoch, store.replay(&session_name, None, &|asset| scenes.find(asset))?))
+        });
+        let (epoch, session) = replay.await?;
+        tracing::info!("session {name} is open at record {}", session.seq());
+        let now = Instant::now();
+        Ok(Self {
+            name: Arc::clone(name),
+            number,
+            epoch,
+            backend,
+            surroundings: Surroundings::of(session.document().scene()).await?,
+            session,
+            clients: BTreeMap::new(),
+            last_client: 0,
+            client_count,
+            live_revision: 0,
+            content_revision: 0,
+            pictures: JoinSet::new(),
+            presence_changed: false,
+            presence_due: now,
+            leases_due: now,
+            opened: now,
+            used: now,
+            draining: false,
+        })
+    }
+
+    async fn serve(&mut self, inbox: &mut mpsc::Receiver<Message>, rooms: &Rooms) {
+        loop {
+            let wake = self.attend(rooms);
+            tokio::select! {
+                message = inbox.recv() => match message {
+                    Some(message) => self.tick(message, inbox).await,
+                    None => break,
+                },
+                Some(picture) = self.pictures.join_next_with_id() => self.take_picture(picture),
+                () = sleep_until(wake) => {}
+            }
+            if self.draining {
+                inbox.close();
+            }
+        }
+        tracing::info!("session {} is closed at record {}", self.name, self.session.seq());
+    }
+
+    /// Does what is due and says when to look again.
+    fn attend(&mut self, rooms: &Rooms) -> Instant {
+        let now = Instant::now();
+        self.drop_lost_clients();
+        self.configure_views();
+        let mut wake = self.pump(now);
+        if self.session.gestures().next().is_some() {
+            if self.leases_due <= now {
+                self.expire_gestures();
+                self.leases_due = now + LEASE_CHECK_EVERY;
+            }
+            wake = wake.min(self.leases_due);
+        }
+        if self.presence_changed {
+            if self.presence_due <= now {
+                self.say_presence();
+                self.presence_due = now + PRESENCE_EVERY;
+            } else {
+                wake = wake.min(self.presence_due);
+            }
+        }
+        if self.clients.is_empty() {
+            if self.used + IDLE_AT_MOST <= now {
+                rooms.idle(&self.name, self.number);
+                self.used = now;
+            }
+            wake = wake.min(self.used + IDLE_AT_MOST);
+        }
+        wake
+    }
+
+    fn drain(&mut self) {
+        self.draining = true;
+        let retry_after_ms = RETRY_AFTER.as_millis() as u64;
+        self.say_to_all(&protocol::ServerMessage::Draining { retry_after_ms });
+    }
+
+    /// Milliseconds since the room was opened: the clock of leases.
+    fn clock_ms(&self) -> u64 {
+        self.opened.elapsed().as_millis() as u64
+    }
+
+    fn note_client_count(&self) {
+        self.client_count.store(self.clients.len(), Ordering::Relaxed);
+    }
+}
+
+impl Surroundings {
+    async fn of(scene: &Arc<Scene>) -> Result<Self, ServerError> {
+        let scene = Arc::clone(scene);
+        let looked = spawn_blocking(move || Self {
+            bounds: Bounds::of(&scene),
+            framing: scene::framing_camera(&scene, COMMON_ASPECT),
+        });
+        looked.await.map_err(|_| ServerError::Fault)
+    }
+}
+
+/// The clock of views, which tests can stop.
+fn now() -> std::time::Instant {
+    Instant::now().into_std()
+}

@@ -1,0 +1,162 @@
+//! One connection of a client: a task that reads, and one that writes.
+
+use std::sync::Arc;
+
+use axum::extract::ws::{Message as SocketMessage, WebSocket};
+use futures_util::stream::{SplitSink, SplitStream};
+use futures_util::{SinkExt, Stream, StreamExt};
+use protocol::{ClientMessage, PROTOCOL};
+use tokio::sync::oneshot;
+use tokio::time::{Instant, interval_at, timeout};
+
+use crate::ServerError;
+use crate::ask::{actor, understand};
+use crate::lane::{Lane, LaneEnd, complaint, lane, text};
+use crate::limits::{CLOSE_WITHIN, HELLO_WITHIN, MAX_MESSAGE_BYTES, PING_EVERY, SEND_WITHIN, SILENT_AT_MOST};
+use crate::room::{Ask, ClientId, Join, Message, RoomHandle};
+use crate::server::Shared;
+
+/// Serves a connection until either side ends it.
+pub async fn serve(socket: WebSocket, shared: Arc<Shared>) {
+    let (sink, mut messages) = socket.split();
+    let (lane, end) = lane();
+    let mut writing = tokio::spawn(write(sink, end));
+    if let Some((room, client)) = greet(&mut messages, lane, &shared).await {
+        tokio::select! {
+            () = read(&mut messages, &room, client, &shared) => {}
+            // The session let the client go, or the connection is broken.
+            _ = &mut writing => {}
+        }
+        // A session that is closed has let everybody go.
+        let _ = room.tell(Message::Leave(client)).await;
+    }
+    // What is left of the control lane is still sent.
+    if !writing.is_finished() {
+        let _ = writing.await;
+    }
+    // A connection that is dropped with something unread is reset, and the client never sees why it was closed.
+    let _ = timeout(CLOSE_WITHIN, async { while let Some(Ok(_)) = messages.next().await {} }).await;
+}
+
+/// Waits for `hello` and joins the session that it names; or says what is wrong with it.
+async fn greet(
+    messages: &mut SplitStream<WebSocket>,
+    lane: Lane,
+    shared: &Shared,
+) -> Option<(RoomHandle, ClientId)> {
+    let hello = match timeout(HELLO_WITHIN, hello(messages, &lane)).await {
+        Ok(None) => return None,
+        Ok(Some(hello)) => hello,
+        Err(_) => Err(ServerError::HelloTooLate),
+    };
+    let joining = match hello.and_then(|hello| admit(hello, shared)) {
+        Ok((session, join)) => shared.rooms.find(&session).await.map(|room| (room, join)),
+        Err(error) => Err(error),
+    };
+    match joining {
+        Ok((room, (actor, epoch, last_seq))) => {
+            let (joined, client) = oneshot::channel();
+            let join = Join { actor, epoch, last_seq, lane, joined };
+            room.tell(Message::Join(Box::new(join))).await.ok()?;
+            let client = client.await.ok()?;
+            Some((room, client))
+        }
+        Err(error) => {
+            lane.complain(&error, true);
+            None
+        }
+    }
+}
+
+/// Who comes, and the history that they know.
+type Newcomer = (edit::Actor, Option<String>, Option<u64>);
+
+/// The first message; `None` where the connection ends before. What cannot be read is said and passed over.
+async fn hello(
+    messages: &mut SplitStream<WebSocket>,
+    lane: &Lane,
+) -> Option<Result<ClientMessage, ServerError>> {
+    loop {
+        match next(messages).await? {
+            Ok(message @ ClientMessage::Hello { .. }) => return Some(Ok(message)),
+            Ok(_) => return Some(Err(ServerError::Hello)),
+            Err(error) => lane.complain(&error, false),
+        }
+    }
+}
+
+/// The session that a `hello` may join.
+fn admit(hello: ClientMessage, shared: &Shared) -> Result<(String, Newcomer), ServerError> {
+    let ClientMessage::Hello { protocol, token, session, actor: wire, epoch, last_seq } = hello else {
+        return Err(ServerError::Hello);
+    };
+    if protocol != PROTOCOL {
+        return Err(ServerError::Protocol(protocol));
+    }
+    if !shared.token.is(&token) {
+        return Err(ServerError::Unauthorized);
+    }
+    Ok((session, (actor(wire)?, epoch, last_seq)))
+}
+
+/// Passes on what the client asks for, until it leaves or says nothing for too long.
+async fn read(messages: &mut SplitStream<WebSocket>, room: &RoomHandle, client: ClientId, shared: &Shared) {
+    while let Some(message) = next(messages).await {
+        let ask = match message {
+            Ok(message) => understand(message, &shared.backend.scenes).await,
+            Err(error) => Ask::Nonsense(error),
+        };
+        if room.tell(Message::Ask { client, ask }).await.is_err() {
+            return;
+        }
+    }
+}
+
+/// The next control message, or why it is none; `None` at the end.
+async fn next(
+    messages: &mut (impl Stream<Item = Result<SocketMessage, axum::Error>> + Unpin),
+) -> Option<Result<ClientMessage, ServerError>> {
+    loop {
+        let frame = timeout(SILENT_AT_MOST, messages.next()).await.ok()??;
+        match frame.inspect_err(|error| tracing::debug!("a connection broke: {error}")).ok()? {
+            SocketMessage::Text(text) if text.len() > MAX_MESSAGE_BYTES => {
+                let (what, limit) = ("a message", MAX_MESSAGE_BYTES);
+                return Some(Err(ServerError::TooLarge { what, limit, unit: "bytes" }));
+            }
+            SocketMessage::Text(text) => return Some(ClientMessage::parse(&text).map_err(ServerError::from)),
+            SocketMessage::Binary(_) => {
+                let sentence = "a binary message came, but clients send text: send JSON as text";
+                return Some(Err(ServerError::BadMessage(sentence.into())));
+            }
+            SocketMessage::Ping(_) | SocketMessage::Pong(_) => {}
+            SocketMessage::Close(_) => return None,
+        }
+    }
+}
+
+/// Sends what comes down the lanes, control before frames, and closes the connection when the control lane ends.
+async fn write(mut sink: SplitSink<WebSocket, SocketMessage>, end: LaneEnd) {
+    let LaneEnd { mut control, mut frames, too_slow } = end;
+    let mut pings = interval_at(Instant::now() + PING_EVERY, PING_EVERY);
+    loop {
+        let message = tokio::select! {
+            biased;
+            () = too_slow.cancelled() => {
+                let error = complaint(&ServerError::TooSlow, true);
+                // Where even that does not go, the connection is closed all the same.
+                let _ = timeout(SEND_WITHIN, sink.send(SocketMessage::Text(text(&error)))).await;
+                break;
+            }
+            text = control.recv() => match text {
+                Some(text) => SocketMessage::Text(text),
+                None => break,
+            },
+            Some(frame) = frames.recv() => SocketMessage::Binary(frame),
+            _ = pings.tick() => SocketMessage::Ping(axum::body::Bytes::new()),
+        };
+        if !matches!(timeout(SEND_WITHIN, sink.send(message)).await, Ok(Ok(()))) {
+            return;
+        }
+    }
+    let _ = timeout(SEND_WITHIN, sink.close()).await;
+}

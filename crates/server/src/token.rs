@@ -1,0 +1,91 @@
+//! The one secret: who has the token may use the server.
+
+use std::fs::{self, OpenOptions};
+use std::io::{self, Write};
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::Path;
+
+use subtle::ConstantTimeEq;
+
+use crate::ServerError;
+
+/// 128 random bits, kept in the data folder so that pages stay signed in over a restart.
+#[derive(Clone)]
+pub struct Token([u8; DIGITS]);
+
+const DIGITS: usize = 32;
+const FILE: &str = "token";
+
+impl Token {
+    /// The folder's token, made at the first start. Only the owner can read the file.
+    pub(crate) fn of(folder: &Path) -> Result<Self, ServerError> {
+        let path = folder.join(FILE);
+        let unusable = |reason| ServerError::Data { path: path.clone(), reason };
+        match fs::read_to_string(&path) {
+            Ok(text) => Self::parse(text.trim()).ok_or_else(|| ServerError::BadToken(path.clone())),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                let token = Self::random().map_err(unusable)?;
+                let mut file = OpenOptions::new()
+                    .write(true)
+                    .create_new(true)
+                    .mode(0o600)
+                    .open(&path)
+                    .map_err(unusable)?;
+                file.write_all(&token.0).and_then(|()| file.sync_all()).map_err(unusable)?;
+                Ok(token)
+            }
+            Err(error) => Err(unusable(error)),
+        }
+    }
+
+    fn random() -> io::Result<Self> {
+        Ok(Self::parse(&random_digits()?).expect("32 digits"))
+    }
+
+    fn parse(text: &str) -> Option<Self> {
+        let sound = text.bytes().all(|digit| matches!(digit, b'0'..=b'9' | b'a'..=b'f'));
+        text.as_bytes().try_into().ok().filter(|_| sound).map(Self)
+    }
+
+    /// Whether `text` is the token. How long that takes says nothing of where they differ.
+    pub fn is(&self, text: &str) -> bool {
+        self.0.as_slice().ct_eq(text.as_bytes()).into()
+    }
+
+    /// The 32 hexadecimal digits.
+    pub fn digits(&self) -> &str {
+        std::str::from_utf8(&self.0).expect("digits")
+    }
+}
+
+/// 128 random bits as hexadecimal digits.
+pub(crate) fn random_digits() -> io::Result<String> {
+    let mut bytes = [0; DIGITS / 2];
+    getrandom::fill(&mut bytes).map_err(io::Error::from)?;
+    Ok(format!("{:032x}", u128::from_be_bytes(bytes)))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::os::unix::fs::PermissionsExt;
+
+    use super::*;
+
+    #[test]
+    fn a_token_stays_over_a_restart_and_is_its_owners_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = Token::of(folder.path()).unwrap();
+        assert!(Token::of(folder.path()).unwrap().is(first.digits()));
+        let mode = fs::metadata(folder.path().join(FILE)).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o600);
+        let other = Token::of(tempfile::tempdir().unwrap().path()).unwrap();
+        assert!(!other.is(first.digits()) && !first.is("") && !first.is(&first.digits()[1..]));
+    }
+
+    #[test]
+    fn a_file_that_is_no_token_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join(FILE), "secret").unwrap();
+        assert!(matches!(Token::of(folder.path()), Err(ServerError::BadToken(_))));
+    }
+}

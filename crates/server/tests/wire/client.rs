@@ -1,0 +1,174 @@
+//! Both ways to talk to a server.
+
+use futures_util::{SinkExt, StreamExt};
+use protocol::{Actor, ClientMessage, PROTOCOL, ServerMessage, Welcome};
+use serde_json::Value;
+use stream::FrameHeader;
+use tokio::net::TcpStream;
+use tokio_tungstenite::tungstenite::client::IntoClientRequest;
+use tokio_tungstenite::tungstenite::http::Request;
+use tokio_tungstenite::tungstenite::{Error, Message};
+use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
+
+use crate::server::Door;
+
+/// What came over a socket.
+#[derive(Debug)]
+pub enum Came {
+    Control(ServerMessage),
+    Frame(FrameHeader),
+    /// The server has closed.
+    End,
+}
+
+/// A WebSocket client.
+pub struct Client(WebSocketStream<MaybeTlsStream<TcpStream>>);
+
+impl Client {
+    pub async fn connect(door: &Door) -> Self {
+        Self(connect_async(socket_request(door)).await.unwrap().0)
+    }
+
+    /// Connects and says hello.
+    pub async fn join(door: &Door, session: &str, name: &str) -> (Self, Welcome) {
+        let mut client = Self::connect(door).await;
+        client.say(&hello(&door.token, session, name)).await;
+        match client.next().await {
+            Came::Control(ServerMessage::Welcome(welcome)) => (client, *welcome),
+            other => panic!("no welcome but {other:?}"),
+        }
+    }
+
+    pub async fn say(&mut self, message: &ClientMessage) {
+        self.say_text(serde_json::to_string(message).unwrap()).await;
+    }
+
+    pub async fn say_text(&mut self, text: impl Into<String>) {
+        self.0.send(Message::text(text.into())).await.unwrap();
+    }
+
+    pub async fn say_bytes(&mut self, bytes: Vec<u8>) {
+        self.0.send(Message::binary(bytes)).await.unwrap();
+    }
+
+    /// The next control message, frame or end.
+    pub async fn next(&mut self) -> Came {
+        loop {
+            match self.0.next().await {
+                Some(Ok(Message::Text(text))) => return Came::Control(ServerMessage::parse(&text).unwrap()),
+                Some(Ok(Message::Binary(bytes))) => {
+                    return Came::Frame(FrameHeader::from_bytes(&bytes).unwrap());
+                }
+                Some(Ok(Message::Close(_)) | Err(_)) | None => return Came::End,
+                Some(Ok(_)) => {}
+            }
+        }
+    }
+
+    /// Passes over what comes until `wanted` takes something.
+    pub async fn until<T>(&mut self, mut wanted: impl FnMut(Came) -> Option<T>) -> T {
+        loop {
+            let came = self.next().await;
+            assert!(!matches!(came, Came::End), "the server has closed");
+            if let Some(found) = wanted(came) {
+                return found;
+            }
+        }
+    }
+
+    /// The next frame, acknowledged.
+    pub async fn frame(&mut self) -> FrameHeader {
+        let header = self
+            .until(|came| match came {
+                Came::Frame(header) => Some(header),
+                Came::Control(_) | Came::End => None,
+            })
+            .await;
+        self.say(&ClientMessage::Ack { frame: header.frame }).await;
+        header
+    }
+}
+
+pub fn hello(token: &str, session: &str, name: &str) -> ClientMessage {
+    ClientMessage::Hello {
+        protocol: PROTOCOL,
+        token: token.into(),
+        session: session.into(),
+        actor: Actor { id: name.to_lowercase(), name: name.into() },
+        epoch: None,
+        last_seq: None,
+    }
+}
+
+fn socket_request(door: &Door) -> Request<()> {
+    format!("ws://{}/socket", door.address).into_client_request().unwrap()
+}
+
+/// The status that a socket of a page of `origin` is refused with; `None` where it is let in.
+pub async fn socket_from(door: &Door, origin: &str) -> Option<u16> {
+    let mut request = socket_request(door);
+    request.headers_mut().insert("origin", origin.parse().unwrap());
+    match connect_async(request).await {
+        Ok(_) => None,
+        Err(Error::Http(response)) => Some(response.status().as_u16()),
+        Err(other) => panic!("{other}"),
+    }
+}
+
+/// An answer over HTTP.
+#[derive(Debug)]
+pub struct Answer {
+    pub status: u16,
+    pub kind: String,
+    pub body: Vec<u8>,
+}
+
+impl Answer {
+    pub fn text(&self) -> &str {
+        std::str::from_utf8(&self.body).unwrap()
+    }
+
+    pub fn json(&self) -> Value {
+        serde_json::from_slice(&self.body).unwrap()
+    }
+
+    /// The status and the code of an error, which has a sentence too.
+    pub fn refusal(&self) -> (u16, String) {
+        let json = self.json();
+        let error = json["error"].as_object().expect("an error");
+        assert!(error["message"].as_str().unwrap().len() > 20 && error.len() == 2, "{json}");
+        (self.status, error["code"].as_str().unwrap().to_owned())
+    }
+}
+
+/// Asks with the headers given and nothing else. `body` makes it a POST.
+pub fn ask_with(door: &Door, path: &str, headers: &[(&str, &str)], body: Option<&[u8]>) -> Answer {
+    let agent: ureq::Agent = ureq::Agent::config_builder().http_status_as_error(false).build().into();
+    let address = format!("http://{}{path}", door.address);
+    let mut response = match body {
+        None => headers.iter().fold(agent.get(address), |r, (name, value)| r.header(*name, *value)).call(),
+        Some(body) => {
+            headers.iter().fold(agent.post(address), |r, (name, value)| r.header(*name, *value)).send(body)
+        }
+    }
+    .unwrap();
+    let kind = response.headers().get("content-type").map_or("", |kind| kind.to_str().unwrap()).to_owned();
+    let body = response.body_mut().with_config().limit(1 << 30).read_to_vec().unwrap();
+    Answer { status: response.status().as_u16(), kind, body }
+}
+
+/// Asks with the token.
+pub fn get(door: &Door, path: &str) -> Answer {
+    ask_with(door, path, &[("authorization", &format!("Bearer {}", door.token))], None)
+}
+
+/// Sends JSON with the token.
+pub fn post(door: &Door, path: &str, body: &str) -> Answer {
+    ask_with(door, path, &[("authorization", &format!("Bearer {}", door.token))], Some(body.as_bytes()))
+}
+
+/// A new session of the demo scene, under a name that only its test uses.
+pub fn new_session(door: &Door, name: &str) {
+    let made = post(door, "/sessions", &format!(r#"{{"name": "{name}", "scene": "demo:vases"}}"#));
+    assert_eq!(made.status, 201, "{}", made.text());
+}

@@ -1,0 +1,65 @@
+//! Who is let in, and how the rest is told.
+
+use crate::client::{ask_with, get, post, socket_from};
+use crate::server::SHARED;
+
+/// Rules: HTTP-1
+#[test]
+fn all_but_the_page_and_signs_of_life_need_the_token() {
+    let paths = [
+        "/sessions",
+        "/sessions/main",
+        "/sessions/main/log",
+        "/sessions/main/render",
+        "/metrics",
+        "/sessions/nowhere",
+    ];
+    for path in paths {
+        for headers in [&[][..], &[("authorization", "Bearer 0123456789abcdef0123456789abcdef")]] {
+            let answer = ask_with(&SHARED, path, headers, None);
+            assert_eq!(answer.refusal(), (401, "unauthorized".into()), "{path}");
+        }
+    }
+    for path in ["/sessions", "/sessions/main/edits", "/assets"] {
+        assert_eq!(ask_with(&SHARED, path, &[], Some(b"{}")).status, 401, "{path}");
+    }
+    for path in ["/healthz", "/openapi.json"] {
+        assert_eq!(ask_with(&SHARED, path, &[], None).status, 200, "{path}");
+    }
+    // The page says how to build it where it is not: either way it is let out.
+    assert!(ask_with(&SHARED, "/", &[], None).text().contains("<title>BendyLights</title>"));
+    assert_eq!(get(&SHARED, "/sessions").status, 200, "the token opens");
+}
+
+/// Rules: HTTP-2
+#[tokio::test]
+async fn pages_of_other_places_are_refused() {
+    let own = format!("http://{}", SHARED.address);
+    for foreign in ["http://example.org", "null", "http://127.0.0.1:1", "https://example.org:8080"] {
+        let answer = ask_with(&SHARED, "/healthz", &[("origin", foreign)], None);
+        assert_eq!(answer.refusal(), (403, "foreignOrigin".into()), "{foreign}");
+        assert_eq!(socket_from(&SHARED, foreign).await, Some(403), "{foreign}");
+    }
+    assert_eq!(ask_with(&SHARED, "/healthz", &[("origin", &own)], None).status, 200);
+    assert_eq!(socket_from(&SHARED, &own).await, None);
+}
+
+/// Rules: HTTP-3
+#[test]
+fn every_error_is_json_that_says_what_to_do() {
+    let code = |status: u16, code: &str| (status, code.to_owned());
+    assert_eq!(get(&SHARED, "/nowhere").refusal(), code(404, "notFound"));
+    assert_eq!(get(&SHARED, "/sessions/nowhere").refusal(), code(404, "notFound"));
+    assert_eq!(get(&SHARED, "/sessions/%ff").refusal(), code(400, "badMessage"));
+    assert_eq!(get(&SHARED, "/assets").refusal(), code(404, "notFound"));
+    assert_eq!(get(&SHARED, "/socket").refusal(), code(400, "badMessage"));
+    assert_eq!(get(&SHARED, "/sessions/main/log?form=1").refusal(), code(400, "badMessage"));
+    assert_eq!(get(&SHARED, "/sessions/main/render?aov=colour").refusal(), code(400, "render"));
+    let unknown_field = post(&SHARED, "/sessions", r#"{"name": "a", "scenery": "demo:vases"}"#);
+    assert_eq!(unknown_field.refusal(), code(400, "badMessage"));
+    assert!(unknown_field.text().contains("scenery"), "the field is named: {}", unknown_field.text());
+    assert_eq!(
+        ask_with(&SHARED, "/sessions", &[("authorization", "Basic x")], None).kind,
+        "application/json"
+    );
+}

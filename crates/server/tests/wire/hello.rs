@@ -1,0 +1,93 @@
+//! The first message, and messages that cannot be read.
+
+use protocol::{ClientMessage, ServerMessage};
+
+use crate::client::{Came, Client, hello};
+use crate::server::{Own, SHARED};
+
+/// The code of a fatal error, after which the socket is closed.
+async fn fatal(client: &mut Client) -> String {
+    let Came::Control(ServerMessage::Error { code, fatal: true, message }) = client.next().await else {
+        panic!("no fatal error")
+    };
+    assert!(message.len() > 20, "{message}");
+    assert!(matches!(client.next().await, Came::End), "the socket stays open");
+    code
+}
+
+/// Rules: SOCK-1
+#[tokio::test]
+async fn a_hello_that_does_not_fit_is_answered_and_the_socket_closed() {
+    let token = SHARED.token.as_str();
+    let other_protocol = serde_json::to_string(&hello(token, "main", "Ada")).unwrap();
+    let other_protocol = other_protocol.replace("\"protocol\":1", "\"protocol\":2");
+    let text = |message: &ClientMessage| serde_json::to_string(message).unwrap();
+    let cases = [
+        (text(&hello("0123456789abcdef0123456789abcdef", "main", "Ada")), "unauthorized"),
+        (text(&hello("", "main", "Ada")), "unauthorized"),
+        (text(&hello(token, "nowhere", "Ada")), "notFound"),
+        (other_protocol, "protocol"),
+        (text(&ClientMessage::Ping { sent: 1.0 }), "protocol"),
+    ];
+    for (message, code) in cases {
+        let mut client = Client::connect(&SHARED).await;
+        client.say_text(message).await;
+        // What else the client has sent must not keep it from reading why.
+        client.say(&ClientMessage::Ping { sent: 2.0 }).await;
+        assert_eq!(fatal(&mut client).await, code);
+    }
+    let (_, welcome) = Client::join(&SHARED, "main", "Ada").await;
+    assert_eq!((welcome.protocol, welcome.session.as_str()), (1, "main"));
+}
+
+/// Rules: SOCK-1, GEST-3
+#[tokio::test]
+async fn hello_and_gestures_have_their_time() {
+    let own = Own::start().await;
+    let (mut client, welcome) = Client::join(&own.door, "main", "Ada").await;
+    let mut silent = Client::connect(&own.door).await;
+    let begin = ClientMessage::GestureBegin { gesture: "g".into(), light: 1, base_seq: welcome.seq };
+    client.say(&begin).await;
+    let ended = |came| match came {
+        Came::Control(ServerMessage::GestureState(state)) => Some(state.ended),
+        _ => None,
+    };
+    assert_eq!(client.until(ended).await, None, "it is under way");
+    // From here on time passes as soon as everybody waits.
+    tokio::time::pause();
+    let began = tokio::time::Instant::now();
+    assert_eq!(fatal(&mut silent).await, "helloTooLate");
+    assert!(began.elapsed().as_secs() < 30, "the gesture's lease is longer than the time for a hello");
+    assert_eq!(client.until(ended).await, Some(protocol::GestureEnd::Expired));
+}
+
+/// Rules: SOCK-6
+#[tokio::test]
+async fn what_cannot_be_read_is_named_and_the_connection_goes_on() {
+    let (mut client, _) = Client::join(&SHARED, "main", "Eve").await;
+    let texts = [
+        ("{", "JSON"),
+        (r#"{"type": "paint"}"#, "paint"),
+        (r#"{"type": "ack"}"#, "frame"),
+        (r#"{"type": "presence", "selection": null, "mood": 1}"#, "mood"),
+    ];
+    for (text, named) in texts {
+        client.say_text(text).await;
+        let problem = client.until(complaint).await;
+        assert_eq!(problem.0, "badMessage", "{text}");
+        assert!(problem.1.contains(named), "{text}: {}", problem.1);
+    }
+    client.say_bytes(vec![1, 2, 3]).await;
+    assert_eq!(client.until(complaint).await.0, "badMessage");
+    client.say(&ClientMessage::Ping { sent: 7.5 }).await;
+    let pong = |came| matches!(came, Came::Control(ServerMessage::Pong { sent: 7.5, .. })).then_some(());
+    client.until(pong).await;
+}
+
+/// The code and the sentence of an error that is not fatal.
+pub fn complaint(came: Came) -> Option<(String, String)> {
+    match came {
+        Came::Control(ServerMessage::Error { code, message, fatal: false }) => Some((code, message)),
+        _ => None,
+    }
+}

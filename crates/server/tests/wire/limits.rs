@@ -1,0 +1,64 @@
+//! What is too large or too many.
+
+use protocol::{ClientMessage, ServerMessage, ViewSource};
+
+use crate::client::{Came, Client, get, hello, new_session, post};
+use crate::hello::complaint;
+use crate::server::SHARED;
+
+/// Rules: HTTP-11
+#[test]
+fn what_is_too_large_is_refused_with_the_limit() {
+    let too_large = |answer: crate::client::Answer, limit: &str| {
+        assert_eq!(answer.refusal(), (413, "tooLarge".into()));
+        assert!(answer.text().contains(limit), "{} does not name {limit}", answer.text());
+    };
+    too_large(get(&SHARED, "/sessions/main/render?size=4097x2"), "4096");
+    too_large(get(&SHARED, "/sessions/main/render?samples=65"), "64");
+    too_large(get(&SHARED, "/sessions/main/log?limit=10001"), "10000");
+    too_large(post(&SHARED, "/sessions", &" ".repeat((8 << 20) + 1)), "8388608");
+    let edits = vec![r#"{"undo": "mine"}"#; 1_001].join(",");
+    too_large(post(&SHARED, "/sessions/main/edits", &format!(r#"{{"edits": [{edits}]}}"#)), "1000");
+    let named = format!(r#"{{"edits": [{{"opId": "{}", "undo": "mine"}}]}}"#, "x".repeat(129));
+    too_large(post(&SHARED, "/sessions/main/edits", &named), "128");
+}
+
+/// Rules: HTTP-11
+#[tokio::test]
+async fn a_client_is_told_the_limits_of_views_and_messages() {
+    let (mut client, welcome) = Client::join(&SHARED, "main", "Mia").await;
+    let side = welcome.settings.max_view_side;
+    let open = |width, height| ClientMessage::OpenView {
+        source: ViewSource::Own(welcome.camera.clone()),
+        width,
+        height,
+        camera_revision: 1,
+    };
+    for view in [open(side + 1, 2), open(2, side + 1), open(side, side)] {
+        client.say(&view).await;
+        assert_eq!(client.until(complaint).await.0, "tooLarge");
+    }
+    client.say(&open(0, 2)).await;
+    assert_eq!(client.until(complaint).await.0, "badMessage");
+    client.say_text(format!(r#"{{"type": "ping", "sent": 1{}}}"#, " ".repeat(1 << 20))).await;
+    let (code, sentence) = client.until(complaint).await;
+    assert!(code == "tooLarge" && sentence.contains("1048576"), "{code}: {sentence}");
+}
+
+/// Rules: HTTP-11
+#[tokio::test]
+async fn a_session_has_room_for_so_many_and_says_when_it_is_full() {
+    new_session(&SHARED, "crowd");
+    let mut crowd = Vec::new();
+    for number in 0..64 {
+        crowd.push(Client::join(&SHARED, "crowd", &format!("client {number}")).await.0);
+    }
+    let mut late = Client::connect(&SHARED).await;
+    late.say(&hello(&SHARED.token, "crowd", "Late")).await;
+    match late.next().await {
+        Came::Control(ServerMessage::Error { code, message, fatal: true }) => {
+            assert!(code == "tooMany" && message.contains("64"), "{code}: {message}");
+        }
+        other => panic!("not refused but {other:?}"),
+    }
+}

@@ -1,0 +1,10 @@
+//! The server as clients and programs meet it: real sockets, real HTTP, a real store.
+
+mod client;
+mod drain;
+mod errors;
+mod hello;
+mod limits;
+mod pictures;
+mod server;
+mod sessions;

@@ -1,0 +1,74 @@
+//! Pictures over HTTP, and frames that are shared.
+
+use protocol::{ClientMessage, Command, LightParameter, ViewSource};
+use serde_json::json;
+use stream::Codec;
+
+use crate::client::{Client, get, new_session, post};
+use crate::server::SHARED;
+
+/// Rules: HTTP-8
+#[test]
+fn a_picture_shows_the_document_as_it_is_or_was() {
+    new_session(&SHARED, "pictured");
+    let picture = |query: &str| {
+        let answer = get(&SHARED, &format!("/sessions/pictured/render?size=64x36{query}"));
+        assert_eq!((answer.status, answer.kind.as_str()), (200, "image/png"), "{query}");
+        answer.body
+    };
+    let before = picture("");
+    assert_eq!(before[..8], *b"\x89PNG\r\n\x1a\n");
+    // Width and height stand in the first chunk of a PNG.
+    assert_eq!(before[16..24], [0, 0, 0, 64, 0, 0, 0, 36]);
+    let dark = json!({"edits": [{"command": {"type": "removeLight", "light": 1}}]});
+    post(&SHARED, "/sessions/pictured/edits", &dark.to_string());
+    assert_ne!(picture(""), before, "without its light the picture is another");
+    assert_eq!(picture("&at=1"), before);
+    assert_eq!(picture("&at=1&camera=camera&light=key"), before);
+    assert_ne!(picture("&at=1&aov=visibility&light=key"), before);
+
+    let exr = get(&SHARED, "/sessions/pictured/render?size=64x36&aov=depth&format=exr");
+    assert_eq!((exr.kind.as_str(), &exr.body[..4]), ("image/x-exr", &[0x76, 0x2f, 0x31, 0x01][..]));
+    for query in ["at=99", "camera=nobody", "light=nothing"] {
+        let missing = get(&SHARED, &format!("/sessions/pictured/render?{query}"));
+        assert_eq!(missing.refusal(), (404, "notFound".into()), "{query}");
+    }
+}
+
+/// Rules: FRAME-1, FRAME-3, FRAME-4, FRAME-5, FRAME-7
+#[tokio::test]
+async fn who_follows_sees_the_same_frames() {
+    new_session(&SHARED, "followed");
+    let (mut ada, welcome) = Client::join(&SHARED, "followed", "Ada").await;
+    let (mut bob, _) = Client::join(&SHARED, "followed", "Bob").await;
+    let view = |source| ClientMessage::OpenView { source, width: 64, height: 36, camera_revision: 7 };
+    ada.say(&view(ViewSource::Own(welcome.camera.clone()))).await;
+    let (moving, settled) = (ada.frame().await, ada.frame().await);
+    assert_eq!((moving.codec, settled.codec), (Codec::Jpeg, Codec::Png));
+    assert!(settled.flags.settle && moving.flags.key && !settled.flags.key);
+    assert_eq!((settled.log_seq, settled.camera_revision, settled.frame), (1, 7, 2));
+
+    // What is there already is not made again: its timings are those of the same picture.
+    bob.say(&view(ViewSource::Follow(welcome.client))).await;
+    let shared = bob.frame().await;
+    assert_eq!((shared.codec, shared.frame), (Codec::Png, 1));
+    assert_eq!((shared.render_us, shared.encode_us), (settled.render_us, settled.encode_us));
+
+    let edit = |op_id: &str, parameter| ClientMessage::Edit {
+        op_id: op_id.into(),
+        base_seq: 1,
+        command: Command::SetLight { light: 1, parameter },
+    };
+    // A name shows nowhere: the next frame is that of the edit after it.
+    ada.say(&edit("name", LightParameter::Name("lamp".into()))).await;
+    ada.say(&edit("narrow", LightParameter::ConeAngle(15.0))).await;
+    for _ in 0..2 {
+        let (hers, his) = (ada.frame().await, bob.frame().await);
+        assert_eq!((hers.log_seq, his.log_seq), (3, 3));
+        assert_eq!(
+            (hers.render_us, hers.encode_us),
+            (his.render_us, his.encode_us),
+            "one render, one encoding"
+        );
+    }
+}

@@ -1,0 +1,70 @@
+//! Servers to test.
+
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+use std::{fs, thread};
+
+use server::{Config, Server, ServerError};
+use tempfile::TempDir;
+use tokio::net::TcpListener;
+use tokio::runtime::Runtime;
+use tokio::sync::oneshot;
+use tokio::task::{JoinHandle, spawn_blocking};
+
+/// Where a server is and what lets one in.
+pub struct Door {
+    pub address: SocketAddr,
+    pub token: String,
+}
+
+/// A server of one test's own.
+pub struct Own {
+    pub door: Door,
+    pub folder: TempDir,
+    stop: oneshot::Sender<()>,
+    served: JoinHandle<Result<(), ServerError>>,
+}
+
+/// The server that tests share; each uses sessions of its own. It ends with the process.
+pub static SHARED: LazyLock<Door> = LazyLock::new(|| {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("shared-server");
+    // What an earlier run has left.
+    let _ = fs::remove_dir_all(&folder);
+    let (opened, door) = std::sync::mpsc::sync_channel(1);
+    thread::spawn(move || {
+        Runtime::new().unwrap().block_on(async move {
+            let (door, server, listener) = open(&folder).await;
+            opened.send(door).unwrap();
+            server.run(listener, std::future::pending()).await.unwrap();
+        });
+    });
+    door.recv().unwrap()
+});
+
+impl Own {
+    pub async fn start() -> Self {
+        Self::start_in(TempDir::new().unwrap()).await
+    }
+
+    pub async fn start_in(folder: TempDir) -> Self {
+        let (door, server, listener) = open(folder.path()).await;
+        let (stop, stopped) = oneshot::channel();
+        let served = tokio::spawn(server.run(listener, async { stopped.await.unwrap() }));
+        Self { door, folder, stop, served }
+    }
+
+    /// Asks it to stop.
+    pub fn stop(self) -> (TempDir, JoinHandle<Result<(), ServerError>>) {
+        self.stop.send(()).unwrap();
+        (self.folder, self.served)
+    }
+}
+
+async fn open(folder: &Path) -> (Door, Server, TcpListener) {
+    let config = Config { data: folder.into(), session: "main".into(), scene: "demo:vases".into() };
+    let server = spawn_blocking(move || Server::open(&config).unwrap()).await.unwrap();
+    let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let address = listener.local_addr().unwrap();
+    (Door { address, token: server.token().digits().to_owned() }, server, listener)
+}

@@ -1,0 +1,109 @@
+//! Sessions over HTTP.
+
+use serde_json::{Value, json};
+
+use crate::client::{Client, ask_with, get, new_session, post};
+use crate::server::SHARED;
+
+fn edit(session: &str, body: &Value) -> Value {
+    let answer = post(&SHARED, &format!("/sessions/{session}/edits"), &body.to_string());
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    answer.json()
+}
+
+fn cone_angle(degrees: f64) -> Value {
+    json!({"type": "setLight", "light": 1, "parameter": {"coneAngle": degrees}})
+}
+
+/// Rules: HTTP-4
+#[test]
+fn a_session_is_made_once() {
+    let made = post(&SHARED, "/sessions", r#"{"name": "Made.once-1_"}"#);
+    assert_eq!((made.status, made.json()["seq"].as_u64()), (201, Some(0)));
+    assert_eq!(post(&SHARED, "/sessions", r#"{"name": "Made.once-1_"}"#).refusal(), (409, "exists".into()));
+    for name in ["", ".hidden", "a b", "a/b", "ä", &"a".repeat(65)] {
+        let refused = post(&SHARED, "/sessions", &json!({ "name": name }).to_string());
+        assert_eq!(refused.refusal(), (400, "badName".into()), "{name}");
+    }
+    let no_scene = post(&SHARED, "/sessions", r#"{"name": "no-scene", "scene": "demo:nothing"}"#);
+    assert_eq!(no_scene.refusal(), (404, "unknownAsset".into()));
+    assert_eq!(get(&SHARED, "/sessions/no-scene").status, 404, "a session without its scene is not made");
+}
+
+/// Rules: HTTP-5
+#[tokio::test]
+async fn sessions_are_listed_with_who_is_there() {
+    new_session(&SHARED, "listed");
+    let entry = || {
+        let list = get(&SHARED, "/sessions").json();
+        let sessions = list["sessions"].as_array().unwrap();
+        sessions.iter().find(|session| session["name"] == "listed").cloned().unwrap()
+    };
+    assert_eq!(entry(), json!({"name": "listed", "seq": 1, "clients": 0}));
+    let (_client, welcome) = Client::join(&SHARED, "listed", "Ada").await;
+    assert_eq!(entry()["clients"], 1);
+    let shown = get(&SHARED, "/sessions/listed").json();
+    assert_eq!(
+        (shown["hash"].as_str(), shown["epoch"].as_str()),
+        (Some(&*welcome.hash), Some(&*welcome.epoch))
+    );
+    assert_eq!(shown["document"]["scene"]["name"], "demo:vases");
+    assert_eq!(shown["document"]["lights"][0]["light"]["name"], "key");
+}
+
+/// Rules: HTTP-6, HTTP-7, REC-4
+#[test]
+fn edits_are_answered_one_by_one_and_logged() {
+    new_session(&SHARED, "edited");
+    let body = json!({"actor": {"id": "ada", "name": "Ada"}, "edits": [
+        {"opId": "narrow", "command": cone_angle(20.0)},
+        {"command": {"type": "removeLight", "light": 99}},
+        {"opId": "wide", "command": cone_angle(25.0)},
+        {"undo": "mine"},
+        {"command": {"type": "loadScene", "scene": "demo:nothing"}},
+        {"opId": "narrow", "command": cone_angle(20.0)},
+    ]});
+    let answer = edit("edited", &body);
+    let results = answer["results"].as_array().unwrap();
+    let statuses: Vec<_> = results.iter().map(|result| result["status"].as_str().unwrap()).collect();
+    assert_eq!(statuses, ["committed", "rejected", "committed", "committed", "rejected", "committed"]);
+    let seqs: Vec<_> = results.iter().map(|result| result["seq"].as_u64()).collect();
+    assert_eq!(seqs, [Some(2), None, Some(3), Some(4), None, Some(2)], "the last was carried out before");
+    assert_eq!(
+        (results[1]["code"].as_str(), results[4]["code"].as_str()),
+        (Some("notFound"), Some("unknownAsset"))
+    );
+    assert_eq!(answer["hash"], get(&SHARED, "/sessions/edited").json()["hash"]);
+
+    let seqs = |query: &str| -> Vec<u64> {
+        let log = get(&SHARED, &format!("/sessions/edited/log{query}"));
+        let record = |line: &str| serde_json::from_str::<Value>(line).unwrap()["seq"].as_u64().unwrap();
+        log.text().lines().map(record).collect()
+    };
+    assert_eq!(seqs(""), [1, 2, 3, 4]);
+    assert_eq!(seqs("?from=2&limit=2"), [2, 3]);
+    assert_eq!(seqs("?from=5"), [0; 0]);
+}
+
+/// Rules: HTTP-10, CMD-6
+#[test]
+fn a_scene_is_sent_and_then_loaded_by_its_name() {
+    let bearer = format!("Bearer {}", SHARED.token);
+    let send = |bytes: &[u8]| ask_with(&SHARED, "/assets", &[("authorization", &bearer)], Some(bytes));
+    let scene = br#"{"asset": {"version": "2.0"}, "nodes": [{"name": "nothing"}]}"#;
+    let sent = send(scene);
+    assert_eq!(sent.status, 201, "{}", sent.text());
+    let asset = sent.json()["asset"].as_str().unwrap().to_owned();
+    assert_eq!(send(scene).json()["asset"], asset.as_str(), "the same bytes have the same name");
+    assert_eq!(send(b"not a scene").refusal(), (400, "badScene".into()));
+
+    new_session(&SHARED, "loaded");
+    let load = |scene: &str| json!({"edits": [{"command": {"type": "loadScene", "scene": scene}}]});
+    assert_eq!(edit("loaded", &load(&asset))["results"][0]["seq"], 2);
+    assert_eq!(get(&SHARED, "/sessions/loaded").json()["document"]["lights"], json!([]));
+    let unknown = edit("loaded", &load(&format!("sha256:{}", "0".repeat(64))));
+    assert_eq!(unknown["results"][0]["code"], "unknownAsset");
+    let undone = edit("loaded", &json!({"edits": [{"undo": "mine"}]}));
+    assert_eq!(undone["results"][0]["skipped"], Value::Null, "the scene before is found again");
+    assert_eq!(get(&SHARED, "/sessions/loaded").json()["document"]["scene"]["name"], "demo:vases");
+}
