@@ -1,0 +1,69 @@
+// A camera's picture: from the world to pixels and back.
+
+import type { Camera } from "./protocol";
+import { add, dot, inverse, rotate, scale, sub, unit, type Vec3 } from "./vector";
+
+/** A camera and the size of its picture. Pixels count from the picture's upper left corner, y down. */
+export interface View {
+  camera: Camera;
+  width: number;
+  height: number;
+}
+
+export interface Pixel {
+  x: number;
+  y: number;
+}
+
+/** Height of the view at distance 1 (perspective), or everywhere (orthographic), halved. */
+function halfHeight(camera: Camera): { perspective: boolean; size: number } {
+  return "perspective" in camera.projection
+    ? { perspective: true, size: Math.tan(camera.projection.perspective.yfov / 2) }
+    : { perspective: false, size: camera.projection.orthographic.ymag };
+}
+
+function nearOf(camera: Camera): number {
+  return "perspective" in camera.projection
+    ? camera.projection.perspective.znear
+    : camera.projection.orthographic.znear;
+}
+
+/** The direction in which the camera looks, in the world. */
+export const forwardOf = (camera: Camera): Vec3 => rotate(camera.rotation, [0, 0, -1]);
+
+/** Distance of `point` from the camera's own plane, positive in front of it. */
+export const depthOf = (camera: Camera, point: Vec3): number =>
+  dot(sub(point, camera.translation), forwardOf(camera));
+
+/** Where `point` in the world is seen; `null` before the near plane. */
+export function project(view: View, point: Vec3): Pixel | null {
+  const { camera, width, height } = view;
+  const local = rotate(inverse(camera.rotation), sub(point, camera.translation));
+  const depth = -local[2];
+  if (depth < nearOf(camera)) return null;
+  const { perspective, size } = halfHeight(camera);
+  const pixels = height / 2 / (size * (perspective ? depth : 1));
+  return { x: width / 2 + local[0] * pixels, y: height / 2 - local[1] * pixels };
+}
+
+/** World units a pixel at `point`. */
+export function worldPerPixel(view: View, point: Vec3): number {
+  const { perspective, size } = halfHeight(view.camera);
+  const depth = Math.max(depthOf(view.camera, point), nearOf(view.camera));
+  return (2 * size * (perspective ? depth : 1)) / view.height;
+}
+
+/** The point under `pixel` in the plane through `through` that is parallel to the picture. */
+export function inPlaneOf(view: View, pixel: Pixel, through: Vec3): Vec3 {
+  const { camera, width, height } = view;
+  const depth = depthOf(camera, through);
+  const perPixel = worldPerPixel(view, through);
+  const local: Vec3 = [(pixel.x - width / 2) * perPixel, (height / 2 - pixel.y) * perPixel, -depth];
+  return add(camera.translation, rotate(camera.rotation, local));
+}
+
+/** Unit vector from `point` to the eye. */
+export function towardsEye(camera: Camera, point: Vec3): Vec3 {
+  const back = scale(forwardOf(camera), -1);
+  return "perspective" in camera.projection ? unit(sub(camera.translation, point), back) : back;
+}

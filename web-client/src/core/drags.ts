@@ -1,0 +1,139 @@
+// This page's own drag: a gesture (SPEC, section 7) with at most one update a frame, the latest.
+
+import { type ReadonlySignal, signal } from "@preact/signals-core";
+
+import type { Host } from "./connection";
+import type { LightId } from "./ids";
+import type { LatencyMeter } from "./latency";
+import type { ClientMessage, Command, GestureState } from "./protocol";
+
+/** What the page shows of its own drag before the server has answered. */
+export interface OwnDrag {
+  light: LightId;
+  command: Command;
+  /** Why the server keeps an earlier state (SPEC, GEST-4); `null` where it took the latest. */
+  refusal: string | null;
+}
+
+/** One drag. After commit, cancel or the end of its lock nothing has an effect any more. */
+export interface Drag {
+  update(command: Command): void;
+  commit(): void;
+  cancel(): void;
+}
+
+export interface Dragging {
+  own: ReadonlySignal<OwnDrag | null>;
+  begin(light: LightId): Drag;
+  /** The server on this page's own gesture. */
+  answered(state: GestureState): void;
+  /** The connection is gone, and with it the gesture (SPEC, GEST-3). */
+  lost(): void;
+}
+
+export interface DragParts {
+  host: Host;
+  send(message: ClientMessage): boolean;
+  notify(message: string): void;
+  latency: LatencyMeter;
+  baseSeq(): number;
+  /** Asks for the record; `edit` says the same on a later connection, where the gesture is gone. */
+  commit(edit: ClientMessage & { type: "edit" }, commit: ClientMessage): void;
+}
+
+interface Gesture {
+  id: string;
+  light: LightId;
+  baseSeq: number;
+  /** The latest update that was sent, counted from 1; 0 before the gesture is begun. */
+  update: number;
+  sentMs: Map<number, number>;
+  waiting: Command | null;
+}
+
+const ENDINGS = {
+  cancelled: "The drag was cancelled.",
+  expired: "The drag was held still for too long and has ended: drag again.",
+  rejected: "The server refused the drag.",
+} as const;
+
+export function dragging({ host, send, notify, latency, baseSeq, commit }: DragParts): Dragging {
+  const own = signal<OwnDrag | null>(null);
+  let gesture: Gesture | null = null;
+
+  function flush(): void {
+    if (gesture === null || gesture.waiting === null) return;
+    if (gesture.update === 0) {
+      send({ type: "gestureBegin", gesture: gesture.id, light: gesture.light, baseSeq: gesture.baseSeq });
+    }
+    gesture.update += 1;
+    gesture.sentMs.set(gesture.update, host.nowMs());
+    send({ type: "gestureUpdate", gesture: gesture.id, update: gesture.update, command: gesture.waiting });
+    gesture.waiting = null;
+  }
+
+  function end(): void {
+    gesture = null;
+    own.value = null;
+  }
+
+  function begin(light: LightId): Drag {
+    if (gesture !== null) cancel();
+    const current: Gesture = {
+      id: host.newId(),
+      light,
+      baseSeq: baseSeq(),
+      update: 0,
+      sentMs: new Map(),
+      waiting: null,
+    };
+    gesture = current;
+    const isCurrent = () => gesture === current;
+    return {
+      update(command) {
+        if (!isCurrent()) return;
+        if (current.waiting === null) host.nextFrame(() => isCurrent() && flush());
+        current.waiting = command;
+        own.value = { light, command, refusal: own.value?.refusal ?? null };
+      },
+      commit() {
+        if (!isCurrent()) return;
+        flush();
+        const latest = own.value;
+        end();
+        if (latest === null) return;
+        const opId = host.newId();
+        const edit = { type: "edit", opId, baseSeq: current.baseSeq, command: latest.command } as const;
+        commit(edit, { type: "gestureCommit", gesture: current.id, opId });
+      },
+      cancel: () => isCurrent() && cancel(),
+    };
+  }
+
+  function cancel(): void {
+    if (gesture !== null && gesture.update > 0) send({ type: "gestureCancel", gesture: gesture.id });
+    end();
+  }
+
+  return {
+    own,
+    begin,
+    answered(state) {
+      if (gesture === null || gesture.id !== state.gesture) return;
+      if (state.ended !== undefined) {
+        if (state.ended !== "committed") notify(state.message ?? ENDINGS[state.ended]);
+        end();
+        return;
+      }
+      const sentMs = gesture.sentMs.get(state.update);
+      if (sentMs !== undefined && state.code === undefined)
+        latency.expect("liveRevision", state.liveRevision, sentMs);
+      for (const update of gesture.sentMs.keys()) if (update <= state.update) gesture.sentMs.delete(update);
+      if (own.value !== null) own.value = { ...own.value, refusal: state.message ?? null };
+    },
+    lost() {
+      if (own.value !== null) notify("The connection was lost, and the drag with it.");
+      end();
+    },
+  };
+}

@@ -1,0 +1,35 @@
+// The document as the log has it.
+
+import { applyChange, changesPicture, EMPTY } from "./document";
+import type { Document, Record, Welcome } from "./protocol";
+
+/** A document and where in the session's history it stands. */
+export interface Mirror {
+  document: Document;
+  seq: number;
+  /** The server's hash of the document. */
+  hash: string;
+  /** Names the history that `seq` counts in; empty before the first welcome. */
+  epoch: string;
+  /** The latest record that a picture can show (SPEC, FRAME-7). */
+  pictureSeq: number;
+}
+
+export const NOTHING: Mirror = { document: EMPTY, seq: 0, hash: "", epoch: "", pictureSeq: 0 };
+
+/** After `record`, which leaves a document with `hash`; `null` where it is not the next record. */
+export function advance(mirror: Mirror, record: Record, hash: string): Mirror | null {
+  if (record.seq !== mirror.seq + 1) return null;
+  return {
+    document: record.changes.reduce(applyChange, mirror.document),
+    seq: record.seq,
+    hash,
+    epoch: mirror.epoch,
+    pictureSeq: record.changes.some(changesPicture) ? record.seq : mirror.pictureSeq,
+  };
+}
+
+/** From a snapshot. */
+export function snapshotOf({ seq, hash, epoch }: Welcome, document: Document): Mirror {
+  return { document, seq, hash, epoch, pictureSeq: seq };
+}

@@ -1,0 +1,83 @@
+// Orbit, pan and zoom: a viewer's own camera turned about a pivot that it looks at.
+
+import { forwardOf, type Pixel, type View, worldPerPixel } from "./camera";
+import type { Bounds, Camera, Projection } from "./protocol";
+import { aboutAxis, add, compose, dot, length, mix, rotate, scale, sub, unitQuat, type Vec3 } from "./vector";
+
+/** A camera and how far in front of it the pivot lies, world units. */
+export interface Orbit {
+  camera: Camera;
+  distance: number;
+}
+
+/** How close to straight up or down the camera may look, radians. */
+const POLE_MARGIN = 0.02;
+/** The pivot's distance stays between these shares of the scene's diagonal. */
+const NEAREST = 1e-3;
+const FARTHEST = 100;
+
+export const pivotOf = ({ camera, distance }: Orbit): Vec3 =>
+  add(camera.translation, scale(forwardOf(camera), distance));
+
+/** Starts from `camera`: the pivot is where it looks nearest to the middle of the scene. */
+export function orbitFrom(camera: Camera, bounds: Bounds): Orbit {
+  const along = dot(sub(mix(bounds.min, bounds.max, 0.5), camera.translation), forwardOf(camera));
+  return { camera, distance: Math.max(along, 0.05 * diagonal(bounds)) };
+}
+
+/** Turns by `yaw` about the world's y and by `pitch` about the camera's x, radians, about the pivot. */
+export function orbit(from: Orbit, yaw: number, pitch: number): Orbit {
+  const elevation = Math.asin(Math.min(1, Math.max(-1, forwardOf(from.camera)[1])));
+  const limit = Math.PI / 2 - POLE_MARGIN;
+  const tilt = Math.min(Math.max(pitch, -limit - elevation), limit - elevation);
+  const right = rotate(from.camera.rotation, [1, 0, 0]);
+  const turn = compose(aboutAxis([0, 1, 0], yaw), aboutAxis(right, tilt));
+  const rotation = unitQuat(compose(turn, from.camera.rotation));
+  const camera = { ...from.camera, rotation };
+  return {
+    ...from,
+    camera: { ...camera, translation: sub(pivotOf(from), scale(forwardOf(camera), from.distance)) },
+  };
+}
+
+/** Moves camera and pivot so that the pivot follows the pointer by `pixels`. */
+export function pan(from: Orbit, view: View, pixels: Pixel): Orbit {
+  const perPixel = worldPerPixel(view, pivotOf(from));
+  const shift = rotate(from.camera.rotation, [-pixels.x * perPixel, pixels.y * perPixel, 0]);
+  return { ...from, camera: { ...from.camera, translation: add(from.camera.translation, shift) } };
+}
+
+/** Brings the pivot nearer (`factor` below 1) or farther. */
+export function zoom(from: Orbit, factor: number, bounds: Bounds): Orbit {
+  const size = diagonal(bounds);
+  const clamp = (wanted: number) => Math.min(Math.max(wanted, NEAREST * size), FARTHEST * size);
+  const { projection } = from.camera;
+  if ("orthographic" in projection) {
+    const { orthographic } = projection;
+    const zoomed: Projection = { orthographic: { ...orthographic, ymag: clamp(orthographic.ymag * factor) } };
+    return { ...from, camera: { ...from.camera, projection: zoomed } };
+  }
+  const distance = clamp(from.distance * factor);
+  const translation = sub(pivotOf(from), scale(forwardOf(from.camera), distance));
+  return { camera: { ...from.camera, translation }, distance };
+}
+
+/** Length of the box's diagonal. */
+export const diagonal = (bounds: Bounds): number => Math.max(length(sub(bounds.max, bounds.min)), 1e-6);
+
+/** Sees all of the ball from where `from` looks, in a picture `aspect` wide by 1 high. */
+export function frameBall(from: Orbit, centre: Vec3, radius: number, aspect: number): Orbit {
+  const { projection } = from.camera;
+  const narrower = Math.min(1, aspect);
+  const facing = (distance: number, camera: Camera): Orbit => ({
+    camera: { ...camera, translation: sub(centre, scale(forwardOf(camera), distance)) },
+    distance,
+  });
+  if ("orthographic" in projection) {
+    const { orthographic } = projection;
+    const fitted: Projection = { orthographic: { ...orthographic, ymag: radius / narrower } };
+    return facing(from.distance, { ...from.camera, projection: fitted });
+  }
+  const halfAngle = Math.atan(Math.tan(projection.perspective.yfov / 2) * narrower);
+  return facing(radius / Math.sin(halfAngle), from.camera);
+}

@@ -1,0 +1,76 @@
+// A light's shape in the world, as the page draws it over the picture.
+
+import { towardsEye } from "./camera";
+import { numberAt, positionAt, samplesOf, tangentAt } from "./curve";
+import type { Camera, Light, Transform } from "./protocol";
+import { add, cross, inverse, length, perpendicular, rotate, scale, sub, unit, type Vec3 } from "./vector";
+
+/** Control points and radii in the world. */
+export interface Tube {
+  points: Vec3[];
+  radii: number[];
+}
+
+/** Samples of the curve a segment, and points of a ring: smooth to the eye at any size of the page. */
+const STEPS = 20;
+const RING_POINTS = 96;
+
+export const toWorld = (transform: Transform, local: Vec3): Vec3 =>
+  add(transform.translation, rotate(transform.rotation, scale(local, transform.scale)));
+
+export const toLocal = (transform: Transform, world: Vec3): Vec3 =>
+  scale(rotate(inverse(transform.rotation), sub(world, transform.translation)), 1 / transform.scale);
+
+/** The light's tube; a spotlight's is its cone, drawn `reach` long where it has no range. */
+export function tubeOf(light: Light, reach: number): Tube {
+  const { transform } = light;
+  if (light.type === "bendy") {
+    return {
+      points: light.points.map((point) => toWorld(transform, point)),
+      radii: light.radii.map((radius) => radius * transform.scale),
+    };
+  }
+  const axis = rotate(transform.rotation, [0, 0, -1]);
+  const end = light.range ?? reach;
+  const spread = Math.tan((light.coneAngle * Math.PI) / 180);
+  const places = [0, end / 2, end];
+  return {
+    points: places.map((along) => add(transform.translation, scale(axis, along))),
+    radii: places.map((along) => along * spread),
+  };
+}
+
+export const centreLine = (tube: Tube): Vec3[] =>
+  samplesOf(tube.points.length, STEPS).map((t) => positionAt(tube.points, t));
+
+/** Unit vector across the tube at `t` to the edge that the eye sees, to the right of where light goes. */
+export function sideways(tube: Tube, t: number, camera: Camera): Vec3 {
+  const tangent = unit(tangentAt(tube.points, t));
+  const across = cross(tangent, towardsEye(camera, positionAt(tube.points, t)));
+  return length(across) > 1e-6 ? unit(across) : perpendicular(tangent);
+}
+
+/** Where the tube's edge is seen, `R` sideways of the curve on either side. */
+export function silhouette(tube: Tube, camera: Camera): { right: Vec3[]; left: Vec3[] } {
+  const edge = (sign: number) =>
+    samplesOf(tube.points.length, STEPS).map((t) => {
+      const offset = scale(sideways(tube, t, camera), sign * numberAt(tube.radii, t));
+      return add(positionAt(tube.points, t), offset);
+    });
+  return { right: edge(1), left: edge(-1) };
+}
+
+/** The tube's cross-section at `t`, closed. */
+export function ringAt(tube: Tube, t: number): Vec3[] {
+  return circle(positionAt(tube.points, t), unit(tangentAt(tube.points, t)), numberAt(tube.radii, t));
+}
+
+/** A closed circle square to the unit vector `axis`. */
+export function circle(centre: Vec3, axis: Vec3, radius: number): Vec3[] {
+  const x = perpendicular(axis);
+  const y = cross(axis, x);
+  return Array.from({ length: RING_POINTS + 1 }, (_, k) => {
+    const angle = (k / RING_POINTS) * 2 * Math.PI;
+    return add(centre, add(scale(x, radius * Math.cos(angle)), scale(y, radius * Math.sin(angle))));
+  });
+}

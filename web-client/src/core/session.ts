@@ -1,0 +1,218 @@
+// The page's side of a session: what it knows, what it has asked for, and what it shows.
+
+import { batch, computed, type ReadonlySignal, signal } from "@preact/signals-core";
+
+import { connect, type Connection, type ConnectionState, type Host } from "./connection";
+import { applyChange, predict } from "./document";
+import { display, type Screen, type Statistics } from "./display";
+import { type Drag, dragging, type OwnDrag } from "./drags";
+import type { FrameHeader } from "./frame";
+import type { ClientId, LightId } from "./ids";
+import { latencyMeter } from "./latency";
+import { advance, type Mirror, NOTHING, snapshotOf } from "./mirror";
+import { operations, type Request } from "./operations";
+import type {
+  Actor,
+  Bounds,
+  ClientMessage,
+  Command,
+  Document,
+  GestureState,
+  Presence,
+  Record,
+  Scope,
+  ServerMessage,
+  Welcome,
+} from "./protocol";
+import { type Viewer, viewer } from "./viewer";
+
+export interface Session {
+  connection: ReadonlySignal<ConnectionState>;
+  /** What the log says. */
+  mirror: ReadonlySignal<Mirror>;
+  /** The mirror with everybody's drags and this page's own edits under way. */
+  document: ReadonlySignal<Document>;
+  bounds: ReadonlySignal<Bounds>;
+  /** This client's number. */
+  client: ReadonlySignal<ClientId | null>;
+  actor: ReadonlySignal<Actor>;
+  people: ReadonlySignal<readonly Presence[]>;
+  /** Drags by others. */
+  gestures: ReadonlySignal<readonly GestureState[]>;
+  ownDrag: ReadonlySignal<OwnDrag | null>;
+  /** The picture on the screen. */
+  frame: ReadonlySignal<FrameHeader | null>;
+  statistics: ReadonlySignal<Statistics>;
+  viewer: Viewer;
+  /** Asks for `command`; `done` is told its record. */
+  edit(command: Command, done?: (record: Record) => void): void;
+  undo(scope: Scope): void;
+  redo(scope: Scope): void;
+  /** A drag on `light`; nothing is sent before its first update. */
+  drag(light: LightId): Drag;
+  select(light: LightId | null): void;
+  rename(name: string): void;
+  /** Connects again at once, after a refusal too. */
+  reconnect(): void;
+  /** Tries at once if it is waiting to try again. */
+  wake(): void;
+}
+
+export interface SessionOptions<T> {
+  host: Host;
+  token: string;
+  session: string;
+  actor: Actor;
+  screen: Screen<T>;
+  /** A sentence for the person at the page. */
+  notify(message: string): void;
+}
+
+/** The version of the protocol that this page speaks. */
+const PROTOCOL = 1;
+const UNIT_BOX: Bounds = { min: [-1, -1, -1], max: [1, 1, 1] };
+
+/** Connects to `session` and stays connected. */
+export function startSession<T>(options: SessionOptions<T>): Session {
+  const { host, screen, notify } = options;
+  const connection = signal<ConnectionState>({ kind: "connecting" });
+  const mirror = signal<Mirror>(NOTHING);
+  const bounds = signal<Bounds>(UNIT_BOX);
+  const client = signal<ClientId | null>(null);
+  const actor = signal<Actor>(options.actor);
+  const people = signal<readonly Presence[]>([]);
+  const gestures = signal<readonly GestureState[]>([]);
+  const latency = latencyMeter();
+  let selection: LightId | null = null;
+
+  const send = (message: ClientMessage): boolean => link.send(message);
+  const asked = operations({ host, send, notify, latency });
+  const drags = dragging({
+    host,
+    send,
+    notify,
+    latency,
+    baseSeq: () => mirror.value.seq,
+    commit: asked.start,
+  });
+  const view = viewer({ host, send, bounds: () => bounds.value, latency });
+  const { frame, statistics, feed, roundTrip } = display({ host, screen, send, notify, latency });
+
+  const document = computed(() => {
+    const live = gestures.value
+      .flatMap((gesture) => gesture.changes)
+      .reduce(applyChange, mirror.value.document);
+    const dragged = drags.own.value === null ? [] : [drags.own.value.command];
+    return [...asked.commands.value, ...dragged].reduce(predict, live);
+  });
+
+  function welcomed(welcome: Welcome): void {
+    client.value = welcome.client;
+    bounds.value = welcome.bounds;
+    feed.restart();
+    latency.restart();
+    if ("tail" in welcome.state) welcome.state.tail.forEach((record) => take(record, welcome.hash));
+    else mirror.value = snapshotOf(welcome, welcome.state.snapshot);
+    gestures.value = welcome.gestures.filter((gesture) => gesture.client !== welcome.client);
+    setPeople(welcome.clients);
+    view.open(welcome.camera);
+    send({ type: "presence", selection });
+    asked.resend();
+  }
+
+  /** Takes a record into the mirror. One that is missing before it can only come with a new welcome. */
+  function take(record: Record, hash: string): void {
+    const next = advance(mirror.value, record, hash);
+    if (next !== null) {
+      mirror.value = next;
+      asked.logged(record);
+    } else if (record.seq > mirror.value.seq) {
+      link.restart();
+    }
+  }
+
+  function gestureChanged(state: GestureState): void {
+    if (state.client === client.value) {
+      drags.answered(state);
+      return;
+    }
+    const others = gestures.value.filter((g) => g.client !== state.client || g.gesture !== state.gesture);
+    gestures.value = state.ended === undefined ? [...others, state] : others;
+  }
+
+  function setPeople(present: readonly Presence[]): void {
+    people.value = present;
+    view.people(present);
+  }
+
+  function receive(message: ServerMessage): void {
+    switch (message.type) {
+      case "welcome":
+        return welcomed(message);
+      case "log":
+        if (message.bounds !== undefined) bounds.value = message.bounds;
+        return take(message.record, message.hash);
+      case "editResult":
+        return asked.answered(message, mirror.value.seq);
+      case "gestureState":
+        return gestureChanged(message);
+      case "presence":
+        return setPeople(message.clients);
+      case "error":
+        if (!message.fatal) notify(message.message);
+        return;
+      case "viewConfig":
+      case "pong":
+      case "draining":
+        return;
+    }
+  }
+
+  const link: Connection = connect(host, {
+    hello: () => {
+      const { epoch, seq } = mirror.value;
+      const known = epoch === "" ? {} : { epoch, lastSeq: seq };
+      const { token, session } = options;
+      return { type: "hello", protocol: PROTOCOL, token, session, actor: actor.value, ...known };
+    },
+    message: (message) => batch(() => receive(message)),
+    frame: feed.receive,
+    state(state) {
+      connection.value = state;
+      if (state.kind === "reconnecting") drags.lost();
+    },
+    roundTrip,
+  });
+
+  return {
+    connection,
+    mirror,
+    document,
+    bounds,
+    client,
+    actor,
+    people,
+    gestures,
+    ownDrag: drags.own,
+    frame,
+    statistics,
+    viewer: view,
+    edit(command, done) {
+      const request: Request = { type: "edit", opId: host.newId(), baseSeq: mirror.value.seq, command };
+      asked.start(request, request, done);
+    },
+    undo: (scope) => asked.start({ type: "undo", opId: host.newId(), scope }),
+    redo: (scope) => asked.start({ type: "redo", opId: host.newId(), scope }),
+    drag: drags.begin,
+    select(light) {
+      selection = light;
+      send({ type: "presence", selection });
+    },
+    rename(name) {
+      actor.value = { ...actor.value, name };
+      link.restart();
+    },
+    reconnect: link.restart,
+    wake: link.wake,
+  };
+}

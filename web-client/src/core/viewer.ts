@@ -1,0 +1,144 @@
+// Where this page looks from: its own camera, or another client's view. Never logged (SPEC, SOCK-7).
+
+import { type ReadonlySignal, signal } from "@preact/signals-core";
+
+import type { Host } from "./connection";
+import type { FrameHeader } from "./frame";
+import type { ClientId } from "./ids";
+import type { LatencyMeter } from "./latency";
+import { type Orbit, orbitFrom } from "./navigation";
+import type { Bounds, Camera, ClientMessage, Presence, ViewSource } from "./protocol";
+
+/** Cameras of frames that may still arrive. */
+const REMEMBERED_CAMERAS = 256;
+const FIRST_SIZE = { width: 640, height: 360 };
+
+export interface Viewer {
+  /** One's own camera; `null` before the first welcome. */
+  own: ReadonlySignal<Orbit | null>;
+  following: ReadonlySignal<ClientId | null>;
+  /** Numbers one's own cameras; pictures from the latest carry it. */
+  revision: ReadonlySignal<number>;
+  /** Moves one's own view, from where the page looks now; ends following. */
+  move(change: (from: Orbit) => Orbit): void;
+  /** Looks from `camera`. */
+  jump(camera: Camera): void;
+  /** Shows another client's view, or with `null` one's own. */
+  follow(client: ClientId | null): void;
+  /** The picture's size in pixels. */
+  resize(width: number, height: number): void;
+  /** The camera that the picture with this header was taken from. */
+  cameraOf(header: FrameHeader | null): Camera | null;
+  /** After each welcome: asks for frames. */
+  open(camera: Camera): void;
+  /** After each presence: a view whose owner has left is followed no longer. */
+  people(present: readonly Presence[]): void;
+}
+
+export interface ViewerParts {
+  host: Host;
+  send(message: ClientMessage): boolean;
+  bounds(): Bounds;
+  latency: LatencyMeter;
+}
+
+export function viewer({ host, send, bounds, latency }: ViewerParts): Viewer {
+  const own = signal<Orbit | null>(null);
+  const following = signal<ClientId | null>(null);
+  const present = signal<readonly Presence[]>([]);
+  const sentCameras = new Map<number, Camera>();
+  const revision = signal(0);
+  let size = FIRST_SIZE;
+  let moved = false;
+
+  function remember(camera: Camera): void {
+    sentCameras.set(revision.value, camera);
+    sentCameras.delete(revision.value - REMEMBERED_CAMERAS);
+  }
+
+  function openView(): void {
+    const orbit = own.value;
+    if (orbit === null) return;
+    const source: ViewSource = following.value === null ? { own: orbit.camera } : { follow: following.value };
+    revision.value += 1;
+    remember(orbit.camera);
+    send({ type: "openView", source, ...size, cameraRevision: revision.value });
+  }
+
+  function sendCamera(): void {
+    moved = false;
+    if (own.value === null || following.value !== null) return;
+    remember(own.value.camera);
+    if (send({ type: "setCamera", camera: own.value.camera, cameraRevision: revision.value })) {
+      latency.expect("cameraRevision", revision.value, host.nowMs());
+    }
+  }
+
+  function move(change: (from: Orbit) => Orbit): void {
+    const followed = following.value !== null;
+    if (followed) leave();
+    if (own.value === null) return;
+    own.value = change(own.value);
+    if (followed) {
+      openView();
+    } else if (!moved) {
+      moved = true;
+      revision.value += 1;
+      host.nextFrame(sendCamera);
+    }
+  }
+
+  /** The camera of the view that is followed; who is followed may follow another. */
+  function cameraOfFollowed(): Camera | null {
+    let leader = following.value;
+    for (const _ of present.value) {
+      const person = present.value.find(({ client }) => client === leader);
+      if (person === undefined || person.following === null) return person?.camera ?? null;
+      leader = person.following;
+    }
+    return null;
+  }
+
+  /** From now on one's own view, from where the followed one was. */
+  function leave(): void {
+    const seen = cameraOfFollowed();
+    if (seen !== null) own.value = orbitFrom(seen, bounds());
+    following.value = null;
+  }
+
+  return {
+    own,
+    following,
+    revision,
+    move,
+    jump: (camera) => move(() => orbitFrom(camera, bounds())),
+    follow(client) {
+      if (client === null) leave();
+      following.value = client;
+      latency.restart();
+      openView();
+    },
+    resize(width, height) {
+      if (width === size.width && height === size.height) return;
+      size = { width, height };
+      send({ type: "viewport", ...size });
+    },
+    cameraOf(header) {
+      if (following.value !== null) return cameraOfFollowed();
+      return sentCameras.get(header?.cameraRevision ?? -1) ?? own.value?.camera ?? null;
+    },
+    open(camera) {
+      own.value ??= orbitFrom(camera, bounds());
+      openView();
+    },
+    people(everybody) {
+      // A server that has started again gives out its numbers again, so the person counts too.
+      const leader = present.value.find(({ client }) => client === following.value);
+      const stays = everybody.some((p) => p.client === leader?.client && p.actor.id === leader.actor.id);
+      const left = following.value !== null && !stays;
+      if (left) leave();
+      present.value = everybody;
+      if (left) openView();
+    },
+  };
+}

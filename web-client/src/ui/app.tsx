@@ -1,0 +1,69 @@
+// The page's parts.
+
+import { CameraList } from "./camera_list";
+import { LightList } from "./light_list";
+import { LightPanel } from "./light_panel";
+import { usePage } from "./page";
+import { StatusBar } from "./status_bar";
+import { TopBar } from "./top_bar";
+import { Viewport } from "./viewport";
+
+export function App() {
+  return (
+    <div class="app">
+      <TopBar />
+      <aside class="left" aria-label="Scene">
+        <LightList />
+        <CameraList />
+      </aside>
+      <Viewport />
+      <aside class="right" aria-label="Parameters">
+        <LightPanel />
+      </aside>
+      <StatusBar />
+      <Toasts />
+      <Refusal />
+    </div>
+  );
+}
+
+function Toasts() {
+  const { toasts } = usePage();
+  const close = (key: number) => (toasts.value = toasts.value.filter((toast) => toast.key !== key));
+  return (
+    <div class="toasts" role="log" aria-label="Messages">
+      {toasts.value.map(({ key, message }) => (
+        <button key={key} class="toast" title="Dismiss" onClick={() => close(key)}>
+          {message}
+        </button>
+      ))}
+    </div>
+  );
+}
+
+/** Over everything: the server said no, and trying again by itself would be no use. */
+function Refusal() {
+  const { session } = usePage();
+  const state = session.connection.value;
+  if (state.kind !== "refused") return null;
+  return (
+    <div class="refusal" role="alertdialog" aria-label="The server refused the connection">
+      <p>{state.message}</p>
+      <button class="solid" onClick={session.reconnect}>
+        Try again
+      </button>
+    </div>
+  );
+}
+
+/** In place of everything: the address lacks the token. */
+export function NoToken() {
+  return (
+    <div class="refusal" role="alert">
+      <p>
+        This address has no token. Open the page with the address that <code>bendylights serve</code> printed:
+        it ends in <code>#token=…</code>
+      </p>
+    </div>
+  );
+}

@@ -1,0 +1,158 @@
+// What can be grabbed on the selected light.
+
+import { depthOf, type Pixel, project, type View } from "../core/camera";
+import {
+  type Axis,
+  type Drawn,
+  grab,
+  type Handle,
+  handleName,
+  handlesOf,
+  placeOf,
+  turnAxis,
+  turnRadius,
+} from "../core/handles";
+import { circle } from "../core/outline";
+import type { Vec3 } from "../core/vector";
+import { pathOf } from "./lines";
+import { canEdit, type Page, usePage } from "./page";
+import { followPointer } from "./pointer";
+
+interface HandlesProps {
+  drawn: Drawn;
+  /** Somebody else is dragging the light. */
+  locked: boolean;
+}
+
+const AXES: readonly Axis[] = [0, 1, 2];
+/** How far around a handle the pointer still grabs it, pixels. */
+const REACH_PX = 11;
+
+export function Handles({ drawn, locked }: HandlesProps) {
+  const page = usePage();
+  const disabled = locked || !canEdit(page);
+  const begin = (handle: Handle) => (event: PointerEvent) => startDrag(event, page, handle, drawn, disabled);
+  return (
+    <g data-disabled={disabled}>
+      {AXES.map((axis) => (
+        <TurnRing key={axis} axis={axis} drawn={drawn} begin={begin({ kind: "turn", axis })} />
+      ))}
+      {handlesOf(drawn.light).map((handle) => (
+        <PointHandle key={handleName(handle)} handle={handle} drawn={drawn} begin={begin(handle)} />
+      ))}
+      <PointHandle handle={{ kind: "source" }} drawn={drawn} begin={begin({ kind: "source" })} />
+    </g>
+  );
+}
+
+interface HandleProps<H extends Handle = Handle> {
+  handle: H;
+  drawn: Drawn;
+  begin(event: PointerEvent): void;
+}
+
+function PointHandle({ handle, drawn, begin }: HandleProps) {
+  const { selectedPoint } = usePage();
+  const at = project(drawn.view, placeOf(handle, drawn));
+  if (at === null) return null;
+  const point = "point" in handle ? handle.point : null;
+  return (
+    <g
+      class={`handle ${handle.kind}`}
+      data-handle={handleName(handle)}
+      data-current={point !== null && point === selectedPoint.value}
+      transform={`translate(${at.x.toFixed(2)} ${at.y.toFixed(2)})`}
+      onPointerDown={begin}
+    >
+      <title>{titleOf(handle)}</title>
+      <circle class="reach" r={REACH_PX} />
+      <Mark handle={handle} />
+    </g>
+  );
+}
+
+function Mark({ handle }: { handle: Handle }) {
+  switch (handle.kind) {
+    case "source":
+      return (
+        <>
+          <circle class="mark" r={7} />
+          <circle class="pip" r={2} />
+        </>
+      );
+    case "point":
+      return (
+        <>
+          <circle class="mark" r={5} />
+          <text x={9} y={-7}>
+            {handle.point}
+          </text>
+        </>
+      );
+    default:
+      return <rect class="mark" x={-3.5} y={-3.5} width={7} height={7} transform="rotate(45)" />;
+  }
+}
+
+function titleOf(handle: Handle): string {
+  switch (handle.kind) {
+    case "source":
+      return "Move the light";
+    case "point":
+      return `Move control point ${handle.point}`;
+    case "radius":
+      return `Radius at control point ${handle.point}`;
+    case "turn":
+      return `Turn about ${"xyz"[handle.axis]}`;
+    case "cone":
+      return "Cone angle";
+  }
+}
+
+/** A ring around the source; the half behind it is faint. */
+function TurnRing({ axis, drawn, begin }: { axis: Axis; drawn: Drawn; begin(event: PointerEvent): void }) {
+  const { light, view } = drawn;
+  const centre = light.transform.translation;
+  const ring = circle(centre, turnAxis(light, axis), turnRadius(drawn));
+  if (project(view, centre) === null) return null;
+  return (
+    <g class={`turn axis-${axis}`} data-handle={handleName({ kind: "turn", axis })} onPointerDown={begin}>
+      <title>{titleOf({ kind: "turn", axis })}</title>
+      <path class="reach-line" d={pathOf(view, ring)} />
+      <path class="turn-back" d={pathOf(view, ring)} />
+      <path class="turn-front" d={nearHalf(view, ring, centre)} />
+    </g>
+  );
+}
+
+/** The path of those parts of `ring` that are nearer than `centre`. */
+function nearHalf(view: View, ring: readonly Vec3[], centre: Vec3): string {
+  const depth = depthOf(view.camera, centre) * (1 + 1e-9);
+  const isNear = (point: Vec3 | undefined) => point !== undefined && depthOf(view.camera, point) <= depth;
+  const pieces = ring.slice(1).flatMap((point, k) => {
+    const before = ring[k];
+    return before !== undefined && isNear(point) && isNear(before) ? [pathOf(view, [before, point])] : [];
+  });
+  return pieces.join("");
+}
+
+/** Selects what is grabbed, and drags it until the pointer is let go of. */
+function startDrag(down: PointerEvent, page: Page, handle: Handle, drawn: Drawn, disabled: boolean): void {
+  if (down.button !== 0 || down.altKey) return;
+  down.stopPropagation();
+  down.preventDefault();
+  (document.activeElement as HTMLElement | null)?.blur();
+  page.selectedPoint.value =
+    "point" in handle ? handle.point : handle.kind === "source" ? null : page.selectedPoint.value;
+  if (disabled) return;
+  const picture = (down.currentTarget as Element).closest(".stage")?.querySelector("canvas");
+  const corner = picture?.getBoundingClientRect() ?? { x: 0, y: 0 };
+  const inPicture = ({ x, y }: Pixel): Pixel => ({ x: x - corner.x, y: y - corner.y });
+  const command = grab(handle, drawn, inPicture({ x: down.clientX, y: down.clientY }));
+  const drag = page.session.drag(drawn.id);
+  followPointer(down, {
+    move: (at) => drag.update(command(inPicture(at))),
+    end: drag.commit,
+    cancel: drag.cancel,
+  });
+}

@@ -1,0 +1,26 @@
+// Line icons, 16 by 16.
+
+const PATHS = {
+  undo: "M5.5 3 2.5 6l3 3M2.5 6h7a4 4 0 0 1 0 8H6",
+  redo: "m10.5 3 3 3-3 3M13.5 6h-7a4 4 0 0 0 0 8H10",
+  plus: "M8 3v10M3 8h10",
+  minus: "M3 8h10",
+  trash: "M3 4.5h10M6.5 4.5V3h3v1.5M4.5 4.5l.5 9h6l.5-9M6.7 7v4M9.3 7v4",
+  bendy: "M2.5 4C8 3.5 12 7 12 13M2.5 4c6-3 11.5 1 11.5 7",
+  spot: "M3 3l3 10M3 3l10 3.5M6 13c3 .2 7-3 7-6.5",
+  camera: "M2.5 5h7v6h-7zM9.5 7.5l4-2v5l-4-2",
+  view: "M1.5 8S4 4 8 4s6.5 4 6.5 4-2.5 4-6.5 4-6.5-4-6.5-4zM8 6.3a1.7 1.7 0 1 0 0 3.4 1.7 1.7 0 0 0 0-3.4z",
+  frame: "M2.5 6V2.5H6M10 2.5h3.5V6M13.5 10v3.5H10M6 13.5H2.5V10M6 8a2 2 0 1 0 4 0 2 2 0 0 0-4 0z",
+  handles: "M4 12 12 4M2.5 10.5h3v3h-3zM10.5 2.5h3v3h-3z",
+  lock: "M4 7.5h8v6H4zM5.5 7.5V5a2.5 2.5 0 0 1 5 0v2.5",
+} as const;
+
+export type IconName = keyof typeof PATHS;
+
+export function Icon({ name }: { name: IconName }) {
+  return (
+    <svg class="icon" viewBox="0 0 16 16" aria-hidden="true">
+      <path d={PATHS[name]} />
+    </svg>
+  );
+}

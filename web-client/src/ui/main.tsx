@@ -1,0 +1,74 @@
+// Starts the page.
+
+import { effect } from "@preact/signals";
+import { render } from "preact";
+
+import { startSession } from "../core/session";
+import { readAddress } from "./address";
+import { App, NoToken } from "./app";
+import { browserHost } from "./host";
+import { bindKeys } from "./keys";
+import { PageProvider, startPage, startToasts } from "./page";
+import { keepActor, readActor } from "./person";
+import { canvasScreen } from "./screen";
+import "./style/page.css";
+import "./style/fields.css";
+import "./style/panels.css";
+import "./style/viewport.css";
+
+const root = document.getElementById("page") as HTMLElement;
+const { token, session: name } = readAddress();
+addEventListener("hashchange", () => location.reload());
+
+if (token === "") {
+  render(<NoToken />, root);
+} else {
+  start();
+}
+
+function start(): void {
+  const toasts = startToasts();
+  const screen = canvasScreen();
+  const session = startSession({
+    host: browserHost(),
+    token,
+    session: name,
+    actor: readActor(),
+    screen,
+    notify: toasts.say,
+  });
+  const page = startPage(session, screen, name, toasts);
+  effect(() => keepActor(session.actor.value));
+  effect(() => {
+    document.title = `${name} - BendyLights`;
+    showState(root);
+  });
+  bindKeys(page);
+  addEventListener("online", session.wake);
+  document.addEventListener("visibilitychange", () => document.hidden || session.wake());
+  render(
+    <PageProvider value={page}>
+      <App />
+    </PageProvider>,
+    root,
+  );
+
+  /** What tests and people with developer tools can read off the page's root element. */
+  function showState({ dataset }: HTMLElement): void {
+    const { seq, hash, pictureSeq } = session.mirror.value;
+    const frame = session.frame.value;
+    dataset.connection = session.connection.value.kind;
+    dataset.client = String(session.client.value ?? "");
+    dataset.seq = String(seq);
+    dataset.hash = hash;
+    dataset.pictureSeq = String(pictureSeq);
+    dataset.frame = String(frame?.frame ?? 0);
+    dataset.frameLogSeq = String(frame?.logSeq ?? 0);
+    dataset.frameSettle = String(frame?.settle ?? false);
+    dataset.following = String(session.viewer.following.value ?? "");
+    dataset.cameraRevision = String(session.viewer.revision.value);
+    dataset.frameCameraRevision = String(frame?.cameraRevision ?? 0);
+    dataset.liveRevision = String(frame?.liveRevision ?? 0);
+    dataset.latencyMs = String(session.statistics.value.latencyMs ?? "");
+  }
+}

@@ -1,0 +1,131 @@
+// The lights drawn over the picture: curve and tube. What can be grabbed is in handles.tsx.
+
+import { type Pixel, project, type View } from "../core/camera";
+import { segmentCount } from "../core/curve";
+import type { Drawn } from "../core/handles";
+import { centreLine, ringAt, silhouette, tubeOf } from "../core/outline";
+import type { DocumentLight } from "../core/protocol";
+import { coneReach } from "./framing";
+import { Handles } from "./handles";
+import { Line } from "./lines";
+import { selectLight, usePage } from "./page";
+import { colorOf, nameOf } from "./person";
+
+interface OverlayProps {
+  view: View;
+  /** The picture's upper left corner in the stage. */
+  at: Pixel;
+  /** Of the stage. */
+  size: { width: number; height: number };
+}
+
+/** Everything over the picture. */
+export function Overlay({ view, at, size }: OverlayProps) {
+  const { session, selectedLight } = usePage();
+  const { lights } = session.document.value;
+  const isSelected = ({ id }: DocumentLight) => id === selectedLight.value;
+  // The selected light is on top.
+  const ordered = [...lights.filter((placed) => !isSelected(placed)), ...lights.filter(isSelected)];
+  return (
+    <svg class="overlay" width={size.width} height={size.height} aria-label="Lights">
+      <g transform={`translate(${at.x} ${at.y})`}>
+        {ordered.map((placed) => (
+          <LightOverlay key={placed.id} placed={placed} view={view} selected={isSelected(placed)} />
+        ))}
+      </g>
+      {lights.map((placed) => (
+        <NameTag key={placed.id} placed={placed} view={view} at={at} size={size} />
+      ))}
+    </svg>
+  );
+}
+
+interface LightOverlayProps {
+  placed: DocumentLight;
+  view: View;
+  selected: boolean;
+}
+
+function LightOverlay({ placed: { id, light }, view, selected }: LightOverlayProps) {
+  const page = usePage();
+  const { session } = page;
+  const drawn: Drawn = { id, light, tube: tubeOf(light, coneReach(page)), view };
+  const holder = session.gestures.value.find((gesture) => gesture.light === id)?.client;
+  const refused = session.ownDrag.value?.light === id && session.ownDrag.value.refusal !== null;
+  const color = holder === undefined ? undefined : colorOf(holder);
+  const source = project(view, light.transform.translation);
+  return (
+    <g
+      class="light"
+      data-selected={selected}
+      data-held={holder !== undefined}
+      data-refused={refused}
+      style={{ color }}
+    >
+      {selected || holder !== undefined ? (
+        <TubeLines {...drawn} />
+      ) : (
+        <Line view={view} points={centreLine(drawn.tube)} kind="centre" />
+      )}
+      {selected && <Handles drawn={drawn} locked={holder !== undefined} />}
+      {source !== null && !selected && (
+        <circle
+          class="handle source"
+          data-handle={`light-${id}`}
+          cx={source.x}
+          cy={source.y}
+          r={6}
+          onPointerDown={(event) => {
+            event.stopPropagation();
+            selectLight(page, id);
+          }}
+        >
+          <title>{light.name}</title>
+        </circle>
+      )}
+    </g>
+  );
+}
+
+/** Room that a name needs from the right and lower edges of the stage, pixels. */
+const TAG = { width: 150, height: 14 };
+
+/** The light's name at its source; that of a light that somebody holds stays in sight, with the holder's. */
+function NameTag({ placed: { id, light }, view, at, size }: OverlayProps & { placed: DocumentLight }) {
+  const { session } = usePage();
+  const holder = session.gestures.value.find((gesture) => gesture.light === id)?.client;
+  const source = project(view, light.transform.translation);
+  const wanted: Pixel =
+    source === null ? { x: 0, y: 0 } : { x: at.x + source.x + 12, y: at.y + source.y - 10 };
+  if (holder === undefined) {
+    return source === null ? null : (
+      <text class="light-name" {...wanted}>
+        {light.name}
+      </text>
+    );
+  }
+  const x = Math.min(Math.max(wanted.x, 10), size.width - TAG.width);
+  const y = Math.min(Math.max(wanted.y, 10 + TAG.height), size.height - TAG.height);
+  return (
+    <text class="light-name" x={x} y={y} style={{ fill: colorOf(holder) }}>
+      {light.name} is held by {nameOf(session.people.value, holder)}
+    </text>
+  );
+}
+
+/** The curve, its control polygon, the tube's silhouette, and rings where segments meet. */
+function TubeLines({ tube, view, light }: Drawn) {
+  const { right, left } = silhouette(tube, view.camera);
+  const joints = Array.from({ length: segmentCount(tube.points.length) + 1 }, (_, t) => t);
+  return (
+    <>
+      {joints.map((t) => (
+        <Line key={t} view={view} points={ringAt(tube, t)} kind="ring" />
+      ))}
+      <Line view={view} points={right} kind="edge" />
+      <Line view={view} points={left} kind="edge" />
+      <Line view={view} points={centreLine(tube)} kind="centre" />
+      {light.type === "bendy" && <Line view={view} points={tube.points} kind="polygon" />}
+    </>
+  );
+}

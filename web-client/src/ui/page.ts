@@ -1,0 +1,99 @@
+// What only this page knows: what is selected, what is said to the person at it.
+
+import { effect, type Signal, signal } from "@preact/signals";
+import { createContext } from "preact";
+import { useContext } from "preact/hooks";
+
+import type { LightId } from "../core/ids";
+import type { Scope } from "../core/protocol";
+import type { Session } from "../core/session";
+import type { Screen } from "./screen";
+
+export interface Toast {
+  key: number;
+  message: string;
+}
+
+export interface Page {
+  session: Session;
+  screen: Screen;
+  name: string;
+  selectedLight: Signal<LightId | null>;
+  /** Control point of the selected light; `null` for the light as a whole. */
+  selectedPoint: Signal<number | null>;
+  scope: Signal<Scope>;
+  showHandles: Signal<boolean>;
+  toasts: Signal<readonly Toast[]>;
+}
+
+const TOAST_MS = 6000;
+/** More than these would hide the picture. */
+const MOST_TOASTS = 4;
+
+export interface Toasts {
+  list: Signal<readonly Toast[]>;
+  say(message: string): void;
+}
+
+export function startToasts(): Toasts {
+  const list = signal<readonly Toast[]>([]);
+  let key = 0;
+  return {
+    list,
+    say(message) {
+      key += 1;
+      const toast = { key, message };
+      list.value = [...list.value.filter((t) => t.message !== message), toast].slice(-MOST_TOASTS);
+      setTimeout(() => (list.value = list.value.filter((t) => t !== toast)), TOAST_MS);
+    },
+  };
+}
+
+export function startPage(session: Session, screen: Screen, name: string, toasts: Toasts): Page {
+  const selectedLight = signal<LightId | null>(null);
+  const page: Page = {
+    session,
+    screen,
+    name,
+    selectedLight,
+    selectedPoint: signal(null),
+    scope: signal<Scope>("mine"),
+    showHandles: signal(true),
+    toasts: toasts.list,
+  };
+  effect(() => session.select(selectedLight.value));
+  effect(() => followLights(page));
+  return page;
+}
+
+export function selectLight(page: Page, light: LightId | null): void {
+  if (light !== page.selectedLight.value) page.selectedPoint.value = null;
+  page.selectedLight.value = light;
+}
+
+/** Keeps something selected that is there: at first, and when the selected light was removed, the first. */
+function followLights(page: Page): void {
+  const { lights } = page.session.document.value;
+  const selected = page.selectedLight.peek();
+  const light = lights.find((placed) => placed.id === selected);
+  if (light === undefined) {
+    selectLight(page, lights[0]?.id ?? null);
+  } else if (light.light.type === "bendy") {
+    const last = light.light.points.length - 1;
+    const point = page.selectedPoint.peek();
+    if (point !== null && point > last) page.selectedPoint.value = last;
+  }
+}
+
+const PageContext = createContext<Page | null>(null);
+export const PageProvider = PageContext.Provider;
+
+/** The page that a component belongs to. */
+export function usePage(): Page {
+  const page = useContext(PageContext);
+  if (page === null) throw new Error("A component of the page stands outside of it.");
+  return page;
+}
+
+/** Whether edits can be made now. */
+export const canEdit = (page: Page): boolean => page.session.connection.value.kind === "connected";

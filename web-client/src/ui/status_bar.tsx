@@ -1,0 +1,41 @@
+// What the picture is, and how fast it comes.
+
+import { usePage } from "./page";
+
+export function StatusBar() {
+  const { session } = usePage();
+  const frame = session.frame.value;
+  const connected = session.connection.value.kind === "connected";
+  const { latencyMs, framesPerSecond } = session.statistics.value;
+  const stages =
+    frame === null
+      ? ""
+      : `waited ${ms(frame.waitUs)}, rendered ${ms(frame.renderUs)}, encoded ${ms(frame.encodeUs)}`;
+  return (
+    <footer class="status-bar">
+      {frame !== null && (
+        <>
+          <span class="quality" data-settle={frame.settle && connected}>
+            {connected ? (frame.settle ? "Lossless" : "Live") : "Old"}
+          </span>
+          <span>
+            {frame.codec.toUpperCase()} {frame.width} × {frame.height}
+          </span>
+          <span>
+            {frame.samples} {frame.samples === 1 ? "sample" : "samples"}
+          </span>
+          <span title={`The latest picture: ${stages}`}>render {ms(frame.renderUs)}</span>
+        </>
+      )}
+      <span title="From a change to its picture on the screen, median of the latest">
+        latency {latencyMs === null ? "–" : `${latencyMs.toFixed(0)} ms`}
+      </span>
+      <span>{frame === null || frame.settle ? "at rest" : `${framesPerSecond} fps`}</span>
+      <span class="spring" />
+      <span class="keys">drag orbit · shift-drag pan · wheel zoom · A scene · F light · H handles</span>
+      <span title="The latest record of the edit log">#{session.mirror.value.seq}</span>
+    </footer>
+  );
+}
+
+const ms = (us: number): string => `${(us / 1000).toFixed(us < 10_000 ? 1 : 0)} ms`;

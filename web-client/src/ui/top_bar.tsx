@@ -1,0 +1,160 @@
+// Session, undo, who is here, and whether the page is connected.
+
+import { useState } from "preact/hooks";
+
+import type { ConnectionState } from "../core/connection";
+import type { Presence, Scope } from "../core/protocol";
+import { TextField } from "./fields";
+import { Icon } from "./icons";
+import { canEdit, usePage } from "./page";
+import { colorOf } from "./person";
+
+export function TopBar() {
+  const page = usePage();
+  const { session, name } = page;
+  return (
+    <header class="top-bar">
+      <h1>BendyLights</h1>
+      <span class="session-name" title="Session">
+        {name}
+      </span>
+      <span class="scene-name" title="Scene">
+        {session.document.value.scene?.name ?? "no scene"}
+      </span>
+      <UndoButtons />
+      <span class="spring" />
+      <People />
+      <ConnectionBadge state={session.connection.value} />
+    </header>
+  );
+}
+
+const SCOPES: { [S in Scope]: { label: string; title: string } } = {
+  mine: { label: "Mine", title: "Undo and redo my own steps" },
+  session: { label: "All", title: "Undo and redo anybody's steps" },
+};
+
+function UndoButtons() {
+  const page = usePage();
+  const { session, scope } = page;
+  const disabled = !canEdit(page);
+  return (
+    <div class="undo" role="group" aria-label="Undo and redo">
+      <button
+        class="quiet"
+        title="Undo (Ctrl+Z)"
+        aria-label="Undo"
+        disabled={disabled}
+        onClick={() => session.undo(scope.value)}
+      >
+        <Icon name="undo" />
+      </button>
+      <button
+        class="quiet"
+        title="Redo (Ctrl+Shift+Z)"
+        aria-label="Redo"
+        disabled={disabled}
+        onClick={() => session.redo(scope.value)}
+      >
+        <Icon name="redo" />
+      </button>
+      <div class="toggle" role="group" aria-label="Whose steps">
+        {(Object.keys(SCOPES) as Scope[]).map((choice) => (
+          <button
+            key={choice}
+            title={SCOPES[choice].title}
+            aria-pressed={scope.value === choice}
+            onClick={() => (scope.value = choice)}
+          >
+            {SCOPES[choice].label}
+          </button>
+        ))}
+      </div>
+    </div>
+  );
+}
+
+function People() {
+  const { session } = usePage();
+  const own = session.client.value;
+  const others = session.people.value.filter(({ client }) => client !== own);
+  return (
+    <ul class="people" aria-label="Who is here">
+      {others.map((person) => (
+        <Other key={person.client} person={person} />
+      ))}
+      <Self />
+    </ul>
+  );
+}
+
+function Other({ person: { client, actor, following } }: { person: Presence }) {
+  const { session } = usePage();
+  const { viewer } = session;
+  const followed = viewer.following.value === client;
+  const followsMe = following === session.client.value;
+  const title = followed ? `Stop following ${actor.name}` : `Follow ${actor.name}'s view`;
+  return (
+    <li>
+      <button
+        class="person"
+        data-person={client}
+        aria-pressed={followed}
+        aria-label={title}
+        title={followsMe ? `${title} (follows yours)` : title}
+        onClick={() => viewer.follow(followed ? null : client)}
+      >
+        <span class="dot" style={{ background: colorOf(client) }} />
+        <span class="clipped">{actor.name}</span>
+        {(followed || followsMe) && <Icon name="view" />}
+      </button>
+    </li>
+  );
+}
+
+function Self() {
+  const { session } = usePage();
+  const [editing, setEditing] = useState(false);
+  const { name } = session.actor.value;
+  const rename = (text: string) => text.trim() !== "" && session.rename(text.trim());
+  return (
+    <li
+      class="person self"
+      // The button that the field takes the place of loses the focus too.
+      onFocusOut={({ target }) => target instanceof HTMLInputElement && setEditing(false)}
+    >
+      <span class="dot" style={{ background: colorOf(session.client.value ?? 0) }} />
+      {editing ? (
+        <TextField label="Your name" value={name} set={rename} disabled={false} autofocus />
+      ) : (
+        <button
+          class="clipped"
+          title="You. Change your name"
+          aria-label="Change your name"
+          onClick={() => setEditing(true)}
+        >
+          {name}
+        </button>
+      )}
+    </li>
+  );
+}
+
+const CONNECTION: { [K in ConnectionState["kind"]]: string } = {
+  connecting: "Connecting",
+  connected: "Connected",
+  reconnecting: "Reconnecting",
+  draining: "Server stopping",
+  refused: "Refused",
+};
+
+function ConnectionBadge({ state }: { state: ConnectionState }) {
+  const { session } = usePage();
+  const { roundTripMs } = session.statistics.value;
+  const title = roundTripMs === null ? CONNECTION[state.kind] : `Round trip ${roundTripMs.toFixed(0)} ms`;
+  return (
+    <span class="connection" data-kind={state.kind} role="status" title={title}>
+      {CONNECTION[state.kind]}
+    </span>
+  );
+}

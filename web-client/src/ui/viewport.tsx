@@ -1,0 +1,207 @@
+// The picture, the lights drawn over it, and the viewer's own view.
+
+import { useEffect, useRef, useState } from "preact/hooks";
+
+import type { View } from "../core/camera";
+import { orbit, pan, zoom } from "../core/navigation";
+import { frameLight, frameScene } from "./framing";
+import { Icon } from "./icons";
+import { Overlay } from "./overlay";
+import { type Page, usePage } from "./page";
+import { colorOf, nameOf } from "./person";
+import { followPointer } from "./pointer";
+
+const LARGEST_SIDE = 1280;
+const RADIANS_PER_PIXEL = 0.006;
+const ZOOM_PER_WHEEL_PIXEL = 0.0012;
+/** A press that moves less is a click. */
+const CLICK_PX = 4;
+
+interface Size {
+  width: number;
+  height: number;
+}
+
+export function Viewport() {
+  const page = usePage();
+  const { session } = page;
+  const stage = useRef<HTMLDivElement>(null);
+  const size = useSize(stage);
+  useEffect(() => {
+    const pixels = pictureSize(size, devicePixelRatio);
+    if (pixels !== null) session.viewer.resize(pixels.width, pixels.height);
+  }, [size.width, size.height]);
+
+  const connected = session.connection.value.kind === "connected";
+  const frame = session.frame.value;
+  const picture = contain(size, frame ?? size);
+  const camera = session.viewer.cameraOf(frame);
+  const view: View | null =
+    camera === null || size.width === 0 ? null : { camera, width: picture.width, height: picture.height };
+  const navigate = (event: PointerEvent) => startNavigation(event, page, view);
+  return (
+    <main class="viewport">
+      <ViewTools />
+      <div
+        class="stage"
+        ref={stage}
+        data-stale={!connected && frame !== null}
+        onPointerDown={navigate}
+        onContextMenu={(event) => event.preventDefault()}
+        onWheel={(event) => {
+          event.preventDefault();
+          const factor = Math.exp(wheelPixels(event) * ZOOM_PER_WHEEL_PIXEL);
+          session.viewer.move((from) => zoom(from, factor, session.bounds.value));
+        }}
+      >
+        <canvas
+          ref={page.screen.attach}
+          aria-label="Rendered picture"
+          style={{
+            left: `${picture.x}px`,
+            top: `${picture.y}px`,
+            width: `${picture.width}px`,
+            height: `${picture.height}px`,
+          }}
+        />
+        {view !== null && page.showHandles.value && <Overlay view={view} at={picture} size={size} />}
+        <Following />
+        <Staleness />
+        <DragRefusal />
+      </div>
+    </main>
+  );
+}
+
+function ViewTools() {
+  const page = usePage();
+  const { showHandles } = page;
+  return (
+    <div class="view-tools" role="toolbar" aria-label="View">
+      <button
+        class="quiet"
+        title="Frame the scene (A)"
+        aria-label="Frame the scene"
+        onClick={() => frameScene(page)}
+      >
+        <Icon name="frame" /> Scene
+      </button>
+      <button
+        class="quiet"
+        title="Frame the selected light (F)"
+        aria-label="Frame the selected light"
+        onClick={() => frameLight(page)}
+      >
+        <Icon name="frame" /> Light
+      </button>
+      <button
+        class="quiet"
+        title="Show handles (H)"
+        aria-label="Show handles"
+        aria-pressed={showHandles.value}
+        onClick={() => (showHandles.value = !showHandles.value)}
+      >
+        <Icon name="handles" /> Handles
+      </button>
+    </div>
+  );
+}
+
+/** Whose view this is, where it is another's. */
+function Following() {
+  const { session } = usePage();
+  const followed = session.viewer.following.value;
+  if (followed === null) return null;
+  return (
+    <div class="banner" style={{ borderColor: colorOf(followed) }}>
+      <Icon name="view" /> {nameOf(session.people.value, followed)}'s view
+      <button class="quiet" onClick={() => session.viewer.follow(null)}>
+        Stop following
+      </button>
+    </div>
+  );
+}
+
+/** Why the picture no longer changes. */
+function Staleness() {
+  const { session } = usePage();
+  const { kind } = session.connection.value;
+  if (kind === "connected" || kind === "refused") return null;
+  const said = {
+    connecting: "Connecting to the server",
+    reconnecting: "Connection lost, trying again: this picture is old, and edits are off",
+    draining: "The server is stopping: edits are off until it is back",
+  }[kind];
+  return (
+    <div class="banner stale" role="status">
+      {said}
+    </div>
+  );
+}
+
+/** Why the server does not follow the hand. */
+function DragRefusal() {
+  const refusal = usePage().session.ownDrag.value?.refusal;
+  if (refusal === null || refusal === undefined) return null;
+  return (
+    <div class="banner refused-drag" role="status">
+      <span>{refusal}</span>
+    </div>
+  );
+}
+
+/** Alt with the left button or the left button on nothing orbits; shift or the middle button pans. */
+function startNavigation(down: PointerEvent, page: Page, view: View | null): void {
+  if (view === null || down.button === 2) return;
+  const { viewer } = page.session;
+  const pans = down.button === 1 || down.shiftKey;
+  let way = 0;
+  down.preventDefault();
+  (document.activeElement as HTMLElement | null)?.blur();
+  followPointer(down, {
+    move(_, by) {
+      way += Math.hypot(by.x, by.y);
+      if (way < CLICK_PX) return;
+      viewer.move((from) =>
+        pans ? pan(from, view, by) : orbit(from, -by.x * RADIANS_PER_PIXEL, -by.y * RADIANS_PER_PIXEL),
+      );
+    },
+    end() {
+      if (way < CLICK_PX && !pans) page.selectedPoint.value = null;
+    },
+  });
+}
+
+/** Wheels that count lines count 16 pixels each. */
+const wheelPixels = (event: WheelEvent): number =>
+  event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1);
+
+/** The picture's size for a stage: sharp on the screen, not too large, even; `null` for no stage. */
+export function pictureSize(stage: Size, pixelRatio: number): Size | null {
+  const longest = Math.max(stage.width, stage.height);
+  if (Math.min(stage.width, stage.height) < 2) return null;
+  const ratio = Math.min(pixelRatio, LARGEST_SIDE / longest);
+  const even = (length: number) => Math.max(2, 2 * Math.round((length * ratio) / 2));
+  return { width: even(stage.width), height: even(stage.height) };
+}
+
+/** The largest rectangle of `inner`'s shape in the middle of `outer`. */
+function contain(outer: Size, inner: Size): Size & { x: number; y: number } {
+  const scale = Math.min(outer.width / inner.width, outer.height / inner.height) || 0;
+  const [width, height] = [inner.width * scale, inner.height * scale];
+  return { width, height, x: (outer.width - width) / 2, y: (outer.height - height) / 2 };
+}
+
+/** How large the element is now. */
+function useSize(element: { current: HTMLElement | null }): Size {
+  const [size, setSize] = useState<Size>({ width: 0, height: 0 });
+  useEffect(() => {
+    if (element.current === null) return;
+    const observer = new ResizeObserver(([entry]) => {
+      if (entry !== undefined) setSize({ width: entry.contentRect.width, height: entry.contentRect.height });
+    });
+    observer.observe(element.current);
+    return () => observer.disconnect();
+  }, []);
+  return size;
+}

@@ -1,0 +1,145 @@
+// What the browser tests share: a browser, pages of a session, and what can be asked of them.
+
+import { mkdirSync } from "node:fs";
+import { join } from "node:path";
+
+import { chromium } from "playwright-core";
+
+/** Software renderers are slow beside a browser; this only ends a test that hangs. */
+const PATIENCE_MS = 120_000;
+
+const CHROMIUM = {
+  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+  args: [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+  ],
+};
+
+/**
+ * Runs `test` in a new session of the demo scene. `open(name)` opens a page for a person called so,
+ * `picture(page, name)` takes a screenshot. The command line is `ADDRESS FOLDER`, the address as the server
+ * printed it; a failure is one sentence on standard error and exit code 1.
+ */
+export async function runBrowserTest(test) {
+  const [address, folder] = process.argv.slice(2);
+  if (address === undefined || folder === undefined) {
+    console.error("Say which page to test and where to put pictures: node TEST.mjs ADDRESS FOLDER");
+    process.exit(2);
+  }
+  mkdirSync(folder, { recursive: true });
+  const browser = await chromium.launch(CHROMIUM);
+  const picture = (page, name) => page.screenshot({ path: join(folder, `${name}.png`) });
+  const pages = [];
+  try {
+    const session = await newSession(address);
+    const open = async (name, viewport = { width: 1280, height: 760 }) => {
+      const page = await openPage(browser, session, name, viewport);
+      pages.push(page);
+      return page;
+    };
+    await test({ open, picture });
+  } catch (error) {
+    for (const [k, page] of pages.entries()) await picture(page, `failed-${k}`).catch(() => {});
+    console.error(error instanceof Error ? error.message : String(error));
+    process.exitCode = 1;
+  } finally {
+    await browser.close();
+  }
+}
+
+/** Makes a session over HTTP; the address of its page. */
+async function newSession(address) {
+  const { origin, hash } = new URL(address);
+  const token = new URLSearchParams(hash.slice(1)).get("token");
+  const name = `browser-${Date.now()}`;
+  const answer = await fetch(`${origin}/sessions`, {
+    method: "POST",
+    headers: { authorization: `Bearer ${token}`, "content-type": "application/json" },
+    body: JSON.stringify({ name, scene: "demo:vases" }),
+  });
+  expect(answer.status === 201, `The session could not be made: ${answer.status} ${await answer.text()}`);
+  return `${origin}/#token=${token}&session=${name}`;
+}
+
+/** A page of the session for a person of its own, called `name`, once it shows a settled picture. */
+async function openPage(browser, address, name, viewport) {
+  const context = await browser.newContext({ viewport });
+  await context.addInitScript(
+    (actor) => {
+      if (localStorage.getItem("bendylights.actor") === null)
+        localStorage.setItem("bendylights.actor", actor);
+    },
+    JSON.stringify({ id: `test-${name}`, name }),
+  );
+  const page = await context.newPage();
+  page.setDefaultTimeout(PATIENCE_MS);
+  page.on("pageerror", (error) => console.error(`The page of ${name} failed: ${error.message}`));
+  await page.goto(address);
+  await settled(page);
+  return page;
+}
+
+/** What the page says about itself on its root element. */
+export const state = (page) => page.evaluate(() => ({ ...document.getElementById("page").dataset }));
+
+/** The latest record that the page knows. */
+export const seqOf = async (page) => Number((await state(page)).seq);
+
+/** Waits until the page knows record `seq`. */
+export async function reached(page, seq) {
+  await page.waitForFunction((seq) => Number(document.getElementById("page").dataset.seq) >= seq, seq);
+}
+
+/** Waits until the page shows the lossless picture of record `seq` or later, and of all that it knows. */
+export async function settled(page, seq = 0) {
+  await page.waitForFunction((seq) => {
+    const { connection, ...page } = document.getElementById("page").dataset;
+    const isNew = Number(page.seq) >= seq && Number(page.frameLogSeq) >= Number(page.pictureSeq);
+    const isHere = page.following !== "" || Number(page.frameCameraRevision) >= Number(page.cameraRevision);
+    return connection === "connected" && isNew && isHere && page.frameSettle === "true";
+  }, seq);
+}
+
+/** The picture's pixels, as width, height and a digest of every byte. */
+export async function pixels(page) {
+  return page.evaluate(async () => {
+    const canvas = document.querySelector("canvas");
+    const { data, width, height } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    const digest = new Uint8Array(await crypto.subtle.digest("SHA-256", data));
+    return `${width}x${height} ${[...digest].map((b) => b.toString(16).padStart(2, "0")).join("")}`;
+  });
+}
+
+/** The middle of a handle, in pixels of the page. */
+export async function handleAt(page, name) {
+  const handle = page.locator(`[data-handle="${name}"]`);
+  await handle.waitFor();
+  const box = await handle.locator(".mark").first().boundingBox();
+  return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+}
+
+/** Presses on a handle and moves it; the button stays down. */
+export async function startDragging(page, name, by) {
+  const { x, y } = await handleAt(page, name);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x + by.x, y + by.y, { steps: 8 });
+}
+
+/** Drags a handle and waits for the record. */
+export async function dragHandle(page, name, by) {
+  const seq = await seqOf(page);
+  await startDragging(page, name, by);
+  await page.mouse.up();
+  await reached(page, seq + 1);
+}
+
+export function expect(holds, sentence) {
+  if (!holds) throw new Error(sentence);
+}

@@ -1,0 +1,127 @@
+import { expect, test } from "vitest";
+
+import { depthOf, inPlaneOf, project, type View, worldPerPixel } from "../src/core/camera";
+import { frameBall, orbit, orbitFrom, pan, pivotOf, zoom } from "../src/core/navigation";
+import type { Camera, Projection } from "../src/core/protocol";
+import { add, fromEulerDegrees, length, rotate, sub, toEulerDegrees, unitQuat } from "../src/core/vector";
+import { difference, seeded, someVector } from "./examples";
+
+const PROJECTIONS: Projection[] = [
+  { perspective: { yfov: 0.7, znear: 0.1 } },
+  { orthographic: { ymag: 2, znear: 0, zfar: 100 } },
+];
+const BOUNDS = { min: [-2, 0, -2], max: [2, 2, 2] } as {
+  min: [number, number, number];
+  max: [number, number, number];
+};
+
+/** 200 cameras near the origin that look any way, of both projections. */
+function cameras(): Camera[] {
+  const next = seeded(1);
+  return Array.from({ length: 200 }, (_, k) => ({
+    name: "",
+    translation: someVector(next, 5),
+    rotation: unitQuat([next() - 0.5, next() - 0.5, next() - 0.5, next() - 0.5]),
+    projection: PROJECTIONS[k % 2] as Projection,
+  }));
+}
+
+const view = (camera: Camera): View => ({ camera, width: 640, height: 360 });
+
+// Some dozen operations on numbers up to 1e3 (pixels): rounding stays below 1e3 * 2^-52 * 100 = 2.2e-11.
+const PIXEL_ROUNDING = 1e-9;
+// The same on coordinates up to 10.
+const WORLD_ROUNDING = 1e-11;
+
+test("a point in the plane of the picture is seen under its pixel", () => {
+  const next = seeded(2);
+  for (const camera of cameras()) {
+    const through = add(camera.translation, rotate(camera.rotation, [next(), next(), -1 - 4 * next()]));
+    const pixel = { x: next() * 640, y: next() * 360 };
+    const point = inPlaneOf(view(camera), pixel, through);
+    const seen = project(view(camera), point);
+    expect(seen).not.toBeNull();
+    expect(Math.hypot((seen?.x ?? NaN) - pixel.x, (seen?.y ?? NaN) - pixel.y)).toBeLessThan(PIXEL_ROUNDING);
+    expect(Math.abs(depthOf(camera, point) - depthOf(camera, through))).toBeLessThan(WORLD_ROUNDING);
+  }
+});
+
+test("a picture of the wrong size is noticed", () => {
+  const [camera] = cameras();
+  if (camera === undefined) throw new Error("no camera");
+  const point = inPlaneOf(
+    view(camera),
+    { x: 100, y: 100 },
+    add(camera.translation, rotate(camera.rotation, [0, 0, -2])),
+  );
+  const seen = project({ ...view(camera), width: 642 }, point);
+  expect(Math.abs((seen?.x ?? 100) - 100)).toBeGreaterThan(PIXEL_ROUNDING);
+});
+
+test("nothing behind the camera is seen", () => {
+  for (const camera of cameras()) {
+    expect(project(view(camera), add(camera.translation, rotate(camera.rotation, [0, 0, 1])))).toBeNull();
+  }
+});
+
+test("orbiting keeps the pivot, the distance and a level horizon", () => {
+  const next = seeded(3);
+  for (const camera of cameras()) {
+    const level = orbitFrom({ ...camera, rotation: fromEulerDegrees([60 * next() - 30, 0, 0]) }, BOUNDS);
+    let turned = level;
+    for (let k = 0; k < 20; k += 1) turned = orbit(turned, next() - 0.5, next() - 0.5);
+    expect(difference(pivotOf(turned), pivotOf(level))).toBeLessThan(20 * WORLD_ROUNDING);
+    expect(turned.distance).toBe(level.distance);
+    expect(Math.abs(rotate(turned.camera.rotation, [1, 0, 0])[1])).toBeLessThan(20 * WORLD_ROUNDING);
+    expect(rotate(turned.camera.rotation, [0, 1, 0])[1]).toBeGreaterThan(0);
+  }
+});
+
+test("panning takes the pivot along with the pointer", () => {
+  for (const camera of cameras()) {
+    const from = orbitFrom(camera, BOUNDS);
+    const before = project(view(from.camera), pivotOf(from));
+    const after = project(view(pan(from, view(camera), { x: 30, y: -12 }).camera), pivotOf(from));
+    const moved = [(after?.x ?? NaN) - (before?.x ?? NaN), (after?.y ?? NaN) - (before?.y ?? NaN)];
+    expect(difference(moved, [30, -12])).toBeLessThan(PIXEL_ROUNDING);
+  }
+});
+
+test("zooming in and out again comes back, and never passes the pivot", () => {
+  for (const camera of cameras()) {
+    const from = orbitFrom(camera, BOUNDS);
+    const back = zoom(zoom(from, 0.5, BOUNDS), 2, BOUNDS);
+    expect(difference(back.camera.translation, from.camera.translation)).toBeLessThan(WORLD_ROUNDING);
+    let near = from;
+    for (let k = 0; k < 200; k += 1) near = zoom(near, 0.5, BOUNDS);
+    expect(near.distance).toBeGreaterThan(0);
+  }
+});
+
+test("framing a ball fits it into the picture", () => {
+  for (const camera of cameras()) {
+    for (const aspect of [0.5, 2]) {
+      const framed = frameBall(orbitFrom(camera, BOUNDS), [1, 2, 3], 0.7, aspect);
+      const narrow = { camera: framed.camera, width: 400 * aspect, height: 400 };
+      const middle = project(narrow, [1, 2, 3]);
+      expect(difference([middle?.x ?? NaN, middle?.y ?? NaN], [200 * aspect, 200])).toBeLessThan(
+        PIXEL_ROUNDING,
+      );
+      const radius = 0.7 / worldPerPixel(narrow, [1, 2, 3]);
+      // A ball's outline is a little larger than its middle's disc: this may fall short of the edge.
+      expect(radius).toBeLessThanOrEqual(200 * Math.min(1, aspect) * (1 + 1e-12));
+      expect(length(sub(pivotOf(framed), [1, 2, 3]))).toBeLessThan(100);
+    }
+  }
+});
+
+test("angles in degrees and back are the same rotation", () => {
+  const next = seeded(4);
+  const rotations = Array.from({ length: 500 }, () => fromEulerDegrees(someVector(next, 180)));
+  const locked = [90, -90].map((y) => fromEulerDegrees([20, y, 30]));
+  for (const rotation of [...rotations, ...locked]) {
+    const back = fromEulerDegrees(toEulerDegrees(rotation));
+    // asin loses half of the digits near 90 degrees: sqrt(2^-52) = 1.5e-8.
+    expect(difference(rotate(back, [1, 2, 3]), rotate(rotation, [1, 2, 3]))).toBeLessThan(1e-6);
+  }
+});

@@ -1,0 +1,110 @@
+// A session's beginnings for tests, and numbers that look random and are the same every time.
+
+import type { Bendy, Camera, Change, Document, Record, ServerMessage, Welcome } from "../src/core/protocol";
+import type { Vec3 } from "../src/core/vector";
+
+export const CAMERA: Camera = {
+  name: "camera",
+  translation: [0.3, 2.3, 4.5],
+  rotation: [0, 0, 0, 1],
+  projection: { perspective: { yfov: 0.6, znear: 0.1 } },
+};
+
+export const BENDY: Bendy = {
+  type: "bendy",
+  name: "key",
+  transform: { translation: [0, 2, -3], rotation: [0, 0, 0, 1], scale: 1.5 },
+  points: [
+    [0, 0, 0],
+    [0.5, -0.3, 0],
+    [1.2, -1, 0.2],
+    [1.4, -1.6, 0.3],
+  ],
+  radii: [0.1, 0.2, 0.35, 0.5],
+  colors: [
+    [1, 1, 1],
+    [1, 1, 1],
+    [1, 0.9, 0.8],
+    [1, 0.9, 0.8],
+  ],
+  intensities: [4, 4, 4, 4],
+  up: [0, 1, 0],
+  coneAngle: 25,
+  coneSoftness: 0.2,
+  frame: "rotationMinimizing",
+  direction: "tube",
+  endMode: "cut",
+  decay: "none",
+};
+
+export const DOCUMENT: Document = {
+  scene: { asset: "sha256:00", name: "demo:vases" },
+  lights: [{ id: 1, layout: 1, light: BENDY }],
+  cameras: [{ id: 2, camera: CAMERA }],
+};
+
+export const WELCOME: Welcome = {
+  protocol: 1,
+  session: "main",
+  client: 7,
+  epoch: "first",
+  seq: 3,
+  hash: "hash-3",
+  state: { snapshot: DOCUMENT },
+  bounds: { min: [-2, 0, -2], max: [2, 2, 2] },
+  camera: CAMERA,
+  clients: [],
+  gestures: [],
+  settings: { ackWindow: 3, leaseMs: 30_000, maxViewSide: 4096 },
+};
+
+export const radiusChange = (point: number, to: number): Change => ({
+  type: "point",
+  light: 1,
+  layout: 1,
+  point,
+  old: { radius: BENDY.radii[point] ?? 0 },
+  new: { radius: to },
+});
+
+export function record(seq: number, changes: Change[], opId = `other-${seq}`): Record {
+  return {
+    format: 1,
+    seq,
+    timeMs: 0,
+    actor: { id: "ada", name: "Ada" },
+    opId,
+    action: { type: "edit", command: { type: "removeLight", light: 1 } },
+    changes,
+  };
+}
+
+export const log = (entry: Record): ServerMessage => ({
+  type: "log",
+  record: entry,
+  hash: `hash-${entry.seq}`,
+});
+
+/** Numbers from 0 to 1, the same for the same seed (mulberry32). */
+export function seeded(seed: number): () => number {
+  let state = seed;
+  return () => {
+    state = (state + 0x6d2b79f5) | 0;
+    let mixed = Math.imul(state ^ (state >>> 15), 1 | state);
+    mixed = (mixed + Math.imul(mixed ^ (mixed >>> 7), 61 | mixed)) ^ mixed;
+    return ((mixed ^ (mixed >>> 14)) >>> 0) / 2 ** 32;
+  };
+}
+
+/** A vector with components from -size to size. */
+export const someVector = (next: () => number, size: number): Vec3 => [
+  (2 * next() - 1) * size,
+  (2 * next() - 1) * size,
+  (2 * next() - 1) * size,
+];
+
+/** Largest difference between two lists of numbers. */
+export function difference(a: readonly number[], b: readonly number[]): number {
+  if (a.length !== b.length) return Infinity;
+  return a.reduce((most, value, k) => Math.max(most, Math.abs(value - (b[k] ?? NaN))), 0);
+}

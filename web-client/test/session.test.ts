@@ -1,0 +1,342 @@
+import { beforeEach, describe, expect, test } from "vitest";
+
+import { lightOf } from "../src/core/document";
+import type { ClientMessage, Command, ServerMessage, Welcome } from "../src/core/protocol";
+import { type Session, startSession } from "../src/core/session";
+import { BENDY, CAMERA, log, radiusChange, record, WELCOME } from "./examples";
+import { type FakeHost, fakeHost } from "./fake_host";
+
+let host: FakeHost;
+let session: Session;
+let notices: string[];
+
+beforeEach(() => {
+  host = fakeHost();
+  notices = [];
+  session = startSession({
+    host,
+    token: "secret",
+    session: "main",
+    actor: { id: "me", name: "Me" },
+    screen: { decode: () => Promise.resolve(null), show: () => {} },
+    notify: (message) => notices.push(message),
+  });
+});
+
+const receive = (message: ServerMessage) => host.socket().receive(message);
+
+function welcome(changed: Partial<Welcome> = {}): void {
+  host.socket().events.open();
+  receive({ type: "welcome", ...WELCOME, ...changed });
+}
+
+function sent<T extends ClientMessage["type"]>(type: T): Extract<ClientMessage, { type: T }>[] {
+  return host.socket().sent.filter((m): m is Extract<ClientMessage, { type: T }> => m.type === type);
+}
+
+function radius(point: number): number | undefined {
+  const light = lightOf(session.document.value, 1);
+  return light?.type === "bendy" ? light.radii[point] : undefined;
+}
+
+const setRadius = (point: number, to: number): Command => ({
+  type: "setPoint",
+  light: 1,
+  point,
+  parameter: { radius: to },
+});
+
+function reconnect(changed: Partial<Welcome>): void {
+  host.socket().events.closed();
+  host.pass(1000);
+  welcome(changed);
+}
+
+describe("the mirror", () => {
+  test("takes the snapshot, then each record once and in order", () => {
+    welcome();
+    expect(session.mirror.value).toMatchObject({ seq: 3, hash: "hash-3", epoch: "first" });
+    receive(log(record(4, [radiusChange(1, 0.7)])));
+    receive(log(record(4, [radiusChange(1, 0.9)])));
+    expect(radius(1)).toBe(0.7);
+    expect(session.mirror.value).toMatchObject({ seq: 4, hash: "hash-4" });
+  });
+
+  test("asks anew where a record is missing", () => {
+    welcome();
+    receive(log(record(5, [radiusChange(1, 0.7)])));
+    expect(host.sockets).toHaveLength(2);
+    expect(session.mirror.value.seq).toBe(3);
+  });
+
+  test("comes back with what it knows, and takes the tail", () => {
+    welcome();
+    receive(log(record(4, [radiusChange(1, 0.7)])));
+    reconnect({ seq: 6, hash: "h", state: { tail: [record(5, [radiusChange(2, 0.8)]), record(6, [])] } });
+    expect(sent("hello")[0]).toMatchObject({ epoch: "first", lastSeq: 4 });
+    expect([radius(1), radius(2), session.mirror.value.seq]).toEqual([0.7, 0.8, 6]);
+  });
+
+  test("forgets what it knows where the history is another", () => {
+    welcome();
+    receive(log(record(4, [radiusChange(1, 0.7)])));
+    reconnect({ epoch: "second", seq: 1 });
+    expect(radius(1)).toBe(BENDY.radii[1]);
+    expect(session.mirror.value).toMatchObject({ epoch: "second", seq: 1 });
+  });
+
+  test("knows which records a picture can show", () => {
+    welcome();
+    receive(log(record(4, [radiusChange(1, 0.7)])));
+    receive(
+      log(record(5, [{ type: "lightParameter", light: 1, old: { name: "key" }, new: { name: "rim" } }])),
+    );
+    receive(log(record(6, [{ type: "camera", camera: 9, old: null, new: CAMERA }])));
+    expect(session.mirror.value).toMatchObject({ seq: 6, pictureSeq: 4 });
+  });
+});
+
+describe("edits", () => {
+  test("show at once and stay when the record comes", () => {
+    welcome();
+    session.edit(setRadius(1, 0.6));
+    expect(radius(1)).toBe(0.6);
+    expect(sent("edit")[0]).toMatchObject({ baseSeq: 3, command: setRadius(1, 0.6) });
+    receive(log(record(4, [radiusChange(1, 0.6)], sent("edit")[0]?.opId)));
+    receive(log(record(5, [radiusChange(1, 0.2)])));
+    expect(radius(1)).toBe(0.2);
+  });
+
+  test("that are rejected are taken back, with the server's sentence", () => {
+    welcome();
+    session.edit(setRadius(1, 9));
+    const opId = sent("edit")[0]?.opId ?? "";
+    receive({ type: "editResult", opId, status: "rejected", code: "invalidLight", message: "It folds." });
+    expect(radius(1)).toBe(BENDY.radii[1]);
+    expect(notices).toEqual(["It folds."]);
+  });
+
+  test("without an answer are sent again with the same opId, and those in the tail are not", () => {
+    welcome();
+    session.edit(setRadius(1, 0.6));
+    session.edit(setRadius(2, 0.7));
+    session.undo("mine");
+    const [first, second] = sent("edit");
+    const tail = [record(4, [radiusChange(1, 0.6)], first?.opId)];
+    const undo = sent("undo")[0];
+    reconnect({ seq: 4, state: { tail } });
+    expect(sent("edit")).toEqual([second]);
+    expect(sent("undo")).toEqual([undo]);
+  });
+
+  test("that a snapshot holds already are done with their answer", () => {
+    welcome();
+    session.edit(setRadius(1, 0.6));
+    const opId = sent("edit")[0]?.opId ?? "";
+    reconnect({ epoch: "second", seq: 9 });
+    receive({ type: "editResult", opId, status: "committed", seq: 8 });
+    expect(radius(1)).toBe(BENDY.radii[1]);
+  });
+
+  test("are refused here where there is no connection", () => {
+    session.edit(setRadius(1, 0.6));
+    expect(radius(1)).toBeUndefined();
+    expect(notices).toHaveLength(1);
+  });
+
+  test("tell their record to the one who asked", () => {
+    welcome();
+    const records: number[] = [];
+    session.edit(setRadius(1, 0.6), ({ seq }) => records.push(seq));
+    receive(log(record(4, [])));
+    receive(log(record(5, [], sent("edit")[0]?.opId)));
+    expect(records).toEqual([5]);
+  });
+});
+
+describe("drags", () => {
+  test("send nothing before they move, then at most one update a frame, the latest", () => {
+    welcome();
+    const drag = session.drag(1);
+    host.frame();
+    expect(sent("gestureBegin")).toEqual([]);
+    drag.update(setRadius(1, 0.3));
+    drag.update(setRadius(1, 0.4));
+    expect(radius(1)).toBe(0.4);
+    host.frame();
+    drag.update(setRadius(1, 0.5));
+    host.frame();
+    host.frame();
+    expect(sent("gestureBegin")).toHaveLength(1);
+    expect(sent("gestureUpdate").map((m) => m.command)).toEqual([setRadius(1, 0.4), setRadius(1, 0.5)]);
+    expect(sent("gestureUpdate").map((m) => m.update)).toEqual([1, 2]);
+  });
+
+  test("commit what was last under the hand, once", () => {
+    welcome();
+    const drag = session.drag(1);
+    drag.update(setRadius(1, 0.3));
+    host.frame();
+    drag.update(setRadius(1, 0.45));
+    drag.commit();
+    drag.update(setRadius(1, 0.9));
+    drag.commit();
+    host.frame();
+    expect(sent("gestureUpdate").at(-1)?.command).toEqual(setRadius(1, 0.45));
+    expect(sent("gestureCommit")).toHaveLength(1);
+    expect(radius(1)).toBe(0.45);
+    receive(log(record(4, [radiusChange(1, 0.45)], sent("gestureCommit")[0]?.opId)));
+    expect(radius(1)).toBe(0.45);
+  });
+
+  test("that never moved leave no trace", () => {
+    welcome();
+    session.drag(1).commit();
+    expect(host.socket().sent.map((m) => m.type)).toEqual(["hello", "openView", "presence"]);
+  });
+
+  test("that are cancelled leave the light as it was", () => {
+    welcome();
+    const drag = session.drag(1);
+    drag.update(setRadius(1, 0.3));
+    host.frame();
+    drag.cancel();
+    expect(radius(1)).toBe(BENDY.radii[1]);
+    expect(sent("gestureCancel")).toHaveLength(1);
+  });
+
+  test("say why the server keeps an earlier state, until it takes one again", () => {
+    welcome();
+    const drag = session.drag(1);
+    drag.update(setRadius(1, 9));
+    host.frame();
+    const gesture = sent("gestureBegin")[0]?.gesture ?? "";
+    const state = { gesture, client: 7, light: 1, liveRevision: 1, changes: [] };
+    const refusal = { code: "invalidLight", message: "It folds." };
+    receive({ type: "gestureState", ...state, update: 1, ...refusal });
+    expect(session.ownDrag.value?.refusal).toBe("It folds.");
+    drag.update(setRadius(1, 0.2));
+    host.frame();
+    receive({ type: "gestureState", ...state, update: 2 });
+    expect(session.ownDrag.value?.refusal).toBeNull();
+  });
+
+  test("on a light that somebody holds end with the server's sentence", () => {
+    welcome();
+    session.drag(1).update(setRadius(1, 0.3));
+    host.frame();
+    const gesture = sent("gestureBegin")[0]?.gesture ?? "";
+    const state = { gesture, client: 7, light: 1, update: 0, liveRevision: 0, changes: [] };
+    receive({ type: "gestureState", ...state, ended: "rejected", code: "locked", message: "Ada holds it." });
+    expect(radius(1)).toBe(BENDY.radii[1]);
+    expect(notices).toEqual(["Ada holds it."]);
+  });
+
+  test("end with the connection", () => {
+    welcome();
+    const drag = session.drag(1);
+    drag.update(setRadius(1, 0.3));
+    host.frame();
+    reconnect({ state: { tail: [] } });
+    drag.update(setRadius(1, 0.5));
+    drag.commit();
+    host.frame();
+    expect(host.socket().sent.map((m) => m.type)).toEqual(["hello", "openView", "presence"]);
+    expect(radius(1)).toBe(BENDY.radii[1]);
+    expect(notices).toHaveLength(1);
+  });
+
+  test("whose commit was not answered become edits on the next connection, under the same opId", () => {
+    welcome();
+    const drag = session.drag(1);
+    drag.update(setRadius(1, 0.3));
+    drag.commit();
+    const opId = sent("gestureCommit")[0]?.opId;
+    reconnect({ state: { tail: [] } });
+    expect(sent("edit")).toEqual([{ type: "edit", opId, baseSeq: 3, command: setRadius(1, 0.3) }]);
+  });
+});
+
+describe("others", () => {
+  const state = { gesture: "g", client: 8, light: 1, update: 1, liveRevision: 1 };
+
+  test("are seen while they drag, and no longer than that", () => {
+    welcome();
+    receive({ type: "gestureState", ...state, changes: [radiusChange(2, 0.9)] });
+    expect(radius(2)).toBe(0.9);
+    expect(session.gestures.value).toHaveLength(1);
+    receive({ type: "gestureState", ...state, update: 2, changes: [radiusChange(2, 0.8)] });
+    expect(radius(2)).toBe(0.8);
+    receive({ type: "gestureState", ...state, changes: [], ended: "cancelled" });
+    expect(radius(2)).toBe(BENDY.radii[2]);
+    expect(session.gestures.value).toEqual([]);
+  });
+
+  test("who were dragging when this page came are seen too", () => {
+    welcome({ gestures: [{ ...state, changes: [radiusChange(2, 0.9)] }] });
+    expect(radius(2)).toBe(0.9);
+  });
+});
+
+describe("views", () => {
+  const ada = {
+    client: 8,
+    actor: { id: "ada", name: "Ada" },
+    selection: null,
+    following: null,
+    camera: { ...CAMERA, name: "ada's" },
+  };
+
+  test("start at the welcome's camera and move at most once a frame", () => {
+    welcome();
+    expect(sent("openView")[0]).toMatchObject({ source: { own: CAMERA }, cameraRevision: 1 });
+    for (let k = 1; k <= 3; k += 1) {
+      session.viewer.move((from) => ({
+        ...from,
+        camera: { ...from.camera, name: `moved ${k}` },
+      }));
+    }
+    host.frame();
+    expect(sent("setCamera")).toMatchObject([{ camera: { name: "moved 3" }, cameraRevision: 2 }]);
+  });
+
+  test("stay where they are over a reconnection", () => {
+    welcome();
+    session.viewer.jump({ ...CAMERA, name: "mine" });
+    host.frame();
+    reconnect({ state: { tail: [] } });
+    expect(sent("openView")[0]).toMatchObject({ source: { own: { name: "mine" } } });
+  });
+
+  test("follow another's, and leave from there when moved", () => {
+    welcome({ clients: [ada] });
+    session.viewer.follow(8);
+    expect(sent("openView").at(-1)?.source).toEqual({ follow: 8 });
+    expect(session.viewer.cameraOf(null)?.name).toBe("ada's");
+    session.viewer.move((from) => from);
+    expect(sent("openView").at(-1)).toMatchObject({ source: { own: { name: "ada's" } } });
+    expect(session.viewer.following.value).toBeNull();
+  });
+
+  test("do not follow somebody else who has the number after a restart", () => {
+    welcome({ clients: [ada] });
+    session.viewer.follow(8);
+    reconnect({ clients: [{ ...ada, actor: { id: "eve", name: "Eve" } }], state: { tail: [] } });
+    expect(session.viewer.following.value).toBeNull();
+  });
+
+  test("of somebody who follows are the followed one's", () => {
+    const bob = { ...ada, client: 9, following: 8, camera: null };
+    welcome({ clients: [ada, bob] });
+    session.viewer.follow(9);
+    expect(session.viewer.cameraOf(null)?.name).toBe("ada's");
+  });
+
+  test("are one's own again when the followed one has left, from where that was", () => {
+    welcome({ clients: [ada] });
+    session.viewer.follow(8);
+    receive({ type: "presence", clients: [] });
+    expect(session.viewer.following.value).toBeNull();
+    expect(sent("openView").at(-1)).toMatchObject({ source: { own: { name: "ada's" } } });
+  });
+});
