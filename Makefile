@@ -1,44 +1,59 @@
-# make demo   a picture of the demo scene, from a fresh clone
+# make demo   the demo scene in a browser, from a fresh clone
 # make test   everything that must hold
-# make build  the program, target/release/bendylights
+# make build  the program with its page inside, target/release/bendylights
 #
-# Needs Rust and, on Debian, nothing else: `make packages` installs what is missing, with sudo only where that is needed.
+# Needs Rust and Node.js; what else is missing, `make packages` installs on Debian, with sudo only where that is needed.
 
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
-.PHONY: build demo test packages
+.PHONY: build page demo test packages test-packages
 
-PICTURE := demo.png
+DATA := demo-data
 export CARGO_TERM_COLOR ?= auto
 
-build: packages
+build: packages page
 	cargo build --release --locked -p bendylights
 	@echo "Built target/release/bendylights; try: target/release/bendylights --help"
 
-demo: build
-	target/release/bendylights render demo:vases --samples 16 -o $(PICTURE)
-	@echo "The picture is $(CURDIR)/$(PICTURE)"
+page: packages
+	cd web-client && npm ci --no-audit --no-fund --loglevel=error && npm run --silent build
 
-test: packages
+# Open the address that it prints; stop it with Ctrl+C. What was edited is in $(DATA) and there at the next start.
+demo: build
+	target/release/bendylights serve --data $(DATA) --scene demo:vases
+
+test: packages test-packages page
+	cd web-client && npm test
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 	cargo test --workspace --locked
 
-# A C compiler and linker, a Vulkan driver that needs no GPU (Mesa's lavapipe) and its loader, and systemd-analyze for
-# the test of the unit in deploy/.
-PACKAGES := gcc libc6-dev libvulkan1 mesa-vulkan-drivers systemd
+# A C compiler and linker, a Vulkan driver that needs no GPU (Mesa's lavapipe) and its loader.
+PACKAGES := gcc libc6-dev libvulkan1 mesa-vulkan-drivers
+# A browser for the page, strace to see that what is acknowledged is on disk, curl for the README's commands, and systemd-analyze
+# for the units in deploy/.
+TEST_PACKAGES := chromium strace curl systemd
 
 packages:
 	@command -v cargo > /dev/null || { echo "Rust is missing: install it from your distribution or rustup.rs"; exit 1; }
-	@if ! command -v dpkg-query > /dev/null; then \
-	  echo "Not Debian: if anything is missing below, install the equals of: $(PACKAGES)"; exit 0; fi; \
-	missing=(); \
-	for package in $(PACKAGES); do \
-	  [[ $$(dpkg-query -W -f '$${Status}' $$package 2> /dev/null || true) == *' installed' ]] || missing+=($$package); \
-	done; \
-	if (( $${#missing[@]} == 0 )); then exit 0; fi; \
-	sudo=$$( (( EUID == 0 )) || echo sudo ); \
-	echo "Installing: $${missing[*]}$${sudo:+ (with sudo)}"; \
-	$$sudo apt-get update -q; \
-	$$sudo env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "$${missing[@]}"
+	@node -e 'const [a, b] = process.versions.node.split(".").map(Number); process.exit(a > 20 || (a == 20 && b >= 19) ? 0 : 1)' 2> /dev/null \
+	  || { echo "Node.js 20.19 or newer is missing, which builds the page: install it from your distribution or nodejs.org"; exit 1; }
+	@$(call install,$(PACKAGES))
+
+test-packages: packages
+	@$(call install,$(TEST_PACKAGES))
+
+define install
+if ! command -v dpkg-query > /dev/null; then \
+  echo "Not Debian: if anything is missing below, install the equals of: $(1)"; exit 0; fi; \
+missing=(); \
+for package in $(1); do \
+  [[ $$(dpkg-query -W -f '$${Status}' $$package 2> /dev/null || true) == *' installed' ]] || missing+=($$package); \
+done; \
+if (( $${#missing[@]} == 0 )); then exit 0; fi; \
+sudo=$$( (( EUID == 0 )) || echo sudo ); \
+echo "Installing: $${missing[*]}$${sudo:+ (with sudo)}"; \
+$$sudo apt-get update -q; \
+$$sudo env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "$${missing[@]}"
+endef

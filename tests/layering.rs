@@ -24,6 +24,7 @@ const NO_IO: &[&str] = &["tokio", "wgpu", "axum", "serde", "serde_core", "rand",
 const LAYERS: &[Layer] = &[
     Layer { name: "bendy", uses: &[], never: NO_IO, pure: true },
     Layer { name: "scene", uses: &["bendy"], never: NO_IO, pure: true },
+    Layer { name: "edit", uses: &["scene"], never: NO_IO, pure: true },
     Layer {
         name: "assets",
         uses: &["bendy", "scene"],
@@ -31,13 +32,26 @@ const LAYERS: &[Layer] = &[
         pure: false,
     },
     Layer { name: "render", uses: &["bendy", "scene"], never: &["tokio", "axum", "protocol"], pure: false },
-    Layer { name: "protocol", uses: &["bendy", "scene"], never: &["tokio", "wgpu", "axum"], pure: false },
+    Layer { name: "stream", uses: &[], never: &["tokio", "wgpu", "axum"], pure: false },
+    Layer {
+        name: "protocol",
+        uses: &["bendy", "scene", "edit"],
+        never: &["tokio", "wgpu", "axum"],
+        pure: false,
+    },
+    Layer {
+        name: "server",
+        uses: &["scene", "assets", "edit", "render", "store", "stream", "protocol"],
+        never: &["clap", "reference"],
+        pure: false,
+    },
     Layer {
         name: "bendylights",
-        uses: &["bendy", "scene", "assets", "render", "protocol"],
+        uses: &["bendy", "scene", "edit", "assets", "render", "protocol", "store", "server", "bench"],
         never: &["cargo_metadata", "proptest"],
         pure: false,
     },
+    Layer { name: "bench", uses: &["protocol", "stream"], never: &["tokio", "wgpu", "axum"], pure: false },
     Layer { name: "bendylights-tests", uses: &[], never: &[], pure: false },
 ];
 

@@ -7,6 +7,9 @@ use assets::AssetError;
 use bendy::LightError;
 use protocol::FileError;
 use render::RenderError;
+use scene::AssetHash;
+use server::ServerError;
+use store::StoreError;
 use thiserror::Error;
 
 /// Why a command did not do its work.
@@ -48,12 +51,41 @@ pub enum Error {
     /// A picture that cannot be put where it should go.
     #[error("{}: cannot be written ({reason}); check the folder and that you may write there", file.display())]
     Unwritable { file: PathBuf, reason: io::Error },
-    /// A picture that its format cannot hold.
-    #[error("{}: cannot be encoded ({reason}); try a smaller --size", file.display())]
-    Encode { file: PathBuf, reason: image::ImageError },
     /// The renderer could not.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// The address to listen on is taken, or not this machine's.
+    #[error(
+        "{address}: cannot be listened on ({reason}); choose another with --listen, or port 0 for a free one"
+    )]
+    CannotListen { address: String, reason: io::Error },
+    /// The system gives no threads or signals.
+    #[error("this system cannot run a server ({0}); check its limits on threads and files")]
+    NoRuntime(io::Error),
+    /// The server could not.
+    #[error(transparent)]
+    Server(#[from] ServerError),
+    /// The data folder, or the log in it, cannot be used.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// A log file that cannot be used.
+    #[error("{file}: {reason}")]
+    BadLog { file: String, reason: StoreError },
+    /// A log loads a scene that is neither a demo nor in the data folder.
+    #[error(
+        "{file}: record {seq} loads the scene {asset}, which is neither a demo nor in the data folder: name the folder \
+         that has it with --data, or copy the file assets/{} from there", asset.hex()
+    )]
+    NoScene { file: String, seq: u64, asset: AssetHash },
+    /// A replayed log gives another document than it gave when it was written.
+    #[error(
+        "{file}: the document after record {seq} is not the one that was logged: the log or the program was changed; \
+         export the log again"
+    )]
+    Differs { file: String, seq: u64 },
+    /// A measurement that could not be made.
+    #[error(transparent)]
+    Bench(#[from] ::bench::BenchError),
     /// Standard output would not take the answer.
     #[error("standard output cannot be written ({0}); check where it leads")]
     Stdout(io::Error),
@@ -64,6 +96,14 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Stdout(_)
+            | Self::Store(StoreError::Io { .. } | StoreError::Database(_) | StoreError::Unwritable(_))
+            | Self::NoRuntime(_)
+            | Self::Server(
+                ServerError::Data { .. }
+                | ServerError::Store(_)
+                | ServerError::Render(_)
+                | ServerError::Listen(_),
+            )
             | Self::Render(RenderError::NoAdapter(_) | RenderError::DeviceLost(_) | RenderError::Gpu(_)) => 1,
             _ => 2,
         }

@@ -1,10 +1,11 @@
-//! Reading light files and point files, within limits.
+//! Reading light files, point files and logs, within limits.
 
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, BufReader, Read};
 use std::path::Path;
 
 use glam::DVec3;
+use indicatif::{ProgressBar, ProgressStyle};
 use protocol::{FileError, light_file, point_file};
 use scene::Light;
 
@@ -12,6 +13,8 @@ use crate::error::Error;
 
 /// The largest light or point file. A million points take about 60 MB.
 const MAX_FILE_MIB: u64 = 64;
+/// A log that takes a second or so to replay.
+const LONG_LOG_BYTES: u64 = 4 << 20;
 /// What stands for standard input.
 const STDIN: &str = "-";
 
@@ -66,4 +69,18 @@ fn parsed<T>(
         Ok(None) => Err(Error::TooLarge { file, limit_mib: MAX_FILE_MIB }),
         Ok(Some(text)) => parse(&text).map_err(|reason| Error::BadFile { file, reason }),
     }
+}
+
+/// A log file to be read, and a bar that shows on a terminal how far it has been.
+pub fn open_log(path: &Path) -> Result<(BufReader<impl Read>, ProgressBar), Error> {
+    let unreadable = |reason| Error::Unreadable { file: path.display().to_string(), reason };
+    let file = File::open(path).map_err(unreadable)?;
+    let bytes = file.metadata().map_err(unreadable)?.len();
+    let bar = match bytes {
+        0..LONG_LOG_BYTES => ProgressBar::hidden(),
+        _ => ProgressBar::new(bytes).with_style(
+            ProgressStyle::with_template("{bar:40} {percent}%, {eta} left").expect("a sound template"),
+        ),
+    };
+    Ok((BufReader::new(bar.wrap_read(file)), bar))
 }

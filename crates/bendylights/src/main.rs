@@ -3,15 +3,21 @@
 //! Exit codes: 0, done; 2, the input is wrong and one sentence on standard error says how to mend it; 1, this
 //! machine cannot do it (no GPU driver, disk full).
 
+mod bench;
 mod bend;
 mod error;
 mod eval;
+mod export;
 mod files;
 mod headless;
+mod import;
+mod known_scenes;
 mod output;
-mod picture;
 mod render;
+mod replay;
 mod scenes;
+mod serve;
+mod sessions;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -37,11 +43,24 @@ enum Command {
     Bend(bend::Args),
     /// List the demo scenes
     Scenes,
+    /// Serve sessions to browsers and programs
+    Serve(serve::Args),
+    /// List the sessions of a data folder
+    Sessions(sessions::Args),
+    /// Write a session's edit log to a file
+    Export(export::Args),
+    /// Make a session of a log file
+    Import(import::Args),
+    /// Make a log's edits again, and prove that they give the same document
+    Replay(replay::Args),
+    /// Measure how fast it is
+    Bench(bench::Args),
 }
 
 const EXAMPLES: &str = "\
 Examples:
   bendylights scenes
+  bendylights serve
   bendylights render demo:vases --samples 16 -o vases.png
   bendylights bend spot.json --segments 3 > bent.json
   echo '[[0, 1, 0], [0, 2, 1]]' | bendylights eval bent.json
@@ -54,6 +73,12 @@ fn main() -> ExitCode {
         Command::Eval(args) => eval::run(&args),
         Command::Bend(args) => bend::run(&args),
         Command::Scenes => scenes::run(),
+        Command::Serve(args) => serve::run(&args),
+        Command::Sessions(args) => sessions::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::Import(args) => import::run(&args),
+        Command::Replay(args) => replay::run(&args),
+        Command::Bench(args) => bench::run(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

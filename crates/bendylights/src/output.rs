@@ -1,39 +1,32 @@
-//! Where a picture goes: the file appears whole or not at all.
+//! Where a command's file goes: it appears whole or not at all.
 
-use std::fs::Permissions;
-use std::io::{self, Cursor, Write};
+use std::fs::{File, Permissions};
+use std::io::{self, BufWriter, Write};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
-use image::{DynamicImage, ImageFormat};
+use render::PictureFormat;
 
 use crate::error::Error;
 
-/// A picture file to be written.
-pub struct Output {
-    path: PathBuf,
-    format: Format,
+/// The picture format that the file's name says.
+pub fn picture_format(path: &Path) -> Result<PictureFormat, Error> {
+    match path.extension().unwrap_or_default().to_ascii_lowercase().to_str() {
+        Some("png") => Ok(PictureFormat::Png),
+        Some("exr") => Ok(PictureFormat::Exr),
+        _ => Err(Error::UnknownFormat(path.into())),
+    }
 }
 
-/// The two formats of pictures.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Format {
-    /// Eight bits, for people.
-    Png,
-    /// Linear floats, for programs.
-    Exr,
+/// A file to be written.
+pub struct Output {
+    path: PathBuf,
 }
 
 impl Output {
-    /// Refuses, before any work is done, a name that says no known format and a place that cannot take a file.
-    pub fn new(path: &Path) -> Result<Self, Error> {
-        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        let format = match extension.to_str() {
-            Some("png") => Format::Png,
-            Some("exr") => Format::Exr,
-            _ => return Err(Error::UnknownFormat(path.into())),
-        };
-        let output = Self { path: path.into(), format };
+    /// Refuses, before any work is done, a place that cannot take a file.
+    pub fn create(path: &Path) -> Result<Self, Error> {
+        let output = Self { path: path.into() };
         if path.is_dir() {
             return Err(output.unwritable(io::ErrorKind::IsADirectory.into()));
         }
@@ -44,33 +37,29 @@ impl Output {
         }
     }
 
-    /// The format its name says.
-    pub fn format(&self) -> Format {
-        self.format
+    /// Writes the file's bytes.
+    pub fn write(&self, bytes: &[u8]) -> Result<(), Error> {
+        self.write_with(|file| file.write_all(bytes).map_err(|reason| self.unwritable(reason)))
     }
 
-    /// Writes to a file beside it and renames that, so that a reader never sees half a picture.
-    pub fn write(&self, picture: &DynamicImage) -> Result<(), Error> {
-        let format = match self.format {
-            Format::Png => ImageFormat::Png,
-            Format::Exr => ImageFormat::OpenExr,
-        };
-        let mut bytes = Cursor::new(Vec::new());
-        picture
-            .write_to(&mut bytes, format)
-            .map_err(|reason| Error::Encode { file: self.path.clone(), reason })?;
-        self.replace(bytes.get_ref()).map_err(|reason| self.unwritable(reason))
-    }
-
-    fn replace(&self, bytes: &[u8]) -> io::Result<()> {
+    /// Has the file written by `fill`, to a file beside it that is then renamed, so that a reader never sees half of it.
+    pub fn write_with(
+        &self,
+        fill: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let unwritable = |reason| self.unwritable(reason);
         // As any new file: what the umask leaves of it, not the 0600 of a temporary one.
         let permissions = Permissions::from_mode(0o666);
         let mut file = tempfile::Builder::new()
             .prefix(".bendylights-")
             .permissions(permissions)
-            .tempfile_in(self.folder())?;
-        file.write_all(bytes)?;
-        file.persist(&self.path)?;
+            .tempfile_in(self.folder())
+            .map_err(unwritable)?;
+        let mut writer = BufWriter::new(file.as_file_mut());
+        fill(&mut writer)?;
+        writer.flush().map_err(unwritable)?;
+        drop(writer);
+        file.persist(&self.path).map_err(|error| unwritable(error.error))?;
         Ok(())
     }
 

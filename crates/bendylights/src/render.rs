@@ -8,14 +8,13 @@ use std::time::Duration;
 use assets::Loaded;
 use bendy::Tube;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use image::{DynamicImage, Rgba32FImage, RgbaImage};
 use indicatif::{ProgressBar, ProgressStyle};
-use render::{Aov, Gpu, Renderer, View};
+use render::{Aov, Gpu, Renderer, View, ViewSlot};
 use scene::{Camera, Light, LightKind, Scene, framing_camera};
 
 use crate::error::Error;
-use crate::output::{Format, Output};
-use crate::{files, headless, picture, say};
+use crate::output::{self, Output};
+use crate::{files, headless, say};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -68,9 +67,9 @@ fn aov_names() -> impl TypedValueParser<Value = Aov> {
 
 /// Pixels of a picture.
 #[derive(Clone, Copy)]
-struct Size {
-    width: u32,
-    height: u32,
+pub struct Size {
+    pub width: u32,
+    pub height: u32,
 }
 
 /// The largest side of a picture: the largest texture that every GPU of WebGPU's default limits holds.
@@ -89,7 +88,8 @@ impl FromStr for Size {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     headless::prepare();
-    let output = Output::new(&args.output)?;
+    let format = output::picture_format(&args.output)?;
+    let output = Output::create(&args.output)?;
     let Loaded { scene, mut notes } = open_scene(&args.scene)?;
     let lights = match &args.lights {
         Some(file) => files::read_lights(file)?,
@@ -117,6 +117,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         samples: args.samples,
         aov: args.aov,
         light: choose_light(args, &lights)?,
+        slot: ViewSlot::default(),
     };
     for note in &notes {
         say(&format!("note: {note}"));
@@ -124,7 +125,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let mut renderer = Renderer::new(Arc::new(Gpu::new()?))?;
     renderer.set_scene(&scene)?;
     let busy = sign_of_life(args.samples);
-    let picture = draw(&mut renderer, &view, &lights, output.format())?;
+    let picture = renderer.render_file(&view, &lights, format)?;
     busy.finish_and_clear();
     output.write(&picture)
 }
@@ -196,34 +197,4 @@ fn sign_of_life(samples: u32) -> ProgressBar {
         ProgressBar::new_spinner().with_style(style).with_message(format!("{samples} samples a pixel"));
     line.enable_steady_tick(Duration::from_millis(200));
     line
-}
-
-/// The picture as its format wants it: raw for EXR, readable for PNG.
-fn draw(
-    renderer: &mut Renderer,
-    view: &View,
-    lights: &[Light],
-    format: Format,
-) -> Result<DynamicImage, Error> {
-    if format == Format::Png && view.aov == Aov::Beauty {
-        let pixels = renderer.render_display(view, lights)?;
-        let image = RgbaImage::from_raw(view.width, view.height, pixels).expect("four bytes a pixel");
-        return Ok(image.into());
-    }
-    let picture = renderer.render(view, lights)?;
-    Ok(match format {
-        Format::Exr => {
-            let pixels = picture.pixels.into_flattened();
-            Rgba32FImage::from_raw(picture.width, picture.height, pixels).expect("four floats a pixel").into()
-        }
-        Format::Png => picture::readable(&picture, view.aov, segments(lights.get(view.light))).into(),
-    })
-}
-
-/// The end of t's range in a light: its number of segments, one for a spotlight.
-fn segments(light: Option<&Light>) -> usize {
-    match light.map(|light| &light.kind) {
-        Some(LightKind::Bendy(bendy)) => bendy.points.len() - 2,
-        _ => 1,
-    }
 }

@@ -1,19 +1,23 @@
-//! The systemd unit: accepted by systemd, and its command by the program.
+//! The systemd units: accepted by systemd, and their commands by the program.
 
 use std::process::Command;
 
 use crate::program::{Folder, binary, run};
 
-const UNIT: &str = include_str!("../../../../deploy/bendylights-render@.service");
+/// Name and text of each.
+const UNITS: [(&str, &str); 2] = [
+    ("bendylights-render@.service", include_str!("../../../../deploy/bendylights-render@.service")),
+    ("bendylights.service", include_str!("../../../../deploy/bendylights.service")),
+];
 const INSTALLED: &str = "/usr/local/bin/bendylights";
 
 /// What `systemd-analyze verify` says of the unit, nothing where it is sound; `None` where there is no such
 /// program.
-fn complaints(unit: &str) -> Option<String> {
+fn complaints(name: &str, unit: &str) -> Option<String> {
     let folder = Folder::new();
     // systemd looks whether the program is there: it is, but where it was built.
     let built = unit.replace(INSTALLED, &binary().display().to_string());
-    let file = folder.file("bendylights-render@.service", built);
+    let file = folder.file(name, built);
     let verify = Command::new("systemd-analyze").args(["verify", "--man=no", &file]).output();
     let must_run = std::env::var("CI").is_ok_and(|ci| ci == "true");
     let output = if must_run { verify.expect("systemd-analyze, which CI installs") } else { verify.ok()? };
@@ -21,29 +25,42 @@ fn complaints(unit: &str) -> Option<String> {
 }
 
 #[test]
-fn systemd_accepts_the_unit() {
-    let Some(said) = complaints(UNIT) else {
-        println!("skipped: no systemd-analyze here; `apt-get install systemd` brings it");
-        return;
-    };
-    assert_eq!(said, "");
-    let misspelt = UNIT.replace("ProtectHome", "ProtecHome");
-    assert!(
-        complaints(&misspelt).is_some_and(|said| said.contains("ProtecHome")),
-        "a planted fault is caught"
-    );
+fn systemd_accepts_the_units() {
+    for (name, unit) in UNITS {
+        let Some(said) = complaints(name, unit) else {
+            println!("skipped: no systemd-analyze here; `apt-get install systemd` brings it");
+            return;
+        };
+        assert_eq!(said, "", "{name}");
+        let misspelt = unit.replace("ProtectHome", "ProtecHome");
+        let caught = complaints(name, &misspelt).is_some_and(|said| said.contains("ProtecHome"));
+        assert!(caught, "{name}: a planted fault is caught");
+    }
+}
+
+/// The words of the unit's command after the program's name, its state in `state`.
+fn command(unit: &str, state: &str) -> Vec<String> {
+    let command = unit.lines().find_map(|line| line.strip_prefix("ExecStart=")).expect("a command");
+    let command = command.replace("%S/bendylights", state.trim_end_matches('/')).replace("%i", "room");
+    let mut words = command.split(' ').map(str::to_owned);
+    assert_eq!(words.next().as_deref(), Some(INSTALLED));
+    words.collect()
 }
 
 #[test]
-fn the_program_accepts_the_units_command() {
-    let command = UNIT.lines().find_map(|line| line.strip_prefix("ExecStart=")).expect("a command");
+fn the_program_accepts_the_units_commands() {
     let folder = Folder::new();
     let state = folder.path("");
-    let command = command.replace("%S/bendylights/", &state).replace("%i", "room");
-    let mut words = command.split(' ');
-    assert_eq!(words.next(), Some(INSTALLED));
+    let run_unit = |unit: &str, more: &[&str]| {
+        let words = command(unit, &state);
+        run(&words.iter().map(String::as_str).chain(more.iter().copied()).collect::<Vec<_>>())
+    };
     // There is no scene, so the program must get as far as looking for it.
-    let done = run(&words.collect::<Vec<_>>());
+    let done = run_unit(UNITS[0].1, &[]);
     assert_eq!(done.code, 2);
     assert!(done.stderr.starts_with(&format!("error: {state}room.glb: ")), "{}", done.stderr);
+    // The server would run for ever; a scene that is not there stops it after its command line was taken.
+    let done = run_unit(UNITS[1].1, &["--scene", "nowhere.glb"]);
+    assert_eq!(done.code, 2, "{}", done.stderr);
+    assert!(done.stderr.contains("nowhere.glb"), "{}", done.stderr);
 }

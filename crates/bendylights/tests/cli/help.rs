@@ -2,7 +2,8 @@
 
 use crate::program::run;
 
-const COMMANDS: [&str; 4] = ["render", "eval", "bend", "scenes"];
+const COMMANDS: [&str; 10] =
+    ["render", "eval", "bend", "scenes", "serve", "sessions", "export", "import", "replay", "bench"];
 
 fn help(args: &[&str]) -> String {
     let done = run(args);
@@ -17,7 +18,7 @@ fn help_names_every_command_and_shows_examples() {
         assert!(text.contains(&format!("  {command} ")), "{command}");
         assert!(help(&[command, "--help"]).contains("Usage: bendylights "), "{command}");
     }
-    for command in ["render", "eval", "bend"] {
+    for command in ["render", "eval", "bend", "serve", "sessions", "export", "import", "replay"] {
         assert!(help(&[command, "--help"]).contains("Example"), "{command}");
     }
     assert!(help(&["--version"]).starts_with("bendylights 0."));

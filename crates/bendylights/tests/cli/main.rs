@@ -6,4 +6,5 @@ mod deploy;
 mod eval_fixture;
 mod help;
 mod hostile;
+mod logs;
 mod program;

@@ -1,0 +1,143 @@
+//! A client of one session, as the page is one.
+
+use std::io::ErrorKind;
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+
+use protocol::{Actor, ClientMessage, PROTOCOL, ServerMessage, Welcome};
+use stream::{FrameHeader, HEADER_BYTES};
+use tungstenite::{Message, WebSocket};
+
+use crate::{Address, BenchError};
+
+/// How long a server may take to answer.
+const ANSWER_WITHIN: Duration = Duration::from_mins(1);
+
+/// What a client that comes back knows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Known {
+    /// The history.
+    pub epoch: String,
+    /// Its latest record that the client has.
+    pub last_seq: u64,
+}
+
+/// What a server sends.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Incoming {
+    /// A control message.
+    Message(Box<ServerMessage>),
+    /// A frame and its payload.
+    Frame(FrameHeader, Vec<u8>),
+}
+
+/// A connection to one session.
+#[derive(Debug)]
+pub struct Client {
+    socket: WebSocket<TcpStream>,
+    /// The answer to its hello.
+    pub welcome: Welcome,
+}
+
+impl Client {
+    /// Connects and says hello.
+    pub fn connect(
+        address: &Address,
+        session: &str,
+        actor: &str,
+        known: Option<Known>,
+    ) -> Result<Self, BenchError> {
+        let tcp = TcpStream::connect(&address.host)?;
+        tcp.set_nodelay(true)?;
+        let url = format!("ws://{}/socket", address.host);
+        let (mut socket, _) = tungstenite::client(url, tcp).map_err(|error| match error {
+            tungstenite::HandshakeError::Failure(error) => BenchError::from(error),
+            tungstenite::HandshakeError::Interrupted(_) => {
+                BenchError::Silent { what: "the handshake", within: ANSWER_WITHIN }
+            }
+        })?;
+        let (epoch, last_seq) = known.map(|known| (known.epoch, known.last_seq)).unzip();
+        let hello = ClientMessage::Hello {
+            protocol: PROTOCOL,
+            token: address.token.clone(),
+            session: session.into(),
+            actor: Actor { id: actor.into(), name: actor.into() },
+            epoch,
+            last_seq,
+        };
+        send(&mut socket, &hello)?;
+        let until = Instant::now() + ANSWER_WITHIN;
+        while Instant::now() < until {
+            match receive(&mut socket, ANSWER_WITHIN)? {
+                Some(Incoming::Message(message)) => match *message {
+                    ServerMessage::Welcome(welcome) => return Ok(Self { socket, welcome: *welcome }),
+                    ServerMessage::Error { message, .. } => return Err(BenchError::Refused(message)),
+                    _ => {}
+                },
+                Some(Incoming::Frame(..)) | None => {}
+            }
+        }
+        Err(BenchError::Silent { what: "a welcome", within: ANSWER_WITHIN })
+    }
+
+    /// Sends a message.
+    pub fn send(&mut self, message: &ClientMessage) -> Result<(), BenchError> {
+        send(&mut self.socket, message)
+    }
+
+    /// The next message or frame; `None` where there is none within `timeout`.
+    pub fn receive(&mut self, timeout: Duration) -> Result<Option<Incoming>, BenchError> {
+        receive(&mut self.socket, timeout)
+    }
+
+    /// Says that a frame has been shown.
+    pub fn ack(&mut self, header: &FrameHeader) -> Result<(), BenchError> {
+        self.send(&ClientMessage::Ack { frame: header.frame })
+    }
+
+    /// Receives until `wanted` finds what it looks for. Frames are acknowledged as they come.
+    pub fn wait_for<T>(
+        &mut self,
+        what: &'static str,
+        mut wanted: impl FnMut(Incoming) -> Option<T>,
+    ) -> Result<T, BenchError> {
+        let until = Instant::now() + ANSWER_WITHIN;
+        while Instant::now() < until {
+            let Some(incoming) = self.receive(Duration::from_millis(500))? else { continue };
+            if let Incoming::Frame(header, _) = &incoming {
+                let header = *header;
+                self.ack(&header)?;
+            }
+            if let Some(found) = wanted(incoming) {
+                return Ok(found);
+            }
+        }
+        Err(BenchError::Silent { what, within: ANSWER_WITHIN })
+    }
+}
+
+fn send(socket: &mut WebSocket<TcpStream>, message: &ClientMessage) -> Result<(), BenchError> {
+    let text = serde_json::to_string(message).expect("plain data with string keys");
+    Ok(socket.send(Message::text(text))?)
+}
+
+fn receive(socket: &mut WebSocket<TcpStream>, timeout: Duration) -> Result<Option<Incoming>, BenchError> {
+    // A timeout of zero would mean to wait for ever.
+    socket.get_ref().set_read_timeout(Some(timeout.max(Duration::from_micros(1))))?;
+    match socket.read() {
+        Ok(Message::Text(text)) => {
+            Ok(Some(Incoming::Message(Box::new(ServerMessage::parse(text.as_str())?))))
+        }
+        Ok(Message::Binary(bytes)) => {
+            let header = FrameHeader::from_bytes(&bytes)?;
+            Ok(Some(Incoming::Frame(header, bytes[HEADER_BYTES..].to_vec())))
+        }
+        Ok(_) => Ok(None),
+        Err(tungstenite::Error::Io(error))
+            if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) =>
+        {
+            Ok(None)
+        }
+        Err(error) => Err(error.into()),
+    }
+}

@@ -1,0 +1,61 @@
+//! Why a measurement could not be made.
+
+use std::time::Duration;
+
+use protocol::FileError;
+use stream::StreamError;
+use thiserror::Error;
+
+/// Why a measurement could not be made.
+#[derive(Debug, Error)]
+pub enum BenchError {
+    /// The server could not be started.
+    #[error("the server {program} does not start: {reason}")]
+    Start {
+        /// The program.
+        program: String,
+        /// Why not.
+        reason: String,
+    },
+    /// The server's first line is not an address.
+    #[error("`{0}` is no address of a server: it should look like http://127.0.0.1:8080/#token=...")]
+    Address(String),
+    /// The socket failed.
+    #[error("the connection to the server broke: {0}")]
+    Socket(#[from] Box<tungstenite::Error>),
+    /// A request failed.
+    #[error("a request to the server failed: {0}")]
+    Http(#[from] ureq::Error),
+    /// A control message could not be read.
+    #[error("the server sent a message that cannot be read: {0}")]
+    Message(#[from] FileError),
+    /// A frame could not be read.
+    #[error("the server sent a frame that cannot be read: {0}")]
+    Frame(#[from] StreamError),
+    /// A frame's picture could not be decoded.
+    #[error("the server sent a picture that cannot be decoded: {0}")]
+    Picture(#[from] image::ImageError),
+    /// The server refused.
+    #[error("the server refused: {0}")]
+    Refused(String),
+    /// The server did not answer.
+    #[error("the server did not send {what} within {} s", within.as_secs())]
+    Silent {
+        /// What was waited for.
+        what: &'static str,
+        /// How long.
+        within: Duration,
+    },
+    /// A file could not be written or read.
+    #[error("{0}")]
+    Io(#[from] std::io::Error),
+    /// The picture of the result could not be drawn.
+    #[error("the chart cannot be drawn: {0}")]
+    Chart(String),
+}
+
+impl From<tungstenite::Error> for BenchError {
+    fn from(error: tungstenite::Error) -> Self {
+        Self::Socket(Box::new(error))
+    }
+}

@@ -1,0 +1,32 @@
+//! `bendylights export`: a session's edit log as a file.
+
+use std::path::PathBuf;
+
+use store::Store;
+
+use crate::error::Error;
+use crate::output::Output;
+
+#[derive(clap::Args)]
+#[command(after_help = "\
+Writes JSON Lines: a header, each record of the log, and checkpoints that say what the document's hash is there. The
+server may be running. Scenes are not in the log: they are files in DIR/assets, named by their SHA-256.
+
+Example:
+  bendylights export main --data bendylights-data -o main.jsonl")]
+pub struct Args {
+    /// Name of the session
+    session: String,
+    /// Folder that `bendylights serve --data` was given
+    #[arg(long, value_name = "DIR")]
+    data: PathBuf,
+    /// Log file to write
+    #[arg(short, value_name = "LOG.jsonl")]
+    output: PathBuf,
+}
+
+pub fn run(args: &Args) -> Result<(), Error> {
+    let store = Store::open(&args.data)?;
+    let output = Output::create(&args.output)?;
+    output.write_with(|file| Ok(store.export(&args.session, file)?))
+}

@@ -1,0 +1,38 @@
+//! `bendylights import`: a log file as a session.
+
+use std::path::PathBuf;
+
+use store::Store;
+
+use crate::error::Error;
+use crate::known_scenes::KnownScenes;
+use crate::{answer, files, replay};
+
+#[derive(clap::Args)]
+#[command(after_help = "\
+The log is replayed first: one that has gaps, does not fit together or gives another document than it says is refused,
+and nothing is left of it. Scenes that it loads must be demos or in DIR/assets.
+
+Example:
+  bendylights import main.jsonl --data bendylights-data --name main-again")]
+pub struct Args {
+    /// Log file that `bendylights export` wrote
+    #[arg(value_name = "LOG.jsonl")]
+    log: PathBuf,
+    /// Data folder to put the session into; made where it is missing
+    #[arg(long, value_name = "DIR")]
+    data: PathBuf,
+    /// Name of the session [default: the one in the log]
+    #[arg(long)]
+    name: Option<String>,
+}
+
+pub fn run(args: &Args) -> Result<(), Error> {
+    let (log, bar) = files::open_log(&args.log)?;
+    let mut store = Store::create(&args.data)?;
+    let scenes = KnownScenes::new(Some(Store::open(&args.data)?));
+    let imported = store.import(log, args.name.as_deref(), &|asset| scenes.find(asset));
+    bar.finish_and_clear();
+    let row = imported.map_err(|reason| replay::refused(&args.log, reason))?;
+    answer(&format!("{}: {} records", row.name, row.seq))
+}

@@ -1,0 +1,97 @@
+//! `bendylights serve`: the render server.
+
+use std::io::{self, IsTerminal};
+use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
+use std::path::PathBuf;
+
+use server::{Config, Server};
+use tokio::runtime::Runtime;
+use tokio::signal::unix::{SignalKind, signal};
+use tracing_subscriber::EnvFilter;
+
+use crate::error::Error;
+use crate::{answer, headless, say};
+
+/// The session that every server has.
+const SESSION: &str = "main";
+
+#[derive(clap::Args)]
+#[command(after_help = "\
+Prints the address to open, with the token that lets its bearer in. Whoever has the address can edit and see everything.
+
+Stop it with Ctrl+C or SIGTERM: it finishes what it has accepted. Edits are on disk before they are acknowledged, and so
+survive any other end too. RUST_LOG=debug says more of what it does.
+
+Examples:
+  bendylights serve
+  bendylights serve --scene room.glb --data room-data
+  bendylights serve --listen 127.0.0.1:0")]
+pub struct Args {
+    /// Where to listen; port 0 takes a free one
+    #[arg(long, default_value = "127.0.0.1:8080", value_name = "ADDR")]
+    listen: String,
+    /// Folder of edit logs, scenes and the token; made where it is missing
+    #[arg(long, default_value = "./bendylights-data", value_name = "DIR")]
+    data: PathBuf,
+    /// glTF file (.gltf or .glb) or `demo:NAME` that the session `main` begins with, where that is new
+    #[arg(long, default_value = "demo:vases", value_name = "SCENE")]
+    scene: String,
+}
+
+pub fn run(args: &Args) -> Result<(), Error> {
+    headless::prepare();
+    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info,wgpu=warn"));
+    let colors = io::stderr().is_terminal();
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(io::stderr).with_ansi(colors).init();
+
+    let (listener, address) = listen(&args.listen).map_err(|reason| {
+        let address = args.listen.clone();
+        Error::CannotListen { address, reason }
+    })?;
+    if !address.ip().is_loopback() {
+        say(&format!(
+            "note: {address} can be reached from other machines, and what is sent is not encrypted: put a proxy with TLS in \
+             front, or listen on 127.0.0.1"
+        ));
+    }
+    let config = Config { data: args.data.clone(), session: SESSION.into(), scene: args.scene.clone() };
+    let server = Server::open(&config)?;
+    let page = format!("http://{}/#token={}", reachable(address), server.token().digits());
+    let runtime = Runtime::new().map_err(Error::NoRuntime)?;
+    let served = runtime.block_on(async {
+        let stop = stop_signal().map_err(Error::NoRuntime)?;
+        let listener = tokio::net::TcpListener::from_std(listener).map_err(Error::NoRuntime)?;
+        answer(&page)?;
+        Ok(server.run(listener, stop).await?)
+    });
+    // A scene that is still being decoded need not be waited for.
+    runtime.shutdown_background();
+    served
+}
+
+fn listen(address: &str) -> io::Result<(TcpListener, SocketAddr)> {
+    let listener = TcpListener::bind(address)?;
+    listener.set_nonblocking(true)?;
+    let address = listener.local_addr()?;
+    Ok((listener, address))
+}
+
+/// The address at which a browser on this machine finds a server that listens everywhere.
+fn reachable(address: SocketAddr) -> SocketAddr {
+    match address {
+        SocketAddr::V4(v4) if v4.ip().is_unspecified() => (Ipv4Addr::LOCALHOST, v4.port()).into(),
+        SocketAddr::V6(v6) if v6.ip().is_unspecified() => (Ipv6Addr::LOCALHOST, v6.port()).into(),
+        other => other,
+    }
+}
+
+/// Ends when the process is asked to stop.
+fn stop_signal() -> io::Result<impl Future<Output = ()> + Send + 'static> {
+    let (mut terminate, mut interrupt) = (signal(SignalKind::terminate())?, signal(SignalKind::interrupt())?);
+    Ok(async move {
+        tokio::select! {
+            _ = terminate.recv() => {}
+            _ = interrupt.recv() => {}
+        }
+    })
+}

@@ -1,0 +1,176 @@
+//! `sessions`, `export`, `import` and `replay`, on the log that tests/logs keeps.
+
+use image::GenericImageView;
+use serde_json::{Value, json};
+use store::asset_hash;
+
+use crate::program::{Folder, TRIANGLE, run};
+
+const LOG: &str = include_str!("../../../../tests/logs/format-1.jsonl");
+/// Of the document after its last record.
+const HASH: &str = "4a062bb30a1c9a5d669a9b9ff34e788daa293374d49b7e02162f4bb3d6cb923b";
+
+/// What a command prints, which must succeed in silence.
+fn printed(args: &[&str]) -> String {
+    let done = run(args);
+    assert_eq!((done.code, done.stderr.as_str()), (0, ""), "{args:?}");
+    done.stdout
+}
+
+/// The sentence of a command that must be refused, with what it prints all the same.
+fn refused(args: &[&str]) -> (String, String) {
+    let done = run(args);
+    assert_eq!(done.code, 2, "{args:?}: {}", done.stderr);
+    assert!(done.stderr.starts_with("error: ") && done.stderr.lines().count() == 1, "{}", done.stderr);
+    (done.stderr, done.stdout)
+}
+
+/// A folder with the log as a file and as the session `main`.
+fn imported() -> (Folder, String, String) {
+    let folder = Folder::new();
+    let (log, data) = (folder.file("log.jsonl", LOG), folder.path("data"));
+    assert_eq!(printed(&["import", &log, "--data", &data]), "main: 43 records\n");
+    (folder, log, data)
+}
+
+#[test]
+fn a_log_goes_in_and_comes_out_as_it_was() {
+    let (folder, log, data) = imported();
+    let out = folder.path("out.jsonl");
+    assert_eq!(printed(&["export", "main", "--data", &data, "-o", &out]), "");
+    assert_eq!(std::fs::read_to_string(&out).expect("a log"), LOG);
+    assert_eq!(printed(&["import", &log, "--data", &data, "--name", "b.2"]), "b.2: 43 records\n");
+    let (said, _) = refused(&["import", &log, "--data", &data]);
+    assert!(said.contains("`main`") && said.contains(&log), "{said}");
+
+    let table = printed(&["sessions", "--data", &data]);
+    let lines: Vec<_> = table.lines().collect();
+    assert_eq!(lines[0].split_whitespace().collect::<Vec<_>>(), ["session", "records", "document"]);
+    assert_eq!(lines[1].split_whitespace().collect::<Vec<_>>(), ["b.2", "43", HASH]);
+    assert_eq!(lines[2].split_whitespace().collect::<Vec<_>>(), ["main", "43", HASH]);
+    let rows: Value = serde_json::from_str(&printed(&["sessions", "--data", &data, "--json"])).expect("JSON");
+    assert_eq!(
+        (&rows[1]["name"], &rows[1]["seq"], &rows[1]["hash"]),
+        (&json!("main"), &json!(43), &json!(HASH))
+    );
+    assert_ne!(rows[0]["epoch"], rows[1]["epoch"], "two histories");
+    assert_eq!(folder.names(), ["data", "log.jsonl", "out.jsonl"], "and nothing else");
+}
+
+#[test]
+fn replay_prints_what_it_came_to() {
+    let folder = Folder::new();
+    let log = folder.file("log.jsonl", LOG);
+    let replayed = |to: &[&str]| -> Value {
+        let args = [&["replay", &log], to].concat();
+        serde_json::from_str(&printed(&args)).expect("JSON")
+    };
+    let whole = replayed(&[]);
+    let keys: Vec<_> = whole.as_object().expect("an object").keys().collect();
+    assert_eq!(keys, ["checkpoints_ok", "hash", "records", "seconds"], "these and no others");
+    assert_eq!((&whole["records"], &whole["hash"]), (&json!(43), &json!(HASH)));
+    assert_eq!(whole["checkpoints_ok"], json!(true));
+    assert!(whole["seconds"].is_f64());
+    let part = replayed(&["--to", "36"]);
+    assert_eq!(part["records"], json!(36));
+    assert!(LOG.contains(&format!(r#"{{"seq":36,"hash":{}}}"#, part["hash"])), "the checkpoint's hash");
+    let (said, _) = refused(&["replay", &log, "--to", "44"]);
+    assert!(said.contains("record 43") && said.contains("record 44"), "{said}");
+}
+
+#[test]
+fn a_checkpoint_that_differs_is_told_and_named() {
+    let folder = Folder::new();
+    let planted = LOG.replace(r#""seq":24,"hash":""#, r#""seq":24,"hash":"0"#);
+    let log = folder.file("log.jsonl", planted);
+    let (said, printed) = refused(&["replay", &log]);
+    assert!(said.contains("record 24 ") && said.contains(&log), "{said}");
+    let result: Value = serde_json::from_str(&printed).expect("JSON");
+    assert_eq!((&result["checkpoints_ok"], &result["hash"]), (&json!(false), &json!(HASH)));
+    let (said, _) = refused(&["import", &log, "--data", &folder.path("data")]);
+    assert!(said.contains("record 24 "), "{said}");
+    assert_eq!(self::printed(&["sessions", "--data", &folder.path("data")]).lines().count(), 1, "none");
+}
+
+/// The log with another asset in place of the demo scene. Its checkpoints differ then, the first after record 12.
+fn log_of(scene: &str) -> String {
+    let demo = asset_hash(&assets::demo_bytes("vases").expect("the demo scene")).to_string();
+    assert!(LOG.contains(&demo));
+    LOG.replace(&demo, &asset_hash(scene.as_bytes()).to_string())
+}
+
+#[test]
+fn a_missing_scene_is_named_with_the_way_out() {
+    let (folder, _, data) = imported();
+    let log = folder.file("triangle.jsonl", log_of(TRIANGLE));
+    let asset = asset_hash(TRIANGLE.as_bytes());
+    for args in [
+        &["replay", &log][..],
+        &["replay", &log, "--data", &data],
+        &["import", &log, "--data", &data, "--name", "other"],
+    ] {
+        let (said, _) = refused(args);
+        for words in ["record 1 ", &asset.to_string(), "--data", &format!("assets/{}", asset.hex())] {
+            assert!(said.contains(words), "`{words}` is missing from: {said}");
+        }
+    }
+    std::fs::write(format!("{data}/assets/{}", asset.hex()), TRIANGLE).expect("a file");
+    printed(&["replay", &log, "--data", &data, "--to", "11"]);
+
+    std::fs::write(format!("{data}/assets/{}", asset.hex()), "another").expect("a file");
+    let damaged = run(&["replay", &log, "--data", &data, "--to", "11"]);
+    assert_eq!(damaged.code, 2);
+    assert!(damaged.stderr.starts_with("note: ") && damaged.stderr.contains("damaged"), "{}", damaged.stderr);
+}
+
+#[test]
+fn replay_draws_the_document() {
+    let folder = Folder::new();
+    let log = folder.file("log.jsonl", LOG);
+    let drawn = |to: &str| {
+        let picture = folder.path("out.png");
+        printed(&["replay", &log, "--to", to, "--render", &picture]);
+        image::open(picture).expect("a picture").into_rgb8()
+    };
+    let (first, last) = (drawn("1"), drawn("43"));
+    assert_eq!(first.dimensions(), (686, 382));
+    assert_ne!(first, last, "the edits show");
+    assert_ne!(
+        first.view(0, 0, 686, 191).to_image(),
+        first.view(0, 191, 686, 191).to_image(),
+        "it shows something"
+    );
+    let (said, printed) = refused(&["replay", &log, "--render", &folder.path("out.jpg")]);
+    assert!(said.contains(".png") && printed.is_empty(), "before the work is done: {said}");
+}
+
+#[test]
+fn wrong_input_is_refused_and_leaves_nothing() {
+    let (folder, log, data) = imported();
+    let nowhere = folder.path("nowhere");
+    let out = folder.path("out.jsonl");
+    let cut = folder.file("cut.jsonl", &LOG[..LOG.len() - 120]);
+    let gap = folder.file("gap.jsonl", LOG.replacen("\"seq\":7,", "\"seq\":8,", 1));
+    let empty = folder.file("empty.jsonl", "");
+    for (args, words) in [
+        (&["sessions", "--data", &nowhere][..], &*nowhere),
+        (&["export", "main", "--data", &nowhere, "-o", &out], &nowhere),
+        (&["export", "other", "--data", &data, "-o", &out], "`other`"),
+        (&["export", "main", "--data", &data, "-o", &folder.path("no/out.jsonl")], "no/out.jsonl"),
+        (&["export", "main", "--data", &data, "-o", &data], &data),
+        (&["import", &nowhere, "--data", &data], &nowhere),
+        (&["import", &data, "--data", &data], &data),
+        (&["import", &cut, "--data", &data, "--name", "x"], "cut.jsonl"),
+        (&["import", &gap, "--data", &data, "--name", "x"], "record 8 follows record 6"),
+        (&["import", &empty, "--data", &data, "--name", "x"], "empty.jsonl"),
+        (&["import", &log, "--data", &data, "--name", "a b"], "`a b`"),
+        (&["replay", &log, "--data", &nowhere], &nowhere),
+        (&["replay", &gap], "record 8 follows record 6"),
+    ] {
+        let (said, printed) = refused(args);
+        assert!(said.contains(words), "{args:?}: `{words}` is missing from: {said}");
+        assert_eq!(printed, "", "{args:?}");
+    }
+    assert_eq!(folder.names(), ["cut.jsonl", "data", "empty.jsonl", "gap.jsonl", "log.jsonl"]);
+    assert_eq!(printed(&["sessions", "--data", &data]).lines().count(), 2, "`main` alone");
+}

@@ -1,0 +1,123 @@
+//! Logs that earlier versions wrote, one of each format. They stay for good: what was logged once must always replay.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use protocol::LogLine;
+use scene::{AssetHash, Scene};
+use serde_json::Value;
+use store::{StoreError, asset_hash, replay_log};
+
+/// A log of `logs/`, and what its document's hash was when it was written.
+struct OldLog {
+    file: &'static str,
+    records: u64,
+    hash: &'static str,
+}
+
+const OLD_LOGS: &[OldLog] = &[OldLog {
+    file: "format-1.jsonl",
+    records: 43,
+    hash: "4a062bb30a1c9a5d669a9b9ff34e788daa293374d49b7e02162f4bb3d6cb923b",
+}];
+
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("logs")
+}
+
+fn text(log: &OldLog) -> String {
+    std::fs::read_to_string(folder().join(log.file)).expect("a log")
+}
+
+/// The demo scenes.
+fn find_scene(asset: &AssetHash) -> Option<Arc<Scene>> {
+    let (name, _) = assets::DEMO_NAMES
+        .iter()
+        .find(|(name, _)| assets::demo_bytes(name).is_some_and(|bytes| asset_hash(&bytes) == *asset))?;
+    assets::demo(name).map(Arc::new)
+}
+
+/// Rules: REC-5, LOG-2
+#[test]
+fn every_old_log_replays_to_its_hash() {
+    let files = std::fs::read_dir(folder()).expect("a folder").count();
+    assert_eq!(files, OLD_LOGS.len(), "each log of the folder is listed here");
+    for log in OLD_LOGS {
+        let replayed = replay_log(text(log).as_bytes(), None, &find_scene).expect(log.file);
+        assert_eq!(replayed.differs, None, "{}", log.file);
+        assert_eq!(replayed.session.seq(), log.records, "{}", log.file);
+        assert_eq!(replayed.session.document().hash().to_string(), log.hash, "{}", log.file);
+    }
+}
+
+/// Rules: LOG-2, REC-3
+#[test]
+fn a_planted_change_of_any_value_is_noticed() {
+    for log in OLD_LOGS {
+        let lines: Vec<String> = text(log).lines().map(String::from).collect();
+        for (index, line) in lines.iter().enumerate() {
+            let Ok(LogLine::Record(record)) = LogLine::parse(line) else { continue };
+            let mut planted: Value = serde_json::from_str(line).expect("JSON");
+            let Some(number) =
+                planted["changes"].as_array_mut().and_then(|changes| changes.iter_mut().find_map(a_number))
+            else {
+                continue;
+            };
+            *number = (number.as_f64().expect("a number") + 1e-9).into();
+            let mut changed = lines.clone();
+            changed[index] = planted.to_string();
+            let noticed = match replay_log(changed.join("\n").as_bytes(), None, &find_scene) {
+                Ok(replayed) => replayed.differs.is_some(),
+                Err(error) => matches!(error, StoreError::Replay(_) | StoreError::Meaningless { .. }),
+            };
+            assert!(noticed, "{}: record {}", log.file, record.seq);
+        }
+    }
+}
+
+/// The first number of a change's new value that is not whole, and so no index or id.
+fn a_number(change: &mut Value) -> Option<&mut Value> {
+    fn within(value: &mut Value) -> Option<&mut Value> {
+        match value {
+            Value::Number(number) if number.is_f64() => Some(value),
+            Value::Array(items) => items.iter_mut().find_map(within),
+            Value::Object(fields) => fields.values_mut().find_map(within),
+            _ => None,
+        }
+    }
+    within(change.get_mut("new")?)
+}
+
+/// A log that holds little proves little.
+///
+/// Rules: REC-5
+#[test]
+fn old_logs_hold_everything_their_format_has() {
+    for log in OLD_LOGS {
+        let mut seen = BTreeSet::new();
+        for line in text(log).lines() {
+            let value: Value = serde_json::from_str(line).expect("JSON");
+            types(&value, &mut seen);
+        }
+        let expected = "edit gesture undo redo \
+            loadScene addLight removeLight placeLight setLight setPoint insertPoint removePoint \
+            addCamera removeCamera placeCamera setCamera \
+            scene light lightParameter point controlPoints camera cameraParameter bendy spot";
+        for name in expected.split_whitespace() {
+            assert!(seen.contains(name), "{}: no {name}", log.file);
+        }
+    }
+}
+
+/// Every `type` within `value`.
+fn types(value: &Value, seen: &mut BTreeSet<String>) {
+    match value {
+        Value::Object(fields) => {
+            seen.extend(fields.get("type").and_then(Value::as_str).map(String::from));
+            fields.values().for_each(|field| types(field, seen));
+        }
+        Value::Array(items) => items.iter().for_each(|item| types(item, seen)),
+        _ => {}
+    }
+}

@@ -1,0 +1,35 @@
+//! The page in a real browser, on a real server.
+
+#[path = "program.rs"]
+mod program;
+
+use std::path::Path;
+use std::process::Command;
+
+use bench::ServerProcess;
+
+use crate::program::program;
+
+/// Drags a control point in one page while a second one watches, undoes it, and compares pixels. The script says what it
+/// saw, and fails with a sentence.
+///
+/// Rules: SOCK-3, FRAME-1, FRAME-2, FRAME-4, UNDO-1
+#[test]
+fn a_drag_in_one_page_shows_in_both_and_undo_restores_the_pixels() {
+    let client = Path::new(env!("CARGO_MANIFEST_DIR")).join("../web-client");
+    if !client.join("node_modules/playwright-core").is_dir() || !client.join("dist/index.html").is_file() {
+        let must_run = std::env::var("CI").is_ok_and(|ci| ci == "true");
+        assert!(!must_run, "the page is not built: `make page`");
+        println!("skipped: the page is not built; `make page` builds it");
+        return;
+    }
+    let data = tempfile::tempdir().expect("a folder");
+    let server = ServerProcess::start(program(), data.path(), &["--scene", "demo:vases"]).expect("started");
+    server.wait_until_ready().expect("ready");
+    let pictures = tempfile::tempdir().expect("a folder");
+    let address = format!("http://{}/#token={}&session=main", server.address.host, server.address.token);
+    let script = client.join("test/browser/session.mjs");
+    let status =
+        Command::new("node").arg(script).arg(address).arg(pictures.path()).status().expect("node runs");
+    assert!(status.success(), "the page does not do what it should");
+}

@@ -1,0 +1,133 @@
+//! Every rule of `protocol/SPEC.md` is shown by a test, and tests of the protocol say which rules they show.
+//!
+//! A test cites rules in a line of its comment: `Rules: SOCK-1, HTTP-2`.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Folders whose every test must cite a rule.
+const OF_THE_PROTOCOL: &[&str] = &["crates/edit/tests/", "crates/server/tests/", "tests/sessions/"];
+
+/// Where citations are looked for.
+const SOURCES: &[&str] = &["crates", "protocol", "tests", "web-client/test"];
+
+struct Source {
+    /// Path from the root of the repository.
+    path: String,
+    text: String,
+}
+
+/// The ids that `spec` defines, such as **REC-1**.
+fn rules(spec: &str) -> BTreeSet<&str> {
+    spec.split("**").skip(1).step_by(2).filter(|word| is_rule(word)).collect()
+}
+
+fn is_rule(word: &str) -> bool {
+    word.split_once('-').is_some_and(|(section, number)| {
+        section.len() > 1
+            && section.bytes().all(|b| b.is_ascii_uppercase())
+            && !number.is_empty()
+            && number.bytes().all(|b| b.is_ascii_digit())
+    })
+}
+
+/// The rules that a comment line cites; `None` where it cites none.
+fn citation(line: &str) -> Option<impl Iterator<Item = &str>> {
+    let comment = line.trim_start().strip_prefix("//")?.trim_start_matches(['/', '!']).trim_start();
+    let list = comment.strip_prefix("Rules: ")?;
+    Some(list.split(',').map(|id| id.trim().trim_end_matches('.')))
+}
+
+/// Names of tests in Rust source that cite no rule.
+fn uncited(text: &str) -> Vec<&str> {
+    let lines: Vec<&str> = text.lines().collect();
+    let tests = lines.iter().enumerate().filter(|(_, line)| {
+        let line = line.trim_start();
+        line.starts_with("#[test]") || line.starts_with("#[tokio::test")
+    });
+    tests
+        .filter(|&(index, _)| {
+            let above = lines[..index].iter().rev().take_while(|line| {
+                let line = line.trim_start();
+                line.starts_with("//") || line.starts_with("#[")
+            });
+            !above.into_iter().any(|line| citation(line).is_some())
+        })
+        .map(|(index, _)| {
+            lines[index..].iter().find(|line| line.contains("fn ")).map_or("", |line| line.trim())
+        })
+        .collect()
+}
+
+/// A sentence for each thing that is wrong.
+fn problems(spec: &str, sources: &[Source]) -> Vec<String> {
+    let rules = rules(spec);
+    let mut wrong = Vec::new();
+    let mut cited = BTreeSet::new();
+    for Source { path, text } in sources {
+        for id in text.lines().filter_map(citation).flatten() {
+            if !rules.contains(id) {
+                wrong.push(format!("{path} cites {id}, which protocol/SPEC.md does not define"));
+            }
+            cited.insert(id);
+        }
+        if OF_THE_PROTOCOL.iter().any(|folder| path.starts_with(folder)) {
+            wrong.extend(uncited(text).iter().map(|test| format!("{path}: `{test}` cites no rule")));
+        }
+    }
+    wrong.extend(rules.iter().filter(|id| !cited.contains(*id)).map(|id| format!("no test shows {id}")));
+    wrong
+}
+
+fn read(root: &Path, folder: &Path, into: &mut Vec<Source>) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    for path in entries.map(|entry| entry.expect("an entry").path()) {
+        if path.is_dir() {
+            read(root, &path, into);
+        } else if path.extension().is_some_and(|e| e == "rs" || e == "ts" || e == "mjs")
+            && let Ok(text) = std::fs::read_to_string(&path)
+        {
+            let path = path.strip_prefix(root).expect("a path below the root").display().to_string();
+            // This file's own examples are not citations.
+            if path != "tests/rules.rs" {
+                into.push(Source { path, text });
+            }
+        }
+    }
+}
+
+fn repository() -> (String, Vec<Source>) {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the repository");
+    let spec = std::fs::read_to_string(root.join("protocol/SPEC.md")).expect("the rules");
+    let mut sources = Vec::new();
+    for folder in SOURCES {
+        read(root, &root.join(folder), &mut sources);
+    }
+    (spec, sources)
+}
+
+#[test]
+fn every_rule_is_shown_and_every_citation_is_of_a_rule() {
+    let (spec, sources) = repository();
+    assert!(rules(&spec).len() > 50, "the rules are found");
+    let wrong = problems(&spec, &sources);
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn planted_omissions_are_caught() {
+    let source = |path: &str, text: &str| Source { path: path.into(), text: text.into() };
+    let spec = "- **ABC-1** One.\n- **ABC-2** Two.";
+    let sound = "/// Shows both.\n/// Rules: ABC-1, ABC-2\n#[test]\nfn both() {}\n";
+    assert_eq!(problems(spec, &[source("crates/edit/tests/a.rs", sound)]), [""; 0]);
+
+    let caught = |path: &str, text: &str, expected: &str| {
+        let wrong = problems(spec, &[source("tests/sessions/sound.rs", sound), source(path, text)]);
+        assert!(wrong.iter().any(|sentence| sentence.contains(expected)), "{expected}: {wrong:?}");
+    };
+    caught("crates/x/tests/a.rs", "// Rules: ABC-3", "cites ABC-3");
+    caught("tests/sessions/a.rs", "#[test]\nfn silent() {}", "`fn silent() {}` cites no rule");
+    caught("crates/edit/tests/a.rs", "/// Rules: ABC-1\nfn helper() {}\n\n#[test]\nfn silent() {}", "silent");
+    let unshown = problems(spec, &[source("a.rs", "/// Rules: ABC-1")]);
+    assert_eq!(unshown, ["no test shows ABC-2"]);
+}

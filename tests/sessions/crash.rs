@@ -1,0 +1,174 @@
+//! Power cuts: what was acknowledged is there, and the log replays to the same document.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use bench::{Address, Client, Incoming};
+use protocol::{ClientMessage, EditStatus, LogLine, PointParameter, ServerMessage};
+
+use crate::program::program;
+use crate::support::Server;
+
+const CLIENTS: u64 = 4;
+const EDITS: u64 = 1_000;
+const KILLS: u64 = 5;
+/// Edits that a client has under way at once.
+const UNDER_WAY: usize = 4;
+
+/// What the clients were told, and where the server is now.
+struct Shared {
+    address: Mutex<Address>,
+    /// Sequence of each acknowledged operation.
+    acknowledged: Mutex<BTreeMap<String, u64>>,
+    next_edit: AtomicU64,
+    light: u64,
+}
+
+/// Rules: SOCK-4, REC-1, REC-4, LOG-1, LOG-2
+#[test]
+fn acknowledged_edits_survive_kills_at_random_moments() {
+    // The moments differ from run to run on purpose; what must hold does not depend on them.
+    let seed = Instant::now().elapsed().subsec_nanos() ^ std::process::id();
+    eprintln!("seed {seed}");
+    let mut server = Server::start();
+    let light = server.connect("setup").light();
+    let shared = Arc::new(Shared {
+        address: Mutex::new(server.process.address.clone()),
+        acknowledged: Mutex::default(),
+        next_edit: AtomicU64::new(0),
+        light,
+    });
+    let clients: Vec<_> = (0..CLIENTS)
+        .map(|number| {
+            let shared = Arc::clone(&shared);
+            std::thread::spawn(move || run_client(number, &shared))
+        })
+        .collect();
+    let mut random = u64::from(seed) | 1;
+    for kill in 1..=KILLS {
+        // A moment somewhere within the next share of the edits.
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let target = EDITS * kill / (KILLS + 1) + (random >> 33) % (EDITS / (2 * KILLS));
+        while acknowledged(&shared) < target {
+            std::thread::sleep(Duration::from_micros(random >> 52));
+        }
+        server = server.restart();
+        shared.address.lock().expect("no panic").clone_from(&server.process.address);
+    }
+    for client in clients {
+        client.join().expect("a client's thread");
+    }
+
+    let acknowledged = shared.acknowledged.lock().expect("no panic").clone();
+    assert_eq!(acknowledged.len() as u64, EDITS);
+    let (seq, hash) = server.state();
+    assert_eq!(seq, EDITS + 1, "each edit once, after the scene");
+
+    // Once more from the disk alone.
+    let data = server.data;
+    server.process.kill().expect("killed");
+    let log = data.path().join("main.jsonl");
+    bendylights(&["export", "main", "--data"], data.path(), &["-o"], &log);
+    check_log(&log, &acknowledged, &hash);
+    let replayed = bendylights(&["replay", "--data"], data.path(), &[], &log);
+    let result: serde_json::Value = serde_json::from_str(&replayed).expect("JSON");
+    assert_eq!(result["hash"], hash.as_str());
+    assert_eq!((result["records"].as_u64(), result["checkpoints_ok"].as_bool()), (Some(seq), Some(true)));
+}
+
+fn acknowledged(shared: &Shared) -> u64 {
+    shared.acknowledged.lock().expect("no panic").len() as u64
+}
+
+/// Makes edits until there are enough; over and over where the server is killed meanwhile.
+fn run_client(number: u64, shared: &Shared) {
+    let mut open: BTreeMap<String, u64> = BTreeMap::new();
+    loop {
+        let address = shared.address.lock().expect("no panic").clone();
+        let Ok(mut client) = Client::connect(&address, "main", &format!("client-{number}"), None) else {
+            std::thread::sleep(Duration::from_millis(5));
+            continue;
+        };
+        // What was under way when the server died is sent again, under the same names.
+        let resent = open.iter().all(|(op_id, edit)| send(&mut client, shared, op_id, *edit).is_ok());
+        if resent && serve_edits(&mut client, shared, number, &mut open) {
+            return;
+        }
+    }
+}
+
+/// True when all is done, false when the connection broke.
+fn serve_edits(client: &mut Client, shared: &Shared, number: u64, open: &mut BTreeMap<String, u64>) -> bool {
+    loop {
+        while open.len() < UNDER_WAY {
+            let edit = shared.next_edit.fetch_add(1, Ordering::Relaxed);
+            if edit >= EDITS {
+                break;
+            }
+            let op_id = format!("{number}-{edit}");
+            open.insert(op_id.clone(), edit);
+            if send(client, shared, &op_id, edit).is_err() {
+                return false;
+            }
+        }
+        if open.is_empty() {
+            return true;
+        }
+        match client.receive(Duration::from_millis(200)) {
+            Ok(Some(Incoming::Message(message))) => {
+                let ServerMessage::EditResult(result) = *message else { continue };
+                assert_ne!(result.status, EditStatus::Rejected, "{:?}", result.message);
+                let seq = result.seq.expect("committed");
+                open.remove(&result.op_id);
+                let mut acknowledged = shared.acknowledged.lock().expect("no panic");
+                let before = acknowledged.insert(result.op_id, seq);
+                assert!(before.is_none_or(|before| before == seq), "one operation, one record");
+            }
+            Ok(_) => {}
+            Err(_) => return false,
+        }
+    }
+}
+
+fn send(client: &mut Client, shared: &Shared, op_id: &str, edit: u64) -> Result<(), bench::BenchError> {
+    let radius = 1.5 + 0.0001 * edit as f64;
+    let command = protocol::Command::SetPoint {
+        light: shared.light,
+        point: 2,
+        parameter: PointParameter::Radius(radius),
+    };
+    let base_seq = client.welcome.seq;
+    client.send(&ClientMessage::Edit { op_id: op_id.to_owned(), base_seq, command })
+}
+
+/// Every acknowledged operation stands in the log where it was said to; the last checkpoint is the server's hash.
+fn check_log(log: &Path, acknowledged: &BTreeMap<String, u64>, hash: &str) {
+    let text = std::fs::read_to_string(log).expect("a log");
+    let mut found = BTreeMap::new();
+    let mut last_hash = String::new();
+    for line in text.lines().skip(1) {
+        match LogLine::parse(line).expect("a line") {
+            LogLine::Record(record) => drop(found.insert(record.op_id, record.seq)),
+            LogLine::Checkpoint(checkpoint) => last_hash = checkpoint.hash,
+        }
+    }
+    let missing = |found: &BTreeMap<String, u64>| {
+        acknowledged.iter().filter(|(op_id, seq)| found.get(*op_id) != Some(seq)).count()
+    };
+    assert_eq!(missing(&found), 0);
+    assert_eq!(last_hash, hash);
+    let lost = acknowledged.keys().next().expect("an edit").clone();
+    found.remove(&lost);
+    assert_eq!(missing(&found), 1, "a planted loss is seen");
+}
+
+/// Runs the program; what it prints.
+fn bendylights(first: &[&str], data: &Path, then: &[&str], log: &Path) -> String {
+    let output = Command::new(program()).args(first).arg(data).args(then).arg(log).output().expect("it runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}

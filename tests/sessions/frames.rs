@@ -1,0 +1,194 @@
+//! What is rendered, encoded and sent, and what is not.
+
+use std::time::{Duration, Instant};
+
+use bench::Incoming;
+use protocol::{ClientMessage, Document, Vec3, ViewSource};
+use stream::{Codec, FrameHeader};
+
+use crate::support::{Mirror, Server, move_point, moved, rename};
+
+/// How often the server rendered and encoded.
+fn work(server: &Server) -> [f64; 2] {
+    ["bendylights_frames_rendered_total", "bendylights_frames_encoded_total"]
+        .map(|name| server.process.metric(name, "").expect("counted"))
+}
+
+fn frame(mirror: &mut Mirror, mut wanted: impl FnMut(&FrameHeader) -> bool) -> (FrameHeader, Vec<u8>) {
+    mirror.receive_until("a frame", |incoming| match incoming {
+        Incoming::Frame(header, payload) if wanted(header) => Some((*header, payload.clone())),
+        _ => None,
+    })
+}
+
+/// Rules: FRAME-1, FRAME-3, FRAME-4, FRAME-7
+#[test]
+fn moving_is_jpeg_rest_is_lossless_and_then_nothing_happens() {
+    let server = Server::start();
+    let mut ada = server.connect("ada");
+    ada.open_view();
+    let (first, _) = frame(&mut ada, |_| true);
+    assert_eq!((first.codec, first.log_seq, first.camera_revision), (Codec::Jpeg, ada.seq, 1));
+    let (settled, _) = frame(&mut ada, |header| header.flags.settle);
+    assert_eq!((settled.codec, settled.log_seq), (Codec::Png, ada.seq));
+
+    let light = ada.light();
+    let result = ada.edited(move_point(light, 2, moved(ada.point(2), [0.0, 0.3, 0.0])));
+    let seq = result.seq.expect("committed");
+    let (moving, _) = frame(&mut ada, |header| header.log_seq == seq);
+    assert_eq!(moving.codec, Codec::Jpeg);
+    let (settled, _) = frame(&mut ada, |header| header.flags.settle);
+    assert_eq!((settled.codec, settled.log_seq, settled.width, settled.height), (Codec::Png, seq, 160, 90));
+
+    // At rest, and through a change that no picture shows, nothing is drawn, nothing encoded, nothing sent.
+    let at_rest = work(&server);
+    ada.edited(rename(light, "another name"));
+    let until = Instant::now() + idle_for();
+    while Instant::now() < until {
+        let incoming = ada.client.receive(Duration::from_millis(100)).expect("received");
+        assert!(!matches!(incoming, Some(Incoming::Frame(..))), "a frame at rest");
+    }
+    assert_eq!(work(&server), at_rest);
+
+    // The comparison sees work where there is some.
+    ada.edited(move_point(light, 2, moved(ada.point(2), [0.0, -0.3, 0.0])));
+    frame(&mut ada, |header| header.flags.settle);
+    assert!(work(&server)[0] > at_rest[0] && work(&server)[1] > at_rest[1]);
+}
+
+/// Long enough for several settle times; `BENDYLIGHTS_IDLE_S=60` for the minute.
+fn idle_for() -> Duration {
+    let seconds = std::env::var("BENDYLIGHTS_IDLE_S").ok().and_then(|text| text.parse().ok());
+    Duration::from_secs(seconds.unwrap_or(3))
+}
+
+/// `position`, to one side at even steps and back at odd ones.
+fn sway(position: Vec3, step: u32) -> Vec3 {
+    moved(position, [0.0, if step % 2 == 0 { 0.1 } else { -0.1 }, 0.0])
+}
+
+/// Rules: FRAME-2
+#[test]
+fn no_more_than_three_frames_are_under_way() {
+    let server = Server::start();
+    let mut ada = server.connect("ada");
+    let mut ben = server.connect("ben");
+    let light = ada.light();
+    ada.open_view();
+    // Ada reads but does not acknowledge.
+    let mut frames: Vec<FrameHeader> = Vec::new();
+    let mut edits = 0;
+    let mut edit_and_read = |ada: &mut Mirror, frames: &mut Vec<FrameHeader>| {
+        edits += 1;
+        ben.edited(move_point(light, 2, sway(ben.point(2), edits)));
+        while let Some(incoming) = ada.client.receive(Duration::from_millis(50)).expect("received") {
+            if let Incoming::Frame(header, _) = incoming {
+                frames.push(header);
+            }
+        }
+    };
+    while frames.len() < 3 {
+        edit_and_read(&mut ada, &mut frames);
+    }
+    // The window is full now; what follows is not drawn for her.
+    for _ in 0..4 {
+        edit_and_read(&mut ada, &mut frames);
+    }
+    let latest = ben.seq;
+    // A machine so slow that this took two seconds has given up on her meanwhile, and says so with a key frame.
+    let given_up = frames.iter().skip(1).any(|header| header.flags.key);
+    assert!(
+        given_up || (1..=3).contains(&frames.len()),
+        "{} frames without an acknowledgement",
+        frames.len()
+    );
+    let shown = frames.last().expect("a frame").log_seq;
+    assert!(given_up || shown < latest, "the last edits were drawn for nobody");
+    // The latest state wins: an acknowledgement brings what there is now, not what was missed.
+    for header in &frames {
+        ada.client.ack(header).expect("sent");
+    }
+    let count = frames.len() as u64;
+    let next = ada.client.wait_for("a frame", |incoming| match incoming {
+        Incoming::Frame(header, _) if header.frame > count => Some(header),
+        _ => None,
+    });
+    assert_eq!(next.expect("a frame").log_seq, latest);
+}
+
+/// Rules: FRAME-6
+#[test]
+fn a_client_that_stalls_slows_nobody_and_gets_a_key_frame() {
+    let server = Server::start();
+    let mut slow = server.connect("slow");
+    let mut fast = server.connect("fast");
+    slow.open_view();
+    fast.open_view();
+    frame(&mut fast, |header| header.flags.settle);
+    let light = fast.light();
+    // From here on `slow` neither reads nor acknowledges.
+    let mut shown = 0;
+    let until = Instant::now() + Duration::from_secs(3);
+    while Instant::now() < until {
+        shown += 1;
+        let seq = fast.edited(move_point(light, 2, sway(fast.point(2), shown))).seq.expect("committed");
+        frame(&mut fast, |header| header.log_seq == seq);
+    }
+    // Every edit of the fast client came back as its own frame; a window that waited for the slow one would have
+    // stopped after three.
+    assert!(shown > 3, "{shown} edits in 3 s");
+    // The stalled one is still served: among what waits for it is a key frame later than the window's three.
+    let (key, _) = frame(&mut slow, |header| header.flags.key && header.frame > 3);
+    assert!(key.log_seq > 1);
+}
+
+/// Rules: FRAME-5
+#[test]
+fn followers_share_one_render_and_one_encoding() {
+    let server = Server::start();
+    let mut ada = server.connect("ada");
+    ada.open_view();
+    frame(&mut ada, |header| header.flags.settle);
+    let mut followers = [server.connect("ben"), server.connect("cyd")];
+    for follower in &mut followers {
+        let source = ViewSource::Follow(ada.client.welcome.client);
+        follower.send(&ClientMessage::OpenView { source, width: 999, height: 77, camera_revision: 1 });
+        let (header, _) = frame(follower, |header| header.flags.settle);
+        assert_eq!((header.width, header.height), (160, 90), "the followed one's size");
+    }
+    // Nothing is under way any more; from here on count.
+    let before = work(&server);
+    let light = ada.light();
+    let seq = ada.edited(move_point(light, 2, moved(ada.point(2), [0.0, 0.3, 0.0]))).seq.expect("committed");
+    let lossless = |header: &FrameHeader| header.flags.settle && header.log_seq == seq;
+    let (_, hers) = frame(&mut ada, lossless);
+    for follower in &mut followers {
+        let (_, theirs) = frame(follower, lossless);
+        assert!(theirs == hers, "the same bytes");
+    }
+    let after = work(&server);
+    assert_eq!(
+        [after[0] - before[0], after[1] - before[1]],
+        [2.0, 2.0],
+        "one moving, one lossless, for three"
+    );
+}
+
+/// Rules: SOCK-7, FRAME-1
+#[test]
+fn moving_ones_view_is_no_edit() {
+    let server = Server::start();
+    let mut ada = server.connect("ada");
+    ada.open_view();
+    let before = ada.settled(ada.seq);
+    let mut camera = ada.client.welcome.camera.clone();
+    camera.translation = moved(camera.translation, [0.3, 0.0, 0.0]);
+    ada.send(&ClientMessage::SetCamera { camera, camera_revision: 7 });
+    let (header, payload) = frame(&mut ada, |header| header.flags.settle && header.camera_revision == 7);
+    assert_eq!(header.log_seq, ada.seq);
+    assert_ne!(crate::support::pixels(&payload), before);
+    assert_eq!(server.state().0, ada.seq);
+    let bounds = ada.client.welcome.bounds;
+    assert!(bounds.min.iter().zip(bounds.max).all(|(min, max)| *min < max));
+    assert_eq!(Document::from(&ada.document).cameras.len(), 1);
+}

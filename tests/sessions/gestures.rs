@@ -1,0 +1,110 @@
+//! Drags: live for everybody, one record, a lock that ends with the connection.
+
+use std::time::Duration;
+
+use protocol::{ClientMessage, EditStatus, GestureEnd, GestureState, PointParameter, ServerMessage};
+
+use crate::support::{Mirror, Server, move_point, moved, rename};
+
+fn begin(mirror: &mut Mirror, gesture: &str) {
+    let (light, base_seq) = (mirror.light(), mirror.seq);
+    mirror.send(&ClientMessage::GestureBegin { gesture: gesture.into(), light, base_seq });
+}
+
+fn update(mirror: &mut Mirror, gesture: &str, update: u64, by: [f64; 3]) {
+    let command = move_point(mirror.light(), 2, moved(mirror.point(2), by));
+    mirror.send(&ClientMessage::GestureUpdate { gesture: gesture.into(), update, command });
+}
+
+fn state_of(mirror: &mut Mirror, mut wanted: impl FnMut(&GestureState) -> bool) -> GestureState {
+    mirror.wait_for("a gesture's state", |message| match message {
+        ServerMessage::GestureState(state) if wanted(state) => Some(state.clone()),
+        _ => None,
+    })
+}
+
+/// Rules: GEST-1, GEST-2, GEST-5
+#[test]
+fn a_drag_is_live_for_all_and_one_record() {
+    let server = Server::start();
+    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let (light, seq, start) = (ada.light(), ada.seq, ada.point(2));
+    begin(&mut ada, "drag");
+    for step in 1..=10 {
+        update(&mut ada, "drag", step, [0.0, 0.0, 0.02 * step as f64]);
+    }
+    let seen = state_of(&mut ben, |state| state.update == 10);
+    assert_eq!((seen.light, seen.changes.len()), (light, 1));
+    assert!(seen.live_revision >= 10);
+
+    // Somebody else's hands are kept off, and told whose it is.
+    let refused = ben.edited(rename(light, "mine now"));
+    assert_eq!((refused.status, refused.code.as_deref()), (EditStatus::Rejected, Some("locked")));
+    assert!(refused.message.expect("a sentence").contains("ada"));
+    begin(&mut ben, "second");
+    let refused = state_of(&mut ben, |state| state.gesture == "second");
+    assert_eq!((refused.ended, refused.code.as_deref()), (Some(GestureEnd::Rejected), Some("locked")));
+
+    ada.send(&ClientMessage::GestureCommit { gesture: "drag".into(), op_id: "commit".into() });
+    assert_eq!(ada.result("commit").seq, Some(seq + 1), "ten updates are one record");
+    assert_eq!(ada.point(2), moved(start, [0.0, 0.0, 0.2]), "the last update counts");
+    ben.catch_up(seq + 1);
+    assert_eq!(ben.edited(rename(light, "mine now")).status, EditStatus::Committed, "the lock is gone");
+}
+
+/// Rules: GEST-3
+#[test]
+fn a_drag_ends_with_its_connection() {
+    let server = Server::start();
+    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let light = ada.light();
+    begin(&mut ada, "drag");
+    update(&mut ada, "drag", 1, [0.0, 0.3, 0.0]);
+    state_of(&mut ben, |state| state.update == 1);
+    drop(ada);
+    let ended = state_of(&mut ben, |state| state.ended.is_some());
+    assert_eq!(ended.ended, Some(GestureEnd::Cancelled));
+    let (seq, hash) = server.state();
+    assert_eq!((seq, hash), (ben.seq, ben.document.hash().to_string()), "the light is as it was");
+    assert_eq!(ben.edited(rename(light, "free")).status, EditStatus::Committed);
+}
+
+/// Rules: GEST-4, CMD-2
+#[test]
+fn a_fold_leaves_the_last_valid_state() {
+    let server = Server::start();
+    let mut ada = server.connect("ada");
+    let light = ada.light();
+    begin(&mut ada, "widen");
+    let mut radius = |update: u64, radius: f64| {
+        let parameter = PointParameter::Radius(radius);
+        let command = protocol::Command::SetPoint { light, point: 2, parameter };
+        ada.send(&ClientMessage::GestureUpdate { gesture: "widen".into(), update, command });
+        state_of(&mut ada, |state| state.update == update || state.code.is_some())
+    };
+    assert_eq!(radius(1, 1.6).code, None);
+    let folded = radius(2, 50.0);
+    assert_eq!((folded.code.as_deref(), folded.update), (Some("invalidLight"), 1));
+    assert!(folded.message.expect("a sentence").contains("folds"));
+    ada.send(&ClientMessage::GestureCommit { gesture: "widen".into(), op_id: "commit".into() });
+    assert_eq!(ada.result("commit").status, EditStatus::Committed);
+    let document = protocol::Document::from(&ada.document);
+    assert!(matches!(&document.lights[0].light, protocol::Light::Bendy(bendy) if bendy.radii[2] == 1.6));
+}
+
+/// Rules: GEST-1
+#[test]
+fn a_cancelled_drag_leaves_no_trace() {
+    let server = Server::start();
+    let mut ada = server.connect("ada");
+    ada.open_view();
+    let before = ada.settled(ada.seq);
+    begin(&mut ada, "drag");
+    update(&mut ada, "drag", 1, [0.0, 0.4, 0.3]);
+    let dragged = ada.settled(ada.seq);
+    assert_ne!(before, dragged, "the drag shows in the picture");
+    ada.send(&ClientMessage::GestureCancel { gesture: "drag".into() });
+    assert_eq!(ada.settled(ada.seq), before, "and is gone from it");
+    assert_eq!(server.state().0, ada.seq);
+    assert!(ada.client.receive(Duration::from_millis(1)).is_ok());
+}

@@ -1,0 +1,141 @@
+//! Sessions by HTTP alone.
+
+use protocol::{Asset, EditResults, EditStatus, ErrorBody, Record, SessionList, SessionState, parse_body};
+use serde_json::json;
+
+use crate::support::{Server, pixels};
+
+fn post(server: &Server, path: &str, body: &serde_json::Value) -> bench::Response {
+    server.process.post(path, body.to_string().as_bytes()).expect("answered")
+}
+
+fn code(response: &bench::Response) -> String {
+    parse_body::<ErrorBody>(&response.text()).expect("an error").error.code
+}
+
+/// Rules: HTTP-4, HTTP-5, DOC-1, DOC-5, CMD-6
+#[test]
+fn sessions_are_made_and_listed() {
+    let server = Server::start();
+    let made = post(&server, "/sessions", &json!({"name": "shot-010", "scene": "demo:vases"}));
+    assert_eq!(made.status, 201, "{}", made.text());
+    let made: SessionState = parse_body(&made.text()).expect("a session");
+    assert_eq!((made.name.as_str(), made.seq), ("shot-010", 1));
+    let ids: Vec<u64> = made.document.lights.iter().map(|light| light.id).collect();
+    assert!(!ids.is_empty() && ids.is_sorted() && !made.document.cameras.is_empty());
+
+    // A demo's name and its asset's name are the same scene.
+    let asset = made.document.scene.expect("a scene").asset;
+    let same = post(&server, "/sessions", &json!({"name": "shot-020", "scene": asset}));
+    let same: SessionState = parse_body(&same.text()).expect("a session");
+    assert_eq!(same.hash, made.hash);
+
+    let taken = post(&server, "/sessions", &json!({"name": "main"}));
+    assert_eq!((taken.status, code(&taken).as_str()), (409, "exists"));
+    for name in ["", "-x", "a/b", "../x", &"x".repeat(65)] {
+        let refused = post(&server, "/sessions", &json!({"name": name}));
+        assert_eq!(refused.status, 400, "{name}: {}", refused.text());
+    }
+    let nowhere =
+        post(&server, "/sessions", &json!({"name": "no", "scene": format!("sha256:{}", "0".repeat(64))}));
+    assert_eq!(code(&nowhere), "unknownAsset");
+
+    let list: SessionList =
+        parse_body(&server.process.get("/sessions").expect("answered").text()).expect("a list");
+    let names: Vec<&str> = list.sessions.iter().map(|entry| entry.name.as_str()).collect();
+    assert_eq!(names, ["main", "shot-010", "shot-020"]);
+    assert_eq!(code(&server.process.get("/sessions/no").expect("answered")), "notFound");
+}
+
+/// Rules: HTTP-6, HTTP-7, CMD-1, CMD-3, CMD-4, CMD-5, UNDO-5
+#[test]
+fn programs_edit_undo_and_read_the_log() {
+    let server = Server::start();
+    let light = server.connect("setup").light();
+    let set = |point: usize, parameter: serde_json::Value| json!({"command": {"type": "setPoint", "light": light, "point": point, "parameter": parameter}});
+    let edits = json!({"actor": {"id": "ci", "name": "CI"}, "edits": [
+        set(2, json!({"radius": 1.5})),
+        set(2, json!({"radius": 1.5})),
+        set(99, json!({"radius": 1.5})),
+        set(0, json!({"position": [1, 1, 1]})),
+        set(2, json!({"radius": 1e9})),
+        {"undo": "mine"}, {"undo": "mine"}, {"undo": "mine"}, {"redo": "mine"},
+    ]});
+    let answer = post(&server, "/sessions/main/edits", &edits);
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    let answer: EditResults = parse_body(&answer.text()).expect("results");
+    let codes: Vec<_> = answer.results.iter().map(|result| result.code.as_deref()).collect();
+    let expected = [
+        None,
+        None,
+        Some("notFound"),
+        Some("source"),
+        Some("invalidLight"),
+        None,
+        None,
+        Some("nothingToUndo"),
+        None,
+    ];
+    assert_eq!(codes, expected);
+    assert!(answer.results.iter().all(|r| (r.status == EditStatus::Rejected) == r.message.is_some()));
+    assert_eq!((answer.seq, answer.hash), server.state());
+
+    let log = server.process.get("/sessions/main/log?from=2&limit=2").expect("answered").text();
+    let records: Vec<Record> = log.lines().map(|line| parse_body(line).expect("a record")).collect();
+    assert_eq!(records.iter().map(|record| record.seq).collect::<Vec<_>>(), [2, 3]);
+    assert_eq!((records[0].changes.len(), records[1].changes.len()), (1, 0), "the second changed nothing");
+    assert_eq!(records[0].actor.id, "ci");
+}
+
+/// Rules: HTTP-8
+#[test]
+fn pictures_come_in_every_form() {
+    let server = Server::start();
+    let picture = |query: &str| {
+        server.process.get(&format!("/sessions/main/render?size=64x36&{query}")).expect("answered")
+    };
+    let beauty = picture("");
+    assert_eq!(beauty.status, 200, "{}", beauty.text());
+    assert_eq!(pixels(&beauty.body).len(), 64 * 36 * 3);
+    for aov in ["depth", "normal", "t", "vw", "direction", "visibility"] {
+        let shown = picture(&format!("aov={aov}&light=key"));
+        assert_eq!(shown.status, 200, "{aov}: {}", shown.text());
+        assert_ne!(pixels(&shown.body), pixels(&beauty.body), "{aov}");
+    }
+    let exr = picture("format=exr&aov=t");
+    assert_eq!(exr.body[..4], [0x76, 0x2f, 0x31, 0x01], "OpenEXR's magic number");
+    for wrong in [
+        "size=0x9",
+        "aov=shade",
+        "samples=100000",
+        "light=nobody",
+        "camera=nobody",
+        "at=99",
+        "format=gif",
+        "x=1",
+    ] {
+        let refused = picture(wrong);
+        assert!((400..500).contains(&refused.status), "{wrong}: {}", refused.status);
+        assert!(!code(&refused).is_empty());
+    }
+}
+
+/// Rules: HTTP-10, DOC-5
+#[test]
+fn scenes_are_uploaded_by_their_bytes() {
+    let server = Server::start();
+    let gltf = json!({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"name": "eye", "camera": 0}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}]});
+    let bytes = gltf.to_string();
+    let made = server.process.post("/assets", bytes.as_bytes()).expect("answered");
+    assert_eq!(made.status, 201, "{}", made.text());
+    let asset: Asset = parse_body(&made.text()).expect("a name");
+    assert_eq!(asset.asset, scene::AssetHash::of(bytes.as_bytes()).to_string(), "what sha256sum says");
+    let session = post(&server, "/sessions", &json!({"name": "mine", "scene": asset.asset}));
+    let session: SessionState = parse_body(&session.text()).expect("a session");
+    assert_eq!(session.document.cameras[0].camera.name, "eye");
+
+    let refused = server.process.post("/assets", b"not a scene").expect("answered");
+    assert_eq!(refused.status, 400, "{}", refused.text());
+}

@@ -1,0 +1,12 @@
+//! Whole sessions: the program as a server, clients on real sockets, what they see and what is left on disk.
+
+mod crash;
+mod frames;
+mod gestures;
+mod http;
+mod picture;
+#[path = "../program.rs"]
+mod program;
+mod reconnect;
+mod support;
+mod together;

@@ -1,0 +1,41 @@
+//! Coming back: with the records that were missed, or with the whole document.
+
+use bench::{Client, Known};
+use protocol::State;
+
+use crate::support::{Server, rename};
+
+/// Rules: SOCK-2
+#[test]
+fn a_client_that_comes_back_gets_what_it_missed() {
+    let server = Server::start();
+    let (ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let light = ben.light();
+    let known = Known { epoch: ada.client.welcome.epoch.clone(), last_seq: ada.seq };
+    let mut document = ada.document.clone();
+    drop(ada);
+    for step in 0..5 {
+        ben.edited(rename(light, &format!("name {step}")));
+    }
+
+    // A restart is no new history.
+    let server = server.restart();
+    let back = Client::connect(&server.process.address, "main", "ada", Some(known.clone())).expect("welcome");
+    let State::Tail(records) = back.welcome.state else { panic!("a tail") };
+    let seqs: Vec<u64> = records.iter().map(|record| record.seq).collect();
+    assert_eq!(seqs, (known.last_seq + 1..=known.last_seq + 5).collect::<Vec<_>>());
+    for record in records {
+        let record = edit::Record::try_from(record).expect("a valid record");
+        document.apply(&record.changes, &|_| None).expect("it fits");
+    }
+    assert_eq!(document.hash().to_string(), back.welcome.hash);
+
+    // Another history's numbers mean nothing here.
+    let other = Known { epoch: "another".into(), ..known };
+    let back = Client::connect(&server.process.address, "main", "ada", Some(other)).expect("welcome");
+    assert!(matches!(back.welcome.state, State::Snapshot(_)));
+    // Nor do numbers from the future.
+    let future = Known { epoch: back.welcome.epoch.clone(), last_seq: 1_000_000 };
+    let back = Client::connect(&server.process.address, "main", "ada", Some(future)).expect("welcome");
+    assert!(matches!(back.welcome.state, State::Snapshot(_)));
+}

@@ -1,0 +1,217 @@
+//! A server, clients that mirror its document, and edits for them to make.
+
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
+
+use bench::{BenchError, Client, Incoming, ServerProcess};
+use protocol::{
+    ClientMessage, Document, EditResult, Light, LightParameter, PointParameter, ServerMessage, State, Vec3,
+};
+use scene::{AssetHash, Scene};
+
+use crate::program::program;
+
+/// A server with the demo scene in session `main`, over its own data, ready.
+pub struct Server {
+    pub process: ServerProcess,
+    pub data: tempfile::TempDir,
+}
+
+impl Server {
+    pub fn start() -> Self {
+        let data = tempfile::tempdir().expect("a folder");
+        let process = start_over(data.path());
+        Self { process, data }
+    }
+
+    pub fn connect(&self, actor: &str) -> Mirror {
+        Mirror::connect(&self.process, actor)
+    }
+
+    /// Kills it, and starts it again over the same data.
+    pub fn restart(self) -> Self {
+        let Self { process, data } = self;
+        process.kill().expect("killed");
+        let process = start_over(data.path());
+        Self { process, data }
+    }
+
+    /// Sequence and hash of `main` as HTTP tells them.
+    pub fn state(&self) -> (u64, String) {
+        let state = self.process.get("/sessions/main").expect("answered");
+        assert_eq!(state.status, 200, "{}", state.text());
+        let state: protocol::SessionState = protocol::parse_body(&state.text()).expect("a session");
+        (state.seq, state.hash)
+    }
+}
+
+fn start_over(data: &Path) -> ServerProcess {
+    let process = ServerProcess::start(program(), data, &["--scene", "demo:vases"]).expect("started");
+    process.wait_until_ready().expect("ready");
+    process
+}
+
+/// Finds the built-in scenes.
+pub fn find_scene(asset: &AssetHash) -> Option<Arc<Scene>> {
+    static SCENES: OnceLock<Vec<(AssetHash, Arc<Scene>)>> = OnceLock::new();
+    let scenes = SCENES.get_or_init(|| {
+        let demos = assets::DEMO_NAMES.iter().map(|(name, _)| {
+            let bytes = assets::demo_bytes(name).expect("a demo");
+            let scene = assets::load_bytes(&bytes).expect("a scene").scene;
+            (AssetHash::of(&bytes), Arc::new(scene))
+        });
+        demos.collect()
+    });
+    scenes.iter().find(|(hash, _)| hash == asset).map(|(_, scene)| Arc::clone(scene))
+}
+
+/// A client that keeps the document by applying what the server sends.
+pub struct Mirror {
+    pub client: Client,
+    pub document: scene::Document,
+    pub seq: u64,
+    operations: u64,
+    actor: String,
+}
+
+impl Mirror {
+    pub fn connect(process: &ServerProcess, actor: &str) -> Self {
+        let client = Client::connect(&process.address, "main", actor, None).expect("welcome");
+        let State::Snapshot(document) = client.welcome.state.clone() else { panic!("a snapshot") };
+        let document = document.into_domain(&find_scene).expect("a valid document");
+        assert_eq!(document.hash().to_string(), client.welcome.hash, "the snapshot has the stated hash");
+        Self { seq: client.welcome.seq, client, document, operations: 0, actor: actor.into() }
+    }
+
+    /// The first BendyLight's id.
+    pub fn light(&self) -> u64 {
+        let bendy = Document::from(&self.document).lights.into_iter().find_map(|placed| match placed.light {
+            Light::Bendy(_) => Some(placed.id),
+            Light::Spot(_) => None,
+        });
+        bendy.expect("a BendyLight")
+    }
+
+    /// Where control point `point` of the first BendyLight is.
+    pub fn point(&self, point: usize) -> Vec3 {
+        let lights = Document::from(&self.document).lights;
+        let bendy = lights.iter().find_map(|placed| match &placed.light {
+            Light::Bendy(bendy) => Some(bendy.points[point]),
+            Light::Spot(_) => None,
+        });
+        bendy.expect("a BendyLight")
+    }
+
+    pub fn send(&mut self, message: &ClientMessage) {
+        self.client.send(message).expect("sent");
+    }
+
+    /// A name for an operation that no other client of these tests uses.
+    pub fn op_id(&mut self) -> String {
+        self.operations += 1;
+        format!("{}-{}", self.actor, self.operations)
+    }
+
+    /// Sends a command; its operation's name.
+    pub fn edit(&mut self, command: protocol::Command) -> String {
+        let (op_id, base_seq) = (self.op_id(), self.seq);
+        self.send(&ClientMessage::Edit { op_id: op_id.clone(), base_seq, command });
+        op_id
+    }
+
+    /// Sends a command and waits for what becomes of it, and for its record.
+    pub fn edited(&mut self, command: protocol::Command) -> EditResult {
+        let op_id = self.edit(command);
+        self.result(&op_id)
+    }
+
+    /// Waits for what becomes of an operation, and for its record.
+    pub fn result(&mut self, op_id: &str) -> EditResult {
+        let result = self.wait_for("a result", |message| match message {
+            ServerMessage::EditResult(result) if result.op_id == op_id => Some(result.clone()),
+            _ => None,
+        });
+        if let Some(seq) = result.seq {
+            self.catch_up(seq);
+        }
+        result
+    }
+
+    /// Waits until the mirror holds record `seq`.
+    pub fn catch_up(&mut self, seq: u64) {
+        while self.seq < seq {
+            self.wait_for("a record", |message| matches!(message, ServerMessage::Log { .. }).then_some(()));
+        }
+    }
+
+    /// Waits for a message. Records on the way are applied and checked, frames acknowledged.
+    pub fn wait_for<T>(
+        &mut self,
+        what: &'static str,
+        mut wanted: impl FnMut(&ServerMessage) -> Option<T>,
+    ) -> T {
+        self.receive_until(what, |incoming| match incoming {
+            Incoming::Message(message) => wanted(message),
+            Incoming::Frame(..) => None,
+        })
+    }
+
+    /// Waits for a message or a frame.
+    pub fn receive_until<T>(
+        &mut self,
+        what: &'static str,
+        mut wanted: impl FnMut(&Incoming) -> Option<T>,
+    ) -> T {
+        let Self { client, document, seq, .. } = self;
+        let found = client.wait_for(what, |incoming| {
+            if let Incoming::Message(message) = &incoming
+                && let ServerMessage::Log { record, hash, .. } = &**message
+            {
+                assert_eq!(record.seq, *seq + 1, "records come in order, without gaps");
+                let record = edit::Record::try_from(record.as_ref().clone()).expect("a valid record");
+                document.apply(&record.changes, &find_scene).expect("it fits");
+                *seq = record.seq;
+                assert_eq!(document.hash().to_string(), *hash, "after record {seq}");
+            }
+            wanted(&incoming)
+        });
+        found.unwrap_or_else(|error: BenchError| panic!("{error}"))
+    }
+
+    /// Opens a view of 160 x 90 from where the session suggests.
+    pub fn open_view(&mut self) {
+        let source = protocol::ViewSource::Own(self.client.welcome.camera.clone());
+        self.send(&ClientMessage::OpenView { source, width: 160, height: 90, camera_revision: 1 });
+    }
+
+    /// The pixels of the next lossless frame that shows record `log_seq`.
+    pub fn settled(&mut self, log_seq: u64) -> Vec<u8> {
+        let payload = self.receive_until("a lossless frame", |incoming| match incoming {
+            Incoming::Frame(header, payload) if header.flags.settle && header.log_seq >= log_seq => {
+                Some(payload.clone())
+            }
+            _ => None,
+        });
+        pixels(&payload)
+    }
+}
+
+/// A picture's bytes as RGB pixels.
+pub fn pixels(file: &[u8]) -> Vec<u8> {
+    image::load_from_memory(file).expect("a picture").to_rgb8().into_raw()
+}
+
+/// Moves control point `point` of `light` to `position`.
+pub fn move_point(light: u64, point: usize, position: Vec3) -> protocol::Command {
+    protocol::Command::SetPoint { light, point, parameter: PointParameter::Position(position) }
+}
+
+/// Renames `light`.
+pub fn rename(light: u64, name: &str) -> protocol::Command {
+    protocol::Command::SetLight { light, parameter: LightParameter::Name(name.into()) }
+}
+
+/// `position`, moved.
+pub fn moved(position: Vec3, by: Vec3) -> Vec3 {
+    std::array::from_fn(|k| position[k] + by[k])
+}

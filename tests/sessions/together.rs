@@ -1,0 +1,120 @@
+//! Several people in one session.
+
+use protocol::{ClientMessage, Command, EditStatus, LightParameter, PointParameter, Scope, ServerMessage};
+
+use crate::support::{Mirror, Server, move_point, moved, rename};
+
+/// Rules: SOCK-3, SOCK-4, SOCK-5, DOC-4, REC-1, REC-2
+#[test]
+fn two_clients_end_with_the_same_document() {
+    let server = Server::start();
+    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let light = ada.light();
+    let mut operations = Vec::new();
+    for step in 0..20 {
+        let shift = f64::from(step) * 0.01;
+        let (theirs, ours) = (moved(ada.point(2), [shift, 0.0, 0.0]), 0.2 + shift);
+        operations.push(ada.edit(move_point(light, 2, theirs)));
+        let softness = LightParameter::ConeSoftness(ours);
+        ben.edit(Command::SetLight { light, parameter: softness });
+    }
+    let last = operations.pop().expect("an operation");
+    ada.result(&last);
+    let result = ben.edited(rename(light, "key, by Ben"));
+    let seq = result.seq.expect("committed");
+    // Everybody gets everything, in one order; `Mirror` checks each record's hash on the way.
+    ada.catch_up(seq);
+    ben.catch_up(seq);
+    let (server_seq, server_hash) = server.state();
+    for mirror in [&ada, &ben] {
+        assert_eq!((mirror.seq, mirror.document.hash().to_string()), (server_seq, server_hash.clone()));
+    }
+    // One record for the scene, 20 of each, one name.
+    assert_eq!(server_seq, 42);
+}
+
+/// Rules: SOCK-5
+#[test]
+fn edits_of_what_others_changed_are_rebased_and_outdated_numbers_rejected() {
+    let server = Server::start();
+    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let light = ada.light();
+    let known = ben.seq;
+    let insert =
+        Command::InsertPoint { light, point: 2, position: None, radius: None, color: None, intensity: None };
+    assert_eq!(ada.edited(insert).status, EditStatus::Committed);
+    ben.catch_up(ada.seq);
+
+    let mut from_before = |command: Command| {
+        let op_id = ben.op_id();
+        ben.send(&ClientMessage::Edit { op_id: op_id.clone(), base_seq: known, command });
+        ben.result(&op_id)
+    };
+    let stale = from_before(move_point(light, 2, [0.0, 0.0, -1.0]));
+    assert_eq!((stale.status, stale.code.as_deref()), (EditStatus::Rejected, Some("stale")));
+    assert_eq!(from_before(rename(light, "still fine")).status, EditStatus::Rebased);
+    let own = from_before(rename(light, "mine since"));
+    assert_eq!(own.status, EditStatus::Rebased, "Ada's insertion is still unknown to the sender");
+}
+
+/// Rules: UNDO-1, UNDO-2, REC-4
+#[test]
+fn undo_takes_back_ones_own_and_survives_a_restart() {
+    let server = Server::start();
+    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let light = ada.light();
+    let start = ada.document.hash();
+    let first_name = protocol::Document::from(&ada.document).lights[0].light.clone();
+    ada.edited(rename(light, "Ada's"));
+    ben.catch_up(ada.seq);
+    let radius = Command::SetPoint { light, point: 2, parameter: PointParameter::Radius(1.5) };
+    ben.edited(radius);
+
+    let server = server.restart();
+    let mut ada = server.connect("ada");
+    let op_id = "undo-after-restart".to_owned();
+    let undo = ClientMessage::Undo { op_id: op_id.clone(), scope: Scope::Mine };
+    ada.send(&undo);
+    let undone = ada.result(&op_id);
+    assert_eq!(undone.status, EditStatus::Committed);
+    assert!(undone.skipped.is_empty(), "{:?}", undone.skipped);
+    let name = |mirror: &Mirror| match &protocol::Document::from(&mirror.document).lights[0].light {
+        protocol::Light::Bendy(bendy) => (bendy.name.clone(), bendy.radii[2]),
+        protocol::Light::Spot(_) => panic!("the demo's light is a BendyLight"),
+    };
+    let protocol::Light::Bendy(before) = first_name else { panic!("the demo's light is a BendyLight") };
+    assert_eq!(name(&ada), (before.name, 1.5), "Ada's name is gone, Ben's radius stays");
+    assert_ne!(ada.document.hash(), start);
+
+    // The same operation again is answered, not carried out.
+    ada.send(&undo);
+    let again = ada.wait_for("a result", |message| match message {
+        ServerMessage::EditResult(result) => Some(result.clone()),
+        _ => None,
+    });
+    assert_eq!(again.seq, undone.seq);
+    assert_eq!(server.state().0, undone.seq.expect("committed"));
+}
+
+/// Rules: SOCK-8
+#[test]
+fn everybody_sees_who_is_here() {
+    let server = Server::start();
+    let mut ada = server.connect("ada");
+    let mut ben = server.connect("ben");
+    let light = ada.light();
+    ben.send(&ClientMessage::Presence { selection: Some(light) });
+    ada.wait_for("Ben's selection", |message| match message {
+        ServerMessage::Presence { clients } => {
+            clients.iter().any(|c| c.actor.id == "ben" && c.selection == Some(light)).then_some(())
+        }
+        _ => None,
+    });
+    drop(ben);
+    ada.wait_for("Ben's leaving", |message| match message {
+        ServerMessage::Presence { clients } => {
+            (clients.len() == 1 && clients[0].actor.id == "ada").then_some(())
+        }
+        _ => None,
+    });
+}
