@@ -23,7 +23,7 @@ demo: build
 	target/release/bendylights serve --data $(DATA) --scene demo:vases
 
 test: packages test-packages page
-	cd web-client && npm test
+	cd web-client && npm run --silent check && npm test
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked

@@ -40,6 +40,12 @@ const LAYERS: &[Layer] = &[
         pure: false,
     },
     Layer {
+        name: "store",
+        uses: &["scene", "edit", "protocol"],
+        never: &["tokio", "wgpu", "axum"],
+        pure: false,
+    },
+    Layer {
         name: "server",
         uses: &["scene", "assets", "edit", "render", "store", "stream", "protocol"],
         never: &["clap", "reference"],

@@ -55,9 +55,11 @@ pub struct Bendy {
     pub radii: Vec<f64>,
     /// One a control point; white by default.
     #[serde(default)]
+    #[schemars(with = "Vec<[f64; 3]>")]
     pub colors: Option<Vec<[f64; 3]>>,
     /// One a control point; 1 by default.
     #[serde(default)]
+    #[schemars(with = "Vec<f64>")]
     pub intensities: Option<Vec<f64>>,
     /// Orients the cross-section at the source; `[0, 1, 0]` by default.
     #[serde(default = "default_up")]
