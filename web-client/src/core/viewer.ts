@@ -12,6 +12,8 @@ import type { Bounds, Camera, ClientMessage, Presence, ViewSource } from "./prot
 /** Cameras of frames that may still arrive. */
 const REMEMBERED_CAMERAS = 256;
 const FIRST_SIZE = { width: 640, height: 360 };
+/** Cameras of scenes are composed for wide pictures. */
+const COMPOSED_FOR_ASPECT = 16 / 9;
 
 export interface Viewer {
   /** One's own camera; `null` before the first welcome. */
@@ -54,6 +56,19 @@ export function viewer({ host, send, bounds, latency }: ViewerParts): Viewer {
   function remember(camera: Camera): void {
     sentCameras.set(revision.value, camera);
     sentCameras.delete(revision.value - REMEMBERED_CAMERAS);
+  }
+
+  /** `camera` with all of its width in sight: a narrower picture gains height instead of losing its sides. */
+  function fitted(camera: Camera): Camera {
+    const factor = Math.max(1, (COMPOSED_FOR_ASPECT * size.height) / size.width);
+    const { projection } = camera;
+    if ("orthographic" in projection) {
+      const { ymag, ...planes } = projection.orthographic;
+      return { ...camera, projection: { orthographic: { ...planes, ymag: ymag * factor } } };
+    }
+    const { yfov, ...planes } = projection.perspective;
+    const wider = 2 * Math.atan(Math.tan(yfov / 2) * factor);
+    return { ...camera, projection: { perspective: { ...planes, yfov: wider } } };
   }
 
   function openView(): void {
@@ -111,7 +126,7 @@ export function viewer({ host, send, bounds, latency }: ViewerParts): Viewer {
     following,
     revision,
     move,
-    jump: (camera) => move(() => orbitFrom(camera, bounds())),
+    jump: (camera) => move(() => orbitFrom(fitted(camera), bounds())),
     follow(client) {
       if (client === null) leave();
       following.value = client;
@@ -128,7 +143,7 @@ export function viewer({ host, send, bounds, latency }: ViewerParts): Viewer {
       return sentCameras.get(header?.cameraRevision ?? -1) ?? own.value?.camera ?? null;
     },
     open(camera) {
-      own.value ??= orbitFrom(camera, bounds());
+      own.value ??= orbitFrom(fitted(camera), bounds());
       openView();
     },
     people(everybody) {
