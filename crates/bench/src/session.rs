@@ -310,6 +310,7 @@ fn chart(shown: &[Shown], report: &Report) -> Result<String, Box<dyn std::error:
             plot.draw_series(LineSeries::new([(0.0, level), (shown.len() as f64, level)], BLACK))?;
         }
         plot.configure_series_labels()
+            .position(SeriesLabelPosition::UpperLeft)
             .background_style(WHITE.mix(0.85))
             .border_style(BLACK.mix(0.3))
             .draw()?;
