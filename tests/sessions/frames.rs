@@ -64,7 +64,7 @@ fn idle_for() -> Duration {
 
 /// `position`, to one side at even steps and back at odd ones.
 fn sway(position: Vec3, step: u32) -> Vec3 {
-    moved(position, [0.0, if step % 2 == 0 { 0.1 } else { -0.1 }, 0.0])
+    moved(position, [0.0, if step.is_multiple_of(2) { 0.1 } else { -0.1 }, 0.0])
 }
 
 /// Rules: FRAME-2
