@@ -1,6 +1,6 @@
 //! Pixels to frames, and when a client gets its next one.
 //!
-//! [`jpeg`] and [`png`] encode, [`FrameHeader`] is what stands before the payload on the wire, [`Pace`]
+//! [`jpeg()`] and [`png()`] encode, [`FrameHeader`] is what stands before the payload on the wire, [`Pace`]
 //! decides for one client what it needs next. No sockets, no scene and no clock: times are passed in.
 
 mod encode;
