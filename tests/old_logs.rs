@@ -7,7 +7,7 @@ use std::sync::Arc;
 use protocol::LogLine;
 use scene::{AssetHash, Scene};
 use serde_json::Value;
-use store::{StoreError, asset_hash, replay_log};
+use store::{StoreError, replay_log};
 
 /// A log of `logs/`, and what its document's hash was when it was written.
 struct OldLog {
@@ -34,7 +34,7 @@ fn text(log: &OldLog) -> String {
 fn find_scene(asset: &AssetHash) -> Option<Arc<Scene>> {
     let (name, _) = assets::DEMO_NAMES
         .iter()
-        .find(|(name, _)| assets::demo_bytes(name).is_some_and(|bytes| asset_hash(&bytes) == *asset))?;
+        .find(|(name, _)| assets::demo_bytes(name).is_some_and(|bytes| AssetHash::of(&bytes) == *asset))?;
     assets::demo(name).map(Arc::new)
 }
 

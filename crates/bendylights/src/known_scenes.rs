@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use scene::{AssetHash, Scene};
-use store::{Store, asset_hash};
+use store::Store;
 
 use crate::say;
 
@@ -41,5 +41,5 @@ impl KnownScenes {
 /// The bytes of the demo scene of that hash.
 fn demo_of(asset: &AssetHash) -> Option<Vec<u8>> {
     let mut demos = assets::DEMO_NAMES.iter().filter_map(|(name, _)| assets::demo_bytes(name));
-    demos.find(|bytes| asset_hash(bytes) == *asset)
+    demos.find(|bytes| AssetHash::of(bytes) == *asset)
 }

@@ -5,7 +5,6 @@ use std::io::{self, Read, Write};
 use std::path::PathBuf;
 
 use scene::AssetHash;
-use sha2::{Digest, Sha256};
 use tempfile::NamedTempFile;
 
 use crate::database::sync_folder;
@@ -20,7 +19,7 @@ impl Store {
         if bytes.len() as u64 > MAX_ASSET_BYTES {
             return Err(StoreError::AssetTooLarge);
         }
-        let asset = asset_hash(bytes);
+        let asset = AssetHash::of(bytes);
         if let Ok(Some(_)) = self.asset(&asset) {
             return Ok(asset);
         }
@@ -35,7 +34,7 @@ impl Store {
             Err(reason) if reason.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(reason) => return Err(self.failed(asset, reason)),
         };
-        if asset_hash(&bytes) == *asset { Ok(Some(bytes)) } else { Err(StoreError::DamagedAsset(*asset)) }
+        if AssetHash::of(&bytes) == *asset { Ok(Some(bytes)) } else { Err(StoreError::DamagedAsset(*asset)) }
     }
 
     /// At most one byte over the limit, which no hash can match then.
@@ -62,9 +61,4 @@ impl Store {
     fn failed(&self, asset: &AssetHash, reason: io::Error) -> StoreError {
         StoreError::Io { path: self.asset_path(asset), reason }
     }
-}
-
-/// The name of an asset with these bytes.
-pub fn asset_hash(bytes: &[u8]) -> AssetHash {
-    AssetHash(Sha256::digest(bytes).into())
 }

@@ -13,7 +13,7 @@ mod log_file;
 mod records;
 mod sessions;
 
-pub use assets::{MAX_ASSET_BYTES, asset_hash};
+pub use assets::MAX_ASSET_BYTES;
 pub use database::Store;
 pub use error::StoreError;
 pub use log_file::{ReplayedLog, replay_log};

@@ -1,8 +1,8 @@
 //! `sessions`, `export`, `import` and `replay`, on the log that tests/logs keeps.
 
 use image::GenericImageView;
+use scene::AssetHash;
 use serde_json::{Value, json};
-use store::asset_hash;
 
 use crate::program::{Folder, TRIANGLE, run};
 
@@ -94,16 +94,16 @@ fn a_checkpoint_that_differs_is_told_and_named() {
 
 /// The log with another asset in place of the demo scene. Its checkpoints differ then, the first after record 12.
 fn log_of(scene: &str) -> String {
-    let demo = asset_hash(&assets::demo_bytes("vases").expect("the demo scene")).to_string();
+    let demo = AssetHash::of(&assets::demo_bytes("vases").expect("the demo scene")).to_string();
     assert!(LOG.contains(&demo));
-    LOG.replace(&demo, &asset_hash(scene.as_bytes()).to_string())
+    LOG.replace(&demo, &AssetHash::of(scene.as_bytes()).to_string())
 }
 
 #[test]
 fn a_missing_scene_is_named_with_the_way_out() {
     let (folder, _, data) = imported();
     let log = folder.file("triangle.jsonl", log_of(TRIANGLE));
-    let asset = asset_hash(TRIANGLE.as_bytes());
+    let asset = AssetHash::of(TRIANGLE.as_bytes());
     for args in [
         &["replay", &log][..],
         &["replay", &log, "--data", &data],
