@@ -63,6 +63,9 @@ fn all() -> Vec<(&'static str, String)> {
 }
 
 #[cfg(test)]
+mod branches;
+
+#[cfg(test)]
 mod tests {
     use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,4 +1,4 @@
-//! Every pipeline drawn once, so that no first picture waits for a compiler.
+//! The common pipelines drawn once, so that no first picture waits for a compiler.
 
 use bendy::{Decay, SpotLight, Transform};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
@@ -6,30 +6,23 @@ use scene::{Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projectio
 
 use crate::{Aov, RenderError, Renderer, View, ViewSlot};
 
-/// Most segments of the lights that are compiled for.
-const SEGMENTS: usize = 5;
+/// Most segments of the lights that are compiled for: a software driver takes a second for each.
+const SEGMENTS: usize = 4;
 
 impl Renderer {
-    /// Draws what pictures are commonly made of once, in a small scene of its own: drivers compile a pipeline
-    /// at its first draw, which takes them up to a second. Serves every renderer that shares the pipelines.
+    /// Draws what pictures for screens are commonly made of once, in a small scene of its own: drivers compile
+    /// a pipeline at its first draw. Serves every renderer that shares the pipelines.
     ///
-    /// Each way to evaluate a BendyLight is compiled by itself. These are the ones of lights of up to 5
-    /// segments, cut or extended, with all else at its default; another one makes its first picture wait.
+    /// Each way to evaluate a BendyLight is compiled by itself. These are the ones of lights of up to 4
+    /// segments with all else at its default; another one makes its first picture wait, and so do AOVs.
     pub fn warm(&self) -> Result<(), RenderError> {
         let mut renderer = self.another()?;
         renderer.set_scene(&scene())?;
         let spot = spot();
-        let mut lights = vec![light(LightKind::Spot(spot.clone()))];
-        renderer.render_display(&view(Aov::Beauty, 0), &lights)?;
-        for (segments, range) in (1..=SEGMENTS).flat_map(|n| [(n, None), (n, Some(4.0))]) {
-            let spot = SpotLight { range, decay: Decay::None, ..spot.clone() };
-            lights.truncate(1);
-            lights.push(light(LightKind::Bendy(bendy::bend(&spot, segments)?)));
-            renderer.render_display(&view(Aov::Beauty, 0), &lights)?;
-        }
-        for aov in [Aov::Depth, Aov::Normal, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility] {
-            renderer.render(&view(aov, 0), &lights)?;
-            renderer.render(&view(aov, 1), &lights)?;
+        renderer.render_display(&view(), &[light(LightKind::Spot(spot.clone()))])?;
+        for segments in 1..=SEGMENTS {
+            let bent = bendy::bend(&spot, segments)?;
+            renderer.render_display(&view(), &[light(LightKind::Bendy(bent))])?;
         }
         Ok(())
     }
@@ -61,20 +54,21 @@ fn scene() -> Scene {
 }
 
 /// From above; the sides are no powers of two, as drivers may compile those apart.
-fn view(aov: Aov, light: usize) -> View {
+fn view() -> View {
     let camera = Camera {
         name: String::new(),
         translation: DVec3::Y * 3.0,
         rotation: downwards(),
         projection: Projection::Perspective { yfov: 0.8, znear: 0.1, zfar: None },
     };
-    View { camera, width: 42, height: 22, samples: 1, aov, light, slot: ViewSlot::default() }
+    let (aov, slot) = (Aov::Beauty, ViewSlot::default());
+    View { camera, width: 42, height: 22, samples: 1, aov, light: 0, slot }
 }
 
 /// A light over the middle of the squares.
 fn spot() -> SpotLight {
     let transform = Transform { translation: DVec3::Y * 2.0, rotation: downwards(), scale: 1.0 };
-    SpotLight { transform, ..SpotLight::default() }
+    SpotLight { transform, range: Some(4.0), decay: Decay::None, ..SpotLight::default() }
 }
 
 fn light(kind: LightKind) -> Light {

@@ -64,7 +64,8 @@ fn map_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
         return;
     }
     let near = all(max(max(qa, qb), qc) >= bent.box_min) && all(min(min(qa, qb), qc) <= bent.box_max);
-    for (var i = 0u; near && i < bent.slab_count; i++) {
+    let end = select(0u, bent.slab_count, near);
+    for (var i = 0u; i < end; i++) {
         if may_touch(i, qa, qb, qc) {
             let item = atomicAdd(&counts.items[0], 1u);
             if item < bent.work_capacity {

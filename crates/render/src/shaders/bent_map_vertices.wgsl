@@ -27,7 +27,8 @@ fn map_vertices(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
     let near = all(q >= bent.box_min) && all(q <= bent.box_max);
     var slab = NO_SLAB;
     // The bound, not a branch, is what lets a group of far vertices leave at once on a software driver.
-    for (var i = 0u; near && i < bent.slab_count && slab != SEVERAL_SLABS; i++) {
+    let end = select(0u, bent.slab_count, near);
+    for (var i = 0u; i < end && slab != SEVERAL_SLABS; i++) {
         if !slab_holds(i, q) {
             continue;
         }

@@ -78,11 +78,10 @@ fn perpendicular_up(up: vec3f, u_hat: vec3f) -> vec3f {
 
 // v_hat and w_hat, as the columns of a matrix: rotation-minimising, or oriented by `up` everywhere.
 fn curve_cross_section(c: Curve, u_hat: vec3f, frame_up: bool, up: vec3f) -> mat2x3f {
-    if !frame_up {
-        return curve_rotation_minimizing(c, u_hat);
-    }
     let w_hat = perpendicular_up(up, u_hat);
-    return mat2x3f(cross(w_hat, u_hat), w_hat);
+    let v_hat = cross(w_hat, u_hat);
+    let minimizing = curve_rotation_minimizing(c, u_hat);
+    return mat2x3f(select(minimizing[0], v_hat, frame_up), select(minimizing[1], w_hat, frame_up));
 }
 
 fn curve_box_contains(c: Curve, q: vec3f) -> bool {

@@ -31,7 +31,7 @@ fn sample_light(surface: Surface) -> LightSample {
     let depth = -position.z;
     let slope = position.xy / select(1.0, depth, depth > 0.0);
     let tan2 = dot(slope, slope);
-    let in_range = spot.range == 0.0 || depth <= spot.range;
+    let in_range = depth <= select(spot.range, depth, spot.range == 0.0);
     if !(depth > 0.0 && tan2 <= spot.tan_outer * spot.tan_outer && in_range) {
         return LightSample();
     }

@@ -30,7 +30,9 @@ struct BendyLight {
 }
 
 // What does not change while a light is bent is compiled into the shader: a software driver runs both sides
-// of a branch, and gathers from an index that it does not know. The constants come before this file:
+// of a branch, and gathers from an index that it does not know. What does change decides no branch and ends
+// no loop by itself: that driver would compile the shader anew for each value. The constants come before this
+// file:
 //   BAKED_SEGMENTS  u32   segments to visit in straight code, the extension not counted; 0 for as many as the
 // light has, in a loop
 //   EXTENDED        bool  the light goes on past its last control point
@@ -45,6 +47,8 @@ struct BendyLight {
 
 const JOINT_MERGE = 1e-5;
 const DIRECTION_FLOOR = 1e-18;
+// Further than any point that is asked for.
+const FAR = 1e30;
 // Largest values that stay finite through decay and the BRDF.
 const MAX_RADIANCE = 1e15;
 const MAX_DECAY = 1e15;
@@ -156,7 +160,7 @@ fn end_joint(i: u32, q: vec3f) -> f32 {
 // without end.
 fn candidates(i: u32, q: vec3f, f0: f32, f1: f32) -> Roots {
     let c = segments[i].curve;
-    if EXTENDED && i == light.segment_count {
+    if EXTENDED && i == segment_count() {
         let u = -f0 / (2.0 * dot(c.d0, c.d0));
         return Roots(u, 0.0, u > 0.0, false);
     }
@@ -169,6 +173,11 @@ fn candidates(i: u32, q: vec3f, f0: f32, f1: f32) -> Roots {
 // Whether `a` has the smaller |r| / R, asked without dividing.
 fn nearer(a: Place, b: Place) -> bool {
     return a.r2 * b.radius * b.radius < b.r2 * a.radius * a.radius;
+}
+
+// Segments without the extension.
+fn segment_count() -> u32 {
+    return select(BAKED_SEGMENTS, light.segment_count, BAKED_SEGMENTS == 0u);
 }
 
 struct Search {
@@ -201,7 +210,9 @@ fn visit(search: ptr<function, Search>, i: u32, q: vec3f) {
 fn nearest_place(q: vec3f) -> Place {
     var search = Search(Place(), first_joint(q));
     if BAKED_SEGMENTS == 0u {
-        for (var i = 0u; i < light.segment_count; i++) {
+        // Always all of them; see above.
+        let end = select(0u, light.segment_count, abs(q.x) < FAR);
+        for (var i = 0u; i < end; i++) {
             visit(&search, i, q);
         }
     }
@@ -212,7 +223,7 @@ fn nearest_place(q: vec3f) -> Place {
     if BAKED_SEGMENTS > 4u { visit(&search, 4u, q); }
     if BAKED_SEGMENTS > 5u { visit(&search, 5u, q); }
     if EXTENDED {
-        visit(&search, select(light.segment_count, BAKED_SEGMENTS, BAKED_SEGMENTS > 0u), q);
+        visit(&search, segment_count(), q);
     }
     return search.best;
 }
@@ -253,12 +264,9 @@ fn direction_at(root: Root) -> vec3f {
 }
 
 fn profile(rho2: f32) -> f32 {
-    if light.inv_cos_range == 0.0 {
-        return 1.0;
-    }
     let cos_theta = inverseSqrt(1.0 + rho2 * light.tan2_outer);
     let s = saturate((cos_theta - light.cos_outer) * light.inv_cos_range);
-    return s * s * (3.0 - 2.0 * s);
+    return select(s * s * (3.0 - 2.0 * s), 1.0, light.inv_cos_range == 0.0);
 }
 
 // Abscissae and weights of bendy::GAUSS_LEGENDRE.

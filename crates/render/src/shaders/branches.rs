@@ -1,0 +1,129 @@
+//! No branch and no loop of what is drawn each frame hangs on uniforms alone.
+//!
+//! Mesa's software driver compiles a shader anew for every value of such a uniform, and looks for that at
+//! every draw: a frame then takes seconds, or, where a cache on disk has each of them, still twice its time.
+
+use wgpu::naga::{AddressSpace, Block, Expression, Function, Handle, Module, Statement, front::wgsl};
+
+use super::all;
+
+/// What a value is computed from; of several the last counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Origin {
+    Constants,
+    Uniforms,
+    /// Something that differs from one invocation to the next, or may.
+    Invocation,
+}
+
+/// A function with the origins of its arguments, as some caller has them.
+struct Call<'a> {
+    module: &'a Module,
+    function: &'a Function,
+    arguments: Vec<Origin>,
+}
+
+impl Call<'_> {
+    fn origin(&self, handle: Handle<Expression>) -> Origin {
+        let of = |handles: &[Handle<Expression>]| {
+            handles.iter().map(|&h| self.origin(h)).max().unwrap_or(Origin::Constants)
+        };
+        match &self.function.expressions[handle] {
+            Expression::Literal(_) | Expression::Constant(_) | Expression::ZeroValue(_) => Origin::Constants,
+            Expression::GlobalVariable(variable) => match self.module.global_variables[*variable].space {
+                AddressSpace::Uniform => Origin::Uniforms,
+                _ => Origin::Invocation,
+            },
+            Expression::FunctionArgument(index) => self.arguments[*index as usize],
+            Expression::Load { pointer: inner }
+            | Expression::AccessIndex { base: inner, .. }
+            | Expression::Unary { expr: inner, .. }
+            | Expression::As { expr: inner, .. }
+            | Expression::Splat { value: inner, .. }
+            | Expression::Swizzle { vector: inner, .. }
+            | Expression::Relational { argument: inner, .. } => of(&[*inner]),
+            Expression::Access { base: left, index: right } | Expression::Binary { left, right, .. } => {
+                of(&[*left, *right])
+            }
+            Expression::Select { condition, accept, reject } => of(&[*condition, *accept, *reject]),
+            Expression::Compose { components, .. } => of(components),
+            Expression::Math { arg, arg1, arg2, arg3, .. } => {
+                of(&[Some(*arg), *arg1, *arg2, *arg3].into_iter().flatten().collect::<Vec<_>>())
+            }
+            _ => Origin::Invocation,
+        }
+    }
+
+    /// Whether an `if` decides by uniforms alone, or ends a loop by comparing with a uniform.
+    fn hangs_on_uniforms(&self, condition: Handle<Expression>, accept: &Block, reject: &Block) -> bool {
+        let breaks = |block: &Block| block.iter().any(|statement| matches!(statement, Statement::Break));
+        let ends_loop = breaks(accept) || breaks(reject);
+        let bound = match &self.function.expressions[condition] {
+            Expression::Binary { left, right, .. } => [*left, *right].map(|side| self.origin(side)),
+            _ => [Origin::Constants; 2],
+        };
+        self.origin(condition) == Origin::Uniforms || (ends_loop && bound.contains(&Origin::Uniforms))
+    }
+
+    /// Names of the functions, this one and all that it calls, where that is so.
+    fn findings(&self, block: &Block, found: &mut Vec<String>) {
+        for statement in block {
+            match statement {
+                Statement::If { condition, accept, reject } => {
+                    if self.hangs_on_uniforms(*condition, accept, reject) {
+                        found.push(self.function.name.clone().unwrap_or_default());
+                    }
+                    self.findings(accept, found);
+                    self.findings(reject, found);
+                }
+                Statement::Block(inner) => self.findings(inner, found),
+                Statement::Loop { body, continuing, .. } => {
+                    self.findings(body, found);
+                    self.findings(continuing, found);
+                }
+                Statement::Switch { cases, .. } => cases.iter().for_each(|c| self.findings(&c.body, found)),
+                Statement::Call { function, arguments, .. } => {
+                    let arguments = arguments.iter().map(|&argument| self.origin(argument)).collect();
+                    let function = &self.module.functions[*function];
+                    Call { module: self.module, function, arguments }.findings(&function.body, found);
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+fn findings(wgsl: &str) -> Vec<String> {
+    let module = wgsl::parse_str(wgsl).expect("another test parses them all");
+    let mut found = Vec::new();
+    for entry in &module.entry_points {
+        let function = &entry.function;
+        let arguments = vec![Origin::Invocation; function.arguments.len()];
+        Call { module: &module, function, arguments }.findings(&function.body, &mut found);
+    }
+    found
+}
+
+#[test]
+fn no_branch_hangs_on_uniforms_alone() {
+    // Points are located once a call, not at every frame.
+    for (name, wgsl) in all().iter().filter(|(name, _)| *name != "locate") {
+        assert_eq!(findings(wgsl), Vec::<String>::new(), "{name}");
+    }
+    let planted = |statements: &str| {
+        findings(&format!(
+            "struct Light {{ count: u32, hard: f32 }} @group(0) @binding(0) var<uniform> light: Light;
+            fn shade(hard: bool) -> f32 {{ if hard {{ return 1.0; }} return 0.5; }}
+            @fragment fn main(@location(0) x: f32) -> @location(0) vec4f {{ var y = x; {statements} return vec4f(y); }}"
+        ))
+    };
+    assert_eq!(planted("if light.hard == 0.0 { y = 1.0; }").len(), 1);
+    assert_eq!(planted("y = shade(light.hard == 0.0);"), ["shade"]);
+    assert_eq!(planted("for (var i = 0u; i < light.count; i++) { y *= 2.0; }").len(), 1);
+    assert_eq!(planted("y = select(x, 1.0, light.hard == 0.0); if x < light.hard { y = 2.0; }").len(), 0);
+    assert_eq!(
+        planted("let end = select(0u, light.count, x > 0.0); for (var i = 0u; i < end; i++) { y *= 2.0; }")
+            .len(),
+        0
+    );
+}
