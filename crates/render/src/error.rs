@@ -2,8 +2,6 @@
 
 use thiserror::Error;
 
-use crate::Aov;
-
 /// Why a picture cannot be made. Each sentence says what to change.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum RenderError {
@@ -45,9 +43,6 @@ pub enum RenderError {
         /// How many lights there are.
         count: usize,
     },
-    /// A name that is no AOV.
-    #[error("`{0}` is not an AOV: choose one of {names}", names = Aov::NAMES.join(", "))]
-    UnknownAov(String),
     /// A picture that its file format cannot hold.
     #[error("the picture cannot be encoded ({0}): make it smaller")]
     Encode(String),

@@ -28,12 +28,11 @@ mod shadow;
 mod spot;
 mod staged;
 mod targets;
-mod view;
 mod warm;
 
 pub use bendy_light::locate;
 pub use device::Gpu;
 pub use error::RenderError;
-pub use picture::PictureFormat;
+pub use picture::{Picture, PictureFormat};
 pub use renderer::{PassCounts, Renderer};
-pub use view::{Aov, Picture, View, ViewSlot};
+pub use scene::{Aov, View, ViewSlot};

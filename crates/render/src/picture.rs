@@ -5,7 +5,18 @@ use std::io::Cursor;
 use image::{DynamicImage, ImageFormat, Rgb, RgbImage, Rgba32FImage, RgbaImage};
 use scene::{Light, LightKind};
 
-use crate::{Aov, Picture, RenderError, Renderer, View};
+use crate::{Aov, RenderError, Renderer, View};
+
+/// Raw values, linear.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Rows from the top, `width * height` of them.
+    pub pixels: Vec<[f32; 4]>,
+}
 
 /// The two formats of picture files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -16,6 +16,7 @@ mod points;
 mod pose;
 mod property;
 mod scene;
+mod view;
 
 pub use apply::{FindScene, MAX_CAMERAS, MAX_LIGHTS, MAX_NAME_BYTES, changes_of};
 pub use camera::{Camera, Projection, framing_camera, world_bounds};
@@ -30,3 +31,4 @@ pub use scene::{
     Fill, Image, Light, LightKind, Material, Mesh, Node, Primitive, Sampler, Scene, SceneError, TextureRef,
     Wrap,
 };
+pub use view::{Aov, UnknownAov, View, ViewSlot};

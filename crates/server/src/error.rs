@@ -42,6 +42,9 @@ pub enum ServerError {
     /// A picture that cannot be made.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// A quantity that pictures do not show.
+    #[error(transparent)]
+    Aov(#[from] scene::UnknownAov),
     /// A picture that cannot be encoded.
     #[error(transparent)]
     Encode(#[from] stream::StreamError),
@@ -134,7 +137,7 @@ impl ServerError {
             Self::Listen(_) | Self::Fault => "fault",
             Self::Scene(_) => "badScene",
             Self::NoDemo(_) => "unknownAsset",
-            Self::Render(_) | Self::Encode(_) => "render",
+            Self::Render(_) | Self::Aov(_) | Self::Encode(_) => "render",
             Self::Store(error) => error.code(),
             Self::Opening(error) => error.code(),
             Self::Unauthorized => "unauthorized",

@@ -1,10 +1,10 @@
-//! What is asked for and what comes back.
+//! What a picture is asked to show.
 
 use std::str::FromStr;
 
-use scene::Camera;
+use thiserror::Error;
 
-use crate::RenderError;
+use crate::Camera;
 
 /// A picture to make.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,24 +74,18 @@ impl Aov {
 }
 
 impl FromStr for Aov {
-    type Err = RenderError;
+    type Err = UnknownAov;
 
-    fn from_str(name: &str) -> Result<Self, RenderError> {
+    fn from_str(name: &str) -> Result<Self, UnknownAov> {
         use Aov::{Beauty, Depth, Direction, Normal, T, Visibility, Vw};
         [Beauty, Depth, Normal, T, Vw, Direction, Visibility]
             .into_iter()
             .find(|aov| aov.name() == name)
-            .ok_or_else(|| RenderError::UnknownAov(name.into()))
+            .ok_or_else(|| UnknownAov(name.into()))
     }
 }
 
-/// Raw values, linear.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// Rows from the top, `width * height` of them.
-    pub pixels: Vec<[f32; 4]>,
-}
+/// A name that is no AOV.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("`{0}` is not an AOV: choose one of {names}", names = Aov::NAMES.join(", "))]
+pub struct UnknownAov(String);

@@ -1,4 +1,4 @@
-//! `bendylights bench`: answers to questions that people who run it have, measured.
+//! `bendylights bench session`: how long until an edit is on the screen.
 
 use std::path::PathBuf;
 
@@ -8,18 +8,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::error::Error;
 use crate::output::Output;
 use crate::render::Size;
-
-#[derive(clap::Args)]
-pub struct Args {
-    #[command(subcommand)]
-    question: Question,
-}
-
-#[derive(clap::Subcommand)]
-enum Question {
-    /// How long until an edit is on the screen? Drags a control point over a server of its own, on loopback
-    Session(Session),
-}
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -32,7 +20,7 @@ Prints JSON: edit to decoded frame (p50, p95), and where the time of each frame'
 
 Example:
   bendylights bench session --updates 240 -o session.svg")]
-struct Session {
+pub struct Args {
     /// Width and height of the view in pixels
     #[arg(long, default_value = "686x382", value_name = "WxH")]
     size: Size,
@@ -45,12 +33,6 @@ struct Session {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    match &args.question {
-        Question::Session(args) => session(args),
-    }
-}
-
-fn session(args: &Session) -> Result<(), Error> {
     let output = args.output.as_deref().map(Output::create).transpose()?;
     let program = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} updates").expect("a valid template");
