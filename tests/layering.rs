@@ -24,6 +24,13 @@ const NO_IO: &[&str] = &["tokio", "wgpu", "axum", "serde", "serde_core", "rand",
 const LAYERS: &[Layer] = &[
     Layer { name: "bendy", uses: &[], never: NO_IO, pure: true },
     Layer { name: "scene", uses: &["bendy"], never: NO_IO, pure: true },
+    Layer { name: "raycast", uses: &["bendy", "scene"], never: NO_IO, pure: true },
+    Layer {
+        name: "reference",
+        uses: &["bendy", "scene", "raycast"],
+        never: &["tokio", "wgpu", "axum", "serde", "render"],
+        pure: false,
+    },
     Layer { name: "edit", uses: &["scene"], never: NO_IO, pure: true },
     Layer {
         name: "assets",
@@ -53,11 +60,27 @@ const LAYERS: &[Layer] = &[
     },
     Layer {
         name: "bendylights",
-        uses: &["bendy", "scene", "edit", "assets", "render", "protocol", "store", "server", "bench"],
-        never: &["cargo_metadata", "proptest"],
+        uses: &[
+            "bendy",
+            "scene",
+            "edit",
+            "assets",
+            "reference",
+            "render",
+            "protocol",
+            "store",
+            "server",
+            "bench",
+        ],
+        never: &["cargo_metadata"],
         pure: false,
     },
-    Layer { name: "bench", uses: &["protocol", "stream"], never: &["tokio", "wgpu", "axum"], pure: false },
+    Layer {
+        name: "bench",
+        uses: &["bendy", "scene", "assets", "raycast", "reference", "render", "protocol", "stream"],
+        never: &["tokio", "axum"],
+        pure: false,
+    },
     Layer { name: "bendylights-tests", uses: &[], never: &[], pure: false },
 ];
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use scene::{Material, PosedPrimitive, Scene};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
@@ -76,7 +76,7 @@ impl Posed {
             limit: f64::from(u32::MAX),
         };
         let first_vertex = u32::try_from(self.positions.len()).map_err(|_| too_many(self.positions.len()))?;
-        let (normal_matrix, mirrored) = normal_matrix(world_from_local.matrix3);
+        let (normal_matrix, mirrored) = (posed.normal_matrix(), posed.mirrors());
         for (i, (position, normal)) in primitive.positions.iter().zip(&primitive.normals).enumerate() {
             let in_world = world_from_local.transform_point3(position.as_dvec3());
             self.positions.push((in_world - self.scene_origin).as_vec3().to_array());
@@ -104,17 +104,6 @@ impl Posed {
 /// Draws without an alpha test come first, in one run that a shadow pass can draw at once.
 fn order(materials: &[Material], index: usize) -> (bool, usize) {
     (materials[index].alpha_cutoff.is_some(), index)
-}
-
-/// The matrix that takes normals along, up to a positive factor, and whether the transform mirrors.
-///
-/// The cofactor matrix is `det M` times the inverse transpose and exists for singular ones too: a mesh
-/// flattened onto a plane gets that plane's normal.
-fn normal_matrix(m: DMat3) -> (DMat3, bool) {
-    let cofactor =
-        DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
-    let mirrored = m.determinant() < 0.0;
-    (if mirrored { -cofactor } else { cofactor }, mirrored)
 }
 
 /// Unit normal towards the side that sees the corners counter-clockwise, and its product with them.

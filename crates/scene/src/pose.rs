@@ -1,6 +1,6 @@
 //! Where everything stands in the world.
 
-use glam::DAffine3;
+use glam::{DAffine3, DMat3};
 
 use crate::{Primitive, Scene};
 
@@ -13,6 +13,24 @@ pub struct PosedPrimitive<'a> {
     pub primitive: &'a Primitive,
     /// Its placement, composed in f64.
     pub world_from_local: DAffine3,
+}
+
+impl PosedPrimitive<'_> {
+    /// Whether its placement mirrors, which turns triangles inside out.
+    pub fn mirrors(&self) -> bool {
+        self.world_from_local.matrix3.determinant() < 0.0
+    }
+
+    /// The matrix that takes normals into the world, up to a positive factor.
+    ///
+    /// The cofactor matrix is `det M` times the inverse transpose and exists for singular ones too: a mesh
+    /// flattened onto a plane gets that plane's normal.
+    pub fn normal_matrix(&self) -> DMat3 {
+        let m = self.world_from_local.matrix3;
+        let cofactor =
+            DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
+        if self.mirrors() { -cofactor } else { cofactor }
+    }
 }
 
 /// Every primitive of every node, in node order.

@@ -1,0 +1,176 @@
+//! A path against the scene.
+
+use glam::DVec3;
+
+use crate::hierarchy::Thick;
+use crate::{BentPath, Chord, PosedScene, Triangle};
+
+/// Where a path meets a triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct BentHit {
+    /// Index in [`PosedScene::triangles`].
+    pub triangle: usize,
+    /// Parameter of the light there.
+    pub t: f64,
+    /// Position in scene space.
+    pub position: DVec3,
+    /// Weights of the triangle's corners at the point.
+    pub weights: DVec3,
+}
+
+/// Length of u below which a path that touches a plane without crossing it is taken to miss it.
+const GRAZING: f64 = 1e-9;
+
+impl PosedScene<'_> {
+    /// The first triangle from the source on that the path meets before `t_end` and that `accept` takes,
+    /// both sides alike: what shadows all that comes later.
+    ///
+    /// Accuracy: the hit lies on the path and on the triangle's plane, t to some ulps over the cosine
+    /// between them. A path that touches a plane for less than 1e-9 of a segment may be taken to miss it.
+    pub fn first_bent_hit(
+        &self,
+        path: &BentPath,
+        t_end: f64,
+        accept: impl Fn(&BentHit) -> bool,
+    ) -> Option<BentHit> {
+        let mut best = None;
+        path.for_each_chord(t_end, |chord| {
+            best = self.first_on_chord(path, chord, &accept, false);
+            best.is_some()
+        });
+        best
+    }
+
+    /// Whether the path meets any triangle before `t_end` that `accept` takes.
+    pub fn blocks(&self, path: &BentPath, t_end: f64, accept: impl Fn(&BentHit) -> bool) -> bool {
+        let mut blocked = false;
+        path.for_each_chord(t_end, |chord| {
+            blocked = self.first_on_chord(path, chord, &accept, true).is_some();
+            blocked
+        });
+        blocked
+    }
+
+    fn first_on_chord(
+        &self,
+        path: &BentPath,
+        chord: &Chord,
+        accept: &impl Fn(&BentHit) -> bool,
+        any: bool,
+    ) -> Option<BentHit> {
+        let [from, to] = chord.ends;
+        let [start, end] = chord.u;
+        let line = Thick { from, to, radius: chord.error() };
+        let mut best: Option<BentHit> = None;
+        let mut limit = 1.0;
+        self.hierarchy.along(line, |triangle| {
+            if any && best.is_some() {
+                return -1.0;
+            }
+            let accepted = |hit: &BentHit| {
+                best.is_none_or(|best| (hit.t, hit.triangle) < (best.t, best.triangle)) && accept(hit)
+            };
+            if let Some(hit) = meet(path, chord, triangle, &self.triangles[triangle], accepted) {
+                // Nothing nearer begins further on: the chord strays from the path at equal u.
+                limit = (hit.t - chord.segment as f64 - start) / (end - start);
+                best = Some(hit);
+            }
+            limit
+        });
+        best
+    }
+}
+
+/// The first accepted point of `chord`'s path on the triangle.
+///
+/// `g(u) = N . (C(u) - corner)` changes sign where the path crosses the plane, and `|g''| <= |N| bend`. That
+/// decides by the values at two ends whether there is no crossing between them, or one, or whether to look
+/// closer.
+fn meet(
+    path: &BentPath,
+    chord: &Chord,
+    index: usize,
+    triangle: &Triangle,
+    accept: impl Fn(&BentHit) -> bool,
+) -> Option<BentHit> {
+    let normal = triangle.normal();
+    if normal == DVec3::ZERO {
+        return None;
+    }
+    let plane = Plane { path, segment: chord.segment, normal, corner: triangle.corners[0] };
+    let ends = std::array::from_fn(|k| (chord.u[k], normal.dot(chord.ends[k] - plane.corner)));
+    plane.first_crossing(ends, normal.length() * chord.bend, &|u| {
+        let position = path.at(chord.segment, u);
+        let weights = triangle.weights_at(position)?;
+        let t = chord.segment as f64 + u;
+        let hit = BentHit { triangle: index, t, position, weights };
+        accept(&hit).then_some(hit)
+    })
+}
+
+/// The plane of a triangle that a path may cross.
+struct Plane<'a> {
+    path: &'a BentPath<'a>,
+    segment: usize,
+    normal: DVec3,
+    corner: DVec3,
+}
+
+impl Plane<'_> {
+    fn height(&self, u: f64) -> f64 {
+        self.normal.dot(self.path.at(self.segment, u) - self.corner)
+    }
+
+    /// What `take` makes of the first crossing that it takes, between two parameters with their heights;
+    /// `bend` bounds the second derivative of the height.
+    fn first_crossing<T>(
+        &self,
+        [low, high]: [(f64, f64); 2],
+        bend: f64,
+        take: &impl Fn(f64) -> Option<T>,
+    ) -> Option<T> {
+        let ((u0, g0), (u1, g1)) = (low, high);
+        let h = u1 - u0;
+        // An endless straight piece has no bend: 0 times its length squared is 0.
+        let stray = if bend == 0.0 { 0.0 } else { bend * h * h };
+        let crosses = (g0 <= 0.0) != (g1 <= 0.0);
+        if !crosses && g0.abs().min(g1.abs()) > stray / 8.0 {
+            return None;
+        }
+        // The slope differs from its mean by less than `stray / h`: one that cannot vanish crosses once.
+        let steady = (g1 - g0).abs() > stray;
+        if crosses && (steady || h < GRAZING) {
+            return take(self.crossing(low, high));
+        }
+        if steady || h < GRAZING {
+            return None;
+        }
+        let middle = f64::midpoint(u0, u1);
+        let middle = (middle, self.height(middle));
+        self.first_crossing([low, middle], bend, take)
+            .or_else(|| self.first_crossing([middle, high], bend, take))
+    }
+
+    /// The crossing between two parameters whose heights have different signs, by false position with the
+    /// Illinois rule: superlinear, and never outside the bracket.
+    fn crossing(&self, low: (f64, f64), high: (f64, f64)) -> f64 {
+        let (mut a, mut b) = (low, high);
+        for _ in 0..64 {
+            if b.1 == 0.0 || a.1 == b.1 {
+                break;
+            }
+            let u = b.0 - b.1 * (b.0 - a.0) / (b.1 - a.1);
+            if (u - b.0).abs() <= f64::EPSILON * b.0.abs() {
+                break;
+            }
+            let next = (u, self.height(u));
+            if (next.1 <= 0.0) == (b.1 <= 0.0) {
+                a.1 *= 0.5
+            } else {
+                a = b
+            }
+            b = next;
+        }
+        b.0
+    }
+}

@@ -1,0 +1,131 @@
+//! The bounding-volume hierarchy: boxes in f32, rounded outwards, so that f64 is only spent on triangles.
+//!
+//! `obvhs` builds it: no maintained crate walks one in f64 along curves, but its nodes are public, and boxes
+//! need to be safe, not exact.
+
+use std::fmt;
+
+use glam::{DVec3, Vec3A};
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::{Boundable, BvhBuildParams};
+
+use crate::Triangle;
+
+pub(crate) struct Hierarchy(Bvh2);
+
+impl fmt::Debug for Hierarchy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Hierarchy({} nodes)", self.0.nodes.len())
+    }
+}
+
+/// A straight line with a thickness: all points within `radius` of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Thick {
+    pub from: DVec3,
+    pub to: DVec3,
+    pub radius: f64,
+}
+
+struct Bounded(Aabb);
+
+impl Boundable for Bounded {
+    fn aabb(&self) -> Aabb {
+        self.0
+    }
+}
+
+impl Hierarchy {
+    pub fn new(triangles: &[Triangle]) -> Self {
+        let boxes: Vec<_> = triangles.iter().map(outward_box).collect();
+        Self(build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut Default::default()))
+    }
+
+    /// A distance from `point` that nothing lies beyond.
+    pub fn reach(&self, point: DVec3) -> f64 {
+        self.0.nodes.first().map_or(0.0, |root| {
+            let Aabb { min, max } = root.aabb();
+            1.01 * (min.as_dvec3() - point).abs().max((max.as_dvec3() - point).abs()).length()
+        })
+    }
+
+    /// Calls `meet` with every triangle whose box the line may touch before the share of its way that `meet`
+    /// returned last: nearer boxes first.
+    pub fn along(&self, line: Thick, mut meet: impl FnMut(usize) -> f64) {
+        let Self(bvh) = self;
+        let Some(root) = bvh.nodes.first() else { return };
+        let line = Slabs::new(line);
+        let mut limit = 1.0;
+        let Some(entry) = line.entry(root.aabb()) else { return };
+        let mut stack = vec![(entry, 0_u32)];
+        while let Some((entry, index)) = stack.pop() {
+            if entry > limit {
+                continue;
+            }
+            let node = &bvh.nodes[index as usize];
+            let first = node.first_index as usize;
+            if node.is_leaf() {
+                for &triangle in &bvh.primitive_indices[first..first + node.prim_count as usize] {
+                    limit = meet(triangle as usize);
+                }
+                continue;
+            }
+            let child = |k: u32| {
+                let index = node.first_index + k;
+                line.entry(bvh.nodes[index as usize].aabb()).map(|entry| (entry, index))
+            };
+            match (child(0), child(1)) {
+                (Some(a), Some(b)) if a.0 <= b.0 => stack.extend([b, a]),
+                (Some(a), Some(b)) => stack.extend([a, b]),
+                (one, other) => stack.extend(one.or(other)),
+            }
+        }
+    }
+}
+
+/// A line, ready to be cut with boxes.
+struct Slabs {
+    from: DVec3,
+    step: DVec3,
+    inverse: DVec3,
+    radius: f64,
+}
+
+impl Slabs {
+    fn new(Thick { from, to, radius }: Thick) -> Self {
+        // Rounding of what follows, some ulps of the largest coordinate.
+        let slack = 1e-14 * (from.abs().max_element() + to.abs().max_element());
+        Self { from, step: to - from, inverse: (to - from).recip(), radius: radius + slack }
+    }
+
+    /// Share of the way at which the line enters the box, or `None` where it passes by.
+    fn entry(&self, bounds: &Aabb) -> Option<f64> {
+        let low = bounds.min.as_dvec3() - self.from - self.radius;
+        let high = bounds.max.as_dvec3() - self.from + self.radius;
+        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+        for axis in 0..3 {
+            if self.step[axis] == 0.0 {
+                if low[axis] > 0.0 || high[axis] < 0.0 {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = (low[axis] * self.inverse[axis], high[axis] * self.inverse[axis]);
+            enter = enter.max(a.min(b));
+            leave = leave.min(a.max(b));
+        }
+        // Quotients round too.
+        (enter <= leave + 1e-12).then_some(enter)
+    }
+}
+
+/// The triangle's box, each side rounded outwards.
+fn outward_box(triangle: &Triangle) -> Bounded {
+    let [a, b, c] = triangle.corners;
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    let low = low.to_array().map(|x| (x as f32).next_down());
+    let high = high.to_array().map(|x| (x as f32).next_up());
+    Bounded(Aabb::new(Vec3A::from(low), Vec3A::from(high)))
+}

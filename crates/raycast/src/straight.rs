@@ -1,0 +1,62 @@
+//! Straight rays.
+
+use glam::DVec3;
+
+use crate::hierarchy::Thick;
+use crate::{PosedScene, Triangle};
+
+/// Where a straight ray meets a triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct Hit {
+    /// Index in [`PosedScene::triangles`].
+    pub triangle: usize,
+    /// Distance along the ray, in lengths of its direction.
+    pub distance: f64,
+    /// Weights of the triangle's corners at the point.
+    pub weights: DVec3,
+}
+
+impl PosedScene<'_> {
+    /// The nearest triangle that the ray meets from `near` to `far` (lengths of the direction; `far` may be
+    /// infinite) and that `accept` takes, both sides alike; of two at the same distance the one with the
+    /// lower index.
+    ///
+    /// Accuracy: the distance is within some ulps of the largest coordinate, over the cosine between ray
+    /// and normal. Neighbours overlap by 1e-12 of their size, so no ray slips between them.
+    pub fn first_hit(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        [near, far]: [f64; 2],
+        accept: impl Fn(&Hit) -> bool,
+    ) -> Option<Hit> {
+        let reach = self.hierarchy.reach(origin) / direction.length();
+        let far = far.min(reach);
+        if !(near <= far) {
+            return None;
+        }
+        let at = |distance: f64| origin + direction * distance;
+        let line = Thick { from: at(near), to: at(far), radius: 0.0 };
+        let mut best: Option<Hit> = None;
+        self.hierarchy.along(line, |index| {
+            if let Some(hit) = meet(&self.triangles[index], index, origin, direction)
+                && (near..=far).contains(&hit.distance)
+                && best.is_none_or(|best| (hit.distance, index) < (best.distance, best.triangle))
+                && accept(&hit)
+            {
+                best = Some(hit);
+            }
+            best.map_or(1.0, |best| (best.distance - near) / (far - near))
+        });
+        best
+    }
+}
+
+fn meet(triangle: &Triangle, index: usize, origin: DVec3, direction: DVec3) -> Option<Hit> {
+    let normal = triangle.normal();
+    // Zero for a ray in the plane and for a triangle without area: neither counts.
+    let closing = normal.dot(direction);
+    let distance = normal.dot(triangle.corners[0] - origin) / closing;
+    let weights = triangle.weights_at(origin + direction * distance)?;
+    (closing != 0.0).then_some(Hit { triangle: index, distance, weights })
+}

@@ -1,0 +1,39 @@
+//! A triangle at its place.
+
+use glam::DVec3;
+
+/// A triangle in scene space, and where it comes from.
+#[derive(Clone, Copy, Debug)]
+pub struct Triangle {
+    /// Positions; counter-clockwise seen from the front, on mirrored nodes too.
+    pub corners: [DVec3; 3],
+    /// Index of the node that carries it.
+    pub node: usize,
+    /// Index of its primitive in [`crate::PosedScene::primitives`].
+    pub primitive: usize,
+    /// Its three vertices in that primitive, in the order of `corners`.
+    pub vertices: [u32; 3],
+}
+
+/// How far outside its edges a triangle is still hit, as a share of its height over the edge: neighbours
+/// overlap by that, so that rounding, 2e-16 times some tens, opens no crack between them.
+const OVERLAP: f64 = 1e-12;
+
+impl Triangle {
+    /// Normal towards the front, twice the area long; zero where the triangle has none.
+    pub fn normal(&self) -> DVec3 {
+        let [a, b, c] = self.corners;
+        (b - a).cross(c - a)
+    }
+
+    /// Weights of the corners at a point of the triangle's plane, or `None` outside the triangle.
+    pub fn weights_at(&self, point: DVec3) -> Option<DVec3> {
+        let [a, b, c] = self.corners;
+        let (normal, at) = (self.normal(), point - a);
+        let area2 = normal.length_squared();
+        let (beta, gamma) = (at.cross(c - a).dot(normal) / area2, (b - a).cross(at).dot(normal) / area2);
+        let weights = DVec3::new(1.0 - beta - gamma, beta, gamma);
+        // Also false where there is no area and all is NaN.
+        (weights.min_element() >= -OVERLAP).then_some(weights)
+    }
+}

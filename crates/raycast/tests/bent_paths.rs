@@ -1,0 +1,241 @@
+//! Bent paths: chords that stay within their bound, and hits that a slow walk finds too.
+
+use bendy::{BendyLight, Direction, EndMode, Frame, SpotLight, Transform, Tube};
+use glam::{DAffine3, DQuat, DVec3, Vec3};
+use proptest::prelude::*;
+use raycast::{BentHit, BentPath, PosedScene};
+use scene::{Material, Mesh, Node, Primitive, Scene};
+
+/// Loose triangles in the world.
+fn scene_of(triangles: &[[DVec3; 3]]) -> Scene {
+    let positions: Vec<Vec3> = triangles.iter().flatten().map(|corner| corner.as_vec3()).collect();
+    let count = positions.len();
+    let primitive = Primitive {
+        normals: vec![Vec3::Y; count],
+        indices: (0..count as u32).collect(),
+        positions,
+        ..Primitive::default()
+    };
+    Scene {
+        nodes: vec![Node {
+            name: "loose".into(),
+            parent: None,
+            parent_from_local: DAffine3::IDENTITY,
+            mesh: Some(0),
+        }],
+        meshes: vec![Mesh { name: String::new(), primitives: vec![primitive] }],
+        materials: vec![Material::default()],
+        ..Scene::default()
+    }
+}
+
+fn vector(size: f64) -> impl Strategy<Value = DVec3> {
+    [-size..size, -size..size, -size..size].prop_map(DVec3::from)
+}
+
+/// Lights of one to four segments, from gentle to hairpins, in both frames; folds are refused by the model.
+fn tubes() -> impl Strategy<Value = Tube<f64>> {
+    let bends = prop::collection::vec((vector(1.2), 0.0..0.5), 2..5);
+    (bends, any::<bool>(), any::<bool>()).prop_filter_map("folds", |(bends, up, extend)| {
+        let mut points = vec![DVec3::ZERO, DVec3::NEG_Z];
+        points.extend(bends.iter().enumerate().map(|(i, (bend, _))| DVec3::NEG_Z * (i + 2) as f64 + *bend));
+        let radii = [0.02, 0.2].into_iter().chain(bends.iter().map(|(_, radius)| 0.05 + radius)).collect();
+        let light = BendyLight {
+            frame: if up { Frame::Up } else { Frame::RotationMinimizing },
+            end_mode: if extend { EndMode::Extend } else { EndMode::Cut },
+            direction: Direction::Path,
+            ..BendyLight::new(points, radii)
+        };
+        Tube::new(&light).ok()
+    })
+}
+
+fn across() -> impl Strategy<Value = (f64, f64)> {
+    (0.0..1.0_f64, 0.0..std::f64::consts::TAU).prop_map(|(rho, angle)| (rho * angle.cos(), rho * angle.sin()))
+}
+
+/// Largest distance between a path and its chords, at equal u, as a share of the bound.
+fn worst_stray(tube: &Tube<f64>, (v, w): (f64, f64)) -> f64 {
+    let scene = Scene::default();
+    let path = PosedScene::new(&scene).path(tube, v, w);
+    let mut worst = 0.0_f64;
+    path.for_each_chord(tube.n as f64, |chord| {
+        let [from, to] = chord.ends;
+        for k in 1..8 {
+            let share = f64::from(k) / 8.0;
+            let u = chord.u[0] + (chord.u[1] - chord.u[0]) * share;
+            let stray = path.at(chord.segment, u).distance(from.lerp(to, share));
+            // Rounding of points about one unit from the origin.
+            worst = worst.max((stray - 1e-14) / chord.error().max(1e-300));
+        }
+        false
+    });
+    worst
+}
+
+/// The path as a polyline of 1,000 steps a segment against every triangle: slow, and shares nothing with the crate.
+fn walk(path: &BentPath, triangles: &[[DVec3; 3]], t_end: f64) -> Option<(f64, usize)> {
+    let steps = (1000.0 * t_end).ceil() as usize;
+    let at = |t: f64| {
+        let segment = (t as usize).min(path.tube.segments.len() - 1);
+        path.at(segment, t - segment as f64)
+    };
+    (0..steps).find_map(|k| {
+        let [t0, t1] = [k, k + 1].map(|k| t_end * k as f64 / steps as f64);
+        let (from, to) = (at(t0), at(t1));
+        triangles.iter().enumerate().find_map(|(index, [a, b, c])| {
+            let normal = (b - a).cross(c - a);
+            let share = normal.dot(a - from) / normal.dot(to - from);
+            let x = from.lerp(to, share);
+            let inside =
+                [[a, b], [b, c], [c, a]].iter().all(|[p, q]| (*q - *p).cross(x - *p).dot(normal) >= 0.0);
+            ((0.0..=1.0).contains(&share) && inside).then_some((t0 + share * (t1 - t0), index))
+        })
+    })
+}
+
+fn first(tube: &Tube<f64>, (v, w): (f64, f64), triangles: &[[DVec3; 3]]) -> Option<BentHit> {
+    let scene = scene_of(triangles);
+    let posed = PosedScene::new(&scene);
+    let path = posed.path(tube, v, w);
+    let hit = posed.first_bent_hit(&path, tube.n as f64, |_| true);
+    assert_eq!(hit.is_some(), posed.blocks(&path, tube.n as f64, |_| true));
+    hit
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn chords_stay_within_their_bound(tube in tubes(), vw in across()) {
+        prop_assert!(worst_stray(&tube, vw) <= 1.0);
+    }
+
+    #[test]
+    fn hits_are_those_of_a_slow_walk(
+        tube in tubes(),
+        vw in across(),
+        triangles in prop::collection::vec((vector(1.5), vector(1.0), vector(1.0)), 1..40),
+    ) {
+        // Rounded to f32 as the scene holds them, all along the light.
+        let triangles: Vec<_> = triangles.iter().enumerate().map(|(i, (a, b, c))| {
+            let middle = DVec3::NEG_Z * (i % 4) as f64 + *a;
+            [middle, middle + *b, middle + *c].map(|corner| corner.as_vec3().as_dvec3())
+        }).collect();
+        let nothing = Scene::default();
+        // An empty scene has its origin at the world's: a path in the world.
+        let path = PosedScene::new(&nothing).path(&tube, vw.0, vw.1);
+        let found = first(&tube, vw, &triangles);
+        let walked = walk(&path, &triangles, tube.n as f64);
+        // A polyline of steps h strays by |C''| h^2 / 8, here below 1e-5: near an edge, or where path and
+        // plane are nearly parallel, the two may honestly differ.
+        let agree = match (&found, &walked) {
+            (Some(hit), Some((t, index))) => hit.triangle == *index && (hit.t - t).abs() < 1e-3,
+            (None, None) => true,
+            _ => false,
+        };
+        prop_assume!(agree || !is_a_near_miss(&path, &triangles, found.as_ref(), walked));
+        prop_assert!(agree, "{found:?} {walked:?}");
+    }
+}
+
+/// Whether the first hit of the two differs by a path that passes an edge, or touches a plane, within 1e-4.
+fn is_a_near_miss(
+    path: &BentPath,
+    triangles: &[[DVec3; 3]],
+    found: Option<&BentHit>,
+    walked: Option<(f64, usize)>,
+) -> bool {
+    let t = found.map_or(f64::INFINITY, |hit| hit.t).min(walked.map_or(f64::INFINITY, |(t, _)| t));
+    let (segment, index) = match (found, walked) {
+        (Some(hit), _) if hit.t == t => (t as usize, hit.triangle),
+        (_, Some((_, index))) => (t as usize, index),
+        _ => return false,
+    };
+    let segment = segment.min(path.tube.segments.len() - 1);
+    let (u, h) = (t - segment as f64, 1e-4);
+    let at = path.at(segment, u);
+    let tangent = (path.at(segment, u + h) - path.at(segment, u - h)).normalize_or_zero();
+    let [a, b, c] = triangles[index];
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let to_edge = |p: DVec3, q: DVec3| (at - p).cross((q - p).normalize_or_zero()).length();
+    let edge = to_edge(a, b).min(to_edge(b, c)).min(to_edge(c, a));
+    edge < 1e-4 || normal.dot(tangent).abs() < 1e-2
+}
+
+#[test]
+fn the_bound_on_chords_is_not_slack() {
+    // A quarter circle's worth of bend: the bound would be useless if it were ten times what happens.
+    let light = BendyLight::new(vec![DVec3::ZERO, DVec3::NEG_Z, DVec3::new(1.0, 0.0, -1.0)], vec![0.2; 3]);
+    let tube = Tube::new(&light).unwrap();
+    let worst = worst_stray(&tube, (0.5, 0.5));
+    assert!((0.2..=1.0).contains(&worst), "{worst}");
+}
+
+#[test]
+fn a_wrong_sign_across_the_tube_is_seen() {
+    let light =
+        BendyLight::new(vec![DVec3::ZERO, DVec3::NEG_Z * 2.0, DVec3::new(2.0, 1.0, -3.0)], vec![0.3; 3]);
+    let tube = Tube::new(&light).unwrap();
+    // A small triangle in front of one path only.
+    let (v, w) = (0.3, 0.6);
+    let on_path = PosedScene::new(&Scene::default()).path(&tube, v, w).at(0, 0.5);
+    let triangle = [DVec3::new(-0.05, -0.05, 0.0), DVec3::new(0.05, -0.05, 0.0), DVec3::new(0.0, 0.05, 0.0)]
+        .map(|corner| (on_path + corner).as_vec3().as_dvec3());
+    let hit = first(&tube, (v, w), &[triangle]).expect("the triangle lies on the path");
+    // The triangle is flat and rounded to f32: t is within that of the middle.
+    assert!((hit.t - 0.5).abs() < 1e-6, "{hit:?}");
+    assert!(first(&tube, (v, -w), &[triangle]).is_none());
+}
+
+#[test]
+fn a_straight_cone_has_straight_rays() {
+    let spot = SpotLight {
+        range: Some(4.0),
+        transform: Transform { translation: DVec3::new(1.0, 2.0, 3.0), ..Transform::default() },
+        ..SpotLight::default()
+    };
+    let tube = Tube::new(&bendy::bend(&spot, 3).unwrap()).unwrap();
+    let wall = [DVec3::new(-9.0, -9.0, 0.5), DVec3::new(9.0, -9.0, -0.5), DVec3::new(0.0, 20.0, 0.0)];
+    let scene = scene_of(&[wall]);
+    let posed = PosedScene::new(&scene);
+    for (v, w) in [(0.0, 0.0), (0.9, 0.1), (-0.3, -0.8)] {
+        let path = posed.path(&tube, v, w);
+        let bent = posed.first_bent_hit(&path, 3.0, |_| true).unwrap();
+        let away = path.at(2, 1.0) - path.at(0, 0.0);
+        let straight = posed.first_hit(path.at(0, 0.0), away, [0.0, 1.0], |_| true).unwrap();
+        let position = path.at(0, 0.0) + away * straight.distance;
+        // Coordinates below 4 and a wall that is nearly square to the light: a few ulps.
+        assert!(bent.position.distance(position) < 1e-14, "{bent:?} {position}");
+    }
+}
+
+#[test]
+fn what_has_no_extent_blocks_nothing() {
+    let tube =
+        Tube::new(&BendyLight::new(vec![DVec3::ZERO, DVec3::NEG_Z, DVec3::NEG_Z * 2.0], vec![0.0, 0.2, 0.4]))
+            .unwrap();
+    let point = DVec3::new(0.0, 0.0, -1.0);
+    assert!(first(&tube, (0.0, 0.0), &[[point; 3], [point, point + DVec3::X, point - DVec3::X]]).is_none());
+    assert!(first(&tube, (0.0, 0.0), &[]).is_none());
+}
+
+#[test]
+fn light_past_the_end_goes_straight_on() {
+    let light = BendyLight {
+        end_mode: EndMode::Extend,
+        ..BendyLight::new(vec![DVec3::ZERO, DVec3::NEG_Z, DVec3::new(0.5, 0.0, -2.0)], vec![0.1, 0.2, 0.3])
+    };
+    let tube = Tube::new(&light).unwrap();
+    let end = DVec3::new(0.5, 0.0, -2.0) + DVec3::new(0.5, 0.0, -1.0) * 50.0;
+    let turn = DQuat::from_rotation_y(0.3);
+    let wall = [DVec3::new(-9.0, -9.0, 0.0), DVec3::new(9.0, -9.0, 0.0), DVec3::new(0.0, 20.0, 0.0)]
+        .map(|corner| (end + turn * corner).as_vec3().as_dvec3());
+    let scene = scene_of(&[wall]);
+    let posed = PosedScene::new(&scene);
+    let hit = posed
+        .first_bent_hit(&posed.path(&tube, 0.0, 0.0), 200.0, |_| true)
+        .expect("the wall stands in the way");
+    // Corners of size 50 are rounded to f32: 4e-6.
+    assert!((hit.position + posed.origin_in_world).distance(end) < 1e-5, "{hit:?}");
+}
