@@ -11,8 +11,21 @@ pub struct Evaluation {
     /// Where in the tube; in JSON these fields stand beside the others, and only when `inside`.
     #[serde(flatten)]
     pub point: Option<TubePoint>,
+    /// Whether light gets there; in JSON these fields stand beside the others, and only when `inside` and asked
+    /// for.
+    #[serde(flatten)]
+    pub visibility: Option<Visibility>,
     /// Every in-tube solution t, ascending; one at a joint is counted once.
     pub roots: Vec<f64>,
+}
+
+/// Whether light gets to a point through a scene.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Visibility {
+    /// Whether nothing is in the way.
+    pub visible: bool,
+    /// Name of the first node on the light's way that stops it; null where none does.
+    pub occluder: Option<String>,
 }
 
 /// [`bendy::TubePoint`] in JSON.
@@ -34,8 +47,9 @@ pub struct TubePoint {
     pub direction: [f64; 3],
 }
 
-impl From<&Location> for Evaluation {
-    fn from(location: &Location) -> Self {
+impl Evaluation {
+    /// Of a located point, and what was found on its light's way.
+    pub fn new(location: &Location, visibility: Option<Visibility>) -> Self {
         let point = location.point.map(|p| TubePoint {
             segment: p.segment,
             u: p.u,
@@ -45,6 +59,6 @@ impl From<&Location> for Evaluation {
             radius: p.radius,
             direction: p.direction.to_array(),
         });
-        Self { inside: point.is_some(), point, roots: location.roots.clone() }
+        Self { inside: point.is_some(), point, visibility, roots: location.roots.clone() }
     }
 }

@@ -22,7 +22,7 @@ pub use document::{
     Bounds, Camera, Document, DocumentCamera, DocumentLight, Projection, Quat, SceneRef, Vec3,
 };
 pub use error::{FileError, Refused};
-pub use evaluation::{Evaluation, TubePoint};
+pub use evaluation::{Evaluation, TubePoint, Visibility};
 pub use http::{
     Asset, Edit, EditResults, Edits, ErrorBody, NewSession, Problem, SessionEntry, SessionList, SessionState,
 };

@@ -54,6 +54,9 @@ pub enum Error {
     /// The renderer could not.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// The reference could not.
+    #[error(transparent)]
+    Reference(#[from] reference::ReferenceError),
     /// The address to listen on is taken, or not this machine's.
     #[error(
         "{address}: cannot be listened on ({reason}); choose another with --listen, or port 0 for a free one"

@@ -7,9 +7,11 @@ use std::time::Duration;
 
 use assets::Loaded;
 use bendy::Tube;
+use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressStyle};
-use render::{Aov, Gpu, Renderer, View, ViewSlot};
+use reference::Reference;
+use render::{Aov, Gpu, Picture, PictureFormat, Renderer, View, ViewSlot};
 use scene::{Camera, Light, LightKind, Scene, framing_camera};
 
 use crate::error::Error;
@@ -34,7 +36,8 @@ distance from the curve.
 Examples:
   bendylights render demo:vases -o vases.png
   bendylights render room.glb --lights key.json --camera 0 --size 1920x1080 --samples 64 -o room.exr
-  bendylights render room.glb --lights key.json --aov visibility --light key -o shadow.png")]
+  bendylights render room.glb --lights key.json --aov visibility --light key -o shadow.png
+  bendylights render room.glb --lights key.json --backend reference -o truth.exr")]
 pub struct Args {
     /// glTF file (.gltf or .glb), or `demo:NAME` as `bendylights scenes` lists them
     scene: String,
@@ -56,9 +59,20 @@ pub struct Args {
     /// The light that t, vw, direction and visibility are of [default: the first]
     #[arg(long, value_name = "NAME")]
     light: Option<String>,
+    /// What draws the picture
+    #[arg(long, value_enum, default_value = "gpu")]
+    backend: Backend,
     /// Picture to write, as PNG or EXR by its ending
     #[arg(short, value_name = "OUT.png|OUT.exr")]
     output: PathBuf,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Backend {
+    /// The graphics device, in single precision, with shadow maps
+    Gpu,
+    /// The processor, in double precision, following light along its curve: slow, and what the GPU is measured against
+    Reference,
 }
 
 fn aov_names() -> impl TypedValueParser<Value = Aov> {
@@ -87,7 +101,6 @@ impl FromStr for Size {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    headless::prepare();
     let format = output::picture_format(&args.output)?;
     let output = Output::create(&args.output)?;
     let Loaded { scene, mut notes } = open_scene(&args.scene)?;
@@ -122,12 +135,32 @@ pub fn run(args: &Args) -> Result<(), Error> {
     for note in &notes {
         say(&format!("note: {note}"));
     }
-    let mut renderer = Renderer::new(Arc::new(Gpu::new()?))?;
-    renderer.set_scene(&scene)?;
-    let busy = sign_of_life(args.samples);
-    let picture = renderer.render_file(&view, &lights, format)?;
-    busy.finish_and_clear();
+    let picture = match args.backend {
+        Backend::Gpu => draw(&scene, &view, &lights, format)?,
+        Backend::Reference => trace(&scene, &view, &lights)?.into_file(&view, &lights, format)?,
+    };
     output.write(&picture)
+}
+
+fn draw(scene: &Scene, view: &View, lights: &[Light], format: PictureFormat) -> Result<Vec<u8>, Error> {
+    headless::prepare();
+    let mut renderer = Renderer::new(Arc::new(Gpu::new()?))?;
+    renderer.set_scene(scene)?;
+    let busy = sign_of_life(view.samples);
+    let picture = renderer.render_file(view, lights, format)?;
+    busy.finish_and_clear();
+    Ok(picture)
+}
+
+/// The reference's picture, rounded to what files hold.
+fn trace(scene: &Scene, view: &View, lights: &[Light]) -> Result<Picture, Error> {
+    let style =
+        ProgressStyle::with_template("{bar:30} {pos}/{len} rows, {eta} left").expect("a sound template");
+    let bar = ProgressBar::new(view.height.into()).with_style(style);
+    let frame = Reference::new(scene).render(view, lights, || bar.inc(1))?;
+    bar.finish_and_clear();
+    let pixels = frame.pixels.iter().map(|pixel| pixel.map(|x| x as f32)).collect();
+    Ok(Picture { width: frame.width, height: frame.height, pixels })
 }
 
 /// What should be known of a light that is usable all the same.
@@ -139,7 +172,7 @@ fn warnings(light: &Light) -> Vec<String> {
 }
 
 /// The scene of a file, or the demo of that name, with notes of what was left out.
-fn open_scene(name: &str) -> Result<Loaded, Error> {
+pub fn open_scene(name: &str) -> Result<Loaded, Error> {
     let Some(demo) = name.strip_prefix("demo:") else { return Ok(assets::load(Path::new(name))?) };
     let no_such = || Error::NoSuch {
         whose: "bendylights".into(),

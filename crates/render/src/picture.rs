@@ -30,29 +30,38 @@ pub enum PictureFormat {
 
 impl Renderer {
     /// The bytes of a picture file of `view` under `lights`.
-    ///
-    /// In a PNG near is bright; directions and normals are `(x + 1) / 2`; t is a ramp over the light's
-    /// segments, dark at joints; (v, w) are hue and distance from the curve. Pixels without a value are
-    /// black.
     pub fn render_file(
         &mut self,
         view: &View,
         lights: &[Light],
         format: PictureFormat,
     ) -> Result<Vec<u8>, RenderError> {
-        let (width, height) = (view.width, view.height);
-        let image: DynamicImage = match (format, view.aov) {
-            (PictureFormat::Png, Aov::Beauty) => {
-                let bytes = self.render_display(view, lights)?;
-                RgbaImage::from_raw(width, height, bytes).expect("four bytes a pixel").into()
-            }
-            (PictureFormat::Png, aov) => {
-                let segments = segments(lights.get(view.light));
-                readable(&self.render(view, lights)?, aov, segments).into()
-            }
-            (PictureFormat::Exr, _) => {
-                let values = self.render(view, lights)?.pixels.into_flattened();
-                Rgba32FImage::from_raw(width, height, values).expect("four floats a pixel").into()
+        if (format, view.aov) == (PictureFormat::Png, Aov::Beauty) {
+            let bytes = self.render_display(view, lights)?;
+            let image = RgbaImage::from_raw(view.width, view.height, bytes).expect("four bytes a pixel");
+            return encode(&image.into(), format);
+        }
+        self.render(view, lights)?.into_file(view, lights, format)
+    }
+}
+
+impl Picture {
+    /// The bytes of a picture file that holds what `view` under `lights` shows, by whatever made it.
+    ///
+    /// In a PNG near is bright; directions and normals are `(x + 1) / 2`; t is a ramp over the light's
+    /// segments, dark at joints; (v, w) are hue and distance from the curve; the beauty is tone-mapped. Pixels
+    /// without a value are black.
+    pub fn into_file(
+        self,
+        view: &View,
+        lights: &[Light],
+        format: PictureFormat,
+    ) -> Result<Vec<u8>, RenderError> {
+        let image: DynamicImage = match format {
+            PictureFormat::Png => readable(&self, view.aov, segments(lights.get(view.light))).into(),
+            PictureFormat::Exr => {
+                let values = self.pixels.into_flattened();
+                Rgba32FImage::from_raw(self.width, self.height, values).expect("four floats a pixel").into()
             }
         };
         encode(&image, format)
@@ -86,10 +95,12 @@ type Color = [f32; 3];
 /// - normal, direction: `(x + 1) / 2`;
 /// - t: a ramp over `[0, segments]`, dark at joints;
 /// - vw: hue by the angle around the curve, brightness by the distance from it in radii;
-/// - visibility, beauty: as they are.
+/// - beauty: tone-mapped;
+/// - visibility: as it is.
 fn readable(picture: &Picture, aov: Aov, segments: usize) -> RgbImage {
     let color: &dyn Fn(usize, [f32; 4]) -> Color = match aov {
-        Aov::Beauty | Aov::Visibility => &|_, [x, y, z, _]| [x, y, z],
+        Aov::Beauty => &|_, [x, y, z, _]| tone_mapped([x, y, z]),
+        Aov::Visibility => &|_, [x, y, z, _]| [x, y, z],
         Aov::Normal | Aov::Direction => &|_, [x, y, z, _]| [x, y, z].map(|c| 0.5 + 0.5 * c),
         Aov::Depth => {
             let (near, far) = range(picture);
@@ -106,6 +117,28 @@ fn readable(picture: &Picture, aov: Aov, segments: usize) -> RgbImage {
         let pixel = picture.pixels[index];
         let shown = if has_value(pixel) { color(index, pixel) } else { [0.0; 3] };
         Rgb(shown.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8))
+    })
+}
+
+/// What `display.wgsl` shows of linear radiance: Khronos PBR Neutral, then sRGB.
+fn tone_mapped(linear: Color) -> Color {
+    const START: f32 = 0.8 - 0.04;
+    const DESATURATION: f32 = 0.15;
+    let low = linear.into_iter().fold(f32::INFINITY, f32::min);
+    let offset = if low < 0.08 { low - 6.25 * low * low } else { 0.04 };
+    let color = linear.map(|c| c - offset);
+    let peak = color.into_iter().fold(f32::NEG_INFINITY, f32::max);
+    let mapped = if peak < START {
+        color
+    } else {
+        let room = 1.0 - START;
+        let new_peak = 1.0 - room * room / (peak + room - START);
+        let white = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
+        color.map(|c| (c * (new_peak / peak)) * (1.0 - white) + new_peak * white)
+    };
+    mapped.map(|c| {
+        let c = c.clamp(0.0, 1.0);
+        if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
     })
 }
 

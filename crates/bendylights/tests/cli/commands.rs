@@ -32,6 +32,33 @@ fn eval_prints_one_object_a_point() {
     assert_eq!(printed(&["eval", &light], "[]"), "[]\n");
 }
 
+/// Light from the left of the demo's blue vase to its right: straight through it, and in an arc over it.
+#[test]
+fn eval_says_what_is_in_the_way() {
+    let folder = Folder::new();
+    let light = |name: &str, middle: [f64; 3]| {
+        let translation = [-2.0, 0.5, 0.25];
+        let points = json!([[0, 0, 0], middle, [2.8, -0.2, 0.0]]);
+        let transform = json!({ "translation": translation });
+        let light =
+            json!({ "type": "bendy", "points": points, "radii": [0.1, 0.1, 0.1], "transform": transform });
+        folder.file(name, light.to_string())
+    };
+    let eval = |light: &str, scene: &[&str]| -> Value {
+        let points = "[[0.68, 0.306, 0.25], [0.658, 0.248, 0.25], [9, 9, 9]]";
+        let text = printed(&[&["eval", light], scene].concat(), points);
+        serde_json::from_str(&text).expect("JSON")
+    };
+    let in_scene = ["--scene", "demo:vases"];
+    let straight = eval(&light("straight.json", [1.4, -0.1, 0.0]), &in_scene);
+    assert_eq!((&straight[0]["visible"], &straight[0]["occluder"]), (&json!(false), &json!("blue vase")));
+    let arc = light("arc.json", [1.38, 2.1, 0.0]);
+    let over = eval(&arc, &in_scene);
+    assert_eq!((&over[1]["visible"], over[1].get("occluder")), (&json!(true), Some(&Value::Null)));
+    assert_eq!((&over[2]["inside"], over[2].get("visible")), (&json!(false), None), "outside");
+    assert_eq!(eval(&arc, &[])[1].get("visible"), None, "only where it is asked for");
+}
+
 #[test]
 fn bend_makes_the_cone_it_was_given() {
     let folder = Folder::new();

@@ -1,0 +1,27 @@
+//! Why a picture cannot be made.
+
+use thiserror::Error;
+
+/// Why a picture cannot be made. Each sentence says what to change.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ReferenceError {
+    /// A picture without pixels or samples.
+    #[error(
+        "this view has no pixels or no samples: give it a width, a height and at least one sample a pixel"
+    )]
+    EmptyView,
+    /// An impossible camera.
+    #[error("the camera's {0}: correct the camera")]
+    Camera(&'static str),
+    /// An AOV of a light that is not there.
+    #[error("there is no light {index} to show, this picture has {count}: choose one of them or another AOV")]
+    NoSuchLight {
+        /// The index asked for.
+        index: usize,
+        /// How many lights there are.
+        count: usize,
+    },
+    /// A light with numbers outside their domains.
+    #[error(transparent)]
+    Light(#[from] bendy::LightError),
+}

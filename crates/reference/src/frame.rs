@@ -1,0 +1,131 @@
+//! Whole pictures.
+
+use glam::{DVec2, DVec3};
+use raycast::PosedScene;
+use rayon::prelude::*;
+use scene::{Aov, Light, Scene, View};
+
+use crate::camera::sample_in_pixel;
+use crate::texture::Textures;
+use crate::{ReferenceError, Source, Surface, reflected};
+
+/// A scene, posed once, of which pictures are made.
+#[derive(Debug)]
+pub struct Reference<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its triangles.
+    pub posed: PosedScene<'a>,
+    pub(crate) textures: Textures<'a>,
+}
+
+/// Raw values, linear, with the meaning that [`Aov`] states.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Rows from the top, `width * height` of them.
+    pub pixels: Vec<[f64; 4]>,
+}
+
+impl<'a> Reference<'a> {
+    /// Poses `scene`, whose promises hold ([`Scene::check`]).
+    pub fn new(scene: &'a Scene) -> Self {
+        Self { scene, posed: PosedScene::new(scene), textures: Textures::new(scene) }
+    }
+
+    /// The picture of `view` under `lights`, on all cores. `row_done` is called once for each row, from any
+    /// thread.
+    pub fn render(
+        &self,
+        view: &View,
+        lights: &[Light],
+        row_done: impl Fn() + Sync,
+    ) -> Result<Frame, ReferenceError> {
+        if view.width == 0 || view.height == 0 || view.samples == 0 {
+            return Err(ReferenceError::EmptyView);
+        }
+        view.camera.check().map_err(ReferenceError::Camera)?;
+        let sources = wanted(view, lights)?
+            .iter()
+            .map(|light| Source::new(&light.kind))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut pixels = vec![[0.0; 4]; view.width as usize * view.height as usize];
+        pixels.par_chunks_exact_mut(view.width as usize).enumerate().for_each(|(y, row)| {
+            for (x, pixel) in row.iter_mut().enumerate() {
+                *pixel = self.pixel(view, &sources, DVec2::new(x as f64, y as f64));
+            }
+            row_done();
+        });
+        Ok(Frame { width: view.width, height: view.height, pixels })
+    }
+
+    fn pixel(&self, view: &View, sources: &[Source], corner: DVec2) -> [f64; 4] {
+        let samples = if view.aov.takes_samples() { view.samples } else { 1 };
+        let mut sum = [0.0; 4];
+        for index in 0..samples {
+            let at = corner + sample_in_pixel(index, samples);
+            let value = self.surface(view, at).and_then(|surface| self.value(view.aov, sources, &surface));
+            for (total, channel) in sum.iter_mut().zip(value.unwrap_or_default()) {
+                *total += channel / f64::from(samples);
+            }
+        }
+        sum
+    }
+
+    /// What a surface shows; `None` outside the light that is asked for.
+    fn value(&self, aov: Aov, sources: &[Source], surface: &Surface) -> Option<[f64; 4]> {
+        let first = || sources.first().and_then(|source| self.sample_unshadowed(source, surface));
+        let value = match aov {
+            Aov::Beauty => self.radiance(sources, surface),
+            Aov::Depth => DVec3::splat(surface.depth),
+            Aov::Normal => surface.normal,
+            Aov::T => DVec3::splat(first()?.t),
+            Aov::Vw => first()?.vw.extend(0.0),
+            Aov::Direction => first()?.to_light,
+            Aov::Visibility => {
+                let visible = self.sample(sources.first()?, surface)?.visible;
+                DVec3::splat(if visible { 1.0 } else { 0.0 })
+            }
+        };
+        Some(value.extend(1.0).to_array())
+    }
+
+    /// Radiance towards the eye under `sources` and the fill, linear RGB.
+    pub fn radiance(&self, sources: &[Source], surface: &Surface) -> DVec3 {
+        let lit: DVec3 = sources
+            .iter()
+            .map(|source| {
+                let Some(light) = self.sample_unshadowed(source, surface) else { return DVec3::ZERO };
+                let radiance = reflected(surface, light.to_light) * light.irradiance;
+                // A shadow is only looked for where it could be seen.
+                let lit = radiance != DVec3::ZERO && self.reaches(source, surface, &light);
+                if lit { radiance } else { DVec3::ZERO }
+            })
+            .sum();
+        lit + self.fill(surface)
+    }
+
+    /// Light from everywhere: a hemisphere that goes from `ground` to `sky` with the height of a direction.
+    /// Dielectrics scatter what arrives about the normal, metals mirror what arrives about the reflected ray.
+    fn fill(&self, surface: &Surface) -> DVec3 {
+        let fill = &self.scene.fill;
+        let hemisphere = |toward: DVec3| fill.ground.lerp(fill.sky, toward.y * 0.5 + 0.5);
+        let n = surface.normal;
+        let mirrored = n * (2.0 * n.dot(surface.to_eye)) - surface.to_eye;
+        let specular = hemisphere(mirrored.lerp(n, surface.roughness));
+        surface.base_color * hemisphere(n).lerp(specular, surface.metallic)
+    }
+}
+
+/// The lights that the view needs: all, the one it is of, or none.
+fn wanted<'a>(view: &View, lights: &'a [Light]) -> Result<&'a [Light], ReferenceError> {
+    let (index, count) = (view.light, lights.len());
+    match view.aov {
+        Aov::Beauty => Ok(lights),
+        aov if !aov.is_of_light() => Ok(&[]),
+        _ => lights.get(index..=index).ok_or(ReferenceError::NoSuchLight { index, count }),
+    }
+}

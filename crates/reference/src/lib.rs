@@ -1,0 +1,30 @@
+//! The picture as it should be: every pixel in f64, every shadow by following light along its curve.
+//!
+//! Takes the same scenes, lights and views as the GPU renderer and shares the light model with it, but no line
+//! of rendering: no rasteriser, no G-buffer, no shadow map, no tolerance. It is slow, and it is what tests and
+//! benchmarks measure errors against.
+//!
+//! ```
+//! use reference::Reference;
+//! # let scene = scene::Scene::default();
+//! # let (camera, slot) = (scene::framing_camera(&scene, 1.0), scene::ViewSlot::default());
+//! let view = scene::View { camera, width: 4, height: 4, samples: 1, aov: scene::Aov::Depth, light: 0, slot };
+//! let frame = Reference::new(&scene).render(&view, &[], || {})?;
+//! assert_eq!(frame.pixels[0], [0.0; 4]);
+//! # Ok::<(), reference::ReferenceError>(())
+//! ```
+
+mod brdf;
+mod camera;
+mod error;
+mod frame;
+mod source;
+mod surface;
+mod texture;
+mod visibility;
+
+pub use brdf::reflected;
+pub use error::ReferenceError;
+pub use frame::{Frame, Reference};
+pub use source::{LightSample, Source};
+pub use surface::Surface;

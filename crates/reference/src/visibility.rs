@@ -1,0 +1,77 @@
+//! Shadows, by following light from its source to the surface.
+
+use bendy::{Tube, TubePoint};
+use glam::DVec3;
+use raycast::BentHit;
+
+use crate::source::{sample_spot, sample_tube};
+use crate::{LightSample, Reference, Source, Surface};
+
+/// Distance from a surface within which nothing shadows it, as a share of the light's size or of the way to the
+/// source: the surface itself, and what lies on it. Rounding places a point to 1e-15 of that.
+const CONTACT: f64 = 1e-9;
+
+impl Reference<'_> {
+    /// What a light does at a surface, its shadow included; `None` outside the light.
+    pub fn sample(&self, source: &Source, surface: &Surface) -> Option<LightSample> {
+        let mut sample = self.sample_unshadowed(source, surface)?;
+        sample.visible = self.reaches(source, surface, &sample);
+        Some(sample)
+    }
+
+    /// The same without looking for a shadow: `visible` says yes.
+    pub(crate) fn sample_unshadowed(&self, source: &Source, surface: &Surface) -> Option<LightSample> {
+        let origin = self.in_scene(source);
+        match source {
+            Source::Bendy(tube) => sample_tube(tube, origin, surface.position),
+            Source::Spot(spot) => sample_spot(spot, origin, surface.position),
+        }
+    }
+
+    fn in_scene(&self, source: &Source) -> DVec3 {
+        source.position_in_world() - self.posed.origin_in_world
+    }
+
+    /// Whether nothing is in the way of the light that `sample` says arrives at the surface.
+    pub(crate) fn reaches(&self, source: &Source, surface: &Surface, sample: &LightSample) -> bool {
+        let Source::Bendy(tube) = source else { return self.sees(surface, self.in_scene(source)) };
+        let path = self.posed.path(tube, sample.vw.x, sample.vw.y);
+        !self.posed.blocks(&path, sample.t, self.in_the_way_of(surface.position, tube))
+    }
+
+    /// The node that shadows a point, given where it lies in the light: the first on the light's way from its
+    /// source. `None` where nothing is in the way.
+    pub fn occluder(&self, tube: &Tube<f64>, place: &TubePoint, point_in_world: DVec3) -> Option<usize> {
+        let path = self.posed.path(tube, place.v, place.w);
+        let point = point_in_world - self.posed.origin_in_world;
+        let hit = self.posed.first_bent_hit(&path, place.t, self.in_the_way_of(point, tube))?;
+        Some(self.posed.triangles[hit.triangle].node)
+    }
+
+    /// Which hits stop light on its way to a point. Its own triangle may be one: a bent path can cross it
+    /// elsewhere too.
+    fn in_the_way_of(&self, point: DVec3, tube: &Tube<f64>) -> impl Fn(&BentHit) -> bool {
+        let contact = CONTACT * tube.placement.world_per_tube + rounding(point);
+        move |hit| {
+            hit.position.distance(point) > contact
+                && self.is_solid(&self.posed.triangles[hit.triangle], hit.weights)
+        }
+    }
+
+    /// Whether nothing lies on the straight way from a surface to another point.
+    fn sees(&self, surface: &Surface, there: DVec3) -> bool {
+        let way = there - surface.position;
+        let near = CONTACT + rounding(surface.position) / way.length();
+        self.posed
+            .first_hit(surface.position, way, [near, 1.0], |hit| {
+                hit.triangle != surface.triangle
+                    && self.is_solid(&self.posed.triangles[hit.triangle], hit.weights)
+            })
+            .is_none()
+    }
+}
+
+/// What a position may be off by, generously.
+fn rounding(position: DVec3) -> f64 {
+    64.0 * f64::EPSILON * position.abs().max_element()
+}

@@ -1,0 +1,268 @@
+//! What the reference says, against closed forms and against itself.
+
+use bendy::{BendyLight, Decay, Direction, SpotLight, Transform};
+use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3, Vec3};
+use reference::{Frame, Reference, Source, reflected};
+use scene::{
+    Aov, Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Scene, View, ViewSlot,
+};
+
+/// A square from -1 to 1 in the plane y = 0 that faces up.
+fn square() -> Primitive {
+    Primitive {
+        positions: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
+            .map(|(x, z)| Vec3::new(x, 0.0, z))
+            .into(),
+        normals: vec![Vec3::Y; 4],
+        indices: vec![0, 1, 2, 0, 2, 3],
+        ..Primitive::default()
+    }
+}
+
+/// A sphere of radius 1 with its own normals, `n` facets from pole to pole and twice as many around.
+fn sphere(n: u32) -> Primitive {
+    let around = 2 * n;
+    let at = |k: u32| {
+        let (theta, phi) = (
+            std::f64::consts::PI * f64::from(k / (around + 1)) / f64::from(n),
+            std::f64::consts::TAU * f64::from(k % (around + 1)) / f64::from(around),
+        );
+        DVec3::new(theta.sin() * phi.cos(), theta.cos(), -theta.sin() * phi.sin()).as_vec3()
+    };
+    let positions: Vec<Vec3> = (0..(n + 1) * (around + 1)).map(at).collect();
+    let quads = (0..n * around).map(|k| k / around * (around + 1) + k % around);
+    let indices =
+        quads.flat_map(|k| [k, k + around + 1, k + 1, k + 1, k + around + 1, k + around + 2]).collect();
+    Primitive { normals: positions.clone(), positions, indices, ..Primitive::default() }
+}
+
+fn scene_of(parts: impl IntoIterator<Item = (Primitive, DAffine3)>) -> Scene {
+    let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
+    (scene.fill.sky, scene.fill.ground) = (DVec3::ZERO, DVec3::ZERO);
+    for (primitive, parent_from_local) in parts {
+        let (name, mesh) = (String::new(), Some(scene.meshes.len()));
+        scene.meshes.push(Mesh { name: name.clone(), primitives: vec![primitive] });
+        scene.nodes.push(Node { name, parent: None, parent_from_local, mesh });
+    }
+    scene.check().expect("test scenes keep their promises");
+    scene
+}
+
+fn floor(half: f64) -> (Primitive, DAffine3) {
+    (square(), DAffine3::from_scale(DVec3::splat(half)))
+}
+
+/// From `eye` to `target`, -z forward.
+fn looking(eye: DVec3, target: DVec3) -> DQuat {
+    let back = (eye - target).normalize();
+    let right =
+        if back.cross(DVec3::Y).length() < 1e-9 { DVec3::X } else { DVec3::Y.cross(back).normalize() };
+    DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back))
+}
+
+fn view(eye: DVec3, target: DVec3, aov: Aov) -> View {
+    let camera = Camera {
+        name: String::new(),
+        translation: eye,
+        rotation: looking(eye, target),
+        projection: Projection::Perspective { yfov: 0.8, znear: 0.05, zfar: None },
+    };
+    View { camera, width: 48, height: 32, samples: 1, aov, light: 0, slot: ViewSlot::default() }
+}
+
+fn spot(source: DVec3, target: DVec3) -> SpotLight {
+    let transform = Transform { translation: source, rotation: looking(source, target), scale: 1.0 };
+    SpotLight { transform, intensity: 10.0, range: Some(6.0), ..SpotLight::default() }
+}
+
+fn light(kind: LightKind) -> Light {
+    Light { name: "key".into(), kind }
+}
+
+fn render(scene: &Scene, view: &View, lights: &[Light]) -> Frame {
+    let frame = Reference::new(scene).render(view, lights, || {}).expect("test pictures can be made");
+    assert!(frame.pixels.iter().flatten().all(|x| x.is_finite()), "{:?} holds NaN or infinity", view.aov);
+    frame
+}
+
+/// A scene with a shadow in it.
+fn table() -> Scene {
+    scene_of([
+        floor(3.0),
+        (sphere(12), DAffine3::from_scale_rotation_translation(DVec3::splat(0.4), DQuat::IDENTITY, DVec3::Y)),
+    ])
+}
+
+/// Irradiance under a cone, as the light model has it in section 6: `E = I profile decay cos / pi` seen by a white Lambert
+/// surface, for every decay and both kinds of straight light.
+#[test]
+fn a_plane_under_a_cone_has_the_closed_form() {
+    let scene = scene_of([floor(3.0)]);
+    let source = DVec3::new(0.3, 2.0, -0.2);
+    let height = source.y;
+    for decay in [Decay::None, Decay::Linear, Decay::InverseSquare] {
+        let spot = SpotLight { decay, ..spot(source, DVec3::new(0.3, 0.0, -0.2)) };
+        let bent = bendy::bend(&spot, 3).unwrap();
+        let view = view(DVec3::new(1.0, 4.0, 2.0), DVec3::ZERO, Aov::Beauty);
+        for kind in [LightKind::Spot(spot.clone()), LightKind::Bendy(bent)] {
+            let source_of_light = Source::new(&kind).unwrap();
+            let reference = Reference::new(&scene);
+            let mut lit = 0;
+            for pixel in 0..48 * 32 {
+                let at = DVec2::new(f64::from(pixel % 48) + 0.5, f64::from(pixel / 48) + 0.5);
+                let Some(surface) = reference.surface(&view, at) else { continue };
+                let position = surface.position + reference.posed.origin_in_world;
+                let (s, outer) = (position.distance(source), 25.0_f64.to_radians());
+                let cos = height / s;
+                let inner = outer * (1.0 - spot.cone_softness);
+                let x = ((cos - outer.cos()) / (inner.cos() - outer.cos())).clamp(0.0, 1.0);
+                let profile = x * x * (3.0 - 2.0 * x);
+                let fall = match decay {
+                    Decay::None => 1.0,
+                    Decay::Linear => 1.0 / s,
+                    Decay::InverseSquare => 1.0 / (s * s),
+                };
+                let expected = 10.0 * profile * fall * cos;
+                let found = reference.sample(&source_of_light, &surface).map_or(0.0, |light| {
+                    lit += 1;
+                    light.irradiance.x * surface.normal.dot(light.to_light)
+                });
+                // Some ulps of everything in it; the issue asks for 1e-6. At the edge itself the profile is
+                // flat zero.
+                assert!((found - expected).abs() <= 1e-12 * 10.0, "{decay:?} {position}: {found} {expected}");
+            }
+            assert!(lit > 100, "{lit}");
+        }
+    }
+}
+
+#[test]
+fn a_straight_bendy_light_is_the_spotlight() {
+    let scene = table();
+    let spot = spot(DVec3::new(1.0, 3.0, 0.5), DVec3::new(0.0, 0.4, 0.0));
+    for direction in [Direction::Tube, Direction::Path] {
+        let bent = BendyLight { direction, ..bendy::bend(&spot, 3).unwrap() };
+        for aov in [Aov::Beauty, Aov::Vw, Aov::Direction, Aov::Visibility] {
+            let view = view(DVec3::new(1.0, 3.0, 4.0), DVec3::Y * 0.5, aov);
+            let straight = render(&scene, &view, &[light(LightKind::Spot(spot.clone()))]);
+            let tube = render(&scene, &view, &[light(LightKind::Bendy(bent.clone()))]);
+            for (a, b) in straight.pixels.iter().zip(&tube.pixels) {
+                // Some ulps of ten, the largest value; a shadow's edge through a pixel's centre would show.
+                assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-11), "{aov:?} {a:?} {b:?}");
+            }
+            assert!(straight.pixels.iter().filter(|pixel| pixel[3] > 0.0).count() > 100);
+        }
+    }
+    // The planted fault: a light that is bent by a hundredth is not the spotlight.
+    let mut bent = bendy::bend(&spot, 3).unwrap();
+    bent.points[3] += DVec3::X * 0.01;
+    let view = view(DVec3::new(1.0, 3.0, 4.0), DVec3::Y * 0.5, Aov::Direction);
+    let [a, b] =
+        [LightKind::Spot(spot), LightKind::Bendy(bent)].map(|kind| render(&scene, &view, &[light(kind)]));
+    assert!(a.pixels.iter().zip(&b.pixels).any(|(a, b)| (a[0] - b[0]).abs() > 1e-4));
+}
+
+/// Along each row of the picture of a ball the light ends where `n . l = 0`.
+#[test]
+fn the_terminator_of_a_sphere_is_where_n_l_is_zero() {
+    let scene = scene_of([(sphere(96), DAffine3::IDENTITY)]);
+    let source = DVec3::new(5.0, 2.0, 1.0);
+    let spot = SpotLight { cone_angle: 20.0, range: Some(9.0), ..spot(source, DVec3::ZERO) };
+    let light_source = Source::new(&LightKind::Bendy(bendy::bend(&spot, 3).unwrap())).unwrap();
+    let reference = Reference::new(&scene);
+    let view = view(DVec3::new(0.0, 0.5, 3.4), DVec3::ZERO, Aov::Beauty);
+    let lit = |x: f64, y: f64| {
+        let surface = reference.surface(&view, DVec2::new(x, y))?;
+        let sample = reference.sample(&light_source, &surface)?;
+        Some((reflected(&surface, sample.to_light).x > 0.0, surface.position))
+    };
+    let mut found = 0;
+    for row in 4..28 {
+        let y = f64::from(row) + 0.5;
+        let ends = (0..47).map(|x| [f64::from(x) + 0.5, f64::from(x) + 1.5]);
+        let edge =
+            ends.filter(|[a, b]| matches!((lit(*a, y), lit(*b, y)), (Some((a, _)), Some((b, _))) if a != b));
+        for [mut dark, mut bright] in edge {
+            for _ in 0..50 {
+                let middle = f64::midpoint(dark, bright);
+                let Some((there, _)) = lit(middle, y) else { break };
+                let Some((at_dark, _)) = lit(dark, y) else { break };
+                if there == at_dark { dark = middle } else { bright = middle }
+            }
+            let (_, position) = lit(dark, y).unwrap();
+            // Normals between the vertices of facets of 1.9 degrees are within a half of their angle squared,
+            // 5e-4, of the sphere's own, and the facets as near to it.
+            let (normal, to_light) = (position.normalize(), (source - position).normalize());
+            assert!(normal.dot(to_light).abs() < 5e-4, "{position}: {}", normal.dot(to_light));
+            found += 1;
+        }
+    }
+    assert!(found > 15, "{found}");
+}
+
+#[test]
+fn moving_the_world_moves_nothing_in_the_picture() {
+    let bent = |offset: DVec3| {
+        let light = BendyLight {
+            transform: Transform { translation: offset + DVec3::new(1.0, 3.0, 0.5), ..Transform::default() },
+            points: vec![
+                DVec3::ZERO,
+                DVec3::NEG_Y,
+                DVec3::new(-0.6, -2.2, 0.0),
+                DVec3::new(-1.4, -3.2, -0.4),
+            ],
+            radii: vec![0.1, 0.5, 1.0, 1.5],
+            colors: vec![DVec3::ONE; 4],
+            intensities: vec![5.0; 4],
+            ..BendyLight::new(vec![DVec3::ZERO, DVec3::NEG_Y, DVec3::NEG_Y * 2.0], vec![0.1; 3])
+        };
+        [light_of(light)]
+    };
+    let frame = |offset: DVec3| {
+        let mut scene = table();
+        scene.nodes.iter_mut().for_each(|node| node.parent_from_local.translation += offset);
+        let mut view = view(DVec3::new(1.0, 3.0, 4.0), DVec3::Y * 0.5, Aov::Beauty);
+        view.camera.translation += offset;
+        render(&scene, &view, &bent(offset))
+    };
+    let (here, there) = (frame(DVec3::ZERO), frame(DVec3::new(1e6, -5e5, 2e6)));
+    // Positions of size 2e6 are rounded to 2e-10; radiance of size one changes by about as much over a unit.
+    let differ = here.pixels.iter().zip(&there.pixels).filter(|(a, b)| (a[0] - b[0]).abs() > 1e-8).count();
+    assert_eq!(differ, 0);
+    let lit = here.pixels.iter().filter(|pixel| pixel[0] > 0.0).count();
+    assert!(lit > 100, "{lit}");
+}
+
+fn light_of(bendy: BendyLight) -> Light {
+    light(LightKind::Bendy(bendy))
+}
+
+#[test]
+fn samples_smooth_edges_and_rows_are_counted() {
+    let scene = table();
+    let lights = [light(LightKind::Spot(spot(DVec3::new(1.0, 3.0, 0.5), DVec3::Y * 0.4)))];
+    let one = view(DVec3::new(1.0, 3.0, 4.0), DVec3::Y * 0.5, Aov::Visibility);
+    let many = View { samples: 16, ..one.clone() };
+    let shares = |frame: &Frame| frame.pixels.iter().filter(|pixel| pixel[0] % 1.0 != 0.0).count();
+    let rows = std::sync::atomic::AtomicU32::new(0);
+    let smooth = Reference::new(&scene)
+        .render(&many, &lights, || {
+            rows.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        })
+        .unwrap();
+    assert_eq!((rows.into_inner(), shares(&render(&scene, &one, &lights))), (32, 0));
+    assert!(shares(&smooth) > 30);
+}
+
+#[test]
+fn what_cannot_be_shown_is_refused() {
+    let scene = table();
+    let reference = Reference::new(&scene);
+    let view = view(DVec3::Y * 3.0, DVec3::ZERO, Aov::T);
+    let why = |view: &View| reference.render(view, &[], || {}).unwrap_err().to_string();
+    assert!(why(&view).contains("there is no light 0"));
+    assert!(why(&View { width: 0, ..view.clone() }).contains("no pixels"));
+    let mut broken = view.clone();
+    broken.camera.translation.x = f64::NAN;
+    assert!(why(&broken).contains("translation is not finite"));
+}
