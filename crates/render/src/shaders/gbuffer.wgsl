@@ -1,8 +1,7 @@
 // What each pixel sees, packed in 16 bytes:
 //   x  shading normal towards the viewer, octahedral 2 x 16 bits
 //   y  index of the triangle + 1; 0 is the background
-//   z  square root of the base colour (near sRGB, and cheap to undo) and metallic, 4 x 8 bits
-//   w  roughness in the low 16 bits
+//   zw base colour, metallic and roughness: material_to_bits
 // The position is not stored: surface.wgsl cuts the pixel's ray with the plane of its triangle, which is more
 // exact than any depth buffer and gives the geometric normal as well.
 
@@ -38,13 +37,8 @@ fn fs_gbuffer(
     // Vertex normals that cancel leave nothing to interpolate: the face's own normal then.
     let has_normal = dot(in.normal, in.normal) > 1e-12;
     let normal = normalize(select(planes[triangle].xyz, in.normal, has_normal)) * select(-1.0, 1.0, front_facing);
-    let color = sqrt(saturate(base.rgb));
     let metallic = saturate(material.metallic * surface.b);
     let roughness = saturate(material.roughness * surface.g);
-    return vec4u(
-        unit_to_bits(normal),
-        triangle + 1u,
-        pack4x8unorm(vec4f(color, metallic)),
-        u32(round(roughness * 65535.0)),
-    );
+    let factors = material_to_bits(saturate(base.rgb), metallic, roughness);
+    return vec4u(unit_to_bits(normal), triangle + 1u, factors);
 }

@@ -49,9 +49,9 @@ fn surface_at(pixel: vec2u) -> Surface {
     surface.to_eye = -normalize(direction);
     surface.geometric_normal = select(plane.xyz, -plane.xyz, closing > 0.0);
     surface.normal = unit_from_bits(packed.x);
-    let color_metallic = unpack4x8unorm(packed.z);
-    surface.base_color = color_metallic.rgb * color_metallic.rgb;
-    surface.metallic = color_metallic.a;
-    surface.roughness = f32(packed.w & 0xffffu) / 65535.0;
+    let factors = material_from_bits(packed.zw);
+    surface.base_color = factors.color;
+    surface.metallic = factors.metallic;
+    surface.roughness = factors.roughness;
     return surface;
 }
