@@ -165,9 +165,9 @@ impl Plane<'_> {
             }
             let next = (u, self.height(u));
             if (next.1 <= 0.0) == (b.1 <= 0.0) {
-                a.1 *= 0.5
+                a.1 *= 0.5;
             } else {
-                a = b
+                a = b;
             }
             b = next;
         }

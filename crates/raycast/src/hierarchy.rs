@@ -40,7 +40,9 @@ impl Boundable for Bounded {
 impl Hierarchy {
     pub fn new(triangles: &[Triangle]) -> Self {
         let boxes: Vec<_> = triangles.iter().map(outward_box).collect();
-        Self(build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut Default::default()))
+        // It also reports how long it took; nobody asks.
+        let mut took = <_>::default();
+        Self(build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut took))
     }
 
     /// A distance from `point` that nothing lies beyond.

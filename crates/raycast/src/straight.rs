@@ -32,7 +32,7 @@ impl PosedScene<'_> {
     ) -> Option<Hit> {
         let reach = self.hierarchy.reach(origin) / direction.length();
         let far = far.min(reach);
-        if !(near <= far) {
+        if near > far {
             return None;
         }
         let at = |distance: f64| origin + direction * distance;

@@ -86,6 +86,12 @@ fn files_hold_the_picture() {
     // The middle is nearest, so brightest.
     let shades: Vec<u8> = depth.into_rgb8().pixels().map(|pixel| pixel.0[0]).collect();
     assert_eq!(shades.iter().max(), Some(&255));
+    // Another renderer's picture becomes the same file: rounding apart, which f32's power function decides.
+    let file = beauty.clone().into_file(&view, &lights, PictureFormat::Png).unwrap();
+    let ours = image::load_from_memory(&file).unwrap().into_rgb8();
+    let screen = renderer.render_display(&view, &lights).unwrap();
+    let screen = screen.as_chunks::<4>().0.iter().flat_map(|pixel| &pixel[..3]);
+    assert!(ours.as_raw().iter().zip(screen).all(|(a, b)| a.abs_diff(*b) <= 1));
     // The planted fault: one AOV taken for another.
     assert_ne!(beauty, renderer.render(&View { aov: Aov::Depth, ..view }, &lights).unwrap());
 }

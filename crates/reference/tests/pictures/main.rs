@@ -1,0 +1,5 @@
+//! Pictures of the reference.
+
+mod light;
+mod materials;
+mod support;

@@ -1,0 +1,86 @@
+//! Scenes small enough to know everything about.
+
+use bendy::{SpotLight, Transform};
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
+use reference::{Frame, Reference};
+use scene::{
+    Aov, Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Scene, View, ViewSlot,
+};
+
+/// A square from -1 to 1 in the plane y = 0 that faces up.
+pub fn square() -> Primitive {
+    Primitive {
+        positions: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
+            .map(|(x, z)| Vec3::new(x, 0.0, z))
+            .into(),
+        normals: vec![Vec3::Y; 4],
+        indices: vec![0, 1, 2, 0, 2, 3],
+        ..Primitive::default()
+    }
+}
+
+/// A sphere of radius 1 with its own normals, `n` facets from pole to pole and twice as many around.
+pub fn sphere(n: u32) -> Primitive {
+    let around = 2 * n;
+    let at = |k: u32| {
+        let (theta, phi) = (
+            std::f64::consts::PI * f64::from(k / (around + 1)) / f64::from(n),
+            std::f64::consts::TAU * f64::from(k % (around + 1)) / f64::from(around),
+        );
+        DVec3::new(theta.sin() * phi.cos(), theta.cos(), -theta.sin() * phi.sin()).as_vec3()
+    };
+    let positions: Vec<Vec3> = (0..(n + 1) * (around + 1)).map(at).collect();
+    let quads = (0..n * around).map(|k| k / around * (around + 1) + k % around);
+    let indices =
+        quads.flat_map(|k| [k, k + around + 1, k + 1, k + 1, k + around + 1, k + around + 2]).collect();
+    Primitive { normals: positions.clone(), positions, indices, ..Primitive::default() }
+}
+
+pub fn scene_of(parts: impl IntoIterator<Item = (Primitive, DAffine3)>) -> Scene {
+    let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
+    (scene.fill.sky, scene.fill.ground) = (DVec3::ZERO, DVec3::ZERO);
+    for (primitive, parent_from_local) in parts {
+        let (name, mesh) = (String::new(), Some(scene.meshes.len()));
+        scene.meshes.push(Mesh { name: name.clone(), primitives: vec![primitive] });
+        scene.nodes.push(Node { name, parent: None, parent_from_local, mesh });
+    }
+    scene.check().expect("test scenes keep their promises");
+    scene
+}
+
+pub fn floor(half: f64) -> (Primitive, DAffine3) {
+    (square(), DAffine3::from_scale(DVec3::splat(half)))
+}
+
+/// From `eye` to `target`, -z forward.
+pub fn looking(eye: DVec3, target: DVec3) -> DQuat {
+    let back = (eye - target).normalize();
+    let right =
+        if back.cross(DVec3::Y).length() < 1e-9 { DVec3::X } else { DVec3::Y.cross(back).normalize() };
+    DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back))
+}
+
+pub fn view(eye: DVec3, target: DVec3, aov: Aov) -> View {
+    let camera = Camera {
+        name: String::new(),
+        translation: eye,
+        rotation: looking(eye, target),
+        projection: Projection::Perspective { yfov: 0.8, znear: 0.05, zfar: None },
+    };
+    View { camera, width: 48, height: 32, samples: 1, aov, light: 0, slot: ViewSlot::default() }
+}
+
+pub fn spot(source: DVec3, target: DVec3) -> SpotLight {
+    let transform = Transform { translation: source, rotation: looking(source, target), scale: 1.0 };
+    SpotLight { transform, intensity: 10.0, range: Some(6.0), ..SpotLight::default() }
+}
+
+pub fn light(kind: LightKind) -> Light {
+    Light { name: "key".into(), kind }
+}
+
+pub fn render(scene: &Scene, view: &View, lights: &[Light]) -> Frame {
+    let frame = Reference::new(scene).render(view, lights, || {}).expect("test pictures can be made");
+    assert!(frame.pixels.iter().flatten().all(|x| x.is_finite()), "{:?} holds NaN or infinity", view.aov);
+    frame
+}
