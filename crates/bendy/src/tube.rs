@@ -239,13 +239,22 @@ impl<F: Real> Tube<F> {
         best
     }
 
-    /// Unit direction in tube space from the surface to where its light comes from (light model, section 3,
-    /// times R).
+    /// Unit direction in tube space from the surface to where its light comes from, in the light's mode (light
+    /// model, section 3, times R).
     pub fn direction_at(&self, root: &Root<F>) -> F::Vec3 {
+        self.direction_by(self.direction, root)
+    }
+
+    /// The same by the tangent of the path, whatever the light's mode: the way that visibility follows.
+    pub fn path_direction_at(&self, root: &Root<F>) -> F::Vec3 {
+        self.direction_by(Direction::Path, root)
+    }
+
+    fn direction_by(&self, direction: Direction, root: &Root<F>) -> F::Vec3 {
         let s = &self.segments[root.segment];
         let (u_hat, r, radius) = (root.u_hat, root.r, root.radius);
         let spread = r * s.radius_derivative(root.u);
-        let tangent = match self.direction {
+        let tangent = match direction {
             Direction::Tube => s.d(root.u) * (F::of(2.0) * radius) + spread,
             Direction::Path => {
                 let turn = s.u_hat_derivative(root.u, u_hat);

@@ -22,6 +22,9 @@ pub struct LightSample {
     pub vw: DVec2,
     /// Unit vector in world space from the surface towards the arriving light.
     pub to_light: DVec3,
+    /// Unit vector in world space from the surface back along the path that the light takes; it is what
+    /// visibility follows, and differs from `to_light` by what a light's `direction` leaves out.
+    pub along_path: DVec3,
     /// On a surface square to `to_light`, linear RGB, without the shadow.
     pub irradiance: DVec3,
     /// Whether nothing is in the way.
@@ -72,11 +75,13 @@ pub(crate) fn sample_spot(spot: &SpotLight, source: DVec3, point: DVec3) -> Opti
         Decay::Linear => 1.0 / distance,
         Decay::InverseSquare => 1.0 / (distance * distance),
     };
+    let to_light = rotation * (-position / distance);
     Some(LightSample {
         t: spot.range.map_or(0.0, |range| depth / range),
         // w_hat is up, v_hat = w_hat x u_hat is to the left of +x.
         vw: DVec2::new(-slope.x, slope.y) / tan_outer,
-        to_light: rotation * (-position / distance),
+        to_light,
+        along_path: to_light,
         irradiance: spot.color * (spot.intensity * s * s * (3.0 - 2.0 * s) * decay),
         visible: true,
     })
@@ -92,6 +97,7 @@ pub(crate) fn sample_tube(tube: &Tube<f64>, source: DVec3, point: DVec3) -> Opti
         t: place.t,
         vw: DVec2::new(place.v, place.w),
         to_light: place.direction,
+        along_path: tube.placement.rotation * tube.path_direction_at(&root),
         irradiance: tube.irradiance(&root),
         visible: true,
     })

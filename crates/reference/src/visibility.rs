@@ -32,8 +32,12 @@ impl Reference<'_> {
         source.position_in_world() - self.posed.origin_in_world
     }
 
-    /// Whether nothing is in the way of the light that `sample` says arrives at the surface.
+    /// Whether nothing is in the way of the light that `sample` says arrives at the surface. Light that arrives
+    /// from behind has the surface itself in its way: it meets the other side.
     pub(crate) fn reaches(&self, source: &Source, surface: &Surface, sample: &LightSample) -> bool {
+        if surface.geometric_normal.dot(sample.along_path) <= 0.0 {
+            return false;
+        }
         let Source::Bendy(tube) = source else { return self.sees(surface, self.in_scene(source)) };
         let path = self.posed.path(tube, sample.vw.x, sample.vw.y);
         !self.posed.blocks(&path, sample.t, self.in_the_way_of(surface.position, tube))

@@ -188,3 +188,19 @@ fn what_cannot_be_shown_is_refused() {
     broken.camera.translation.x = f64::NAN;
     assert!(why(&broken).contains("translation is not finite"));
 }
+
+/// A sheet lit from below shows no light above, on either kind of light; from above it does.
+#[test]
+fn light_from_behind_meets_the_other_side() {
+    let scene = scene_of([floor(3.0)]);
+    for (height, lit) in [(2.0, 1.0), (-2.0, 0.0)] {
+        let spot = spot(DVec3::new(0.0, height, 0.0), DVec3::new(0.0, 0.0, 0.1));
+        let bent = bendy::bend(&spot, 2).unwrap();
+        for kind in [LightKind::Spot(spot), LightKind::Bendy(bent)] {
+            let view = view(DVec3::new(0.0, 3.0, 1.0), DVec3::ZERO, Aov::Visibility);
+            let frame = render(&scene, &view, &[light(kind)]);
+            let inside: Vec<_> = frame.pixels.iter().filter(|pixel| pixel[3] > 0.0).collect();
+            assert!(inside.len() > 100 && inside.iter().all(|pixel| pixel[0] == lit), "{height}");
+        }
+    }
+}
