@@ -41,5 +41,6 @@ pub use light::{
 pub use real::Real;
 pub use segment::{Segment, TubeBox};
 pub use slab::{Slab, slabs};
+pub use solve::{Roots, increasing_roots};
 pub use tube::{Location, Profile, Root, Tube, TubePoint};
 pub use warning::LightWarning;

@@ -79,9 +79,9 @@ pub struct Segment<F: Real> {
 }
 
 impl<F: Real> Segment<F> {
-    /// Half the derivative, `d(u) = P'(u) / 2`.
+    /// Half the derivative, `d(u) = P'(u) / 2`; at the end `d1` to the last bit, which near a cusp the sum has lost.
     pub fn d(&self, u: F) -> F::Vec3 {
-        self.d0 + self.a * u
+        if u == F::of(1.0) { self.d1 } else { self.d0 + self.a * u }
     }
 
     /// Position of the centre curve.

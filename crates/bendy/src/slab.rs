@@ -38,8 +38,10 @@ pub fn slabs(tube: &Tube<f64>, t_max: f64, overlap: f64) -> Vec<Slab> {
                     tube.end_mode() == EndMode::Cut && i + 1 == tube.n && end == 1.0,
                 );
                 let margin = overlap * (end - start);
-                let start = if first { start } else { start - margin };
-                let end = if last { end } else { end + margin };
+                // Past a cusp, where control points coincide, the polynomial runs back: there slabs only meet.
+                let runs_on = |u: f64| segment.d(u).dot(segment.d(f64::midpoint(start, end))) > 0.0;
+                let start = if first || !runs_on(start - margin) { start } else { start - margin };
+                let end = if last || !runs_on(end + margin) { end } else { end + margin };
                 let piece = segment.piece(start, end);
                 out.push(Slab { piece, t_start: i as f64 + start, t_span: end - start });
             });

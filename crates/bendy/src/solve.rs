@@ -25,19 +25,15 @@ fn sdiv<F: Real>(n: F, d: F) -> F {
     if (n < zero) == (d < zero) { limit } else { -limit }
 }
 
-/// The coefficients of `f`, which give its value, slope and half its curvature anywhere.
+/// The coefficients of `f` that give its slope and half its curvature anywhere.
 #[derive(Clone, Copy)]
 struct Cubic<F> {
-    c0: F,
     c1: F,
     c2: F,
     c3: F,
 }
 
 impl<F: Real> Cubic<F> {
-    fn value(&self, u: F) -> F {
-        ((self.c3 * u + self.c2) * u + self.c1) * u + self.c0
-    }
     fn slope(&self, u: F) -> F {
         (F::of(3.0) * self.c3 * u + F::of(2.0) * self.c2) * u + self.c1
     }
@@ -75,9 +71,13 @@ fn climb<F: Real>(f: F, g: F, h: F, a: F, t_max: F) -> F {
 fn polish<F: Real>(segment: &Segment<F>, q: F::Vec3, u: F, low: F, high: F) -> F {
     let (r, d) = (segment.offset(q, u), segment.d(u));
     let (n, slope) = (F::dot(r, d), F::of(2.0) * F::dot(d, d) - F::dot(r, segment.a));
-    // |step| <= 2^-6, asked without dividing.
-    let step =
-        if n.abs() <= slope.abs() * F::of(0.015_625) && slope != F::of(0.0) { n / slope } else { F::of(0.0) };
+    // |step| <= 2^-6, asked without dividing; and so short that the slope changes by less than half, for near a cusp
+    // both n and the slope may be rounding noise.
+    let half_curvature = F::of(3.0) * F::dot(segment.a, d);
+    let short = n.abs() <= slope * F::of(0.015_625)
+        && (n * half_curvature).abs() <= F::of(0.25) * slope * slope
+        && slope > F::of(0.0);
+    let step = if short { n / slope } else { F::of(0.0) };
     (u + step).within(low, high)
 }
 
@@ -91,7 +91,6 @@ pub fn increasing_roots<F: Real>(segment: &Segment<F>, q: F::Vec3, f0: F, f1: F)
     let (d0, a) = (segment.d0, segment.a);
     let from_start = q - segment.b0;
     let cubic = Cubic {
-        c0: -F::dot(from_start, d0),
         c1: F::of(2.0) * F::dot(d0, d0) - F::dot(from_start, a),
         c2: F::of(3.0) * F::dot(d0, a),
         c3: F::dot(a, a),
@@ -121,8 +120,11 @@ pub fn increasing_roots<F: Real>(segment: &Segment<F>, q: F::Vec3, f0: F, f1: F)
             inside
         }
     };
-    let fl = at_end(cl, f0, f1, cubic.value(cl));
-    let fh = at_end(ch, f0, f1, cubic.value(ch).least(fl));
+    // From the geometry: near P' = 0 the roots lie so close together that the rounding of the coefficients is
+    // larger than all of `f` between them.
+    let f = |u: F| -F::dot(segment.offset(q, u), segment.d(u));
+    let fl = at_end(cl, f0, f1, f(cl));
+    let fh = at_end(ch, f0, f1, f(ch).least(fl));
     let sl = at_end(cl, e0, e1, fl);
     let sh = at_end(ch, e0, e1, fh);
 

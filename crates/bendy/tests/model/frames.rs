@@ -1,4 +1,4 @@
-//! The cross-section's frame (light model, section 2).
+//! The cross-section's frame (light model, section 2). That it is orthonormal is held by `bendylights bench stress`.
 
 use bendy::{BendyLight, Frame, Tube};
 use glam::DVec3;
@@ -7,21 +7,6 @@ use proptest::prelude::*;
 use crate::lights::bent;
 
 proptest! {
-    /// Orthonormal and right-handed everywhere. Each vector is a handful of roundings from exact: 32 eps.
-    #[test]
-    fn orthonormal((light, tube) in bent(1.0), t in 0.0..1.0_f64, up in any::<bool>()) {
-        let mut light = light;
-        light.frame = if up { Frame::Up } else { Frame::RotationMinimizing };
-        let tube = if up { Tube::new(&light).expect("the same shape is valid") } else { tube };
-        let t = t * tube.n as f64;
-        let i = (t as usize).min(tube.n - 1);
-        let u_hat = tube.segments[i].u_hat(t - i as f64);
-        let (v_hat, w_hat) = tube.cross_section(&tube.segments[i], u_hat);
-        let bound = 32.0 * f64::EPSILON;
-        prop_assert!((u_hat.cross(v_hat) - w_hat).length() < bound);
-        prop_assert!((v_hat.length() - 1.0).abs() < bound && v_hat.dot(w_hat).abs() < bound);
-    }
-
     /// No rotation about the tangent: `v_hat' . w_hat = 0`. A central difference over h = 1e-5 leaves h^2
     /// times third derivatives and 1e-16 / h of rounding; a frame that twists (the "up" one) shows 1e-3 and
     /// more.
