@@ -35,6 +35,9 @@ pub enum RenderError {
     /// A picture without pixels, without samples, or through an impossible camera.
     #[error("this view cannot be rendered: {0}")]
     InvalidView(&'static str),
+    /// Shadow settings that no map can be made of.
+    #[error("shadows cannot be made so: {0}; give them more")]
+    InvalidShadows(&'static str),
     /// An AOV of a light that is not there.
     #[error("there is no light {index} to show, this picture has {count}: choose one of them or another AOV")]
     NoSuchLight {

@@ -25,14 +25,16 @@ mod readback;
 mod renderer;
 mod shaders;
 mod shadow;
+mod shadow_settings;
 mod spot;
 mod staged;
 mod targets;
 mod warm;
 
-pub use bendy_light::locate;
+pub use bendy_light::{increasing_roots, locate, map_points};
 pub use device::Gpu;
 pub use error::RenderError;
 pub use picture::{Picture, PictureFormat};
-pub use renderer::{PassCounts, Renderer};
+pub use renderer::{PassCounts, Renderer, StageTimes};
 pub use scene::{Aov, View, ViewSlot};
+pub use shadow_settings::{ShadowFilter, ShadowSettings};

@@ -10,7 +10,7 @@ use crate::camera::Raster;
 use crate::passes::Passes;
 use crate::spot::SpotSlot;
 use crate::staged::StagedScene;
-use crate::{Gpu, RenderError};
+use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings};
 
 /// The lights of one scene.
 #[derive(Debug)]
@@ -18,6 +18,7 @@ pub(crate) struct LightSlots {
     /// One a light, in the order of the last picture's lights; `None` where that light was not needed yet.
     slots: Vec<Option<LightSlot>>,
     pub bent_work: BentWork,
+    shadows: ShadowSettings,
 }
 
 #[derive(Debug)]
@@ -29,7 +30,7 @@ enum LightSlot {
 /// Which lighting pass draws a light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum LightingKind {
-    Spot,
+    Spot(ShadowFilter),
     Bendy(Baked),
 }
 
@@ -65,7 +66,27 @@ impl LightSlot {
 
 impl LightSlots {
     pub fn new() -> Self {
-        Self { slots: Vec::new(), bent_work: BentWork::new() }
+        Self { slots: Vec::new(), bent_work: BentWork::new(), shadows: ShadowSettings::default() }
+    }
+
+    /// Makes maps by other settings; drops those there are. Returns whether the settings are others.
+    pub fn set_shadows(&mut self, shadows: ShadowSettings) -> bool {
+        let other = self.shadows != shadows;
+        if other {
+            self.shadows = shadows;
+            self.clear();
+        }
+        other
+    }
+
+    /// Draws every map anew when it is next asked for.
+    pub fn invalidate(&mut self) {
+        for slot in self.slots.iter_mut().flatten() {
+            match slot {
+                LightSlot::Spot(slot) => slot.invalidate(),
+                LightSlot::Bendy(slot) => slot.invalidate(),
+            }
+        }
     }
 
     /// Drops every map.
@@ -83,20 +104,26 @@ impl LightSlots {
         wanted: Range<usize>,
     ) -> Result<Vec<ReadyLight>, RenderError> {
         self.arrange(lights, scene.revision);
+        let shadows = &self.shadows;
         let mut ready = Vec::with_capacity(wanted.len());
         for (slot, light) in self.slots.iter_mut().zip(lights).take(wanted.end).skip(wanted.start) {
             let (kind, group, corners_in_world, shadow_drawn) = match &light.kind {
                 LightKind::Spot(spot) => {
-                    let made = slot.get_or_insert_with(|| LightSlot::Spot(passes.spot.slot(gpu)));
+                    let made = slot.get_or_insert_with(|| LightSlot::Spot(passes.spot.slot(gpu, shadows)));
                     let LightSlot::Spot(slot) = made else { continue };
-                    let (placed, drawn) = passes.spot.prepare(gpu, encoder, slot, spot, scene)?;
-                    (LightingKind::Spot, slot.group.clone(), placed.corners_in_world.to_vec(), drawn)
+                    let (placed, drawn) = passes.spot.prepare(gpu, encoder, slot, spot, (scene, shadows))?;
+                    (
+                        LightingKind::Spot(shadows.filter),
+                        slot.group.clone(),
+                        placed.corners_in_world.to_vec(),
+                        drawn,
+                    )
                 }
                 LightKind::Bendy(bendy) => {
-                    let made = slot.get_or_insert_with(|| LightSlot::Bendy(BendyPass::slot(gpu)));
+                    let made = slot.get_or_insert_with(|| LightSlot::Bendy(BendyPass::slot(gpu, shadows)));
                     let LightSlot::Bendy(slot) = made else { continue };
                     let (placed, drawn) =
-                        passes.bendy.prepare(gpu, &mut self.bent_work, slot, bendy, scene)?;
+                        passes.bendy.prepare(gpu, (&mut self.bent_work, shadows), slot, bendy, scene)?;
                     (LightingKind::Bendy(placed.baked), placed.group, placed.corners_in_world, drawn)
                 }
             };

@@ -2,16 +2,18 @@
 
 use std::ops::Range;
 use std::sync::Arc;
+use std::time::Instant;
 
+use glam::DVec2;
 use scene::{Light, Scene};
-use wgpu::{Buffer, CommandEncoderDescriptor};
+use wgpu::{Buffer, CommandEncoder, CommandEncoderDescriptor};
 
 use crate::camera::{Raster, sample_offset};
 use crate::lights::LightSlots;
 use crate::passes::Passes;
 use crate::staged::StagedScene;
 use crate::targets::Viewers;
-use crate::{Aov, Gpu, Picture, RenderError, View, ViewSlot, layout, readback};
+use crate::{Aov, Gpu, Picture, RenderError, ShadowSettings, View, ViewSlot, layout, readback};
 
 /// How often each pass has run since the renderer was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,6 +26,18 @@ pub struct PassCounts {
     pub lighting: u64,
     /// Over the picture, for a screen.
     pub display: u64,
+}
+
+/// How long each stage of a picture takes where nothing is kept from the one before, in milliseconds of wall
+/// time. Each is waited for: together they take a little longer than they do one behind the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StageTimes {
+    /// What each pixel sees.
+    pub gbuffer_ms: f64,
+    /// The shadow maps of all lights that the picture needs.
+    pub shadow_ms: f64,
+    /// One pass over the picture for the fill and each light.
+    pub lighting_ms: f64,
 }
 
 /// Draws pictures of one scene at a time, for any number of viewers.
@@ -71,6 +85,15 @@ impl Renderer {
         self.scene = self.gpu.checked(|| {
             StagedScene::new(&self.gpu, &self.passes.layouts, &self.view_uniform, scene, revision)
         })?;
+        Ok(())
+    }
+
+    /// Makes shadow maps by other settings from the next picture on. On an error the settings before stay.
+    pub fn set_shadow_settings(&mut self, shadows: ShadowSettings) -> Result<(), RenderError> {
+        shadows.check(self.gpu.device.limits().max_texture_dimension_2d)?;
+        if self.lights.set_shadows(shadows) {
+            self.viewers = Viewers::default();
+        }
         Ok(())
     }
 
@@ -175,6 +198,33 @@ impl Renderer {
         })
     }
 
+    /// Draws one sample of `view` under `lights` stage by stage, each anew and waited for. Pipelines that were
+    /// not used before are compiled in the stage that needs them: draw the picture once before.
+    pub fn time_stages(&mut self, view: &View, lights: &[Light]) -> Result<StageTimes, RenderError> {
+        let raster = Raster::new(view)?;
+        let wanted = wanted_lights(view.aov, view.light, lights.len())?;
+        self.attempt(view.slot, |renderer, gpu| {
+            let Self { passes, scene, viewers, view_uniform, lights: slots, .. } = renderer;
+            let targets = viewers.targets(gpu, passes, view)?;
+            slots.invalidate();
+            let uniform = raster.uniform(DVec2::ZERO, 1.0, scene.origin)?;
+            gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
+            gpu.wait()?;
+            let ((), gbuffer_ms) = timed(gpu, |encoder| {
+                targets.invalidate();
+                targets.draw_gbuffer(encoder, passes, scene, &raster, DVec2::ZERO);
+                Ok(())
+            })?;
+            let (ready, shadow_ms) =
+                timed(gpu, |encoder| slots.ready(gpu, encoder, (passes, scene, &raster), lights, wanted))?;
+            let ((), lighting_ms) = timed(gpu, |encoder| {
+                targets.draw_lighting(gpu, encoder, (passes, scene), view.aov, &ready, true);
+                Ok(())
+            })?;
+            Ok(StageTimes { gbuffer_ms, shadow_ms, lighting_ms })
+        })
+    }
+
     /// Runs `work`; where it fails, nothing that it may have left half done is kept.
     fn attempt<T>(
         &mut self,
@@ -189,6 +239,19 @@ impl Renderer {
         }
         result
     }
+}
+
+/// Encodes, submits and waits for one stage; its result and how long that took, in milliseconds.
+fn timed<T>(
+    gpu: &Gpu,
+    stage: impl FnOnce(&mut CommandEncoder) -> Result<T, RenderError>,
+) -> Result<(T, f64), RenderError> {
+    let start = Instant::now();
+    let mut encoder = gpu.device.create_command_encoder(&CommandEncoderDescriptor::default());
+    let result = stage(&mut encoder)?;
+    gpu.queue.submit([encoder.finish()]);
+    gpu.wait()?;
+    Ok((result, start.elapsed().as_secs_f64() * 1000.0))
 }
 
 /// The lights that `aov` needs: all of them, the one it is of, or none.

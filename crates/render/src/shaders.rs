@@ -18,12 +18,25 @@ pub(crate) const SHADOW: &str = wgsl!("shadow");
 /// Draws shadow casters with an alpha test.
 pub(crate) const SHADOW_MASKED: &str = wgsl!("shadow", "material", "shadow_masked");
 /// Adds a spotlight.
-pub(crate) const SPOT: &str = wgsl!("view", "encoding", "surface", "fullscreen", "brdf", "lighting", "spot");
+pub(crate) const SPOT: &str =
+    wgsl!("view", "encoding", "surface", "fullscreen", "brdf", "lighting", "shadow_filter", "spot");
 /// Adds a BendyLight.
-pub(crate) const BENDY: &str =
-    wgsl!("view", "encoding", "surface", "fullscreen", "brdf", "lighting", "curve", "tube", "bendy");
+pub(crate) const BENDY: &str = wgsl!(
+    "view",
+    "encoding",
+    "surface",
+    "fullscreen",
+    "brdf",
+    "lighting",
+    "shadow_filter",
+    "curve",
+    "tube",
+    "bendy"
+);
 /// Locates points in a BendyLight.
 pub(crate) const LOCATE: &str = wgsl!("curve", "tube", "locate");
+/// Solves for the nearest points of curves, to be measured.
+pub(crate) const SOLVE: &str = wgsl!("curve", "solve");
 /// Maps vertices into a bent shadow map.
 pub(crate) const BENT_MAP_VERTICES: &str = wgsl!("curve", "bent_map", "bent_map_vertices");
 /// Sorts out which triangles need more.
@@ -48,7 +61,7 @@ fn all() -> Vec<(&'static str, String)> {
         ("inspect", INSPECT),
         ("shadow", SHADOW),
         ("shadow_masked", SHADOW_MASKED),
-        ("spot", SPOT),
+        ("solve", SOLVE),
         ("bent_map_vertices", BENT_MAP_VERTICES),
         ("bent_map_triangles", BENT_MAP_TRIANGLES),
         ("bent_map_clip", BENT_MAP_CLIP),
@@ -59,7 +72,8 @@ fn all() -> Vec<(&'static str, String)> {
     ];
     let baked = crate::bendy_light::Baked::samples().into_iter();
     let baked = baked.flat_map(|b| [("bendy", b.into_wgsl(BENDY)), ("locate", b.into_wgsl(LOCATE))]);
-    fixed.map(|(name, wgsl)| (name, wgsl.to_owned())).into_iter().chain(baked).collect()
+    let spots = crate::ShadowFilter::ALL.map(|filter| ("spot", filter.into_wgsl(SPOT)));
+    fixed.map(|(name, wgsl)| (name, wgsl.to_owned())).into_iter().chain(spots).chain(baked).collect()
 }
 
 #[cfg(test)]

@@ -7,9 +7,6 @@ use crate::material::MaterialDraw;
 use crate::pipeline::{DEPTH_FORMAT, UNIFORM, cleared_depth, nearer_wins, vertex_buffers};
 use crate::{Gpu, layout, shaders};
 
-/// Texels along each side of a shadow map.
-pub(crate) const RESOLUTION: u32 = 2048;
-
 /// The pipelines, which outlive scenes and lights.
 #[derive(Debug)]
 pub(crate) struct ShadowPass {
@@ -66,8 +63,9 @@ impl ShadowPass {
         Self { opaque, masked, layout }
     }
 
-    pub fn map(&self, gpu: &Gpu) -> ShadowMap {
-        let texture = gpu.target("shadow map", RESOLUTION, RESOLUTION, DEPTH_FORMAT);
+    /// `side` is in texels.
+    pub fn map(&self, gpu: &Gpu, side: u32) -> ShadowMap {
+        let texture = gpu.target("shadow map", side, side, DEPTH_FORMAT);
         let uniform = gpu.uniform_buffer::<layout::ShadowView>("shadow view");
         let group = gpu.group("shadow view", &self.layout, &[uniform.as_entire_binding()]);
         ShadowMap { depth: texture.create_view(&wgpu::TextureViewDescriptor::default()), uniform, group }

@@ -1,6 +1,8 @@
 //! A spotlight drawn by its own perspective matrix. It shares no code with bent lights, so that each can test
 //! the other.
 
+use std::sync::OnceLock;
+
 use bendy::{Decay, SpotLight};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, Buffer, CommandEncoder, Sampler};
@@ -9,9 +11,9 @@ use crate::camera::columns;
 use crate::geometry::MAX_EXTENT;
 use crate::lighting::LightingPass;
 use crate::pipeline::{NON_FILTERING, RAW_TEXTURE, UNIFORM};
-use crate::shadow::{RESOLUTION, ShadowMap, ShadowPass};
+use crate::shadow::{ShadowMap, ShadowPass};
 use crate::staged::StagedScene;
-use crate::{Gpu, RenderError, layout, shaders};
+use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, layout, shaders};
 
 /// Group 2 of a spotlight's lighting pass; see `spot.wgsl`.
 const BINDINGS: [BindingType; 3] = [UNIFORM, RAW_TEXTURE, NON_FILTERING];
@@ -50,7 +52,12 @@ pub(crate) struct PlacedSpot {
 
 impl PlacedSpot {
     /// Places a checked light over a scene whose bounds reach `half_extent` about `scene_origin`.
-    pub fn new(light: &SpotLight, scene_origin: DVec3, half_extent: DVec3) -> Result<Self, RenderError> {
+    pub fn new(
+        light: &SpotLight,
+        scene_origin: DVec3,
+        half_extent: DVec3,
+        map_texels: u32,
+    ) -> Result<Self, RenderError> {
         let rotation = DMat3::from_quat(light.transform.rotation.normalize());
         let scene_from_light =
             DAffine3 { matrix3: rotation, translation: light.transform.translation - scene_origin };
@@ -66,7 +73,7 @@ impl PlacedSpot {
         let versine_span = versine(outer) - versine(inner);
         let tan_outer = outer.tan();
         // Two texels around the cone let the filter reach over its edge.
-        let shadow_tan = tan_outer * f64::from(RESOLUTION) / f64::from(RESOLUTION - 4);
+        let shadow_tan = tan_outer * f64::from(map_texels) / f64::from(map_texels - 4);
 
         // The nearest caster: none is nearer along the axis than the box of the scene, seen in the map's
         // corner.
@@ -82,8 +89,9 @@ impl PlacedSpot {
         let light_from_scene = scene_from_light.inverse();
         let clip_from_scene = clip_from_light * light_from_scene;
 
-        let intensity =
-            (light.color * light.intensity).clamp(DVec3::splat(-MAX_INTENSITY), DVec3::splat(MAX_INTENSITY));
+        // Neither below zero, as in a BendyLight.
+        let intensity = light.color.max(DVec3::ZERO) * light.intensity.max(0.0);
+        let intensity = intensity.min(DVec3::splat(MAX_INTENSITY));
         let decay = match light.decay {
             Decay::None => [1.0, 0.0, 0.0],
             Decay::Linear => [0.0, 1.0, 0.0],
@@ -120,8 +128,10 @@ impl PlacedSpot {
 #[derive(Debug)]
 pub(crate) struct SpotPass {
     shadow: ShadowPass,
-    pub lighting: LightingPass,
-    layout: BindGroupLayout,
+    /// One a filter, compiled when first wanted.
+    lighting: [OnceLock<LightingPass>; ShadowFilter::ALL.len()],
+    /// Of the view and the surface, and the light's own.
+    layouts: [BindGroupLayout; 3],
     sampler: Sampler,
 }
 
@@ -137,6 +147,11 @@ pub(crate) struct SpotSlot {
 }
 
 impl SpotSlot {
+    /// Draws the map anew when it is next asked for.
+    pub fn invalidate(&mut self) {
+        self.map_key = None;
+    }
+
     /// Whether its map is that of `light` over the scene of that revision.
     pub fn shows(&self, light: &SpotLight, revision: u64) -> bool {
         self.map_key == Some((revision, Shape::of(light)))
@@ -147,26 +162,32 @@ impl SpotPass {
     /// `camera_groups` are those of the view and the surface.
     pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2], material_layout: &BindGroupLayout) -> Self {
         let [view, surface] = camera_groups;
-        let layout = gpu.layout("spot", &BINDINGS);
         Self {
             shadow: ShadowPass::new(gpu, material_layout),
-            lighting: LightingPass::new(gpu, "spot", shaders::SPOT, &[view, surface, &layout]),
-            layout,
+            lighting: std::array::from_fn(|_| OnceLock::new()),
+            layouts: [view.clone(), surface.clone(), gpu.layout("spot", &BINDINGS)],
             sampler: gpu
                 .device
                 .create_sampler(&wgpu::SamplerDescriptor { label: Some("shadow"), ..Default::default() }),
         }
     }
 
-    pub fn slot(&self, gpu: &Gpu) -> SpotSlot {
-        let map = self.shadow.map(gpu);
+    /// The pass whose shadows are blended by `filter`.
+    pub fn lighting(&self, gpu: &Gpu, filter: ShadowFilter) -> &LightingPass {
+        self.lighting[filter as usize].get_or_init(|| {
+            LightingPass::new(gpu, "spot", &filter.into_wgsl(shaders::SPOT), &self.layouts.each_ref())
+        })
+    }
+
+    pub fn slot(&self, gpu: &Gpu, shadows: &ShadowSettings) -> SpotSlot {
+        let map = self.shadow.map(gpu, shadows.resolution);
         let uniform = gpu.uniform_buffer::<layout::Spot>("spot");
         let resources = [
             uniform.as_entire_binding(),
             BindingResource::TextureView(&map.depth),
             BindingResource::Sampler(&self.sampler),
         ];
-        let group = gpu.group("spot", &self.layout, &resources);
+        let group = gpu.group("spot", &self.layouts[2], &resources);
         SpotSlot { map, map_key: None, uniform, group }
     }
 
@@ -178,10 +199,10 @@ impl SpotPass {
         encoder: &mut CommandEncoder,
         slot: &mut SpotSlot,
         light: &SpotLight,
-        scene: &StagedScene,
+        (scene, shadows): (&StagedScene, &ShadowSettings),
     ) -> Result<(PlacedSpot, bool), RenderError> {
         bendy::check_spot(light)?;
-        let placed = PlacedSpot::new(light, scene.origin, scene.half_extent)?;
+        let placed = PlacedSpot::new(light, scene.origin, scene.half_extent, shadows.resolution)?;
         gpu.queue.write_buffer(&slot.uniform, 0, bytemuck::bytes_of(&placed.uniform));
         let key = Some((scene.revision, Shape::of(light)));
         let stale = slot.map_key != key;

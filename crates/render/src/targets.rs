@@ -103,6 +103,11 @@ impl Targets {
         }
     }
 
+    /// Draws everything anew when it is next asked for.
+    pub fn invalidate(&mut self) {
+        (self.gbuffer_key, self.shown) = (None, None);
+    }
+
     /// Fills the G-buffer, unless it shows just this. Returns whether it had to.
     pub fn draw_gbuffer(
         &mut self,
@@ -152,7 +157,7 @@ impl Targets {
         }
         for light in lights {
             let lighting = match light.kind {
-                LightingKind::Spot => &passes.spot.lighting,
+                LightingKind::Spot(filter) => passes.spot.lighting(gpu, filter),
                 LightingKind::Bendy(baked) => passes.bendy.lighting(gpu, baked),
             };
             lighting.draw(gpu, &mut pass, aov, Some(&light.group), light.pixels);

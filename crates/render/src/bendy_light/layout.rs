@@ -69,10 +69,11 @@ gpu_struct! {
         world_per_tube: f32,
         t_max: f32,
         shadow_resolution: f32,
+        shadow_tolerance_texels: f32,
         tan2_outer: f32,
         cos_outer: f32,
         inv_cos_range: f32,
-        pad0: [f32; 2],
+        pad0: f32,
     }
 }
 

@@ -7,7 +7,7 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use super::layout::LocatedRoot;
 use super::{Baked, segments, uniform};
-use crate::{Gpu, RenderError, readback, shaders};
+use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, readback, shaders};
 
 /// Threads of a workgroup, as in the shader.
 const WORKGROUP: usize = 64;
@@ -24,7 +24,7 @@ pub fn locate(
 ) -> Result<Vec<Location>, RenderError> {
     let tube = Tube::new(light)?;
     gpu.checked(|| {
-        let pipeline = pipeline(gpu, Baked::of(&tube));
+        let pipeline = pipeline(gpu, Baked::of(&tube, ShadowFilter::default()));
         let mut locations = Vec::with_capacity(points_in_world.len());
         for points in points_in_world.chunks(ROOTS_A_DISPATCH / roots_a_point(&tube)) {
             locations.extend(dispatch(gpu, &pipeline, &tube, points)?);
@@ -64,7 +64,11 @@ fn dispatch(
         gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
     };
     let results = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-    let light = init("light", bytemuck::bytes_of(&uniform(tube, DVec3::ZERO, 1.0, 1)), BufferUsages::UNIFORM);
+    let light = init(
+        "light",
+        bytemuck::bytes_of(&uniform(tube, DVec3::ZERO, 1.0, &ShadowSettings::default())),
+        BufferUsages::UNIFORM,
+    );
     let segments = init("segments", bytemuck::cast_slice(&segments(tube)), BufferUsages::UNIFORM);
     let points = init("points", bytemuck::cast_slice(&points), BufferUsages::STORAGE);
     // Filled so that a point that was not written cannot pass for one without roots.

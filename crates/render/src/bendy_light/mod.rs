@@ -2,9 +2,11 @@
 
 pub(crate) mod layout;
 mod locate;
+mod mapped;
 mod pass;
 mod shadow;
 mod slab;
+mod solve;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
@@ -14,10 +16,13 @@ use bendy::{Decay, Direction, EndMode, Frame, Segment, Tube};
 use glam::{DMat3, DMat4, DVec3};
 
 use crate::layout::Mat4;
+use crate::{ShadowFilter, ShadowSettings};
 
 pub use locate::locate;
+pub use mapped::map_points;
 pub(crate) use pass::{BendyPass, BendySlot};
 pub(crate) use shadow::BentWork;
+pub use solve::increasing_roots;
 
 /// Length of the array of segments in `tube.wgsl`: all that a light may have, and the extension.
 const SEGMENT_ROOM: usize = bendy::MAX_SEGMENTS + 1;
@@ -107,6 +112,7 @@ pub(crate) struct Baked {
     frame: Frame,
     direction: Direction,
     decay: Decay,
+    filter: ShadowFilter,
 }
 
 impl Baked {
@@ -114,57 +120,76 @@ impl Baked {
     const MOST_SEGMENTS: usize = 6;
 
     /// How many values there are.
-    pub const COUNT: usize = (Self::MOST_SEGMENTS + 1) * 2 * 2 * 2 * 3;
+    pub const COUNT: usize = (Self::MOST_SEGMENTS + 1) * 2 * 2 * 2 * 3 * 3;
 
     /// Numbers the values from 0.
     pub fn index(self) -> usize {
-        let Self { segments, end_mode, frame, direction, decay } = self;
-        (((segments * 2 + end_mode as usize) * 2 + frame as usize) * 2 + direction as usize) * 3
-            + decay as usize
+        let Self { segments, end_mode, frame, direction, decay, filter } = self;
+        ((((segments * 2 + end_mode as usize) * 2 + frame as usize) * 2 + direction as usize) * 3
+            + decay as usize)
+            * 3
+            + filter as usize
     }
 
-    pub fn of(tube: &Tube<f64>) -> Self {
+    pub fn of(tube: &Tube<f64>, filter: ShadowFilter) -> Self {
         Self {
             segments: if tube.n <= Self::MOST_SEGMENTS { tube.n } else { 0 },
             end_mode: tube.end_mode(),
             frame: tube.frame,
             direction: tube.direction,
             decay: tube.decay,
+            filter,
         }
     }
 
     /// Each value of each field at least once.
     #[cfg(test)]
     pub fn samples() -> [Self; 3] {
-        let one = |segments, end_mode, frame, direction, decay| Self {
+        let one = |segments, end_mode, frame, direction, decay, filter| Self {
             segments,
             end_mode,
             frame,
             direction,
             decay,
+            filter,
         };
         [
-            one(3, EndMode::Cut, Frame::RotationMinimizing, Direction::Tube, Decay::None),
-            one(6, EndMode::Extend, Frame::Up, Direction::Path, Decay::InverseSquare),
-            one(0, EndMode::Extend, Frame::RotationMinimizing, Direction::Tube, Decay::Linear),
+            one(
+                3,
+                EndMode::Cut,
+                Frame::RotationMinimizing,
+                Direction::Tube,
+                Decay::None,
+                ShadowFilter::Nearest,
+            ),
+            one(6, EndMode::Extend, Frame::Up, Direction::Path, Decay::InverseSquare, ShadowFilter::Bilinear),
+            one(
+                0,
+                EndMode::Extend,
+                Frame::RotationMinimizing,
+                Direction::Tube,
+                Decay::Linear,
+                ShadowFilter::Pcf3x3,
+            ),
         ]
     }
 
     /// `wgsl` with the constants that `tube.wgsl` asks for.
     pub fn into_wgsl(self, wgsl: &str) -> String {
-        let Self { segments, end_mode, frame, direction, decay } = self;
+        let Self { segments, end_mode, frame, direction, decay, filter } = self;
         let decay = match decay {
             Decay::None => 0,
             Decay::Linear => 1,
             Decay::InverseSquare => 2,
         };
-        format!(
+        let constants = format!(
             "const BAKED_SEGMENTS = {segments}u;\nconst EXTENDED = {};\nconst FRAME_UP = {};\nconst DIRECTION_PATH = {};\n\
-             const DECAY = {decay}u;\n{wgsl}",
+             const DECAY = {decay}u;\n",
             end_mode == EndMode::Extend,
             frame == Frame::Up,
             direction == Direction::Path,
-        )
+        );
+        constants + &filter.into_wgsl(wgsl)
     }
 }
 
@@ -197,7 +222,7 @@ pub(crate) fn uniform(
     tube: &Tube<f64>,
     scene_origin: DVec3,
     t_max: f64,
-    shadow_resolution: u32,
+    shadows: &ShadowSettings,
 ) -> layout::BendyLight {
     let rotation = tube.placement.rotation.as_mat3();
     let f32_tube = Tube::<f32>::from(tube);
@@ -209,10 +234,11 @@ pub(crate) fn uniform(
         segment_count: tube.n as u32,
         world_per_tube: tube.placement.world_per_tube as f32,
         t_max: t_max as f32,
-        shadow_resolution: shadow_resolution as f32,
+        shadow_resolution: shadows.resolution as f32,
+        shadow_tolerance_texels: shadows.bent_tolerance_texels(),
         tan2_outer: f32_tube.profile.tan2_outer,
         cos_outer: f32_tube.profile.cos_outer,
         inv_cos_range: f32_tube.profile.inv_cos_range,
-        pad0: [0.0; 2],
+        pad0: 0.0,
     }
 }

@@ -12,9 +12,8 @@ use super::{Baked, hull_in_world, segments, t_max, uniform};
 use crate::geometry::MAX_EXTENT;
 use crate::lighting::LightingPass;
 use crate::pipeline::{DEPTH_FORMAT, NON_FILTERING, RAW_TEXTURE, UNIFORM};
-use crate::shadow::RESOLUTION;
 use crate::staged::StagedScene;
-use crate::{Gpu, RenderError, shaders};
+use crate::{Gpu, RenderError, ShadowSettings, shaders};
 
 /// Group 2 of a BendyLight's lighting pass; see `tube.wgsl` and `bendy.wgsl`.
 const BINDINGS: [BindingType; 4] = [UNIFORM, UNIFORM, RAW_TEXTURE, NON_FILTERING];
@@ -87,6 +86,11 @@ fn check_reach(tube: &Tube<f64>, scene: &StagedScene) -> Result<(), RenderError>
 }
 
 impl BendySlot {
+    /// Draws everything anew when it is next asked for.
+    pub fn invalidate(&mut self) {
+        (self.map_key, self.placed) = (None, None);
+    }
+
     /// Whether its map is that of `light` over the scene of that revision.
     pub fn shows(&self, light: &BendyLight, revision: u64) -> bool {
         self.map_key.as_ref().is_some_and(|(r, shape)| *r == revision && *shape == Shape::of(light))
@@ -115,8 +119,9 @@ impl BendyPass {
         })
     }
 
-    pub fn slot(gpu: &Gpu) -> BendySlot {
-        let texture = gpu.target("bent shadow map", RESOLUTION, RESOLUTION, DEPTH_FORMAT);
+    pub fn slot(gpu: &Gpu, shadows: &ShadowSettings) -> BendySlot {
+        let side = shadows.resolution;
+        let texture = gpu.target("bent shadow map", side, side, DEPTH_FORMAT);
         let depth = texture.create_view(&wgpu::TextureViewDescriptor::default());
         BendySlot { depth, map_key: None, placed: None }
     }
@@ -126,7 +131,7 @@ impl BendyPass {
     pub fn prepare(
         &self,
         gpu: &Gpu,
-        work: &mut BentWork,
+        (work, shadows): (&mut BentWork, &ShadowSettings),
         slot: &mut BendySlot,
         light: &BendyLight,
         scene: &StagedScene,
@@ -143,17 +148,13 @@ impl BendyPass {
         let stale = slot.map_key != key;
         if stale {
             let (depth, tube) = (&slot.depth, &tube);
-            self.shadow.render(
-                gpu,
-                work,
-                &MapRequest { scene, tube, t_max, depth, resolution: RESOLUTION },
-            )?;
+            self.shadow.render(gpu, work, &MapRequest { scene, tube, t_max, depth, shadows })?;
             slot.map_key = key;
         }
         let init = |label, contents: &[u8], usage| {
             gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
         };
-        let uniform = uniform(&tube, scene.origin, t_max, RESOLUTION);
+        let uniform = uniform(&tube, scene.origin, t_max, shadows);
         let uniform = init("bendy", bytemuck::bytes_of(&uniform), BufferUsages::UNIFORM);
         let segments = init("segments", bytemuck::cast_slice(&segments(&tube)), BufferUsages::UNIFORM);
         let resources = [
@@ -164,7 +165,7 @@ impl BendyPass {
         ];
         let group = gpu.group("bendy", &self.layouts[2], &resources);
         let corners_in_world = hull_in_world(&tube, t_max);
-        let placed = PlacedBendy { baked: Baked::of(&tube), group, corners_in_world };
+        let placed = PlacedBendy { baked: Baked::of(&tube, shadows.filter), group, corners_in_world };
         slot.placed = Some(Box::new((scene.revision, light.clone(), placed.clone())));
         Ok((placed, stale))
     }

@@ -15,12 +15,8 @@ use super::slab::{self, SLABS_A_TURN};
 use super::tube_from_scene;
 use crate::pipeline::DEPTH_FORMAT;
 use crate::staged::StagedScene;
-use crate::{Gpu, RenderError, readback, shaders};
+use crate::{Gpu, RenderError, ShadowSettings, readback, shaders};
 
-/// Largest distance, in texels, of an edge's image from the line drawn for it. The error of a bend is largest
-/// in the middle, where it is measured, but for a fifth (light model, section 4): this keeps all of it within
-/// half a texel.
-const TOLERANCE_TEXELS: f32 = 0.4;
 /// Threads of a workgroup, as in the shaders.
 const WORKGROUP: u32 = 64;
 /// Most workgroups in one dimension that every device can run.
@@ -40,8 +36,6 @@ pub(crate) struct BentShadowPass {
 /// What the maps of one scene are made in, one after another.
 #[derive(Debug)]
 pub(crate) struct BentWork {
-    /// See [`TOLERANCE_TEXELS`].
-    pub tolerance_texels: f32,
     pub room: Room,
     buffers: Option<Buffers>,
 }
@@ -64,8 +58,7 @@ pub(crate) struct MapRequest<'a> {
     /// What stands for the depth 1; see [`super::t_max`].
     pub t_max: f64,
     pub depth: &'a TextureView,
-    /// Texels along each side.
-    pub resolution: u32,
+    pub shadows: &'a ShadowSettings,
 }
 
 /// The buffers of one map, kept for the next.
@@ -110,8 +103,9 @@ impl BentShadowPass {
 
     /// Draws a map, in turns of as many slabs as a uniform holds.
     pub fn render(&self, gpu: &Gpu, work: &mut BentWork, request: &MapRequest) -> Result<(), RenderError> {
-        let MapRequest { tube, t_max, resolution, .. } = *request;
-        let slabs = slab::slabs(tube, t_max, f64::from(resolution), f64::from(work.tolerance_texels));
+        let MapRequest { tube, t_max, shadows, .. } = *request;
+        let split_above_texels = f64::from(shadows.split_above_texels());
+        let slabs = slab::slabs(tube, t_max, f64::from(shadows.resolution), split_above_texels);
         // What a turn without room has drawn is not to be kept, so all turns start again.
         'all: loop {
             for (index, turn) in slabs.chunks(SLABS_A_TURN).enumerate() {
@@ -235,29 +229,36 @@ impl BentShadowPass {
 impl BentWork {
     pub fn new() -> Self {
         let room = Room { work: 1 << 16, patches: 1 << 16, split_vertices: 3 << 16 };
-        Self { tolerance_texels: TOLERANCE_TEXELS, room, buffers: None }
+        Self { room, buffers: None }
     }
 
     /// The uniform of a turn.
     fn map(&self, request: &MapRequest, slabs: &[(Slab, [DVec3; 8])]) -> BentMap {
-        let MapRequest { scene, tube, resolution, .. } = *request;
-        let corners = || slabs.iter().flat_map(|slab| slab.1);
+        let MapRequest { scene, tube, shadows, .. } = *request;
         BentMap {
-            tube_from_scene: tube_from_scene(tube, scene.origin),
-            up: tube.up.as_vec3().to_array(),
-            frame_up: u32::from(tube.frame == Frame::Up),
-            box_min: corners().fold(DVec3::INFINITY, DVec3::min).as_vec3().to_array(),
-            slab_count: slabs.len() as u32,
-            box_max: corners().fold(DVec3::NEG_INFINITY, DVec3::max).as_vec3().to_array(),
             vertex_count: scene.vertex_count,
             triangle_count: scene.triangle_count,
-            shadow_resolution: resolution as f32,
+            shadow_resolution: shadows.resolution as f32,
             work_capacity: self.room.work,
             patch_capacity: self.room.patches,
             split_capacity: self.room.split_vertices,
-            tolerance_texels: self.tolerance_texels,
-            ..BentMap::default()
+            tolerance_texels: shadows.split_above_texels(),
+            ..bent_map(tube, scene.origin, slabs)
         }
+    }
+}
+
+/// What a turn's uniform says of the light.
+pub(super) fn bent_map(tube: &Tube<f64>, scene_origin: DVec3, slabs: &[(Slab, [DVec3; 8])]) -> BentMap {
+    let corners = || slabs.iter().flat_map(|slab| slab.1);
+    BentMap {
+        tube_from_scene: tube_from_scene(tube, scene_origin),
+        up: tube.up.as_vec3().to_array(),
+        frame_up: u32::from(tube.frame == Frame::Up),
+        box_min: corners().fold(DVec3::INFINITY, DVec3::min).as_vec3().to_array(),
+        slab_count: slabs.len() as u32,
+        box_max: corners().fold(DVec3::NEG_INFINITY, DVec3::max).as_vec3().to_array(),
+        ..BentMap::default()
     }
 }
 

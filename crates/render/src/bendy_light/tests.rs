@@ -8,8 +8,11 @@ use scene::{Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projectio
 
 use super::shadow::Room;
 use super::walk;
-use crate::shadow::RESOLUTION;
-use crate::{Aov, Gpu, Picture, Renderer, View, ViewSlot};
+use crate::{Aov, Gpu, Picture, Renderer, ShadowFilter, ShadowSettings, View, ViewSlot};
+
+/// Edges are never split.
+const UNSPLIT: ShadowSettings =
+    ShadowSettings { resolution: 2048, edge_error_texels: None, filter: ShadowFilter::Bilinear };
 
 /// A light that falls from 4 units up, turns by 70 degrees and back a little: three strongly bent segments.
 fn light() -> BendyLight {
@@ -133,7 +136,7 @@ impl Setup {
     /// whether it is lit. `w_sign` is 1, or -1 for a planted fault.
     fn walked(&mut self, w_sign: f64) -> Vec<(usize, bool)> {
         let depth = self.picture(Aov::Depth);
-        let texel = 2.0 / f64::from(RESOLUTION);
+        let texel = 2.0 / f64::from(ShadowSettings::default().resolution);
         let mut found = Vec::new();
         for pixel in 0..depth.pixels.len() {
             let q = self.tube.placement.tube_from_world(position(&view(Aov::Depth), &depth, pixel));
@@ -194,7 +197,7 @@ fn bent_shadows_are_where_the_paths_say() {
 
     // Planted: edges that are never split.
     let mut unsplit = Setup::new();
-    unsplit.renderer.bent_work().tolerance_texels = f32::INFINITY;
+    unsplit.renderer.set_shadow_settings(UNSPLIT).expect("sound");
     let fault = differing(&walked, &unsplit.picture(Aov::Visibility));
     assert!(fault > 0, "unsplit edges went unseen");
 }
@@ -257,11 +260,50 @@ fn a_lone_plane_never_shadows_itself() {
         let shadowed = self_shadowed(&mut renderer, light);
         assert_eq!(shadowed, 0, "{:?} {:?}", light.points, light.radii);
     }
-    renderer.bent_work().tolerance_texels = f32::INFINITY;
-    // Moved, so that its map is drawn anew.
-    let mut moved = lights[lights.len() - 1].clone();
-    moved.transform.translation.x += 1e-3;
-    assert!(self_shadowed(&mut renderer, &moved) > 0, "unsplit edges went unseen");
+    renderer.set_shadow_settings(UNSPLIT).expect("sound");
+    assert!(self_shadowed(&mut renderer, &lights[lights.len() - 1]) > 0, "unsplit edges went unseen");
+}
+
+/// Coarse or fine, by every filter, a lone plane stays lit; what no map can be made of is refused.
+#[test]
+fn every_setting_leaves_a_lone_plane_lit() {
+    let mut scene = scene();
+    scene.nodes.truncate(1);
+    let mut renderer = renderer(&scene);
+    let light = &bent_spots()[1];
+    for filter in ShadowFilter::ALL {
+        for (resolution, edge_error_texels) in [(256, Some(0.4)), (2048, Some(0.1)), (2048, Some(2.0))] {
+            let settings = ShadowSettings { resolution, edge_error_texels, filter };
+            renderer.set_shadow_settings(settings).expect("sound");
+            assert_eq!(self_shadowed(&mut renderer, light), 0, "{settings:?}");
+        }
+    }
+    let default = ShadowSettings::default();
+    for refused in [
+        ShadowSettings { resolution: 4, ..default },
+        ShadowSettings { resolution: 1 << 20, ..default },
+        ShadowSettings { edge_error_texels: Some(f32::NAN), ..default },
+    ] {
+        renderer.set_shadow_settings(refused).expect_err("no map can be made of it");
+    }
+}
+
+/// Other settings make another picture of the same view, and the same ones none; a timed one starts anew.
+#[test]
+fn settings_and_timing_draw_anew() {
+    let mut setup = Setup::new();
+    let fine = setup.picture(Aov::Visibility);
+    let coarse = ShadowSettings { resolution: 64, ..ShadowSettings::default() };
+    setup.renderer.set_shadow_settings(coarse).expect("sound");
+    assert_ne!(setup.picture(Aov::Visibility), fine);
+    let drawn = setup.renderer.counts().shadow;
+    setup.renderer.set_shadow_settings(coarse).expect("sound");
+    setup.picture(Aov::Visibility);
+    assert_eq!(setup.renderer.counts().shadow, drawn);
+    let times = setup.renderer.time_stages(&view(Aov::Beauty), &setup.lights).expect("drawn");
+    assert!(times.gbuffer_ms > 0.0 && times.shadow_ms > 0.0 && times.lighting_ms > 0.0, "{times:?}");
+    setup.renderer.set_shadow_settings(ShadowSettings::default()).expect("sound");
+    assert_eq!(setup.picture(Aov::Visibility), fine);
 }
 
 /// A map that does not fit into its buffers is drawn again, and is the same.

@@ -1,4 +1,4 @@
-// A BendyLight's share of the picture. Follows tube.wgsl and lighting.wgsl.
+// A BendyLight's share of the picture. Follows tube.wgsl, lighting.wgsl and shadow_filter.wgsl.
 
 @group(2) @binding(2) var shadow_map: texture_2d<f32>;
 @group(2) @binding(3) var shadow_sampler: sampler;
@@ -27,10 +27,18 @@ fn path_tangent(root: Root, vw: vec2f, across: mat2x3f) -> vec3f {
         + cross(root.u_hat, root.r) * twist(root, turn);
 }
 
-// Bilinear percentage-closer filter over the 2 x 2 texels around (v, w). Each texel is compared with the t
-// that the receiver's own plane has at that texel's centre, so that a plane cannot shadow itself: a step e in
-// the plane is R (dv v_hat + dw w_hat) + T dt with T the path's tangent, and n.e = 0 gives dt = -R (n_v dv +
-// n_w dw) / n.T.
+// A receiver's place on the map, and what its own plane looks like there.
+struct Receiver {
+    texel: vec2f,
+    t: f32,
+    // How t changes along the receiver's plane from texel to texel.
+    step: vec2f,
+    tolerance: f32,
+}
+
+// Percentage-closer filter. Each texel is compared with the t that the receiver's own plane has at that texel's
+// centre, so that a plane cannot shadow itself: a step e in the plane is R (dv v_hat + dw w_hat) + T dt with T
+// the path's tangent, and n.e = 0 gives dt = -R (n_v dv + n_w dw) / n.T.
 fn bent_visibility(root: Root, vw: vec2f, normal: vec3f) -> f32 {
     let across = mat2x3f(root.v_hat, cross(root.u_hat, root.v_hat));
     let tangent = path_tangent(root, vw, across);
@@ -39,22 +47,44 @@ fn bent_visibility(root: Root, vw: vec2f, normal: vec3f) -> f32 {
     // error is measured.
     let footprint = texel_width / max(min(length(tangent), 2.0 * length(root.d)), 1e-20);
     let closing = dot(normal, tangent);
-    let slope = -texel_width * (normal * across) / select(closing, 1e-20, closing == 0.0);
+    // Light that arrives from behind meets the surface's other side.
+    if closing >= 0.0 {
+        return 0.0;
+    }
+    let slope = -texel_width * (normal * across) / closing;
+
+    var receiver: Receiver;
+    receiver.texel = (vw * vec2f(0.5, -0.5) + 0.5) * light.shadow_resolution - 0.5;
+    receiver.t = root_t(root);
     // Seen edge on, the plane runs off along the light within a texel.
-    let step = clamp(vec2f(slope.x, -slope.y), vec2f(-32.0 * footprint), vec2f(32.0 * footprint));
+    receiver.step = clamp(vec2f(slope.x, -slope.y), vec2f(-32.0 * footprint), vec2f(32.0 * footprint));
+    // The depth is rounded to some ulps of 1.
+    receiver.tolerance = light.shadow_tolerance_texels * (footprint + length(receiver.step))
+        + 0x1p-22 * light.t_max;
 
-    let texel = (vw * vec2f(0.5, -0.5) + 0.5) * light.shadow_resolution - 0.5;
-    let first = floor(texel);
-    let blend = texel - first;
-    let start = root_t(root) - dot(step, blend);
-    let expected = start + vec4f(step.y, step.x + step.y, step.x, 0.0);
+    let first = floor(receiver.texel);
+    let blend = filter_blend(receiver.texel - first);
+    if SHADOW_FILTER == FILTER_PCF_3X3 {
+        let low = mat2x2f(vec2f(1.0 - blend.x, 1.0), vec2f(1.0 - blend.y, 1.0));
+        let high = mat2x2f(vec2f(1.0, blend.x), vec2f(1.0, blend.y));
+        let sum = weighted(lit_texels(receiver, first + vec2f(-1.0, -1.0)), low[0], low[1])
+            + weighted(lit_texels(receiver, first + vec2f(1.0, -1.0)), high[0], low[1])
+            + weighted(lit_texels(receiver, first + vec2f(-1.0, 1.0)), low[0], high[1])
+            + weighted(lit_texels(receiver, first + vec2f(1.0, 1.0)), high[0], high[1]);
+        return sum / 9.0;
+    }
+    let near = lit_texels(receiver, first);
+    return weighted(near, vec2f(1.0 - blend.x, blend.x), vec2f(1.0 - blend.y, blend.y));
+}
 
-    // The map is right to half a texel across and along; a quarter more, because a neighbouring facet that
-    // rises a little out of the plane is not an occluder; and the depth is rounded to some ulps of 1.
-    let tolerance = 0.75 * footprint + 0.75 * (abs(step.x) + abs(step.y)) + 0x1p-22 * light.t_max;
+// Which of the four texels from `corner` on let the light through, in the order of textureGather.
+fn lit_texels(receiver: Receiver, corner: vec2f) -> vec4f {
+    // The tube's rim touches the map's: what lies beyond is looked up a texel further in.
+    let first = clamp(corner, vec2f(0.0), vec2f(light.shadow_resolution - 2.0));
+    let step = receiver.step;
+    let expected = receiver.t + dot(step, first - receiver.texel) + vec4f(step.y, step.x + step.y, step.x, 0.0);
     // A texel that nothing was drawn to holds t_max, and a plane may run on past the light's end.
-    let needed = min(expected - tolerance, vec4f(light.t_max * (1.0 - 0x1p-22)));
+    let needed = min(expected - receiver.tolerance, vec4f(light.t_max * (1.0 - 0x1p-22)));
     let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / light.shadow_resolution) * light.t_max;
-    let lit = select(vec4f(0.0), vec4f(1.0), stored >= needed);
-    return mix(mix(lit.w, lit.z, blend.x), mix(lit.x, lit.y, blend.x), blend.y);
+    return select(vec4f(0.0), vec4f(1.0), stored >= needed);
 }

@@ -99,25 +99,42 @@ struct Middle {
     mapped: vec4f,
 }
 
-// Compares the image of the edge's middle with the middle of the images, in texels: across the map, and along
-// the light as the length it is in the scene. The middle of homogeneous (V, W, R) is what the rasteriser
-// draws; on a straight cone both agree.
+// Four roundings of a position of size 1, the length of the light.
+const POSITION_ROUNDING = 0x1p-22;
+
+// Compares the image of the edge's middle with the middle of the images, and so the quarters: an S crosses its
+// chord in the middle. The middle of homogeneous (V, W, R) is what the rasteriser draws; on a straight cone both
+// agree.
 fn edge_middle(slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> Middle {
     var middle = Middle(false, (qa + qb) * 0.5, vec4f(0.0));
     if edge_is_safe(slab, qa, a, qb, b) {
         return middle;
     }
     let c = slabs[slab].curve;
-    let scale = 0.5 * bent.shadow_resolution;
     middle.mapped = map_to_slab(c, middle.q);
     let straight = (a + b) * 0.5;
-    if min(middle.mapped.z, straight.z) <= 0.0 {
-        return middle;
-    }
-    let across = (middle.mapped.xy / middle.mapped.z - straight.xy / straight.z) * scale;
-    let along = (middle.mapped.w - straight.w) / c.t_span * 2.0 * length(curve_d(c, 0.5)) * scale / straight.z;
-    middle.split = max(length(across), abs(along)) > bent.tolerance_texels;
+    // Made from both ends alike, so that the edge's other triangle finds the same bits.
+    let near_a = (qa + middle.q) * 0.5;
+    let near_b = (qb + middle.q) * 0.5;
+    middle.split = strays(c, middle.q, middle.mapped, straight)
+        || strays(c, near_a, map_to_slab(c, near_a), (a + straight) * 0.5)
+        || strays(c, near_b, map_to_slab(c, near_b), (b + straight) * 0.5);
     return middle;
+}
+
+// Whether a point's image lies too far from where the straight edge has it, in texels: across the map, and along
+// the light as the length it is in the scene.
+fn strays(c: Curve, q: vec3f, mapped: vec4f, straight: vec4f) -> bool {
+    if min(mapped.z, straight.z) <= 0.0 {
+        return false;
+    }
+    let scale = 0.5 * bent.shadow_resolution;
+    let across = (mapped.xy / mapped.z - straight.xy / straight.z) * scale;
+    let along = (mapped.w - straight.w) / c.t_span * 2.0 * length(curve_d(c, 0.5)) * scale / straight.z;
+    // In a very thin tube a texel is less than the rounding of a position: what bends there is noise, and splitting
+    // for it would not end.
+    let rounding = POSITION_ROUNDING * (1.0 + length(q)) * scale / straight.z;
+    return max(length(across), abs(along)) > max(bent.tolerance_texels, rounding);
 }
 
 // Whether the edge is so short that no bend of this slab shows in it.

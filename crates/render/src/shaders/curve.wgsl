@@ -35,6 +35,11 @@ fn curve_offset(c: Curve, q: vec3f, u: f32) -> vec3f {
     return (q - c.b0) - (c.d0 * 2.0 + c.a * u) * u;
 }
 
+// Half the derivative of the squared distance.
+fn curve_f(c: Curve, q: vec3f, u: f32) -> f32 {
+    return -dot(curve_offset(c, q, u), curve_d(c, u));
+}
+
 fn curve_radius(c: Curve, u: f32) -> f32 {
     return c.r0 + u * (2.0 * c.e0 + u * c.ar);
 }
@@ -106,14 +111,9 @@ fn cbrt_above(x: f32) -> f32 {
 }
 
 struct Cubic {
-    c0: f32,
     c1: f32,
     c2: f32,
     c3: f32,
-}
-
-fn cubic_value(c: Cubic, u: f32) -> f32 {
-    return ((c.c3 * u + c.c2) * u + c.c1) * u + c.c0;
 }
 
 fn cubic_slope(c: Cubic, u: f32) -> f32 {
@@ -151,7 +151,9 @@ fn polish(c: Curve, q: vec3f, u: f32, low: f32, high: f32) -> f32 {
     let n = dot(r, d);
     let slope = 2.0 * dot(d, d) - dot(r, c.a);
     var step = 0.0;
-    if abs(n) <= abs(slope) * 0.015625 && slope != 0.0 {
+    // So short that the slope changes by less than half: near a cusp both n and the slope may be rounding noise.
+    let half_curvature = 3.0 * dot(c.a, d);
+    if abs(n) <= slope * 0.015625 && abs(n * half_curvature) <= 0.25 * slope * slope && slope > 0.0 {
         step = n / slope;
     }
     return clamp(u + step, low, high);
@@ -172,7 +174,6 @@ fn at_split(u: f32, start: f32, end: f32, inside: f32) -> f32 {
 fn increasing_roots(c: Curve, q: vec3f, f0: f32, f1: f32) -> Roots {
     let from_start = q - c.b0;
     let cubic = Cubic(
-        -dot(from_start, c.d0),
         2.0 * dot(c.d0, c.d0) - dot(from_start, c.a),
         3.0 * dot(c.d0, c.a),
         dot(c.a, c.a),
@@ -195,8 +196,10 @@ fn increasing_roots(c: Curve, q: vec3f, f0: f32, f1: f32) -> Roots {
         ch = cl;
     }
 
-    let fl = at_split(cl, f0, f1, cubic_value(cubic, cl));
-    let fh = at_split(ch, f0, f1, min(cubic_value(cubic, ch), fl));
+    // From the geometry: near P' = 0 the roots lie so close together that the rounding of the coefficients is
+    // larger than all of f between them.
+    let fl = at_split(cl, f0, f1, curve_f(c, q, cl));
+    let fh = at_split(ch, f0, f1, min(curve_f(c, q, ch), fl));
     let sl = at_split(cl, e0, e1, fl);
     let sh = at_split(ch, e0, e1, fh);
 

@@ -18,14 +18,16 @@ fn unit_from_bits(bits: u32) -> vec3f {
     return normalize(vec3f(select(p, folded, z < 0.0), z));
 }
 
-// A colour and a metallic and roughness factor, each 0 to 1, in 64 bits: 3 x 13, 9 and 16. The colour is stored
-// by its square roots, near sRGB and cheap to undo; 8 bits of those would be off by 3e-3 of a middle grey.
+// A colour and a metallic and roughness factor, each 0 to 1, in 64 bits: 3 x 13, 12 and 13. The colour is stored
+// by its square roots, near sRGB and cheap to undo; 8 bits of those would be off by 3e-3 of a middle grey, and 9
+// of a middle metallic factor by 2e-3 of what its diffuse part reflects. Factors of whole tenths, as people set
+// them, are stored exactly.
 fn material_to_bits(color: vec3f, metallic: f32, roughness: f32) -> vec2u {
     let roots = vec3u(round(sqrt(color) * 8191.0));
-    let shine = vec2u(round(vec2f(metallic * 511.0, roughness * 65535.0)));
+    let shine = vec2u(round(vec2f(metallic * 4090.0, roughness * 8190.0)));
     return vec2u(
         roots.r | (roots.g << 13u) | (roots.b << 26u),
-        (roots.b >> 6u) | (shine.x << 7u) | (shine.y << 16u),
+        (roots.b >> 6u) | (shine.x << 7u) | (shine.y << 19u),
     );
 }
 
@@ -38,7 +40,7 @@ struct MaterialFactors {
 fn material_from_bits(bits: vec2u) -> MaterialFactors {
     let blue = (bits.x >> 26u) | ((bits.y & 0x7fu) << 6u);
     let roots = vec3f(vec3u(bits.x & 0x1fffu, (bits.x >> 13u) & 0x1fffu, blue)) / 8191.0;
-    return MaterialFactors(roots * roots, f32((bits.y >> 7u) & 0x1ffu) / 511.0, f32(bits.y >> 16u) / 65535.0);
+    return MaterialFactors(roots * roots, f32((bits.y >> 7u) & 0xfffu) / 4090.0, f32(bits.y >> 19u) / 8190.0);
 }
 
 fn srgb_from_linear(c: vec3f) -> vec3f {

@@ -58,33 +58,66 @@ fn cone_profile(tan2: f32) -> f32 {
     return select(s * s * (3.0 - 2.0 * s), 1.0, spot.inverse_versine_span == 0.0);
 }
 
-// Bilinear percentage-closer filter over the 2 x 2 texels around `position`. Each texel is compared with the
-// depth that the receiver's own plane has on the ray through that texel's centre, so that a plane cannot
-// shadow itself.
+// A receiver's place on the map, and what its own plane looks like there.
+struct Receiver {
+    texel: vec2f,
+    // 1 / depth, and how it changes along the receiver's plane from texel to texel.
+    inverse_depth: f32,
+    step: vec2f,
+    tolerance: f32,
+}
+
+// Percentage-closer filter. Each texel is compared with the depth that the receiver's own plane has on the ray
+// through that texel's centre, so that a plane cannot shadow itself.
 fn shadow_visibility(position: vec3f, normal: vec3f) -> f32 {
     let depth = -position.z;
     let resolution = vec2f(textureDimensions(shadow_map));
     let slope = position.xy / depth;
-    let texel = (slope * vec2f(0.5, -0.5) / spot.shadow_tan + 0.5) * resolution - 0.5;
-    let first = floor(texel);
-    let blend = texel - first;
 
     // On the ray (x, y, -1) the plane through `position` has 1 / depth = n.(x, y, -1) / n.position: linear in
     // (x, y).
     let texel_slope = 2.0 * spot.shadow_tan / resolution.x;
     let plane_distance = dot(normal, position);
-    let step = normal.xy * vec2f(texel_slope, -texel_slope) / select(plane_distance, 1.0, plane_distance == 0.0);
-    let start = 1.0 / depth + dot(step, -blend);
-    let plane_at = start + vec4f(step.y, step.x + step.y, step.x, 0.0);
-    // Seen edge on, the plane runs off to the source or to infinity within a texel.
-    let expected = clamp(plane_at, vec4f(0.5 / depth), vec4f(2.0 / depth)) * spot.shadow_near;
+    // Light that arrives from behind meets the surface's other side.
+    if plane_distance >= 0.0 {
+        return 0.0;
+    }
+    let across = normal.xy / plane_distance;
 
+    var receiver: Receiver;
+    receiver.texel = (slope * vec2f(0.5, -0.5) / spot.shadow_tan + 0.5) * resolution - 0.5;
+    receiver.inverse_depth = 1.0 / depth;
+    receiver.step = across * vec2f(texel_slope, -texel_slope);
     // A neighbouring facet that rises out of this plane by 0.25 rad is not an occluder: that many texels of
     // depth, more where light grazes. And the map's depth, linear across a triangle, is off by some ulps of
     // its largest value, 1.
     let cosine = plane_distance / length(position);
-    let tolerance = 0.25 * texel_slope / max(cosine * cosine, 0.01) * spot.shadow_near / depth + 0x1p-22;
+    receiver.tolerance = 0.25 * texel_slope / max(cosine * cosine, 0.01) * spot.shadow_near / depth + 0x1p-22;
+
+    let first = floor(receiver.texel);
+    let blend = filter_blend(receiver.texel - first);
+    if SHADOW_FILTER == FILTER_PCF_3X3 {
+        let low = mat2x2f(vec2f(1.0 - blend.x, 1.0), vec2f(1.0 - blend.y, 1.0));
+        let high = mat2x2f(vec2f(1.0, blend.x), vec2f(1.0, blend.y));
+        let sum = weighted(lit_texels(receiver, first + vec2f(-1.0, -1.0)), low[0], low[1])
+            + weighted(lit_texels(receiver, first + vec2f(1.0, -1.0)), high[0], low[1])
+            + weighted(lit_texels(receiver, first + vec2f(-1.0, 1.0)), low[0], high[1])
+            + weighted(lit_texels(receiver, first + vec2f(1.0, 1.0)), high[0], high[1]);
+        return sum / 9.0;
+    }
+    let near = lit_texels(receiver, first);
+    return weighted(near, vec2f(1.0 - blend.x, blend.x), vec2f(1.0 - blend.y, blend.y));
+}
+
+// Which of the four texels from `first` on let the light through, in the order of textureGather.
+fn lit_texels(receiver: Receiver, first: vec2f) -> vec4f {
+    let step = receiver.step;
+    let start = receiver.inverse_depth + dot(step, first - receiver.texel);
+    let plane_at = start + vec4f(step.y, step.x + step.y, step.x, 0.0);
+    // Seen edge on, the plane runs off to the source or to infinity within a texel.
+    let bounds = vec2f(0.5, 2.0) * receiver.inverse_depth;
+    let expected = clamp(plane_at, vec4f(bounds.x), vec4f(bounds.y)) * spot.shadow_near;
+    let resolution = vec2f(textureDimensions(shadow_map));
     let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / resolution);
-    let lit = select(vec4f(0.0), vec4f(1.0), stored <= expected + tolerance);
-    return mix(mix(lit.w, lit.z, blend.x), mix(lit.x, lit.y, blend.x), blend.y);
+    return select(vec4f(0.0), vec4f(1.0), stored <= expected + receiver.tolerance);
 }

@@ -24,6 +24,7 @@ struct BendyLight {
     // The shadow map's depth is t / t_max.
     t_max: f32,
     shadow_resolution: f32,
+    shadow_tolerance_texels: f32,
     tan2_outer: f32,
     cos_outer: f32,
     inv_cos_range: f32,

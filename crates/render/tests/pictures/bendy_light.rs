@@ -253,3 +253,59 @@ fn shadow_maps_are_kept_while_the_shape_is() {
     moved.points[4].x += 0.1;
     assert_eq!(shadows_after(moved), (2, 1));
 }
+
+/// How many pixels of a floor alone are shadowed by it, and how many lie in the light, which falls straight down.
+fn self_shadowed(light: &BendyLight) -> (usize, usize) {
+    let scene = scene_of([floor(1.0, 0.0)], vec![Material::default()]);
+    let seen = view(DVec3::new(0.3, 1.5, 0.6), DVec3::ZERO, [160, 120], Aov::Visibility);
+    let visibility = picture(&scene, &seen, &bendy(light.clone()));
+    let inside = visibility.pixels.iter().filter(|pixel| pixel[3] == 1.0);
+    (inside.clone().filter(|pixel| pixel[0] < 1.0).count(), inside.count())
+}
+
+/// A light with control points at these distances down its axis, two units above a floor.
+fn straight_down(depths: &[f64], radii: &[f64], lean: f64) -> BendyLight {
+    let mut light =
+        BendyLight::new(depths.iter().map(|&z| DVec3::new(0.0, 0.0, -z)).collect(), radii.to_vec());
+    light.transform = spot(DVec3::new(2.0 * lean, 2.0, lean), DVec3::ZERO).transform;
+    light
+}
+
+/// Where two control points coincide the curve stops for a moment; what lies past it is lit all the same.
+#[test]
+fn coincident_points_shadow_nothing() {
+    let (shadowed, inside) = self_shadowed(&straight_down(&[0.0, 1.5, 1.5, 3.0], &[0.3; 4], 0.0));
+    assert!(inside > 1000 && shadowed == 0, "{shadowed} of {inside} lie in shadow");
+}
+
+/// An edge through the middle of a bulging tube is an S on the map, whose middle lies on its chord: it is split all
+/// the same.
+#[test]
+fn an_edge_through_the_axis_is_split() {
+    for lean in [0.2, 0.4, 0.6] {
+        let light = straight_down(&[0.0, 1.1, 2.2, 3.3, 4.4], &[0.05, 0.8, 0.05, 0.05, 0.05], lean);
+        let (shadowed, inside) = self_shadowed(&light);
+        assert!(inside > 500 && shadowed == 0, "{shadowed} of {inside} lie in shadow at a lean of {lean}");
+    }
+}
+
+/// A tube thinner than f32 tells positions apart is drawn, if by noise, and not split until no buffer holds it.
+#[test]
+fn a_tube_as_thin_as_rounding_is_drawn() {
+    for radius in [1e-6, 1e-9, 1e-12] {
+        let (_, inside) = self_shadowed(&BendyLight { radii: vec![radius; 5], ..winding() });
+        assert!(inside < 10, "{inside}");
+    }
+}
+
+/// A spotlight below zero is dark, as the BendyLight that is made from it is.
+#[test]
+fn no_light_takes_light_away() {
+    let below = SpotLight { intensity: -3.0, ..spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::ZERO) };
+    let seen = view(EYE, DVec3::ZERO, [40, 30], Aov::Beauty);
+    let dark = |lights: &[Light]| {
+        let beauty = picture(&tilted(), &seen, lights);
+        beauty.pixels.iter().all(|pixel| pixel[..3] == [0.0; 3])
+    };
+    assert!(dark(&[named(below.clone())]) && dark(&bendy(bend(&below, 3).expect("valid"))));
+}

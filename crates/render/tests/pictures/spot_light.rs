@@ -63,7 +63,7 @@ fn brdf(to_light: DVec3, to_eye: DVec3, base: f64, metallic: f64, roughness: f64
 /// maximum.
 ///
 /// 1e-4: the smoothstep's slope at the edge of the cone, 1.5 over a range of 0.05 in the cosine, makes some
-/// 40 of each of the few 6e-8 that the position is rounded by, and roughness is stored in steps of 1.5e-5.
+/// 40 of each of the few 6e-8 that the position is rounded by; a roughness of whole tenths is stored exactly.
 fn worst_ratio(beauty: &Picture, radiance: impl Fn(DVec3) -> f64) -> f64 {
     let view = camera(Aov::Beauty);
     let pixels: Vec<_> = on_plane(beauty, &view, DVec3::Y, 0.0).map(|(p, c)| (radiance(p), c[0])).collect();

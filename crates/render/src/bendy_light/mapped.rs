@@ -1,0 +1,88 @@
+//! Points mapped by the adapter as bent shadow maps do it, for `bendylights bench stress` and for tests.
+
+use bendy::{BendyLight, Tube};
+use glam::{DVec3, Vec4};
+use wgpu::BufferUsages;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+
+use super::layout::{BentMap, Slab};
+use super::shadow::bent_map;
+use super::slab::{SLABS_A_TURN, slabs};
+use super::t_max;
+use crate::{Gpu, RenderError, readback, shaders};
+
+/// Threads of a workgroup, as in the shader.
+const WORKGROUP: usize = 64;
+
+/// The (V, W, R, t) that vertices of a scene are drawn by into a light's shadow map, lengths in tube space, found in
+/// f32 by the map's own shader. `None` for a point in no slab, or in those of distant parts of the tube.
+///
+/// Points are taken to scene space, about the centre of their bounds, in f64 and rounded there. Accuracy as of
+/// [`bendy::Tube`] with eps = 2^-24, at positions of that size.
+pub fn map_points(
+    gpu: &Gpu,
+    light: &BendyLight,
+    points_in_world: &[DVec3],
+) -> Result<Vec<Option<Vec4>>, RenderError> {
+    let tube = Tube::new(light)?;
+    let bound =
+        |pick: fn(DVec3, DVec3) -> DVec3| points_in_world.iter().copied().reduce(pick).unwrap_or_default();
+    let (min, max) = (bound(DVec3::min), bound(DVec3::max));
+    let origin = min / 2.0 + max / 2.0;
+    let positions: Vec<[f32; 3]> =
+        points_in_world.iter().map(|&p| (p - origin).as_vec3().to_array()).collect();
+    let slabs = slabs(&tube, t_max(&tube, origin, max / 2.0 - min / 2.0), 1.0, 1.0);
+    gpu.checked(|| {
+        let mut mapped = vec![None; positions.len()];
+        for turn in slabs.chunks(SLABS_A_TURN) {
+            let map = BentMap { vertex_count: positions.len() as u32, ..bent_map(&tube, origin, turn) };
+            let mut table: Vec<Slab> = turn.iter().map(|slab| slab.0).collect();
+            table.resize(SLABS_A_TURN, Slab::default());
+            for (known, found) in mapped.iter_mut().zip(dispatch(gpu, &map, &table, &positions)?) {
+                *known = known.or(found);
+            }
+        }
+        Ok(mapped)
+    })
+}
+
+/// Maps positions in scene space into some of the slabs.
+fn dispatch(
+    gpu: &Gpu,
+    map: &BentMap,
+    slabs: &[Slab],
+    positions: &[[f32; 3]],
+) -> Result<Vec<Option<Vec4>>, RenderError> {
+    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("map_vertices"),
+        layout: None,
+        module: &gpu.module("map_vertices", shaders::BENT_MAP_VERTICES),
+        entry_point: Some("map_vertices"),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    });
+    let init = |label, contents: &[u8], usage| {
+        gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
+    };
+    let results = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+    let uniform = init("bent map", bytemuck::bytes_of(map), BufferUsages::UNIFORM);
+    let slabs = init("slabs", bytemuck::cast_slice(slabs), BufferUsages::UNIFORM);
+    let mapped = init("mapped vertices", &vec![0; 16 * positions.len()], results);
+    let vertex_slab = init("slab of each vertex", &vec![0xff; 4 * positions.len()], results);
+    let positions = init("positions", bytemuck::cast_slice(positions), BufferUsages::STORAGE);
+
+    let buffers = [&uniform, &slabs, &positions, &mapped, &vertex_slab].map(wgpu::Buffer::as_entire_binding);
+    let group = gpu.group("map_vertices", &pipeline.get_bind_group_layout(0), &buffers);
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups((map.vertex_count as usize).div_ceil(WORKGROUP) as u32, 1, 1);
+    }
+    gpu.queue.submit([encoder.finish()]);
+    let mapped = readback::buffer::<[f32; 4]>(gpu, &mapped)?;
+    let slab = readback::buffer::<u32>(gpu, &vertex_slab)?;
+    let one = |(mapped, slab): (&[f32; 4], &u32)| (*slab < map.slab_count).then(|| Vec4::from_array(*mapped));
+    Ok(mapped.iter().zip(&slab).map(one).collect())
+}

@@ -1,0 +1,89 @@
+//! What of shadows can be chosen: how fine their maps are and how they are looked up.
+
+use crate::RenderError;
+
+/// How shadow maps are made and looked up, for every light of a renderer.
+///
+/// The defaults are chosen from the curves of `bendylights bench shadow`; large film frames need finer maps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadowSettings {
+    /// Texels along each side of a map, from [`Self::MIN_RESOLUTION`] to what the device holds.
+    pub resolution: u32,
+    /// Largest distance, in texels, of an edge's image in a bent map from the line drawn for it. `None` splits
+    /// no edge: triangles are only cut where the tube turns by 15 degrees.
+    pub edge_error_texels: Option<f32>,
+    /// How texels around a point are blended.
+    pub filter: ShadowFilter,
+}
+
+/// Percentage-closer filters: each texel is compared by itself, and the answers are blended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ShadowFilter {
+    /// The nearest texel alone.
+    Nearest,
+    /// 2 x 2 texels, by the distances of their centres.
+    #[default]
+    Bilinear,
+    /// 4 x 4 texels: nine bilinear look-ups a texel apart.
+    Pcf3x3,
+}
+
+impl ShadowSettings {
+    /// Coarsest map: the margin around a spotlight's cone needs a few texels.
+    pub const MIN_RESOLUTION: u32 = 16;
+
+    /// The error of an edge is measured in its middle and may be a fifth larger elsewhere (light model, section
+    /// 4): this keeps all of it within half a texel.
+    const EDGE_ERROR_TEXELS: f32 = 0.4;
+
+    /// Refuses what no map can be made of.
+    pub(crate) fn check(&self, largest_texture: u32) -> Result<(), RenderError> {
+        if self.resolution > largest_texture {
+            let (size, limit) = (f64::from(self.resolution), f64::from(largest_texture));
+            return Err(RenderError::TooLarge { what: "the resolution of shadow maps", size, limit });
+        }
+        if self.resolution < Self::MIN_RESOLUTION {
+            return Err(RenderError::InvalidShadows("their maps have fewer than 16 texels a side"));
+        }
+        let fine = |texels: f32| texels.is_nan() || texels < Self::MIN_EDGE_ERROR_TEXELS;
+        if self.edge_error_texels.is_some_and(fine) {
+            return Err(RenderError::InvalidShadows("their edges are held to less than 0.05 texels"));
+        }
+        Ok(())
+    }
+
+    /// Below it, f32 decides where edges are split.
+    const MIN_EDGE_ERROR_TEXELS: f32 = 0.05;
+
+    /// Above it, an edge is straight enough in a bent map.
+    pub(crate) fn split_above_texels(&self) -> f32 {
+        self.edge_error_texels.unwrap_or(f32::MAX)
+    }
+
+    /// How far, in texels, a receiver may lie behind what a bent map holds and still be lit: the map's own error,
+    /// and a quarter more, because a neighbouring facet that rises a little out of the receiver's plane is no
+    /// occluder. Finer edges do not make facets flatter: with less, they were seen to shadow each other.
+    pub(crate) fn bent_tolerance_texels(&self) -> f32 {
+        0.25 + 1.25 * self.edge_error_texels.unwrap_or(0.0).max(Self::EDGE_ERROR_TEXELS)
+    }
+}
+
+impl Default for ShadowSettings {
+    fn default() -> Self {
+        Self {
+            resolution: 2048,
+            edge_error_texels: Some(Self::EDGE_ERROR_TEXELS),
+            filter: ShadowFilter::default(),
+        }
+    }
+}
+
+impl ShadowFilter {
+    /// Every filter, in the order of the variants.
+    pub const ALL: [Self; 3] = [Self::Nearest, Self::Bilinear, Self::Pcf3x3];
+
+    /// `wgsl` with the constant that `shadow_filter.wgsl` asks for.
+    pub(crate) fn into_wgsl(self, wgsl: &str) -> String {
+        format!("const SHADOW_FILTER = {}u;\n{wgsl}", self as u32)
+    }
+}
