@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
+use bendy::LightError;
 use protocol::FileError;
+use render::RenderError;
 use stream::StreamError;
 use thiserror::Error;
 
@@ -46,9 +48,42 @@ pub enum BenchError {
         /// How long.
         within: Duration,
     },
+    /// The adapter could not do its part.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// A light that cannot be evaluated.
+    #[error(transparent)]
+    Light(#[from] LightError),
     /// A file could not be written or read.
     #[error("{0}")]
     Io(#[from] std::io::Error),
+    /// The scene has nothing to compare directions of.
+    #[error("this scene has no BendyLight: name one that has, or bend a spotlight with `bendylights bend`")]
+    NoBendyLight,
+    /// The product's own solver gave wrong answers.
+    #[error(
+        "the solver is wrong: {wrong} roots wrong and {nan} not a number; keep the answer's `firstWrong`, whose family and \
+         index give the case again"
+    )]
+    SolverWrong {
+        /// Missed, made up or over the bars.
+        wrong: u64,
+        /// Not a number.
+        nan: u64,
+    },
+    /// A property of `stress` does not hold.
+    #[error(
+        "{count} of the properties do not hold, the first of them `{property}`: the answer has the simplest case of each, \
+         and `bendylights bench stress --only {property} --seed {seed} --cases 1` makes it again"
+    )]
+    Broken {
+        /// How many.
+        count: usize,
+        /// The name of one.
+        property: &'static str,
+        /// The seed of its case.
+        seed: u64,
+    },
     /// The picture of the result could not be drawn.
     #[error("the chart cannot be drawn: {0}")]
     Chart(String),

@@ -4,9 +4,15 @@
 //! The tests of whole sessions drive the server with the same client.
 
 mod client;
+pub mod compare;
+pub mod direction;
 mod error;
 mod process;
 pub mod session;
+pub mod shadow;
+pub mod solver;
+pub mod stress;
+mod timing;
 
 pub use client::{Client, Incoming, Known};
 pub use error::BenchError;

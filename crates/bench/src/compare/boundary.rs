@@ -1,0 +1,149 @@
+//! How far a pixel is from a shadow's edge, in texels of the light's map.
+
+use glam::{DVec2, DVec3};
+use reference::Surface;
+use scene::Projection;
+
+use super::expected::Seen;
+use super::{Drawn, Expected};
+
+/// Texels from the pixel at which the edge is looked for; past the last it is endlessly far.
+const RINGS: [f64; 12] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0];
+/// Directions on each ring.
+const DIRECTIONS: u32 = 16;
+/// Longest step along the light, in texels' widths: seen edge on, a plane runs off along it.
+const LONGEST_STEP: f64 = 32.0;
+
+/// What is asked a step beside a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Beside {
+    /// What the camera sees there.
+    Seen,
+    /// The surface's own plane, wherever the surface itself goes.
+    Plane,
+}
+
+/// One texel's steps over the plane of a surface, in the world: along v and along w.
+struct Texel {
+    v: DVec3,
+    w: DVec3,
+}
+
+impl Expected<'_> {
+    /// The first ring on which the reference's visibility is not that of the pixel; infinity where it is the same on
+    /// all.
+    pub(super) fn texels_to_edge(&self, drawn: &Drawn, pixel: usize, seen: &Seen) -> f64 {
+        let Some(texel) = self.texel(&seen.surface, drawn.shadows.resolution) else { return f64::INFINITY };
+        // Rings are slow where a picture is wrong all over, and would find nothing there.
+        if self.amid_wrong(drawn, pixel, seen) && !self.edge_around(seen, &texel) {
+            return f64::INFINITY;
+        }
+        let edge_on = |radius: &f64| self.edge_on_ring(seen, &texel, *radius, Beside::Seen);
+        RINGS.into_iter().find(edge_on).unwrap_or(f64::INFINITY)
+    }
+
+    /// Whether there is an edge within so many texels of a pixel on its right side, on what is seen or on the surface's
+    /// plane: a filter blends over that.
+    pub(super) fn edge_within(&self, seen: &Seen, resolution: u32, texels: f64) -> bool {
+        self.texel(&seen.surface, resolution).is_some_and(|texel| {
+            let edge_on = |radius, beside| self.edge_on_ring(seen, &texel, radius, beside);
+            let mut rings = RINGS.into_iter().take_while(|radius| *radius <= texels);
+            rings.any(|radius| edge_on(radius, Beside::Seen) || edge_on(radius, Beside::Plane))
+        })
+    }
+
+    fn edge_on_ring(&self, seen: &Seen, texel: &Texel, radius: f64, beside: Beside) -> bool {
+        let visible = seen.light.map(|light| light.sample.visible);
+        (0..DIRECTIONS).any(|k| {
+            let direction = DVec2::from_angle(f64::from(k) / f64::from(DIRECTIONS) * std::f64::consts::TAU);
+            let step = (texel.v * direction.x + texel.w * direction.y) * radius;
+            let there = self.visible_beside(&seen.surface, step, beside);
+            there.is_some() && there != visible
+        })
+    }
+
+    /// Whether all eight pixels around have the visibility of `seen` in the reference and the other one in the picture.
+    fn amid_wrong(&self, drawn: &Drawn, pixel: usize, seen: &Seen) -> bool {
+        let (width, height) = self.size();
+        let (x, y) = (pixel % width, pixel / width);
+        let visible = seen.light.map(|light| light.sample.visible);
+        let wrong = |other: usize| {
+            let expected =
+                self.pixels[other].as_ref().and_then(|seen| seen.light).map(|light| light.sample.visible);
+            expected == visible && expected != Some(drawn.visibility.pixels[other][0] >= 0.5)
+        };
+        let inside = x > 0 && y > 0 && x + 1 < width && y + 1 < height;
+        inside && (y - 1..=y + 1).all(|row| (x - 1..=x + 1).all(|column| wrong(row * width + column)))
+    }
+
+    /// Whether any pixel as near as the last ring differs from `seen` in visibility.
+    fn edge_around(&self, seen: &Seen, texel: &Texel) -> bool {
+        let position = self.in_world(seen.surface.position);
+        let Some(centre) = self.pixel_of(position) else { return true };
+        let reach = [texel.v, texel.w, -texel.v, -texel.w].into_iter().map(|step| {
+            let there = self.pixel_of(position + step * RINGS[RINGS.len() - 1]);
+            there.map_or(f64::INFINITY, |there| there.distance(centre))
+        });
+        // A ring between four points is at most sqrt 2 as far away as the farthest of them.
+        let reach = reach.fold(0.0, f64::max) * std::f64::consts::SQRT_2 + 1.0;
+        let (width, height) = self.size();
+        let span = |at: f64, size: usize| {
+            ((at - reach).max(0.0) as usize)..((at + reach).ceil().min(size as f64) as usize)
+        };
+        span(centre.y, height).any(|y| {
+            let row = &self.pixels[y * width..][span(centre.x, width)];
+            row.iter().flatten().any(|other| {
+                other.light.map(|light| light.sample.visible) != seen.light.map(|light| light.sample.visible)
+            })
+        })
+    }
+
+    /// How long a texel of a map is on the surface's plane.
+    ///
+    /// On the map a step is `(dv, dw)`, 2 / resolution for a texel; on the plane it is `R (dv v_hat + dw w_hat) + T
+    /// ds` with T along the path and `n . e = 0`.
+    fn texel(&self, surface: &Surface, resolution: u32) -> Option<Texel> {
+        let placement = &self.tube.placement;
+        let root = self.tube.nearest_root(placement.tube_from_world(self.in_world(surface.position)))?;
+        let normal = placement.rotation.transpose() * surface.geometric_normal;
+        let towards = self.tube.path_direction_at(&root);
+        let width = 2.0 * root.radius / f64::from(resolution);
+        let in_world = |across: DVec3| {
+            let along = -normal.dot(across) / normal.dot(towards);
+            let longest = LONGEST_STEP * width;
+            let step =
+                across + towards * (if along.is_nan() { longest } else { along.clamp(-longest, longest) });
+            placement.rotation * step * placement.world_per_tube
+        };
+        Some(Texel { v: in_world(root.v_hat * width), w: in_world(root.u_hat.cross(root.v_hat) * width) })
+    }
+
+    /// Whether the light reaches what lies a step beside `surface`; its plane, too, where the camera sees something
+    /// else there. `None` outside the light.
+    fn visible_beside(&self, surface: &Surface, step: DVec3, beside: Beside) -> Option<bool> {
+        let position = surface.position + step;
+        let pixel = self.pixel_of(self.in_world(position)).filter(|_| beside == Beside::Seen);
+        let seen = pixel.and_then(|pixel| self.reference.surface(&self.subject.view, pixel));
+        let on_it = seen.filter(|seen| seen.position.distance(position) <= 0.25 * step.length());
+        let beside = on_it.unwrap_or(Surface { position, ..*surface });
+        Some(self.reference.sample(&self.source, &beside)?.visible)
+    }
+
+    /// World position of one in the reference's space, whose origin is the scene's.
+    fn in_world(&self, position: DVec3) -> DVec3 {
+        self.reference.posed.origin_in_world + position
+    }
+
+    /// The point of the picture that shows a world position, unless it is behind the eye.
+    fn pixel_of(&self, position_in_world: DVec3) -> Option<DVec2> {
+        let view = &self.subject.view;
+        let (width, height) = (f64::from(view.width), f64::from(view.height));
+        let p = view.camera.world_from_camera().inverse().transform_point3(position_in_world);
+        let half_height = match view.camera.projection {
+            Projection::Perspective { yfov, .. } => -p.z * (yfov / 2.0).tan(),
+            Projection::Orthographic { ymag, .. } => ymag,
+        };
+        let from_centre = DVec2::new(p.x, -p.y) / half_height * (height / 2.0);
+        (half_height > 0.0).then(|| from_centre + DVec2::new(width, height) / 2.0)
+    }
+}

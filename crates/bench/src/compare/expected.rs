@@ -1,0 +1,163 @@
+//! What each pixel should be.
+
+use bendy::{BendyLight, LightError, Tube};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use reference::{LightSample, Reference, Source, Surface, reflected};
+use scene::{Fill, LightKind, Scene, View};
+
+use super::scan::Crossing;
+use super::{Drawn, Verdict, rgb};
+
+/// A scene under one light and nothing else, seen by a camera.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    /// Names it in reports and files.
+    pub name: String,
+    /// Its own lights and fill are not used.
+    pub scene: Scene,
+    /// The light.
+    pub light: BendyLight,
+    /// One sample a pixel, in its centre; the AOV is not used.
+    pub view: View,
+}
+
+impl Subject {
+    /// Takes the fill out of `scene`: it would make differences in the light's share look smaller.
+    pub fn new(name: &str, scene: Scene, light: BendyLight, view: View) -> Self {
+        let fill = Fill { sky: DVec3::ZERO, ground: DVec3::ZERO };
+        let view = View { samples: 1, light: 0, ..view };
+        Self { name: name.into(), scene: Scene { fill, ..scene }, light, view }
+    }
+}
+
+/// The reference's picture of a [`Subject`], with all that a comparison asks of it.
+#[derive(Debug)]
+pub struct Expected<'a> {
+    pub(super) subject: &'a Subject,
+    pub(super) reference: Reference<'a>,
+    pub(super) source: Source,
+    pub(super) tube: Tube<f64>,
+    /// Half the diagonal of the scene's bounds.
+    reach: f64,
+    /// Rows from the top; `None` in the background.
+    pub(super) pixels: Vec<Option<Seen>>,
+    /// Where scan lines cross shadows' edges.
+    pub(super) crossings: Vec<Crossing>,
+}
+
+/// What the centre of a pixel sees.
+#[derive(Clone, Debug)]
+pub(super) struct Seen {
+    pub surface: Surface,
+    /// `None` outside the light.
+    pub light: Option<SeenLight>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SeenLight {
+    pub sample: LightSample,
+    /// Radiance if nothing were in the way.
+    pub unshadowed: DVec3,
+}
+
+impl Seen {
+    pub fn radiance(&self) -> DVec3 {
+        self.light.filter(|light| light.sample.visible).map_or(DVec3::ZERO, |light| light.unshadowed)
+    }
+
+    /// Where it is lit, whether it can be seen to be; `None` where it cannot.
+    pub fn lit(&self) -> Option<bool> {
+        self.light.filter(|light| light.unshadowed != DVec3::ZERO).map(|light| light.sample.visible)
+    }
+}
+
+impl<'a> Expected<'a> {
+    /// Renders `subject` on all cores. `row_done` is called for each row, from any thread.
+    pub fn new(subject: &'a Subject, row_done: impl Fn() + Sync) -> Result<Self, LightError> {
+        let source = Source::new(&LightKind::Bendy(subject.light.clone()))?;
+        let tube = Tube::new(&subject.light)?;
+        let (min, max) = scene::world_bounds(&subject.scene).unwrap_or_default();
+        let mut expected = Self {
+            subject,
+            reference: Reference::new(&subject.scene),
+            source,
+            tube,
+            reach: (max - min).length() / 2.0,
+            pixels: Vec::new(),
+            crossings: Vec::new(),
+        };
+        let (width, height) = expected.size();
+        let row = |y: usize| {
+            let centre = |x: usize| DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+            let seen: Vec<_> = (0..width).map(|x| expected.seen(centre(x))).collect();
+            row_done();
+            seen
+        };
+        expected.pixels = (0..height).into_par_iter().flat_map_iter(row).collect();
+        expected.crossings = expected.find_crossings();
+        Ok(expected)
+    }
+
+    /// Width and height.
+    pub(super) fn size(&self) -> (usize, usize) {
+        (self.subject.view.width as usize, self.subject.view.height as usize)
+    }
+
+    /// What is seen through a point of the picture, in pixels from its top left.
+    pub(super) fn seen(&self, pixel: DVec2) -> Option<Seen> {
+        let surface = self.reference.surface(&self.subject.view, pixel)?;
+        let light = self.reference.sample(&self.source, &surface).map(|sample| SeenLight {
+            sample,
+            unshadowed: reflected(&surface, sample.to_light) * sample.irradiance,
+        });
+        Some(Seen { surface, light })
+    }
+
+    /// Why the GPU does not see the same surface, or `None` where it does.
+    ///
+    /// A rasteriser snaps corners to 1/256 pixel, so a pixel may show what lies that far beside it: 2^-7 of the
+    /// way to its neighbours, over both axes. Besides that, f32 rounds positions of the scene's size and rays of
+    /// the depth's length, a few ulps together, over the cosine between ray and surface; and normals are packed to 2
+    /// x 16 bits, 2^-15 along each axis.
+    pub(super) fn other_surface(&self, drawn: &Drawn, pixel: usize, surface: &Surface) -> Option<Verdict> {
+        let (mut depth_step, mut normal_step) = (0.0_f64, 0.0_f64);
+        for beside in self.neighbours(pixel) {
+            depth_step = depth_step.max((beside.depth - surface.depth).abs());
+            normal_step = normal_step.max(beside.normal.distance(surface.normal));
+        }
+        let cosine = surface.geometric_normal.dot(surface.to_eye).abs().max(1e-3);
+        let rounding = 2_f64.powi(-20) * (self.reach + surface.depth) / cosine;
+        let snapped = 2_f64.powi(-7);
+        let depth_error = (rgb(&drawn.depth, pixel).x - surface.depth).abs();
+        let normal_error = rgb(&drawn.normal, pixel).distance(surface.normal);
+        let nothing = drawn.depth.pixels[pixel][3] == 0.0;
+        if nothing || depth_error > rounding + snapped * depth_step {
+            return Some(Verdict::Silhouette);
+        }
+        if normal_error <= 2_f64.powi(-14) + snapped * normal_step {
+            return None;
+        }
+        let twin =
+            self.reference.posed.first_hit(surface.position, -surface.to_eye, [-rounding, rounding], |hit| {
+                hit.triangle != surface.triangle
+            });
+        Some(if twin.is_some() { Verdict::Coincident } else { Verdict::Silhouette })
+    }
+
+    /// What the pixels left, right, above and below see.
+    fn neighbours(&self, pixel: usize) -> impl Iterator<Item = &Surface> {
+        let (width, height) = self.size();
+        let (x, y) = (pixel % width, pixel / width);
+        let around = [
+            (x > 0).then(|| pixel - 1),
+            (x + 1 < width).then(|| pixel + 1),
+            (y > 0).then(|| pixel - width),
+            (y + 1 < height).then(|| pixel + width),
+        ];
+        around
+            .into_iter()
+            .flatten()
+            .filter_map(|beside| self.pixels[beside].as_ref().map(|seen| &seen.surface))
+    }
+}

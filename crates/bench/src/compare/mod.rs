@@ -1,0 +1,254 @@
+//! The GPU's picture of a scene under one BendyLight against the reference's, pixel by pixel.
+//!
+//! Pixels are sorted by what they say about the picture ([`Verdict`]). Radiance is compared where both see the
+//! same surface and no shadow's edge is near; a shadow's edge is compared by how far it is displaced, in texels of
+//! the shadow map and in pixels.
+
+mod boundary;
+mod expected;
+mod panels;
+mod scan;
+#[cfg(test)]
+mod tests;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use render::{Picture, RenderError, Renderer, ShadowFilter, ShadowSettings};
+use scene::{Aov, Light, LightKind, View};
+use serde::Serialize;
+
+use crate::compare::expected::Seen;
+
+pub use expected::{Expected, Subject};
+
+/// A shadow may lie this many texels of its map beside where it should.
+const TEXELS_ALLOWED: f64 = 1.5;
+
+/// Weights of a filter add up to 1 within some ulps.
+const FULL: f32 = 1e-6;
+
+/// What a pixel says about the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Nothing is seen there.
+    Background,
+    /// Radiance is compared.
+    Compared,
+    /// Left out: the two see different surfaces.
+    Silhouette,
+    /// Left out: two surfaces lie in one place, nearer to each other than f32 can tell, and the two see different ones.
+    Coincident,
+    /// Left out: only one of them sees it inside the light.
+    Rim,
+    /// Left out: a shadow's edge is nearer than [`TEXELS_ALLOWED`], or within the filter's reach more.
+    Boundary,
+    /// Compared: light where there should be shadow, farther from its edge than that.
+    Missed,
+    /// Compared: shadow where there should be light, farther from its edge than that.
+    False,
+    /// The picture holds a number that is not finite.
+    NotFinite,
+}
+
+/// What a comparison found.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Comparison {
+    /// Pixels that show a surface, in either picture.
+    pub pixels: usize,
+    /// Of those, inside the light by the reference.
+    pub in_light: usize,
+    /// Left out because the two see different surfaces.
+    pub silhouettes: usize,
+    /// Left out because two surfaces lie in one place.
+    pub coincident: usize,
+    /// Left out because only one of them sees the pixel inside the light.
+    pub rim: usize,
+    /// Left out because a shadow's edge is near.
+    pub boundary: usize,
+    /// Light where there should be shadow, more than 1.5 texels from its edge.
+    pub missed: usize,
+    /// Shadow where there should be light, more than 1.5 texels from its edge.
+    #[serde(rename = "false")]
+    pub false_shadow: usize,
+    /// Pixels that hold a number that is not finite.
+    pub not_finite: usize,
+    /// `sqrt(mean |gpu - reference|^2) / sqrt(mean |reference|^2)` over what is compared.
+    pub radiance_rmse: f64,
+    /// Of pixels on the wrong side of a shadow's edge, how many texels of the map they are from it; null is farther
+    /// than 8.
+    pub displacement_texels: Quantiles,
+    /// Where scan lines cross shadows' edges, how many pixels along the line the picture's edge is from the
+    /// reference's; null is farther than 6.
+    pub displacement_pixels: Quantiles,
+    /// One a pixel.
+    #[serde(skip)]
+    pub verdicts: Vec<Verdict>,
+}
+
+/// Quantiles of some values; 0 of none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Quantiles {
+    /// How many there were.
+    pub count: usize,
+    /// Half are at most this.
+    pub p50: f64,
+    /// 99 of 100 are at most this.
+    pub p99: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+/// What the GPU makes of a [`Subject`].
+#[derive(Clone, Debug)]
+pub struct Drawn {
+    /// Radiance.
+    pub beauty: Picture,
+    /// Distance along the view axis.
+    pub depth: Picture,
+    /// Shading normal.
+    pub normal: Picture,
+    /// The light's visibility.
+    pub visibility: Picture,
+    /// The same at [`scan::FINER`] times the size, whose every third row and column are the centres of `visibility`.
+    pub fine_visibility: Picture,
+    /// How shadows were made.
+    pub shadows: ShadowSettings,
+}
+
+impl Drawn {
+    /// Draws the pictures of `subject`, whose scene the renderer has.
+    pub fn new(
+        renderer: &mut Renderer,
+        subject: &Subject,
+        shadows: ShadowSettings,
+    ) -> Result<Self, RenderError> {
+        renderer.set_shadow_settings(shadows)?;
+        let lights = subject.lights();
+        let mut draw = |aov, finer| {
+            let View { width, height, .. } = subject.view;
+            let view = View { aov, width: width * finer, height: height * finer, ..subject.view.clone() };
+            renderer.render(&view, &lights)
+        };
+        Ok(Self {
+            beauty: draw(Aov::Beauty, 1)?,
+            depth: draw(Aov::Depth, 1)?,
+            normal: draw(Aov::Normal, 1)?,
+            visibility: draw(Aov::Visibility, 1)?,
+            fine_visibility: draw(Aov::Visibility, scan::FINER)?,
+            shadows,
+        })
+    }
+
+    fn radiance(&self, pixel: usize) -> DVec3 {
+        rgb(&self.beauty, pixel)
+    }
+}
+
+fn rgb(picture: &Picture, pixel: usize) -> DVec3 {
+    let [r, g, b, _] = picture.pixels[pixel].map(f64::from);
+    DVec3::new(r, g, b)
+}
+
+impl Expected<'_> {
+    /// Compares what the GPU drew.
+    pub fn compare(&self, drawn: &Drawn) -> Comparison {
+        let judged: Vec<_> =
+            (0..self.pixels.len()).into_par_iter().map(|pixel| self.judge(drawn, pixel)).collect();
+        let verdicts: Vec<_> = judged.iter().map(|judged| judged.0).collect();
+        let count = |verdict| verdicts.iter().filter(|v| **v == verdict).count();
+        let in_light = |seen: &&Option<Seen>| seen.as_ref().is_some_and(|seen| seen.light.is_some());
+        Comparison {
+            pixels: verdicts.len() - count(Verdict::Background),
+            in_light: self.pixels.iter().filter(in_light).count(),
+            silhouettes: count(Verdict::Silhouette),
+            coincident: count(Verdict::Coincident),
+            rim: count(Verdict::Rim),
+            boundary: count(Verdict::Boundary),
+            missed: count(Verdict::Missed),
+            false_shadow: count(Verdict::False),
+            not_finite: count(Verdict::NotFinite),
+            radiance_rmse: self.radiance_rmse(drawn, &verdicts),
+            displacement_texels: Quantiles::of(judged.iter().filter_map(|judged| judged.1).collect()),
+            displacement_pixels: Quantiles::of(self.displacements(&drawn.fine_visibility)),
+            verdicts,
+        }
+    }
+
+    /// What a pixel says, and how many texels it is from the shadow's edge if it lies on the wrong side.
+    fn judge(&self, drawn: &Drawn, pixel: usize) -> (Verdict, Option<f64>) {
+        let pictures = [&drawn.beauty, &drawn.depth, &drawn.normal, &drawn.visibility];
+        if pictures.iter().any(|picture| picture.pixels[pixel].iter().any(|x| !x.is_finite())) {
+            return (Verdict::NotFinite, None);
+        }
+        let Some(seen) = &self.pixels[pixel] else {
+            let nothing = drawn.depth.pixels[pixel][3] == 0.0;
+            return (if nothing { Verdict::Background } else { Verdict::Silhouette }, None);
+        };
+        if let Some(why) = self.other_surface(drawn, pixel, &seen.surface) {
+            return (why, None);
+        }
+        let [share, .., inside] = drawn.visibility.pixels[pixel];
+        let Some(light) = &seen.light else {
+            return (if inside == 0.0 { Verdict::Compared } else { Verdict::Rim }, None);
+        };
+        if inside == 0.0 {
+            return (Verdict::Rim, None);
+        }
+        let expected: f32 = if light.sample.visible { 1.0 } else { 0.0 };
+        // Where nothing would be reflected, nobody can tell light from shadow.
+        if (share - expected).abs() <= FULL || light.unshadowed == DVec3::ZERO {
+            return (Verdict::Compared, None);
+        }
+        let wrong_side = (share >= 0.5) != light.sample.visible;
+        let (near, texels) = if wrong_side {
+            let texels = self.texels_to_edge(drawn, pixel, seen);
+            (texels <= TEXELS_ALLOWED, Some(texels))
+        } else {
+            let reach = TEXELS_ALLOWED + reach(drawn.shadows.filter);
+            (self.edge_within(seen, drawn.shadows.resolution, reach), None)
+        };
+        let wrong = if light.sample.visible { Verdict::False } else { Verdict::Missed };
+        (if near { Verdict::Boundary } else { wrong }, texels)
+    }
+
+    fn radiance_rmse(&self, drawn: &Drawn, verdicts: &[Verdict]) -> f64 {
+        let (mut error2, mut reference2) = (0.0, 0.0);
+        for (pixel, verdict) in verdicts.iter().enumerate() {
+            if let (Verdict::Compared | Verdict::Missed | Verdict::False, Some(seen)) =
+                (verdict, &self.pixels[pixel])
+            {
+                error2 += (drawn.radiance(pixel) - seen.radiance()).length_squared();
+                reference2 += seen.radiance().length_squared();
+            }
+        }
+        if error2 == 0.0 { 0.0 } else { (error2 / reference2).sqrt() }
+    }
+}
+
+/// How far, in texels, a filter blends over a straight edge.
+fn reach(filter: ShadowFilter) -> f64 {
+    let texels = match filter {
+        ShadowFilter::Nearest => 0.0,
+        ShadowFilter::Bilinear => 1.0,
+        ShadowFilter::Pcf3x3 => 2.0,
+    };
+    texels * std::f64::consts::SQRT_2
+}
+
+impl Quantiles {
+    fn of(mut values: Vec<f64>) -> Self {
+        values.sort_by(f64::total_cmp);
+        let at = |share: f64| {
+            let index = (share * values.len() as f64).ceil() as usize;
+            values.get(index.saturating_sub(1)).copied().unwrap_or(0.0)
+        };
+        Self { count: values.len(), p50: at(0.5), p99: at(0.99), max: at(1.0) }
+    }
+}
+
+impl Subject {
+    pub(crate) fn lights(&self) -> [Light; 1] {
+        [Light { name: "key".into(), kind: LightKind::Bendy(self.light.clone()) }]
+    }
+}

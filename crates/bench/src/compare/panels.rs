@@ -1,0 +1,64 @@
+//! A comparison as a picture.
+
+use glam::DVec3;
+use image::{Rgb, RgbImage};
+
+use super::expected::Seen;
+use super::{Comparison, Drawn, Expected, Verdict, rgb};
+
+/// What a difference is multiplied by, against the brightest radiance that should be.
+const AMPLIFIED: f64 = 50.0;
+
+impl Verdict {
+    /// Its colour in the mask.
+    fn color(self) -> [u8; 3] {
+        match self {
+            Self::Background => [0, 0, 0],
+            Self::Compared => [90, 90, 90],
+            Self::Silhouette => [255, 220, 0],
+            Self::Coincident => [255, 140, 0],
+            Self::Rim => [0, 200, 220],
+            Self::Boundary => [40, 90, 255],
+            Self::Missed => [255, 40, 30],
+            Self::False => [255, 40, 255],
+            Self::NotFinite => [255, 255, 255],
+        }
+    }
+}
+
+impl Expected<'_> {
+    /// Four panels: the GPU's picture and the reference's above; below, their difference (grey where equal, brighter
+    /// where the GPU is, full at 1/50 of the brightest radiance) and what each pixel was taken for.
+    ///
+    /// In the last, grey pixels are compared; left out are silhouettes (yellow), surfaces in one place (orange), the light's rim (cyan) and shadows'
+    /// edges (blue); missed shadow is red, false shadow magenta, and what is not finite white.
+    pub fn panels(&self, drawn: &Drawn, comparison: &Comparison) -> RgbImage {
+        let (width, height) = self.size();
+        let reference = |pixel: usize| self.pixels[pixel].as_ref().map_or(DVec3::ZERO, Seen::radiance);
+        let brightest = (0..width * height).map(|pixel| reference(pixel).max_element()).fold(0.0, f64::max);
+        let shown = |radiance: DVec3| display(radiance / brightest.max(f64::MIN_POSITIVE));
+        let panel = |index: u32, pixel: usize| {
+            let drawn = rgb(&drawn.beauty, pixel);
+            match index {
+                0 => shown(drawn),
+                1 => shown(reference(pixel)),
+                2 => {
+                    let difference = (drawn - reference(pixel)) / brightest.max(f64::MIN_POSITIVE);
+                    let share = difference * (0.5 * AMPLIFIED) + 0.5;
+                    Rgb(share.to_array().map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u8))
+                }
+                _ => Rgb(comparison.verdicts[pixel].color()),
+            }
+        };
+        RgbImage::from_fn(2 * width as u32, 2 * height as u32, |x, y| {
+            let (column, row) = (x / width as u32, y / height as u32);
+            let pixel = (y % height as u32) as usize * width + (x % width as u32) as usize;
+            panel(2 * row + column, pixel)
+        })
+    }
+}
+
+/// Radiance as a share of the brightest, for eyes: a power close to sRGB's.
+fn display(share: DVec3) -> Rgb<u8> {
+    Rgb(share.to_array().map(|x| (x.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0).round() as u8))
+}

@@ -1,0 +1,129 @@
+//! Where scan lines cross shadows' edges, in the reference and in the picture.
+
+use glam::DVec2;
+use rayon::prelude::*;
+use render::Picture;
+
+use super::Expected;
+use super::expected::Seen;
+
+/// The picture's visibility is drawn at this many times the size, so that its edges are known to a sixth of a
+/// pixel. Odd, so that every pixel's centre is among its points.
+pub(super) const FINER: u32 = 3;
+/// Pixels to both sides in which the picture's edge is looked for.
+const WINDOW: f64 = 6.0;
+/// Halvings of a pixel's width: an edge is then known to 2^-12 of it.
+const HALVINGS: u32 = 12;
+/// Neighbours lie on one surface if the line between them leaves its plane by less than this, as a share of its
+/// length.
+const COPLANAR: f64 = 0.3;
+/// Light that ends at an edge counts from this share of the brightest radiance on: nobody sees where less than that
+/// ends, at a light's rim or along a terminator.
+const VISIBLE: f64 = 0.01;
+
+/// A line of pixels' centres.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Axis {
+    Row,
+    Column,
+}
+
+/// Where a scan line crosses a shadow's edge by the reference.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Crossing {
+    axis: Axis,
+    /// Which row or column.
+    line: usize,
+    /// Pixels along it.
+    at: f64,
+    /// Whether the light ends there rather than begins.
+    falls: bool,
+}
+
+impl Axis {
+    /// The point of the picture that is `along` a line, in pixels.
+    fn point(self, line: usize, along: f64) -> DVec2 {
+        let across = line as f64 + 0.5;
+        match self {
+            Self::Row => DVec2::new(along, across),
+            Self::Column => DVec2::new(across, along),
+        }
+    }
+
+    /// The index in a picture of `width` of the pixel `along` a line.
+    fn index(self, width: usize, line: usize, along: usize) -> usize {
+        match self {
+            Self::Row => line * width + along,
+            Self::Column => along * width + line,
+        }
+    }
+}
+
+impl Expected<'_> {
+    /// All crossings of rows and columns.
+    pub(super) fn find_crossings(&self) -> Vec<Crossing> {
+        let (width, height) = self.size();
+        let rows = (0..height).map(|row| (Axis::Row, row, width));
+        let columns = (0..width).map(|column| (Axis::Column, column, height));
+        let lines: Vec<_> = rows.chain(columns).collect();
+        let radiances = self.pixels.iter().flatten().map(|seen| seen.radiance().max_element());
+        let least = VISIBLE * radiances.fold(0.0, f64::max);
+        let on_line = |&(axis, line, length): &(Axis, usize, usize)| {
+            (1..length).filter_map(move |along| self.crossing(axis, line, along, least))
+        };
+        lines.par_iter().flat_map_iter(on_line).collect()
+    }
+
+    /// The edge between the pixels `along - 1` and `along` of a line, if both show one surface and `least` radiance
+    /// ends there.
+    fn crossing(&self, axis: Axis, line: usize, along: usize, least: f64) -> Option<Crossing> {
+        let width = self.size().0;
+        let seen = |along: usize| self.pixels[axis.index(width, line, along)].as_ref();
+        let (before, after) = (seen(along - 1)?, seen(along)?);
+        let falls = before.lit()?;
+        let lit = if falls { before } else { after };
+        let seen_to_end = lit.radiance().max_element() >= least;
+        if falls == after.lit()? || !on_one_surface(before, after) || !seen_to_end {
+            return None;
+        }
+        let (mut low, mut high) = (along as f64 - 0.5, along as f64 + 0.5);
+        for _ in 0..HALVINGS {
+            let middle = f64::midpoint(low, high);
+            let lit = self.seen(axis.point(line, middle))?.lit()?;
+            if lit == falls { low = middle } else { high = middle }
+        }
+        Some(Crossing { axis, line, at: f64::midpoint(low, high), falls })
+    }
+
+    /// How many pixels each crossing is from the nearest of the picture's on the same line and in the same sense;
+    /// infinity past [`WINDOW`].
+    pub(super) fn displacements(&self, fine_visibility: &Picture) -> Vec<f64> {
+        self.crossings.par_iter().map(|crossing| displacement(crossing, fine_visibility)).collect()
+    }
+}
+
+fn on_one_surface(a: &Seen, b: &Seen) -> bool {
+    let step = b.surface.position - a.surface.position;
+    a.surface.node == b.surface.node && step.dot(a.surface.geometric_normal).abs() <= COPLANAR * step.length()
+}
+
+fn displacement(crossing: &Crossing, fine: &Picture) -> f64 {
+    let Crossing { axis, line, at, falls } = *crossing;
+    let finer = FINER as usize;
+    let (width, height) = (fine.width as usize, fine.height as usize);
+    let length = if axis == Axis::Row { width } else { height };
+    let fine_line = line * finer + finer / 2;
+    let share = |along: usize| {
+        let [share, .., inside] = fine.pixels[axis.index(width, fine_line, along)];
+        (inside > 0.0).then_some(f64::from(share))
+    };
+    let bound = |pixels: f64| (pixels * f64::from(FINER)).clamp(1.0, length as f64) as usize;
+    let crosses = |along: usize| {
+        let (before, after) = (share(along - 1)?, share(along)?);
+        let found = if falls { before >= 0.5 && after < 0.5 } else { before < 0.5 && after >= 0.5 };
+        let part = (before - 0.5) / (before - after);
+        found.then(|| (along as f64 - 0.5 + part) / f64::from(FINER))
+    };
+    let found = (bound(at - WINDOW)..bound(at + WINDOW)).filter_map(crosses);
+    found.map(|found| (found - at).abs()).fold(f64::INFINITY, f64::min)
+}

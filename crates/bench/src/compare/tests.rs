@@ -1,0 +1,92 @@
+//! The comparison passes what is right and catches what is wrong.
+
+use std::sync::{Arc, LazyLock};
+
+use glam::DVec3;
+use render::{Gpu, Renderer, ShadowSettings};
+
+use super::{Comparison, Drawn, Expected, Subject, Verdict};
+use crate::shadow::scenes;
+
+/// A still life under a bent light.
+static SUBJECT: LazyLock<Subject> = LazyLock::new(|| scenes::subjects(160, 90).swap_remove(1));
+static EXPECTED: LazyLock<Expected> = LazyLock::new(|| Expected::new(&SUBJECT, || {}).expect("valid"));
+static GPU: LazyLock<Arc<Gpu>> =
+    LazyLock::new(|| Arc::new(Gpu::new().expect("tests need a graphics driver")));
+
+fn drawn(subject: &Subject) -> Drawn {
+    let mut renderer = Renderer::new(Arc::clone(&GPU)).expect("the device works");
+    renderer.set_scene(&subject.scene).expect("fits");
+    Drawn::new(&mut renderer, subject, ShadowSettings::default()).expect("drawn")
+}
+
+fn json(found: &Comparison) -> String {
+    serde_json::to_string(found).expect("plain data")
+}
+
+/// The bars of the accuracy tests over real scenes.
+fn passes(found: &Comparison) -> bool {
+    found.not_finite == 0
+        && found.missed + found.false_shadow == 0
+        && found.silhouettes + found.rim <= found.pixels / 1000
+        && found.radiance_rmse <= 1e-3
+        && found.displacement_texels.p99 <= 1.5
+}
+
+#[test]
+fn a_right_picture_passes() {
+    let found = EXPECTED.compare(&drawn(&SUBJECT));
+    assert!(passes(&found), "{}", json(&found));
+    assert!(found.in_light > 1500 && found.displacement_pixels.count > 100, "{}", json(&found));
+    // An edge is known to a sixth of a pixel where a texel is much smaller.
+    assert!(found.displacement_pixels.p99 <= 0.5, "{}", json(&found));
+    assert!(found.verdicts.contains(&Verdict::Boundary) && found.coincident == 0, "{}", json(&found));
+}
+
+#[test]
+fn a_shadow_beside_its_place_is_seen() {
+    let mut shifted = drawn(&SUBJECT);
+    for picture in [&mut shifted.beauty, &mut shifted.visibility, &mut shifted.fine_visibility] {
+        let pixels = if picture.width == SUBJECT.view.width { 1 } else { 3 };
+        picture.pixels.rotate_right(pixels);
+    }
+    let found = EXPECTED.compare(&shifted);
+    assert!(!passes(&found) && found.missed > 20 && found.false_shadow > 20, "{}", json(&found));
+    // Rows are off by a pixel, columns by less.
+    let displaced = found.displacement_pixels;
+    assert!(displaced.max >= 0.8 && displaced.p50 >= 0.2, "{displaced:?}");
+}
+
+#[test]
+fn a_light_from_another_place_is_seen() {
+    let mut moved = SUBJECT.clone();
+    moved.light.transform.translation += DVec3::new(0.02, 0.0, 0.0);
+    let found = EXPECTED.compare(&drawn(&moved));
+    assert!(!passes(&found) && found.radiance_rmse > 1e-2, "{}", json(&found));
+}
+
+#[test]
+fn an_object_in_another_place_is_seen() {
+    let mut moved = SUBJECT.clone();
+    moved.scene.nodes[1].parent_from_local.translation.x += 0.02;
+    let found = EXPECTED.compare(&drawn(&moved));
+    assert!(!passes(&found) && found.silhouettes > found.pixels / 500, "{}", json(&found));
+}
+
+#[test]
+fn a_number_that_is_none_is_seen() {
+    let mut broken = drawn(&SUBJECT);
+    broken.beauty.pixels[5000][1] = f32::NAN;
+    let found = EXPECTED.compare(&broken);
+    assert!(!passes(&found) && found.not_finite == 1, "{}", json(&found));
+    assert_eq!(found.verdicts[5000], Verdict::NotFinite);
+}
+
+#[test]
+fn a_wrong_exposure_is_seen() {
+    let mut bright = drawn(&SUBJECT);
+    bright.beauty.pixels.iter_mut().flatten().for_each(|x| *x *= 1.002);
+    let found = EXPECTED.compare(&bright);
+    // 0.2 % everywhere is a relative error of 2e-3, whatever the scene.
+    assert!(!passes(&found) && (found.radiance_rmse - 2e-3).abs() < 5e-4, "{}", json(&found));
+}

@@ -1,0 +1,158 @@
+//! Run time against error, a row a knob.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use render::ShadowSettings;
+
+use super::{Report, Run, SceneReport};
+
+type Drawing<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Drawn = Result<(), Box<dyn std::error::Error>>;
+
+/// A colour a scene, in their order.
+const COLORS: [RGBColor; 5] = [
+    RGBColor(0x2f, 0x6d, 0xb5),
+    RGBColor(0xd9, 0x48, 0x3b),
+    RGBColor(0x3a, 0x9a, 0x5c),
+    RGBColor(0xe0, 0x8a, 0x1e),
+    RGBColor(0x7a, 0x5c, 0xa8),
+];
+
+/// A knob: its name, whether a run has all others at their defaults, and what it is set to.
+struct Knob {
+    title: &'static str,
+    of: fn(&ShadowSettings, &ShadowSettings) -> bool,
+    label: fn(&Run) -> String,
+}
+
+const KNOBS: [Knob; 3] = [
+    Knob {
+        title: "resolution in texels",
+        of: |s, d| (s.edge_error_texels, s.filter) == (d.edge_error_texels, d.filter),
+        label: |run| run.resolution.to_string(),
+    },
+    Knob {
+        title: "error of a bent edge in texels",
+        of: |s, d| (s.resolution, s.filter) == (d.resolution, d.filter),
+        label: |run| run.edge_error_texels.map_or("unsplit".into(), |texels| texels.to_string()),
+    },
+    Knob {
+        title: "filter",
+        of: |s, d| (s.resolution, s.edge_error_texels) == (d.resolution, d.edge_error_texels),
+        label: |run| run.filter.into(),
+    },
+];
+
+/// An error: its name with its unit, and what it is of a run.
+struct Measure {
+    title: &'static str,
+    of: fn(&Run) -> f64,
+}
+
+const MEASURES: [Measure; 2] = [
+    Measure { title: "edge displaced, p99 in pixels (6: lost)", of: |run| run.error.displacement_pixels.p99 },
+    Measure { title: "radiance off edges, relative RMSE", of: |run| run.error.radiance_rmse },
+];
+
+/// An SVG.
+pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>> {
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, (1100, 1240)).into_drawing_area();
+        root.fill(&WHITE)?;
+        let title = format!(
+            "bent shadows: run time against error, {} x {} pixels on {}",
+            report.width, report.height, report.adapter
+        );
+        let panels = root.titled(&title, ("sans-serif", 18))?.split_evenly((KNOBS.len(), MEASURES.len()));
+        for (index, area) in panels.iter().enumerate() {
+            let (knob, measure) = (&KNOBS[index / MEASURES.len()], &MEASURES[index % MEASURES.len()]);
+            panel(area, report, knob, measure, index == 0)?;
+        }
+        root.present()?;
+    }
+    Ok(svg)
+}
+
+fn panel(area: &Drawing, report: &Report, knob: &Knob, measure: &Measure, key: bool) -> Drawn {
+    let points: Vec<Vec<_>> = report.scenes.iter().map(|scene| points(scene, knob, measure)).collect();
+    let all = || points.iter().flatten();
+    let x = range(all().map(|point| point.0));
+    let x = (x.0 / 1.15, x.1 * 1.15);
+    let y = range(all().map(|point| point.1));
+    // Whole decades, so that the axis has its numbers.
+    let y = (10_f64.powf(y.0.log10().floor()), 10_f64.powf((1.2 * y.1).log10().ceil()));
+    let mut plot = ChartBuilder::on(area)
+        .caption(knob.title, ("sans-serif", 15))
+        .margin(10)
+        .x_label_area_size(36)
+        .y_label_area_size(76)
+        .build_cartesian_2d((x.0..x.1).log_scale(), (y.0..y.1).log_scale())?;
+    plot.configure_mesh()
+        .x_desc("shadow map and lighting, ms")
+        .y_desc(measure.title)
+        .light_line_style(BLACK.mix(0.06))
+        .x_labels(12)
+        .x_label_formatter(&|ms| short(*ms))
+        .y_label_formatter(&|error| short(*error))
+        .draw()?;
+    let mut labels: Vec<(i32, i32)> = Vec::new();
+    for ((scene, points), color) in report.scenes.iter().zip(&points).zip(COLORS) {
+        let line = points.iter().map(|point| (point.0, point.1));
+        let series = plot.draw_series(LineSeries::new(line, color.mix(0.6)).point_size(3))?;
+        if key {
+            let swatch = move |(x, y)| Rectangle::new([(x, y - 4), (x + 12, y + 4)], color.filled());
+            series.label(&scene.scene).legend(swatch);
+        }
+        for (ms, error, text) in points {
+            let (x, y) = plot.backend_coord(&(*ms, *error));
+            // Where runs lie close together, the first says which it is.
+            if labels.iter().all(|(other_x, other_y)| (x - other_x).abs() > 30 || (y - other_y).abs() > 10) {
+                let style = ("sans-serif", 11).into_font().color(&color);
+                plot.draw_series([Text::new(text.clone(), (*ms, *error), style)])?;
+                labels.push((x, y));
+            }
+        }
+    }
+    if key {
+        plot.configure_series_labels()
+            .position(SeriesLabelPosition::UpperRight)
+            .background_style(WHITE.mix(0.85))
+            .border_style(BLACK.mix(0.3))
+            .draw()?;
+    }
+    Ok(())
+}
+
+/// Milliseconds, error and the knob's value, of the runs that turn this knob alone, in its order.
+fn points(scene: &SceneReport, knob: &Knob, measure: &Measure) -> Vec<(f64, f64, String)> {
+    let default = ShadowSettings::default();
+    let mut turned: Vec<_> = scene.runs.iter().filter(|run| (knob.of)(&run.settings, &default)).collect();
+    let edge_error = |run: &Run| run.settings.edge_error_texels.unwrap_or(f32::INFINITY);
+    // All but one of these are equal.
+    turned.sort_by(|a, b| {
+        let by_edge = edge_error(b).total_cmp(&edge_error(a));
+        by_edge
+            .then(a.resolution.cmp(&b.resolution))
+            .then((a.settings.filter as u8).cmp(&(b.settings.filter as u8)))
+    });
+    turned
+        .into_iter()
+        .map(|run| {
+            let ms = run.stages.shadow_ms + run.stages.lighting_ms;
+            // An edge that was not found at all is drawn at the window's end.
+            (ms, (measure.of)(run).clamp(1e-6, 6.0), (knob.label)(run))
+        })
+        .collect()
+}
+
+/// The least and the greatest.
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)))
+}
+
+/// With one digit that is not 0 behind the point, where one is needed.
+fn short(value: f64) -> String {
+    let digits = (-value.log10()).ceil().max(0.0) as usize;
+    format!("{value:.digits$}")
+}

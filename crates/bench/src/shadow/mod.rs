@@ -1,0 +1,204 @@
+//! What do bent shadows cost, and how wrong are they? Run time against error over resolution, splitting and filter
+//! of shadow maps, in scenes that are hard on them in different ways.
+
+mod chart;
+pub(crate) mod scenes;
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+use render::{Gpu, Renderer, ShadowFilter, ShadowSettings, StageTimes};
+use serde::Serialize;
+
+use crate::BenchError;
+use crate::compare::{Comparison, Drawn, Expected, Subject};
+
+/// Texels along each side of a map.
+const RESOLUTIONS: [u32; 5] = [256, 512, 1024, 2048, 4096];
+/// Texels by which a bent edge may be off; the last does not split at all.
+const EDGE_ERRORS: [Option<f32>; 7] =
+    [Some(4.0), Some(2.0), Some(1.0), Some(0.4), Some(0.2), Some(0.1), None];
+/// Times that each picture is timed; the fastest counts, since nothing but other work makes one slower.
+const TIMINGS: usize = 7;
+
+/// What to measure.
+#[derive(Clone, Copy, Debug)]
+pub struct Options<'a> {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Folder, there already, for a picture of each run's differences.
+    pub pictures: Option<&'a Path>,
+}
+
+/// How far a measurement is.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// Steps that are done.
+    pub done: usize,
+    /// Of so many.
+    pub of: usize,
+    /// The scene at hand.
+    pub scene: &'a str,
+}
+
+/// What was measured.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Report {
+    /// Driver and device.
+    pub adapter: String,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Each with the same runs.
+    pub scenes: Vec<SceneReport>,
+}
+
+/// One scene.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct SceneReport {
+    /// Its name.
+    pub scene: String,
+    /// How long the reference took for it.
+    pub reference_seconds: f64,
+    /// One knob turned at a time.
+    pub runs: Vec<Run>,
+}
+
+/// One way to make shadows.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Run {
+    /// Texels along each side of the map.
+    pub resolution: u32,
+    /// Texels by which a bent edge may be off; null splits none.
+    pub edge_error_texels: Option<f32>,
+    /// `nearest`, `bilinear` or `pcf3x3`.
+    pub filter: &'static str,
+    /// Nothing kept from a picture before; milliseconds.
+    pub stages: Stages,
+    /// Against the reference.
+    pub error: Comparison,
+    /// The same three.
+    #[serde(skip)]
+    pub settings: ShadowSettings,
+}
+
+/// The fastest of several, in milliseconds.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Stages {
+    /// What each pixel sees.
+    pub gbuffer_ms: f64,
+    /// The shadow map.
+    pub shadow_ms: f64,
+    /// The lighting pass with its look-ups.
+    pub lighting_ms: f64,
+}
+
+/// Every run: the default, and one knob turned at a time.
+fn all_settings() -> Vec<ShadowSettings> {
+    let default = ShadowSettings::default();
+    let mut all: Vec<_> = RESOLUTIONS.map(|resolution| ShadowSettings { resolution, ..default }).to_vec();
+    all.extend(EDGE_ERRORS.map(|edge_error_texels| ShadowSettings { edge_error_texels, ..default }));
+    all.extend(ShadowFilter::ALL.map(|filter| ShadowSettings { filter, ..default }));
+    let mut unique: Vec<ShadowSettings> = Vec::new();
+    for settings in all {
+        if !unique.contains(&settings) {
+            unique.push(settings);
+        }
+    }
+    unique
+}
+
+/// Renders every scene once by the reference and in every way by the GPU. Returns what was measured and the chart,
+/// an SVG.
+pub fn run(options: Options, progress: impl Fn(Progress) + Sync) -> Result<(Report, String), BenchError> {
+    let gpu = Arc::new(Gpu::new()?);
+    let mut renderer = Renderer::new(Arc::clone(&gpu))?;
+    let settings = all_settings();
+    let subjects = scenes::subjects(options.width, options.height);
+    // The reference's picture is one step more.
+    let steps = settings.len() + 1;
+    let mut scenes = Vec::with_capacity(subjects.len());
+    for (index, subject) in subjects.iter().enumerate() {
+        let step = |done: usize| {
+            progress(Progress {
+                done: index * steps + done,
+                of: subjects.len() * steps,
+                scene: &subject.name,
+            });
+        };
+        scenes.push(run_scene(&mut renderer, subject, &settings, options.pictures, step)?);
+    }
+    let report =
+        Report { adapter: gpu.adapter_name().into(), width: options.width, height: options.height, scenes };
+    let chart = chart::draw(&report).map_err(|why| BenchError::Chart(why.to_string()))?;
+    Ok((report, chart))
+}
+
+fn run_scene(
+    renderer: &mut Renderer,
+    subject: &Subject,
+    settings: &[ShadowSettings],
+    pictures: Option<&Path>,
+    step: impl Fn(usize),
+) -> Result<SceneReport, BenchError> {
+    step(0);
+    let start = Instant::now();
+    let expected = Expected::new(subject, || {})?;
+    let reference_seconds = start.elapsed().as_secs_f64();
+    renderer.set_scene(&subject.scene)?;
+    let mut runs = Vec::with_capacity(settings.len());
+    for (index, &shadows) in settings.iter().enumerate() {
+        step(1 + index);
+        let drawn = Drawn::new(renderer, subject, shadows)?;
+        let error = expected.compare(&drawn);
+        let run = Run {
+            resolution: shadows.resolution,
+            edge_error_texels: shadows.edge_error_texels,
+            filter: name(shadows.filter),
+            stages: time(renderer, subject)?,
+            error,
+            settings: shadows,
+        };
+        if let Some(folder) = pictures {
+            expected.panels(&drawn, &run.error).save(folder.join(run.file_name(&subject.name)))?;
+        }
+        runs.push(run);
+    }
+    Ok(SceneReport { scene: subject.name.clone(), reference_seconds, runs })
+}
+
+/// What the picture's stages take.
+fn time(renderer: &mut Renderer, subject: &Subject) -> Result<Stages, BenchError> {
+    let times = (0..TIMINGS)
+        .map(|_| renderer.time_stages(&subject.view, &subject.lights()))
+        .collect::<Result<Vec<_>, _>>()?;
+    let fastest = |of: fn(&StageTimes) -> f64| times.iter().map(of).fold(f64::INFINITY, f64::min);
+    Ok(Stages {
+        gbuffer_ms: fastest(|times| times.gbuffer_ms),
+        shadow_ms: fastest(|times| times.shadow_ms),
+        lighting_ms: fastest(|times| times.lighting_ms),
+    })
+}
+
+fn name(filter: ShadowFilter) -> &'static str {
+    match filter {
+        ShadowFilter::Nearest => "nearest",
+        ShadowFilter::Bilinear => "bilinear",
+        ShadowFilter::Pcf3x3 => "pcf3x3",
+    }
+}
+
+impl Run {
+    fn file_name(&self, scene: &str) -> String {
+        let edge = self.edge_error_texels.map_or("unsplit".into(), |texels| format!("{texels}"));
+        format!("{scene}-{}-{edge}-{}.png", self.resolution, self.filter)
+    }
+}

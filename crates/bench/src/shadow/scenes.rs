@@ -1,0 +1,169 @@
+//! Scenes that are hard on bent shadow maps, each in its own way.
+
+use bendy::BendyLight;
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3, Vec4};
+use scene::{Aov, Camera, Material, Mesh, Node, Primitive, Projection, Scene, View, ViewSlot};
+
+use crate::compare::Subject;
+
+/// All of them, `width` x `height` pixels.
+pub(crate) fn subjects(width: u32, height: u32) -> Vec<Subject> {
+    let view = view(width, height);
+    let subject = |name, parts, light| Subject::new(name, scene_of(parts), light, view.clone());
+    vec![
+        subject("straight", still_life(), straight()),
+        subject("bent", still_life(), bent()),
+        subject("tapered", still_life(), tapered()),
+        subject("large", beams(), bent()),
+        subject("leaves", leaves(), bent()),
+    ]
+}
+
+/// From above, so that the floor shows the whole shadow.
+fn view(width: u32, height: u32) -> View {
+    let (eye, target) = (DVec3::new(0.6, 6.2, 5.2), DVec3::new(0.6, 0.4, 0.2));
+    let back = (eye - target).normalize();
+    let right = DVec3::Y.cross(back).normalize();
+    let camera = Camera {
+        name: "above".into(),
+        translation: eye,
+        rotation: DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back)),
+        projection: Projection::Perspective { yfov: 0.4, znear: 0.1, zfar: None },
+    };
+    View { camera, width, height, samples: 1, aov: Aov::Beauty, light: 0, slot: ViewSlot::default() }
+}
+
+/// A light through world positions.
+fn light<const N: usize>(points: [[f64; 3]; N], radii: [f64; N]) -> BendyLight {
+    let source = DVec3::from_array(points[0]);
+    let points = points.map(|point| DVec3::from_array(point) - source).to_vec();
+    let mut light = BendyLight::new(points, radii.to_vec());
+    light.transform.translation = source;
+    light.intensities.fill(3.0);
+    light
+}
+
+/// A cone: linear radii on equal steps of a straight line, with the first and last step half as long (light model,
+/// section 1).
+fn straight() -> BendyLight {
+    let (source, end) = (DVec3::new(-2.6, 5.0, 1.2), DVec3::new(2.6, -2.2, -1.0));
+    let shares = [0.0, 1.0 / 6.0, 0.5, 5.0 / 6.0, 1.0];
+    light(shares.map(|share| source.lerp(end, share).to_array()), shares.map(|share| 2.8 * share))
+}
+
+/// Sets out level and comes down steeply.
+fn bent() -> BendyLight {
+    light(
+        [[-3.4, 2.2, 1.0], [-2.4, 3.6, 0.9], [-0.2, 4.4, 0.5], [1.0, 2.3, 0.1], [1.1, -1.2, -0.2]],
+        [0.3, 0.7, 1.0, 1.2, 2.0],
+    )
+}
+
+/// Wide at its source, narrow in the middle and wide again.
+fn tapered() -> BendyLight {
+    light(
+        [[-2.6, 4.4, 1.0], [-1.9, 3.9, 0.8], [-0.6, 3.0, 0.3], [0.6, 1.7, 0.0], [1.3, -1.0, 0.0]],
+        [1.3, 1.0, 0.4, 0.9, 2.2],
+    )
+}
+
+/// A mesh at a place.
+struct Part(Primitive, DAffine3);
+
+fn place(scale: [f64; 3], turn: f64, at: [f64; 3]) -> DAffine3 {
+    let (scale, at) = (DVec3::from_array(scale), DVec3::from_array(at));
+    DAffine3::from_scale_rotation_translation(scale, DQuat::from_rotation_y(turn), at)
+}
+
+/// Two large triangles.
+fn floor() -> Part {
+    let corners = [[-6.0, 6.0], [6.0, 6.0], [6.0, -6.0], [-6.0, -6.0]];
+    let primitive = Primitive {
+        positions: corners.map(|[x, z]| Vec3::new(x, 0.0, z)).to_vec(),
+        normals: vec![Vec3::Y; 4],
+        indices: vec![0, 1, 2, 0, 2, 3],
+        ..Primitive::default()
+    };
+    Part(primitive, DAffine3::IDENTITY)
+}
+
+/// Balls and boxes on the floor and above it.
+fn still_life() -> Vec<Part> {
+    vec![
+        floor(),
+        Part(ball(), place([0.45; 3], 0.0, [0.2, 0.45, 0.5])),
+        Part(ball(), place([0.3; 3], 0.0, [1.5, 0.9, -0.5])),
+        Part(block(), place([0.25, 0.6, 0.25], 0.5, [0.9, 0.6, -0.9])),
+        Part(block(), place([0.9, 0.04, 0.06], 0.3, [0.9, 1.3, 0.2])),
+        Part(block(), place([0.05, 0.5, 0.05], 0.2, [1.9, 0.5, 0.6])),
+    ]
+}
+
+/// Long beams that enter and leave the tube, so that most of each lies outside of it.
+fn beams() -> Vec<Part> {
+    vec![
+        floor(),
+        Part(block(), place([4.0, 0.05, 0.1], 0.4, [0.0, 2.6, 0.2])),
+        Part(block(), place([0.08, 0.06, 4.0], 0.2, [0.2, 1.5, 0.0])),
+        Part(block(), place([0.1, 3.0, 0.1], 0.7, [1.6, 3.0, -0.5])),
+    ]
+}
+
+/// Fifteen hundred small blocks in the air, at even spacings that never repeat (the R3 lattice).
+fn leaves() -> Vec<Part> {
+    const PLASTIC: f64 = 1.220_744_084_605_759_5;
+    let leaf = |k: u32| {
+        let along = |power: i32| (0.5 + f64::from(k) / PLASTIC.powi(power)).fract();
+        let at = [-0.6 + 2.6 * along(1), 0.15 + 1.9 * along(2), -1.2 + 2.4 * along(3)];
+        Part(block(), place([0.04, 0.008, 0.025], 6.0 * along(1), at))
+    };
+    std::iter::once(floor()).chain((0..1500).map(leaf)).collect()
+}
+
+fn scene_of(parts: Vec<Part>) -> Scene {
+    let material = Material { base_color: Vec4::new(0.7, 0.7, 0.7, 1.0), ..Material::default() };
+    let mut scene = Scene { materials: vec![material], ..Scene::default() };
+    for (mesh, Part(primitive, parent_from_local)) in parts.into_iter().enumerate() {
+        scene.meshes.push(Mesh { name: String::new(), primitives: vec![primitive] });
+        scene.nodes.push(Node { name: String::new(), parent: None, parent_from_local, mesh: Some(mesh) });
+    }
+    scene
+}
+
+/// A box from -1 to 1.
+fn block() -> Primitive {
+    let corner = |k: u32| Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32) * 2.0 - 1.0;
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let mut made = Primitive::default();
+    for face in faces {
+        let [a, b, c, d] = face.map(corner);
+        let first = made.positions.len() as u32;
+        made.positions.extend([a, b, c, d]);
+        made.normals.extend([(b - a).cross(c - a).normalize(); 4]);
+        made.indices.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
+    }
+    made
+}
+
+/// A ball of radius 1, of rings from pole to pole.
+fn ball() -> Primitive {
+    const RINGS: u32 = 48;
+    const SECTORS: u32 = 96;
+    let mut made = Primitive::default();
+    for ring in 0..=RINGS {
+        let (sin, cos) = (f64::from(ring) / f64::from(RINGS) * std::f64::consts::PI).sin_cos();
+        for sector in 0..=SECTORS {
+            let (z, x) = (f64::from(sector) / f64::from(SECTORS) * std::f64::consts::TAU).sin_cos();
+            made.positions.push(DVec3::new(sin * x, cos, -sin * z).as_vec3());
+        }
+    }
+    made.normals.clone_from(&made.positions);
+    for ring in 0..RINGS {
+        for sector in 0..SECTORS {
+            let a = ring * (SECTORS + 1) + sector;
+            let b = a + SECTORS + 1;
+            made.indices.extend([a, b, a + 1, a + 1, b, b + 1]);
+        }
+    }
+    made
+}

@@ -1,0 +1,36 @@
+//! What a solver says: up to three parameters.
+
+use super::width::Width;
+
+/// Parameters that a solver reports. NaN is kept, so that it can be counted.
+#[derive(Clone, Copy, Debug)]
+pub struct Found<F> {
+    roots: [F; 3],
+    count: usize,
+}
+
+impl<F: Width> Found<F> {
+    /// Nothing yet.
+    pub fn none() -> Self {
+        Self { roots: [F::zero(); 3], count: 0 }
+    }
+
+    /// One more; at most three.
+    pub fn push(&mut self, u: F) {
+        self.roots[self.count] = u;
+        self.count += 1;
+    }
+
+    /// All of them.
+    pub fn roots(&self) -> &[F] {
+        &self.roots[..self.count]
+    }
+}
+
+impl<F: Width> Extend<F> for Found<F> {
+    fn extend<T: IntoIterator<Item = F>>(&mut self, roots: T) {
+        for u in roots {
+            self.push(u);
+        }
+    }
+}

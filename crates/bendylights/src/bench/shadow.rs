@@ -1,0 +1,58 @@
+//! `bendylights bench shadow`: what bent shadows cost and how wrong they are.
+
+use std::path::PathBuf;
+
+use ::bench::shadow;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::error::Error;
+use crate::output::Output;
+use crate::render::Size;
+
+#[derive(clap::Args)]
+#[command(after_help = "\
+Renders five scenes by the reference, and by the GPU with the shadow map's resolution, splitting and filter turned
+one at a time. Prints JSON, for each scene and setting:
+  stages               milliseconds for G-buffer, shadow map and lighting, nothing kept from a picture before
+  radianceRmse         relative error of radiance where no shadow's edge is near
+  displacementPixels   how far shadows' edges are from where they should be, along rows and columns
+  displacementTexels   of pixels on the wrong side of an edge, how many texels of the map they are from it
+  missed, false        pixels lit or shadowed wrongly more than 1.5 texels from an edge
+
+Example:
+  bendylights bench shadow -o shadow.svg --pictures differences")]
+pub struct Args {
+    /// Width and height of the pictures in pixels
+    #[arg(long, default_value = "343x191", value_name = "WxH")]
+    size: Size,
+    /// Chart to write: run time against error
+    #[arg(short, value_name = "OUT.svg")]
+    output: Option<PathBuf>,
+    /// Folder for pictures of the differences, one a scene and setting
+    #[arg(long, value_name = "DIR")]
+    pictures: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> Result<(), Error> {
+    crate::headless::prepare();
+    let output = args.output.as_deref().map(Output::create).transpose()?;
+    if let Some(folder) = &args.pictures {
+        let unwritable = |reason| Error::Unwritable { file: folder.clone(), reason };
+        std::fs::create_dir_all(folder).map_err(unwritable)?;
+    }
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
+    let bar = ProgressBar::new(0).with_style(style);
+    let Size { width, height } = args.size;
+    let options = shadow::Options { width, height, pictures: args.pictures.as_deref() };
+    let result = shadow::run(options, |progress| {
+        bar.set_length(progress.of as u64);
+        bar.set_position(progress.done as u64);
+        bar.set_message(progress.scene.to_owned());
+    });
+    bar.finish_and_clear();
+    let (report, chart) = result.map_err(Error::Bench)?;
+    if let Some(output) = output {
+        output.write(chart.as_bytes())?;
+    }
+    crate::answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))
+}

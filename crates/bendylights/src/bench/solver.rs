@@ -1,0 +1,89 @@
+//! `bendylights bench solver`: which solver, how fast, how accurate, and does it ever fail.
+
+use std::path::PathBuf;
+
+use ::bench::BenchError;
+use ::bench::solver::{self, FAMILIES, METHODS, Method};
+use clap::ValueEnum;
+use indicatif::{ProgressBar, ProgressStyle};
+use render::Gpu;
+
+use crate::error::Error;
+use crate::output::Output;
+
+#[derive(clap::Args)]
+#[command(after_help = "\
+Each pixel asks each segment of a light: where is your curve square to me? This puts the question to the product's solver
+and to eight others, in f32 and f64, for 15 families of segments and points (nearly straight, hairpins, cusps, far away,
+near the evolute, ...), and compares the answers with roots known to thirty digits. Prints JSON:
+  ours       solves, wrong roots and NaN of the product's solver; with either, the exit code is not 0
+  methods    run time on one core, error (p50, p99.9, max), roots missed, made up (spurious) or over the bars, NaN
+  eightWide  the product's solver eight at once on one core, and on the adapter: solves a second
+
+Examples:
+  bendylights bench solver -o solver.svg
+  bendylights bench solver --only ours --inputs 6700000     1e8 inputs, each in f32 and f64; some ten minutes")]
+pub struct Args {
+    /// Points of each of the 15 families
+    #[arg(long, default_value_t = 60_000, value_name = "N", value_parser = clap::value_parser!(u64).range(100..=1_000_000_000))]
+    inputs: u64,
+    /// Method to measure, with the product's own; all if left out. May be given several times
+    #[arg(long, value_name = "METHOD", value_enum)]
+    only: Vec<Name>,
+    /// Chart to write: run time against error
+    #[arg(short, value_name = "OUT.svg")]
+    output: Option<PathBuf>,
+}
+
+/// A method by its name on the command line.
+#[derive(Clone, Copy, ValueEnum)]
+enum Name {
+    Ours,
+    Naive,
+    Cardano,
+    Viete,
+    Blinn,
+    Yuksel,
+    Newton,
+    Halley,
+    Quilez,
+}
+
+impl Name {
+    fn method(self) -> Method {
+        match self {
+            Self::Ours => Method::Ours,
+            Self::Naive => Method::Naive,
+            Self::Cardano => Method::Cardano,
+            Self::Viete => Method::Viete,
+            Self::Blinn => Method::Blinn,
+            Self::Yuksel => Method::Yuksel,
+            Self::Newton => Method::Newton,
+            Self::Halley => Method::Halley,
+            Self::Quilez => Method::Quilez,
+        }
+    }
+}
+
+pub fn run(args: &Args) -> Result<(), Error> {
+    let output = args.output.as_deref().map(Output::create).transpose()?;
+    let methods = if args.only.is_empty() {
+        METHODS.to_vec()
+    } else {
+        args.only.iter().map(|name| name.method()).collect()
+    };
+    let style = ProgressStyle::with_template("{bar:30} {human_pos}/{human_len} points, {eta} left")
+        .expect("a valid template");
+    let bar = ProgressBar::new(args.inputs * FAMILIES.len() as u64).with_style(style);
+    let options = solver::Options { inputs_per_family: args.inputs, methods };
+    // Without an adapter the processor's figures are still worth having.
+    let report =
+        solver::run(&options, Gpu::new().ok().as_ref(), |judged| bar.inc(judged)).map_err(Error::Bench)?;
+    bar.finish_and_clear();
+    if let Some(output) = output {
+        output.write(solver::chart(&report).map_err(Error::Bench)?.as_bytes())?;
+    }
+    crate::answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?;
+    let (wrong, nan) = (report.ours.wrong, report.ours.nan);
+    if wrong + nan > 0 { Err(Error::Bench(BenchError::SolverWrong { wrong, nan })) } else { Ok(()) }
+}

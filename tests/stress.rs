@@ -1,0 +1,80 @@
+//! The properties of `bendylights bench stress`, for a little while: some cases that are the same every time, some that
+//! are new, and planted faults.
+
+use std::collections::hash_map::RandomState;
+use std::hash::{BuildHasher, Hasher};
+
+use bench::stress::{Length, Options, Outcome, Property, run};
+
+/// Those that need no adapter are quick.
+const OF_THE_MODEL: [Property; 5] =
+    [Property::Solver, Property::Frame, Property::RoundTrip, Property::Joints, Property::World];
+const OF_THE_ADAPTER: [Property; 2] = [Property::Locate, Property::Map];
+const OF_PICTURES: [Property; 4] = [Property::LonePlane, Property::Wall, Property::Shadow, Property::Finite];
+
+fn tried(properties: &[Property], seed: u64, cases: u64, planted: bool) -> Vec<Outcome> {
+    let options = Options { properties: properties.to_vec(), seed, length: Length::Cases(cases), planted };
+    run(&options, |_| ()).expect("tests need a graphics driver").outcomes
+}
+
+/// A property holds, and something was compared.
+fn hold(properties: &[Property], seed: u64, cases: u64) {
+    for outcome in tried(properties, seed, cases, false) {
+        let name = outcome.property.name();
+        assert!(outcome.failure.is_none(), "{name}: {:#?}", outcome.failure);
+        assert_eq!(outcome.cases, cases);
+        assert!(outcome.comparisons >= cases, "{name}: {} comparisons", outcome.comparisons);
+    }
+}
+
+/// With a planted fault it fails within some cases, and the simplest one found is small.
+fn fail(properties: &[Property], cases: u64) {
+    for outcome in tried(properties, 1, cases, true) {
+        let failure = outcome.failure.unwrap_or_else(|| panic!("{}: went unseen", outcome.property.name()));
+        println!("{}: {}\n{}", outcome.property.name(), failure.why, failure.case);
+        let light = failure.case.get("light").expect("the case holds a light");
+        let points = light["points"].as_array().expect("control points").len();
+        assert!(points <= 4, "{points} control points: {}", failure.case);
+    }
+}
+
+/// A seed that differs from run to run, printed so that a failure can be made again.
+fn random_seed() -> u64 {
+    let seed = RandomState::new().build_hasher().finish() % 1_000_000_000;
+    println!("seed {seed}");
+    seed
+}
+
+#[test]
+fn the_model_holds() {
+    hold(&OF_THE_MODEL, 1, 200);
+    hold(&OF_THE_MODEL, random_seed(), 100);
+}
+
+#[test]
+fn the_adapter_agrees_with_the_model() {
+    hold(&OF_THE_ADAPTER, 1, 6);
+    hold(&OF_THE_ADAPTER, random_seed(), 3);
+}
+
+#[test]
+fn pictures_hold() {
+    hold(&OF_PICTURES, 1, 8);
+    hold(&OF_PICTURES, random_seed(), 4);
+}
+
+#[test]
+fn planted_faults_are_caught_and_made_simple() {
+    fail(&OF_THE_MODEL, 5);
+    fail(&OF_THE_ADAPTER, 3);
+    fail(&OF_PICTURES, 12);
+}
+
+/// The seed that a failure prints makes the same case again, alone.
+#[test]
+fn a_seed_makes_its_case_again() {
+    let first = &tried(&[Property::Joints], 1, 20, true)[0];
+    let failure = first.failure.as_ref().expect("the planted fault is seen");
+    let again = &tried(&[Property::Joints], failure.seed, 1, true)[0];
+    assert_eq!(again.failure.as_ref(), Some(failure));
+}
