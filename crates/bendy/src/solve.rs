@@ -128,13 +128,15 @@ pub fn increasing_roots<F: Real>(segment: &Segment<F>, q: F::Vec3, f0: F, f1: F)
     let sl = at_end(cl, e0, e1, fl);
     let sh = at_end(ch, e0, e1, fh);
 
+    // A piece without length counts only where f rises: a point exactly on the plane across an end has f = 0 there, and may
+    // be farthest from it.
     let mut roots = [None, None];
-    if e0 <= zero && zero <= sl {
+    if e0 <= zero && zero <= sl && (cl > zero || cubic.slope(cl) >= zero) {
         let (g, h) = (cubic.slope(cl).most(zero), (-cubic.half_curvature(cl)).most(zero));
         let u = cl - climb(fl.abs(), g, h, cubic.c3, cl);
         roots[0] = Some(polish(segment, q, u, zero, cl));
     }
-    if sh <= zero && zero <= e1 {
+    if sh <= zero && zero <= e1 && (ch < one || cubic.slope(ch) >= zero) {
         let (g, h) = (cubic.slope(ch).most(zero), cubic.half_curvature(ch).most(zero));
         let u = ch + climb(fh.abs(), g, h, cubic.c3, one - ch);
         roots[1] = Some(polish(segment, q, u, ch, one));

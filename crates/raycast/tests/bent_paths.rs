@@ -239,3 +239,21 @@ fn light_past_the_end_goes_straight_on() {
     // Corners of size 50 are rounded to f32: 4e-6.
     assert!((hit.position + posed.origin_in_world).distance(end) < 1e-5, "{hit:?}");
 }
+
+/// A path in a triangle's plane does not cross it, and is not looked at for ever: where rounding alone says on which
+/// side it is, there are 1e8 places to look.
+#[test]
+fn a_path_in_a_triangles_plane_passes_it() {
+    let rotation = DQuat::from_xyzw(-0.44, -0.18, 0.36, 0.8).normalize();
+    let points = (0..4).map(|i| DVec3::new(0.0, 0.0, -f64::from(i))).collect();
+    let mut light = BendyLight::new(points, vec![0.3, 0.2, 0.4, 0.1]);
+    light.transform.rotation = rotation;
+    let tube = Tube::new(&light).expect("valid");
+    let flat = [(0.0, -1.0, -0.5), (0.0, 1.0, -0.625), (0.0, 0.25, -2.75)];
+    let mut scene = scene_of(&[flat.map(|(x, y, z)| DVec3::new(x, y, z))]);
+    scene.nodes[0].parent_from_local = DAffine3::from_quat(rotation);
+    let posed = PosedScene::new(&scene);
+    for w in [-0.9, -0.5, 0.0, 0.3, 0.8] {
+        assert!(!posed.blocks(&posed.path(&tube, 0.0, w), 3.0, |_| true), "w = {w}");
+    }
+}

@@ -82,7 +82,8 @@ pub(crate) fn sample_spot(spot: &SpotLight, source: DVec3, point: DVec3) -> Opti
         vw: DVec2::new(-slope.x, slope.y) / tan_outer,
         to_light,
         along_path: to_light,
-        irradiance: spot.color * (spot.intensity * s * s * (3.0 - 2.0 * s) * decay),
+        // Neither below zero, as in a BendyLight.
+        irradiance: spot.color.max(DVec3::ZERO) * (spot.intensity.max(0.0) * s * s * (3.0 - 2.0 * s) * decay),
         visible: true,
     })
 }

@@ -1,7 +1,8 @@
 //! The product's solver, eight at once on the processor: the twin of bendy's `solve.rs` without a branch.
 //!
 //! Every lane does what the scalar code does, in its order; both sides of each condition are computed and one is
-//! taken. A quotient whose guard fails may be infinite or NaN in a lane that is then not taken.
+//! taken. A quotient whose guard fails may be infinite or NaN in a lane that is then not taken. All is inlined: a vector
+//! that is handed over in memory costs more than what is done with it.
 
 use bendy::{Real, Segment};
 use glam::Vec3;
@@ -27,19 +28,33 @@ impl Vec3x8 {
         Self { x, y, z }
     }
 
+    #[inline]
     fn dot(self, other: Self) -> f32x8 {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
+    #[inline]
     fn minus(self, other: Self) -> Self {
         Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
     }
 
     /// `self + other * factor`.
+    #[inline]
     fn plus(self, other: Self, factor: f32x8) -> Self {
         Self { x: self.x + other.x * factor, y: self.y + other.y * factor, z: self.z + other.z * factor }
     }
 
+    /// `one` in the lanes of the mask, `other` in the rest.
+    #[inline]
+    fn select(mask: f32x8, one: Self, other: Self) -> Self {
+        Self {
+            x: mask.select(one.x, other.x),
+            y: mask.select(one.y, other.y),
+            z: mask.select(one.z, other.z),
+        }
+    }
+
+    #[inline]
     fn times(self, factor: f32x8) -> Self {
         Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
     }
@@ -94,10 +109,12 @@ const ZERO: f32x8 = f32x8::ZERO;
 const ONE: f32x8 = f32x8::ONE;
 
 /// `select` where neither side is NaN in a lane that counts; as the scalar `within`.
+#[inline]
 fn within(x: f32x8, low: f32x8, high: f32x8) -> f32x8 {
     x.fast_max(low).fast_min(high)
 }
 
+#[inline]
 fn sdiv(n: f32x8, d: f32x8) -> f32x8 {
     let limit = f32x8::splat(64.0);
     let same_sign = !(n.simd_lt(ZERO) ^ d.simd_lt(ZERO));
@@ -113,14 +130,17 @@ struct Cubic8 {
 }
 
 impl Cubic8 {
+    #[inline]
     fn slope(&self, u: f32x8) -> f32x8 {
         (3.0 * self.c3 * u + 2.0 * self.c2) * u + self.c1
     }
+    #[inline]
     fn half_curvature(&self, u: f32x8) -> f32x8 {
         3.0 * self.c3 * u + self.c2
     }
 }
 
+#[inline]
 fn climb(f: f32x8, g: f32x8, h: f32x8, a: f32x8, t_max: f32x8) -> f32x8 {
     let mut t = t_max;
     t = f.simd_lt(g * t).select(f / g, t);
@@ -136,11 +156,14 @@ fn climb(f: f32x8, g: f32x8, h: f32x8, a: f32x8, t_max: f32x8) -> f32x8 {
 }
 
 /// `(r, d)` at `u`: the offset from the curve and half the curve's derivative.
+#[inline]
 fn at(cases: &Cases8, from_start: Vec3x8, u: f32x8) -> (Vec3x8, Vec3x8) {
     let travelled = cases.d0.times(f32x8::splat(2.0)).plus(cases.a, u).times(u);
-    (from_start.minus(travelled), cases.d0.plus(cases.a, u))
+    let d = Vec3x8::select(u.simd_eq(ONE), cases.d1, cases.d0.plus(cases.a, u));
+    (from_start.minus(travelled), d)
 }
 
+#[inline]
 fn polish(cases: &Cases8, from_start: Vec3x8, u: f32x8, low: f32x8, high: f32x8) -> f32x8 {
     let (r, d) = at(cases, from_start, u);
     let (n, slope) = (r.dot(d), 2.0 * d.dot(d) - r.dot(cases.a));
@@ -182,12 +205,15 @@ pub fn increasing_roots_8(cases: &Cases8) -> Roots8 {
     let sl = at_end(cl, e0, e1, fl);
     let sh = at_end(ch, e0, e1, fh);
 
+    let rises =
+        [cl.simd_gt(ZERO) | cubic.slope(cl).simd_ge(ZERO), ch.simd_lt(ONE) | cubic.slope(ch).simd_ge(ZERO)];
     let g = cubic.slope(cl).fast_max(ZERO);
     let h = (-cubic.half_curvature(cl)).fast_max(ZERO);
     let left = polish(cases, from_start, cl - climb(fl.abs(), g, h, cubic.c3, cl), ZERO, cl);
     let g = cubic.slope(ch).fast_max(ZERO);
     let h = cubic.half_curvature(ch).fast_max(ZERO);
     let right = polish(cases, from_start, ch + climb(fh.abs(), g, h, cubic.c3, ONE - ch), ch, ONE);
-    let exist = [e0.simd_le(ZERO) & ZERO.simd_le(sl), sh.simd_le(ZERO) & ZERO.simd_le(e1)];
+    let exist =
+        [e0.simd_le(ZERO) & ZERO.simd_le(sl) & rises[0], sh.simd_le(ZERO) & ZERO.simd_le(e1) & rises[1]];
     Roots8 { roots: [left, right], exist }
 }

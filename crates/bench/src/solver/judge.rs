@@ -163,9 +163,11 @@ impl<F: Width> Bars<F> {
         self.truth.value(TwoFloat::from(u)).abs() <= self.backward_bar(u)
     }
 
-    /// Whether `f` turns at `u` in `[0, 1]` within the bar: there two roots meet or part in rounding.
+    /// Whether `f` is within the bar where it turns, at `u` on the segment: there two roots meet or part in rounding.
     fn is_double(&self, u: f64) -> bool {
-        (0.0..=1.0).contains(&u) && self.truth.value(TwoFloat::from(u)).abs() <= 2.0 * self.backward_bar(u)
+        let rounding = 16.0 * F::PRECISION.eps();
+        (-rounding..=1.0 + rounding).contains(&u)
+            && self.truth.value(TwoFloat::from(u)).abs() <= 2.0 * self.backward_bar(u)
     }
 
     /// Whether a wanted root lies at `u`, but for what rounding can do.

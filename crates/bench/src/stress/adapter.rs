@@ -148,13 +148,13 @@ fn agrees(tube: &Tube<f64>, q: DVec3, dq: f64, found: Option<&Found>, tally: &mu
     }
     let place = format!("at q = {:?}, where t = {:?}", q.to_array(), root.segment as f64 + root.u);
     let [v, w, radius] = found.vwr;
-    tally.within(&format!("t {place}"), off(&root), bound.t)?;
-    tally.within(&format!("V {place}"), (v - root.v_len).abs(), bound.across)?;
-    tally.within(&format!("W {place}"), (w - root.w_len).abs(), bound.across)?;
-    tally.within(&format!("R {place}"), (radius - root.radius).abs(), bound.radius)?;
+    tally.within(format_args!("t {place}"), off(&root), bound.t)?;
+    tally.within(format_args!("V {place}"), (v - root.v_len).abs(), bound.across)?;
+    tally.within(format_args!("W {place}"), (w - root.w_len).abs(), bound.across)?;
+    tally.within(format_args!("R {place}"), (radius - root.radius).abs(), bound.radius)?;
     let Some(direction) = found.direction else { return Ok(()) };
     let error = (direction - tube.describe(&root).direction).length();
-    tally.within(&format!("the direction {place}"), error, bound.direction)
+    tally.within(format_args!("the direction {place}"), error, bound.direction)
 }
 
 /// Whether rounding alone may have made a root where the f64 model has none: at the rim, an end or a joint.

@@ -3,8 +3,9 @@
 use bendy::{SpotLight, Transform};
 use glam::{DVec3, Vec4};
 use proptest::prelude::*;
-use render::{Aov, Picture, ShadowSettings};
-use scene::{Light, LightKind, Material};
+use reference::Reference;
+use render::{Aov, Picture, ShadowSettings, View};
+use scene::{Light, LightKind, Material, Scene};
 use serde::Serialize;
 
 use super::adapter::Adapter;
@@ -71,9 +72,10 @@ impl Case {
     }
 }
 
+const OF_THE_CAMERA: [Aov; 3] = [Aov::Beauty, Aov::Depth, Aov::Normal];
 const OF_A_LIGHT: [Aov; 4] = [Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility];
 
-/// Holds for every AOV of the camera and of both lights.
+/// Holds for every AOV of the camera and of both lights, by the adapter and by the reference.
 pub fn check(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
     let material = Material {
         roughness: case.roughness,
@@ -83,42 +85,52 @@ pub fn check(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
         ..Material::default()
     };
     let mut scene = case.shot.scene(&case.shot.facets, vec![material]);
-    let squashed = glam::DAffine3::from_scale(case.squash.into());
-    scene.nodes[0].parent_from_local *= squashed;
+    scene.nodes[0].parent_from_local *= glam::DAffine3::from_scale(case.squash.into());
     let (lights, mut view) = (case.lights(), case.shot.view());
     let shadows = ShadowSettings { resolution: 512, ..ShadowSettings::default() };
-    let aovs = [Aov::Beauty, Aov::Depth, Aov::Normal];
-    let mut pictures = adapter.pictures(&scene, &view, &lights, shadows, aovs)?.to_vec();
+    let mut pictures = adapter.pictures(&scene, &view, &lights, shadows, OF_THE_CAMERA)?;
     if tally.planted {
         pictures[0].pixels[0][1] = f32::NAN;
     }
-    sound(&aovs, &pictures, tally)?;
+    all_sound(&OF_THE_CAMERA, &pictures, tally)?;
     for light in 0..lights.len() {
         view.light = light;
-        sound(&OF_A_LIGHT, &adapter.pictures(&scene, &view, &lights, shadows, OF_A_LIGHT)?, tally)?;
+        let pictures = adapter.pictures(&scene, &view, &lights, shadows, OF_A_LIGHT)?;
+        all_sound(&OF_A_LIGHT, &pictures, tally)?;
+    }
+    by_the_reference(&scene, &view, &lights, tally)
+}
+
+/// The same for a small picture in f64, of the last light.
+fn by_the_reference(scene: &Scene, view: &View, lights: &[Light], tally: &mut Tally) -> Check {
+    let reference = Reference::new(scene);
+    for aov in OF_THE_CAMERA.into_iter().chain(OF_A_LIGHT) {
+        let view = View { width: 24, height: 16, aov, ..view.clone() };
+        let frame = reference.render(&view, lights, || ()).map_err(|error| error.to_string())?;
+        frame.pixels.iter().try_for_each(|&pixel| sound("reference", aov, pixel, tally))?;
     }
     Ok(())
 }
 
-fn sound(aovs: &[Aov], pictures: &[Picture], tally: &mut Tally) -> Check {
-    for (aov, picture) in aovs.iter().zip(pictures) {
-        for (index, pixel) in picture.pixels.iter().enumerate() {
-            let place = || format!("pixel {index} of the {} is {pixel:?}", aov.name());
-            tally.holds(pixel.iter().all(|x| x.is_finite()), place)?;
-            tally.holds(pixel[3] == 0.0 || pixel[3] == 1.0, place)?;
-            if pixel[3] == 0.0 {
-                continue;
-            }
-            let length = glam::Vec3::new(pixel[0], pixel[1], pixel[2]).length();
-            match aov {
-                Aov::Visibility => tally.holds((0.0..=1.0).contains(&pixel[0]), place)?,
-                // A few roundings of f32 each.
-                Aov::Direction => tally.within(&place(), (f64::from(length) - 1.0).abs(), 1e-6)?,
-                Aov::Beauty | Aov::Depth => tally.holds(pixel[0] >= 0.0, place)?,
-                Aov::Vw => tally.within(&place(), f64::from(pixel[0].hypot(pixel[1])), 1.0 + 1e-5)?,
-                Aov::T | Aov::Normal => (),
-            }
-        }
-    }
-    Ok(())
+fn all_sound(aovs: &[Aov], pictures: &[Picture], tally: &mut Tally) -> Check {
+    let pixels =
+        aovs.iter().zip(pictures).flat_map(|(&aov, picture)| picture.pixels.iter().map(move |p| (aov, p)));
+    pixels.into_iter().try_for_each(|(aov, pixel)| sound("adapter", aov, pixel.map(f64::from), tally))
+}
+
+/// Holds where a pixel holds numbers, each in the range of its AOV.
+fn sound(whose: &str, aov: Aov, pixel: [f64; 4], tally: &mut Tally) -> Check {
+    let [x, y, z, alpha] = pixel;
+    let length = DVec3::new(x, y, z).length();
+    let in_range = match aov {
+        _ if alpha == 0.0 => true,
+        Aov::Visibility => (0.0..=1.0).contains(&x),
+        // A few roundings of f32 each.
+        Aov::Direction => (length - 1.0).abs() < 1e-6,
+        Aov::Vw => x.hypot(y) < 1.0 + 1e-5,
+        Aov::Beauty | Aov::Depth => x.min(y).min(z) >= 0.0,
+        Aov::T | Aov::Normal => true,
+    };
+    let sound = pixel.iter().all(|x| x.is_finite()) && (alpha == 0.0 || alpha == 1.0) && in_range;
+    tally.holds(sound, || format!("a pixel of the {whose}'s {} is {pixel:?}", aov.name()))
 }

@@ -50,13 +50,17 @@ fn orthonormal<F: Real>(tube: &Tube<F>, shares: &[f64], tally: &mut Tally) -> Ch
         let bound = 32.0 * eps::<F>() * (1.0 + (d0.length() + d1.length()) / speed);
         let place = format!("at t = {t:?} in f{}", 8 * size_of::<F>());
         tally.within(
-            &format!("u_hat x v_hat - w_hat {place}"),
+            format_args!("u_hat x v_hat - w_hat {place}"),
             (u_hat.cross(v_hat) - w_hat).length(),
             bound,
         )?;
-        tally.within(&format!("u_hat . v_hat {place}"), u_hat.dot(v_hat).abs(), bound)?;
+        tally.within(format_args!("u_hat . v_hat {place}"), u_hat.dot(v_hat).abs(), bound)?;
         for (name, vector) in [("u_hat", u_hat), ("v_hat", v_hat), ("w_hat", w_hat)] {
-            tally.within(&format!("the length of {name} {place}"), (vector.length() - 1.0).abs(), bound)?;
+            tally.within(
+                format_args!("the length of {name} {place}"),
+                (vector.length() - 1.0).abs(),
+                bound,
+            )?;
         }
     }
     Ok(())
@@ -72,7 +76,7 @@ fn carried(tube: &Tube<f64>, tally: &mut Tally) -> Check {
         let step = (tube.cross_section(&pair[0], before).0 - tube.cross_section(&pair[1], after).0).length();
         let turn = (before - after).length();
         let error = (step - turn).max(0.0);
-        tally.within(&format!("v_hat over joint {}", i + 1), error, 64.0 * f64::EPSILON)?;
+        tally.within(format_args!("v_hat over joint {}", i + 1), error, 64.0 * f64::EPSILON)?;
     }
     Ok(())
 }

@@ -81,12 +81,16 @@ fn both_sides_agree(tube: &Tube<f64>, joint: usize, at: &Crossing, tally: &mut T
     }
     let Some(bound) = bounds(tube, &before, q, f64::EPSILON, 0.0) else { return Ok(()) };
     let place = format!("over joint {joint} at (v, w) = ({:?}, {:?})", at.v, at.w);
-    tally.within(&format!("V {place}"), (before.v_len - after.v_len).abs(), bound.across)?;
-    tally.within(&format!("W {place}"), (before.w_len - after.w_len).abs(), bound.across)?;
+    tally.within(format_args!("V {place}"), (before.v_len - after.v_len).abs(), bound.across)?;
+    tally.within(format_args!("W {place}"), (before.w_len - after.w_len).abs(), bound.across)?;
     let size = before.radius + tube.segments[joint - 1].r0;
-    tally.within(&format!("R {place}"), (before.radius - after.radius).abs(), 16.0 * f64::EPSILON * size)?;
+    tally.within(
+        format_args!("R {place}"),
+        (before.radius - after.radius).abs(),
+        16.0 * f64::EPSILON * size,
+    )?;
     let turn = (tube.direction_at(&before) - tube.direction_at(&after)).length();
-    tally.within(&format!("the direction {place}"), turn, 2.0 * bound.direction)
+    tally.within(format_args!("the direction {place}"), turn, 2.0 * bound.direction)
 }
 
 /// A point a little to one side of the joint's plane, or on it, is found once and where it should be.
@@ -127,6 +131,6 @@ fn no_gap<F: Real>(
         at.w,
         8 * size_of::<F>()
     );
-    tally.within(&format!("t {place}"), error, bound)?;
+    tally.within(format_args!("t {place}"), error, bound)?;
     tally.holds(near == 1, || format!("the root {place} counts {near} times"))
 }

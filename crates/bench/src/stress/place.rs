@@ -66,7 +66,8 @@ impl Place {
 
 /// Places of every kind.
 pub fn places() -> impl Strategy<Value = Place> {
-    let near = (-1.0..1.0, unit_cube()).prop_map(|(decade, q)| Place::Free(q * 10_f64.powf(decade)));
+    let decade = prop_oneof![3 => -1.0..1.0, 1 => -4.0..6.0];
+    let near = (decade, unit_cube()).prop_map(|(decade, q)| Place::Free(q * 10_f64.powf(decade)));
     let evolute = (0.0..1.0, 0.9..1.1).prop_map(|(share, way)| Place::NearEvolute { share, way });
     prop_oneof![4 => in_tube(1.2), 2 => at_joint(), 2 => near, 1 => evolute]
 }

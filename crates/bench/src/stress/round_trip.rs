@@ -65,16 +65,16 @@ fn comes_back<F: Real>(exact: &Tube<f64>, tube: &Tube<F>, [t, v, w]: [f64; 3], t
         w_len = -w_len;
     }
     let expected_radius = root.radius;
-    tally.within(&format!("t of {place}"), off, bound.t)?;
+    tally.within(format_args!("t of {place}"), off, bound.t)?;
     tally.within(
-        &format!("V of {place}"),
+        format_args!("V of {place}"),
         (v_len - v * expected_radius).abs(),
         bound.across + bound.radius,
     )?;
     tally.within(
-        &format!("W of {place}"),
+        format_args!("W of {place}"),
         (w_len - w * expected_radius).abs(),
         bound.across + bound.radius,
     )?;
-    tally.within(&format!("R of {place}"), (radius - expected_radius).abs(), bound.radius)
+    tally.within(format_args!("R of {place}"), (radius - expected_radius).abs(), bound.radius)
 }

@@ -1,7 +1,7 @@
 //! Generates cases, shrinks what fails, and counts.
 
 use std::cell::RefCell;
-use std::fmt::Debug;
+use std::fmt::{Arguments, Debug};
 
 use proptest::strategy::Strategy;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, TestRng, TestRunner};
@@ -28,7 +28,7 @@ pub type Check = Result<(), String>;
 
 impl Tally {
     /// Compares an error with its bound. NaN is past every bound.
-    pub fn within(&mut self, what: &str, error: f64, bound: f64) -> Check {
+    pub fn within(&mut self, what: Arguments, error: f64, bound: f64) -> Check {
         self.comparisons += 1;
         let share = if error == 0.0 { 0.0 } else { error / bound };
         self.worst_share = self.worst_share.max(if share.is_nan() { f64::INFINITY } else { share });

@@ -9,7 +9,7 @@ use scene::Material;
 use super::adapter::Adapter;
 use super::light::Lights;
 use super::runner::{Check, Tally};
-use super::scenes::{HEIGHT, Shot, WIDTH, YFOV, obstacle, shots, square, wall};
+use super::scenes::{Facet, HEIGHT, Shot, WIDTH, YFOV, obstacle, shots, square, wall};
 use super::walk::{RESOLUTION, Receiver, reaches};
 
 /// The lights whose shadow maps hold what they promise: not so close to a fold that a texel's width spans it.
@@ -54,19 +54,19 @@ pub fn check(fault: Fault) -> impl Fn(&Shot, &Adapter, &mut Tally) -> Check {
 
 /// Holds where the visibility is a share, and the walk's answer two texels and more off a shadow's edge.
 fn agrees_with_the_walk(shot: &Shot, planted: Option<Fault>, adapter: &Adapter, tally: &mut Tally) -> Check {
-    let mut drawn = shot.facets.clone();
-    if planted == Some(Fault::Ghost) {
-        drawn.extend(shot.facets.iter().map(|facet| facet.map(|p| p.map(|x| 0.5 * x))));
-    }
-    if planted == Some(Fault::Holes) {
-        drawn = drawn.into_iter().step_by(2).collect();
-    }
+    let drawn: Vec<Facet> = match planted {
+        Some(Fault::Ghost) => {
+            let ghosts = shot.facets.iter().map(|facet| facet.map(|p| p.map(|x| 0.5 * x)));
+            shot.facets.iter().copied().chain(ghosts).collect()
+        }
+        Some(Fault::Holes) => shot.facets.iter().copied().step_by(2).collect(),
+        Some(Fault::WrongSide) | None => shot.facets.clone(),
+    };
     let w_sign = if planted == Some(Fault::WrongSide) { -1.0 } else { 1.0 };
     let shadows = ShadowSettings { resolution: RESOLUTION, ..ShadowSettings::default() };
     let scene = shot.scene(&drawn, vec![Material { double_sided: true, ..Material::default() }]);
-    let view = shot.view();
-    let aovs = [Aov::Depth, Aov::Normal, Aov::Visibility];
-    let [depth, normal, visibility] = adapter.pictures(&scene, &view, &shot.lights(), shadows, aovs)?;
+    let (view, aovs) = (shot.view(), [Aov::Depth, Aov::Normal, Aov::Visibility]);
+    let pictures = adapter.pictures(&scene, &view, &shot.lights(), shadows, aovs)?;
 
     let tube = Tube::new(&shot.light).expect("cases are valid");
     let in_tube = |p: [f32; 3]| {
@@ -74,29 +74,40 @@ fn agrees_with_the_walk(shot: &Shot, planted: Option<Fault>, adapter: &Adapter, 
     };
     let triangles: Vec<[DVec3; 3]> = shot.facets.iter().map(|facet| facet.map(in_tube)).collect();
     let reach = triangles.iter().flatten().map(|p| p.length()).fold(1.0, f64::max);
-    let lit = |pixel: &usize| visibility.pixels[*pixel][3] == 1.0;
-    let pixels: Vec<usize> = (0..visibility.pixels.len()).filter(lit).collect();
-    let no_share = pixels.iter().find(|&&pixel| !(0.0..=1.0).contains(&visibility.pixels[pixel][0]));
-    tally.holds(no_share.is_none(), || format!("the visibility of pixel {no_share:?} is not from 0 to 1"))?;
+    let visibility = &pictures[2].pixels;
+    let pixels: Vec<usize> = (0..visibility.len()).filter(|&pixel| visibility[pixel][3] == 1.0).collect();
+    let odd = pixels.iter().find(|&&pixel| !(0.0..=1.0).contains(&visibility[pixel][0]));
+    tally.holds(odd.is_none(), || format!("the visibility of pixel {odd:?} is not from 0 to 1"))?;
     for &pixel in pixels.iter().step_by(pixels.len().div_ceil(PIXELS).max(1)) {
-        let q = tube.placement.tube_from_world(position(&view, &depth, pixel));
-        let mut roots = Vec::new();
-        tube.for_each_root(q, |root| roots.push(root));
-        let [root] = &roots[..] else { continue };
-        let facing = DVec3::from_array([0, 1, 2].map(|k| f64::from(normal.pixels[pixel][k])));
-        let receiver = Receiver { root, normal: tube.placement.rotation.transpose() * facing };
-        let Some(expected) = reaches(&tube, &triangles, reach, &receiver, w_sign) else { continue };
-        let shown = visibility.pixels[pixel][0];
-        tally.holds(shown == f32::from(u8::from(expected)), || {
-            let (t, v, w) = (root.segment as f64 + root.u, root.v_len / root.radius, root.w_len / root.radius);
-            let (x, y) = (pixel % WIDTH as usize, pixel / WIDTH as usize);
-            format!(
-                "pixel ({x}, {y}), at (t, v, w) = ({t:.6}, {v:.6}, {w:.6}), has the visibility {shown} where light \
-                 {}", if expected { "reaches it" } else { "is blocked" }
-            )
-        })?;
+        pixel_agrees(&tube, &triangles, reach, (&view, &pictures, pixel), w_sign, tally)?;
     }
     Ok(())
+}
+
+/// The same for one pixel of the pictures of depth, normal and visibility.
+fn pixel_agrees(
+    tube: &Tube<f64>,
+    triangles: &[[DVec3; 3]],
+    reach: f64,
+    (view, [depth, normal, visibility], pixel): (&View, &[Picture; 3], usize),
+    w_sign: f64,
+    tally: &mut Tally,
+) -> Check {
+    let q = tube.placement.tube_from_world(position(view, depth, pixel));
+    let mut roots = Vec::new();
+    tube.for_each_root(q, |root| roots.push(root));
+    // Where the tube overlaps itself, rounding chooses.
+    let [root] = &roots[..] else { return Ok(()) };
+    let facing = DVec3::from_array([0, 1, 2].map(|k| f64::from(normal.pixels[pixel][k])));
+    let receiver = Receiver { root, normal: tube.placement.rotation.transpose() * facing };
+    let Some(expected) = reaches(tube, triangles, reach, &receiver, w_sign) else { return Ok(()) };
+    let shown = visibility.pixels[pixel][0];
+    tally.holds(shown == f32::from(u8::from(expected)), || {
+        let (t, v, w) = (root.segment as f64 + root.u, root.v_len / root.radius, root.w_len / root.radius);
+        let (x, y) = (pixel % WIDTH as usize, pixel / WIDTH as usize);
+        let light = if expected { "reaches it" } else { "is blocked" };
+        format!("pixel ({x}, {y}), at (t, v, w) = ({t:.6}, {v:.6}, {w:.6}), has the visibility {shown} where light {light}")
+    })
 }
 
 /// The world position that a pixel of the depth AOV stands for.

@@ -93,7 +93,14 @@ const STEPS: usize = 512;
 fn roots_are_right<F: Real>(tube: &Tube<F>, q: F::Vec3, k: f64, tally: &mut Tally) -> Check {
     let tolerance = k * eps::<F>();
     let mut roots = Vec::new();
-    tube.for_each_root(q, |root| roots.push((root.segment, root.u.f64())));
+    let mut odd = None;
+    tube.for_each_root(q, |root| {
+        let place = tube.describe(&root);
+        let unit = (place.direction.length() - 1.0).abs() < 1e-5;
+        odd = odd.or((!(unit && place.v.is_finite() && place.w.is_finite())).then_some(place));
+        roots.push((root.segment, root.u.f64()));
+    });
+    tally.holds(odd.is_none(), || format!("a place is not made of numbers: {odd:?}"))?;
     if tally.planted
         && let Some(root) = roots.first_mut()
     {
@@ -108,7 +115,7 @@ fn roots_are_right<F: Real>(tube: &Tube<F>, q: F::Vec3, k: f64, tally: &mut Tall
         })?;
         let bound = tolerance * curve.noise(q, u);
         tally.within(
-            &format!("f at the f{width} root u = {u:?} of segment {i}"),
+            format_args!("f at the f{width} root u = {u:?} of segment {i}"),
             curve.f(q, u).abs(),
             bound,
         )?;

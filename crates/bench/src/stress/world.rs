@@ -93,11 +93,11 @@ fn stays(before: &Tube<f64>, after: &Tube<f64>, by: &Transform, point: DVec3, ta
     let Some((off, root)) = found else {
         return tally.holds(false, || format!("the point {place} is lost in the move"));
     };
-    tally.within(&format!("t {place}"), off, bound.t)?;
-    tally.within(&format!("V {place}"), (root.v_len - expected.v_len).abs(), bound.across)?;
-    tally.within(&format!("W {place}"), (root.w_len - expected.w_len).abs(), bound.across)?;
-    tally.within(&format!("R {place}"), (root.radius - expected.radius).abs(), bound.radius)?;
+    tally.within(format_args!("t {place}"), off, bound.t)?;
+    tally.within(format_args!("V {place}"), (root.v_len - expected.v_len).abs(), bound.across)?;
+    tally.within(format_args!("W {place}"), (root.w_len - expected.w_len).abs(), bound.across)?;
+    tally.within(format_args!("R {place}"), (root.radius - expected.radius).abs(), bound.radius)?;
     let turned = by.rotation.normalize() * before.describe(&expected).direction;
     let turn = (after.describe(&root).direction - turned).length();
-    tally.within(&format!("the direction {place}"), turn, bound.direction + 16.0 * f64::EPSILON)
+    tally.within(format_args!("the direction {place}"), turn, bound.direction + 16.0 * f64::EPSILON)
 }

@@ -45,7 +45,7 @@ fn eval_says_what_is_in_the_way() {
         folder.file(name, light.to_string())
     };
     let eval = |light: &str, scene: &[&str]| -> Value {
-        let points = "[[0.68, 0.306, 0.25], [0.658, 0.248, 0.25], [9, 9, 9]]";
+        let points = "[[0.68, 0.306, 0.25], [0.658, 0.519, 0.25], [9, 9, 9]]";
         let text = printed(&[&["eval", light], scene].concat(), points);
         serde_json::from_str(&text).expect("JSON")
     };

@@ -28,7 +28,7 @@ struct Curve {
 const NEWTON_STEPS = 3u;
 
 fn curve_d(c: Curve, u: f32) -> vec3f {
-    return c.d0 + c.a * u;
+    return select(c.d0 + c.a * u, c.d1, u == 1.0);
 }
 
 fn curve_offset(c: Curve, q: vec3f, u: f32) -> vec3f {
@@ -203,15 +203,16 @@ fn increasing_roots(c: Curve, q: vec3f, f0: f32, f1: f32) -> Roots {
     let sl = at_split(cl, e0, e1, fl);
     let sh = at_split(ch, e0, e1, fh);
 
+    // A piece without length counts only where f rises.
     var roots = Roots(0.0, 0.0, false, false);
-    if e0 <= 0.0 && 0.0 <= sl {
+    if e0 <= 0.0 && 0.0 <= sl && (cl > 0.0 || cubic_slope(cubic, cl) >= 0.0) {
         let g = max(cubic_slope(cubic, cl), 0.0);
         let h = max(-cubic_half_curvature(cubic, cl), 0.0);
         let u = cl - climb(abs(fl), g, h, cubic.c3, cl);
         roots.left = polish(c, q, u, 0.0, cl);
         roots.has_left = true;
     }
-    if sh <= 0.0 && 0.0 <= e1 {
+    if sh <= 0.0 && 0.0 <= e1 && (ch < 1.0 || cubic_slope(cubic, ch) >= 0.0) {
         let g = max(cubic_slope(cubic, ch), 0.0);
         let h = max(cubic_half_curvature(cubic, ch), 0.0);
         let u = ch + climb(abs(fh), g, h, cubic.c3, 1.0 - ch);
