@@ -40,7 +40,7 @@ pub enum Verdict {
     Coincident,
     /// Left out: only one of them sees it inside the light.
     Rim,
-    /// Left out: a shadow's edge is nearer than [`TEXELS_ALLOWED`], or within the filter's reach more.
+    /// Left out: a shadow's edge is nearer than `TEXELS_ALLOWED`, or within the filter's reach more.
     Boundary,
     /// Compared: light where there should be shadow, farther from its edge than that.
     Missed,
@@ -110,7 +110,7 @@ pub struct Drawn {
     pub normal: Picture,
     /// The light's visibility.
     pub visibility: Picture,
-    /// The same at [`scan::FINER`] times the size, whose every third row and column are the centres of `visibility`.
+    /// The same at `scan::FINER` times the size, whose every third row and column are the centres of `visibility`.
     pub fine_visibility: Picture,
     /// How shadows were made.
     pub shadows: ShadowSettings,

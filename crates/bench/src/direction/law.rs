@@ -14,7 +14,7 @@ pub enum Law {
     Path,
     /// The paper's eq. 9 with its second term as printed, `Q` read for `Q'`: the spread has the wrong sign.
     Printed,
-    /// [`Law::Path`] with `u_hat'` made continuous: within [`WINDOW`] of a joint it goes linearly to the mean of what
+    /// [`Law::Path`] with `u_hat'` made continuous: within `WINDOW` of a joint it goes linearly to the mean of what
     /// it is on both sides.
     Blended,
 }
