@@ -77,7 +77,10 @@ fn points(family: Family, knots: &[DVec3]) -> Vec<DVec3> {
         });
     }
     let source = points[0];
-    points.iter().map(|&point| point - source).collect()
+    // About a unit a step, whatever the family; by a power of two, so that what coincides still does.
+    let length: f64 = points.windows(2).map(|leg| leg[1].distance(leg[0])).sum();
+    let size = if length > 0.0 { ((points.len() - 1) as f64 / length).log2().round().exp2() } else { 1.0 };
+    points.iter().map(|&point| (point - source) * size).collect()
 }
 
 /// Whether no tangent comes near `up`: each lies between two legs of the control polygon.
