@@ -1,4 +1,8 @@
 //! How far a pixel is from a shadow's edge, in texels of the light's map.
+//!
+//! A map knows an occluder's edge to a fraction of a texel, and a texel covers a patch of the receiver's plane. That
+//! plane may run on past the surface: where a wall seen edge on by the light is narrower than a texel, the edge that
+//! the map moved lies beside it, on the plane alone. So both are asked, what the camera sees there and the plane.
 
 use glam::{DVec2, DVec3};
 use reference::Surface;
@@ -13,15 +17,6 @@ const RINGS: [f64; 12] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6
 const DIRECTIONS: u32 = 16;
 /// Longest step along the light, in texels' widths: seen edge on, a plane runs off along it.
 const LONGEST_STEP: f64 = 32.0;
-
-/// What is asked a step beside a surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Beside {
-    /// What the camera sees there.
-    Seen,
-    /// The surface's own plane, wherever the surface itself goes.
-    Plane,
-}
 
 /// One texel's steps over the plane of a surface, in the world: along v and along w.
 struct Texel {
@@ -38,27 +33,24 @@ impl Expected<'_> {
         if self.amid_wrong(drawn, pixel, seen) && !self.edge_around(seen, &texel) {
             return f64::INFINITY;
         }
-        let edge_on = |radius: &f64| self.edge_on_ring(seen, &texel, *radius, Beside::Seen);
-        RINGS.into_iter().find(edge_on).unwrap_or(f64::INFINITY)
+        RINGS.into_iter().find(|&radius| self.edge_on_ring(seen, &texel, radius)).unwrap_or(f64::INFINITY)
     }
 
-    /// Whether there is an edge within so many texels of a pixel on its right side, on what is seen or on the surface's
-    /// plane: a filter blends over that.
+    /// Whether there is an edge within so many texels of a pixel.
     pub(super) fn edge_within(&self, seen: &Seen, resolution: u32, texels: f64) -> bool {
         self.texel(&seen.surface, resolution).is_some_and(|texel| {
-            let edge_on = |radius, beside| self.edge_on_ring(seen, &texel, radius, beside);
             let mut rings = RINGS.into_iter().take_while(|radius| *radius <= texels);
-            rings.any(|radius| edge_on(radius, Beside::Seen) || edge_on(radius, Beside::Plane))
+            rings.any(|radius| self.edge_on_ring(seen, &texel, radius))
         })
     }
 
-    fn edge_on_ring(&self, seen: &Seen, texel: &Texel, radius: f64, beside: Beside) -> bool {
+    fn edge_on_ring(&self, seen: &Seen, texel: &Texel, radius: f64) -> bool {
         let visible = seen.light.map(|light| light.sample.visible);
         (0..DIRECTIONS).any(|k| {
             let direction = DVec2::from_angle(f64::from(k) / f64::from(DIRECTIONS) * std::f64::consts::TAU);
             let step = (texel.v * direction.x + texel.w * direction.y) * radius;
-            let there = self.visible_beside(&seen.surface, step, beside);
-            there.is_some() && there != visible
+            let there = self.visible_beside(&seen.surface, step);
+            there.into_iter().any(|there| there.is_some() && there != visible)
         })
     }
 
@@ -118,15 +110,15 @@ impl Expected<'_> {
         Some(Texel { v: in_world(root.v_hat * width), w: in_world(root.u_hat.cross(root.v_hat) * width) })
     }
 
-    /// Whether the light reaches what lies a step beside `surface`; its plane, too, where the camera sees something
-    /// else there. `None` outside the light.
-    fn visible_beside(&self, surface: &Surface, step: DVec3, beside: Beside) -> Option<bool> {
+    /// Whether the light reaches the point a step beside `surface` on its plane, and what the camera sees there if that
+    /// is about as far away. `None` outside the light.
+    fn visible_beside(&self, surface: &Surface, step: DVec3) -> [Option<bool>; 2] {
         let position = surface.position + step;
-        let pixel = self.pixel_of(self.in_world(position)).filter(|_| beside == Beside::Seen);
+        let pixel = self.pixel_of(self.in_world(position));
         let seen = pixel.and_then(|pixel| self.reference.surface(&self.subject.view, pixel));
-        let on_it = seen.filter(|seen| seen.position.distance(position) <= 0.25 * step.length());
-        let beside = on_it.unwrap_or(Surface { position, ..*surface });
-        Some(self.reference.sample(&self.source, &beside)?.visible)
+        let seen = seen.filter(|seen| seen.position.distance(position) <= 0.25 * step.length());
+        let visible = |surface: &Surface| Some(self.reference.sample(&self.source, surface)?.visible);
+        [visible(&Surface { position, ..*surface }), seen.as_ref().and_then(visible)]
     }
 
     /// World position of one in the reference's space, whose origin is the scene's.

@@ -22,7 +22,7 @@ pub enum Fault {
     Ghost,
     /// A wall with every second facet left out.
     Holes,
-    /// w with the wrong sign.
+    /// All but the receiver stands on the other side of the light.
     WrongSide,
 }
 
@@ -60,9 +60,13 @@ fn agrees_with_the_walk(shot: &Shot, planted: Option<Fault>, adapter: &Adapter, 
             shot.facets.iter().copied().chain(ghosts).collect()
         }
         Some(Fault::Holes) => shot.facets.iter().copied().step_by(2).collect(),
-        Some(Fault::WrongSide) | None => shot.facets.clone(),
+        Some(Fault::WrongSide) => {
+            let (others, receiver) = shot.facets.split_at(shot.facets.len() - 2);
+            let turned = others.iter().map(|facet| facet.map(|[x, y, z]| [-x, -y, z]));
+            turned.chain(receiver.iter().copied()).collect()
+        }
+        None => shot.facets.clone(),
     };
-    let w_sign = if planted == Some(Fault::WrongSide) { -1.0 } else { 1.0 };
     let shadows = ShadowSettings { resolution: RESOLUTION, ..ShadowSettings::default() };
     let scene = shot.scene(&drawn, vec![Material { double_sided: true, ..Material::default() }]);
     let (view, aovs) = (shot.view(), [Aov::Depth, Aov::Normal, Aov::Visibility]);
@@ -79,7 +83,7 @@ fn agrees_with_the_walk(shot: &Shot, planted: Option<Fault>, adapter: &Adapter, 
     let odd = pixels.iter().find(|&&pixel| !(0.0..=1.0).contains(&visibility[pixel][0]));
     tally.holds(odd.is_none(), || format!("the visibility of pixel {odd:?} is not from 0 to 1"))?;
     for &pixel in pixels.iter().step_by(pixels.len().div_ceil(PIXELS).max(1)) {
-        pixel_agrees(&tube, &triangles, reach, (&view, &pictures, pixel), w_sign, tally)?;
+        pixel_agrees(&tube, &triangles, reach, (&view, &pictures, pixel), tally)?;
     }
     Ok(())
 }
@@ -90,7 +94,6 @@ fn pixel_agrees(
     triangles: &[[DVec3; 3]],
     reach: f64,
     (view, [depth, normal, visibility], pixel): (&View, &[Picture; 3], usize),
-    w_sign: f64,
     tally: &mut Tally,
 ) -> Check {
     let q = tube.placement.tube_from_world(position(view, depth, pixel));
@@ -100,7 +103,7 @@ fn pixel_agrees(
     let [root] = &roots[..] else { return Ok(()) };
     let facing = DVec3::from_array([0, 1, 2].map(|k| f64::from(normal.pixels[pixel][k])));
     let receiver = Receiver { root, normal: tube.placement.rotation.transpose() * facing };
-    let Some(expected) = reaches(tube, triangles, reach, &receiver, w_sign) else { return Ok(()) };
+    let Some(expected) = reaches(tube, triangles, reach, &receiver) else { return Ok(()) };
     let shown = visibility.pixels[pixel][0];
     tally.holds(shown == f32::from(u8::from(expected)), || {
         let (t, v, w) = (root.segment as f64 + root.u, root.v_len / root.radius, root.w_len / root.radius);

@@ -35,7 +35,8 @@ fn unknown_words(text: &str) -> Vec<String> {
                 return vec![format!("{line}: no command {command}")];
             }
             let kind = words.clone().next().filter(|kind| command == "bench" && !kind.starts_with('-'));
-            let known = help(&[Some(command), kind, Some("--help")].into_iter().flatten().collect::<Vec<_>>());
+            let known =
+                help(&[Some(command), kind, Some("--help")].into_iter().flatten().collect::<Vec<_>>());
             let options = words.filter(|word| word.starts_with('-') && word.len() > 1);
             let unknown = options.filter(|option| !known.contains(&format!("{option} ")));
             unknown.map(|option| format!("{line}: no option {option}")).collect()

@@ -318,6 +318,27 @@ fn room_grows_until_a_map_fits() {
     assert!(room.work > 1 && room.patches > 1 && room.split_vertices > 3, "{room:?}");
 }
 
+/// Where a tube is thin, a map's texels are small; a wall along it is split finely on the map alone, not beside it.
+#[test]
+fn what_no_texel_shows_is_not_split() {
+    let mut scene = scene();
+    // A wall beside the light's axis, twice as high as the light is long.
+    let across = DAffine3::from_scale_rotation_translation(
+        DVec3::new(3.0, 4.0, 0.001),
+        DQuat::from_rotation_y(0.3),
+        DVec3::new(-1.0, 2.0, 0.02),
+    );
+    scene.nodes.truncate(1);
+    scene.nodes[0].parent_from_local = across;
+    let mut thin = light();
+    thin.radii = vec![0.0, 0.0, 0.1, 0.2, 0.3];
+    let mut renderer = renderer(&scene);
+    let before = renderer.bent_work().room;
+    let lights = [Light { name: "key".into(), kind: LightKind::Bendy(thin) }];
+    renderer.render(&view(Aov::Visibility), &lights).expect("drawn");
+    assert_eq!(renderer.bent_work().room, before);
+}
+
 /// The numbers that WGSL spells out are Rust's.
 #[test]
 fn constants_are_the_models() {

@@ -45,19 +45,20 @@ fn bent_visibility(root: Root, vw: vec2f, normal: vec3f) -> f32 {
     let texel_width = 2.0 * root.radius / light.shadow_resolution;
     // One texel's width in the scene, as a step in t; at most that along the centre, in which the map's own
     // error is measured.
-    let footprint = texel_width / max(min(length(tangent), 2.0 * length(root.d)), 1e-20);
-    let closing = dot(normal, tangent);
+    let speed = max(min(length(tangent), 2.0 * length(root.d)), 1e-20);
+    let footprint = texel_width / speed;
+    let closing = -dot(normal, tangent);
     // Light that arrives from behind meets the surface's other side.
-    if closing >= 0.0 {
+    if closing <= 0.0 {
         return 0.0;
     }
-    let slope = -texel_width * (normal * across) / closing;
+    let leaning = normal * across;
 
     var receiver: Receiver;
     receiver.texel = (vw * vec2f(0.5, -0.5) + 0.5) * light.shadow_resolution - 0.5;
     receiver.t = root_t(root);
-    // Seen edge on, the plane runs off along the light within a texel.
-    receiver.step = clamp(vec2f(slope.x, -slope.y), vec2f(-32.0 * footprint), vec2f(32.0 * footprint));
+    // Seen edge on, the plane runs off along the light within a texel: at most 32 of its widths, the way it leans.
+    receiver.step = texel_width / max(closing, length(leaning) * speed / 32.0) * vec2f(leaning.x, -leaning.y);
     // The depth is rounded to some ulps of 1.
     receiver.tolerance = light.shadow_tolerance_texels * (footprint + length(receiver.step))
         + 0x1p-22 * light.t_max;

@@ -95,6 +95,8 @@ fn map_to_slab(c: Curve, q: vec3f) -> vec4f {
 // Whether the edge between two mapped points needs a point between, and that point.
 struct Middle {
     split: bool,
+    // How far (V, W, R) strays from the straight edge, as a length in tube space; 0 where too little to see.
+    bow: f32,
     q: vec3f,
     mapped: vec4f,
 }
@@ -106,7 +108,7 @@ const POSITION_ROUNDING = 0x1p-22;
 // chord in the middle. The middle of homogeneous (V, W, R) is what the rasteriser draws; on a straight cone both
 // agree.
 fn edge_middle(slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> Middle {
-    var middle = Middle(false, (qa + qb) * 0.5, vec4f(0.0));
+    var middle = Middle(false, 0.0, (qa + qb) * 0.5, vec4f(0.0));
     if edge_is_safe(slab, qa, a, qb, b) {
         return middle;
     }
@@ -116,10 +118,28 @@ fn edge_middle(slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> Middle {
     // Made from both ends alike, so that the edge's other triangle finds the same bits.
     let near_a = (qa + middle.q) * 0.5;
     let near_b = (qb + middle.q) * 0.5;
-    middle.split = strays(c, middle.q, middle.mapped, straight)
-        || strays(c, near_a, map_to_slab(c, near_a), (a + straight) * 0.5)
-        || strays(c, near_b, map_to_slab(c, near_b), (b + straight) * 0.5);
+    let mapped_a = map_to_slab(c, near_a);
+    let mapped_b = map_to_slab(c, near_b);
+    let straight_a = (a + straight) * 0.5;
+    let straight_b = (b + straight) * 0.5;
+    middle.split = strays(c, middle.q, middle.mapped, straight) || strays(c, near_a, mapped_a, straight_a)
+        || strays(c, near_b, mapped_b, straight_b);
+    middle.bow = max(bow(middle.mapped, straight), max(bow(mapped_a, straight_a), bow(mapped_b, straight_b)));
     return middle;
+}
+
+fn bow(mapped: vec4f, straight: vec4f) -> f32 {
+    return length(mapped.xy - straight.xy) + abs(mapped.z - straight.z);
+}
+
+// Whether a triangle's image lies beyond one side of the map's square. Between its edges it strays by at most 4/3 of
+// what the middles of its edges do, were it quadratic: twice leaves room for more.
+fn off_map(a: vec4f, b: vec4f, c: vec4f, ab: Middle, bc: Middle, ca: Middle) -> bool {
+    let margin = 2.0 * max(ab.bow, max(bc.bow, ca.bow));
+    let outer = vec3f(a.z, b.z, c.z) + margin;
+    let v = vec3f(a.x, b.x, c.x);
+    let w = vec3f(a.y, b.y, c.y);
+    return all(v > outer) || all(v < -outer) || all(w > outer) || all(w < -outer);
 }
 
 // Whether a point's image lies too far from where the straight edge has it, in texels: across the map, and along

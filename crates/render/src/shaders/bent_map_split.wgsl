@@ -1,6 +1,6 @@
-// Pass 4, level by level: a patch whose edges are straight enough is drawn, any other is split at the middles
-// of those that are not. Whether an edge is split depends on that edge alone, so neighbours agree and no
-// cracks open. Follows bent_map.wgsl.
+// Pass 4, level by level: a patch off the map is dropped, one whose edges are straight enough is drawn, any other is
+// split at the middles of those that are not. Whether an edge is split depends on that edge alone, so neighbours
+// agree and no cracks open. Follows bent_map.wgsl.
 
 @group(0) @binding(2) var<storage, read> patches_in: array<Patch>;
 @group(0) @binding(3) var<storage, read_write> patches_out: array<Patch>;
@@ -36,6 +36,9 @@ fn split_patches(@builtin(global_invocation_id) id: vec3u) {
     var ab = edge_middle(p.slab, p.a, p.mapped_a, p.b, p.mapped_b);
     var bc = edge_middle(p.slab, p.b, p.mapped_b, p.c, p.mapped_c);
     var ca = edge_middle(p.slab, p.c, p.mapped_c, p.a, p.mapped_a);
+    if off_map(p.mapped_a, p.mapped_b, p.mapped_c, ab, bc, ca) {
+        return;
+    }
     let splits = u32(ab.split) + u32(bc.split) + u32(ca.split);
     if splits == 0u || stage == LAST_STAGE {
         draw(p.mapped_a, p.mapped_b, p.mapped_c);

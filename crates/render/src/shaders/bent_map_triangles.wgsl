@@ -24,12 +24,6 @@ fn may_touch(slab: u32, a: vec3f, b: vec3f, c: vec3f) -> bool {
         || beyond(slab, 3u, a, b, c) || beyond(slab, 4u, a, b, c) || beyond(slab, 5u, a, b, c));
 }
 
-// Whether the three vertices lie beyond one side of the map's square.
-fn off_map(a: vec4f, b: vec4f, c: vec4f) -> bool {
-    return (a.x > a.z && b.x > b.z && c.x > c.z) || (a.x < -a.z && b.x < -b.z && c.x < -c.z)
-        || (a.y > a.z && b.y > b.z && c.y > c.z) || (a.y < -a.z && b.y < -b.z && c.y < -c.z);
-}
-
 @compute @workgroup_size(64)
 fn map_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let triangle = id.x + id.y * groups.x * 64u;
@@ -45,12 +39,13 @@ fn map_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
         let a = mapped[corners.x];
         let b = mapped[corners.y];
         let c = mapped[corners.z];
-        if off_map(a, b, c) {
+        let ab = edge_middle(slab, qa, a, qb, b);
+        let bc = edge_middle(slab, qb, b, qc, c);
+        let ca = edge_middle(slab, qc, c, qa, a);
+        if off_map(a, b, c, ab, bc, ca) {
             return;
         }
-        let splits = edge_middle(slab, qa, a, qb, b).split || edge_middle(slab, qb, b, qc, c).split
-            || edge_middle(slab, qc, c, qa, a).split;
-        if splits {
+        if ab.split || bc.split || ca.split {
             let item = atomicAdd(&counts.items[1], 1u);
             if item < bent.patch_capacity {
                 patches_out[item] = Patch(qa, slab, qb, qc, a, b, c);
