@@ -3,6 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
+use ::bench::BenchError;
 use assets::AssetError;
 use bendy::LightError;
 use protocol::FileError;
@@ -88,17 +89,18 @@ pub enum Error {
     Differs { file: String, seq: u64 },
     /// A measurement that could not be made.
     #[error(transparent)]
-    Bench(#[from] ::bench::BenchError),
+    Bench(#[from] BenchError),
     /// Standard output would not take the answer.
     #[error("standard output cannot be written ({0}); check where it leads")]
     Stdout(io::Error),
 }
 
 impl Error {
-    /// 2 where the user can mend it, 1 where this machine stands in the way.
+    /// 2 where the user can mend it, 1 where this machine stands in the way or a benchmark finds the product wrong.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Stdout(_)
+            | Self::Bench(BenchError::SolverWrong { .. } | BenchError::Broken { .. })
             | Self::Store(StoreError::Io { .. } | StoreError::Database(_) | StoreError::Unwritable(_))
             | Self::NoRuntime(_)
             | Self::Server(

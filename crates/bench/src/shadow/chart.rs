@@ -65,36 +65,53 @@ pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>
             report.width, report.height, report.adapter
         );
         let panels = root.titled(&title, ("sans-serif", 18))?.split_evenly((KNOBS.len(), MEASURES.len()));
+        // One scale for a column, so that its panels can be compared.
+        let ranges = MEASURES.map(|measure| {
+            let errors = KNOBS.iter().flat_map(|knob| {
+                report.scenes.iter().flat_map(|scene| points(scene, knob, &measure)).map(|point| point.1)
+            });
+            decades(errors.collect())
+        });
+        let runs = report.scenes.iter().flat_map(|scene| &scene.runs);
+        let slowest_ms = runs.map(milliseconds).fold(0.0, f64::max);
         for (index, area) in panels.iter().enumerate() {
-            let (knob, measure) = (&KNOBS[index / MEASURES.len()], &MEASURES[index % MEASURES.len()]);
-            panel(area, report, knob, measure, index == 0)?;
+            let (row, column) = (index / MEASURES.len(), index % MEASURES.len());
+            let axes = Axes { end_ms: 1.15 * slowest_ms, errors: ranges[column] };
+            panel(area, report, (&KNOBS[row], &MEASURES[column]), axes, index == 0)?;
         }
         root.present()?;
     }
     Ok(svg)
 }
 
-fn panel(area: &Drawing, report: &Report, knob: &Knob, measure: &Measure, key: bool) -> Drawn {
+/// What a panel spans.
+#[derive(Clone, Copy)]
+struct Axes {
+    end_ms: f64,
+    errors: (f64, f64),
+}
+
+fn panel(
+    area: &Drawing,
+    report: &Report,
+    (knob, measure): (&Knob, &Measure),
+    Axes { end_ms, errors }: Axes,
+    key: bool,
+) -> Drawn {
     let points: Vec<Vec<_>> = report.scenes.iter().map(|scene| points(scene, knob, measure)).collect();
-    let all = || points.iter().flatten();
-    let x = range(all().map(|point| point.0));
-    let x = (x.0 / 1.15, x.1 * 1.15);
-    let y = range(all().map(|point| point.1));
-    // Whole decades, so that the axis has its numbers.
-    let y = (10_f64.powf(y.0.log10().floor()), 10_f64.powf((1.2 * y.1).log10().ceil()));
     let mut plot = ChartBuilder::on(area)
         .caption(knob.title, ("sans-serif", 15))
         .margin(10)
         .x_label_area_size(36)
         .y_label_area_size(76)
-        .build_cartesian_2d((x.0..x.1).log_scale(), (y.0..y.1).log_scale())?;
+        .build_cartesian_2d(0.0..end_ms, (errors.0..errors.1).log_scale())?;
     plot.configure_mesh()
         .x_desc("shadow map and lighting, ms")
         .y_desc(measure.title)
         .light_line_style(BLACK.mix(0.06))
         .x_labels(12)
-        .x_label_formatter(&|ms| short(*ms))
-        .y_label_formatter(&|error| short(*error))
+        .x_label_formatter(&|ms| format!("{ms:.0}"))
+        .y_label_formatter(&|error| format!("{error}"))
         .draw()?;
     let mut labels: Vec<(i32, i32)> = Vec::new();
     for ((scene, points), color) in report.scenes.iter().zip(&points).zip(COLORS) {
@@ -139,20 +156,20 @@ fn points(scene: &SceneReport, knob: &Knob, measure: &Measure) -> Vec<(f64, f64,
     turned
         .into_iter()
         .map(|run| {
-            let ms = run.stages.shadow_ms + run.stages.lighting_ms;
             // An edge that was not found at all is drawn at the window's end.
-            (ms, (measure.of)(run).clamp(1e-6, 6.0), (knob.label)(run))
+            (milliseconds(run), (measure.of)(run).clamp(1e-6, 6.0), (knob.label)(run))
         })
         .collect()
 }
 
-/// The least and the greatest.
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    values.fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)))
+/// Of the stages that the knobs are about.
+fn milliseconds(run: &Run) -> f64 {
+    run.stages.shadow_ms + run.stages.lighting_ms
 }
 
-/// With one digit that is not 0 behind the point, where one is needed.
-fn short(value: f64) -> String {
-    let digits = (-value.log10()).ceil().max(0.0) as usize;
-    format!("{value:.digits$}")
+/// Whole decades around some values, so that a logarithmic axis has its numbers.
+fn decades(values: Vec<f64>) -> (f64, f64) {
+    let (low, high) =
+        values.into_iter().fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
+    (10_f64.powf(low.log10().floor()), 10_f64.powf((1.2 * high).log10().ceil()))
 }

@@ -56,7 +56,7 @@ pub fn chart(report: &Report) -> Result<String, Box<dyn std::error::Error>> {
         draw_markers(&mut plot, methods)?;
         draw_labels(&mut plot, methods)?;
         plot.configure_series_labels()
-            .position(SeriesLabelPosition::MiddleRight)
+            .position(SeriesLabelPosition::MiddleLeft)
             .background_style(WHITE.mix(0.85))
             .border_style(BLACK.mix(0.3))
             .draw()?;

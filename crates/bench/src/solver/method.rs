@@ -1,7 +1,7 @@
 //! The solvers that are compared.
 
 use bendy::Segment;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::closed_form::RealRoots;
 use super::cubic::Cubic;
@@ -10,7 +10,7 @@ use super::width::Width;
 use super::{blinn, closed_form, iterative};
 
 /// A way to find where a curve is square to a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub enum Method {
     /// The product's: [`bendy::increasing_roots`].

@@ -34,6 +34,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     let output = args.output.as_deref().map(Output::create).transpose()?;
+    super::make_folder(args.pictures.as_deref())?;
     let scene = assets::demo("vases").expect("a demo of that name");
     let Size { width, height } = args.size;
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} rows").expect("a valid template");

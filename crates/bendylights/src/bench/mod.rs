@@ -6,6 +6,8 @@ mod shadow;
 mod solver;
 mod stress;
 
+use std::path::Path;
+
 use crate::error::Error;
 
 #[derive(clap::Args)]
@@ -36,4 +38,10 @@ pub fn run(args: &Args) -> Result<(), Error> {
         Question::Solver(args) => solver::run(args),
         Question::Stress(args) => stress::run(args),
     }
+}
+
+/// Makes the folder that pictures go to, where one is wanted: before the work, which takes a while.
+fn make_folder(folder: Option<&Path>) -> Result<(), Error> {
+    let Some(folder) = folder else { return Ok(()) };
+    std::fs::create_dir_all(folder).map_err(|reason| Error::Unwritable { file: folder.to_owned(), reason })
 }

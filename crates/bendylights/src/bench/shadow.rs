@@ -36,10 +36,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Error> {
     crate::headless::prepare();
     let output = args.output.as_deref().map(Output::create).transpose()?;
-    if let Some(folder) = &args.pictures {
-        let unwritable = |reason| Error::Unwritable { file: folder.clone(), reason };
-        std::fs::create_dir_all(folder).map_err(unwritable)?;
-    }
+    super::make_folder(args.pictures.as_deref())?;
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
     let bar = ProgressBar::new(0).with_style(style);
     let Size { width, height } = args.size;

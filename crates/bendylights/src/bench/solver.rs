@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use ::bench::BenchError;
 use ::bench::solver::{self, FAMILIES, METHODS, Method};
-use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use render::Gpu;
 
@@ -27,51 +26,22 @@ pub struct Args {
     /// Points of each of the 15 families
     #[arg(long, default_value_t = 60_000, value_name = "N", value_parser = clap::value_parser!(u64).range(100..=1_000_000_000))]
     inputs: u64,
-    /// Method to measure, with the product's own; all if left out. May be given several times
-    #[arg(long, value_name = "METHOD", value_enum)]
-    only: Vec<Name>,
+    /// Method to measure beside the product's own, by its name in the answer; all if left out. May be given several times
+    #[arg(long, value_name = "METHOD", value_parser = method)]
+    only: Vec<Method>,
     /// Chart to write: run time against error
     #[arg(short, value_name = "OUT.svg")]
     output: Option<PathBuf>,
 }
 
-/// A method by its name on the command line.
-#[derive(Clone, Copy, ValueEnum)]
-enum Name {
-    Ours,
-    Naive,
-    Cardano,
-    Viete,
-    Blinn,
-    Yuksel,
-    Newton,
-    Halley,
-    Quilez,
-}
-
-impl Name {
-    fn method(self) -> Method {
-        match self {
-            Self::Ours => Method::Ours,
-            Self::Naive => Method::Naive,
-            Self::Cardano => Method::Cardano,
-            Self::Viete => Method::Viete,
-            Self::Blinn => Method::Blinn,
-            Self::Yuksel => Method::Yuksel,
-            Self::Newton => Method::Newton,
-            Self::Halley => Method::Halley,
-            Self::Quilez => Method::Quilez,
-        }
-    }
+/// A method by its name in the answer.
+fn method(name: &str) -> Result<Method, serde_json::Error> {
+    serde_json::from_value(name.into())
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
     let output = args.output.as_deref().map(Output::create).transpose()?;
-    let methods = if args.only.is_empty() {
-        METHODS.to_vec()
-    } else {
-        args.only.iter().map(|name| name.method()).collect()
-    };
+    let methods = if args.only.is_empty() { METHODS.to_vec() } else { args.only.clone() };
     let style = ProgressStyle::with_template("{bar:30} {human_pos}/{human_len} points, {eta} left")
         .expect("a valid template");
     let bar = ProgressBar::new(args.inputs * FAMILIES.len() as u64).with_style(style);

@@ -36,9 +36,9 @@ struct Receiver {
     tolerance: f32,
 }
 
-// Percentage-closer filter. Each texel is compared with the t that the receiver's own plane has at that texel's
-// centre, so that a plane cannot shadow itself: a step e in the plane is R (dv v_hat + dw w_hat) + T dt with T
-// the path's tangent, and n.e = 0 gives dt = -R (n_v dv + n_w dw) / n.T.
+// Each texel is compared with the t that the receiver's own plane has at that texel's centre, so that a plane cannot
+// shadow itself: a step e in the plane is R (dv v_hat + dw w_hat) + T dt with T the path's tangent, and n.e = 0 gives
+// dt = -R (n_v dv + n_w dw) / n.T.
 fn bent_visibility(root: Root, vw: vec2f, normal: vec3f) -> f32 {
     let across = mat2x3f(root.v_hat, cross(root.u_hat, root.v_hat));
     let tangent = path_tangent(root, vw, across);
@@ -63,19 +63,7 @@ fn bent_visibility(root: Root, vw: vec2f, normal: vec3f) -> f32 {
     receiver.tolerance = light.shadow_tolerance_texels * (footprint + length(receiver.step))
         + 0x1p-22 * light.t_max;
 
-    let first = floor(receiver.texel);
-    let blend = filter_blend(receiver.texel - first);
-    if SHADOW_FILTER == FILTER_PCF_3X3 {
-        let low = mat2x2f(vec2f(1.0 - blend.x, 1.0), vec2f(1.0 - blend.y, 1.0));
-        let high = mat2x2f(vec2f(1.0, blend.x), vec2f(1.0, blend.y));
-        let sum = weighted(lit_texels(receiver, first + vec2f(-1.0, -1.0)), low[0], low[1])
-            + weighted(lit_texels(receiver, first + vec2f(1.0, -1.0)), high[0], low[1])
-            + weighted(lit_texels(receiver, first + vec2f(-1.0, 1.0)), low[0], high[1])
-            + weighted(lit_texels(receiver, first + vec2f(1.0, 1.0)), high[0], high[1]);
-        return sum / 9.0;
-    }
-    let near = lit_texels(receiver, first);
-    return weighted(near, vec2f(1.0 - blend.x, blend.x), vec2f(1.0 - blend.y, blend.y));
+    return filtered(receiver);
 }
 
 // Which of the four texels from `corner` on let the light through, in the order of textureGather.

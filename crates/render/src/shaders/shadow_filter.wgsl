@@ -1,5 +1,10 @@
-// How the texels around a point are blended. The constant comes before this file:
+// Percentage-closer filter: each texel is compared by itself, and the answers are blended. The constant comes before
+// this file:
 //   SHADOW_FILTER  u32  one of the FILTER_ constants
+// Each kind of light brings, for its own map:
+//   struct Receiver      with its place `texel`, counted from the centre of the first one
+//   fn lit_texels(receiver: Receiver, corner: vec2f) -> vec4f
+//                        which of the four texels from `corner` on let the light through, in the order of textureGather
 
 const FILTER_NEAREST = 0u;
 const FILTER_BILINEAR = 1u;
@@ -13,4 +18,21 @@ fn filter_blend(blend: vec2f) -> vec2f {
 // Sum over four texels, in the order of textureGather, weighted by column and row.
 fn weighted(lit: vec4f, columns: vec2f, rows: vec2f) -> f32 {
     return dot(rows, vec2f(dot(columns, lit.wz), dot(columns, lit.xy)));
+}
+
+// Share of the light that the filter lets through.
+fn filtered(receiver: Receiver) -> f32 {
+    let first = floor(receiver.texel);
+    let blend = filter_blend(receiver.texel - first);
+    if SHADOW_FILTER == FILTER_PCF_3X3 {
+        let low = mat2x2f(vec2f(1.0 - blend.x, 1.0), vec2f(1.0 - blend.y, 1.0));
+        let high = mat2x2f(vec2f(1.0, blend.x), vec2f(1.0, blend.y));
+        let sum = weighted(lit_texels(receiver, first + vec2f(-1.0, -1.0)), low[0], low[1])
+            + weighted(lit_texels(receiver, first + vec2f(1.0, -1.0)), high[0], low[1])
+            + weighted(lit_texels(receiver, first + vec2f(-1.0, 1.0)), low[0], high[1])
+            + weighted(lit_texels(receiver, first + vec2f(1.0, 1.0)), high[0], high[1]);
+        return sum / 9.0;
+    }
+    let near = lit_texels(receiver, first);
+    return weighted(near, vec2f(1.0 - blend.x, blend.x), vec2f(1.0 - blend.y, blend.y));
 }

@@ -67,8 +67,8 @@ struct Receiver {
     tolerance: f32,
 }
 
-// Percentage-closer filter. Each texel is compared with the depth that the receiver's own plane has on the ray
-// through that texel's centre, so that a plane cannot shadow itself.
+// Each texel is compared with the depth that the receiver's own plane has on the ray through that texel's centre, so
+// that a plane cannot shadow itself.
 fn shadow_visibility(position: vec3f, normal: vec3f) -> f32 {
     let depth = -position.z;
     let resolution = vec2f(textureDimensions(shadow_map));
@@ -94,19 +94,7 @@ fn shadow_visibility(position: vec3f, normal: vec3f) -> f32 {
     let cosine = plane_distance / length(position);
     receiver.tolerance = 0.25 * texel_slope / max(cosine * cosine, 0.01) * spot.shadow_near / depth + 0x1p-22;
 
-    let first = floor(receiver.texel);
-    let blend = filter_blend(receiver.texel - first);
-    if SHADOW_FILTER == FILTER_PCF_3X3 {
-        let low = mat2x2f(vec2f(1.0 - blend.x, 1.0), vec2f(1.0 - blend.y, 1.0));
-        let high = mat2x2f(vec2f(1.0, blend.x), vec2f(1.0, blend.y));
-        let sum = weighted(lit_texels(receiver, first + vec2f(-1.0, -1.0)), low[0], low[1])
-            + weighted(lit_texels(receiver, first + vec2f(1.0, -1.0)), high[0], low[1])
-            + weighted(lit_texels(receiver, first + vec2f(-1.0, 1.0)), low[0], high[1])
-            + weighted(lit_texels(receiver, first + vec2f(1.0, 1.0)), high[0], high[1]);
-        return sum / 9.0;
-    }
-    let near = lit_texels(receiver, first);
-    return weighted(near, vec2f(1.0 - blend.x, blend.x), vec2f(1.0 - blend.y, blend.y));
+    return filtered(receiver);
 }
 
 // Which of the four texels from `first` on let the light through, in the order of textureGather.
