@@ -2,6 +2,7 @@
 
 use std::slice;
 
+use scene::Aov;
 use schemars::generate::{Contract, SchemaGenerator, SchemaSettings};
 use serde_json::{Value, json};
 
@@ -88,9 +89,9 @@ pub fn openapi() -> Value {
             "get": operation("A picture of the document.", &[session,
                 query("camera", "Id or name of a camera; the first by default.", &json!({"type": "string"})),
                 query("size", "Width and height in pixels.", &json!({"type": "string", "pattern": "^[0-9]+x[0-9]+$", "default": "686x382"})),
-                query("aov", "What the picture shows.", &json!({"enum": ["beauty", "depth", "normal", "t", "vw", "direction", "visibility"], "default": "beauty"})),
+                query("aov", "What the picture shows.", &json!({"enum": Aov::NAMES, "default": "beauty"})),
                 query("samples", "Samples a pixel.", &json!({"type": "integer", "minimum": 1, "maximum": 64, "default": 1})),
-                query("light", "Id or name of the light that t, vw, direction and visibility are of; the first by default.", &json!({"type": "string"})),
+                query("light", "Id or name of the light that t, vw, direction, visibility and wireframe are of; the first by default.", &json!({"type": "string"})),
                 query("at", "The document as it was after this record; the latest by default.", &json!({"type": "integer", "minimum": 0})),
                 query("format", "PNG for people, EXR for linear values.", &json!({"enum": ["png", "exr"], "default": "png"})),
             ], None, 200, &json!({"image/png": {}, "image/x-exr": {}}), &problem),

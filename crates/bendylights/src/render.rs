@@ -28,10 +28,11 @@ AOVs, what a picture shows:
   vw          place across the light's tube, in radii
   direction   direction in the world from the surface to where the light comes from
   visibility  1 where the light reaches, 0 in its shadow
+  wireframe   the triangles of the light's shadow map as the light sees them, bent straight; the camera is not used
 
 EXR holds the linear values themselves. In PNG the beauty is tone-mapped and the others are made readable: near is
 bright, directions and normals are shown as (x + 1) / 2, t as a ramp with a line at each joint, (v, w) by hue and
-distance from the curve.
+distance from the curve; a wireframe is drawn in white over t's ramp, darker outside the light.
 
 Examples:
   bendylights render demo:vases -o vases.png
@@ -56,7 +57,7 @@ pub struct Args {
     /// What the picture shows
     #[arg(long, default_value = "beauty", value_name = "NAME", value_parser = aov_names())]
     aov: Aov,
-    /// The light that t, vw, direction and visibility are of [default: the first]
+    /// The light that t, vw, direction, visibility and wireframe are of [default: the first]
     #[arg(long, value_name = "NAME")]
     light: Option<String>,
     /// What draws the picture

@@ -21,6 +21,11 @@ pub enum ReferenceError {
         /// How many lights there are.
         count: usize,
     },
+    /// A wireframe.
+    #[error(
+        "the reference follows light along its curve and has no shadow map to draw a wireframe of: take the GPU for it"
+    )]
+    NoShadowMap,
     /// A light with numbers outside their domains.
     #[error(transparent)]
     Light(#[from] bendy::LightError),

@@ -89,6 +89,7 @@ impl<'a> Reference<'a> {
                 let visible = self.sample(sources.first()?, surface)?.visible;
                 DVec3::splat(if visible { 1.0 } else { 0.0 })
             }
+            Aov::Wireframe => return None,
         };
         Some(value.extend(1.0).to_array())
     }
@@ -125,6 +126,7 @@ fn wanted<'a>(view: &View, lights: &'a [Light]) -> Result<&'a [Light], Reference
     let (index, count) = (view.light, lights.len());
     match view.aov {
         Aov::Beauty => Ok(lights),
+        Aov::Wireframe => Err(ReferenceError::NoShadowMap),
         aov if !aov.is_of_light() => Ok(&[]),
         _ => lights.get(index..=index).ok_or(ReferenceError::NoSuchLight { index, count }),
     }

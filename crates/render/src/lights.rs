@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use scene::{Light, LightKind};
-use wgpu::{BindGroup, CommandEncoder};
+use wgpu::{BindGroup, CommandEncoder, TextureView};
 
 use crate::bendy_light::{Baked, BendyPass, BendySlot, BentWork};
 use crate::camera::Raster;
@@ -130,6 +130,24 @@ impl LightSlots {
             ready.push(ReadyLight { kind, group, pixels: raster.bounds_of(&corners_in_world), shadow_drawn });
         }
         Ok(ready)
+    }
+
+    /// Draws the triangles of `light`'s shadow map into a picture of `size` pixels. A spotlight is one that was bent
+    /// into one segment.
+    pub fn draw_wireframe(
+        &mut self,
+        gpu: &Gpu,
+        (passes, scene): (&Passes, &StagedScene),
+        light: &Light,
+        picture: (&TextureView, [u32; 2]),
+    ) -> Result<(), RenderError> {
+        let work = (&mut self.bent_work, &self.shadows);
+        match &light.kind {
+            LightKind::Bendy(bendy) => passes.bendy.draw_wireframe(gpu, work, bendy, scene, picture),
+            LightKind::Spot(spot) => {
+                passes.bendy.draw_wireframe(gpu, work, &bendy::bend(spot, 1)?, scene, picture)
+            }
+        }
     }
 
     /// Gives each light the slot whose map is its own, wherever it stood before, or else a free one of its

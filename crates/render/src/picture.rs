@@ -49,8 +49,8 @@ impl Picture {
     /// The bytes of a picture file that holds what `view` under `lights` shows, by whatever made it.
     ///
     /// In a PNG near is bright; directions and normals are `(x + 1) / 2`; t is a ramp over the light's
-    /// segments, dark at joints; (v, w) are hue and distance from the curve; the beauty is tone-mapped. Pixels
-    /// without a value are black.
+    /// segments, dark at joints; (v, w) are hue and distance from the curve; the beauty is tone-mapped; a wireframe's
+    /// edges are white. Pixels without a value are black.
     pub fn into_file(
         self,
         view: &View,
@@ -96,7 +96,8 @@ type Color = [f32; 3];
 /// - t: a ramp over `[0, segments]`, dark at joints;
 /// - vw: hue by the angle around the curve, brightness by the distance from it in radii;
 /// - beauty: tone-mapped;
-/// - visibility: as it is.
+/// - visibility: as it is;
+/// - wireframe: t's ramp with the edges in white, darker outside the tube.
 fn readable(picture: &Picture, aov: Aov, segments: usize) -> RgbImage {
     let color: &dyn Fn(usize, [f32; 4]) -> Color = match aov {
         Aov::Beauty => &|_, [x, y, z, _]| tone_mapped([x, y, z]),
@@ -111,6 +112,10 @@ fn readable(picture: &Picture, aov: Aov, segments: usize) -> RgbImage {
             ramp(t / segments as f32).map(|c| c * shade)
         },
         Aov::Vw => &|_, [v, w, ..]| around(v, w),
+        Aov::Wireframe => &|index, [t, edge, ..]| {
+            let shade = if in_tube(picture, index) { 0.7 } else { 0.3 };
+            ramp(t / segments as f32).map(|c| shade * (c + (1.0 - c) * edge))
+        },
     };
     RgbImage::from_fn(picture.width, picture.height, |x, y| {
         let index = (y * picture.width + x) as usize;
@@ -166,6 +171,13 @@ fn at_joint(picture: &Picture, index: usize) -> bool {
     })
 }
 
+/// Whether a pixel of a drawing of the light's map lies in the tube.
+fn in_tube(picture: &Picture, index: usize) -> bool {
+    let (width, height) = (picture.width as usize, picture.height as usize);
+    let from_middle = |at: usize, size: usize| (2 * at + 1) as f32 - size as f32;
+    from_middle(index % width, width).hypot(from_middle(index / width, height)) <= width.min(height) as f32
+}
+
 /// A ramp from dark blue over green to yellow, of even steps in lightness, for `x` from 0 to 1.
 fn ramp(x: f32) -> Color {
     const STOPS: [Color; 5] =
@@ -199,7 +211,8 @@ mod tests {
 
     #[test]
     fn what_has_no_value_is_black() {
-        for aov in [Aov::Depth, Aov::Normal, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility] {
+        for aov in [Aov::Depth, Aov::Normal, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility, Aov::Wireframe]
+        {
             assert_eq!(row(aov, &[[1.0, 1.0, 1.0, 0.0], [f32::NAN, f32::NAN, f32::NAN, 0.0]]), [[0; 3]; 2]);
         }
     }

@@ -169,6 +169,13 @@ impl Renderer {
             if targets.samples_drawn == samples {
                 return Ok(true);
             }
+            if aov == Aov::Wireframe {
+                let picture = (&targets.radiance_view, targets.size);
+                renderer.lights.draw_wireframe(gpu, (passes, scene), &lights[view.light], picture)?;
+                counts.shadow += 1;
+                targets.samples_drawn = samples;
+                return Ok(true);
+            }
             let new_encoder = || gpu.device.create_command_encoder(&CommandEncoderDescriptor::default());
             let mut encoder = new_encoder();
             let ready = renderer.lights.ready(gpu, &mut encoder, (passes, scene, &raster), lights, wanted)?;

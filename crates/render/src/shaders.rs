@@ -49,6 +49,8 @@ pub(crate) const BENT_MAP_SPLIT: &str = wgsl!("curve", "bent_map", "bent_map_spl
 pub(crate) const BENT_MAP_NEXT: &str = wgsl!("curve", "bent_map", "bent_map_next");
 /// Draws mapped triangles.
 pub(crate) const BENT_SHADOW: &str = wgsl!("bent_shadow");
+/// Draws mapped triangles with their edges.
+pub(crate) const WIREFRAME: &str = wgsl!("wireframe");
 /// Tone-maps for a screen.
 pub(crate) const DISPLAY: &str = wgsl!("encoding", "fullscreen", "display");
 
@@ -68,6 +70,7 @@ fn all() -> Vec<(&'static str, String)> {
         ("bent_map_split", BENT_MAP_SPLIT),
         ("bent_map_next", BENT_MAP_NEXT),
         ("bent_shadow", BENT_SHADOW),
+        ("wireframe", WIREFRAME),
         ("display", DISPLAY),
     ];
     let baked = crate::bendy_light::Baked::samples().into_iter();

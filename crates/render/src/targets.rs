@@ -23,12 +23,12 @@ pub(crate) struct Viewers(Vec<(ViewSlot, Targets)>);
 /// What is made once a viewer and picture size.
 #[derive(Debug)]
 pub(crate) struct Targets {
-    size: [u32; 2],
+    pub size: [u32; 2],
     gbuffer: Gbuffer,
     /// What the G-buffer shows.
     gbuffer_key: Option<GbufferKey>,
     pub radiance: Texture,
-    radiance_view: TextureView,
+    pub radiance_view: TextureView,
     radiance_group: BindGroup,
     /// What the radiance shows: of which scene's revision, in which view, under which lights.
     shown: Option<(u64, View, Vec<Light>)>,
@@ -153,7 +153,7 @@ impl Targets {
         match aov {
             Aov::Beauty => passes.fill.draw(gpu, &mut pass, aov, Some(&scene.fill), everywhere),
             Aov::Depth | Aov::Normal => passes.inspect.draw(gpu, &mut pass, aov, None, everywhere),
-            Aov::T | Aov::Vw | Aov::Direction | Aov::Visibility => {}
+            Aov::T | Aov::Vw | Aov::Direction | Aov::Visibility | Aov::Wireframe => {}
         }
         for light in lights {
             let lighting = match light.kind {

@@ -51,20 +51,25 @@ pub enum Aov {
     Direction,
     /// 1 lit by the light, 0 in its shadow.
     Visibility,
+    /// A drawing of the light's shadow map, not of the camera's view: the triangles that it is made of, as the light
+    /// sees them. v grows to the right and w upwards, from -1 to 1 over the picture's shorter side. t in red, 1 on an
+    /// edge and 0 between in green.
+    Wireframe,
 }
 
 impl Aov {
     /// The names, in the order of the variants.
-    pub const NAMES: [&str; 7] = ["beauty", "depth", "normal", "t", "vw", "direction", "visibility"];
+    pub const NAMES: [&str; 8] =
+        ["beauty", "depth", "normal", "t", "vw", "direction", "visibility", "wireframe"];
 
-    /// The name, which is also that of the shader's entry point after `fs_`.
+    /// The name; of what lighting passes draw, also that of the shader's entry point after `fs_`.
     pub fn name(self) -> &'static str {
         Self::NAMES[self as usize]
     }
 
     /// Whether it belongs to one light.
     pub fn is_of_light(self) -> bool {
-        matches!(self, Self::T | Self::Vw | Self::Direction | Self::Visibility)
+        matches!(self, Self::T | Self::Vw | Self::Direction | Self::Visibility | Self::Wireframe)
     }
 
     /// Whether an average over the pixel means something.
@@ -77,8 +82,8 @@ impl FromStr for Aov {
     type Err = UnknownAov;
 
     fn from_str(name: &str) -> Result<Self, UnknownAov> {
-        use Aov::{Beauty, Depth, Direction, Normal, T, Visibility, Vw};
-        [Beauty, Depth, Normal, T, Vw, Direction, Visibility]
+        use Aov::{Beauty, Depth, Direction, Normal, T, Visibility, Vw, Wireframe};
+        [Beauty, Depth, Normal, T, Vw, Direction, Visibility, Wireframe]
             .into_iter()
             .find(|aov| aov.name() == name)
             .ok_or_else(|| UnknownAov(name.into()))

@@ -74,6 +74,8 @@ impl Case {
 
 const OF_THE_CAMERA: [Aov; 3] = [Aov::Beauty, Aov::Depth, Aov::Normal];
 const OF_A_LIGHT: [Aov; 4] = [Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility];
+/// By the adapter alone: the reference has no shadow maps.
+const OF_A_MAP: [Aov; 1] = [Aov::Wireframe];
 
 /// Holds for every AOV of the camera and of both lights, by the adapter and by the reference.
 pub fn check(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
@@ -97,6 +99,8 @@ pub fn check(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
         view.light = light;
         let pictures = adapter.pictures(&scene, &view, &lights, shadows, OF_A_LIGHT)?;
         all_sound(&OF_A_LIGHT, &pictures, tally)?;
+        let pictures = adapter.pictures(&scene, &view, &lights, shadows, OF_A_MAP)?;
+        all_sound(&OF_A_MAP, &pictures, tally)?;
     }
     by_the_reference(&scene, &view, &lights, tally)
 }
@@ -129,6 +133,7 @@ fn sound(whose: &str, aov: Aov, pixel: [f64; 4], tally: &mut Tally) -> Check {
         Aov::Direction => (length - 1.0).abs() < 1e-6,
         Aov::Vw => x.hypot(y) < 1.0 + 1e-5,
         Aov::Beauty | Aov::Depth => x.min(y).min(z) >= 0.0,
+        Aov::Wireframe => (0.0..=1.0).contains(&y),
         Aov::T | Aov::Normal => true,
     };
     let sound = pixel.iter().all(|x| x.is_finite()) && (alpha == 0.0 || alpha == 1.0) && in_range;

@@ -146,6 +146,23 @@ fn render_writes_exr_with_the_values_themselves() {
 }
 
 #[test]
+fn render_draws_a_wireframe_of_the_shadow_map() {
+    let folder = Folder::new();
+    let drawn = rendered(&folder, "out.exr", &["--aov", "wireframe"]).into_rgba32f();
+    let on_triangle: Vec<_> = drawn.pixels().filter(|pixel| pixel[3] == 1.0).collect();
+    assert!(on_triangle.len() > 100 && on_triangle.iter().all(|pixel| pixel[0] > 0.0 && pixel[0] < 1.0));
+    let scene = folder.path("scene.gltf");
+    let truth = folder.path("truth.exr");
+    let lights = folder.path("light.json");
+    let args =
+        ["render", &scene, "--lights", &lights, "--aov", "wireframe", "--backend", "reference", "-o", &truth];
+    let done = run(&args);
+    assert_eq!(done.code, 2);
+    assert!(done.stderr.contains("no shadow map"), "{}", done.stderr);
+    assert_eq!(folder.names(), ["light.json", "out.exr", "scene.gltf"]);
+}
+
+#[test]
 fn a_scene_without_lights_is_drawn_with_a_note() {
     let folder = Folder::new();
     let scene = folder.file("scene.gltf", TRIANGLE);

@@ -14,6 +14,7 @@ pub(crate) const ALL: &[StructLayout] = &[
     BentMap::LAYOUT,
     BentCounts::LAYOUT,
     BentShadow::LAYOUT,
+    Wireframe::LAYOUT,
     Patch::LAYOUT,
     Slab::LAYOUT,
 ];
@@ -160,5 +161,14 @@ gpu_struct! {
     /// See `bent_shadow.wgsl`.
     BentShadow {
         t_max: f32,
+    }
+}
+
+gpu_struct! {
+    /// See `wireframe.wgsl`.
+    Wireframe {
+        clip_per_vw: [f32; 2],
+        t_max: f32,
+        pad0: f32,
     }
 }

@@ -11,6 +11,7 @@ mod solve;
 mod tests;
 #[cfg(test)]
 mod walk;
+mod wireframe;
 
 use bendy::{Decay, Direction, EndMode, Frame, Segment, Tube};
 use glam::{DMat3, DMat4, DVec3};

@@ -7,7 +7,8 @@ use glam::DVec3;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, Sampler, TextureView};
 
-use super::shadow::{BentShadowPass, BentWork, MapRequest};
+use super::shadow::{BentShadowPass, BentWork, MapRequest, Onto};
+use super::wireframe::{Drawing, WireframePass};
 use super::{Baked, hull_in_world, segments, t_max, uniform};
 use crate::geometry::MAX_EXTENT;
 use crate::lighting::LightingPass;
@@ -46,6 +47,8 @@ impl Shape {
 #[derive(Debug)]
 pub(crate) struct BendyPass {
     shadow: BentShadowPass,
+    /// Compiled when first wanted.
+    wireframe: OnceLock<WireframePass>,
     /// Compiled when first wanted, one for each way of evaluating a light, by [`Baked::index`].
     lighting: Box<[OnceLock<LightingPass>]>,
     /// Of the view and the surface, and the light's own.
@@ -103,6 +106,7 @@ impl BendyPass {
         let [view, surface] = camera_groups;
         Self {
             shadow: BentShadowPass::new(gpu),
+            wireframe: OnceLock::new(),
             lighting: std::iter::repeat_with(OnceLock::new).take(Baked::COUNT).collect(),
             layouts: [view.clone(), surface.clone(), gpu.layout("bendy", &BINDINGS)],
             sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
@@ -147,8 +151,8 @@ impl BendyPass {
         let key = Some((scene.revision, Shape::of(light)));
         let stale = slot.map_key != key;
         if stale {
-            let (depth, tube) = (&slot.depth, &tube);
-            self.shadow.render(gpu, work, &MapRequest { scene, tube, t_max, depth, shadows })?;
+            let (onto, tube) = (Onto::Map(&slot.depth), &tube);
+            self.shadow.render(gpu, work, &MapRequest { scene, tube, t_max, onto, shadows })?;
             slot.map_key = key;
         }
         let init = |label, contents: &[u8], usage| {
@@ -168,5 +172,24 @@ impl BendyPass {
         let placed = PlacedBendy { baked: Baked::of(&tube, shadows.filter), group, corners_in_world };
         slot.placed = Some(Box::new((scene.revision, light.clone(), placed.clone())));
         Ok((placed, stale))
+    }
+
+    /// Draws the triangles of `light`'s map over `scene` into a picture of `size` pixels.
+    pub fn draw_wireframe(
+        &self,
+        gpu: &Gpu,
+        (work, shadows): (&mut BentWork, &ShadowSettings),
+        light: &BendyLight,
+        scene: &StagedScene,
+        (color, size): (&TextureView, [u32; 2]),
+    ) -> Result<(), RenderError> {
+        let tube = &Tube::new(light)?;
+        check_reach(tube, scene)?;
+        let t_max = t_max(tube, scene.origin, scene.half_extent);
+        let depth = gpu.target("wireframe", size[0], size[1], DEPTH_FORMAT);
+        let depth = &depth.create_view(&wgpu::TextureViewDescriptor::default());
+        let pass = self.wireframe.get_or_init(|| WireframePass::new(gpu));
+        let onto = Onto::Wireframe(Drawing { pass, color, depth, size });
+        self.shadow.render(gpu, work, &MapRequest { scene, tube, t_max, onto, shadows })
     }
 }

@@ -13,6 +13,7 @@ use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, Ren
 use super::layout::{BentCounts, BentMap, BentShadow, Patch, STAGES, Slab};
 use super::slab::{self, SLABS_A_TURN};
 use super::tube_from_scene;
+use super::wireframe::Drawing;
 use crate::pipeline::DEPTH_FORMAT;
 use crate::staged::StagedScene;
 use crate::{Gpu, RenderError, ShadowSettings, readback, shaders};
@@ -57,25 +58,33 @@ pub(crate) struct MapRequest<'a> {
     pub tube: &'a Tube<f64>,
     /// What stands for the depth 1; see [`super::t_max`].
     pub t_max: f64,
-    pub depth: &'a TextureView,
+    pub onto: Onto<'a>,
     pub shadows: &'a ShadowSettings,
+}
+
+/// What it is drawn onto.
+pub(crate) enum Onto<'a> {
+    /// The map itself.
+    Map(&'a TextureView),
+    /// A picture of its triangles.
+    Wireframe(Drawing<'a>),
 }
 
 /// The buffers of one map, kept for the next.
 #[derive(Debug)]
-struct Buffers {
+pub(super) struct Buffers {
     /// For how many vertices, triangles, and what room.
     size: (u32, u32, Room),
     slabs: Buffer,
     uniform: Buffer,
     shadow_uniform: Buffer,
-    mapped: Buffer,
+    pub mapped: Buffer,
     vertex_slab: Buffer,
-    whole_indices: Buffer,
+    pub whole_indices: Buffer,
     work: Buffer,
     patches: [Buffer; 2],
-    split_vertices: Buffer,
-    counts: Buffer,
+    pub split_vertices: Buffer,
+    pub counts: Buffer,
     workgroups: Buffer,
 }
 
@@ -103,7 +112,7 @@ impl BentShadowPass {
 
     /// Draws a map, in turns of as many slabs as a uniform holds.
     pub fn render(&self, gpu: &Gpu, work: &mut BentWork, request: &MapRequest) -> Result<(), RenderError> {
-        let MapRequest { tube, t_max, shadows, .. } = *request;
+        let &MapRequest { tube, t_max, shadows, .. } = request;
         let split_above_texels = f64::from(shadows.split_above_texels());
         let slabs = slab::slabs(tube, t_max, f64::from(shadows.resolution), split_above_texels);
         // What a turn without room has drawn is not to be kept, so all turns start again.
@@ -137,7 +146,10 @@ impl BentShadowPass {
         buffers.write(gpu, &table, &map, request.t_max);
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.map(gpu, &mut encoder, request.scene, &buffers, &map);
-        self.draw(gpu, &mut encoder, &buffers, request.depth, first);
+        match &request.onto {
+            Onto::Map(depth) => self.draw(gpu, &mut encoder, &buffers, depth, first),
+            Onto::Wireframe(drawing) => drawing.draw(gpu, &mut encoder, &buffers, request.t_max, first),
+        }
         gpu.queue.submit([encoder.finish()]);
         let counts = readback::buffer::<BentCounts>(gpu, &buffers.counts)?[0];
         work.buffers = Some(buffers);
@@ -234,7 +246,7 @@ impl BentWork {
 
     /// The uniform of a turn.
     fn map(&self, request: &MapRequest, slabs: &[(Slab, [DVec3; 8])]) -> BentMap {
-        let MapRequest { scene, tube, shadows, .. } = *request;
+        let &MapRequest { scene, tube, shadows, .. } = request;
         BentMap {
             vertex_count: scene.vertex_count,
             triangle_count: scene.triangle_count,

@@ -339,6 +339,68 @@ fn what_no_texel_shows_is_not_split() {
     assert_eq!(renderer.bent_work().room, before);
 }
 
+/// A drawing of the map has at each (v, w) the t of what light meets first, and nothing where it meets nothing; one with
+/// w upside down does not.
+#[test]
+fn a_wireframe_shows_what_light_meets_first() {
+    let mut setup = Setup::new();
+    let drawn = setup.picture(Aov::Wireframe);
+    let (width, height) = (drawn.width as usize, drawn.height as usize);
+    let end = setup.tube.n as f64;
+    // What is drawn lies within 0.4 texel of the truth: along the light 2e-4 of t, and across it no more than that
+    // share of a pixel, 13 texels, over which t changes by up to 0.05.
+    let margin = 2e-4 + 0.4 / 13.0 * 0.05;
+    let agrees = |x: usize, y: usize, w_sign: f64| {
+        let [t, .., alpha] = drawn.pixels[y * width + x].map(f64::from);
+        let from_middle = |at: usize, size: usize| ((2 * at + 1) as f64 - size as f64) / height as f64;
+        let (v, w) = (from_middle(x, width), -w_sign * from_middle(y, height));
+        let reaches = |t| walk::reaches(&setup.tube, &setup.triangles, t, v, w);
+        (v.hypot(w) < 0.95).then(|| {
+            if alpha == 0.0 { reaches(end) } else { reaches(t - margin) && !reaches((t + margin).min(end)) }
+        })
+    };
+    let pixels = || (1..height - 1).step_by(7).flat_map(|y| (1..width - 1).step_by(5).map(move |x| (x, y)));
+    // A step of t marks an edge, beside which a pixel may show either side.
+    let t_of = |x: usize, y: usize| drawn.pixels[y * width + x][0];
+    let smooth = |&(x, y): &(usize, usize)| {
+        let around = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
+        around.iter().all(|&(i, j)| (t_of(i, j) - t_of(x, y)).abs() < 0.05)
+    };
+    let judged =
+        |w_sign| -> Vec<bool> { pixels().filter(smooth).filter_map(|(x, y)| agrees(x, y, w_sign)).collect() };
+    let right = judged(1.0);
+    assert!(right.len() > 300 && right.iter().all(|agrees| *agrees), "{right:?}");
+    let fault = judged(-1.0).iter().filter(|agrees| !**agrees).count();
+    assert!(fault > right.len() / 20, "a sign error in w changes only {fault} pixels");
+
+    let edges = |picture: &Picture| picture.pixels.iter().filter(|pixel| pixel[1] > 0.5).count();
+    let split = edges(&drawn);
+    setup.renderer.set_shadow_settings(UNSPLIT).expect("sound");
+    let unsplit = edges(&setup.picture(Aov::Wireframe));
+    assert!(unsplit > 100 && split > 2 * unsplit, "{unsplit} pixels of edges, {split} after splitting");
+}
+
+/// A spotlight has a wireframe too, that of the BendyLight it equals.
+#[test]
+fn a_spotlights_wireframe_is_that_of_its_bendy_light() {
+    let spot = SpotLight { range: Some(8.0), ..SpotLight::default() };
+    let mut renderer = renderer(&scene());
+    let mut picture = |kind| {
+        let mut kind = kind;
+        let transform = match &mut kind {
+            LightKind::Spot(spot) => &mut spot.transform,
+            LightKind::Bendy(bendy) => &mut bendy.transform,
+        };
+        *transform = light().transform;
+        let lights = [Light { name: String::new(), kind }];
+        renderer.render(&view(Aov::Wireframe), &lights).expect("drawn")
+    };
+    let bent = bendy::bend(&spot, 1).expect("valid");
+    let expected = picture(LightKind::Bendy(bent));
+    assert!(expected.pixels.iter().filter(|pixel| pixel[3] == 1.0).count() > 1000);
+    assert_eq!(picture(LightKind::Spot(spot)), expected);
+}
+
 /// The numbers that WGSL spells out are Rust's.
 #[test]
 fn constants_are_the_models() {

@@ -1,0 +1,112 @@
+//! A bent shadow map as a drawing (see `wireframe.wgsl`): how finely its triangles are split, and where they lie.
+
+use std::mem::offset_of;
+
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use wgpu::{Buffer, CommandEncoder, RenderPipeline, TextureView};
+
+use super::layout::{BentCounts, Wireframe};
+use super::shadow::Buffers;
+use crate::pipeline::{DEPTH_FORMAT, color_attachment};
+use crate::{Gpu, lighting, shaders};
+
+/// The pipelines, which outlive scenes and lights.
+#[derive(Debug)]
+pub(crate) struct WireframePass {
+    whole: RenderPipeline,
+    split: RenderPipeline,
+}
+
+/// What it is drawn into: a picture of any shape.
+pub(crate) struct Drawing<'a> {
+    pub pass: &'a WireframePass,
+    pub color: &'a TextureView,
+    pub depth: &'a TextureView,
+    /// Pixels.
+    pub size: [u32; 2],
+}
+
+impl WireframePass {
+    pub fn new(gpu: &Gpu) -> Self {
+        let module = gpu.module("wireframe", shaders::WIREFRAME);
+        let pipeline = |vertex| {
+            gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(vertex),
+                layout: None,
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some(vertex),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: Some(wgpu::DepthStencilState {
+                    format: DEPTH_FORMAT,
+                    depth_write_enabled: Some(true),
+                    // What lies at the light's very end is drawn too.
+                    depth_compare: Some(wgpu::CompareFunction::LessEqual),
+                    stencil: wgpu::StencilState::default(),
+                    bias: wgpu::DepthBiasState::default(),
+                }),
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some("fs_wireframe"),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    targets: &[Some(lighting::FORMAT.into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        };
+        Self { whole: pipeline("vs_whole"), split: pipeline("vs_split") }
+    }
+}
+
+impl Drawing<'_> {
+    /// Draws what was mapped, over nothing or over what other slabs have drawn.
+    pub(super) fn draw(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        mapped: &Buffers,
+        t_max: f64,
+        clear: bool,
+    ) {
+        let [width, height] = self.size.map(|side| side as f32);
+        let shorter = width.min(height);
+        let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
+            label: Some("wireframe"),
+            contents: bytemuck::bytes_of(&Wireframe {
+                clip_per_vw: [shorter / width, shorter / height],
+                t_max: t_max as f32,
+                pad0: 0.0,
+            }),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        let group = |pipeline: &RenderPipeline, buffers: &[&Buffer]| {
+            let buffers: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
+            gpu.group("wireframe", &pipeline.get_bind_group_layout(0), &buffers)
+        };
+        let whole = group(&self.pass.whole, &[&uniform, &mapped.mapped, &mapped.whole_indices]);
+        let split = group(&self.pass.split, &[&uniform, &mapped.split_vertices]);
+        let load = if clear { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("wireframe"),
+            color_attachments: &[Some(color_attachment(self.color, clear))],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: self.depth,
+                depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pass.whole);
+        pass.set_bind_group(0, &whole, &[]);
+        // The arguments are those of an indexed draw: one vertex an index, and zeros behind the instances.
+        pass.draw_indirect(&mapped.counts, 0);
+        pass.set_pipeline(&self.pass.split);
+        pass.set_bind_group(0, &split, &[]);
+        pass.draw_indirect(&mapped.counts, offset_of!(BentCounts, split_vertex_count) as u64);
+    }
+}

@@ -1,0 +1,49 @@
+// A bent shadow map as a drawing: the triangles that it is made of, with their edges. Their clip position is that of
+// bent_shadow.wgsl but for the picture's shape.
+
+struct Wireframe {
+    // Clip units per unit of v and w: the map's square is as large as the picture's shorter side.
+    clip_per_vw: vec2f,
+    t_max: f32,
+}
+
+@group(0) @binding(0) var<uniform> wireframe: Wireframe;
+// (V, W, R, t): of the scene's vertices, or three a triangle of what was clipped and split.
+@group(0) @binding(1) var<storage, read> mapped: array<vec4f>;
+// Three a triangle: which of the scene's vertices.
+@group(0) @binding(2) var<storage, read> whole_indices: array<u32>;
+
+struct Fragment {
+    @builtin(position) position: vec4f,
+    @location(0) t: f32,
+    // Of the triangle's corners.
+    @location(1) weights: vec3f,
+}
+
+fn corner(vwrt: vec4f, index: u32) -> Fragment {
+    let weights = vec3f(vec3u(index % 3u) == vec3u(0u, 1u, 2u));
+    return Fragment(vec4f(vwrt.xy * wireframe.clip_per_vw, 0.5 * vwrt.z, vwrt.z), vwrt.w, weights);
+}
+
+@vertex
+fn vs_whole(@builtin(vertex_index) index: u32) -> Fragment {
+    return corner(mapped[whole_indices[index]], index);
+}
+
+@vertex
+fn vs_split(@builtin(vertex_index) index: u32) -> Fragment {
+    return corner(mapped[index], index);
+}
+
+struct Drawn {
+    @location(0) value: vec4f,
+    @builtin(frag_depth) depth: f32,
+}
+
+@fragment
+fn fs_wireframe(in: Fragment) -> Drawn {
+    // Distance to each edge in pixels; a line fades over half a pixel to each side.
+    let pixels = in.weights / max(fwidth(in.weights), vec3f(1e-30));
+    let edge = saturate(1.0 - 2.0 * min(pixels.x, min(pixels.y, pixels.z)));
+    return Drawn(vec4f(in.t, edge, 0.0, 1.0), in.t / wireframe.t_max);
+}
