@@ -29,8 +29,8 @@ test: packages test-packages page
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 	cargo test --workspace --locked
 
-# A C compiler and linker, a Vulkan driver that needs no GPU (Mesa's lavapipe) and its loader.
-PACKAGES := gcc libc6-dev libvulkan1 mesa-vulkan-drivers
+# Compilers of C and C++ and a linker, a Vulkan driver that needs no GPU (Mesa's lavapipe) and its loader.
+PACKAGES := gcc g++ libc6-dev libvulkan1 mesa-vulkan-drivers
 # A browser for the page, strace to see that what is acknowledged is on disk, curl for the README's commands, and systemd-analyze
 # for the units in deploy/.
 TEST_PACKAGES := chromium strace curl systemd

@@ -46,6 +46,11 @@ pub enum Error {
     /// An AOV that shows a light, where there is none.
     #[error("{scene}: has no light to show the {aov} of: name a light file with --lights")]
     NothingToShow { scene: String, aov: &'static str },
+    /// An option of shadow maps for the backend that has none.
+    #[error(
+        "{0}: the reference follows light along its curve and has no shadow maps: leave it out, or take --backend gpu"
+    )]
+    NoShadowMaps(&'static str),
     /// A picture whose file name does not say a known format.
     #[error("{}: is neither .png nor .exr; name the picture OUT.png or OUT.exr", .0.display())]
     UnknownFormat(PathBuf),

@@ -11,7 +11,7 @@ use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressStyle};
 use reference::Reference;
-use render::{Aov, Gpu, Picture, PictureFormat, Renderer, View, ViewSlot};
+use render::{Aov, Gpu, Picture, PictureFormat, Renderer, ShadowSettings, View, ViewSlot};
 use scene::{Camera, Light, LightKind, Scene, framing_camera};
 
 use crate::error::Error;
@@ -63,6 +63,12 @@ pub struct Args {
     /// What draws the picture
     #[arg(long, value_enum, default_value = "gpu")]
     backend: Backend,
+    /// Texels along each side of a shadow map, 16 or more; backend gpu only [default: 2048]
+    #[arg(long, value_name = "N")]
+    shadow_resolution: Option<u32>,
+    /// How far what casts shadows may stray from the scene, in world units, to be fewer triangles; backend gpu only [default: 0]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    shadow_mesh_error: Option<f64>,
     /// Picture to write, as PNG or EXR by its ending
     #[arg(short, value_name = "OUT.png|OUT.exr")]
     output: PathBuf,
@@ -102,6 +108,7 @@ impl FromStr for Size {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
+    let shadows = shadow_settings(args)?;
     let format = output::picture_format(&args.output)?;
     let output = Output::create(&args.output)?;
     let Loaded { scene, mut notes } = open_scene(&args.scene)?;
@@ -137,15 +144,41 @@ pub fn run(args: &Args) -> Result<(), Error> {
         say(&format!("note: {note}"));
     }
     let picture = match args.backend {
-        Backend::Gpu => draw(&scene, &view, &lights, format)?,
+        Backend::Gpu => draw(&scene, &view, &lights, shadows, format)?,
         Backend::Reference => trace(&scene, &view, &lights)?.into_file(&view, &lights, format)?,
     };
     output.write(&picture)
 }
 
-fn draw(scene: &Scene, view: &View, lights: &[Light], format: PictureFormat) -> Result<Vec<u8>, Error> {
+/// What is asked of shadow maps, where the backend has them.
+fn shadow_settings(args: &Args) -> Result<ShadowSettings, Error> {
+    let default = ShadowSettings::default();
+    let settings = ShadowSettings {
+        resolution: args.shadow_resolution.unwrap_or(default.resolution),
+        mesh_error: args.shadow_mesh_error.unwrap_or(default.mesh_error),
+        ..default
+    };
+    match args.backend {
+        Backend::Reference if args.shadow_resolution.is_some() => {
+            Err(Error::NoShadowMaps("--shadow-resolution"))
+        }
+        Backend::Reference if args.shadow_mesh_error.is_some() => {
+            Err(Error::NoShadowMaps("--shadow-mesh-error"))
+        }
+        _ => Ok(settings),
+    }
+}
+
+fn draw(
+    scene: &Scene,
+    view: &View,
+    lights: &[Light],
+    shadows: ShadowSettings,
+    format: PictureFormat,
+) -> Result<Vec<u8>, Error> {
     headless::prepare();
     let mut renderer = Renderer::new(Arc::new(Gpu::new()?))?;
+    renderer.set_shadow_settings(shadows)?;
     renderer.set_scene(scene)?;
     let busy = sign_of_life(view.samples);
     let picture = renderer.render_file(view, lights, format)?;

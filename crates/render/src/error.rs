@@ -36,7 +36,7 @@ pub enum RenderError {
     #[error("this view cannot be rendered: {0}")]
     InvalidView(&'static str),
     /// Shadow settings that no map can be made of.
-    #[error("shadows cannot be made so: {0}; give them more")]
+    #[error("shadows cannot be made so: {0}")]
     InvalidShadows(&'static str),
     /// An AOV of a light that is not there.
     #[error("there is no light {index} to show, this picture has {count}: choose one of them or another AOV")]

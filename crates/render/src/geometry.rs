@@ -117,7 +117,8 @@ fn plane(corners: [[f32; 3]; 3]) -> [f32; 4] {
     [normal.x, normal.y, normal.z, offset as f32]
 }
 
-/// [`Posed`] on the GPU. Every buffer can be read by shaders, so that lights may make their own casters of it.
+/// [`Posed`] on the GPU. Every buffer can be read by shaders, so that lights may make their own casters of
+/// it, and the triangles by the processor, so that a shadow mesh may be made of them.
 #[derive(Debug)]
 pub(crate) struct Geometry {
     /// `array<f32>`, three a vertex.
@@ -132,7 +133,7 @@ pub(crate) struct Geometry {
 
 impl Geometry {
     pub fn new(gpu: &Gpu, posed: &Posed) -> Result<Self, RenderError> {
-        let geometry = BufferUsages::STORAGE | BufferUsages::VERTEX;
+        let geometry = BufferUsages::STORAGE | BufferUsages::VERTEX | BufferUsages::COPY_SRC;
         Ok(Self {
             positions: upload(gpu, "the scene's vertex positions in bytes", &posed.positions, geometry)?,
             attributes: upload(gpu, "the scene's vertex attributes in bytes", &posed.attributes, geometry)?,
@@ -140,14 +141,15 @@ impl Geometry {
                 gpu,
                 "the scene's triangle indices in bytes",
                 &posed.indices,
-                BufferUsages::STORAGE | BufferUsages::INDEX,
+                BufferUsages::STORAGE | BufferUsages::INDEX | BufferUsages::COPY_SRC,
             )?,
             planes: upload(gpu, "the scene's triangles in bytes", &posed.planes, BufferUsages::STORAGE)?,
         })
     }
 }
 
-fn upload<T: bytemuck::Pod>(
+/// A buffer with `data`, where this device can hold it; `what` says what that is, with its unit.
+pub(crate) fn upload<T: bytemuck::Pod>(
     gpu: &Gpu,
     what: &'static str,
     data: &[T],

@@ -112,5 +112,7 @@ gpu_struct! {
         inverse_versine_span: f32,
         shadow_near: f32,
         shadow_tan: f32,
+        mesh_error: f32,
+        pad0: [f32; 3],
     }
 }

@@ -8,6 +8,7 @@
 
 mod bendy_light;
 mod camera;
+mod casters;
 mod device;
 mod display;
 mod error;

@@ -69,6 +69,11 @@ impl LightSlots {
         Self { slots: Vec::new(), bent_work: BentWork::new(), shadows: ShadowSettings::default() }
     }
 
+    /// How maps are made.
+    pub fn shadows(&self) -> &ShadowSettings {
+        &self.shadows
+    }
+
     /// Makes maps by other settings; drops those there are. Returns whether the settings are others.
     pub fn set_shadows(&mut self, shadows: ShadowSettings) -> bool {
         let other = self.shadows != shadows;

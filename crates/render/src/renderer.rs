@@ -71,7 +71,7 @@ impl Renderer {
     fn with(gpu: Arc<Gpu>, passes: Arc<Passes>) -> Result<Self, RenderError> {
         let (view_uniform, scene) = gpu.checked(|| {
             let view_uniform = gpu.uniform_buffer::<layout::View>("view");
-            let scene = StagedScene::new(&gpu, &passes.layouts, &view_uniform, &Scene::default(), 0)?;
+            let scene = StagedScene::new(&gpu, &passes.layouts, &view_uniform, &Scene::default(), 0, 0.0)?;
             Ok((view_uniform, scene))
         })?;
         let (viewers, lights, counts) = (Viewers::default(), LightSlots::new(), PassCounts::default());
@@ -81,9 +81,9 @@ impl Renderer {
     /// Takes over another scene: its geometry, materials and fill. Its promises hold ([`Scene::check`]); its
     /// cameras and lights are not used. On an error the scene before stays.
     pub fn set_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
-        let revision = self.scene.revision + 1;
+        let (revision, mesh_error) = (self.scene.revision + 1, self.lights.shadows().mesh_error);
         self.scene = self.gpu.checked(|| {
-            StagedScene::new(&self.gpu, &self.passes.layouts, &self.view_uniform, scene, revision)
+            StagedScene::new(&self.gpu, &self.passes.layouts, &self.view_uniform, scene, revision, mesh_error)
         })?;
         Ok(())
     }
@@ -91,6 +91,10 @@ impl Renderer {
     /// Makes shadow maps by other settings from the next picture on. On an error the settings before stay.
     pub fn set_shadow_settings(&mut self, shadows: ShadowSettings) -> Result<(), RenderError> {
         shadows.check(self.gpu.device.limits().max_texture_dimension_2d)?;
+        if shadows.mesh_error != self.lights.shadows().mesh_error {
+            let simplify = || self.scene.surface.simplified(&self.gpu, shadows.mesh_error);
+            self.scene.casters = self.gpu.checked(simplify)?;
+        }
         if self.lights.set_shadows(shadows) {
             self.viewers = Viewers::default();
         }
@@ -101,6 +105,12 @@ impl Renderer {
     #[cfg(test)]
     pub(crate) fn bent_work(&mut self) -> &mut crate::bendy_light::BentWork {
         &mut self.lights.bent_work
+    }
+
+    /// The device and what is on it of the scene, for tests to plant faults in before the first picture.
+    #[cfg(test)]
+    pub(crate) fn staged(&mut self) -> (&Gpu, &mut StagedScene) {
+        (&self.gpu, &mut self.scene)
     }
 
     /// How often each pass has run.

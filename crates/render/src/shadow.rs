@@ -2,9 +2,8 @@
 
 use wgpu::{BindGroupLayout, Buffer, CommandEncoder, RenderPipeline, TextureView};
 
-use crate::geometry::Geometry;
-use crate::material::MaterialDraw;
 use crate::pipeline::{DEPTH_FORMAT, UNIFORM, cleared_depth, nearer_wins, vertex_buffers};
+use crate::staged::StagedScene;
 use crate::{Gpu, layout, shaders};
 
 /// The pipelines, which outlive scenes and lights.
@@ -77,8 +76,7 @@ impl ShadowPass {
         encoder: &mut CommandEncoder,
         into: &ShadowMap,
         view: &layout::ShadowView,
-        geometry: &Geometry,
-        draws: &[MaterialDraw],
+        scene: &StagedScene,
     ) {
         gpu.queue.write_buffer(&into.uniform, 0, bytemuck::bytes_of(view));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -87,17 +85,19 @@ impl ShadowPass {
             ..Default::default()
         });
         pass.set_bind_group(0, &into.group, &[]);
-        pass.set_vertex_buffer(0, geometry.positions.slice(..));
-        pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
-        let masked_from = draws.partition_point(|draw| !draw.masked);
-        let (opaque, masked) = draws.split_at(masked_from);
-        if let Some(last) = opaque.last() {
+        let StagedScene { casters, geometry, draws, .. } = scene;
+        if casters.opaque_indices > 0 {
             pass.set_pipeline(&self.opaque);
-            pass.draw_indexed(0..last.indices.end, 0, 0..1);
+            pass.set_vertex_buffer(0, casters.positions.slice(..));
+            pass.set_index_buffer(casters.indices.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..casters.opaque_indices, 0, 0..1);
         }
+        let masked = &draws[draws.partition_point(|draw| !draw.masked)..];
         if !masked.is_empty() {
             pass.set_pipeline(&self.masked);
+            pass.set_vertex_buffer(0, geometry.positions.slice(..));
             pass.set_vertex_buffer(1, geometry.attributes.slice(..));
+            pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
         }
         for draw in masked {
             pass.set_bind_group(1, &draw.material, &[]);

@@ -14,6 +14,13 @@ pub struct ShadowSettings {
     pub edge_error_texels: Option<f32>,
     /// How texels around a point are blended.
     pub filter: ShadowFilter,
+    /// How far what casts shadows may stray from the scene's surface, in world units, finite and from 0 up:
+    /// the more, the fewer triangles a map is made of, and the farther from its caster a shadow begins, where
+    /// light grazes farther still. 0 is the surface itself.
+    ///
+    /// Only triangles without an alpha test are simplified, and of those no connected part 833 times as large
+    /// and more: single precision does not resolve so little.
+    pub mesh_error: f64,
 }
 
 /// Percentage-closer filters: each texel is compared by itself, and the answers are blended.
@@ -43,11 +50,20 @@ impl ShadowSettings {
             return Err(RenderError::TooLarge { what: "the resolution of shadow maps", size, limit });
         }
         if self.resolution < Self::MIN_RESOLUTION {
-            return Err(RenderError::InvalidShadows("their maps have fewer than 16 texels a side"));
+            return Err(RenderError::InvalidShadows(
+                "their maps have fewer than 16 texels a side; give them more",
+            ));
         }
         let fine = |texels: f32| texels.is_nan() || texels < Self::MIN_EDGE_ERROR_TEXELS;
         if self.edge_error_texels.is_some_and(fine) {
-            return Err(RenderError::InvalidShadows("their edges are held to less than 0.05 texels"));
+            return Err(RenderError::InvalidShadows(
+                "their edges are held to less than 0.05 texels; allow more",
+            ));
+        }
+        if !(self.mesh_error >= 0.0 && self.mesh_error.is_finite()) {
+            return Err(RenderError::InvalidShadows(
+                "their mesh error is no finite length from 0 up; give it in world units",
+            ));
         }
         Ok(())
     }
@@ -74,6 +90,7 @@ impl Default for ShadowSettings {
             resolution: 2048,
             edge_error_texels: Some(Self::EDGE_ERROR_TEXELS),
             filter: ShadowFilter::default(),
+            mesh_error: 0.0,
         }
     }
 }

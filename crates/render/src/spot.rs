@@ -56,7 +56,7 @@ impl PlacedSpot {
         light: &SpotLight,
         scene_origin: DVec3,
         half_extent: DVec3,
-        map_texels: u32,
+        shadows: &ShadowSettings,
     ) -> Result<Self, RenderError> {
         let rotation = DMat3::from_quat(light.transform.rotation.normalize());
         let scene_from_light =
@@ -73,7 +73,7 @@ impl PlacedSpot {
         let versine_span = versine(outer) - versine(inner);
         let tan_outer = outer.tan();
         // Two texels around the cone let the filter reach over its edge.
-        let shadow_tan = tan_outer * f64::from(map_texels) / f64::from(map_texels - 4);
+        let shadow_tan = tan_outer * f64::from(shadows.resolution) / f64::from(shadows.resolution - 4);
 
         // The nearest caster: none is nearer along the axis than the box of the scene, seen in the map's
         // corner.
@@ -117,6 +117,8 @@ impl PlacedSpot {
                 },
                 shadow_near: shadow_near as f32,
                 shadow_tan: shadow_tan as f32,
+                mesh_error: shadows.mesh_error.min(2.0 * MAX_EXTENT) as f32,
+                pad0: [0.0; 3],
             },
             shadow_view: layout::ShadowView { clip_from_scene: columns(&clip_from_scene) },
             corners_in_world: [light.transform.translation, a, b, c, d],
@@ -202,12 +204,12 @@ impl SpotPass {
         (scene, shadows): (&StagedScene, &ShadowSettings),
     ) -> Result<(PlacedSpot, bool), RenderError> {
         bendy::check_spot(light)?;
-        let placed = PlacedSpot::new(light, scene.origin, scene.half_extent, shadows.resolution)?;
+        let placed = PlacedSpot::new(light, scene.origin, scene.half_extent, shadows)?;
         gpu.queue.write_buffer(&slot.uniform, 0, bytemuck::bytes_of(&placed.uniform));
         let key = Some((scene.revision, Shape::of(light)));
         let stale = slot.map_key != key;
         if stale {
-            self.shadow.draw(gpu, encoder, &slot.map, &placed.shadow_view, &scene.geometry, &scene.draws);
+            self.shadow.draw(gpu, encoder, &slot.map, &placed.shadow_view, scene);
             slot.map_key = key;
         }
         Ok((placed, stale))

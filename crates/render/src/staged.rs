@@ -5,6 +5,7 @@ use scene::Scene;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages};
 
+use crate::casters::Casters;
 use crate::geometry::{Geometry, Posed};
 use crate::material::{MaterialDraw, material_draws};
 use crate::{Gpu, RenderError, layout};
@@ -19,8 +20,10 @@ pub(crate) struct StagedScene {
     /// The bounds reach from minus to plus this, in scene space.
     pub half_extent: DVec3,
     pub geometry: Geometry,
-    pub vertex_count: u32,
-    pub triangle_count: u32,
+    /// The scene's own triangles as casters: they share the buffers of `geometry`.
+    pub surface: Casters,
+    /// What casts shadows.
+    pub casters: Casters,
     pub draws: Vec<MaterialDraw>,
     /// Group 0 of the passes that have a camera; see `view.wgsl`.
     pub view: BindGroup,
@@ -37,13 +40,15 @@ pub(crate) struct SceneLayouts {
 }
 
 impl StagedScene {
-    /// Poses `scene` and uploads it. `view_uniform` will hold the camera of each picture.
+    /// Poses `scene` and uploads it. `view_uniform` will hold the camera of each picture; casters may stray
+    /// from the surface by `mesh_error`, in world units.
     pub fn new(
         gpu: &Gpu,
         layouts: &SceneLayouts,
         view_uniform: &Buffer,
         scene: &Scene,
         revision: u64,
+        mesh_error: f64,
     ) -> Result<Self, RenderError> {
         let posed = Posed::new(scene)?;
         let geometry = Geometry::new(gpu, &posed)?;
@@ -58,14 +63,23 @@ impl StagedScene {
             }),
             usage: BufferUsages::UNIFORM,
         });
+        let draws = material_draws(gpu, &layouts.material, scene, &posed)?;
+        let surface = Casters {
+            positions: geometry.positions.clone(),
+            indices: geometry.indices.clone(),
+            vertex_count: posed.positions.len() as u32,
+            triangle_count: posed.planes.len() as u32,
+            opaque_indices: draws.iter().rfind(|draw| !draw.masked).map_or(0, |draw| draw.indices.end),
+        };
+        let casters = surface.simplified(gpu, mesh_error)?;
         Ok(Self {
             revision,
             origin: posed.scene_origin,
             half_extent: posed.half_extent,
-            draws: material_draws(gpu, &layouts.material, scene, &posed)?,
-            vertex_count: posed.positions.len() as u32,
-            triangle_count: posed.planes.len() as u32,
             geometry,
+            surface,
+            casters,
+            draws,
             view,
             fill: gpu.group("fill", &layouts.fill, &[fill_uniform.as_entire_binding()]),
         })

@@ -25,21 +25,26 @@ struct Knob {
     label: fn(&Run) -> String,
 }
 
-const KNOBS: [Knob; 3] = [
+const KNOBS: [Knob; 4] = [
     Knob {
         title: "resolution in texels",
-        of: |s, d| (s.edge_error_texels, s.filter) == (d.edge_error_texels, d.filter),
+        of: |s, d| *s == ShadowSettings { resolution: s.resolution, ..*d },
         label: |run| run.resolution.to_string(),
     },
     Knob {
         title: "error of a bent edge in texels",
-        of: |s, d| (s.resolution, s.filter) == (d.resolution, d.filter),
+        of: |s, d| *s == ShadowSettings { edge_error_texels: s.edge_error_texels, ..*d },
         label: |run| run.edge_error_texels.map_or("unsplit".into(), |texels| texels.to_string()),
     },
     Knob {
         title: "filter",
-        of: |s, d| (s.resolution, s.edge_error_texels) == (d.resolution, d.edge_error_texels),
+        of: |s, d| *s == ShadowSettings { filter: s.filter, ..*d },
         label: |run| run.filter.into(),
+    },
+    Knob {
+        title: "mesh error in world units",
+        of: |s, d| *s == ShadowSettings { mesh_error: s.mesh_error, ..*d },
+        label: Run::mesh,
     },
 ];
 
@@ -58,7 +63,7 @@ const MEASURES: [Measure; 2] = [
 pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>> {
     let mut svg = String::new();
     {
-        let root = SVGBackend::with_string(&mut svg, (1100, 1240)).into_drawing_area();
+        let root = SVGBackend::with_string(&mut svg, (1100, 1644)).into_drawing_area();
         root.fill(&WHITE)?;
         let title = format!(
             "bent shadows: run time against error, {} x {} pixels on {}",
@@ -152,6 +157,7 @@ fn points(scene: &SceneReport, knob: &Knob, measure: &Measure) -> Vec<(f64, f64,
         by_edge
             .then(a.resolution.cmp(&b.resolution))
             .then((a.settings.filter as u8).cmp(&(b.settings.filter as u8)))
+            .then(b.mesh_error.total_cmp(&a.mesh_error))
     });
     turned
         .into_iter()

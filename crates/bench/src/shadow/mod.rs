@@ -1,5 +1,5 @@
 //! What do bent shadows cost, and how wrong are they? Run time against error over resolution, splitting and filter
-//! of shadow maps, in scenes that are hard on them in different ways.
+//! of shadow maps and the error of the mesh they show, in scenes that are hard on them in different ways.
 
 mod chart;
 pub(crate) mod scenes;
@@ -19,6 +19,8 @@ const RESOLUTIONS: [u32; 5] = [256, 512, 1024, 2048, 4096];
 /// Texels by which a bent edge may be off; the last does not split at all.
 const EDGE_ERRORS: [Option<f32>; 7] =
     [Some(4.0), Some(2.0), Some(1.0), Some(0.4), Some(0.2), Some(0.1), None];
+/// How far casters may stray from the surface, of the diagonal of the scene's bounds.
+const MESH_ERRORS: [f64; 4] = [0.0, 1e-4, 1e-3, 1e-2];
 /// Times that each picture is timed; the fastest counts, since nothing but other work makes one slower.
 const TIMINGS: usize = 7;
 
@@ -80,11 +82,13 @@ pub struct Run {
     pub edge_error_texels: Option<f32>,
     /// `nearest`, `bilinear` or `pcf3x3`.
     pub filter: &'static str,
+    /// How far casters may stray from the surface, in world units.
+    pub mesh_error: f64,
     /// Nothing kept from a picture before; milliseconds.
     pub stages: Stages,
     /// Against the reference.
     pub error: Comparison,
-    /// The same three.
+    /// The same four.
     #[serde(skip)]
     pub settings: ShadowSettings,
 }
@@ -101,12 +105,13 @@ pub struct Stages {
     pub lighting_ms: f64,
 }
 
-/// Every run: the default, and one knob turned at a time.
-fn all_settings() -> Vec<ShadowSettings> {
+/// Every run in a scene of that diagonal: the default, and one knob turned at a time.
+fn all_settings(diagonal: f64) -> Vec<ShadowSettings> {
     let default = ShadowSettings::default();
     let mut all: Vec<_> = RESOLUTIONS.map(|resolution| ShadowSettings { resolution, ..default }).to_vec();
     all.extend(EDGE_ERRORS.map(|edge_error_texels| ShadowSettings { edge_error_texels, ..default }));
     all.extend(ShadowFilter::ALL.map(|filter| ShadowSettings { filter, ..default }));
+    all.extend(MESH_ERRORS.map(|share| ShadowSettings { mesh_error: share * diagonal, ..default }));
     let mut unique: Vec<ShadowSettings> = Vec::new();
     for settings in all {
         if !unique.contains(&settings) {
@@ -121,10 +126,9 @@ fn all_settings() -> Vec<ShadowSettings> {
 pub fn run(options: Options, progress: impl Fn(Progress) + Sync) -> Result<(Report, String), BenchError> {
     let gpu = Arc::new(Gpu::new()?);
     let mut renderer = Renderer::new(Arc::clone(&gpu))?;
-    let settings = all_settings();
     let subjects = scenes::subjects(options.width, options.height);
-    // The reference's picture is one step more.
-    let steps = settings.len() + 1;
+    // As many in every scene; the reference's picture is one step more.
+    let steps = all_settings(1.0).len() + 1;
     let mut scenes = Vec::with_capacity(subjects.len());
     for (index, subject) in subjects.iter().enumerate() {
         let step = |done: usize| {
@@ -134,7 +138,7 @@ pub fn run(options: Options, progress: impl Fn(Progress) + Sync) -> Result<(Repo
                 scene: &subject.name,
             });
         };
-        scenes.push(run_scene(&mut renderer, subject, &settings, options.pictures, step)?);
+        scenes.push(run_scene(&mut renderer, subject, options.pictures, step)?);
     }
     let report =
         Report { adapter: gpu.adapter_name().into(), width: options.width, height: options.height, scenes };
@@ -145,7 +149,6 @@ pub fn run(options: Options, progress: impl Fn(Progress) + Sync) -> Result<(Repo
 fn run_scene(
     renderer: &mut Renderer,
     subject: &Subject,
-    settings: &[ShadowSettings],
     pictures: Option<&Path>,
     step: impl Fn(usize),
 ) -> Result<SceneReport, BenchError> {
@@ -154,8 +157,9 @@ fn run_scene(
     let expected = Expected::new(subject, || {})?;
     let reference_seconds = start.elapsed().as_secs_f64();
     renderer.set_scene(&subject.scene)?;
-    let mut runs = Vec::with_capacity(settings.len());
-    for (index, &shadows) in settings.iter().enumerate() {
+    let (min, max) = scene::world_bounds(&subject.scene).unwrap_or_default();
+    let mut runs = Vec::new();
+    for (index, shadows) in all_settings(min.distance(max)).into_iter().enumerate() {
         step(1 + index);
         let drawn = Drawn::new(renderer, subject, shadows)?;
         let error = expected.compare(&drawn);
@@ -163,6 +167,7 @@ fn run_scene(
             resolution: shadows.resolution,
             edge_error_texels: shadows.edge_error_texels,
             filter: name(shadows.filter),
+            mesh_error: shadows.mesh_error,
             stages: time(renderer, subject)?,
             error,
             settings: shadows,
@@ -199,6 +204,11 @@ fn name(filter: ShadowFilter) -> &'static str {
 impl Run {
     fn file_name(&self, scene: &str) -> String {
         let edge = self.edge_error_texels.map_or("unsplit".into(), |texels| format!("{texels}"));
-        format!("{scene}-{}-{edge}-{}.png", self.resolution, self.filter)
+        format!("{scene}-{}-{edge}-{}-{}.png", self.resolution, self.filter, self.mesh())
+    }
+
+    /// The mesh error in short.
+    fn mesh(&self) -> String {
+        if self.mesh_error == 0.0 { "exact".into() } else { format!("{:.1e}", self.mesh_error) }
     }
 }

@@ -11,8 +11,8 @@ use crate::render::Size;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
-Renders five scenes by the reference, and by the GPU with the shadow map's resolution, splitting and filter turned
-one at a time. Prints JSON, for each scene and setting:
+Renders five scenes by the reference, and by the GPU with the shadow map's resolution, splitting, filter and mesh error
+turned one at a time. Prints JSON, for each scene and setting:
   stages               milliseconds for G-buffer, shadow map and lighting, nothing kept from a picture before
   radianceRmse         relative error of radiance where no shadow's edge is near
   displacementPixels   how far shadows' edges are from where they should be, along rows and columns

@@ -137,6 +137,28 @@ fn a_picture_that_cannot_be_written_is_refused_before_any_work() {
 }
 
 #[test]
+fn shadow_maps_that_cannot_be_are_refused() {
+    let folder = Folder::new();
+    let (scene, light) = (folder.file("scene.gltf", TRIANGLE), folder.file("light.json", BENDY));
+    let picture = folder.path("out.png");
+    let render = ["render", &scene, "--lights", &light, "-o", &picture];
+    for (more, must_say) in [
+        (["--shadow-resolution", "8"], "16 texels"),
+        (["--shadow-resolution", "1000000"], "make it smaller"),
+        (["--shadow-mesh-error", "-0.1"], "world units"),
+        (["--shadow-mesh-error", "NaN"], "world units"),
+        (["--shadow-mesh-error", "inf"], "world units"),
+    ] {
+        refused(&[&render[..], &more].concat(), "", &[must_say]);
+    }
+    for option in ["--shadow-resolution", "--shadow-mesh-error"] {
+        let of_reference = ["--backend", "reference", option, "64"];
+        refused(&[&render[..], &of_reference].concat(), "", &[option, "no shadow maps"]);
+    }
+    assert_eq!(folder.names(), ["light.json", "scene.gltf"]);
+}
+
+#[test]
 fn bad_usage_exits_with_2_and_says_what_is_allowed() {
     let render = |more: &[&'static str]| [&["render", "demo:vases", "-o", "out.png"][..], more].concat();
     for (args, must_say) in [

@@ -135,6 +135,14 @@ fn render_writes_png_for_people() {
 }
 
 #[test]
+fn render_takes_shadow_settings() {
+    let folder = Folder::new();
+    let shadows = ["--aov", "visibility", "--shadow-resolution", "512", "--shadow-mesh-error", "0.01"];
+    let picture = rendered(&folder, "out.png", &shadows);
+    assert_eq!(picture.get_pixel(32, 26).0[..3], [255; 3], "nothing stands before the triangle");
+}
+
+#[test]
 fn render_writes_exr_with_the_values_themselves() {
     let folder = Folder::new();
     let depth = rendered(&folder, "out.exr", &["--aov", "depth"]);

@@ -74,7 +74,7 @@ gpu_struct! {
         tan2_outer: f32,
         cos_outer: f32,
         inv_cos_range: f32,
-        pad0: f32,
+        mesh_error: f32,
     }
 }
 

@@ -8,14 +8,15 @@ mod shadow;
 mod slab;
 mod solve;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 #[cfg(test)]
-mod walk;
+pub(crate) mod walk;
 mod wireframe;
 
 use bendy::{Decay, Direction, EndMode, Frame, Segment, Tube};
 use glam::{DMat3, DMat4, DVec3};
 
+use crate::geometry::MAX_EXTENT;
 use crate::layout::Mat4;
 use crate::{ShadowFilter, ShadowSettings};
 
@@ -240,6 +241,7 @@ pub(crate) fn uniform(
         tan2_outer: f32_tube.profile.tan2_outer,
         cos_outer: f32_tube.profile.cos_outer,
         inv_cos_range: f32_tube.profile.inv_cos_range,
-        pad0: 0.0,
+        // Farther than the scene reaches is as good as any farther.
+        mesh_error: (shadows.mesh_error / tube.placement.world_per_tube).min(MAX_EXTENT) as f32,
     }
 }

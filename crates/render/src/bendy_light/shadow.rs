@@ -1,4 +1,4 @@
-//! The bent shadow map: the scene's triangles mapped into tube space by compute passes, then drawn (see
+//! The bent shadow map: what casts shadows mapped into tube space by compute passes, then drawn (see
 //! `bent_map.wgsl`).
 //!
 //! Every triangle is looked at once. Most lie in one slab and are straight in the map: they are drawn from
@@ -170,7 +170,7 @@ impl BentShadowPass {
         map: &BentMap,
     ) {
         let b = buffers;
-        let geometry = &scene.geometry;
+        let casters = &scene.casters;
         let group =
             |pipeline: &ComputePipeline, rest: &[&Buffer]| bind(gpu, pipeline, &[&b.uniform, &b.slabs], rest);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -186,9 +186,9 @@ impl BentShadowPass {
                 None => pass.dispatch_workgroups_indirect(&b.workgroups, 0),
             }
         };
-        let vertices = group(&self.vertices, &[&geometry.positions, &b.mapped, &b.vertex_slab]);
+        let vertices = group(&self.vertices, &[&casters.positions, &b.mapped, &b.vertex_slab]);
         run(&self.vertices, &vertices, Some(map.vertex_count));
-        let mapped = [&geometry.positions, &b.mapped, &b.vertex_slab, &geometry.indices];
+        let mapped = [&casters.positions, &b.mapped, &b.vertex_slab, &casters.indices];
         let triangles = group(
             &self.triangles,
             &[&mapped[..], &[&b.whole_indices, &b.work, &b.counts, &b.patches[1]]].concat(),
@@ -197,7 +197,7 @@ impl BentShadowPass {
 
         let next = bind(gpu, &self.next, &[&b.uniform], &[&b.counts, &b.workgroups]);
         run(&self.next, &next, Some(1));
-        let clip = [&geometry.positions, &geometry.indices, &b.work, &b.counts, &b.patches[1]];
+        let clip = [&casters.positions, &casters.indices, &b.work, &b.counts, &b.patches[1]];
         run(&self.clip, &group(&self.clip, &clip), None);
         let [even, odd] = [(0, 1), (1, 0)].map(|(from, to)| {
             group(&self.split, &[&b.patches[from], &b.patches[to], &b.counts, &b.split_vertices])
@@ -248,8 +248,8 @@ impl BentWork {
     fn map(&self, request: &MapRequest, slabs: &[(Slab, [DVec3; 8])]) -> BentMap {
         let &MapRequest { scene, tube, shadows, .. } = request;
         BentMap {
-            vertex_count: scene.vertex_count,
-            triangle_count: scene.triangle_count,
+            vertex_count: scene.casters.vertex_count,
+            triangle_count: scene.casters.triangle_count,
             shadow_resolution: shadows.resolution as f32,
             work_capacity: self.room.work,
             patch_capacity: self.room.patches,

@@ -11,8 +11,12 @@ use super::walk;
 use crate::{Aov, Gpu, Picture, Renderer, ShadowFilter, ShadowSettings, View, ViewSlot};
 
 /// Edges are never split.
-const UNSPLIT: ShadowSettings =
-    ShadowSettings { resolution: 2048, edge_error_texels: None, filter: ShadowFilter::Bilinear };
+const UNSPLIT: ShadowSettings = ShadowSettings {
+    resolution: 2048,
+    edge_error_texels: None,
+    filter: ShadowFilter::Bilinear,
+    mesh_error: 0.0,
+};
 
 /// A light that falls from 4 units up, turns by 70 degrees and back a little: three strongly bent segments.
 fn light() -> BendyLight {
@@ -61,7 +65,7 @@ fn scene() -> Scene {
     scene
 }
 
-fn view(aov: Aov) -> View {
+pub(crate) fn view(aov: Aov) -> View {
     let eye = DVec3::new(-1.5, 4.5, 6.0);
     let back = (eye - DVec3::new(0.5, 0.0, 0.0)).normalize();
     let right = DVec3::Y.cross(back).normalize();
@@ -76,7 +80,7 @@ fn view(aov: Aov) -> View {
 }
 
 /// The world position that a pixel of the depth AOV stands for.
-fn position(view: &View, depth: &Picture, pixel: usize) -> DVec3 {
+pub(crate) fn position(view: &View, depth: &Picture, pixel: usize) -> DVec3 {
     let (x, y) = ((pixel % 240) as f64, (pixel / 240) as f64);
     let half = 0.35_f64.tan();
     let ndc = ((x + 0.5) / 120.0 - 1.0, 1.0 - (y + 0.5) / 80.0);
@@ -85,7 +89,7 @@ fn position(view: &View, depth: &Picture, pixel: usize) -> DVec3 {
 }
 
 /// A renderer on the device that all tests of this binary share.
-fn renderer(scene: &Scene) -> Renderer {
+pub(crate) fn renderer(scene: &Scene) -> Renderer {
     static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
     let gpu = GPU.get_or_init(|| Arc::new(Gpu::new().expect("tests need a graphics driver")));
     let mut renderer = Renderer::new(Arc::clone(gpu)).expect("the device works");
@@ -273,7 +277,8 @@ fn every_setting_leaves_a_lone_plane_lit() {
     let light = &bent_spots()[1];
     for filter in ShadowFilter::ALL {
         for (resolution, edge_error_texels) in [(256, Some(0.4)), (2048, Some(0.1)), (2048, Some(2.0))] {
-            let settings = ShadowSettings { resolution, edge_error_texels, filter };
+            let settings =
+                ShadowSettings { resolution, edge_error_texels, filter, ..ShadowSettings::default() };
             renderer.set_shadow_settings(settings).expect("sound");
             assert_eq!(self_shadowed(&mut renderer, light), 0, "{settings:?}");
         }
@@ -283,6 +288,9 @@ fn every_setting_leaves_a_lone_plane_lit() {
         ShadowSettings { resolution: 4, ..default },
         ShadowSettings { resolution: 1 << 20, ..default },
         ShadowSettings { edge_error_texels: Some(f32::NAN), ..default },
+        ShadowSettings { mesh_error: f64::NAN, ..default },
+        ShadowSettings { mesh_error: f64::INFINITY, ..default },
+        ShadowSettings { mesh_error: -1e-9, ..default },
     ] {
         renderer.set_shadow_settings(refused).expect_err("no map can be made of it");
     }

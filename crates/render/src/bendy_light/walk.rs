@@ -9,7 +9,7 @@ use glam::DVec3;
 const STEPS: usize = 1500;
 
 /// The tube-space point at `(t, v, w)`: `P + R (v v_hat + w w_hat)`.
-fn point_at(tube: &Tube<f64>, t: f64, v: f64, w: f64) -> DVec3 {
+pub fn point_at(tube: &Tube<f64>, t: f64, v: f64, w: f64) -> DVec3 {
     let i = (t as usize).min(tube.n - 1);
     let (segment, u) = (&tube.segments[i], t - i as f64);
     let (v_hat, w_hat) = tube.cross_section(segment, segment.u_hat(u));

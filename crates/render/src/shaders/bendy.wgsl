@@ -58,10 +58,12 @@ fn bent_visibility(root: Root, vw: vec2f, normal: vec3f) -> f32 {
     receiver.texel = (vw * vec2f(0.5, -0.5) + 0.5) * light.shadow_resolution - 0.5;
     receiver.t = root_t(root);
     // Seen edge on, the plane runs off along the light within a texel: at most 32 of its widths, the way it leans.
-    receiver.step = texel_width / max(closing, length(leaning) * speed / 32.0) * vec2f(leaning.x, -leaning.y);
-    // The depth is rounded to some ulps of 1.
+    let facing = max(closing, length(leaning) * speed / 32.0);
+    receiver.step = texel_width / facing * vec2f(leaning.x, -leaning.y);
+    // The depth is rounded to some ulps of 1. And the receiver's own caster may stray by e towards the light: a plane
+    // moved so far along its normal is met e / (n . T) earlier.
     receiver.tolerance = light.shadow_tolerance_texels * (footprint + length(receiver.step))
-        + 0x1p-22 * light.t_max;
+        + 0x1p-22 * light.t_max + light.mesh_error / facing;
 
     return filtered(receiver);
 }

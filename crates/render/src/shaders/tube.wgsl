@@ -28,6 +28,8 @@ struct BendyLight {
     tan2_outer: f32,
     cos_outer: f32,
     inv_cos_range: f32,
+    // How far what casts shadows may stray from the surface, in tube space.
+    mesh_error: f32,
 }
 
 // What does not change while a light is bent is compiled into the shader: a software driver runs both sides

@@ -1,0 +1,316 @@
+//! Shadows of simplified casters: where they fall, what they leave lit, and what planted faults do to that.
+
+use std::f64::consts::{PI, TAU};
+
+use bendy::{BendyLight, Decay, EndMode, SpotLight, Tube};
+use glam::{DAffine3, DQuat, DVec3, Vec3};
+use scene::{Light, LightKind, Material, Mesh, Node, Primitive, Scene};
+
+use super::{LARGEST_OVER_MEAN, simplify};
+use crate::bendy_light::tests::{position, renderer, view};
+use crate::bendy_light::walk;
+use crate::{Aov, Renderer, ShadowSettings};
+
+/// Of the ball, in world units; the bowl has twice that.
+const RADIUS: f64 = 0.6;
+const CENTRE: DVec3 = DVec3::new(0.1, 2.4, 0.0);
+/// A hundredth of the ball's radius.
+const MESH_ERROR: f64 = 0.01 * RADIUS;
+
+/// Part of a unit sphere, from the pole at -y up to an angle. Each triangle has vertices of its own, and so
+/// an edge in its shading on each side. Seen from outside, or from inside.
+fn sphere(end: f64, rows: u32, columns: u32, inside: bool) -> Primitive {
+    let point = |row: u32, column: u32| {
+        let polar = end * f64::from(row) / f64::from(rows);
+        let (sine, cosine) = (TAU * f64::from(column % columns) / f64::from(columns)).sin_cos();
+        let around = if row == 0 || (row == rows && end == PI) { 0.0 } else { polar.sin() };
+        DVec3::new(around * cosine, -polar.cos(), around * sine).as_vec3()
+    };
+    let mut primitive = Primitive::default();
+    for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
+        let [a, b, c, d] = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| point(row + i, column + j));
+        for corners in [[a, b, c], [a, c, d]] {
+            let [a, b, c] = if inside { [corners[0], corners[2], corners[1]] } else { corners };
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            primitive.indices.extend((0..3).map(|k| primitive.positions.len() as u32 + k));
+            primitive.positions.extend([a, b, c]);
+            primitive.normals.extend([normal; 3]);
+        }
+    }
+    primitive
+}
+
+/// A square from -1 to 1 that faces up, in `side` times `side` quads.
+fn square(side: u32) -> Primitive {
+    let at = |k: u32| 2.0 * k as f32 / side as f32 - 1.0;
+    let points = (0..=side).flat_map(|i| (0..=side).map(move |j| Vec3::new(at(i), 0.0, at(j))));
+    let quads = (0..side).flat_map(|i| (0..side).map(move |j| i * (side + 1) + j));
+    Primitive {
+        positions: points.collect(),
+        normals: vec![Vec3::Y; (side as usize + 1).pow(2)],
+        indices: quads.flat_map(|k| [k, k + 1, k + side + 2, k, k + side + 2, k + side + 1]).collect(),
+        ..Primitive::default()
+    }
+}
+
+fn scene_of<const N: usize>(parts: [(Primitive, f64, DVec3); N]) -> Scene {
+    let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
+    for (mesh, (primitive, scale, at)) in parts.into_iter().enumerate() {
+        let parent_from_local =
+            DAffine3::from_scale_rotation_translation(DVec3::splat(scale), DQuat::IDENTITY, at);
+        scene.meshes.push(Mesh { name: String::new(), primitives: vec![primitive] });
+        scene.nodes.push(Node { name: String::new(), parent: None, parent_from_local, mesh: Some(mesh) });
+    }
+    scene.check().expect("sound");
+    scene
+}
+
+/// A ball of 36,864 triangles over a floor of two.
+fn ball() -> Scene {
+    scene_of([(sphere(PI, 96, 192, false), RADIUS, CENTRE), (square(1), 8.0, DVec3::ZERO)])
+}
+
+/// A shallow bowl that light from above falls into without meeting its rim.
+fn bowl() -> Scene {
+    scene_of([(sphere(PI / 4.0, 96, 192, true), 2.0, DVec3::new(0.5, 2.2, 0.0))])
+}
+
+/// From 6 units up, downwards: a spotlight, the same as a BendyLight, and one that bends.
+fn lights() -> [(Light, BendyLight); 3] {
+    let spot = SpotLight { cone_angle: 18.0, range: Some(7.0), decay: Decay::None, ..SpotLight::default() };
+    let mut spot = SpotLight { cone_softness: 0.0, ..spot };
+    spot.transform.translation = DVec3::Y * 6.0;
+    spot.transform.rotation = DQuat::from_rotation_x(-PI / 2.0);
+    let straight = bendy::bend(&spot, 2).expect("sound");
+    let points = [(0., 0., 0.), (0., 0., -1.5), (0., 0., -3.2), (0.9, 0., -4.9), (1.9, 0., -6.5)];
+    let points = points.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec();
+    let mut bent = BendyLight::new(points, vec![0.2, 0.8, 1.2, 1.5, 1.8]);
+    (bent.transform, bent.end_mode) = (spot.transform, EndMode::Cut);
+    let light = |kind| Light { name: "key".into(), kind };
+    [
+        (light(LightKind::Spot(spot)), straight.clone()),
+        (light(LightKind::Bendy(straight.clone())), straight),
+        (light(LightKind::Bendy(bent.clone())), bent),
+    ]
+}
+
+fn settings(mesh_error: f64) -> ShadowSettings {
+    ShadowSettings { mesh_error, ..ShadowSettings::default() }
+}
+
+/// Makes casters by one mesh error while the look-ups are told another.
+fn plant(renderer: &mut Renderer, told: f64, made: f64) {
+    // Whatever was drawn before goes.
+    for mesh_error in [made, told] {
+        renderer.set_shadow_settings(settings(mesh_error)).expect("sound");
+    }
+    let (gpu, scene) = renderer.staged();
+    scene.casters = scene.surface.simplified(gpu, made).expect("made");
+}
+
+/// How many points of the floor in the light are lit or dark, and how many are wrong though the way of their
+/// light passes the ball's edge by more than `slack`.
+fn floor(renderer: &mut Renderer, (light, bent): &(Light, BendyLight), slack: f64) -> ([usize; 2], usize) {
+    let tube = Tube::new(bent).expect("valid");
+    let mut picture = |aov| renderer.render(&view(aov), std::slice::from_ref(light)).expect("drawn");
+    let (depth, visibility) = (picture(Aov::Depth), picture(Aov::Visibility));
+    let (mut counts, mut wrong) = ([0; 2], 0);
+    for (pixel, seen) in visibility.pixels.iter().enumerate().filter(|(_, seen)| seen[3] == 1.0) {
+        let point = position(&view(Aov::Depth), &depth, pixel);
+        let Some(root) = tube.nearest_root(tube.placement.tube_from_world(point)).filter(|_| point.y < 1e-4)
+        else {
+            continue;
+        };
+        let (v, w) = (root.v_len / root.radius, root.w_len / root.radius);
+        let t = root.segment as f64 + root.u;
+        let on_path =
+            |k: u32| tube.placement.world_from_tube(walk::point_at(&tube, t * f64::from(k) / 1000.0, v, w));
+        let nearest = (0..=1000).map(|k| on_path(k).distance(CENTRE)).fold(f64::INFINITY, f64::min);
+        let past = nearest - RADIUS;
+        if past.abs() > slack {
+            counts[usize::from(past > 0.0)] += 1;
+            wrong += usize::from(seen[0] != if past > 0.0 { 1.0 } else { 0.0 });
+        }
+    }
+    (counts, wrong)
+}
+
+/// How many pixels see light that meets their surface at more than 6 degrees, and how many of those are in
+/// shadow.
+fn shadowed(renderer: &mut Renderer, light: &Light, on: impl Fn(DVec3) -> bool) -> (usize, usize) {
+    let mut picture = |aov| renderer.render(&view(aov), std::slice::from_ref(light)).expect("drawn");
+    let [visibility, direction, normal, depth] =
+        [Aov::Visibility, Aov::Direction, Aov::Normal, Aov::Depth].map(&mut picture);
+    let vector = |picture: &crate::Picture, pixel: usize| {
+        let [x, y, z, _] = picture.pixels[pixel].map(f64::from);
+        DVec3::new(x, y, z)
+    };
+    let facing = |&pixel: &usize| {
+        visibility.pixels[pixel][3] == 1.0
+            && vector(&direction, pixel).dot(vector(&normal, pixel)) > 0.1
+            && on(position(&view(Aov::Depth), &depth, pixel))
+    };
+    let met: Vec<_> = (0..visibility.pixels.len()).filter(facing).collect();
+    (met.len(), met.iter().filter(|&&pixel| visibility.pixels[pixel][0] < 1.0).count())
+}
+
+/// Far fewer triangles cast the ball's shadow, no farther than the error from where it was, and leave its lit
+/// side lit.
+#[test]
+fn a_simplified_ball_casts_its_shadow() {
+    // Three texels of the map, 2 R / 2048 wide with R at most 2.3, and the ball's own facets.
+    let slack = MESH_ERROR + 3.0 * 2.3 / 1024.0;
+    let mut renderer = renderer(&ball());
+    renderer.set_shadow_settings(settings(MESH_ERROR)).expect("sound");
+    let scene = renderer.staged().1;
+    let (before, after) = (scene.surface.triangle_count, scene.casters.triangle_count);
+    assert!((100..before / 10).contains(&after), "{after} of {before} triangles");
+    assert!(scene.casters.vertex_count < after, "none that no triangle has");
+    for light in &lights() {
+        let ([dark, lit], wrong) = floor(&mut renderer, light, slack);
+        assert!(dark > 500 && lit > 500, "{dark} dark, {lit} lit");
+        assert_eq!(wrong, 0, "{:?}", light.0.kind);
+        let (met, false_shadow) = shadowed(&mut renderer, &light.0, |point| point.y > 1.0);
+        assert!(met > 300, "{met}");
+        assert_eq!(false_shadow, 0, "of {met}, {:?}", light.0.kind);
+    }
+
+    // Planted: ten times the error.
+    plant(&mut renderer, MESH_ERROR, 10.0 * MESH_ERROR);
+    for light in &lights() {
+        assert!(floor(&mut renderer, light, slack).1 > 0, "a coarse ball went unseen");
+    }
+}
+
+/// A bowl's simplified facets lie before its surface: it stays lit because the look-ups are told.
+#[test]
+fn a_simplified_bowl_stays_lit() {
+    let mut renderer = renderer(&bowl());
+    for light in &lights() {
+        for error in [0.5 * MESH_ERROR, 3.0 * MESH_ERROR] {
+            renderer.set_shadow_settings(settings(error)).expect("sound");
+            let (met, false_shadow) = shadowed(&mut renderer, &light.0, |_| true);
+            assert!(met > 2000, "{met}");
+            assert_eq!(false_shadow, 0, "of {met} at {error}, {:?}", light.0.kind);
+        }
+        // Planted: look-ups that are told nothing, or a tenth.
+        for told in [0.0, MESH_ERROR] {
+            plant(&mut renderer, told, 10.0 * MESH_ERROR);
+            assert!(shadowed(&mut renderer, &light.0, |_| true).1 > 100, "told {told}");
+        }
+    }
+}
+
+/// A plane of many triangles becomes one of few, and lies in its own light.
+#[test]
+fn a_simplified_plane_stays_lit() {
+    let mut renderer = renderer(&scene_of([(square(40), 8.0, DVec3::ZERO)]));
+    renderer.set_shadow_settings(settings(0.05)).expect("sound");
+    let left = renderer.staged().1.casters.triangle_count;
+    assert!(left < 20, "{left} of 3,200 triangles");
+    for light in &lights() {
+        let (met, false_shadow) = shadowed(&mut renderer, &light.0, |_| true);
+        assert!(met > 2000, "{met}");
+        assert_eq!(false_shadow, 0, "of {met}, {:?}", light.0.kind);
+    }
+}
+
+/// Without an error the maps are made of the scene's own buffers, before and after one.
+#[test]
+fn without_an_error_nothing_is_copied() {
+    let mut renderer = renderer(&ball());
+    let shares = |renderer: &mut Renderer| {
+        let scene = renderer.staged().1;
+        let of_scene = (&scene.geometry.positions, &scene.geometry.indices, scene.surface.triangle_count);
+        let casters = &scene.casters;
+        (&casters.positions, &casters.indices, casters.triangle_count) == of_scene
+    };
+    let lights = lights().map(|(light, _)| light);
+    let shares_at_first = shares(&mut renderer);
+    let exact = renderer.render(&view(Aov::Beauty), &lights).expect("drawn");
+    renderer.set_shadow_settings(settings(MESH_ERROR)).expect("sound");
+    let shares_simplified = shares(&mut renderer);
+    let simplified = renderer.render(&view(Aov::Beauty), &lights).expect("drawn");
+    renderer.set_shadow_settings(settings(0.0)).expect("sound");
+    assert_eq!([shares_at_first, shares_simplified, shares(&mut renderer)], [true, false, true]);
+    assert_ne!(simplified, exact, "a planted change is seen");
+    assert_eq!(renderer.render(&view(Aov::Beauty), &lights).expect("drawn"), exact);
+}
+
+/// Scene first or settings first, the picture is the same, and so it is with another scene between.
+#[test]
+fn the_order_of_scene_and_settings_does_not_matter() {
+    let lights = lights().map(|(light, _)| light);
+    let mut scene_first = renderer(&ball());
+    scene_first.set_shadow_settings(settings(MESH_ERROR)).expect("sound");
+    let mut settings_first = renderer(&Scene::default());
+    settings_first.set_shadow_settings(settings(MESH_ERROR)).expect("sound");
+    settings_first.set_scene(&bowl()).expect("fits");
+    settings_first.set_scene(&ball()).expect("fits");
+    let picture = |renderer: &mut Renderer| renderer.render(&view(Aov::Beauty), &lights).expect("drawn");
+    let expected = picture(&mut scene_first);
+    assert_eq!(picture(&mut settings_first), expected);
+    scene_first.set_scene(&bowl()).expect("fits");
+    assert_ne!(picture(&mut scene_first), expected, "a planted change is seen");
+}
+
+/// The largest distance of `mesh` from the unit sphere, over its corners and points between.
+fn farthest(mesh: &super::Mesh) -> f64 {
+    const STEPS: u32 = 10;
+    let corners = |triangle: &[u32; 3]| triangle.map(|k| Vec3::from(mesh.positions[k as usize]).as_dvec3());
+    let between = |[a, b, c]: [DVec3; 3]| {
+        (0..=STEPS).flat_map(move |i| (0..=STEPS - i).map(move |j| (i, j))).map(move |(i, j)| {
+            let (b_share, c_share) = (f64::from(i) / f64::from(STEPS), f64::from(j) / f64::from(STEPS));
+            a.lerp(b, b_share) + (c - a) * c_share
+        })
+    };
+    let points = mesh.indices.as_chunks().0.iter().map(corners).flat_map(between);
+    points.map(|point| (point.length() - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// No point of what is left lies farther from a sphere than was allowed; it would with the mean for the
+/// largest.
+#[test]
+fn what_is_left_strays_no_farther_than_it_may() {
+    for primitive in [sphere(PI, 96, 192, false), sphere(PI / 4.0, 96, 192, true)] {
+        let positions: Vec<_> = primitive.positions.iter().map(Vec3::to_array).collect();
+        let left = |error: f64| simplify(&positions, (&primitive.indices, &[]), error);
+        for error in [0.003, 0.01, 0.03, 0.1] {
+            let mesh = left(error);
+            assert!(mesh.indices.len() * 4 < primitive.indices.len(), "{error}: {}", mesh.indices.len());
+            assert!(farthest(&mesh) < error, "{error}: {}", farthest(&mesh));
+            assert!(
+                farthest(&left(LARGEST_OVER_MEAN * error)) > error,
+                "{error}: the planted fault went unseen"
+            );
+        }
+        // Less than f32 can tell: all but the triangles without an area at the poles.
+        let least = left(1e-4).indices.len();
+        assert!(least > primitive.indices.len() * 9 / 10, "{least}");
+    }
+}
+
+/// Alpha-tested triangles stay as they are, and what is no surface at all is no trouble.
+#[test]
+fn what_cannot_be_simplified_stays() {
+    let primitive = sphere(PI, 24, 48, false);
+    let positions: Vec<_> = primitive.positions.iter().map(Vec3::to_array).collect();
+    let corners =
+        |mesh: &super::Mesh| mesh.indices.iter().map(|&k| mesh.positions[k as usize]).collect::<Vec<_>>();
+    let masked = simplify(&positions, (&[], &primitive.indices), 0.1);
+    assert_eq!((masked.opaque_indices, corners(&masked)), (0, positions.clone()));
+    let (opaque, rest) = primitive.indices.split_at(primitive.indices.len() / 2);
+    let both = simplify(&positions, (opaque, rest), 0.1);
+    assert!(both.opaque_indices > 0 && both.opaque_indices < opaque.len() / 2);
+    assert_eq!(corners(&both)[both.opaque_indices..], positions[opaque.len()..]);
+
+    assert_eq!(simplify(&[], (&[], &[]), 1.0).indices, [0_u32; 0]);
+    assert_eq!(simplify(&[[1.0; 3]; 3], (&[0, 1, 2], &[]), 1.0).indices, [0_u32; 0], "one point");
+    let line = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
+    for error in [f64::MIN_POSITIVE, 1.0, f64::MAX] {
+        assert!(simplify(&line, (&[0, 1, 2], &[]), error).indices.len() <= 3);
+        assert!(
+            simplify(&positions, (&primitive.indices, &[]), error).indices.len() < primitive.indices.len()
+        );
+    }
+}
