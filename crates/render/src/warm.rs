@@ -15,12 +15,17 @@ impl Renderer {
     ///
     /// Each way to evaluate a BendyLight is compiled by itself. These are the ones of lights of up to 4
     /// segments with all else at its default; another one makes its first picture wait, and so do AOVs.
-    pub fn warm(&self) -> Result<(), RenderError> {
+    ///
+    /// Ends early, between two pictures, where `keep_going` says no.
+    pub fn warm(&self, mut keep_going: impl FnMut() -> bool) -> Result<(), RenderError> {
         let mut renderer = self.another()?;
         renderer.set_scene(&scene())?;
         let spot = spot();
         renderer.render_display(&view(), &[light(LightKind::Spot(spot.clone()))])?;
         for segments in 1..=SEGMENTS {
+            if !keep_going() {
+                return Ok(());
+            }
             let bent = bendy::bend(&spot, segments)?;
             renderer.render_display(&view(), &[light(LightKind::Bendy(bent))])?;
         }

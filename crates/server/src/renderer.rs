@@ -1,7 +1,8 @@
 //! The one thread that owns the graphics device, and the way to it.
 
 use std::sync::Arc;
-use std::thread;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use render::{Gpu, PictureFormat, RenderError, Renderer, View};
@@ -70,17 +71,41 @@ pub struct Drawn {
     pub took: Duration,
 }
 
-/// The way to the render thread. It ends with the last clone.
+/// The way to the render thread.
 #[derive(Clone, Debug)]
 pub struct Renders {
     jobs: mpsc::Sender<Job>,
     warmth: watch::Receiver<Warmth>,
 }
 
+/// The render thread itself. Dropping this ends it and waits: a process must not end while its driver compiles, which
+/// crashes with what it works on gone.
+#[derive(Debug)]
+pub struct RenderThread {
+    jobs: mpsc::Sender<Job>,
+    ending: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Drop for RenderThread {
+    fn drop(&mut self) {
+        self.ending.store(true, Ordering::Relaxed);
+        // Wakes it. Where the queue is full it is awake.
+        let _ = self.jobs.try_send(Job::End);
+        if let Some(thread) = self.thread.take()
+            && thread.join().is_err()
+        {
+            tracing::error!("the render thread had panicked");
+        }
+    }
+}
+
 enum Job {
     Draw(Box<Task>),
     /// Nothing of this stage will be drawn any more.
     Forget(u64),
+    /// Nothing will be drawn any more.
+    End,
 }
 
 /// A request on its way. Whoever asked gives it up by dropping the other end of `done`.
@@ -95,22 +120,25 @@ struct Task {
 
 impl Renders {
     /// Opens the device on a thread of its own, which then warms up. Blocks until the device is open.
-    pub fn start() -> Result<Self, ServerError> {
+    pub fn start() -> Result<(Self, RenderThread), ServerError> {
         let (jobs, inbox) = mpsc::channel(RENDER_QUEUE);
         let (warm, warmth) = watch::channel(Warmth::Warming);
         let (opened, is_open) = std::sync::mpsc::sync_channel(1);
-        thread::spawn(move || match Gpu::new().and_then(open) {
+        let ending = Arc::new(AtomicBool::new(false));
+        let ended = Arc::clone(&ending);
+        let thread = thread::spawn(move || match Gpu::new().and_then(open) {
             Ok(renderer) => {
                 if opened.send(Ok(())).is_ok() {
-                    warm.send_replace(warm_up(&renderer));
-                    Studio { base: renderer, stages: Vec::new(), inbox, waiting: Vec::new() }.run();
+                    warm.send_replace(warm_up(&renderer, &ended));
+                    Studio { base: renderer, stages: Vec::new(), inbox, ended, waiting: Vec::new() }.run();
                 }
             }
             // The other end waits for exactly this.
             Err(error) => drop(opened.send(Err(error))),
         });
+        let thread = RenderThread { jobs: jobs.clone(), ending, thread: Some(thread) };
         is_open.recv().map_err(|_| ServerError::Fault)??;
-        Ok(Self { jobs, warmth })
+        Ok((Self { jobs, warmth }, thread))
     }
 
     /// How the pipelines stand.
@@ -138,9 +166,10 @@ fn open(gpu: Gpu) -> Result<Renderer, RenderError> {
     Renderer::new(Arc::new(gpu))
 }
 
-fn warm_up(renderer: &Renderer) -> Warmth {
+fn warm_up(renderer: &Renderer, ended: &AtomicBool) -> Warmth {
     let started = Instant::now();
-    match renderer.warm() {
+    match renderer.warm(|| !ended.load(Ordering::Relaxed)) {
+        Ok(()) if ended.load(Ordering::Relaxed) => Warmth::Warming,
         Ok(()) => {
             tracing::info!("every pipeline has drawn once, in {} ms", started.elapsed().as_millis());
             Warmth::Warm
@@ -159,6 +188,8 @@ struct Studio {
     /// The one that drew last at the end.
     stages: Vec<Stage>,
     inbox: mpsc::Receiver<Job>,
+    /// Nothing is to be drawn any more.
+    ended: Arc<AtomicBool>,
     waiting: Vec<Task>,
 }
 
@@ -191,8 +222,13 @@ impl Studio {
         }
     }
 
-    /// Takes in what has come, and waits where there is nothing to do. False at the end.
+    /// Waits until there is something to do. False at the end.
     fn listen(&mut self) -> bool {
+        self.take_in() && !self.ended.load(Ordering::Relaxed)
+    }
+
+    /// Takes in what has come, and waits where there is nothing to do. False where nothing can come any more.
+    fn take_in(&mut self) -> bool {
         self.waiting.retain(|task| !task.done.is_closed());
         if self.waiting.is_empty() {
             let Some(job) = self.inbox.blocking_recv() else { return false };
@@ -210,6 +246,8 @@ impl Studio {
         match job {
             Job::Draw(task) => self.waiting.push(*task),
             Job::Forget(key) => self.stages.retain(|stage| stage.key != key),
+            // The flag says so too.
+            Job::End => {}
         }
     }
 
@@ -228,10 +266,11 @@ impl Studio {
     fn draw(&mut self, task: &Task) -> Result<Option<Vec<u8>>, RenderError> {
         let Request { stage, scene, view, lights, output, urgency } = &task.request;
         let index = self.stage(*stage, scene)?;
-        let Self { stages, inbox, .. } = self;
+        let Self { stages, inbox, ended, .. } = self;
         let renderer = &mut stages[index].renderer;
         // Something new may be anything: it is looked at before more is drawn, but for a moving view.
-        let keep_going = || *urgency == Urgency::Moving || (!task.done.is_closed() && inbox.is_empty());
+        let undisturbed = || *urgency == Urgency::Moving || (!task.done.is_closed() && inbox.is_empty());
+        let keep_going = || undisturbed() && !ended.load(Ordering::Relaxed);
         if !renderer.advance(view, lights, keep_going)? {
             return Ok(None);
         }

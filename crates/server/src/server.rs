@@ -19,7 +19,7 @@ use tokio_util::task::TaskTracker;
 use crate::backend::Backend;
 use crate::limits::{DRAIN_WITHIN, MAX_REQUESTS, MAX_SOCKETS, MAX_STILLS, MAX_UPLOADS};
 use crate::metrics::Metrics;
-use crate::renderer::Renders;
+use crate::renderer::{RenderThread, Renders};
 use crate::room::{Rooms, time_ms};
 use crate::scenes::Scenes;
 use crate::storage::Storage;
@@ -40,6 +40,7 @@ pub struct Config {
 pub struct Server {
     store: Store,
     renders: Renders,
+    render_thread: RenderThread,
     token: Token,
     data: PathBuf,
     /// Holds the folder against a second server.
@@ -72,7 +73,8 @@ impl Server {
         let mut store = Store::create(&data)?;
         ensure_session(&mut store, config)?;
         let token = Token::of(&data)?;
-        Ok(Self { store, renders: Renders::start()?, token, data, _lock: lock })
+        let (renders, render_thread) = Renders::start()?;
+        Ok(Self { store, renders, render_thread, token, data, _lock: lock })
     }
 
     /// The secret that clients need.
@@ -86,7 +88,8 @@ impl Server {
         listener: TcpListener,
         shutdown: impl Future<Output = ()> + Send + 'static,
     ) -> Result<(), ServerError> {
-        let Self { store, renders, token, data, _lock } = self;
+        // Whether all ends well or is cut off, the render thread has ended when this returns.
+        let Self { store, renders, render_thread: _render_thread, token, data, _lock } = self;
         let metrics = Arc::new(Metrics::new());
         let storage = Storage::start(&data, store, Arc::clone(&metrics));
         let backend = Backend {

@@ -13,7 +13,7 @@ use super::light::{Lights, unit_cube};
 use super::runner::{Check, Tally};
 use super::scenes::{Shot, obstacle, shots, square};
 
-/// A shot, a spotlight beside its light, and a material.
+/// A shot, a spotlight beside its light, a material, and how far the shadow mesh may stray.
 #[derive(Clone, Debug, Serialize)]
 pub struct Case {
     #[serde(flatten)]
@@ -26,6 +26,8 @@ pub struct Case {
     pub metallic: f32,
     /// The scene's own scale along each axis; 0 flattens it.
     pub squash: [f64; 3],
+    /// World units.
+    pub mesh_error: f64,
 }
 
 /// Lights up to the fold, with pinches; facets without area; everything flattened now and then.
@@ -39,14 +41,16 @@ pub fn cases() -> impl Strategy<Value = Case> {
     ];
     let spot = (unit_cube(), unit_cube(), prop_oneof![Just(25.0), Just(89.9), Just(0.01)])
         .prop_map(|(place, towards, angle)| (place.to_array(), towards.to_array(), angle));
-    (shot, intensity, spot, part(), part(), squash).prop_map(
-        |(shot, intensity, spot, roughness, metallic, squash)| Case {
+    let mesh_error = prop_oneof![3 => Just(0.0), 1 => Just(1e-3), 1 => Just(0.3), 1 => Just(1e300)];
+    (shot, intensity, spot, part(), part(), squash, mesh_error).prop_map(
+        |(shot, intensity, spot, roughness, metallic, squash, mesh_error)| Case {
             shot,
             intensity,
             spot,
             roughness,
             metallic,
             squash,
+            mesh_error,
         },
     )
 }
@@ -89,7 +93,8 @@ pub fn check(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
     let mut scene = case.shot.scene(&case.shot.facets, vec![material]);
     scene.nodes[0].parent_from_local *= glam::DAffine3::from_scale(case.squash.into());
     let (lights, mut view) = (case.lights(), case.shot.view());
-    let shadows = ShadowSettings { resolution: 512, ..ShadowSettings::default() };
+    let shadows =
+        ShadowSettings { resolution: 512, mesh_error: case.mesh_error, ..ShadowSettings::default() };
     let mut pictures = adapter.pictures(&scene, &view, &lights, shadows, OF_THE_CAMERA)?;
     if tally.planted {
         pictures[0].pixels[0][1] = f32::NAN;

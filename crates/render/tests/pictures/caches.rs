@@ -258,7 +258,7 @@ fn warming_up_leaves_the_scene() {
     let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
     let before = renderer.render(&view, &[named(key())]).unwrap();
     let counts = renderer.counts();
-    renderer.warm().unwrap();
+    renderer.warm(|| true).unwrap();
     assert_eq!(renderer.counts(), counts);
     renderer.forget(view.slot);
     assert_eq!(renderer.render(&view, &[named(key())]).unwrap(), before);

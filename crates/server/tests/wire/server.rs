@@ -1,8 +1,10 @@
 //! Servers to test.
 
-use std::net::SocketAddr;
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
+use std::time::Duration;
 use std::{fs, thread};
 
 use server::{Config, Server, ServerError};
@@ -26,7 +28,8 @@ pub struct Own {
     served: JoinHandle<Result<(), ServerError>>,
 }
 
-/// The server that tests share; each uses sessions of its own. It ends with the process.
+/// The server that tests share; each uses sessions of its own. It ends with the process, and so it is warm before it is
+/// used: a process that ends while its driver compiles may crash.
 pub static SHARED: LazyLock<Door> = LazyLock::new(|| {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("shared-server");
     // What an earlier run has left.
@@ -39,8 +42,21 @@ pub static SHARED: LazyLock<Door> = LazyLock::new(|| {
             server.run(listener, std::future::pending()).await.unwrap();
         });
     });
-    door.recv().unwrap()
+    let door = door.recv().unwrap();
+    while !is_ready(door.address) {
+        thread::sleep(Duration::from_millis(50));
+    }
+    door
 });
+
+/// Whether a server has drawn with every common pipeline.
+fn is_ready(address: SocketAddr) -> bool {
+    let mut stream = TcpStream::connect(address).unwrap();
+    stream.write_all(b"GET /readyz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    answer.starts_with("HTTP/1.1 200 ")
+}
 
 impl Own {
     pub async fn start() -> Self {
