@@ -51,6 +51,9 @@ pub enum Error {
         "{0}: the reference follows light along its curve and has no shadow maps: leave it out, or take --backend gpu"
     )]
     NoShadowMaps(&'static str),
+    /// A chart whose file name does not say that it is an SVG.
+    #[error("{}: charts are SVG; name it OUT.svg", .0.display())]
+    NoSvg(PathBuf),
     /// A picture whose file name does not say a known format.
     #[error("{}: is neither .png nor .exr; name the picture OUT.png or OUT.exr", .0.display())]
     UnknownFormat(PathBuf),

@@ -53,7 +53,7 @@ enum Command {
     Import(import::Args),
     /// Make a log's edits again, and prove that they give the same document
     Replay(replay::Args),
-    /// Measure how fast it is
+    /// Measure how fast it is and how accurate, and try to break it
     Bench(bench::Args),
 }
 

@@ -37,6 +37,14 @@ impl Output {
         }
     }
 
+    /// The same for a chart, whose file's name must say that it is an SVG.
+    pub fn create_chart(path: &Path) -> Result<Self, Error> {
+        if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
+            return Err(Error::NoSvg(path.into()));
+        }
+        Self::create(path)
+    }
+
     /// Writes the file's bytes.
     pub fn write(&self, bytes: &[u8]) -> Result<(), Error> {
         self.write_with(|file| file.write_all(bytes).map_err(|reason| self.unwritable(reason)))

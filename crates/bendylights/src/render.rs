@@ -108,6 +108,9 @@ impl FromStr for Size {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
+    if let Backend::Gpu = args.backend {
+        headless::prepare();
+    }
     let shadows = shadow_settings(args)?;
     let format = output::picture_format(&args.output)?;
     let output = Output::create(&args.output)?;
@@ -176,7 +179,6 @@ fn draw(
     shadows: ShadowSettings,
     format: PictureFormat,
 ) -> Result<Vec<u8>, Error> {
-    headless::prepare();
     let mut renderer = Renderer::new(Arc::new(Gpu::new()?))?;
     renderer.set_shadow_settings(shadows)?;
     renderer.set_scene(scene)?;

@@ -172,6 +172,7 @@ pub struct Report {
 
 /// What was found of one property.
 #[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
 pub struct Outcome {
     /// Which one.
     pub property: Property,

@@ -15,7 +15,8 @@ A BendyLight's `direction` says from where its light arrives at a surface: along
 path that it took. This compares both with the paper's eq. 9 as printed and with a path that is smooth at joints, over a
 grid of bends and tapers and on demo:vases. Prints JSON:
   nanoseconds  what each costs
-  grid         degrees off the path, the jump at a joint, and the step in the shading that it makes
+  grid         for each R kappa (the tube's radius times the curve's bend; 1 folds) and taper (how fast the radius
+               changes along the curve): degrees off the path, the jump at a joint, and the step in the shading that it makes
   picture      how many pixels are shaded as facing the light while it arrives from behind, or the other way round
 
 Example:
@@ -33,7 +34,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    let output = args.output.as_deref().map(Output::create).transpose()?;
+    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
     super::make_folder(args.pictures.as_deref())?;
     let scene = assets::demo("vases").expect("a demo of that name");
     let Size { width, height } = args.size;

@@ -35,7 +35,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     crate::headless::prepare();
-    let output = args.output.as_deref().map(Output::create).transpose()?;
+    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
     super::make_folder(args.pictures.as_deref())?;
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
     let bar = ProgressBar::new(0).with_style(style);

@@ -16,7 +16,10 @@ Each pixel asks each segment of a light: where is your curve square to me? This 
 and to eight others, in f32 and f64, for 15 families of segments and points (nearly straight, hairpins, cusps, far away,
 near the evolute, ...), and compares the answers with roots known to thirty digits. Prints JSON:
   ours       solves, wrong roots and NaN of the product's solver; with either, the exit code is not 0
-  methods    run time on one core, error (p50, p99.9, max), roots missed, made up (spurious) or over the bars, NaN
+  methods    run time on one core, error (p50, p99.9, max), roots missed, made up (spurious) or over the bars
+             (inaccurate), NaN. errorU is in the curve's own parameter, and large where the question itself is
+             ill-conditioned; errorEpsCond divides by that condition and the width's epsilon: about 1 is as good as
+             the width can, and the bars are stated in it
   eightWide  the product's solver eight at once on one core, and on the adapter: solves a second
 
 Examples:
@@ -40,7 +43,8 @@ fn method(name: &str) -> Result<Method, serde_json::Error> {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    let output = args.output.as_deref().map(Output::create).transpose()?;
+    crate::headless::prepare();
+    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
     let methods = if args.only.is_empty() { METHODS.to_vec() } else { args.only.clone() };
     let style = ProgressStyle::with_template("{bar:30} {human_pos}/{human_len} points, {eta} left")
         .expect("a valid template");

@@ -17,7 +17,8 @@ follow from the conditioning of each case:
   locate, map                                   the adapter's shaders against the model
   lone-plane, wall, shadow                      shadows against a walk along the light's paths in f64
   finite                                        every AOV of every picture
-Prints JSON: for each, cases, comparisons and the largest error as a share of its bound. A case that fails is made as simple as
+Prints JSON: for each, cases, comparisons and `worstShare`, the largest error as a share of its bound: 0 where things are
+right or wrong without a size, as lit or in shadow; `failure` is null where all held. A case that fails is made as simple as
 it can be and printed with its seed, and the exit code is not 0.
 
 Examples:
@@ -49,6 +50,7 @@ fn minutes(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
+    crate::headless::prepare();
     let properties = if args.only.is_empty() { Property::ALL.to_vec() } else { args.only.clone() };
     let length = match args.cases {
         Some(cases) => Length::Cases(cases),

@@ -177,6 +177,7 @@ fn a_scene_without_lights_is_drawn_with_a_note() {
     let done = run(&["render", &scene, "--size", "32x32", "-o", &folder.path("out.png")]);
     assert_eq!(done.code, 0);
     assert!(done.stderr.starts_with("note: ") && done.stderr.contains("--lights"), "{}", done.stderr);
+    assert_eq!(done.stderr.matches("note: ").count(), 1, "{}", done.stderr);
     let done = run(&["render", &scene, "--aov", "t", "-o", &folder.path("t.png")]);
     assert_eq!(done.code, 2);
     assert!(done.stderr.contains("--lights"), "{}", done.stderr);
