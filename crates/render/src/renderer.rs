@@ -215,11 +215,11 @@ impl Renderer {
         })
     }
 
-    /// Draws one sample of `view` under `lights` stage by stage, each anew and waited for. Pipelines that were
-    /// not used before are compiled in the stage that needs them: draw the picture once before.
+    /// Draws one sample of the beauty of `view` under `lights`, whatever `view.aov` says, stage by stage, each anew
+    /// and waited for. Pipelines that were not used before are compiled in the stage that needs them: draw the
+    /// picture once before.
     pub fn time_stages(&mut self, view: &View, lights: &[Light]) -> Result<StageTimes, RenderError> {
         let raster = Raster::new(view)?;
-        let wanted = wanted_lights(view.aov, view.light, lights.len())?;
         self.attempt(view.slot, |renderer, gpu| {
             let Self { passes, scene, viewers, view_uniform, lights: slots, .. } = renderer;
             let targets = viewers.targets(gpu, passes, view)?;
@@ -232,10 +232,11 @@ impl Renderer {
                 targets.draw_gbuffer(encoder, passes, scene, &raster, DVec2::ZERO);
                 Ok(())
             })?;
-            let (ready, shadow_ms) =
-                timed(gpu, |encoder| slots.ready(gpu, encoder, (passes, scene, &raster), lights, wanted))?;
+            let (ready, shadow_ms) = timed(gpu, |encoder| {
+                slots.ready(gpu, encoder, (passes, scene, &raster), lights, 0..lights.len())
+            })?;
             let ((), lighting_ms) = timed(gpu, |encoder| {
-                targets.draw_lighting(gpu, encoder, (passes, scene), view.aov, &ready, true);
+                targets.draw_lighting(gpu, encoder, (passes, scene), Aov::Beauty, &ready, true);
                 Ok(())
             })?;
             Ok(StageTimes { gbuffer_ms, shadow_ms, lighting_ms })

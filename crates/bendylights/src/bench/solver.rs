@@ -24,7 +24,7 @@ near the evolute, ...), and compares the answers with roots known to thirty digi
 
 Examples:
   bendylights bench solver -o solver.svg
-  bendylights bench solver --only ours --inputs 6700000     1e8 inputs, each in f32 and f64; some ten minutes")]
+  bendylights bench solver --only ours --inputs 6700000     1e8 inputs, each in f32 and f64; some minutes")]
 pub struct Args {
     /// Points of each of the 15 families
     #[arg(long, default_value_t = 60_000, value_name = "N", value_parser = clap::value_parser!(u64).range(100..=1_000_000_000))]

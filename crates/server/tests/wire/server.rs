@@ -43,10 +43,13 @@ pub static SHARED: LazyLock<Door> = LazyLock::new(|| {
         });
     });
     let door = door.recv().unwrap();
-    while !is_ready(door.address) {
+    for _ in 0..2400 {
+        if is_ready(door.address) {
+            return door;
+        }
         thread::sleep(Duration::from_millis(50));
     }
-    door
+    panic!("the server is not warm after two minutes");
 });
 
 /// Whether a server has drawn with every common pipeline.
