@@ -29,8 +29,8 @@ pub use http::{
 pub use light::{Bendy, BendyType, Light, Spot, SpotType, Transform};
 pub use log_file::{Checkpoint, CheckpointLine, LogHeader, LogLine};
 pub use message::{
-    ClientMessage, EditResult, EditStatus, GestureEnd, GestureState, PROTOCOL, Presence, ServerMessage,
-    Settings, State, ViewSource, Welcome, parse_body,
+    ClientMessage, EditResult, EditStatus, GestureEnd, GestureState, PROTOCOL, Presence, Resync,
+    ServerMessage, Settings, State, ViewSource, Welcome, parse_body,
 };
 pub use record::{Action, Actor, Change, ControlPoints, FORMAT, PlacedLight, Record, Scope};
 pub use schema::{Face, json_schema, openapi};

@@ -152,6 +152,8 @@ pub enum ServerMessage {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         bounds: Option<Bounds>,
     },
+    /// All that the session is, for a client that took its messages slower than they came.
+    Resync(Box<Resync>),
     /// The answer to `edit`, `gestureCommit`, `undo` and `redo`.
     EditResult(EditResult),
     /// A drag, one's own or another's.
@@ -221,6 +223,25 @@ pub struct Welcome {
     pub gestures: Vec<GestureState>,
     /// Numbers that clients need.
     pub settings: Settings,
+}
+
+/// The state of the session for a client that has missed some of it: in place of all records, gestures and presence
+/// since the latest that it was sent.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Resync {
+    /// The latest record.
+    pub seq: u64,
+    /// The document's hash after it.
+    pub hash: String,
+    /// The document after it.
+    pub document: Document,
+    /// Of the scene.
+    pub bounds: Bounds,
+    /// Everybody who is here, this client included.
+    pub clients: Vec<Presence>,
+    /// The drags under way.
+    pub gestures: Vec<GestureState>,
 }
 
 /// The document, whole or from where the client stands.

@@ -140,7 +140,9 @@ impl Mirror {
     /// Waits until the mirror holds record `seq`.
     pub fn catch_up(&mut self, seq: u64) {
         while self.seq < seq {
-            self.wait_for("a record", |message| matches!(message, ServerMessage::Log { .. }).then_some(()));
+            self.wait_for("a record", |message| {
+                matches!(message, ServerMessage::Log { .. } | ServerMessage::Resync(_)).then_some(())
+            });
         }
     }
 
@@ -164,14 +166,8 @@ impl Mirror {
     ) -> T {
         let Self { client, document, seq, .. } = self;
         let found = client.wait_for(what, |incoming| {
-            if let Incoming::Message(message) = &incoming
-                && let ServerMessage::Log { record, hash, .. } = &**message
-            {
-                assert_eq!(record.seq, *seq + 1, "records come in order, without gaps");
-                let record = edit::Record::try_from(record.as_ref().clone()).expect("a valid record");
-                document.apply(&record.changes, &find_scene).expect("it fits");
-                *seq = record.seq;
-                assert_eq!(document.hash().to_string(), *hash, "after record {seq}");
+            if let Incoming::Message(message) = &incoming {
+                hear(message, document, seq);
             }
             wanted(&incoming)
         });
@@ -194,6 +190,27 @@ impl Mirror {
         });
         pixels(&payload)
     }
+}
+
+/// Follows the session's history by one message.
+fn hear(message: &ServerMessage, document: &mut scene::Document, seq: &mut u64) {
+    let hash = match message {
+        ServerMessage::Log { record, hash, .. } => {
+            assert_eq!(record.seq, *seq + 1, "records come in order, without gaps");
+            let record = edit::Record::try_from(record.as_ref().clone()).expect("a valid record");
+            document.apply(&record.changes, &find_scene).expect("it fits");
+            *seq = record.seq;
+            hash
+        }
+        ServerMessage::Resync(resync) => {
+            assert!(resync.seq >= *seq, "a resync holds what was missed");
+            *document = resync.document.clone().into_domain(&find_scene).expect("a valid document");
+            *seq = resync.seq;
+            &resync.hash
+        }
+        _ => return,
+    };
+    assert_eq!(document.hash().to_string(), *hash, "after record {seq}");
 }
 
 /// A picture's bytes as RGB pixels.

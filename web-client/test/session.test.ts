@@ -77,6 +77,34 @@ describe("the mirror", () => {
     expect([radius(1), radius(2), session.mirror.value.seq]).toEqual([0.7, 0.8, 6]);
   });
 
+  test("goes on from a resync, and drops what that holds already", () => {
+    welcome();
+    session.edit(setRadius(1, 0.6));
+    const opId = sent("edit")[0]?.opId ?? "";
+    const person = {
+      client: 9,
+      actor: { id: "ada", name: "Ada" },
+      selection: null,
+      following: null,
+      camera: null,
+    };
+    receive({
+      type: "resync",
+      seq: 2004,
+      hash: "hash-2004",
+      document: session.document.value,
+      bounds: { min: [0, 0, 0], max: [9, 9, 9] },
+      clients: [person],
+      gestures: [],
+    });
+    expect(session.mirror.value).toMatchObject({ seq: 2004, hash: "hash-2004", epoch: "first" });
+    expect([session.bounds.value.max, session.people.value]).toEqual([[9, 9, 9], [person]]);
+    receive({ type: "editResult", opId, status: "committed", seq: 2000 });
+    receive(log(record(2005, [radiusChange(1, 0.3)])));
+    expect(radius(1)).toBe(0.3);
+    expect(host.sockets).toHaveLength(1);
+  });
+
   test("forgets what it knows where the history is another", () => {
     welcome();
     receive(log(record(4, [radiusChange(1, 0.7)])));

@@ -11,7 +11,7 @@ use render::RenderError;
 use store::StoreError;
 use thiserror::Error;
 
-use crate::limits::{CONTROL_QUEUE, HELLO_WITHIN};
+use crate::limits::HELLO_WITHIN;
 
 /// Why the server does not start, or why a request is refused.
 #[derive(Debug, Error)]
@@ -112,9 +112,6 @@ pub enum ServerError {
         /// How many.
         limit: usize,
     },
-    /// A client that does not read.
-    #[error("this connection does not take its messages, {CONTROL_QUEUE} wait: connect again")]
-    TooSlow,
     /// The pipelines are not ready yet.
     #[error("the renderer is warming up: try again in a few seconds")]
     WarmingUp,
@@ -150,7 +147,6 @@ impl ServerError {
             Self::NotFound { .. } | Self::NoRoute(_) => "notFound",
             Self::TooLarge { .. } => "tooLarge",
             Self::TooMany { .. } => "tooMany",
-            Self::TooSlow => "tooSlow",
             Self::WarmingUp => "warmingUp",
             Self::Cold(_) => "notReady",
             Self::Draining => "draining",

@@ -39,10 +39,13 @@ pub const MAX_SAMPLES: u32 = 64;
 
 /// Messages that wait for a session's task; senders wait past that.
 pub const ROOM_QUEUE: usize = 1_024;
-/// Messages that a session's task carries out before it commits their edits together.
+/// Messages that a session's task carries out before it commits their edits together, and as many edits of programs'
+/// requests.
 pub const MAX_TICK: usize = 256;
-/// Control messages that wait for one client; one that lets more pile up is closed.
+/// Control messages that wait for one client. One with more is behind: it is told what it missed when it has taken them.
 pub const CONTROL_QUEUE: usize = 1_024;
+/// Bytes of control messages that wait for one client, as above; a single message may have more.
+pub const CONTROL_BYTES: usize = 8 << 20;
 /// Frames that wait for one client: its window. With more its socket has stalled, and it is sent none.
 pub const FRAME_QUEUE: usize = stream::WINDOW;
 /// Pictures that wait for the renderer; senders wait past that.
@@ -66,7 +69,7 @@ pub const CLOSE_WITHIN: Duration = Duration::from_secs(1);
 pub const IDLE_AT_MOST: Duration = Duration::from_mins(1);
 /// How often leases of gestures are looked at.
 pub const LEASE_CHECK_EVERY: Duration = Duration::from_secs(1);
-/// How often a stalled socket is looked at.
+/// How often a stalled socket and a client that is behind are looked at.
 pub const STALLED_CHECK_EVERY: Duration = Duration::from_millis(100);
 /// How often all are told where the others' cameras are, at most.
 pub const PRESENCE_EVERY: Duration = Duration::from_millis(100);

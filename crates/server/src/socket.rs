@@ -6,12 +6,12 @@ use axum::extract::ws::{Message as SocketMessage, WebSocket};
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, Stream, StreamExt};
 use protocol::{ClientMessage, PROTOCOL};
-use tokio::sync::oneshot;
+use tokio::sync::{oneshot, watch};
 use tokio::time::{Instant, interval_at, timeout};
 
 use crate::ServerError;
 use crate::ask::{actor, understand};
-use crate::lane::{Lane, LaneEnd, complaint, lane, text};
+use crate::lane::{Lane, LaneEnd, Waiting, lane};
 use crate::limits::{CLOSE_WITHIN, HELLO_WITHIN, MAX_MESSAGE_BYTES, PING_EVERY, SEND_WITHIN, SILENT_AT_MOST};
 use crate::room::{Ask, ClientId, Join, Message, RoomHandle};
 use crate::server::Shared;
@@ -20,10 +20,11 @@ use crate::server::Shared;
 pub async fn serve(socket: WebSocket, shared: Arc<Shared>) {
     let (sink, mut messages) = socket.split();
     let (lane, end) = lane();
+    let waiting = end.waiting();
     let mut writing = tokio::spawn(write(sink, end));
     if let Some((room, client)) = greet(&mut messages, lane, &shared).await {
         tokio::select! {
-            () = read(&mut messages, &room, client, &shared) => {}
+            () = read(&mut messages, waiting, (&room, client), &shared) => {}
             // The session let the client go, or the connection is broken.
             _ = &mut writing => {}
         }
@@ -41,10 +42,10 @@ pub async fn serve(socket: WebSocket, shared: Arc<Shared>) {
 /// Waits for `hello` and joins the session that it names; or says what is wrong with it.
 async fn greet(
     messages: &mut SplitStream<WebSocket>,
-    lane: Lane,
+    mut lane: Lane,
     shared: &Shared,
 ) -> Option<(RoomHandle, ClientId)> {
-    let hello = match timeout(HELLO_WITHIN, hello(messages, &lane)).await {
+    let hello = match timeout(HELLO_WITHIN, hello(messages, &mut lane)).await {
         Ok(None) => return None,
         Ok(Some(hello)) => hello,
         Err(_) => Err(ServerError::HelloTooLate),
@@ -74,7 +75,7 @@ type Newcomer = (edit::Actor, Option<String>, Option<u64>);
 /// The first message; `None` where the connection ends before. What cannot be read is said and passed over.
 async fn hello(
     messages: &mut SplitStream<WebSocket>,
-    lane: &Lane,
+    lane: &mut Lane,
 ) -> Option<Result<ClientMessage, ServerError>> {
     loop {
         match next(messages).await? {
@@ -99,9 +100,17 @@ fn admit(hello: ClientMessage, shared: &Shared) -> Result<(String, Newcomer), Se
     Ok((session, (actor(wire)?, epoch, last_seq)))
 }
 
-/// Passes on what the client asks for, until it leaves or says nothing for too long.
-async fn read(messages: &mut SplitStream<WebSocket>, room: &RoomHandle, client: ClientId, shared: &Shared) {
-    while let Some(message) = next(messages).await {
+/// Passes on what the client asks for, until it leaves or says nothing for too long. One that does not take its answers
+/// is asked for nothing more until it does.
+async fn read(
+    messages: &mut SplitStream<WebSocket>,
+    mut waiting: watch::Receiver<Waiting>,
+    (room, client): (&RoomHandle, ClientId),
+    shared: &Shared,
+) {
+    while waiting.wait_for(Waiting::has_room).await.is_ok()
+        && let Some(message) = next(messages).await
+    {
         let ask = match message {
             Ok(message) => understand(message, &shared.backend.scenes).await,
             Err(error) => Ask::Nonsense(error),
@@ -135,27 +144,23 @@ async fn next(
 }
 
 /// Sends what comes down the lanes, control before frames, and closes the connection when the control lane ends.
-async fn write(mut sink: SplitSink<WebSocket, SocketMessage>, end: LaneEnd) {
-    let LaneEnd { mut control, mut frames, too_slow } = end;
+async fn write(mut sink: SplitSink<WebSocket, SocketMessage>, mut end: LaneEnd) {
     let mut pings = interval_at(Instant::now() + PING_EVERY, PING_EVERY);
     loop {
-        let message = tokio::select! {
+        let (message, text) = tokio::select! {
             biased;
-            () = too_slow.cancelled() => {
-                let error = complaint(&ServerError::TooSlow, true);
-                // Where even that does not go, the connection is closed all the same.
-                let _ = timeout(SEND_WITHIN, sink.send(SocketMessage::Text(text(&error)))).await;
-                break;
-            }
-            text = control.recv() => match text {
-                Some(text) => SocketMessage::Text(text),
+            text = end.control.recv() => match text {
+                Some(text) => (SocketMessage::Text(text.clone()), Some(text)),
                 None => break,
             },
-            Some(frame) = frames.recv() => SocketMessage::Binary(frame),
-            _ = pings.tick() => SocketMessage::Ping(axum::body::Bytes::new()),
+            Some(frame) = end.frames.recv() => (SocketMessage::Binary(frame), None),
+            _ = pings.tick() => (SocketMessage::Ping(axum::body::Bytes::new()), None),
         };
         if !matches!(timeout(SEND_WITHIN, sink.send(message)).await, Ok(Ok(()))) {
             return;
+        }
+        if let Some(text) = text {
+            end.taken(&text);
         }
     }
     let _ = timeout(SEND_WITHIN, sink.close()).await;

@@ -62,7 +62,7 @@ const PING_EVERY_MS = 5_000;
 /** Without an answer for so long the connection is taken for dead, as after a computer's sleep. */
 const SILENCE_MS = 12_000;
 /** Fatal errors after which the same hello may be welcome: they are about a moment, not about who asks. */
-const PASSING_ERRORS: readonly string[] = ["tooSlow", "helloTooLate", "draining"];
+const PASSING_ERRORS: readonly string[] = ["helloTooLate", "draining"];
 
 /** How long to wait before try `attempt` (from 0): twice as long each time, half of it by chance. */
 export function retryDelayMs(attempt: number, random: number): number {

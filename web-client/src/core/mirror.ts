@@ -1,7 +1,7 @@
 // The document as the log has it.
 
 import { applyChange, changesPicture, EMPTY } from "./document";
-import type { Document, Record, Welcome } from "./protocol";
+import type { Document, Record } from "./protocol";
 
 /** A document and where in the session's history it stands. */
 export interface Mirror {
@@ -29,7 +29,7 @@ export function advance(mirror: Mirror, record: Record, hash: string): Mirror | 
   };
 }
 
-/** From a snapshot. */
-export function snapshotOf({ seq, hash, epoch }: Welcome, document: Document): Mirror {
+/** From a snapshot, which holds all that a picture can show. */
+export function snapshotOf(epoch: string, seq: number, hash: string, document: Document): Mirror {
   return { document, seq, hash, epoch, pictureSeq: seq };
 }

@@ -520,6 +520,9 @@ export type ServerMessage =
       record: Record;
       type: "log";
     }
+  | (Resync & {
+      type: "resync";
+    })
   | (EditResult & {
       type: "editResult";
     })
@@ -1061,6 +1064,30 @@ export interface Record {
    * Milliseconds since 1970 UTC.
    */
   timeMs: number;
+}
+/**
+ * The state of the session for a client that has missed some of it: in place of all records, gestures and presence
+ * since the latest that it was sent.
+ */
+export interface Resync {
+  bounds: Bounds;
+  /**
+   * Everybody who is here, this client included.
+   */
+  clients: Presence[];
+  document: Document;
+  /**
+   * The drags under way.
+   */
+  gestures: GestureState[];
+  /**
+   * The document's hash after it.
+   */
+  hash: string;
+  /**
+   * The latest record.
+   */
+  seq: number;
 }
 /**
  * The answer to a request that ends in a record.

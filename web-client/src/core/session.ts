@@ -20,6 +20,7 @@ import type {
   GestureState,
   Presence,
   Record,
+  Resync,
   Scope,
   ServerMessage,
   Welcome,
@@ -108,16 +109,21 @@ export function startSession<T>(options: SessionOptions<T>): Session {
 
   function welcomed(welcome: Welcome): void {
     client.value = welcome.client;
-    bounds.value = welcome.bounds;
     feed.restart();
     latency.restart();
-    if ("tail" in welcome.state) welcome.state.tail.forEach((record) => take(record, welcome.hash));
-    else mirror.value = snapshotOf(welcome, welcome.state.snapshot);
-    gestures.value = welcome.gestures.filter((gesture) => gesture.client !== welcome.client);
-    setPeople(welcome.clients);
+    const { epoch, seq, hash, state } = welcome;
+    if ("tail" in state) state.tail.forEach((record) => take(record, hash));
+    else mirror.value = snapshotOf(epoch, seq, hash, state.snapshot);
+    setOthers(welcome);
     view.open(welcome.camera);
     send({ type: "presence", selection });
     asked.resend();
+  }
+
+  /** Goes on from where the session is by now (SPEC, SOCK-10). */
+  function resynced(resync: Resync): void {
+    mirror.value = snapshotOf(mirror.value.epoch, resync.seq, resync.hash, resync.document);
+    setOthers(resync);
   }
 
   /** Takes a record into the mirror. One that is missing before it can only come with a new welcome. */
@@ -140,6 +146,12 @@ export function startSession<T>(options: SessionOptions<T>): Session {
     gestures.value = state.ended === undefined ? [...others, state] : others;
   }
 
+  function setOthers(there: Welcome | Resync): void {
+    bounds.value = there.bounds;
+    gestures.value = there.gestures.filter((gesture) => gesture.client !== client.value);
+    setPeople(there.clients);
+  }
+
   function setPeople(present: readonly Presence[]): void {
     people.value = present;
     view.people(present);
@@ -152,6 +164,8 @@ export function startSession<T>(options: SessionOptions<T>): Session {
       case "log":
         if (message.bounds !== undefined) bounds.value = message.bounds;
         return take(message.record, message.hash);
+      case "resync":
+        return resynced(message);
       case "editResult":
         return asked.answered(message, mirror.value.seq);
       case "gestureState":

@@ -2,7 +2,7 @@
 
 use axum::extract::ws::Utf8Bytes;
 use edit::Actor;
-use protocol::{Document, Presence, ServerMessage, Settings, State, Welcome};
+use protocol::{Document, Presence, Resync, ServerMessage, Settings, State, Welcome};
 use stream::Pace;
 
 use super::Room;
@@ -10,7 +10,7 @@ use super::message::{ClientId, Join};
 use super::tick::Tick;
 use super::views::Source;
 use crate::ServerError;
-use crate::lane::{Lane, text};
+use crate::lane::{Lane, complaint, text};
 use crate::limits::{MAX_CLIENTS, MAX_TAIL, MAX_VIEW_SIDE};
 
 /// One connection.
@@ -32,7 +32,7 @@ pub(super) struct Client {
 impl Room {
     /// Takes in a client, or tells it why not. All that was done before is committed.
     pub(super) async fn join(&mut self, join: Join) {
-        let Join { actor, epoch, last_seq, lane, joined } = join;
+        let Join { actor, epoch, last_seq, mut lane, joined } = join;
         if self.draining {
             return lane.complain(&ServerError::Draining, true);
         }
@@ -131,7 +131,8 @@ impl Room {
 
     pub(super) fn say_presence(&mut self) {
         self.presence_changed = false;
-        self.say_to_all(&ServerMessage::Presence { clients: self.presence() });
+        let clients = self.presence();
+        self.say_to_all(&ServerMessage::Presence { clients }, None);
     }
 
     fn presence(&self) -> Vec<Presence> {
@@ -151,20 +152,70 @@ impl Room {
         self.clients.iter().map(presence).collect()
     }
 
-    pub(super) fn say_to(&self, client: ClientId, message: &ServerMessage) {
-        if let Some(client) = self.clients.get(&client) {
+    /// Tells clients that were behind, and have taken what they were sent, how things are.
+    pub(super) fn catch_up_clients(&mut self) {
+        self.catch_up(|client| client.lane.can_catch_up());
+    }
+
+    /// Tells all clients that are behind how things are: there will be no other time.
+    pub(super) fn catch_up_all(&mut self) {
+        self.catch_up(|client| client.lane.is_behind());
+    }
+
+    fn catch_up(&mut self, chosen: impl Fn(&Client) -> bool) {
+        if !self.clients.values().any(&chosen) {
+            return;
+        }
+        let resync = text(&ServerMessage::Resync(Box::new(self.resync())));
+        for client in self.clients.values_mut().filter(|client| chosen(client)) {
+            client.lane.catch_up(resync.clone());
+        }
+    }
+
+    fn resync(&self) -> Resync {
+        let document = self.session.document();
+        Resync {
+            seq: self.session.seq(),
+            hash: document.hash().to_string(),
+            document: document.into(),
+            bounds: self.surroundings.bounds,
+            clients: self.presence(),
+            gestures: self.session.gestures().map(|gesture| self.gesture_state(gesture)).collect(),
+        }
+    }
+
+    pub(super) fn has_clients_behind(&self) -> bool {
+        self.clients.values().any(|client| client.lane.is_behind())
+    }
+
+    /// Tells a client what it has asked for, or alone is to know.
+    pub(super) fn say_to(&mut self, client: ClientId, message: &ServerMessage) {
+        if let Some(client) = self.clients.get_mut(&client) {
             client.lane.say(message);
         }
     }
 
-    pub(super) fn say_to_all(&self, message: &ServerMessage) {
+    /// Tells all clients but those that are behind; they are told the outcome. `asker` is told in any case.
+    pub(super) fn say_to_all(&mut self, message: &ServerMessage, asker: Option<ClientId>) {
         let text: Utf8Bytes = text(message);
-        for client in self.clients.values() {
-            client.lane.say_text(text.clone());
+        for (id, client) in &mut self.clients {
+            if Some(*id) == asker {
+                client.lane.say_text(text.clone());
+            } else {
+                client.lane.spread(text.clone());
+            }
         }
     }
 
-    pub(super) fn complain_to(&self, client: ClientId, error: &ServerError) {
-        self.say_to(client, &crate::lane::complaint(error, false));
+    /// Tells a client what was wrong with what it has asked for.
+    pub(super) fn complain_to(&mut self, client: ClientId, error: &ServerError) {
+        self.say_to(client, &complaint(error, false));
+    }
+
+    /// Tells a client, unless it is behind, what is wrong without its doing.
+    pub(super) fn warn(&mut self, client: ClientId, error: &ServerError) {
+        if let Some(client) = self.clients.get_mut(&client) {
+            client.lane.spread(text(&complaint(error, false)));
+        }
     }
 }

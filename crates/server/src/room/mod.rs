@@ -1,7 +1,7 @@
 //! One session: one task that owns its document, its clients and their views.
 //!
-//! The task takes a message, and what else is waiting; carries all of it out; commits the records that came of it
-//! together; and only then tells anybody (`tick`). In between it keeps the views' pictures going (`views`).
+//! The task takes a message, and what else is waiting; carries it out; commits the records that came of it together; and
+//! only then tells anybody (`tick`). A program's long request is carried out in parts, so that others come in between. In between it keeps the views' pictures going (`views`).
 
 mod clients;
 mod directory;
@@ -11,7 +11,8 @@ mod pictures;
 mod tick;
 mod views;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
+use std::future::ready;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -27,10 +28,11 @@ pub(crate) use tick::time_ms;
 
 use crate::ServerError;
 use crate::backend::Backend;
-use crate::limits::{IDLE_AT_MOST, LEASE_CHECK_EVERY, PRESENCE_EVERY, RETRY_AFTER};
+use crate::limits::{IDLE_AT_MOST, LEASE_CHECK_EVERY, PRESENCE_EVERY, RETRY_AFTER, STALLED_CHECK_EVERY};
 use clients::Client;
 use message::Opening;
 use pictures::Picture;
+use tick::Batch;
 
 /// What the task owns.
 struct Room {
@@ -43,6 +45,8 @@ struct Room {
     surroundings: Surroundings,
     clients: BTreeMap<ClientId, Client>,
     last_client: ClientId,
+    /// What programs have asked for and is not all carried out, next first.
+    batches: VecDeque<Batch>,
     /// How many clients there are, for the directory to see.
     client_count: Arc<AtomicUsize>,
     /// Counts what gestures show; frames carry it.
@@ -119,6 +123,7 @@ impl Room {
             session,
             clients: BTreeMap::new(),
             last_client: 0,
+            batches: VecDeque::new(),
             client_count,
             live_revision: 0,
             content_revision: 0,
@@ -136,10 +141,11 @@ impl Room {
         loop {
             let wake = self.attend(rooms);
             tokio::select! {
-                message = inbox.recv() => match message {
-                    Some(message) => self.tick(message, inbox).await,
+                message = inbox.recv(), if self.batches.is_empty() => match message {
+                    Some(message) => self.tick(Some(message), inbox).await,
                     None => break,
                 },
+                () = ready(()), if !self.batches.is_empty() => self.tick(None, inbox).await,
                 Some(picture) = self.pictures.join_next_with_id() => self.take_picture(picture),
                 () = sleep_until(wake) => {}
             }
@@ -147,6 +153,7 @@ impl Room {
                 inbox.close();
             }
         }
+        self.catch_up_all();
         tracing::info!("session {} is closed at record {}", self.name, self.session.seq());
     }
 
@@ -154,8 +161,12 @@ impl Room {
     fn attend(&mut self, rooms: &Rooms) -> Instant {
         let now = Instant::now();
         self.drop_lost_clients();
+        self.catch_up_clients();
         self.configure_views();
         let mut wake = self.pump(now);
+        if self.has_clients_behind() {
+            wake = wake.min(now + STALLED_CHECK_EVERY);
+        }
         if self.session.gestures().next().is_some() {
             if self.leases_due <= now {
                 self.expire_gestures();
@@ -184,7 +195,9 @@ impl Room {
     fn drain(&mut self) {
         self.draining = true;
         let retry_after_ms = RETRY_AFTER.as_millis() as u64;
-        self.say_to_all(&protocol::ServerMessage::Draining { retry_after_ms });
+        for client in self.clients.values_mut() {
+            client.lane.say(&protocol::ServerMessage::Draining { retry_after_ms });
+        }
     }
 
     /// Milliseconds since the room was opened: the clock of leases.

@@ -99,7 +99,7 @@ impl Room {
             Ok((_, Err(error))) => {
                 view.failed = drawn_revision;
                 for id in self.watchers_of(owner) {
-                    self.complain_to(id, &error);
+                    self.warn(id, &error);
                 }
             }
             Err(fault) => {

@@ -3,6 +3,7 @@
 use std::cell::Cell;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
+use std::vec;
 
 use edit::{Actor, Committed, Record, Request};
 use protocol::{EditResult, EditResults, EditStatus, GestureEnd, ServerMessage};
@@ -34,8 +35,20 @@ pub(super) enum Say {
     To(ClientId, ServerMessage),
     /// A client's answer.
     Result(ClientId, EditResult),
-    /// A program's answer.
-    Results(Reply<EditResults>, Vec<EditResult>),
+    /// What has been done of a program's request: its answer, or the rest is to be done later.
+    Batch(Batch),
+}
+
+/// A program's request for records.
+pub(super) struct Batch {
+    actor: Actor,
+    /// What is left, in order.
+    steps: vec::IntoIter<Step>,
+    /// What became of those before this tick.
+    done: Vec<EditResult>,
+    /// What became of those in this tick.
+    results: Vec<EditResult>,
+    reply: Reply<EditResults>,
 }
 
 impl Tick {
@@ -52,11 +65,11 @@ struct Outcome {
 }
 
 impl Room {
-    /// Carries out a message and those that wait behind it.
-    pub(super) async fn tick(&mut self, first: Message, inbox: &mut mpsc::Receiver<Message>) {
+    /// Carries out a message and those that wait behind it, and some of what programs have asked for.
+    pub(super) async fn tick(&mut self, first: Option<Message>, inbox: &mut mpsc::Receiver<Message>) {
         self.used = Instant::now();
         let waiting = std::iter::from_fn(|| inbox.try_recv().ok());
-        let messages: Vec<Message> = std::iter::once(first).chain(waiting.take(MAX_TICK - 1)).collect();
+        let messages: Vec<Message> = first.into_iter().chain(waiting.take(MAX_TICK - 1)).collect();
         let mut tick = Tick::default();
         // Who comes or looks sees what is committed.
         let mut afterwards = Vec::new();
@@ -64,16 +77,14 @@ impl Room {
             match message {
                 Message::Ask { client, ask } => self.carry_out_ask(client, ask, &mut tick).await,
                 Message::Edit { actor, steps, reply } => {
-                    let mut results = Vec::with_capacity(steps.len());
-                    for step in steps {
-                        results.push(self.take_step(step, &actor, &mut tick).await);
-                    }
-                    tick.say(Say::Results(reply, results));
+                    let (done, results) = (Vec::with_capacity(steps.len()), Vec::new());
+                    self.batches.push_back(Batch { actor, steps: steps.into_iter(), done, results, reply });
                 }
                 Message::Leave(client) => self.leave(client, &mut tick),
                 Message::Join(_) | Message::Look(_) | Message::Drain => afterwards.push(message),
             }
         }
+        self.work_off(&mut tick).await;
         self.commit(tick).await;
         for message in afterwards {
             match message {
@@ -82,6 +93,18 @@ impl Room {
                 Message::Drain => self.drain(),
                 Message::Ask { .. } | Message::Edit { .. } | Message::Leave(_) => {}
             }
+        }
+    }
+
+    /// Carries out some of each program's request, as many steps as there is room for in a tick.
+    async fn work_off(&mut self, tick: &mut Tick) {
+        let batches = std::mem::take(&mut self.batches);
+        let share = (MAX_TICK / batches.len().max(1)).max(1);
+        for mut batch in batches {
+            for step in batch.steps.by_ref().take(share) {
+                batch.results.push(self.take_step(step, &batch.actor, tick).await);
+            }
+            tick.say(Say::Batch(batch));
         }
     }
 
@@ -257,8 +280,9 @@ impl Room {
         tick.says = says
             .filter_map(|say| match say {
                 Say::Result(client, result) => Some(Say::Result(client, reject(result))),
-                Say::Results(reply, results) => {
-                    Some(Say::Results(reply, results.into_iter().map(reject).collect()))
+                Say::Batch(mut batch) => {
+                    batch.results = batch.results.into_iter().map(reject).collect();
+                    Some(Say::Batch(batch))
                 }
                 Say::All(_) | Say::To(..) => None,
             })
@@ -273,22 +297,38 @@ impl Room {
         }
         for say in tick.says {
             match say {
-                Say::All(message) => self.say_to_all(&message),
+                Say::All(message) => {
+                    // Of a gesture its holder is told in any case: it is an answer.
+                    let asker = match &message {
+                        ServerMessage::GestureState(state) => Some(state.client),
+                        _ => None,
+                    };
+                    self.say_to_all(&message, asker);
+                }
                 Say::To(client, message) => self.say_to(client, &message),
                 Say::Result(client, result) => {
                     self.count(&result);
                     self.say_to(client, &ServerMessage::EditResult(result));
                 }
-                Say::Results(reply, results) => {
-                    for result in &results {
-                        self.count(result);
-                    }
-                    let hash = self.session.document().hash().to_string();
-                    // Whoever asked may have gone; it is done all the same.
-                    let _ = reply.send(Ok(EditResults { results, seq: self.session.seq(), hash }));
-                }
+                Say::Batch(batch) => self.go_on_with(batch),
             }
         }
+    }
+
+    /// Answers a program, or puts what is left of its request back in line.
+    fn go_on_with(&mut self, mut batch: Batch) {
+        for result in batch.results.drain(..) {
+            self.count(&result);
+            batch.done.push(result);
+        }
+        if batch.steps.len() > 0 {
+            self.batches.push_back(batch);
+            return;
+        }
+        let Batch { done: results, reply, .. } = batch;
+        let hash = self.session.document().hash().to_string();
+        // Whoever asked may have gone; it is done all the same.
+        let _ = reply.send(Ok(EditResults { results, seq: self.session.seq(), hash }));
     }
 
     fn count(&self, result: &EditResult) {

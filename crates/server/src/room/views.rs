@@ -135,7 +135,7 @@ impl Room {
             let owner = self.owner_of(id);
             let shown = owner.and_then(|owner| Some((owner, self.own_view(owner)?.size)));
             let Some(client) = self.clients.get_mut(&id) else { continue };
-            if client.shown == shown {
+            if client.shown == shown || client.lane.is_behind() {
                 continue;
             }
             if client.shown.map(|(owner, _)| owner) != owner {

@@ -8,3 +8,4 @@ mod limits;
 mod pictures;
 mod server;
 mod sessions;
+mod slow;

@@ -1,0 +1,158 @@
+//! Clients that read slowly, or while much happens at once.
+
+use protocol::{ClientMessage, Command, Document, LightParameter, ServerMessage};
+use serde_json::{Value, json};
+use tokio::task::{JoinHandle, spawn, spawn_blocking};
+
+use crate::client::{Came, Client, get, post};
+use crate::server::SHARED;
+
+/// A session that needs no scene, with one light.
+fn lit_session(name: &str, light: &Value) {
+    let made = post(&SHARED, "/sessions", &json!({ "name": name }).to_string());
+    assert_eq!(made.status, 201, "{}", made.text());
+    assert_eq!(batch(name, &[json!({"type": "addLight", "light": light})]), [Some(1)]);
+}
+
+/// Carries out commands in one request; the records' numbers.
+fn batch(session: &str, commands: &[Value]) -> Vec<Option<u64>> {
+    let edits: Vec<Value> = commands.iter().map(|command| json!({ "command": command })).collect();
+    let answer = post(&SHARED, &format!("/sessions/{session}/edits"), &json!({ "edits": edits }).to_string());
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    let answer = answer.json();
+    answer["results"].as_array().unwrap().iter().map(|result| result["seq"].as_u64()).collect()
+}
+
+fn cone_angles(count: u32) -> Vec<Value> {
+    let angle = |step| json!({"type": "setLight", "light": 1, "parameter": {"coneAngle": 10 + step % 50}});
+    (0..count).map(angle).collect()
+}
+
+/// What a client knows of a session's history, as its messages tell it.
+struct Known {
+    seq: u64,
+    hash: String,
+    resyncs: usize,
+}
+
+impl Known {
+    fn hear(&mut self, message: &ServerMessage) {
+        match message {
+            ServerMessage::Log { record, hash, .. } => {
+                assert_eq!(record.seq, self.seq + 1, "each record comes once and in order");
+                (self.seq, self.hash) = (record.seq, hash.clone());
+            }
+            ServerMessage::Resync(resync) => {
+                assert!(resync.seq >= self.seq, "a resync holds what was missed");
+                assert_eq!(hash_of(resync.document.clone()), resync.hash);
+                (self.seq, self.hash) = (resync.seq, resync.hash.clone());
+                self.resyncs += 1;
+            }
+            _ => {}
+        }
+    }
+}
+
+fn hash_of(document: Document) -> String {
+    document.into_domain(&|_| None).expect("a document without a scene").hash().to_string()
+}
+
+/// Reads on until record `last` is known.
+fn watch(mut client: Client, mut known: Known, last: u64) -> JoinHandle<Known> {
+    spawn(async move {
+        while known.seq < last {
+            match client.next().await {
+                Came::Control(message) => known.hear(&message),
+                Came::Frame(_) => {}
+                Came::End => panic!("closed at record {}", known.seq),
+            }
+        }
+        known
+    })
+}
+
+/// Rules: SOCK-3, SOCK-10
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn who_reads_is_not_closed_however_much_happens() {
+    const BATCH: u32 = 1_000;
+    spawn_blocking(|| lit_session("busy", &json!({"type": "spot"}))).await.unwrap();
+    let mut viewers = Vec::new();
+    for number in 0..3 {
+        let (client, welcome) = Client::join(&SHARED, "busy", &format!("viewer {number}")).await;
+        let known = Known { seq: welcome.seq, hash: welcome.hash, resyncs: 0 };
+        viewers.push(watch(client, known, 1 + 4 * u64::from(BATCH)));
+    }
+    let send = || spawn_blocking(|| batch("busy", &cone_angles(BATCH)));
+    let batches = [send(), send(), send(), send()];
+    for sent in batches {
+        let seqs = sent.await.unwrap();
+        assert_eq!(seqs.len(), BATCH as usize);
+        assert!(seqs.is_sorted() && seqs[0].is_some(), "the order of a request is kept");
+    }
+    let hash = spawn_blocking(|| get(&SHARED, "/sessions/busy").json()["hash"].clone()).await.unwrap();
+    for viewer in viewers {
+        assert_eq!(viewer.await.unwrap().hash, hash.as_str().unwrap());
+    }
+}
+
+/// Rules: HTTP-6
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_long_request_does_not_make_others_wait_for_its_end() {
+    spawn_blocking(|| lit_session("shared", &json!({"type": "spot"}))).await.unwrap();
+    let (mut ada, _) = Client::join(&SHARED, "shared", "Ada").await;
+    let long = spawn_blocking(|| batch("shared", &cone_angles(1_000)));
+    let record = |came| matches!(came, Came::Control(ServerMessage::Log { .. })).then_some(());
+    ada.until(record).await;
+    let parameter = LightParameter::Name("lamp".into());
+    let command = Command::SetLight { light: 1, parameter };
+    ada.say(&ClientMessage::Edit { op_id: "between".into(), base_seq: 1, command }).await;
+    let result = ada.until(result).await;
+    let seqs = long.await.unwrap();
+    assert!(result.seq < *seqs.last().unwrap(), "{:?} of {:?}", result.seq, seqs.last());
+}
+
+/// Rules: SOCK-10
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn who_has_not_read_for_a_while_is_told_the_outcome_and_then_its_answers() {
+    // Records of 40 kB, by digits: 24 MB are more than the server and the system keep for this socket.
+    let third = 1.0 / 3.0;
+    let points: Vec<[f64; 3]> = (0..200).map(|k| [0.0, 0.0, -third * f64::from(k)]).collect();
+    let (colors, numbers) = ([[third; 3]; 200].to_vec(), [third; 200].to_vec());
+    let light = json!({"type": "bendy", "points": points, "radii": numbers, "colors": colors, "intensities": numbers});
+    spawn_blocking(move || lit_session("late", &light)).await.unwrap();
+    let (mut ada, welcome) = Client::join_narrowly(&SHARED, "late", "Ada").await;
+    let insert_and_remove = || {
+        let pair = [
+            json!({"type": "insertPoint", "light": 1, "point": 100}),
+            json!({"type": "removePoint", "light": 1, "point": 100}),
+        ];
+        batch("late", &pair.iter().cycle().take(600).cloned().collect::<Vec<_>>())
+    };
+    let last = spawn_blocking(insert_and_remove).await.unwrap().pop().flatten();
+    assert_eq!(last, Some(601));
+    let parameter = LightParameter::Name("lamp".into());
+    let command = Command::SetLight { light: 1, parameter };
+    ada.say(&ClientMessage::Edit { op_id: "late".into(), base_seq: 1, command }).await;
+    let mut known = Known { seq: welcome.seq, hash: welcome.hash, resyncs: 0 };
+    let answer = ada
+        .until(|came| match came {
+            Came::Control(ServerMessage::EditResult(result)) => Some(result),
+            Came::Control(message) => {
+                known.hear(&message);
+                None
+            }
+            Came::Frame(_) | Came::End => None,
+        })
+        .await;
+    assert_eq!(answer.seq, Some(602));
+    assert_eq!((known.resyncs, known.seq), (1, 602), "an answer comes after what it refers to");
+    let hash = spawn_blocking(|| get(&SHARED, "/sessions/late").json()["hash"].clone()).await.unwrap();
+    assert_eq!(known.hash, hash.as_str().unwrap());
+}
+
+fn result(came: Came) -> Option<protocol::EditResult> {
+    match came {
+        Came::Control(ServerMessage::EditResult(result)) => Some(result),
+        _ => None,
+    }
+}
