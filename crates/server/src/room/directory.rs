@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio::task::JoinHandle;
@@ -38,8 +38,16 @@ struct Entry {
     number: u64,
     /// `None` once it was told to close.
     handle: Option<RoomHandle>,
-    clients: Arc<AtomicUsize>,
+    signs: Arc<Signs>,
     task: JoinHandle<()>,
+}
+
+/// What the directory sees of an open session.
+#[derive(Debug, Default)]
+pub(super) struct Signs {
+    pub clients: AtomicUsize,
+    /// When it was last told anything, in milliseconds since the server started.
+    pub used_ms: AtomicU64,
 }
 
 impl Rooms {
@@ -115,20 +123,33 @@ impl Directory {
         }
         self.entries.retain(|_, entry| !entry.task.is_finished());
         let before = self.entries.remove(&name).map(|entry| entry.task);
-        if self.entries.len() >= MAX_ROOMS {
-            return Err(ServerError::TooMany { what: "open sessions", limit: MAX_ROOMS });
-        }
+        self.make_way()?;
         self.last_number += 1;
-        let (number, clients) = (self.last_number, Arc::new(AtomicUsize::new(0)));
+        let (number, signs) = (self.last_number, Arc::new(Signs::default()));
         let (sender, inbox) = mpsc::channel(ROOM_QUEUE);
         let (opening, opened) = watch::channel(Opening::UnderWay);
         let named = (Arc::clone(&name), number);
         let shared = (self.backend.clone(), self.rooms.clone());
-        let room = super::run(inbox, named, (opening, Arc::clone(&clients)), shared, before);
+        let room = super::run(inbox, named, (opening, Arc::clone(&signs)), shared, before);
         let handle = RoomHandle::new(sender, opened);
-        let entry = Entry { number, handle: Some(handle.clone()), clients, task: tokio::spawn(room) };
+        let entry = Entry { number, handle: Some(handle.clone()), signs, task: tokio::spawn(room) };
         self.entries.insert(name, entry);
         Ok(handle)
+    }
+
+    /// Sees to it that one more room may be open: closes the one of those that nobody else has a way to which was unused
+    /// for longest. It finishes by itself; whoever asks for its session meanwhile waits for that.
+    fn make_way(&mut self) -> Result<(), ServerError> {
+        let open = self.entries.values().filter(|entry| entry.handle.is_some()).count();
+        if open < MAX_ROOMS {
+            return Ok(());
+        }
+        let unused = |entry: &&mut Entry| entry.handle.as_ref().is_some_and(RoomHandle::is_last);
+        let candidates = self.entries.values_mut().filter(unused);
+        let oldest = candidates.min_by_key(|entry| entry.signs.used_ms.load(Ordering::Relaxed));
+        let too_many = ServerError::TooMany { what: "open sessions", limit: MAX_ROOMS };
+        oldest.ok_or(too_many)?.handle = None;
+        Ok(())
     }
 
     /// Closes a room that nobody else has a way to: its inbox ends once our own handle is dropped.
@@ -142,7 +163,7 @@ impl Directory {
     }
 
     fn count_clients(&self) -> BTreeMap<Arc<str>, usize> {
-        let count = |entry: &Entry| entry.clients.load(Ordering::Relaxed);
+        let count = |entry: &Entry| entry.signs.clients.load(Ordering::Relaxed);
         self.entries.iter().map(|(name, entry)| (Arc::clone(name), count(entry))).collect()
     }
 

@@ -14,7 +14,7 @@ mod views;
 use std::collections::{BTreeMap, VecDeque};
 use std::future::ready;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::Ordering;
 
 use protocol::Bounds;
 use scene::{Camera, Scene};
@@ -30,6 +30,7 @@ use crate::ServerError;
 use crate::backend::Backend;
 use crate::limits::{IDLE_AT_MOST, LEASE_CHECK_EVERY, PRESENCE_EVERY, RETRY_AFTER, STALLED_CHECK_EVERY};
 use clients::Client;
+use directory::Signs;
 use message::Opening;
 use pictures::Picture;
 use tick::Batch;
@@ -47,8 +48,8 @@ struct Room {
     last_client: ClientId,
     /// What programs have asked for and is not all carried out, next first.
     batches: VecDeque<Batch>,
-    /// How many clients there are, for the directory to see.
-    client_count: Arc<AtomicUsize>,
+    /// For the directory to see.
+    signs: Arc<Signs>,
     /// Counts what gestures show; frames carry it.
     live_revision: u32,
     /// Counts what views show.
@@ -80,7 +81,7 @@ const COMMON_ASPECT: f64 = 16.0 / 9.0;
 async fn run(
     mut inbox: mpsc::Receiver<Message>,
     (name, number): (Arc<str>, u64),
-    (opening, client_count): (watch::Sender<Opening>, Arc<AtomicUsize>),
+    (opening, signs): (watch::Sender<Opening>, Arc<Signs>),
     (backend, rooms): (Backend, Rooms),
     before: Option<JoinHandle<()>>,
 ) {
@@ -88,7 +89,7 @@ async fn run(
         // It may have failed; what it had committed is in the store.
         let _ = before.await;
     }
-    match Room::open((&name, number), client_count, backend.clone()).await {
+    match Room::open((&name, number), signs, backend.clone()).await {
         Ok(mut room) => {
             opening.send_replace(Opening::Open);
             backend.metrics.rooms.inc();
@@ -103,7 +104,7 @@ async fn run(
 impl Room {
     async fn open(
         (name, number): (&Arc<str>, u64),
-        client_count: Arc<AtomicUsize>,
+        signs: Arc<Signs>,
         backend: Backend,
     ) -> Result<Self, ServerError> {
         let (session_name, scenes) = (Arc::clone(name), Arc::clone(&backend.scenes));
@@ -124,7 +125,7 @@ impl Room {
             clients: BTreeMap::new(),
             last_client: 0,
             batches: VecDeque::new(),
-            client_count,
+            signs,
             live_revision: 0,
             content_revision: 0,
             pictures: JoinSet::new(),
@@ -205,8 +206,15 @@ impl Room {
         self.opened.elapsed().as_millis() as u64
     }
 
+    /// It was told something.
+    fn note_use(&mut self) {
+        self.used = Instant::now();
+        let used_ms = self.backend.started.elapsed().as_millis() as u64;
+        self.signs.used_ms.store(used_ms, Ordering::Relaxed);
+    }
+
     fn note_client_count(&self) {
-        self.client_count.store(self.clients.len(), Ordering::Relaxed);
+        self.signs.clients.store(self.clients.len(), Ordering::Relaxed);
     }
 }
 

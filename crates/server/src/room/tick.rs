@@ -9,7 +9,6 @@ use edit::{Actor, Committed, Record, Request};
 use protocol::{EditResult, EditResults, EditStatus, GestureEnd, ServerMessage};
 use scene::{AssetHash, Change, Command, Scene};
 use tokio::sync::mpsc;
-use tokio::time::Instant;
 
 use super::message::{Ask, ClientId, Message, Reply, Snapshot, Step};
 use super::{Room, Surroundings};
@@ -67,7 +66,7 @@ struct Outcome {
 impl Room {
     /// Carries out a message and those that wait behind it, and some of what programs have asked for.
     pub(super) async fn tick(&mut self, first: Option<Message>, inbox: &mut mpsc::Receiver<Message>) {
-        self.used = Instant::now();
+        self.note_use();
         let waiting = std::iter::from_fn(|| inbox.try_recv().ok());
         let messages: Vec<Message> = first.into_iter().chain(waiting.take(MAX_TICK - 1)).collect();
         let mut tick = Tick::default();

@@ -1,10 +1,15 @@
 //! What is too large or too many.
 
+use std::time::Duration;
+
 use protocol::{ClientMessage, ServerMessage, ViewSource};
+use serde_json::json;
+use tokio::task::spawn_blocking;
+use tokio::time::sleep;
 
 use crate::client::{Came, Client, get, hello, new_session, post};
 use crate::hello::complaint;
-use crate::server::SHARED;
+use crate::server::{Own, SHARED};
 
 /// Rules: HTTP-11
 #[test]
@@ -43,6 +48,54 @@ async fn a_client_is_told_the_limits_of_views_and_messages() {
     client.say_text(format!(r#"{{"type": "ping", "sent": 1{}}}"#, " ".repeat(1 << 20))).await;
     let (code, sentence) = client.until(complaint).await;
     assert!(code == "tooLarge" && sentence.contains("1048576"), "{code}: {sentence}");
+}
+
+/// Rules: HTTP-5, HTTP-12
+#[test]
+fn sessions_that_nobody_is_in_make_room() {
+    // More than are open at once.
+    let names: Vec<String> = (0..72).map(|number| format!("unattended-{number}")).collect();
+    for name in &names {
+        let made = post(&SHARED, "/sessions", &json!({ "name": name }).to_string());
+        assert_eq!(made.status, 201, "{name}: {}", made.text());
+        let edits =
+            json!({"edits": [{"command": {"type": "addLight", "light": {"type": "spot", "name": name}}}]});
+        assert_eq!(post(&SHARED, &format!("/sessions/{name}/edits"), &edits.to_string()).status, 200);
+    }
+    for name in &names {
+        let session = get(&SHARED, &format!("/sessions/{name}"));
+        assert_eq!(session.status, 200, "{name}: {}", session.text());
+        let light = &session.json()["document"]["lights"][0]["light"];
+        assert_eq!(light["name"], name.as_str(), "what was done is there when it is opened again");
+    }
+}
+
+/// Rules: HTTP-12
+#[tokio::test]
+async fn sessions_with_somebody_in_them_stay_open() {
+    let own = Own::start().await;
+    let mut people = Vec::new();
+    for number in 0..64 {
+        let (door, name) = (own.door.clone(), format!("attended-{number}"));
+        let body = json!({ "name": name }).to_string();
+        let made = spawn_blocking(move || post(&door, "/sessions", &body)).await.unwrap();
+        assert_eq!(made.status, 201, "{}", made.text());
+        people.push(Client::join(&own.door, &name, "Ada").await.0);
+    }
+    let look = || {
+        let door = own.door.clone();
+        spawn_blocking(move || get(&door, "/sessions/main"))
+    };
+    let refused = look().await.unwrap();
+    assert_eq!(refused.refusal(), (429, "tooMany".into()));
+    assert!(refused.text().contains("64"), "{}", refused.text());
+    drop(people.pop());
+    // The server takes a moment to see that somebody has left.
+    let mut tries = 0..1_000;
+    while look().await.unwrap().status == 429 {
+        tries.next().expect("whoever leaves makes room at once, not after a minute");
+        sleep(Duration::from_millis(5)).await;
+    }
 }
 
 /// Rules: HTTP-11

@@ -15,6 +15,7 @@ use tokio::sync::oneshot;
 use tokio::task::{JoinHandle, spawn_blocking};
 
 /// Where a server is and what lets one in.
+#[derive(Clone)]
 pub struct Door {
     pub address: SocketAddr,
     pub token: String,
