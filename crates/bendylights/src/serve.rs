@@ -4,7 +4,7 @@ use std::io::{self, IsTerminal};
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 
-use server::{Config, Server};
+use server::{Config, PublicUrl, Server};
 use tokio::runtime::Runtime;
 use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
@@ -36,6 +36,9 @@ pub struct Args {
     /// glTF file (.gltf or .glb) or `demo:NAME` that the session `main` begins with, where that is new
     #[arg(long, default_value = "demo:vases", value_name = "SCENE")]
     scene: String,
+    /// Address at which browsers find it, such as a proxy's: `https://lights.example.org`; may be given more than once
+    #[arg(long, value_name = "URL")]
+    public_url: Vec<PublicUrl>,
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
@@ -54,9 +57,18 @@ pub fn run(args: &Args) -> Result<(), Error> {
              front, or listen on 127.0.0.1"
         ));
     }
-    let config = Config { data: args.data.clone(), session: SESSION.into(), scene: args.scene.clone() };
+    let config = Config {
+        data: args.data.clone(),
+        session: SESSION.into(),
+        scene: args.scene.clone(),
+        public_urls: args.public_url.clone(),
+    };
     let server = Server::open(&config)?;
-    let page = format!("http://{}/#token={}", reachable(address), server.token().digits());
+    let place = args
+        .public_url
+        .first()
+        .map_or_else(|| format!("http://{}", reachable(address)), PublicUrl::to_string);
+    let page = format!("{place}/#token={}", server.token().digits());
     let runtime = Runtime::new().map_err(Error::NoRuntime)?;
     let served = runtime.block_on(async {
         let stop = stop_signal().map_err(Error::NoRuntime)?;

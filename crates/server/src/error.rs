@@ -11,7 +11,7 @@ use render::RenderError;
 use store::StoreError;
 use thiserror::Error;
 
-use crate::limits::HELLO_WITHIN;
+use crate::limits::{BODY_RESTS_AT_MOST, HELLO_WITHIN};
 
 /// Why the server does not start, or why a request is refused.
 #[derive(Debug, Error)]
@@ -61,6 +61,12 @@ pub enum ServerError {
     /// A page of somewhere else.
     #[error("pages of {0} may not use this server: open the server's own address")]
     ForeignOrigin(String),
+    /// A name that may lead here by a stranger's doing.
+    #[error(
+        "this server does not go by the name `{0}`: open the address that it printed when it started, or start it with \
+         --public-url http://{0}"
+    )]
+    ForeignHost(String),
     /// Another version of the protocol.
     #[error(
         "this server speaks protocol {PROTOCOL}, not {0}: reload the page, or use a client of that version"
@@ -104,6 +110,12 @@ pub enum ServerError {
         /// Counted in what.
         unit: &'static str,
     },
+    /// A body that does not come.
+    #[error("nothing of the request came for {} s: send it again", BODY_RESTS_AT_MOST.as_secs())]
+    Stalled,
+    /// A body that ends before its end.
+    #[error("the request was cut off: send it again")]
+    CutOff,
     /// A count over its limit.
     #[error("this server takes at most {limit} {what} at once: try again later")]
     TooMany {
@@ -139,14 +151,16 @@ impl ServerError {
             Self::Opening(error) => error.code(),
             Self::Unauthorized => "unauthorized",
             Self::ForeignOrigin(_) => "foreignOrigin",
+            Self::ForeignHost(_) => "foreignHost",
             Self::Protocol(_) | Self::Hello => "protocol",
             Self::HelloTooLate => "helloTooLate",
-            Self::BadMessage(_) => "badMessage",
+            Self::BadMessage(_) | Self::CutOff => "badMessage",
             Self::BadCommand(refused) => refused.code(),
             Self::Refused(refusal) => refusal.code(),
             Self::NotFound { .. } | Self::NoRoute(_) => "notFound",
             Self::TooLarge { .. } => "tooLarge",
             Self::TooMany { .. } => "tooMany",
+            Self::Stalled => "stalled",
             Self::WarmingUp => "warmingUp",
             Self::Cold(_) => "notReady",
             Self::Draining => "draining",
@@ -157,7 +171,8 @@ impl ServerError {
     pub fn status(&self) -> StatusCode {
         match self.code() {
             "unauthorized" => StatusCode::UNAUTHORIZED,
-            "foreignOrigin" => StatusCode::FORBIDDEN,
+            "stalled" => StatusCode::REQUEST_TIMEOUT,
+            "foreignOrigin" | "foreignHost" => StatusCode::FORBIDDEN,
             "notFound" | "unknownAsset" => StatusCode::NOT_FOUND,
             "exists" => StatusCode::CONFLICT,
             "tooLarge" => StatusCode::PAYLOAD_TOO_LARGE,

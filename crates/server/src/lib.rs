@@ -5,11 +5,14 @@
 
 mod ask;
 mod backend;
+mod connections;
 mod error;
+mod hosts;
 mod http;
 mod lane;
 mod limits;
 mod metrics;
+mod private;
 mod renderer;
 mod room;
 mod scenes;
@@ -19,5 +22,6 @@ mod storage;
 mod token;
 
 pub use error::ServerError;
+pub use hosts::PublicUrl;
 pub use server::{Config, Server};
 pub use token::Token;

@@ -2,14 +2,18 @@
 
 use std::time::Duration;
 
-/// Sockets at once.
+/// Connections at once, sockets included; more wait until one ends.
+pub const MAX_CONNECTIONS: usize = 640;
+/// Connections that have not shown the token, by a request or a hello. Where there are more the oldest is closed.
+pub const MAX_STRANGERS: usize = 128;
+/// Sockets that have said hello.
 pub const MAX_SOCKETS: usize = 256;
-/// HTTP requests under way at once, sockets not counted.
+/// HTTP requests that are carried out at once, once all of them has come.
 pub const MAX_REQUESTS: usize = 64;
 /// Pictures for HTTP that are rendered or wait for it.
 pub const MAX_STILLS: usize = 8;
-/// Scenes that are being sent to the server; each may have hundreds of megabytes.
-pub const MAX_UPLOADS: usize = 2;
+/// Scenes that are being sent to the server; each may take hundreds of megabytes of its disk.
+pub const MAX_UPLOADS: usize = 32;
 /// Sessions that are open at once; the others rest in the store.
 pub const MAX_ROOMS: usize = 64;
 /// Clients in one session.
@@ -55,13 +59,17 @@ pub const COMMIT_QUEUE: usize = 64;
 /// Records that a returning client is sent at most; one that missed more is sent the document.
 pub const MAX_TAIL: u64 = 1_000;
 
+/// How long a request's head may take to come, and a connection to ask for something.
+pub const HEADERS_WITHIN: Duration = Duration::from_secs(30);
+/// How long a request's body may rest without a byte.
+pub const BODY_RESTS_AT_MOST: Duration = Duration::from_secs(30);
 /// How long a socket may take to say hello.
 pub const HELLO_WITHIN: Duration = Duration::from_secs(10);
 /// How often a client is asked for a sign of life.
 pub const PING_EVERY: Duration = Duration::from_secs(20);
 /// How long a client may give none.
 pub const SILENT_AT_MOST: Duration = Duration::from_mins(1);
-/// How long a client may take for one message.
+/// How long a connection may take nothing of what it is sent.
 pub const SEND_WITHIN: Duration = Duration::from_secs(30);
 /// How long a client may take to close its side.
 pub const CLOSE_WITHIN: Duration = Duration::from_secs(1);

@@ -1,8 +1,9 @@
 //! Scenes by the hash of their bytes, decoded.
 
+use std::fs::File;
+use std::io::{self, Read, Seek};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use axum::body::Bytes;
 use scene::{AssetHash, Scene};
 use store::Store;
 use tokio::sync::Semaphore;
@@ -44,16 +45,18 @@ impl Scenes {
     }
 
     /// Keeps a scene's file once it is known to decode.
-    pub async fn add(&self, bytes: Bytes) -> Result<AssetHash, ServerError> {
+    pub async fn add(&self, file: File) -> Result<AssetHash, ServerError> {
         let turn = self.decoding.acquire().await.map_err(|_| ServerError::Fault)?;
-        let decoded = spawn_blocking({
-            let bytes = bytes.clone();
-            move || assets::load_bytes(&bytes)
+        let folder = self.storage.folder().to_owned();
+        let decoded = spawn_blocking(move || {
+            let bytes = read_all(file).map_err(|reason| ServerError::Data { path: folder, reason })?;
+            let loaded = assets::load_bytes(&bytes)?;
+            Ok::<_, ServerError>((bytes, loaded.scene))
         });
-        let loaded = decoded.await.map_err(|_| ServerError::Fault)??;
+        let (bytes, scene) = decoded.await.map_err(|_| ServerError::Fault)??;
         drop(turn);
         let asset = self.storage.put_asset(bytes).await?;
-        self.keep(asset, &Arc::new(loaded.scene));
+        self.keep(asset, &Arc::new(scene));
         Ok(asset)
     }
 
@@ -102,6 +105,13 @@ impl Scenes {
         }
         kept.push((asset, Arc::clone(scene)));
     }
+}
+
+fn read_all(mut file: File) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    file.rewind()?;
+    file.read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// Reads and decodes a stored scene. Blocks.

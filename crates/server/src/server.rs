@@ -1,12 +1,12 @@
 //! Starting, serving, stopping.
 
-use std::fs::{self, File, TryLockError};
+use std::fs::{File, TryLockError};
+use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 use std::time::Instant;
 
-use axum::serve::ListenerExt;
 use edit::{Actor, Committed, Request};
 use scene::{AssetHash, Command};
 use store::{Batch, Store};
@@ -17,13 +17,17 @@ use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
 use crate::backend::Backend;
+use crate::hosts::{Hosts, PublicUrl};
 use crate::limits::{DRAIN_WITHIN, MAX_REQUESTS, MAX_SOCKETS, MAX_STILLS, MAX_UPLOADS};
 use crate::metrics::Metrics;
 use crate::renderer::{RenderThread, Renders};
 use crate::room::{Rooms, time_ms};
 use crate::scenes::Scenes;
 use crate::storage::Storage;
-use crate::{ServerError, Token, http};
+use crate::{ServerError, Token, connections, http, private};
+
+/// The file that holds the folder against a second server.
+pub const LOCK: &str = "lock";
 
 /// How a server is started.
 #[derive(Clone, Debug)]
@@ -34,6 +38,8 @@ pub struct Config {
     pub session: String,
     /// What that session loads when it is made: a scene's file, or `demo:NAME`.
     pub scene: String,
+    /// Where browsers find it besides the address that it listens on.
+    pub public_urls: Vec<PublicUrl>,
 }
 
 /// A server that is ready to listen.
@@ -43,6 +49,7 @@ pub struct Server {
     render_thread: RenderThread,
     token: Token,
     data: PathBuf,
+    public_urls: Vec<PublicUrl>,
     /// Holds the folder against a second server.
     _lock: File,
 }
@@ -52,7 +59,9 @@ pub struct Shared {
     pub backend: Backend,
     pub rooms: Rooms,
     pub token: Token,
-    /// A permit for each socket.
+    /// The names that it answers to.
+    pub hosts: Hosts,
+    /// A permit for each socket that has said hello.
     pub sockets: Arc<Semaphore>,
     /// A permit for each request under way.
     pub requests: Semaphore,
@@ -68,13 +77,14 @@ impl Server {
     /// Takes the data folder, makes the first session where it is missing, and opens the graphics device. Blocks.
     pub fn open(config: &Config) -> Result<Self, ServerError> {
         let data = config.data.clone();
-        fs::create_dir_all(&data).map_err(|reason| ServerError::Data { path: data.clone(), reason })?;
+        private::make_folder(&data)?;
         let lock = lock(&data)?;
         let mut store = Store::create(&data)?;
         ensure_session(&mut store, config)?;
         let token = Token::of(&data)?;
         let (renders, render_thread) = Renders::start()?;
-        Ok(Self { store, renders, render_thread, token, data, _lock: lock })
+        let public_urls = config.public_urls.clone();
+        Ok(Self { store, renders, render_thread, token, data, public_urls, _lock: lock })
     }
 
     /// The secret that clients need.
@@ -89,7 +99,8 @@ impl Server {
         shutdown: impl Future<Output = ()> + Send + 'static,
     ) -> Result<(), ServerError> {
         // Whether all ends well or is cut off, the render thread has ended when this returns.
-        let Self { store, renders, render_thread: _render_thread, token, data, _lock } = self;
+        let Self { store, renders, render_thread: _render_thread, token, data, public_urls, _lock } = self;
+        let address = listener.local_addr().map_err(ServerError::Listen)?;
         let metrics = Arc::new(Metrics::new());
         let storage = Storage::start(&data, store, Arc::clone(&metrics));
         let backend = Backend {
@@ -105,22 +116,15 @@ impl Server {
             rooms: Rooms::start(backend.clone()),
             backend: backend.clone(),
             token,
+            hosts: Hosts::new(address, &public_urls),
             sockets: Arc::new(Semaphore::new(MAX_SOCKETS)),
             requests: Semaphore::new(MAX_REQUESTS),
             stills: Semaphore::new(MAX_STILLS),
             uploads: Semaphore::new(MAX_UPLOADS),
             stills_begun: AtomicU64::new(0),
         });
-        // A frame or an edit is one small write; waiting to fill a packet would only delay it.
-        let listener = listener.tap_io(|connection| {
-            if let Err(error) = connection.set_nodelay(true) {
-                tracing::debug!("a connection delays its packets: {error}");
-            }
-        });
-        let draining = backend.draining.clone();
-        let serving = axum::serve(listener, http::router(Arc::clone(&shared)))
-            .with_graceful_shutdown(async move { draining.cancelled().await });
-        let serving = tokio::spawn(serving.into_future());
+        let router = http::router(Arc::clone(&shared));
+        let serving = tokio::spawn(connections::serve(listener, router, backend.draining.clone()));
         shutdown.await;
         tracing::info!("stopping: what was accepted is finished");
         backend.draining.cancel();
@@ -134,14 +138,15 @@ impl Server {
             tracing::warn!("some connections did not end within {} s and are cut", DRAIN_WITHIN.as_secs());
             return Ok(());
         };
-        served.map_err(|_| ServerError::Fault)?.map_err(ServerError::Listen)
+        served.map_err(|_| ServerError::Fault)
     }
 }
 
 fn lock(data: &Path) -> Result<File, ServerError> {
-    let path = data.join("lock");
+    let path = data.join(LOCK);
     let unusable = |reason| ServerError::Data { path: path.clone(), reason };
-    let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(unusable)?;
+    let file =
+        File::options().create(true).truncate(false).write(true).mode(0o600).open(&path).map_err(unusable)?;
     match file.try_lock() {
         Ok(()) => Ok(file),
         Err(TryLockError::WouldBlock) => Err(ServerError::Locked(data.into())),

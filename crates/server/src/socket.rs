@@ -6,23 +6,26 @@ use axum::extract::ws::{Message as SocketMessage, WebSocket};
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, Stream, StreamExt};
 use protocol::{ClientMessage, PROTOCOL};
-use tokio::sync::{oneshot, watch};
-use tokio::time::{Instant, interval_at, timeout};
+use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
+use tokio::time::{Instant, interval_at, sleep, timeout};
 
 use crate::ServerError;
 use crate::ask::{actor, understand};
+use crate::connections::Connection;
 use crate::lane::{Lane, LaneEnd, Waiting, lane};
-use crate::limits::{CLOSE_WITHIN, HELLO_WITHIN, MAX_MESSAGE_BYTES, PING_EVERY, SEND_WITHIN, SILENT_AT_MOST};
+use crate::limits::{
+    CLOSE_WITHIN, HELLO_WITHIN, MAX_MESSAGE_BYTES, MAX_SOCKETS, MAX_STRANGERS, PING_EVERY, SILENT_AT_MOST,
+};
 use crate::room::{Ask, ClientId, Join, Message, RoomHandle};
 use crate::server::Shared;
 
 /// Serves a connection until either side ends it.
-pub async fn serve(socket: WebSocket, shared: Arc<Shared>) {
+pub async fn serve(socket: WebSocket, shared: Arc<Shared>, connection: Connection) {
     let (sink, mut messages) = socket.split();
     let (lane, end) = lane();
     let waiting = end.waiting();
     let mut writing = tokio::spawn(write(sink, end));
-    if let Some((room, client)) = greet(&mut messages, lane, &shared).await {
+    if let Some((room, client, _permit)) = greet(&mut messages, lane, &shared, &connection).await {
         tokio::select! {
             () = read(&mut messages, waiting, (&room, client), &shared) => {}
             // The session let the client go, or the connection is broken.
@@ -44,23 +47,22 @@ async fn greet(
     messages: &mut SplitStream<WebSocket>,
     mut lane: Lane,
     shared: &Shared,
-) -> Option<(RoomHandle, ClientId)> {
-    let hello = match timeout(HELLO_WITHIN, hello(messages, &mut lane)).await {
-        Ok(None) => return None,
-        Ok(Some(hello)) => hello,
-        Err(_) => Err(ServerError::HelloTooLate),
+    connection: &Connection,
+) -> Option<(RoomHandle, ClientId, OwnedSemaphorePermit)> {
+    let hello = tokio::select! {
+        hello = hello(messages, &mut lane) => hello?,
+        () = sleep(HELLO_WITHIN) => Err(ServerError::HelloTooLate),
+        () = connection.given_up() => {
+            Err(ServerError::TooMany { what: "connections without the token", limit: MAX_STRANGERS })
+        }
     };
-    let joining = match hello.and_then(|hello| admit(hello, shared)) {
-        Ok((session, join)) => shared.rooms.find(&session).await.map(|room| (room, join)),
-        Err(error) => Err(error),
-    };
-    match joining {
-        Ok((room, (actor, epoch, last_seq))) => {
+    match join(hello, shared, connection).await {
+        Ok((room, permit, (actor, epoch, last_seq))) => {
             let (joined, client) = oneshot::channel();
             let join = Join { actor, epoch, last_seq, lane, joined };
             room.tell(Message::Join(Box::new(join))).await.ok()?;
             let client = client.await.ok()?;
-            Some((room, client))
+            Some((room, client, permit))
         }
         Err(error) => {
             lane.complain(&error, true);
@@ -84,6 +86,19 @@ async fn hello(
             Err(error) => lane.complain(&error, false),
         }
     }
+}
+
+/// The way to the session that a `hello` names, with a permit for the socket, and who comes.
+async fn join(
+    hello: Result<ClientMessage, ServerError>,
+    shared: &Shared,
+    connection: &Connection,
+) -> Result<(RoomHandle, OwnedSemaphorePermit, Newcomer), ServerError> {
+    let (session, newcomer) = admit(hello?, shared)?;
+    connection.is_known();
+    let too_many = |_| ServerError::TooMany { what: "sockets", limit: MAX_SOCKETS };
+    let permit = Arc::clone(&shared.sockets).try_acquire_owned().map_err(too_many)?;
+    Ok((shared.rooms.find(&session).await?, permit, newcomer))
 }
 
 /// The session that a `hello` may join.
@@ -156,12 +171,13 @@ async fn write(mut sink: SplitSink<WebSocket, SocketMessage>, mut end: LaneEnd) 
             Some(frame) = end.frames.recv() => (SocketMessage::Binary(frame), None),
             _ = pings.tick() => (SocketMessage::Ping(axum::body::Bytes::new()), None),
         };
-        if !matches!(timeout(SEND_WITHIN, sink.send(message)).await, Ok(Ok(()))) {
+        // One that takes nothing for too long breaks here.
+        if sink.send(message).await.is_err() {
             return;
         }
         if let Some(text) = text {
             end.taken(&text);
         }
     }
-    let _ = timeout(SEND_WITHIN, sink.close()).await;
+    let _ = sink.close().await;
 }

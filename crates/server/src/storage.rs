@@ -83,6 +83,11 @@ impl Storage {
         Ok(answer.await.map_err(|_| ServerError::Fault)??)
     }
 
+    /// Where the data lies.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// A connection of the caller's own, for reading. Blocks.
     pub fn open(&self) -> Result<Store, StoreError> {
         Store::open(&self.folder)

@@ -1,7 +1,8 @@
 //! Opening the database, so that what is committed is on the disk.
 
-use std::fs::{self, File};
+use std::fs::{DirBuilder, File};
 use std::io;
+use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -10,9 +11,11 @@ use rusqlite::{Connection, TransactionBehavior};
 use crate::StoreError;
 
 /// The database's name in the data folder.
-const DATABASE: &str = "bendylights.sqlite";
+pub const DATABASE: &str = "bendylights.sqlite";
 /// The folder of assets in the data folder.
 const ASSETS: &str = "assets";
+/// All that the store keeps in the data folder, and for nobody but its owner.
+pub const FILES: &[&str] = &[DATABASE, "bendylights.sqlite-wal", "bendylights.sqlite-shm", ASSETS];
 /// The database's `user_version`.
 const SCHEMA_VERSION: u32 = 1;
 /// How long to wait for another program that is writing.
@@ -30,9 +33,14 @@ impl Store {
     /// Opens the data in `folder`, and makes what is missing.
     pub fn create(folder: &Path) -> Result<Self, StoreError> {
         let assets = folder.join(ASSETS);
-        let made = fs::create_dir_all(&assets).and_then(|()| sync_folder(folder));
+        let made = DirBuilder::new().recursive(true).mode(0o700).create(&assets);
         made.map_err(|reason| StoreError::Io { path: assets.clone(), reason })?;
-        Self::connect(folder.join(DATABASE), assets)
+        let database = folder.join(DATABASE);
+        // SQLite gives the files beside its database the rights of that, and would let everybody read it.
+        let made = File::options().create(true).append(true).mode(0o600).open(&database);
+        let synced = made.and_then(|_| sync_folder(folder));
+        synced.map_err(|reason| StoreError::Io { path: database.clone(), reason })?;
+        Self::connect(database, assets)
     }
 
     /// Opens the data in `folder`, which must be there.

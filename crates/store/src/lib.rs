@@ -14,7 +14,7 @@ mod records;
 mod sessions;
 
 pub use assets::MAX_ASSET_BYTES;
-pub use database::Store;
+pub use database::{DATABASE, FILES, Store};
 pub use error::StoreError;
 pub use log_file::{ReplayedLog, replay_log};
 pub use records::{Batch, MAX_PAGE_BYTES, MAX_RECORD_BYTES};

@@ -1,5 +1,7 @@
 //! `POST /assets`.
 
+use std::fs::File;
+use std::path::Path;
 use std::sync::Arc;
 
 use axum::body::Body;
@@ -7,7 +9,9 @@ use axum::extract::State;
 use protocol::Asset;
 use store::MAX_ASSET_BYTES;
 
-use super::{Answer, created, read_body};
+use tokio::io::AsyncWriteExt;
+
+use super::{Answer, created, next_part};
 use crate::ServerError;
 use crate::limits::MAX_UPLOADS;
 use crate::server::Shared;
@@ -16,7 +20,25 @@ use crate::server::Shared;
 pub async fn add(State(shared): State<Arc<Shared>>, body: Body) -> Answer {
     let too_many = |_| ServerError::TooMany { what: "scenes on their way here", limit: MAX_UPLOADS };
     let _permit = shared.uploads.try_acquire().map_err(too_many)?;
-    let bytes = read_body(body, "a scene's file", MAX_ASSET_BYTES as usize).await?;
-    let asset = shared.backend.scenes.add(bytes).await?;
+    let file = receive(body, shared.backend.storage.folder()).await?;
+    let asset = shared.backend.scenes.add(file).await?;
     Ok(created(&Asset { asset: asset.to_string() }))
+}
+
+/// Puts what comes into a file in `folder` that has no name, and so never outlives the request: a slow sender takes room
+/// on the disk, not in memory.
+async fn receive(body: Body, folder: &Path) -> Result<File, ServerError> {
+    let unusable = |reason| ServerError::Data { path: folder.into(), reason };
+    let mut file = tokio::fs::File::from_std(tempfile::tempfile_in(folder).map_err(unusable)?);
+    let (mut parts, mut length) = (body.into_data_stream(), 0);
+    while let Some(part) = next_part(&mut parts).await? {
+        length += part.len() as u64;
+        if length > MAX_ASSET_BYTES {
+            let (what, limit) = ("a scene's file", MAX_ASSET_BYTES as usize);
+            return Err(ServerError::TooLarge { what, limit, unit: "bytes" });
+        }
+        file.write_all(&part).await.map_err(unusable)?;
+    }
+    file.flush().await.map_err(unusable)?;
+    Ok(file.into_std().await)
 }

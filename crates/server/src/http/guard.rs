@@ -2,52 +2,78 @@
 
 use std::sync::Arc;
 
+use axum::Extension;
 use axum::extract::{Request, State};
-use axum::http::{HeaderMap, header};
+use axum::http::{HeaderMap, HeaderValue, header};
 use axum::middleware::Next;
 use axum::response::Response;
 
+use super::read_body;
 use crate::ServerError;
-use crate::limits::MAX_REQUESTS;
+use crate::connections::Connection;
+use crate::limits::{MAX_BODY_BYTES, MAX_REQUESTS};
 use crate::server::Shared;
 
-/// Refuses pages of other places. They could not know the token, but need not be let near it.
-pub async fn refuse_foreign_origins(request: Request, next: Next) -> Result<Response, ServerError> {
+/// Characters of a refused name that are said again.
+const SAID_AGAIN: usize = 100;
+
+/// Refuses pages of other places, and names that lead here by no doing of ours. They could not know the token, but need
+/// not be let near it.
+pub async fn refuse_strange_pages(
+    State(shared): State<Arc<Shared>>,
+    request: Request,
+    next: Next,
+) -> Result<Response, ServerError> {
     let headers = request.headers();
+    let host = text(headers, header::HOST).unwrap_or_default();
+    if !shared.hosts.answers_to(host) {
+        return Err(ServerError::ForeignHost(host.chars().take(SAID_AGAIN).collect()));
+    }
     if let Some(origin) = headers.get(header::ORIGIN) {
         let origin = origin.to_str().unwrap_or("an unreadable origin");
-        let host = text(headers, header::HOST).unwrap_or_default();
-        let own = origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://"));
-        if own != Some(host) {
-            return Err(ServerError::ForeignOrigin(origin.chars().take(100).collect()));
+        if !shared.hosts.is_own(origin, host) {
+            return Err(ServerError::ForeignOrigin(origin.chars().take(SAID_AGAIN).collect()));
         }
     }
     Ok(next.run(request).await)
 }
 
+/// Tells browsers to take every answer for what it says it is, and to pass on no addresses.
+pub async fn believe_no_guesses(mut response: Response) -> Response {
+    let headers = response.headers_mut();
+    headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
+    headers.insert(header::REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
+    response
+}
+
 /// Lets pass who has the token.
 pub async fn need_token(
     State(shared): State<Arc<Shared>>,
+    Extension(connection): Extension<Connection>,
     request: Request,
     next: Next,
 ) -> Result<Response, ServerError> {
-    let bearer =
-        text(request.headers(), header::AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer "));
-    if !bearer.is_some_and(|token| shared.token.is(token)) {
+    let (scheme, token) = text(request.headers(), header::AUTHORIZATION)
+        .and_then(|value| value.split_once(' '))
+        .unwrap_or_default();
+    if !(scheme.eq_ignore_ascii_case("bearer") && shared.token.is(token.trim_start_matches(' '))) {
         return Err(ServerError::Unauthorized);
     }
+    connection.is_known();
     Ok(next.run(request).await)
 }
 
-/// Lets pass while there is room.
+/// Lets pass while there is room, once all of the request is here: what is slow to come keeps nobody out.
 pub async fn limit_requests(
     State(shared): State<Arc<Shared>>,
     request: Request,
     next: Next,
 ) -> Result<Response, ServerError> {
+    let (head, body) = request.into_parts();
+    let body = read_body(body, "a request", MAX_BODY_BYTES).await?;
     let too_many = |_| ServerError::TooMany { what: "requests", limit: MAX_REQUESTS };
     let _permit = shared.requests.try_acquire().map_err(too_many)?;
-    Ok(next.run(request).await)
+    Ok(next.run(Request::from_parts(head, body.into())).await)
 }
 
 fn text(headers: &HeaderMap, name: header::HeaderName) -> Option<&str> {

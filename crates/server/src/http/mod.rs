@@ -8,8 +8,7 @@ mod sessions;
 
 use std::sync::Arc;
 
-use axum::Router;
-use axum::body::{Body, Bytes, to_bytes};
+use axum::body::{Body, BodyDataStream, Bytes};
 use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::{DefaultBodyLimit, FromRequestParts, Path, Query, State};
@@ -18,12 +17,16 @@ use axum::http::{StatusCode, Uri, header};
 use axum::middleware;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
+use axum::{Extension, Router};
+use futures_util::StreamExt;
 use protocol::ErrorBody;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use tokio::time::timeout;
 
 use crate::ServerError;
-use crate::limits::{MAX_BODY_BYTES, MAX_MESSAGE_BYTES, MAX_SOCKETS};
+use crate::connections::Connection;
+use crate::limits::{BODY_RESTS_AT_MOST, MAX_MESSAGE_BYTES};
 use crate::renderer::Warmth;
 use crate::server::Shared;
 use crate::socket;
@@ -39,9 +42,9 @@ pub fn router(shared: Arc<Shared>) -> Router {
         .route("/sessions/{name}/edits", post(sessions::edit))
         .route("/sessions/{name}/log", get(sessions::log))
         .route("/sessions/{name}/render", get(render::render))
-        .route("/assets", post(assets::add))
         .route("/metrics", get(metrics))
         .route_layer(middleware::from_fn_with_state(Arc::clone(&shared), guard::limit_requests))
+        .route("/assets", post(assets::add))
         .route_layer(middleware::from_fn_with_state(Arc::clone(&shared), guard::need_token));
     Router::new()
         .merge(needs_token)
@@ -52,13 +55,15 @@ pub fn router(shared: Arc<Shared>) -> Router {
         .fallback(page::page)
         .method_not_allowed_fallback(|uri: Uri| async move { ServerError::NoRoute(uri.path().into()) })
         .layer(DefaultBodyLimit::disable())
-        .layer(middleware::from_fn(guard::refuse_foreign_origins))
+        .layer(middleware::from_fn_with_state(Arc::clone(&shared), guard::refuse_strange_pages))
+        .layer(middleware::map_response(guard::believe_no_guesses))
         .with_state(shared)
 }
 
 /// `GET /socket`.
 async fn open_socket(
     State(shared): State<Arc<Shared>>,
+    Extension(connection): Extension<Connection>,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Answer {
     let upgrade = upgrade.map_err(|why| {
@@ -67,17 +72,10 @@ async fn open_socket(
     if shared.backend.draining.is_cancelled() {
         return Err(ServerError::Draining);
     }
-    let too_many = |_| ServerError::TooMany { what: "sockets", limit: MAX_SOCKETS };
-    let permit = Arc::clone(&shared.sockets).try_acquire_owned().map_err(too_many)?;
     let sockets = shared.backend.sockets.clone();
     // A message a little over the limit is answered with a sentence; one far over it ends the connection.
     let upgrade = upgrade.max_message_size(4 * MAX_MESSAGE_BYTES).max_frame_size(4 * MAX_MESSAGE_BYTES);
-    Ok(upgrade.on_upgrade(move |socket| {
-        sockets.track_future(async move {
-            socket::serve(socket, shared).await;
-            drop(permit);
-        })
-    }))
+    Ok(upgrade.on_upgrade(move |socket| sockets.track_future(socket::serve(socket, shared, connection))))
 }
 
 /// `GET /readyz`.
@@ -123,17 +121,31 @@ fn json(value: &impl Serialize) -> Response {
 }
 
 /// The JSON of a request.
-async fn read_json<T: DeserializeOwned>(body: Body) -> Result<T, ServerError> {
-    let bytes = read_body(body, "a request", MAX_BODY_BYTES).await?;
-    let text = std::str::from_utf8(&bytes)
+fn read_json<T: DeserializeOwned>(body: &[u8]) -> Result<T, ServerError> {
+    let text = std::str::from_utf8(body)
         .map_err(|_| ServerError::BadMessage("the body is not UTF-8: send JSON as UTF-8".into()))?;
     Ok(protocol::parse_body(text)?)
 }
 
 /// All of a body, up to a limit.
-async fn read_body(body: Body, what: &'static str, limit: usize) -> Result<Bytes, ServerError> {
-    // The only other reason is a connection that is gone, and then nobody reads the answer.
-    to_bytes(body, limit).await.map_err(|_| ServerError::TooLarge { what, limit, unit: "bytes" })
+async fn read_body(body: Body, what: &'static str, limit: usize) -> Result<Vec<u8>, ServerError> {
+    let (mut parts, mut bytes) = (body.into_data_stream(), Vec::new());
+    while let Some(part) = next_part(&mut parts).await? {
+        if bytes.len() + part.len() > limit {
+            return Err(ServerError::TooLarge { what, limit, unit: "bytes" });
+        }
+        bytes.extend_from_slice(&part);
+    }
+    Ok(bytes)
+}
+
+/// The next part of a body, however slowly the whole comes; `None` at its end.
+async fn next_part(parts: &mut BodyDataStream) -> Result<Option<Bytes>, ServerError> {
+    let next = timeout(BODY_RESTS_AT_MOST, parts.next()).await.map_err(|_| ServerError::Stalled)?;
+    next.transpose().map_err(|error| {
+        tracing::debug!("a body broke: {error}");
+        ServerError::CutOff
+    })
 }
 
 /// The parameters after the `?`; unknown ones are refused.

@@ -38,8 +38,8 @@ pub async fn list(State(shared): State<Arc<Shared>>) -> Answer {
 }
 
 /// `POST /sessions`.
-pub async fn create(State(shared): State<Arc<Shared>>, body: Body) -> Answer {
-    let NewSession { name, scene } = read_json(body).await?;
+pub async fn create(State(shared): State<Arc<Shared>>, body: Bytes) -> Answer {
+    let NewSession { name, scene } = read_json(&body)?;
     let load = match scene {
         None => None,
         Some(scene) => {
@@ -74,8 +74,8 @@ fn state(snapshot: &Snapshot) -> SessionState {
 }
 
 /// `POST /sessions/S/edits`.
-pub async fn edit(State(shared): State<Arc<Shared>>, SessionName(name): SessionName, body: Body) -> Answer {
-    let Edits { actor: who, edits } = read_json(body).await?;
+pub async fn edit(State(shared): State<Arc<Shared>>, SessionName(name): SessionName, body: Bytes) -> Answer {
+    let Edits { actor: who, edits } = read_json(&body)?;
     if edits.len() > MAX_EDITS {
         return Err(ServerError::TooLarge { what: "a request", limit: MAX_EDITS, unit: "edits" });
     }

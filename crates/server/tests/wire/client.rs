@@ -9,6 +9,7 @@ use tokio_tungstenite::tungstenite::client::IntoClientRequest;
 use tokio_tungstenite::tungstenite::http::Request;
 use tokio_tungstenite::tungstenite::{Error, Message};
 use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, client_async, connect_async};
+use ureq::http::HeaderMap;
 
 use crate::server::Door;
 
@@ -117,10 +118,12 @@ fn socket_request(door: &Door) -> Request<()> {
     format!("ws://{}/socket", door.address).into_client_request().unwrap()
 }
 
-/// The status that a socket of a page of `origin` is refused with; `None` where it is let in.
-pub async fn socket_from(door: &Door, origin: &str) -> Option<u16> {
+/// The status that a socket with these headers is refused with; `None` where it is let in.
+pub async fn socket_with(door: &Door, headers: &[(&'static str, &str)]) -> Option<u16> {
     let mut request = socket_request(door);
-    request.headers_mut().insert("origin", origin.parse().unwrap());
+    for (name, value) in headers {
+        request.headers_mut().insert(*name, value.parse().unwrap());
+    }
     match connect_async(request).await {
         Ok(_) => None,
         Err(Error::Http(response)) => Some(response.status().as_u16()),
@@ -133,6 +136,7 @@ pub async fn socket_from(door: &Door, origin: &str) -> Option<u16> {
 pub struct Answer {
     pub status: u16,
     pub kind: String,
+    pub headers: HeaderMap,
     pub body: Vec<u8>,
 }
 
@@ -165,9 +169,10 @@ pub fn ask_with(door: &Door, path: &str, headers: &[(&str, &str)], body: Option<
         }
     }
     .unwrap();
-    let kind = response.headers().get("content-type").map_or("", |kind| kind.to_str().unwrap()).to_owned();
+    let headers = response.headers().clone();
+    let kind = headers.get("content-type").map_or("", |kind| kind.to_str().unwrap()).to_owned();
     let body = response.body_mut().with_config().limit(1 << 30).read_to_vec().unwrap();
-    Answer { status: response.status().as_u16(), kind, body }
+    Answer { status: response.status().as_u16(), kind, headers, body }
 }
 
 /// Asks with the token.

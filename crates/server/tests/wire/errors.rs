@@ -1,6 +1,6 @@
 //! Who is let in, and how the rest is told.
 
-use crate::client::{ask_with, get, post, socket_from};
+use crate::client::{ask_with, get, post, socket_with};
 use crate::server::SHARED;
 
 /// Rules: HTTP-1
@@ -38,10 +38,71 @@ async fn pages_of_other_places_are_refused() {
     for foreign in ["http://example.org", "null", "http://127.0.0.1:1", "https://example.org:8080"] {
         let answer = ask_with(&SHARED, "/healthz", &[("origin", foreign)], None);
         assert_eq!(answer.refusal(), (403, "foreignOrigin".into()), "{foreign}");
-        assert_eq!(socket_from(&SHARED, foreign).await, Some(403), "{foreign}");
+        assert_eq!(socket_with(&SHARED, &[("origin", foreign)]).await, Some(403), "{foreign}");
     }
     assert_eq!(ask_with(&SHARED, "/healthz", &[("origin", &own)], None).status, 200);
-    assert_eq!(socket_from(&SHARED, &own).await, None);
+    assert_eq!(socket_with(&SHARED, &[("origin", &own)]).await, None);
+}
+
+/// A page of another place, whose name its owner has made lead to this machine, and pages that come by a proxy.
+///
+/// Rules: HTTP-2, HTTP-13
+#[tokio::test]
+async fn names_that_strangers_can_have_do_not_lead_in() {
+    let port = SHARED.address.port();
+    let rebound = format!("evil.example:{port}");
+    for host in [rebound.as_str(), "localhost.evil.example", "127.0.0.1.evil.example"] {
+        let origin = format!("http://{host}");
+        for headers in [&[("host", host)][..], &[("host", host), ("origin", &origin)]] {
+            let answer = ask_with(&SHARED, "/healthz", headers, None);
+            assert_eq!(answer.refusal(), (403, "foreignHost".into()), "{headers:?}");
+            assert!(answer.text().contains(host), "{}", answer.text());
+            assert_eq!(socket_with(&SHARED, headers).await, Some(403), "{headers:?}");
+        }
+    }
+    let (local, public) = (format!("localhost:{port}"), "https://lights.example.org");
+    let lets_in = [
+        &[("host", local.as_str())][..],
+        &[("host", "localhost:9000")],
+        &[("host", "[::1]:9000")],
+        &[("host", "lights.example.org"), ("origin", public)],
+        &[("host", &local), ("origin", public)],
+    ];
+    for headers in lets_in {
+        assert_eq!(ask_with(&SHARED, "/healthz", headers, None).status, 200, "{headers:?}");
+        assert_eq!(socket_with(&SHARED, headers).await, None, "{headers:?}");
+    }
+}
+
+/// Rules: HTTP-1
+#[test]
+fn the_scheme_of_the_token_is_understood_in_any_case() {
+    for scheme in ["Bearer", "bearer", "BEARER"] {
+        let value = format!("{scheme} {}", SHARED.token);
+        assert_eq!(
+            ask_with(&SHARED, "/sessions", &[("authorization", &value)], None).status,
+            200,
+            "{scheme}"
+        );
+    }
+    let basic = format!("Basic {}", SHARED.token);
+    assert_eq!(ask_with(&SHARED, "/sessions", &[("authorization", &basic)], None).status, 401);
+}
+
+/// Rules: HTTP-13
+#[test]
+fn browsers_are_told_to_guess_nothing_and_to_keep_the_page_to_itself() {
+    for path in ["/", "/healthz", "/sessions", "/sessions/main", "/nowhere"] {
+        let answer = get(&SHARED, path);
+        assert_eq!(answer.headers["x-content-type-options"], "nosniff", "{path}");
+        assert_eq!(answer.headers["referrer-policy"], "no-referrer", "{path}");
+    }
+    let policy = get(&SHARED, "/").headers["content-security-policy"].to_str().unwrap().to_owned();
+    let directives =
+        ["connect-src 'self'", "base-uri 'none'", "form-action 'none'", "frame-ancestors 'none'"];
+    for directive in directives {
+        assert!(policy.split(';').any(|found| found.trim() == directive), "{directive}: {policy}");
+    }
 }
 
 /// Rules: HTTP-3

@@ -5,6 +5,7 @@ mod drain;
 mod errors;
 mod hello;
 mod limits;
+mod patience;
 mod pictures;
 mod server;
 mod sessions;

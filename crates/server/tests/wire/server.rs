@@ -82,7 +82,12 @@ impl Own {
 }
 
 async fn open(folder: &Path) -> (Door, Server, TcpListener) {
-    let config = Config { data: folder.into(), session: "main".into(), scene: "demo:vases".into() };
+    let config = Config {
+        data: folder.into(),
+        session: "main".into(),
+        scene: "demo:vases".into(),
+        public_urls: vec!["https://lights.example.org".parse().unwrap()],
+    };
     let server = spawn_blocking(move || Server::open(&config).unwrap()).await.unwrap();
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
     let address = listener.local_addr().unwrap();

@@ -1,9 +1,12 @@
 //! Sessions over HTTP.
 
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+
 use serde_json::{Value, json};
 
 use crate::client::{Client, ask_with, get, new_session, post};
-use crate::server::SHARED;
+use crate::server::{Own, SHARED};
 
 fn edit(session: &str, body: &Value) -> Value {
     let answer = post(&SHARED, &format!("/sessions/{session}/edits"), &body.to_string());
@@ -83,6 +86,27 @@ fn edits_are_answered_one_by_one_and_logged() {
     assert_eq!(seqs(""), [1, 2, 3, 4]);
     assert_eq!(seqs("?from=2&limit=2"), [2, 3]);
     assert_eq!(seqs("?from=5"), [0; 0]);
+}
+
+/// Rules: HTTP-15
+#[tokio::test]
+async fn what_is_kept_is_its_owners_alone() {
+    let own = Own::start().await;
+    let mut folders = vec![own.folder.path().to_owned()];
+    let mut seen = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let (path, metadata) = entry.map(|entry| (entry.path(), entry.metadata().unwrap())).unwrap();
+            assert_eq!(metadata.permissions().mode() & 0o077, 0, "{}", path.display());
+            seen.push(path.file_name().unwrap().to_owned());
+            if metadata.is_dir() {
+                folders.push(path);
+            }
+        }
+    }
+    for name in ["token", "lock", "assets", "bendylights.sqlite", "bendylights.sqlite-wal"] {
+        assert!(seen.iter().any(|found| found == name), "{name} is not among {seen:?}");
+    }
 }
 
 /// Rules: HTTP-10, CMD-6

@@ -1,0 +1,171 @@
+//! Connections from their first byte: how many there may be, and for how long they may keep the server waiting.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use axum::Router;
+use axum::extract::Request;
+use hyper::body::Incoming;
+use hyper::server::conn::http1;
+use hyper::service::{Service, service_fn};
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::time::sleep;
+use tokio_io_timeout::TimeoutWriter;
+use tokio_util::sync::CancellationToken;
+use tokio_util::task::TaskTracker;
+
+use crate::limits::{HEADERS_WITHIN, MAX_CONNECTIONS, MAX_STRANGERS, SEND_WITHIN};
+
+/// How long to wait after the system has refused a connection, as it does where too many files are open.
+const AFTER_REFUSAL: Duration = Duration::from_millis(100);
+
+/// One connection, for its requests to say that they know it. Clones are of the same connection.
+#[derive(Clone, Debug)]
+pub struct Connection(Arc<Inner>);
+
+#[derive(Debug)]
+struct Inner {
+    number: u64,
+    strangers: Arc<Strangers>,
+    given_up: CancellationToken,
+    _permit: OwnedSemaphorePermit,
+}
+
+/// Connections that have not shown the token, by their number, which grows with each.
+#[derive(Debug, Default)]
+struct Strangers {
+    last: AtomicU64,
+    waiting: Mutex<BTreeMap<u64, CancellationToken>>,
+}
+
+impl Connection {
+    fn of(strangers: &Arc<Strangers>, permit: OwnedSemaphorePermit) -> Self {
+        let (number, given_up) = strangers.enter();
+        Self(Arc::new(Inner { number, strangers: Arc::clone(strangers), given_up, _permit: permit }))
+    }
+
+    /// Whoever is behind it has shown the token.
+    pub fn is_known(&self) {
+        self.0.strangers.leave(self.0.number);
+    }
+
+    /// Returns when the connection has to make room for others. One that is known never has to.
+    pub async fn given_up(&self) {
+        self.0.given_up.cancelled().await;
+    }
+}
+
+impl Drop for Inner {
+    fn drop(&mut self) {
+        self.strangers.leave(self.number);
+    }
+}
+
+impl Strangers {
+    /// Takes in one more. Where there are too many the oldest is given up: whoever has the token shows it at once.
+    fn enter(&self) -> (u64, CancellationToken) {
+        let number = self.last.fetch_add(1, Ordering::Relaxed);
+        let token = CancellationToken::new();
+        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        waiting.insert(number, token.clone());
+        if waiting.len() > MAX_STRANGERS
+            && let Some((_, oldest)) = waiting.pop_first()
+        {
+            oldest.cancel();
+        }
+        (number, token)
+    }
+
+    fn leave(&self, number: u64) {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner).remove(&number);
+    }
+}
+
+/// Answers connections by `router` until `draining`, and then what they have asked for until all have ended.
+pub async fn serve(listener: TcpListener, router: Router, draining: CancellationToken) {
+    let permits = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    let strangers = Arc::new(Strangers::default());
+    let open = TaskTracker::new();
+    while let Some(Some((stream, permit))) =
+        draining.run_until_cancelled(accept(&listener, Arc::clone(&permits))).await
+    {
+        let connection = Connection::of(&strangers, permit);
+        open.spawn(answer(stream, connection, router.clone(), draining.clone()));
+    }
+    drop(listener);
+    open.close();
+    open.wait().await;
+}
+
+/// The next connection and its permit. While there are too many, others wait in the system's queue.
+async fn accept(
+    listener: &TcpListener,
+    permits: Arc<Semaphore>,
+) -> Option<(TcpStream, OwnedSemaphorePermit)> {
+    let permit = permits.acquire_owned().await.ok()?;
+    loop {
+        match listener.accept().await {
+            Ok((stream, _)) => return Some((stream, permit)),
+            Err(error) => {
+                tracing::warn!("a connection was not accepted: {error}");
+                sleep(AFTER_REFUSAL).await;
+            }
+        }
+    }
+}
+
+async fn answer(stream: TcpStream, connection: Connection, router: Router, draining: CancellationToken) {
+    // A frame or an edit is one small write; waiting to fill a packet would only delay it.
+    if let Err(error) = stream.set_nodelay(true) {
+        tracing::debug!("a connection delays its packets: {error}");
+    }
+    let mut stream = TimeoutWriter::new(stream);
+    stream.set_timeout(Some(SEND_WITHIN));
+    let service = TowerToHyperService::new(router);
+    let named = connection.clone();
+    let service = service_fn(move |mut request: Request<Incoming>| {
+        request.extensions_mut().insert(named.clone());
+        service.call(request)
+    });
+    let mut served = http1::Builder::new();
+    let served = served.timer(TokioTimer::new()).header_read_timeout(HEADERS_WITHIN);
+    let served = served.serve_connection(TokioIo::new(Box::pin(stream)), service).with_upgrades();
+    let mut served = std::pin::pin!(served);
+    let ended = tokio::select! {
+        ended = served.as_mut() => ended,
+        () = connection.given_up() => return,
+        () = draining.cancelled() => {
+            served.as_mut().graceful_shutdown();
+            served.await
+        }
+    };
+    if let Err(error) = ended {
+        tracing::debug!("a connection broke: {error}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_oldest_stranger_gives_way_and_who_is_known_never() {
+        let permits = Arc::new(Semaphore::new(MAX_STRANGERS + 3));
+        let strangers = Arc::new(Strangers::default());
+        let enter = || Connection::of(&strangers, Arc::clone(&permits).try_acquire_owned().unwrap());
+        let (known, oldest) = (enter(), enter());
+        known.is_known();
+        let rest: Vec<Connection> = (1..MAX_STRANGERS).map(|_| enter()).collect();
+        assert!(!oldest.0.given_up.is_cancelled());
+        let _one_more = enter();
+        assert!(oldest.0.given_up.is_cancelled());
+        assert!(!known.0.given_up.is_cancelled() && rest.iter().all(|one| !one.0.given_up.is_cancelled()));
+        drop(rest);
+        assert_eq!(strangers.waiting.lock().unwrap().len(), 1);
+    }
+}

@@ -1,0 +1,135 @@
+//! The names that the server answers to.
+//!
+//! A page of another place can have its own name lead to this machine, and then read what the server here answers it: DNS
+//! rebinding. A browser says by `Host` which name it used, and no stranger's page can use an address or `localhost`.
+
+use std::net::{IpAddr, SocketAddr};
+use std::str::FromStr;
+
+use axum::http::Uri;
+use axum::http::uri::{Authority, Scheme};
+
+/// An address under which browsers find the server: `https://lights.example.org`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PublicUrl {
+    /// As browsers write it in `Origin`.
+    origin: String,
+    /// Without the port.
+    name: String,
+}
+
+/// Whom the server answers.
+#[derive(Clone, Debug)]
+pub struct Hosts {
+    public: Vec<PublicUrl>,
+    /// Whether any name will do: others can reach the server anyway, and nobody has said what it is called.
+    any: bool,
+}
+
+impl Hosts {
+    /// Of a server that listens on `address`.
+    pub fn new(address: SocketAddr, public: &[PublicUrl]) -> Self {
+        Self { any: !address.ip().is_loopback() && public.is_empty(), public: public.to_vec() }
+    }
+
+    /// Whether a request with this `Host` may be meant for the server.
+    pub fn answers_to(&self, host: &str) -> bool {
+        let Ok(authority) = host.parse::<Authority>() else { return false };
+        let name = authority.host();
+        let address = name.trim_start_matches('[').trim_end_matches(']');
+        self.any
+            || address.parse::<IpAddr>().is_ok()
+            || name.eq_ignore_ascii_case("localhost")
+            || self.public.iter().any(|url| name.eq_ignore_ascii_case(&url.name))
+    }
+
+    /// Whether a page of this `Origin`, which has sent this `Host`, is the server's own.
+    pub fn is_own(&self, origin: &str, host: &str) -> bool {
+        let place = origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://"));
+        place == Some(host) || self.public.iter().any(|url| url.origin == origin)
+    }
+}
+
+impl FromStr for PublicUrl {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || {
+            format!("`{text}` is not an address of a server: write it as https://HOST or https://HOST:PORT")
+        };
+        let uri: Uri = text.parse().map_err(|_| wrong())?;
+        let (Some(scheme), Some(authority)) = (uri.scheme(), uri.authority()) else { return Err(wrong()) };
+        let usual_port = if *scheme == Scheme::HTTPS {
+            443
+        } else if *scheme == Scheme::HTTP {
+            80
+        } else {
+            return Err(wrong());
+        };
+        if uri.path() != "/" || uri.query().is_some() || authority.as_str().contains('@') {
+            return Err(wrong());
+        }
+        let name = authority.host().to_ascii_lowercase();
+        let port = authority.port_u16().filter(|port| *port != usual_port);
+        let port = port.map(|port| format!(":{port}")).unwrap_or_default();
+        Ok(Self { origin: format!("{scheme}://{name}{port}"), name })
+    }
+}
+
+impl std::fmt::Display for PublicUrl {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.origin)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hosts(listen: &str, public: &[&str]) -> Hosts {
+        let public: Vec<PublicUrl> = public.iter().map(|url| url.parse().unwrap()).collect();
+        Hosts::new(listen.parse().unwrap(), &public)
+    }
+
+    #[test]
+    fn on_loopback_only_names_that_no_stranger_can_have_lead_here() {
+        let local = hosts("127.0.0.1:8080", &[]);
+        for own in ["127.0.0.1:8080", "localhost", "LOCALHOST:9000", "[::1]:8080", "192.168.0.7"] {
+            assert!(local.answers_to(own), "{own}");
+        }
+        for foreign in ["evil.example:8080", "localhost.evil.example", "127.0.0.1.evil.example", "", "a b"] {
+            assert!(!local.answers_to(foreign), "{foreign}");
+        }
+        assert!(hosts("0.0.0.0:8080", &[]).answers_to("render-3"), "others reach it under any name");
+        let named = ["https://Lights.example.org/", "http://render-3:8080"];
+        for listen in ["127.0.0.1:8080", "0.0.0.0:8080"] {
+            let proxied = hosts(listen, &named);
+            assert!(proxied.answers_to("lights.example.org") && proxied.answers_to("render-3:8080"));
+            assert!(!proxied.answers_to("evil.example"));
+        }
+    }
+
+    #[test]
+    fn pages_are_its_own_by_the_name_they_used_or_by_a_public_one() {
+        let proxied = hosts("127.0.0.1:8080", &["https://lights.example.org:443"]);
+        assert!(proxied.is_own("http://localhost:8080", "localhost:8080"));
+        assert!(proxied.is_own("https://lights.example.org", "lights.example.org"));
+        assert!(
+            proxied.is_own("https://lights.example.org", "127.0.0.1:8080"),
+            "the proxy has changed the host"
+        );
+        assert!(!proxied.is_own("https://evil.example", "127.0.0.1:8080"));
+        assert!(
+            !proxied.is_own("http://lights.example.org", "127.0.0.1:8080"),
+            "without TLS it is another place"
+        );
+        assert!(!proxied.is_own("null", "localhost:8080"));
+    }
+
+    #[test]
+    fn what_is_no_address_of_a_server_is_refused() {
+        for text in ["", "lights", "ftp://a", "https://a/b", "https://a?b", "https://x@a", "https://"] {
+            assert!(text.parse::<PublicUrl>().is_err(), "{text}");
+        }
+    }
+}
