@@ -1,7 +1,7 @@
 //! Connections from their first byte: how many there may be, and for how long they may keep the server waiting.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -33,6 +33,8 @@ struct Inner {
     number: u64,
     strangers: Arc<Strangers>,
     given_up: CancellationToken,
+    /// Whether a request has come by it.
+    asked: AtomicBool,
     _permit: OwnedSemaphorePermit,
 }
 
@@ -46,7 +48,8 @@ struct Strangers {
 impl Connection {
     fn of(strangers: &Arc<Strangers>, permit: OwnedSemaphorePermit) -> Self {
         let (number, given_up) = strangers.enter();
-        Self(Arc::new(Inner { number, strangers: Arc::clone(strangers), given_up, _permit: permit }))
+        let (strangers, asked) = (Arc::clone(strangers), AtomicBool::new(false));
+        Self(Arc::new(Inner { number, strangers, given_up, asked, _permit: permit }))
     }
 
     /// Whoever is behind it has shown the token.
@@ -129,6 +132,7 @@ async fn answer(stream: TcpStream, connection: Connection, router: Router, drain
     let service = TowerToHyperService::new(router);
     let named = connection.clone();
     let service = service_fn(move |mut request: Request<Incoming>| {
+        named.0.asked.store(true, Ordering::Relaxed);
         request.extensions_mut().insert(named.clone());
         service.call(request)
     });
@@ -140,6 +144,10 @@ async fn answer(stream: TcpStream, connection: Connection, router: Router, drain
         ended = served.as_mut() => ended,
         () = connection.given_up() => return,
         () = draining.cancelled() => {
+            // One that has asked for nothing would be waited for in vain.
+            if !connection.0.asked.load(Ordering::Relaxed) {
+                return;
+            }
             served.as_mut().graceful_shutdown();
             served.await
         }

@@ -1,7 +1,12 @@
 //! Stopping.
 
+use std::time::Duration;
+
 use protocol::{ClientMessage, Command, EditStatus, LightParameter, ServerMessage};
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
 use tokio::task::spawn_blocking;
+use tokio::time::{Instant, pause};
 
 use crate::client::{Came, Client, get};
 use crate::server::Own;
@@ -50,4 +55,24 @@ async fn a_server_that_stops_finishes_what_it_has_accepted() {
     .unwrap();
     assert!(session["seq"].as_u64().unwrap() >= welcome.seq + committed, "{committed} and {session}");
     drop(again);
+}
+
+/// Rules: SOCK-9
+#[tokio::test]
+async fn connections_that_ask_for_nothing_do_not_hold_up_a_stop() {
+    let own = Own::start().await;
+    let mut silent = Vec::new();
+    for begun in ["", "GET /hea", "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"] {
+        let mut stream = TcpStream::connect(own.door.address).await.unwrap();
+        stream.write_all(begun.as_bytes()).await.unwrap();
+        silent.push(stream);
+    }
+    // The last is answered and kept open; by then the others are accepted too.
+    silent[2].read_exact(&mut [0; 12]).await.unwrap();
+    // From here on time passes as soon as everybody waits.
+    pause();
+    let stopped = Instant::now();
+    let (_folder, served) = own.stop();
+    served.await.unwrap().unwrap();
+    assert!(stopped.elapsed() < Duration::from_secs(5), "{:?}", stopped.elapsed());
 }
