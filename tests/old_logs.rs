@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use protocol::LogLine;
+use protocol::{LogLine, LogReader};
 use scene::{AssetHash, Scene};
 use serde_json::Value;
 use store::{StoreError, replay_log};
@@ -56,8 +56,9 @@ fn every_old_log_replays_to_its_hash() {
 fn a_planted_change_of_any_value_is_noticed() {
     for log in OLD_LOGS {
         let lines: Vec<String> = text(log).lines().map(String::from).collect();
+        let mut reader = LogReader::default();
         for (index, line) in lines.iter().enumerate() {
-            let Ok(LogLine::Record(record)) = LogLine::parse(line) else { continue };
+            let Ok(LogLine::Record(record)) = reader.read(line) else { continue };
             let mut planted: Value = serde_json::from_str(line).expect("JSON");
             let Some(number) =
                 planted["changes"].as_array_mut().and_then(|changes| changes.iter_mut().find_map(a_number))

@@ -133,8 +133,13 @@ impl From<&scene::Document> for Document {
 }
 
 impl Document {
-    /// The domain's document; `find_scene` as in [`scene::Document::apply`].
-    pub fn into_domain(self, find_scene: scene::FindScene) -> Result<scene::Document, Refused> {
+    /// The domain's document; `last_number` as in [`scene::Document::restore`], `find_scene` as in
+    /// [`scene::Document::apply`].
+    pub fn into_domain(
+        self,
+        last_number: u64,
+        find_scene: scene::FindScene,
+    ) -> Result<scene::Document, Refused> {
         let scene = match self.scene {
             None => None,
             Some(wire) => {
@@ -150,7 +155,7 @@ impl Document {
         };
         let lights = self.lights.into_iter().map(placed).collect::<Result<_, Refused>>()?;
         let cameras = self.cameras.into_iter().map(|wire| (CameraId(wire.id), wire.camera.into())).collect();
-        Ok(scene::Document::restore(scene, lights, cameras, 0))
+        Ok(scene::Document::restore(scene, lights, cameras, last_number))
     }
 }
 

@@ -30,6 +30,9 @@ pub enum FileError {
     /// A log or a record of a format that this program does not know: [`Refused::Format`].
     #[error("{0}")]
     Format(Refused),
+    /// A reference in a log that leads nowhere.
+    #[error("{0}")]
+    Reference(String),
 }
 
 /// Why what is well-formed JSON has no meaning in the domain.
@@ -68,11 +71,18 @@ impl Refused {
 }
 
 impl FileError {
+    /// A record that cannot be read, or does not hold what another refers to.
+    pub(crate) fn lost(seq: u64, record: u64) -> Self {
+        Self::Reference(format!(
+            "record {seq} refers to a value that record {record} does not hold: export the log again"
+        ))
+    }
+
     /// The same error, said of light `index` of a file of several.
     pub(crate) fn of_light(self, index: usize) -> Self {
         let prefix = |place| format!("light {index}: {place}");
         match self {
-            Self::Syntax(_) | Self::Format(_) => self,
+            Self::Syntax(_) | Self::Format(_) | Self::Reference(_) => self,
             Self::Shape { place, problem } => Self::Shape { place: prefix(place), problem },
             Self::Model { place, reason } => Self::Model { place: prefix(place), reason },
         }

@@ -4,10 +4,12 @@
 //! domain's ([`scene`], [`edit`]), and they are converted here and nowhere else. Reading validates: a light that comes out
 //! can be evaluated. Numbers keep every bit both ways.
 
+mod checkpoint;
 mod command;
 mod document;
 mod error;
 mod evaluation;
+mod held;
 mod http;
 mod light;
 pub mod light_file;
@@ -17,20 +19,26 @@ pub mod point_file;
 mod record;
 mod schema;
 
+pub use checkpoint::{LightTouch, PastStep, PastUndo, Renumbering, SessionCheckpoint};
 pub use command::{CameraParameter, Command, LightParameter, PointParameter};
 pub use document::{
     Bounds, Camera, Document, DocumentCamera, DocumentLight, Projection, Quat, SceneRef, Vec3,
 };
 pub use error::{FileError, Refused};
 pub use evaluation::{Evaluation, TubePoint, Visibility};
+pub use held::{CompactLine, MIN_HELD_BYTES, compact};
 pub use http::{
     Asset, Edit, EditResults, Edits, ErrorBody, NewSession, Problem, SessionEntry, SessionList, SessionState,
 };
 pub use light::{Bendy, BendyType, Light, Spot, SpotType, Transform};
-pub use log_file::{Checkpoint, CheckpointLine, LogHeader, LogLine};
+pub use log_file::{
+    Checkpoint, CheckpointLine, FIRST_PROOF, FindLine, LogHeader, LogLine, LogReader, ReadError, next_proof,
+};
 pub use message::{
     ClientMessage, EditResult, EditStatus, GestureEnd, GestureState, PROTOCOL, Presence, Resync,
     ServerMessage, Settings, State, ViewSource, Welcome, parse_body,
 };
-pub use record::{Action, Actor, Change, ControlPoints, FORMAT, PlacedLight, Record, Scope};
+pub use record::{
+    Action, Actor, Change, ControlPoints, FORMAT, MAX_RECORD_BYTES, PlacedLight, Record, Scope,
+};
 pub use schema::{Face, json_schema, openapi};

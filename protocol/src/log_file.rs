@@ -1,9 +1,14 @@
-//! Log files: a header, records and checkpoints, a line each (SPEC, section 5).
+//! Log files: a header, records and checkpoints, a line each (SPEC, section 5), proven on the way.
+
+use std::convert::Infallible;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use sha2::{Digest, Sha256};
+
 use crate::error::from_json;
+use crate::held::{Expanded, HeldValues, MIN_HELD_BYTES};
 use crate::record::known_format;
 use crate::{FileError, Record};
 
@@ -11,7 +16,7 @@ use crate::{FileError, Record};
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct LogHeader {
-    /// [`crate::FORMAT`] of the newest record.
+    /// [`crate::FORMAT`] of the program that wrote the file.
     pub format: u32,
     /// Name of the session.
     pub session: String,
@@ -23,8 +28,11 @@ pub struct LogHeader {
 pub struct Checkpoint {
     /// The record; 0 is the empty document before the first.
     pub seq: u64,
-    /// 64 hexadecimal digits.
+    /// Of the document, 64 hexadecimal digits.
     pub hash: String,
+    /// Of all lines of records up to there ([`next_proof`]), 64 hexadecimal digits. Logs of format 1 have none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub proof: Option<String>,
 }
 
 /// A line that says what the hash is.
@@ -44,17 +52,136 @@ pub enum LogLine {
     Checkpoint(Checkpoint),
 }
 
-impl LogLine {
-    /// Reads one line.
-    pub fn parse(text: &str) -> Result<Self, FileError> {
-        // Checkpoints are told apart by their only field, so that the reason for a refusal names the place in the
-        // shape that was meant.
-        if text.trim_start().starts_with("{\"checkpoint\"") {
-            return from_json::<CheckpointLine>(text).map(|line| Self::Checkpoint(line.checkpoint));
-        }
-        Record::parse(text).map(|record| Self::Record(Box::new(record)))
+/// The proof of a log without records.
+pub const FIRST_PROOF: &str = "0000000000000000000000000000000000000000000000000000000000000000";
+
+/// The proof after one more record: SHA-256 over the proof before, its 64 digits, and the record's line as it stands
+/// in the log, without its end. So it covers all that a record says, who did it, when and under which name included.
+pub fn next_proof(before: &str, line: &str) -> String {
+    format!("{:x}", Sha256::new().chain_update(before).chain_update(line).finalize())
+}
+
+/// Gives the lines of earlier records.
+pub type FindLine<'a, E> = dyn FnMut(u64) -> Result<Option<String>, E> + 'a;
+
+/// Why a line is not read.
+#[derive(Debug)]
+pub enum ReadError<E> {
+    /// It is no record, or refers to what is not there.
+    Line(FileError),
+    /// An earlier line could not be had.
+    Source(E),
+}
+
+impl<E> From<FileError> for ReadError<E> {
+    fn from(reason: FileError) -> Self {
+        Self::Line(reason)
+    }
+}
+
+/// Reads the lines of a log after its header, in order: resolves references and keeps the proof.
+#[derive(Clone, Debug)]
+pub struct LogReader {
+    held: HeldValues,
+    proof: String,
+}
+
+impl Default for LogReader {
+    fn default() -> Self {
+        Self::going_on_from(FIRST_PROOF)
+    }
+}
+
+impl LogReader {
+    /// Goes on behind a record whose proof is known. What the records before it hold is asked for when it is needed.
+    pub fn going_on_from(proof: &str) -> Self {
+        Self { held: HeldValues::default(), proof: proof.into() }
     }
 
+    /// The proof of all records read so far.
+    pub fn proof(&self) -> &str {
+        &self.proof
+    }
+
+    /// Reads one line of a file that has all records from the first.
+    pub fn read(&mut self, line: &str) -> Result<LogLine, FileError> {
+        // Checkpoints are told apart by their only field, so that the reason for a refusal names the place in the
+        // shape that was meant.
+        if line.trim_start().starts_with("{\"checkpoint\"") {
+            return from_json::<CheckpointLine>(line).map(|line| LogLine::Checkpoint(line.checkpoint));
+        }
+        let none_before: &mut FindLine<Infallible> = &mut |_| Ok(None);
+        match self.read_record(line, none_before) {
+            Ok((record, _)) => Ok(LogLine::Record(Box::new(record))),
+            Err(ReadError::Line(reason)) => Err(reason),
+        }
+    }
+
+    /// Reads the line of one record; also gives the bytes of its JSON in full. `find_line` gives the lines of earlier
+    /// records, where they can be had.
+    pub fn read_record<E>(
+        &mut self,
+        line: &str,
+        find_line: &mut FindLine<E>,
+    ) -> Result<(Record, usize), ReadError<E>> {
+        let record = self.resolve(line, find_line)?;
+        self.proof = next_proof(&self.proof, line);
+        Ok(record)
+    }
+
+    /// Lets go of what is kept of earlier records once that has more than `max_bytes`.
+    pub fn keep_at_most(&mut self, max_bytes: usize) {
+        if self.held.bytes() > max_bytes {
+            self.held = HeldValues::default();
+        }
+    }
+
+    fn resolve<E>(
+        &mut self,
+        line: &str,
+        find_line: &mut FindLine<E>,
+    ) -> Result<(Record, usize), ReadError<E>> {
+        // What is short neither holds a long value nor has one left out, and format 1 had no references.
+        if line.len() <= MIN_HELD_BYTES && !line.contains("\"sameAs\"") {
+            return Ok((Record::parse(line)?, line.len()));
+        }
+        let Numbered { format, seq } = numbered(line)?;
+        if format == 1 {
+            return Ok((Record::parse(line)?, line.len()));
+        }
+        self.held.learn(line, seq);
+        loop {
+            match self.held.expand(line, seq)? {
+                Expanded::Whole(text) => return Ok((Record::parse(&text)?, text.len())),
+                Expanded::Needs(record) if self.held.has_learned(record) => {
+                    return Err(FileError::lost(seq, record).into());
+                }
+                Expanded::Needs(record) => {
+                    let earlier = find_line(record).map_err(ReadError::Source)?;
+                    self.held.learn(&earlier.ok_or_else(|| FileError::lost(seq, record))?, record);
+                    if !self.held.has_learned(record) {
+                        return Err(FileError::lost(seq, record).into());
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[derive(Deserialize)]
+struct Numbered {
+    format: u32,
+    seq: u64,
+}
+
+/// Which record a line is, before the rest is looked at.
+fn numbered(line: &str) -> Result<Numbered, FileError> {
+    let numbered: Numbered = from_json(line)?;
+    known_format(numbered.format).map_err(FileError::Format)?;
+    Ok(numbered)
+}
+
+impl LogLine {
     /// The line, without its end.
     pub fn to_json(&self) -> String {
         match self {
@@ -68,7 +195,7 @@ impl LogHeader {
     /// Reads the first line.
     pub fn parse(text: &str) -> Result<Self, FileError> {
         let header: Self = from_json(text)?;
-        known_format(header.format)?;
+        known_format(header.format).map_err(FileError::Format)?;
         Ok(header)
     }
 
@@ -78,6 +205,6 @@ impl LogHeader {
     }
 }
 
-fn to_line(value: &impl Serialize) -> String {
+pub(crate) fn to_line(value: &impl Serialize) -> String {
     serde_json::to_string(value).expect("plain data with string keys")
 }

@@ -280,10 +280,10 @@ pub struct EditResult {
     /// What undo or redo left as it was, a sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub skipped: Vec<String>,
-    /// Why it was rejected, for programs.
+    /// Why it was rejected or is unknown, for programs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub code: Option<String>,
-    /// Why it was rejected, for people.
+    /// Why it was rejected or is unknown, for people.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
 }
@@ -296,8 +296,11 @@ pub enum EditStatus {
     Committed,
     /// In the log, after another's change of the same light that the sender did not know.
     Rebased,
-    /// Not carried out.
+    /// Not carried out, however often it is sent again under this name.
     Rejected,
+    /// The disk failed while it was written down: it may be in the log or not. Sent again under the same name it is
+    /// carried out at most once.
+    Unknown,
 }
 
 /// A drag as all clients see it.

@@ -11,8 +11,13 @@ use crate::{
     Camera, CameraParameter, Command, FileError, Light, LightParameter, PointParameter, Refused, SceneRef,
 };
 
-/// The format of records that this version writes. Earlier ones are upgraded when they are read.
-pub const FORMAT: u32 = 1;
+/// The format of records that this version writes. Earlier ones are upgraded when they are read: 1 knew neither
+/// `rebased` nor references.
+pub const FORMAT: u32 = 2;
+
+/// Bytes of one record in JSON, in full. One that replaces a document at its limits (256 lights of 258 control points)
+/// by another such takes 28 MiB.
+pub const MAX_RECORD_BYTES: usize = 32 << 20;
 
 /// [`scene::Change`] in JSON; `type` says which (SPEC, section 3).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -87,9 +92,17 @@ pub enum Scope {
 #[expect(missing_docs, reason = "the fields are those of edit::Action, one by one")]
 pub enum Action {
     /// A command.
-    Edit { command: Command },
+    Edit {
+        command: Command,
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        rebased: bool,
+    },
     /// The last command of a drag.
-    Gesture { command: Command },
+    Gesture {
+        command: Command,
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        rebased: bool,
+    },
     /// Taking back a step.
     Undo { scope: Scope, target: u64, skipped: Vec<String> },
     /// Taking back an undo.
@@ -117,21 +130,26 @@ pub struct Record {
 }
 
 impl Record {
-    /// Reads a record of any format up to [`FORMAT`]. This is the place where one of an earlier format will be upgraded.
+    /// Reads a record in full, of any format up to [`FORMAT`]. What a later format added has its default in an earlier one.
     pub fn parse(text: &str) -> Result<Self, FileError> {
         #[derive(Deserialize)]
         struct Versioned {
             format: u32,
         }
         // Before the rest is looked at: a later format may have fields that are not known here.
-        known_format(from_json::<Versioned>(text)?.format)?;
+        known_format(from_json::<Versioned>(text)?.format).map_err(FileError::Format)?;
         from_json(text)
+    }
+
+    /// One line of JSON, in full.
+    pub fn to_json(&self) -> String {
+        crate::log_file::to_line(self)
     }
 }
 
 /// Refuses a format that this version cannot read.
-pub(crate) fn known_format(found: u32) -> Result<(), FileError> {
-    if (1..=FORMAT).contains(&found) { Ok(()) } else { Err(FileError::Format(Refused::Format { found })) }
+pub(crate) fn known_format(found: u32) -> Result<(), Refused> {
+    if (1..=FORMAT).contains(&found) { Ok(()) } else { Err(Refused::Format { found }) }
 }
 
 impl From<&scene::PlacedLight> for PlacedLight {
@@ -274,8 +292,10 @@ impl From<edit::Scope> for Scope {
 impl From<&edit::Record> for Record {
     fn from(record: &edit::Record) -> Self {
         let action = match record.action.clone() {
-            edit::Action::Edit(command) => Action::Edit { command: (&command).into() },
-            edit::Action::Gesture(command) => Action::Gesture { command: (&command).into() },
+            edit::Action::Edit { command, rebased } => Action::Edit { command: (&command).into(), rebased },
+            edit::Action::Gesture { command, rebased } => {
+                Action::Gesture { command: (&command).into(), rebased }
+            }
             edit::Action::Undo { scope, target, skipped } => {
                 Action::Undo { scope: scope.into(), target, skipped }
             }
@@ -299,12 +319,12 @@ impl TryFrom<Record> for edit::Record {
     type Error = Refused;
 
     fn try_from(wire: Record) -> Result<Self, Refused> {
-        if wire.format != FORMAT {
-            return Err(Refused::Format { found: wire.format });
-        }
+        known_format(wire.format)?;
         let action = match wire.action {
-            Action::Edit { command } => edit::Action::Edit(command.try_into()?),
-            Action::Gesture { command } => edit::Action::Gesture(command.try_into()?),
+            Action::Edit { command, rebased } => edit::Action::Edit { command: command.try_into()?, rebased },
+            Action::Gesture { command, rebased } => {
+                edit::Action::Gesture { command: command.try_into()?, rebased }
+            }
             Action::Undo { scope, target, skipped } => {
                 edit::Action::Undo { scope: scope.into(), target, skipped }
             }

@@ -1,8 +1,16 @@
 //! Lines of a log file, one by one.
 
-use protocol::{Checkpoint, LogHeader, LogLine};
+use protocol::{
+    Checkpoint, FIRST_PROOF, FileError, LogHeader, LogLine, LogReader, MIN_HELD_BYTES, ReadError, compact,
+    next_proof,
+};
+use serde_json::{Value, json};
 
 const RECORD: &str = r#"{"format":1,"seq":1,"timeMs":1790000000000,"actor":{"id":"a","name":"Ada"},"opId":"x","action":{"type":"undo","scope":"mine","target":5,"skipped":["light 1's radius has been changed since"]},"changes":[{"type":"lightParameter","light":1,"old":{"coneAngle":25.0},"new":{"coneAngle":30.5}}]}"#;
+
+fn read(line: &str) -> Result<LogLine, FileError> {
+    LogReader::default().read(line)
+}
 
 /// Rules: LOG-1
 #[test]
@@ -10,18 +18,21 @@ fn lines_are_written_as_they_are_read() {
     let header = r#"{"format":1,"session":"main"}"#;
     assert_eq!(LogHeader::parse(header).expect("a header").to_json(), header);
     let hash = "ab".repeat(32);
-    let checkpoint = format!(r#"{{"checkpoint":{{"seq":7,"hash":"{hash}"}}}}"#);
-    let line = LogLine::parse(&checkpoint).expect("a checkpoint");
-    assert_eq!(line, LogLine::Checkpoint(Checkpoint { seq: 7, hash }));
-    assert_eq!(line.to_json(), checkpoint);
-    assert_eq!(LogLine::parse(RECORD).expect("a record").to_json(), RECORD);
+    for proof in [None, Some("cd".repeat(32))] {
+        let said = proof.as_ref().map_or(String::new(), |proof| format!(r#","proof":"{proof}""#));
+        let checkpoint = format!(r#"{{"checkpoint":{{"seq":7,"hash":"{hash}"{said}}}}}"#);
+        let line = read(&checkpoint).expect("a checkpoint");
+        assert_eq!(line, LogLine::Checkpoint(Checkpoint { seq: 7, hash: hash.clone(), proof }));
+        assert_eq!(line.to_json(), checkpoint);
+    }
+    assert_eq!(read(RECORD).expect("a record").to_json(), RECORD);
 }
 
 /// Rules: LOG-1, REC-5
 #[test]
 fn other_lines_are_refused_by_what_is_wrong() {
     let refused = |text: &str, expected: &str| {
-        let said = LogLine::parse(text).expect_err(text).to_string();
+        let said = read(text).expect_err(text).to_string();
         assert!(said.contains(expected), "{text}: {said}");
     };
     refused("", "EOF");
@@ -36,6 +47,158 @@ fn other_lines_are_refused_by_what_is_wrong() {
     refused(r#"{"checkpoint":{"seq":7}}"#, "hash");
     refused(r#"{"checkpoint":{"seq":7,"hash":"","gobo":1}}"#, "`gobo`");
     LogHeader::parse(r#"{"format":1}"#).expect_err("no session");
-    let later = LogHeader::parse(r#"{"format":2,"session":"main"}"#).expect_err("a later format").to_string();
-    assert!(later.contains("format 2"), "{later}");
+    let later = LogHeader::parse(r#"{"format":3,"session":"main"}"#).expect_err("a later format").to_string();
+    assert!(later.contains("format 3"), "{later}");
+}
+
+/// A record that adds a light with `points` control points, and one that removes it, in full.
+fn long_records() -> [Value; 2] {
+    let points: Vec<[f64; 3]> = (0..40).map(|i| [0.0, 0.0, -0.1 * f64::from(i)]).collect();
+    let light =
+        json!({"type": "bendy", "name": "\\\"{\"sameAs\":[[", "points": points, "radii": vec![0.01; 40]});
+    let record = |seq: u64, action: Value, changes: Value| {
+        json!({"format": 2, "seq": seq, "timeMs": 1, "actor": {"id": "a", "name": "Ada"}, "opId": seq.to_string(),
+            "action": action, "changes": changes})
+    };
+    let placed = |layout: u64| json!({"layout": layout, "light": light});
+    let added = json!([{"type": "light", "light": 1, "old": null, "new": placed(1)}]);
+    let removed = json!([{"type": "light", "light": 1, "old": placed(1), "new": null}]);
+    [
+        record(1, json!({"type": "edit", "command": {"type": "addLight", "light": light}}), added),
+        record(2, json!({"type": "edit", "command": {"type": "removeLight", "light": 1}}), removed),
+    ]
+}
+
+/// The lines of those records in a log, one after the other.
+fn compacted(records: &[Value]) -> Vec<String> {
+    let mut held = std::collections::BTreeMap::new();
+    let lines = records.iter().map(|record| {
+        let seq = record["seq"].as_u64().expect("a number");
+        let text = record.to_string();
+        let line = compact(&text, seq, |hash| Ok::<_, ()>(held.get(hash).copied())).expect("no error");
+        held.extend(line.first_holds.into_iter().map(|hash| (hash, seq)));
+        line.text
+    });
+    lines.collect()
+}
+
+/// Rules: REC-6
+#[test]
+fn a_long_value_stands_in_a_log_once() {
+    let records = long_records();
+    let lines = compacted(&records);
+    let whole = records[0].to_string().len();
+    assert!(
+        lines[0].len() < whole * 2 / 3,
+        "it stood twice in its own record: {} of {whole}",
+        lines[0].len()
+    );
+    assert!(lines[1].len() < MIN_HELD_BYTES, "{}", lines[1]);
+    let mut reader = LogReader::default();
+    for (line, record) in lines.iter().zip(&records) {
+        let LogLine::Record(read) = reader.read(line).expect("what was written") else { panic!("a record") };
+        let expected: protocol::Record = serde_json::from_value(record.clone()).expect("a record");
+        assert_eq!(*read, expected);
+    }
+    // Behind a checkpoint the earlier lines are asked for.
+    let mut asked = Vec::new();
+    let mut find_line = |seq: u64| {
+        asked.push(seq);
+        Ok::<_, ()>(lines.get(seq as usize - 1).cloned())
+    };
+    let (read, bytes) = LogReader::default().read_record(&lines[1], &mut find_line).expect("found");
+    assert_eq!((read.seq, bytes), (2, records[1].to_string().len()));
+    assert_eq!(asked, [1]);
+}
+
+/// Rules: REC-6, LOG-4
+#[test]
+fn references_that_lead_nowhere_are_refused() {
+    let lines = compacted(&long_records());
+    let refused = |line: &str, expected: &str| {
+        let mut reader = LogReader::default();
+        reader.read(&lines[0]).expect("a record");
+        let said = reader.read(line).expect_err(line).to_string();
+        assert!(said.contains(expected), "{said}");
+    };
+    refused(&lines[1].replace("\"hash\":\"", "\"hash\":\"0"), "does not hold");
+    refused(&lines[1].replace("\"record\":1", "\"record\":3"), "does not hold");
+    refused(&lines[1].replace("\"record\":1", "\"record\":2"), "does not hold");
+    refused(&lines[1].replace("\"record\":1", "\"recard\":1"), "`sameAs` takes");
+    refused(&lines[1].replace("{\"sameAs\"", "{ \"sameAs\""), "changes[0]");
+    refused(&lines[1][..lines[1].len() - 1], "EOF");
+    let alone = LogReader::default().read(&lines[1]).expect_err("the line before is missing").to_string();
+    assert!(alone.contains("record 1 does not hold"), "{alone}");
+    // A record that is given, but is another than was asked for.
+    let mut find_line = |_: u64| Ok::<_, ()>(Some(lines[1].clone()));
+    let error = LogReader::default().read_record(&lines[1], &mut find_line);
+    assert!(matches!(error, Err(ReadError::Line(_))), "{error:?}");
+}
+
+/// References do not nest, so that what a line comes to is bounded by its own length; and it is bounded by the limit.
+///
+/// Rules: REC-6, HTTP-11
+#[test]
+fn a_line_that_is_too_long_in_full_is_refused() {
+    let list = format!("[{}0]", "0,".repeat(MIN_HELD_BYTES));
+    let hash = scene::AssetHash::of(list.as_bytes()).hex();
+    let reference = format!(r#"{{"sameAs":{{"record":1,"hash":"{hash}"}}}}"#);
+    let line = |count: usize| {
+        format!(r#"{{"format":2,"seq":1,"x":[{list}{}]}}"#, format!(",{reference}").repeat(count))
+    };
+    let too_long = protocol::MAX_RECORD_BYTES / list.len() + 1;
+    let said = read(&line(too_long)).expect_err("33 MiB").to_string();
+    assert!(said.contains("more than"), "{said}");
+    let said = read(&line(too_long / 2)).expect_err("not a record").to_string();
+    assert!(said.contains("`x`"), "{said}");
+}
+
+/// A light that is changed bit by bit, as by hundreds of insertions: each line refers to what stands in full elsewhere,
+/// and none to a line that refers on.
+///
+/// Rules: REC-6
+#[test]
+fn any_record_of_a_long_log_can_be_read_alone() {
+    let part = |n: u64| vec![n as f64 + 0.5; 300];
+    let record = |seq: u64| {
+        let [old, new] = [seq - 1, seq].map(|n| json!({"a": part(n / 2), "b": part(7), "n": n}));
+        json!({"format": 2, "seq": seq, "old": old, "new": new})
+    };
+    let records: Vec<Value> = (1..200).map(record).collect();
+    let lines = compacted(&records);
+    let bytes = |texts: &[String]| texts.iter().map(String::len).sum::<usize>();
+    let whole: Vec<String> = records.iter().map(Value::to_string).collect();
+    assert!(3 * bytes(&lines) < bytes(&whole), "{} of {}", bytes(&lines), bytes(&whole));
+    for seq in [1, 2, 3, 100, 199_usize] {
+        let mut asked = Vec::new();
+        let mut find_line = |seq: u64| {
+            asked.push(seq);
+            Ok::<_, ()>(lines.get(seq as usize - 1).cloned())
+        };
+        // It is no record, which is only seen once it is read in full.
+        let error = LogReader::default().read_record(&lines[seq - 1], &mut find_line).expect_err("no record");
+        let ReadError::Line(error) = error else { panic!("{error:?}") };
+        assert!(error.to_string().contains("`new`"), "{error}");
+        assert!(asked.len() <= 3, "record {seq} needs {asked:?}");
+    }
+}
+
+/// Rules: LOG-4
+#[test]
+fn a_proof_covers_every_byte_of_every_line() {
+    let proof =
+        |lines: &[&str]| lines.iter().fold(FIRST_PROOF.to_owned(), |proof, line| next_proof(&proof, line));
+    // printf '%064d%s' 0 abc | sha256sum
+    assert_eq!(proof(&["abc"]), "b64374d04ef9c4f39fddb1e0d6be38a0130f6c057fc0f4ee467ea0e18bc758f1");
+    let lines = compacted(&long_records());
+    let mut reader = LogReader::default();
+    for line in &lines {
+        reader.read(line).expect("a record");
+    }
+    assert_eq!(reader.proof(), proof(&[&lines[0], &lines[1]]));
+    for planted in ["opId", "\"a\"", "Ada", "\"timeMs\":1"] {
+        let changed = lines[1].replacen(planted, &planted.replace(['1', 'A', 'a', 'I'], "7"), 1);
+        assert_ne!(changed, lines[1], "{planted}");
+        assert_ne!(reader.proof(), proof(&[&lines[0], &changed]), "{planted}");
+    }
 }

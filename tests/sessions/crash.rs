@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use bench::{Address, Client, Incoming};
-use protocol::{ClientMessage, EditStatus, LogLine, PointParameter, ServerMessage};
+use protocol::{ClientMessage, EditStatus, LogLine, LogReader, PointParameter, ServerMessage};
 
 use crate::program::program;
 use crate::support::Server;
@@ -150,8 +150,9 @@ fn check_log(log: &Path, acknowledged: &BTreeMap<String, u64>, hash: &str) {
     let text = std::fs::read_to_string(log).expect("a log");
     let mut found = BTreeMap::new();
     let mut last_hash = String::new();
+    let mut reader = LogReader::default();
     for line in text.lines().skip(1) {
-        match LogLine::parse(line).expect("a line") {
+        match reader.read(line).expect("a line") {
             LogLine::Record(record) => drop(found.insert(record.op_id, record.seq)),
             LogLine::Checkpoint(checkpoint) => last_hash = checkpoint.hash,
         }

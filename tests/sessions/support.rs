@@ -78,7 +78,7 @@ impl Mirror {
     pub fn connect(process: &ServerProcess, actor: &str) -> Self {
         let client = Client::connect(&process.address, "main", actor, None).expect("welcome");
         let State::Snapshot(document) = client.welcome.state.clone() else { panic!("a snapshot") };
-        let document = document.into_domain(&find_scene).expect("a valid document");
+        let document = document.into_domain(0, &find_scene).expect("a valid document");
         assert_eq!(document.hash().to_string(), client.welcome.hash, "the snapshot has the stated hash");
         Self { seq: client.welcome.seq, client, document, operations: 0, actor: actor.into() }
     }
@@ -204,7 +204,7 @@ fn hear(message: &ServerMessage, document: &mut scene::Document, seq: &mut u64) 
         }
         ServerMessage::Resync(resync) => {
             assert!(resync.seq >= *seq, "a resync holds what was missed");
-            *document = resync.document.clone().into_domain(&find_scene).expect("a valid document");
+            *document = resync.document.clone().into_domain(0, &find_scene).expect("a valid document");
             *seq = resync.seq;
             &resync.hash
         }

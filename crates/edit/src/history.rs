@@ -1,89 +1,181 @@
 //! Which steps are in effect, and which undo or redo would take next.
+//!
+//! Only numbers of records are kept: what a step changed stands in its record. All collections share what is equal
+//! between clones, so that neither an undo nor keeping the state before it costs more with a longer past.
 
 use std::sync::Arc;
 
-use rpds::RedBlackTreeMapSync;
-use scene::Change;
+use rpds::{RedBlackTreeMapSync, RedBlackTreeSetSync};
 
-use crate::{Action, Record, Scope};
+use crate::{Action, Scope};
 
-/// Steps that can be undone at most; older ones stay in the log and in effect.
+/// Steps of one person that can be undone at most; older ones stay in the log and in effect.
 pub const MAX_UNDO_DEPTH: usize = 10_000;
 
-/// Steps in effect and undos in effect, with what each changed.
+/// Steps in effect and undos in effect, by the sequence of their records.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct History {
-    /// Edits that nothing has taken back, by sequence.
-    steps: RedBlackTreeMapSync<u64, Step>,
-    /// Undos that no redo has taken back and no later edit has ended, oldest first.
-    undos: Vec<Undo>,
+    /// Who made each step that nothing has taken back.
+    steps: RedBlackTreeMapSync<u64, Arc<str>>,
+    /// The same steps and their own undos, by person.
+    people: RedBlackTreeMapSync<Arc<str>, Person>,
+    /// Undos with [`Scope::Session`] that no redo has taken back and no later edit has ended.
+    undos: Undos,
 }
 
-#[derive(Clone, Debug)]
-struct Step {
-    actor_id: String,
-    changes: Arc<[Change]>,
+/// What one person can undo and redo with [`Scope::Mine`].
+#[derive(Clone, Debug, Default)]
+struct Person {
+    steps: RedBlackTreeSetSync<u64>,
+    undos: Undos,
 }
 
-#[derive(Clone, Debug)]
-struct Undo {
-    seq: u64,
-    actor_id: String,
-    scope: Scope,
-    changes: Arc<[Change]>,
+/// By the sequence of the undo's record: the step that it took back, and who had made that.
+type Undos = RedBlackTreeMapSync<u64, (u64, Arc<str>)>;
+
+/// An undo in effect, as a checkpoint holds it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PastUndo {
+    /// Its record.
+    pub seq: u64,
+    /// Who can redo it; `None` for an undo with [`Scope::Session`], which anybody can.
+    pub actor_id: Option<String>,
     /// The step that it took back.
-    target: u64,
-    step: Step,
+    pub target: u64,
+    /// Who had made that step.
+    pub target_actor_id: String,
 }
 
 impl History {
-    /// The latest step of that scope: its sequence and what it changed.
-    pub fn undo_target(&self, actor_id: &str, scope: Scope) -> Option<(u64, Arc<[Change]>)> {
-        let mut latest = self.steps.iter().rev();
-        let (&seq, step) = latest.find(|(_, step)| scope == Scope::Session || step.actor_id == actor_id)?;
-        Some((seq, Arc::clone(&step.changes)))
-    }
-
-    /// The latest undo of that scope: its sequence and what it changed.
-    pub fn redo_target(&self, actor_id: &str, scope: Scope) -> Option<(u64, Arc<[Change]>)> {
-        let mut latest = self.undos.iter().rev().filter(|undo| undo.scope == scope);
-        let undo = latest.find(|undo| scope == Scope::Session || undo.actor_id == actor_id)?;
-        Some((undo.seq, Arc::clone(&undo.changes)))
-    }
-
-    /// Whether what `action` takes back, if it is an undo or a redo, is there to take back.
-    pub fn is_in_effect(&self, action: &Action) -> bool {
-        match action {
-            Action::Edit(_) | Action::Gesture(_) => true,
-            Action::Undo { target, .. } => self.steps.contains_key(target),
-            Action::Redo { target, .. } => self.undos.iter().any(|undo| undo.seq == *target),
+    /// The latest step of that scope.
+    pub fn undo_target(&self, actor_id: &str, scope: Scope) -> Option<u64> {
+        match scope {
+            Scope::Session => self.steps.last().map(|(seq, _)| *seq),
+            Scope::Mine => self.people.get(actor_id)?.steps.last().copied(),
         }
     }
 
-    /// Takes in the next record. What it takes back is in effect.
-    pub fn note(&mut self, record: &Record) {
-        let actor_id = record.actor.id.clone();
-        let changes: Arc<[Change]> = record.changes.as_slice().into();
-        match record.action {
-            Action::Edit(_) | Action::Gesture(_) => {
-                self.undos.retain(|undo| undo.scope == Scope::Mine && undo.actor_id != actor_id);
-                self.steps.insert_mut(record.seq, Step { actor_id, changes });
-                if self.steps.size() > MAX_UNDO_DEPTH
-                    && let Some(oldest) = self.steps.first().map(|(seq, _)| *seq)
-                {
-                    self.steps.remove_mut(&oldest);
-                }
+    /// The latest undo of that scope.
+    pub fn redo_target(&self, actor_id: &str, scope: Scope) -> Option<u64> {
+        self.undos(actor_id, scope)?.last().map(|(seq, _)| *seq)
+    }
+
+    /// Whether what `action` takes back, if it is an undo or a redo, is there for that person to take back.
+    pub fn is_in_effect(&self, actor_id: &str, action: &Action) -> bool {
+        match action {
+            Action::Edit { .. } | Action::Gesture { .. } => true,
+            Action::Undo { scope, target, .. } => {
+                let mine = |by: &Arc<str>| *scope == Scope::Session || **by == *actor_id;
+                self.steps.get(target).is_some_and(mine)
+            }
+            Action::Redo { scope, target, .. } => {
+                self.undos(actor_id, *scope).is_some_and(|undos| undos.contains_key(target))
+            }
+        }
+    }
+
+    /// Takes in record `seq`. What it takes back is in effect.
+    pub fn note(&mut self, seq: u64, actor_id: &str, action: &Action) {
+        match *action {
+            Action::Edit { .. } | Action::Gesture { .. } => {
+                self.undos = Undos::default();
+                self.set_undos(actor_id, Undos::default());
+                self.add_step(seq, &self.name_of(actor_id));
             }
             Action::Undo { scope, target, .. } => {
-                let Some(step) = self.steps.get(&target).cloned() else { return };
-                self.steps.remove_mut(&target);
-                self.undos.push(Undo { seq: record.seq, actor_id, scope, changes, target, step });
+                let Some(by) = self.steps.get(&target).cloned() else { return };
+                self.remove_step(target, &by);
+                let undos =
+                    self.undos(actor_id, scope).cloned().unwrap_or_default().insert(seq, (target, by));
+                self.keep_undos(actor_id, scope, undos);
             }
-            Action::Redo { target, .. } => {
-                let Some(index) = self.undos.iter().position(|undo| undo.seq == target) else { return };
-                let undo = self.undos.remove(index);
-                self.steps.insert_mut(undo.target, undo.step);
+            Action::Redo { scope, target, .. } => {
+                let Some(undos) = self.undos(actor_id, scope).cloned() else { return };
+                let Some((step, by)) = undos.get(&target).cloned() else { return };
+                self.keep_undos(actor_id, scope, undos.remove(&target));
+                self.add_step(step, &by);
             }
+        }
+    }
+
+    /// Every step in effect: its sequence and who made it, oldest first.
+    pub fn steps(&self) -> impl Iterator<Item = (u64, &str)> {
+        self.steps.iter().map(|(seq, by)| (*seq, &**by))
+    }
+
+    /// Every undo that can be redone.
+    pub fn past_undos(&self) -> impl Iterator<Item = PastUndo> {
+        let own = self.people.iter().map(|(id, person)| (Some(id), &person.undos));
+        own.chain([(None, &self.undos)]).flat_map(|(id, undos)| {
+            undos.iter().map(move |(&seq, (target, by))| PastUndo {
+                seq,
+                actor_id: id.map(ToString::to_string),
+                target: *target,
+                target_actor_id: by.to_string(),
+            })
+        })
+    }
+
+    /// The history that [`Self::steps`] and [`Self::past_undos`] were taken of.
+    pub fn restore<'a>(steps: impl Iterator<Item = (u64, &'a str)>, undos: &[PastUndo]) -> Self {
+        let mut history = Self::default();
+        for (seq, by) in steps {
+            history.add_step(seq, &history.name_of(by));
+        }
+        for PastUndo { seq, actor_id, target, target_actor_id } in undos {
+            let (id, scope) = match actor_id {
+                Some(id) => (id.as_str(), Scope::Mine),
+                None => ("", Scope::Session),
+            };
+            let by = history.name_of(target_actor_id);
+            let undos = history.undos(id, scope).cloned().unwrap_or_default().insert(*seq, (*target, by));
+            history.keep_undos(id, scope, undos);
+        }
+        history
+    }
+
+    fn undos(&self, actor_id: &str, scope: Scope) -> Option<&Undos> {
+        match scope {
+            Scope::Session => Some(&self.undos),
+            Scope::Mine => self.people.get(actor_id).map(|person| &person.undos),
+        }
+    }
+
+    fn keep_undos(&mut self, actor_id: &str, scope: Scope, undos: Undos) {
+        match scope {
+            Scope::Session => self.undos = undos,
+            Scope::Mine => self.set_undos(actor_id, undos),
+        }
+    }
+
+    fn set_undos(&mut self, actor_id: &str, undos: Undos) {
+        let person = self.people.get(actor_id).cloned().unwrap_or_default();
+        self.people.insert_mut(self.name_of(actor_id), Person { undos, ..person });
+    }
+
+    /// One copy of each person's id, however many steps they made.
+    fn name_of(&self, actor_id: &str) -> Arc<str> {
+        self.people.get_key_value(actor_id).map_or_else(|| actor_id.into(), |(id, _)| Arc::clone(id))
+    }
+
+    fn add_step(&mut self, seq: u64, by: &Arc<str>) {
+        let mut person = self.people.get(by).cloned().unwrap_or_default();
+        person.steps.insert_mut(seq);
+        self.steps.insert_mut(seq, Arc::clone(by));
+        if person.steps.size() > MAX_UNDO_DEPTH
+            && let Some(oldest) = person.steps.first().copied()
+        {
+            person.steps.remove_mut(&oldest);
+            self.steps.remove_mut(&oldest);
+        }
+        self.people.insert_mut(Arc::clone(by), person);
+    }
+
+    fn remove_step(&mut self, seq: u64, by: &Arc<str>) {
+        self.steps.remove_mut(&seq);
+        if let Some(mut person) = self.people.get(by).cloned() {
+            person.steps.remove_mut(&seq);
+            self.people.insert_mut(Arc::clone(by), person);
         }
     }
 }

@@ -12,7 +12,7 @@ mod session;
 mod take_back;
 
 pub use gesture::{Gesture, LEASE_MS, MAX_GESTURES};
-pub use history::MAX_UNDO_DEPTH;
+pub use history::{MAX_UNDO_DEPTH, PastUndo};
 pub use record::{Action, Actor, Record, Scope};
 pub use refusal::{Refusal, ReplayError};
-pub use session::{Committed, MAX_RECORDS, Request, Session};
+pub use session::{MAX_RECORDS, Past, Request, Session, Sources};

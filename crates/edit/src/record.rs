@@ -29,7 +29,7 @@ pub struct Record {
     pub time_ms: u64,
     /// Who.
     pub actor: Actor,
-    /// The sender's own name for the step: one that comes again is not carried out again.
+    /// The sender's own name for the step, unique among that actor's: one that comes again is not carried out again.
     pub op_id: String,
     /// What was asked for.
     pub action: Action,
@@ -41,9 +41,19 @@ pub struct Record {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
     /// A command.
-    Edit(Command),
+    Edit {
+        /// As it was sent.
+        command: Command,
+        /// Whether somebody else had changed the same light after the latest record that the sender knew.
+        rebased: bool,
+    },
     /// The last command of a drag.
-    Gesture(Command),
+    Gesture {
+        /// As it was sent.
+        command: Command,
+        /// As of an edit, from the record that the holder knew when the drag began.
+        rebased: bool,
+    },
     /// Taking back a step.
     Undo {
         /// Whose steps were looked at.
@@ -68,8 +78,16 @@ impl Action {
     /// What undo or redo left as it was.
     pub fn skipped(&self) -> &[String] {
         match self {
-            Self::Edit(_) | Self::Gesture(_) => &[],
+            Self::Edit { .. } | Self::Gesture { .. } => &[],
             Self::Undo { skipped, .. } | Self::Redo { skipped, .. } => skipped,
+        }
+    }
+
+    /// Whether somebody else came in between.
+    pub fn rebased(&self) -> bool {
+        match self {
+            Self::Edit { rebased, .. } | Self::Gesture { rebased, .. } => *rebased,
+            Self::Undo { .. } | Self::Redo { .. } => false,
         }
     }
 }

@@ -31,6 +31,11 @@ pub enum Refusal {
     /// No undo to take back.
     #[error("there is nothing to redo")]
     NothingToRedo,
+    /// A step whose record its owner does not find.
+    #[error(
+        "record {0} cannot be read, and so not be taken back: replay the log to see what is wrong with it"
+    )]
+    LostRecord(u64),
     /// No such drag: never begun, ended, or somebody else's.
     #[error("there is no gesture {0} of yours: begin it again")]
     NoGesture(String),
@@ -73,6 +78,7 @@ impl Refusal {
             Self::Stale { .. } => "stale",
             Self::NothingToUndo => "nothingToUndo",
             Self::NothingToRedo => "nothingToRedo",
+            Self::LostRecord(_) => "storage",
             Self::NoGesture(_) => "noGesture",
             Self::EmptyGesture(_) => "emptyGesture",
             Self::GestureExists(_) => "exists",
@@ -108,13 +114,5 @@ pub enum ReplayError {
         seq: u64,
         /// What it takes back.
         target: u64,
-    },
-    /// Two steps of one name.
-    #[error("record {seq} repeats operation {op_id} of the same actor: the log was changed by hand")]
-    Repeated {
-        /// Which.
-        seq: u64,
-        /// The operation.
-        op_id: String,
     },
 }

@@ -1,13 +1,14 @@
 //! A document, how it came about, and what is being dragged in it.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use rpds::RedBlackTreeMapSync;
 use scene::{Change, Command, Document, FindScene, LightId, changes_of};
 
 use crate::gesture::{Gesture, LEASE_MS, MAX_GESTURES};
-use crate::history::History;
-use crate::take_back::take_back;
+use crate::history::{History, PastUndo};
+use crate::take_back::{TakenBack, take_back};
 use crate::{Action, Actor, Record, Refusal, ReplayError, Scope};
 
 /// Records that a log has at most.
@@ -31,18 +32,27 @@ pub enum Request {
     Redo(Scope),
 }
 
-/// The answer to a request that is or was carried out.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Committed {
-    /// A new record, to be written down.
-    New {
-        /// The record.
-        record: Box<Record>,
-        /// Whether somebody else changed the same light after the sender's `base_seq`.
-        rebased: bool,
-    },
-    /// An operation of that name was carried out before, in this record.
-    Before(u64),
+/// What a session asks its owner for while it carries out a request.
+#[derive(Clone, Copy)]
+pub struct Sources<'a> {
+    /// Finds a scene by its bytes' hash.
+    pub scene: FindScene<'a>,
+    /// What the record of that sequence changed: of the one that [`Session::target_of`] names, no other is asked for.
+    pub changes: &'a dyn Fn(u64) -> Option<Vec<Change>>,
+}
+
+/// What a session has to know of its past besides the document: with that it goes on from any record as if it had
+/// replayed all before. Lists are in the order of their first fields.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Past {
+    /// Steps in effect: the record and who made it.
+    pub steps: Vec<(u64, String)>,
+    /// Undos that can be redone.
+    pub undos: Vec<PastUndo>,
+    /// The latest record of each actor on each light.
+    pub touched: Vec<(LightId, String, u64)>,
+    /// The latest record that renumbered each light's control points.
+    pub renumbered: Vec<(LightId, u64)>,
 }
 
 /// See the crate's documentation. Cloning costs as much as the document, not as the log, so that the state before a
@@ -52,12 +62,10 @@ pub struct Session {
     document: Document,
     seq: u64,
     history: History,
-    /// The record of each operation, by actor and operation.
-    operations: RedBlackTreeMapSync<(String, String), u64>,
     /// The latest record of each actor on each light.
-    touched: BTreeMap<(LightId, String), u64>,
+    touched: RedBlackTreeMapSync<(LightId, Arc<str>), u64>,
     /// The latest record that renumbered each light's control points.
-    renumbered: BTreeMap<LightId, u64>,
+    renumbered: RedBlackTreeMapSync<LightId, u64>,
     /// Ordered by light, of which each has one at most.
     gestures: BTreeMap<LightId, Gesture>,
 }
@@ -73,38 +81,81 @@ impl Session {
         self.seq
     }
 
-    /// Takes in a record that was written down before.
+    /// The session after record `seq`, as one that replayed all records up to it.
+    pub fn restore(document: Document, seq: u64, past: &Past) -> Self {
+        let steps = past.steps.iter().map(|(seq, by)| (*seq, by.as_str()));
+        let touched = past.touched.iter().map(|(light, by, seq)| ((*light, Arc::from(by.as_str())), *seq));
+        Self {
+            document,
+            seq,
+            history: History::restore(steps, &past.undos),
+            touched: touched.collect(),
+            renumbered: past.renumbered.iter().copied().collect(),
+            gestures: BTreeMap::new(),
+        }
+    }
+
+    /// What [`Self::restore`] needs besides document and sequence.
+    pub fn past(&self) -> Past {
+        let touched = self.touched.iter().map(|((light, by), seq)| (*light, by.to_string(), *seq));
+        Past {
+            steps: self.history.steps().map(|(seq, by)| (seq, by.to_owned())).collect(),
+            undos: self.history.past_undos().collect(),
+            touched: touched.collect(),
+            renumbered: self.renumbered.iter().map(|(light, seq)| (*light, *seq)).collect(),
+        }
+    }
+
+    /// The record that `request` of that actor would take back; `None` where it takes back none or there is none.
+    pub fn target_of(&self, request: &Request, actor_id: &str) -> Option<u64> {
+        match request {
+            Request::Undo(scope) => self.history.undo_target(actor_id, *scope),
+            Request::Redo(scope) => self.history.redo_target(actor_id, *scope),
+            Request::Edit { .. } | Request::Commit(_) => None,
+        }
+    }
+
+    /// Goes back to the records of `before`, which this session went on from. Gestures stay as they are now, but for
+    /// what they would change, which is worked out again.
+    pub fn go_back_to(&mut self, before: Self, find_scene: FindScene) {
+        let gestures = std::mem::take(&mut self.gestures);
+        *self = Self { gestures, ..before };
+        for gesture in self.gestures.values_mut() {
+            let Some(command) = &gesture.command else { continue };
+            gesture.changes = changes_of(&self.document, command, find_scene).unwrap_or_default();
+        }
+    }
+
+    /// Takes in a record that was written down before. That no operation comes twice is for the owner of the records
+    /// to see, who knows them all.
     pub fn replay(&mut self, record: &Record, find_scene: FindScene) -> Result<(), ReplayError> {
         let seq = record.seq;
         if seq != self.seq + 1 {
             return Err(ReplayError::Gap { found: seq, after: self.seq });
         }
-        let operation = (record.actor.id.clone(), record.op_id.clone());
-        if self.operations.contains_key(&operation) {
-            return Err(ReplayError::Repeated { seq, op_id: operation.1 });
-        }
         if let Action::Undo { target, .. } | Action::Redo { target, .. } = record.action
-            && !self.history.is_in_effect(&record.action)
+            && !self.history.is_in_effect(&record.actor.id, &record.action)
         {
             return Err(ReplayError::Target { seq, target });
         }
         self.document
             .apply(&record.changes, find_scene)
             .map_err(|reason| ReplayError::Record { seq, reason })?;
-        self.history.note(record);
+        self.history.note(seq, &record.actor.id, &record.action);
         self.seq = seq;
-        self.operations.insert_mut(operation, seq);
+        let actor_id: Arc<str> = record.actor.id.as_str().into();
         for change in &record.changes {
             let Some(light) = change.light() else { continue };
-            self.touched.insert((light, record.actor.id.clone()), seq);
+            self.touched.insert_mut((light, Arc::clone(&actor_id)), seq);
             if matches!(change, Change::ControlPoints { .. }) {
-                self.renumbered.insert(light, seq);
+                self.renumbered.insert_mut(light, seq);
             }
         }
         Ok(())
     }
 
-    /// Carries out a request and gives the record to write down. `now_ms` is the time of day.
+    /// Carries out a request and gives the record to write down. `now_ms` is the time of day. That an operation is
+    /// carried out once is for the owner of the records to see.
     ///
     /// Until the record is written down the caller keeps a clone of the session before, to go back to.
     pub fn request(
@@ -113,49 +164,50 @@ impl Session {
         actor: &Actor,
         op_id: &str,
         now_ms: u64,
-        find_scene: FindScene,
-    ) -> Result<Committed, Refusal> {
-        if let Some(&seq) = self.operations.get(&(actor.id.clone(), op_id.to_owned())) {
-            return Ok(Committed::Before(seq));
-        }
+        sources: Sources,
+    ) -> Result<Record, Refusal> {
         if self.seq as usize >= MAX_RECORDS {
             let remedy = "make a new session from its document";
             return Err(Refusal::TooMany { what: "records", limit: MAX_RECORDS, remedy });
         }
-        let (action, changes, rebased) = match request {
+        let target = self.target_of(&request, &actor.id);
+        let (action, changes) = match request {
             Request::Edit { base_seq, command } => {
                 let rebased = self.check_base(&command, actor, base_seq)?;
-                let changes = changes_of(&self.document, &command, find_scene)?;
-                (Action::Edit(command), changes, rebased)
+                let changes = changes_of(&self.document, &command, sources.scene)?;
+                (Action::Edit { command, rebased }, changes)
             }
             Request::Commit(id) => {
                 let gesture = self.end_gesture(&id, actor)?;
                 let Some(command) = gesture.command else { return Err(Refusal::EmptyGesture(id)) };
                 let rebased = self.check_base(&command, actor, Some(gesture.base_seq))?;
-                let changes = changes_of(&self.document, &command, find_scene)?;
-                (Action::Gesture(command), changes, rebased)
+                let changes = changes_of(&self.document, &command, sources.scene)?;
+                (Action::Gesture { command, rebased }, changes)
             }
             Request::Undo(scope) => {
-                let target = self.history.undo_target(&actor.id, scope).ok_or(Refusal::NothingToUndo)?;
-                let taken = take_back(&self.document, &target.1, find_scene);
-                let action = Action::Undo { scope, target: target.0, skipped: taken.skipped };
-                (action, taken.changes, false)
+                let target = target.ok_or(Refusal::NothingToUndo)?;
+                let taken = self.taken_back(target, sources)?;
+                (Action::Undo { scope, target, skipped: taken.skipped }, taken.changes)
             }
             Request::Redo(scope) => {
-                let target = self.history.redo_target(&actor.id, scope).ok_or(Refusal::NothingToRedo)?;
-                let taken = take_back(&self.document, &target.1, find_scene);
-                let action = Action::Redo { scope, target: target.0, skipped: taken.skipped };
-                (action, taken.changes, false)
+                let target = target.ok_or(Refusal::NothingToRedo)?;
+                let taken = self.taken_back(target, sources)?;
+                (Action::Redo { scope, target, skipped: taken.skipped }, taken.changes)
             }
         };
         self.check_locks(&changes, actor)?;
         let (actor, op_id) = (actor.clone(), op_id.to_owned());
         let record = Record { seq: self.seq + 1, time_ms: now_ms, actor, op_id, action, changes };
-        self.replay(&record, find_scene).map_err(|error| match error {
+        self.replay(&record, sources.scene).map_err(|error| match error {
             ReplayError::Record { reason, .. } => Refusal::Edit(reason),
             other => unreachable!("a record made here follows the one before: {other}"),
         })?;
-        Ok(Committed::New { record: Box::new(record), rebased })
+        Ok(record)
+    }
+
+    fn taken_back(&self, target: u64, sources: Sources) -> Result<TakenBack, Refusal> {
+        let changes = (sources.changes)(target).ok_or(Refusal::LostRecord(target))?;
+        Ok(take_back(&self.document, &changes, sources.scene))
     }
 
     /// Refuses control points by outdated numbers; says whether somebody else came in between.
@@ -165,8 +217,8 @@ impl Session {
             check_numbering(&self.renumbered, light, base_seq)?;
         }
         let mut touches =
-            self.touched.range((light, String::new())..).take_while(|((id, _), _)| *id == light);
-        Ok(touches.any(|((_, by), &seq)| *by != actor.id && seq > base_seq))
+            self.touched.range((light, Arc::from(""))..).take_while(|((id, _), _)| *id == light);
+        Ok(touches.any(|((_, by), &seq)| **by != *actor.id && seq > base_seq))
     }
 
     fn check_locks(&self, changes: &[Change], actor: &Actor) -> Result<(), Refusal> {
@@ -291,7 +343,7 @@ impl Session {
 /// Refuses to count the control points of `light` as they were at record `base_seq` where they have since been
 /// renumbered.
 fn check_numbering(
-    renumbered: &BTreeMap<LightId, u64>,
+    renumbered: &RedBlackTreeMapSync<LightId, u64>,
     light: LightId,
     base_seq: u64,
 ) -> Result<(), Refusal> {

@@ -48,9 +48,12 @@ pub enum ServerError {
     /// A picture that cannot be encoded.
     #[error(transparent)]
     Encode(#[from] stream::StreamError),
-    /// The store refused, or its disk did.
+    /// The store refused, or its disk did, when something was to be written.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// The store, or its disk, did not give what was to be read.
+    #[error(transparent)]
+    Unread(StoreError),
     /// Why a session could not be opened, for each who asked.
     #[error(transparent)]
     Opening(Arc<ServerError>),
@@ -147,7 +150,7 @@ impl ServerError {
             Self::Scene(_) => "badScene",
             Self::NoDemo(_) => "unknownAsset",
             Self::Render(_) | Self::Aov(_) | Self::Encode(_) => "render",
-            Self::Store(error) => error.code(),
+            Self::Store(error) | Self::Unread(error) => error.code(),
             Self::Opening(error) => error.code(),
             Self::Unauthorized => "unauthorized",
             Self::ForeignOrigin(_) => "foreignOrigin",
@@ -178,24 +181,44 @@ impl ServerError {
             "tooLarge" => StatusCode::PAYLOAD_TOO_LARGE,
             "tooMany" => StatusCode::TOO_MANY_REQUESTS,
             "warmingUp" | "notReady" | "draining" => StatusCode::SERVICE_UNAVAILABLE,
-            "storage" | "fault" => StatusCode::INTERNAL_SERVER_ERROR,
+            "storage" | "unknownOutcome" | "damagedAsset" | "fault" => StatusCode::INTERNAL_SERVER_ERROR,
             _ => StatusCode::BAD_REQUEST,
         }
+    }
+
+    /// Whether another try may go otherwise: such a refusal is no answer to an operation for good (SPEC, REC-4).
+    pub fn is_of_the_moment(&self) -> bool {
+        let codes = ["storage", "unknownOutcome", "damagedAsset", "fault", "tooMany", "tooLarge", "draining"];
+        codes.contains(&self.code())
+    }
+
+    /// Whether what was asked for may have been done all the same.
+    pub fn is_unknown(&self) -> bool {
+        matches!(self, Self::Store(StoreError::Unknown(_)))
     }
 
     /// What a user is told. The disk's own words name folders of this machine: those go to the log only.
     pub fn problem(&self) -> Problem {
         let code = self.code();
-        let message = match code {
-            "storage" => {
-                tracing::error!("the store failed: {self}");
-                "the server cannot write to its disk, nothing was changed: tell whoever runs it, and try again".into()
-            }
+        if matches!(code, "storage" | "unknownOutcome") {
+            tracing::error!("the store failed: {self}");
+        }
+        let message = match (code, self) {
+            ("storage", Self::Unread(_)) => READ_FAILED.into(),
+            ("storage", Self::Opening(error)) if matches!(**error, Self::Unread(_)) => READ_FAILED.into(),
+            ("storage", _) => WRITE_FAILED.into(),
+            ("unknownOutcome", _) => OUTCOME_UNKNOWN.into(),
             _ => self.to_string(),
         };
         Problem { code: code.into(), message }
     }
 }
+
+const READ_FAILED: &str = "the server cannot read its disk: tell whoever runs it, and try again";
+const WRITE_FAILED: &str =
+    "the server cannot write to its disk, nothing was changed: tell whoever runs it, and try again";
+const OUTCOME_UNKNOWN: &str = "the server's disk failed while this was written, and it may have been done or not: tell \
+    whoever runs it, then look, or send it again under the same name";
 
 impl From<FileError> for ServerError {
     fn from(error: FileError) -> Self {

@@ -56,6 +56,13 @@ pub const FRAME_QUEUE: usize = stream::WINDOW;
 pub const RENDER_QUEUE: usize = 256;
 /// Commits that wait for the disk; senders wait past that.
 pub const COMMIT_QUEUE: usize = 64;
+/// Records after which a session gets a new checkpoint: replaying as many takes well under a second.
+pub const CHECKPOINT_AFTER_RECORDS: u64 = 1_000;
+/// Bytes of records in full after which it gets one too, or four times its last one's where that is more: what is written
+/// for checkpoints stays a fraction of what is written for records.
+pub const CHECKPOINT_AFTER_BYTES: u64 = 4 << 20;
+/// Connections to the store that are kept for reading.
+pub const MAX_READERS: usize = 8;
 /// Records that a returning client is sent at most; one that missed more is sent the document.
 pub const MAX_TAIL: u64 = 1_000;
 

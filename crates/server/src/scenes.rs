@@ -71,21 +71,21 @@ impl Scenes {
             return Ok(scene);
         }
         let storage = self.storage.clone();
-        let decoded = spawn_blocking(move || decode(&storage.open()?, &asset));
+        let decoded = spawn_blocking(move || decode(&storage.open().map_err(ServerError::Unread)?, &asset));
         let scene = decoded.await.map_err(|_| ServerError::Fault)??;
         self.keep(asset, &scene);
         Ok(scene)
     }
 
-    /// As [`Self::load`], for threads that may block; `None` where there is no such scene.
-    pub fn find(&self, asset: &AssetHash) -> Option<Arc<Scene>> {
-        self.kept(asset).or_else(|| {
-            let decoded =
-                self.storage.open().map_err(ServerError::from).and_then(|store| decode(&store, asset));
-            let scene = decoded.inspect_err(|error| tracing::warn!("{asset}: {error}")).ok()?;
-            self.keep(*asset, &scene);
-            Some(scene)
-        })
+    /// As [`Self::load`], for threads that may block.
+    pub fn find(&self, asset: &AssetHash) -> Result<Arc<Scene>, ServerError> {
+        if let Some(scene) = self.kept(asset) {
+            return Ok(scene);
+        }
+        let store = self.storage.open().map_err(ServerError::Unread)?;
+        let scene = decode(&store, asset)?;
+        self.keep(*asset, &scene);
+        Ok(scene)
     }
 
     fn kept(&self, asset: &AssetHash) -> Option<Arc<Scene>> {
@@ -117,7 +117,7 @@ fn read_all(mut file: File) -> io::Result<Vec<u8>> {
 /// Reads and decodes a stored scene. Blocks.
 fn decode(store: &Store, asset: &AssetHash) -> Result<Arc<Scene>, ServerError> {
     let unknown = || edit::Refusal::Edit(scene::EditError::UnknownAsset(*asset));
-    let bytes = store.asset(asset)?.ok_or_else(unknown)?;
+    let bytes = store.asset(asset).map_err(ServerError::Unread)?.ok_or_else(unknown)?;
     let loaded = assets::load_bytes(&bytes)?;
     for note in loaded.notes {
         tracing::info!("{asset}: {note}");

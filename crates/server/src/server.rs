@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 use std::time::Instant;
 
-use edit::{Actor, Committed, Request};
+use edit::{Actor, Request, Sources};
 use scene::{AssetHash, Command};
 use store::{Batch, Store};
 use tokio::net::TcpListener;
@@ -76,14 +76,9 @@ pub struct Shared {
 impl Server {
     /// Takes the data folder, makes the first session where it is missing, and opens the graphics device. Blocks.
     pub fn open(config: &Config) -> Result<Self, ServerError> {
-        let data = config.data.clone();
-        private::make_folder(&data)?;
-        let lock = lock(&data)?;
-        let mut store = Store::create(&data)?;
-        ensure_session(&mut store, config)?;
-        let token = Token::of(&data)?;
+        let Data { store, token, lock } = Data::open(config)?;
         let (renders, render_thread) = Renders::start()?;
-        let public_urls = config.public_urls.clone();
+        let (data, public_urls) = (config.data.clone(), config.public_urls.clone());
         Ok(Self { store, renders, render_thread, token, data, public_urls, _lock: lock })
     }
 
@@ -142,6 +137,27 @@ impl Server {
     }
 }
 
+/// What lies in the data folder.
+struct Data {
+    store: Store,
+    token: Token,
+    lock: File,
+}
+
+impl Data {
+    /// Takes the folder and makes what is missing. A start that is cut off leaves nothing half made.
+    fn open(config: &Config) -> Result<Self, ServerError> {
+        let folder = &config.data;
+        private::make_folder(folder)?;
+        let lock = lock(folder)?;
+        let mut store = Store::create(folder)?;
+        store.remove_leftovers()?;
+        ensure_session(&mut store, config)?;
+        let token = Token::of(folder)?;
+        Ok(Self { store, token, lock })
+    }
+}
+
 fn lock(data: &Path) -> Result<File, ServerError> {
     let path = data.join(LOCK);
     let unusable = |reason| ServerError::Data { path: path.clone(), reason };
@@ -154,10 +170,12 @@ fn lock(data: &Path) -> Result<File, ServerError> {
     }
 }
 
-/// Makes the first session, with its scene as its first record.
+/// Makes the first session, with its scene as its first record, or nothing. A session that has no record yet, as a start
+/// that was cut off could leave it once, is given the scene too.
 fn ensure_session(store: &mut Store, config: &Config) -> Result<(), ServerError> {
     let name = &config.session;
-    if store.sessions()?.iter().any(|row| row.name == *name) {
+    let known = store.sessions()?.into_iter().find(|row| row.name == *name);
+    if known.as_ref().is_some_and(|row| row.seq > 0) {
         return Ok(());
     }
     let (asset, scene) = first_scene(store, &config.scene)?;
@@ -165,11 +183,13 @@ fn ensure_session(store: &mut Store, config: &Config) -> Result<(), ServerError>
     let command = Command::LoadScene { asset, name: scene_label(&config.scene) };
     let request = Request::Edit { base_seq: None, command };
     let mut session = edit::Session::default();
-    let committed =
-        session.request(request, &actor, "first-scene", time_ms(), &|_| Some(Arc::clone(&scene)))?;
-    store.create_session(name)?;
-    if let Committed::New { record, .. } = committed {
-        store.append(&[Batch { session: name, records: &[*record], hash: session.document().hash() }])?;
+    let sources = Sources { scene: &|_| Some(Arc::clone(&scene)), changes: &|_| None };
+    let record = session.request(request, &actor, "first-scene", time_ms(), sources)?;
+    let (records, hash) = (&[record], session.document().hash());
+    let first = Batch { session: name, records, rejections: &[], hash };
+    match known {
+        None => drop(store.begin_session(&first)?),
+        Some(_) => drop(store.append(&[first])?),
     }
     Ok(())
 }
@@ -189,4 +209,86 @@ fn scene_label(name: &str) -> String {
     let label = Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name);
     let fits = label.char_indices().take_while(|(at, c)| at + c.len_utf8() <= scene::MAX_NAME_BYTES);
     fits.map(|(_, c)| c).collect()
+}
+
+/// Tests that kill a first start at every write and every sync. They stand here to start no renderer.
+#[cfg(test)]
+mod tests {
+    use std::env;
+    use std::process::{Command as Process, Stdio};
+
+    use super::*;
+
+    const CHILD: &str = "server::tests::child_that_starts";
+    const FOLDER: &str = "BENDYLIGHTS_CHILD_FOLDER";
+
+    fn config(data: &Path) -> Config {
+        let (session, scene, public_urls) = ("main".into(), "demo:vases".into(), Vec::new());
+        Config { data: data.into(), session, scene, public_urls }
+    }
+
+    #[test]
+    #[ignore = "the child of the test below, which starts it"]
+    fn child_that_starts() {
+        let folder = env::var(FOLDER).expect("started by a test");
+        drop(Data::open(&config(Path::new(&folder))).expect("a start"));
+    }
+
+    /// Whether a start that is killed at call `number` of `call` was over before.
+    fn is_done_before(call: &str, number: usize, data: &Path) -> bool {
+        let test = env::current_exe().expect("this program");
+        let (trace, inject) = (format!("trace={call}"), format!("inject={call}:signal=KILL:when={number}"));
+        let mut strace = Process::new("strace");
+        strace.args(["-f", "-o", "/dev/null", "-e", &trace, "-e", &inject]).arg(test);
+        strace.args(["--exact", CHILD, "--ignored", "--test-threads=1"]).env(FOLDER, data);
+        let status = strace.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status();
+        status.expect("strace runs").success()
+    }
+
+    fn is_whole(data: &Path) -> bool {
+        let Ok(opened) = Data::open(&config(data)) else { return false };
+        let row = opened.store.session("main").expect("a session");
+        let find_scene = |_: &AssetHash| assets::demo("vases").map(Arc::new);
+        let document = opened.store.replay("main", None, &find_scene).expect("a log").document().clone();
+        row.seq == 1 && !document.lights().is_empty() && opened.token.digits().len() == 32
+    }
+
+    /// Rules: HTTP-4
+    #[test]
+    fn a_first_start_that_is_killed_anywhere_is_made_up_for_by_the_next() {
+        let can_trace = Process::new("strace").args(["-o", "/dev/null", "true"]).output();
+        if !can_trace.is_ok_and(|done| done.status.success()) {
+            assert_ne!(
+                env::var("CI").as_deref(),
+                Ok("true"),
+                "strace cannot run here: install it, allow ptrace"
+            );
+            println!("skipped: strace cannot run here");
+            return;
+        }
+        let mut kills = 0;
+        for call in ["write", "pwrite64", "fsync", "fdatasync", "rename", "mkdir", "unlink"] {
+            for number in 1.. {
+                let folder = tempfile::tempdir().expect("a folder");
+                let data = folder.path().join("data");
+                let is_done = is_done_before(call, number, &data);
+                assert!(is_whole(&data), "killed at {call} {number}");
+                if is_done {
+                    break;
+                }
+                kills += 1;
+            }
+        }
+        assert!(kills > 20, "{kills} places to kill it at");
+    }
+
+    /// A session without a record is what a start that made the session first, and its scene later, could leave.
+    ///
+    /// Rules: HTTP-4
+    #[test]
+    fn a_session_that_was_left_empty_gets_its_scene() {
+        let folder = tempfile::tempdir().expect("a folder");
+        Store::create(folder.path()).expect("a store").create_session("main").expect("a session");
+        assert!(is_whole(folder.path()));
+    }
 }

@@ -1,16 +1,19 @@
 //! The store as tasks use it: one thread commits, the blocking pool reads.
 
+use std::cell::RefCell;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
 use edit::Record;
-use scene::{AssetHash, DocumentHash};
-use store::{Batch, Store, StoreError};
+use protocol::SessionCheckpoint;
+use scene::{AssetHash, DocumentHash, FindScene};
+use store::{Batch, Rejection, Store, StoreError, Tail};
 use tokio::sync::{mpsc, oneshot};
 use tokio::task::spawn_blocking;
 
-use crate::limits::COMMIT_QUEUE;
+use crate::limits::{COMMIT_QUEUE, MAX_READERS};
+use crate::scenes::Scenes;
 use crate::{ServerError, metrics::Metrics};
 
 /// The way to the store. Clones share the thread that commits; it ends with the last of them.
@@ -18,20 +21,27 @@ use crate::{ServerError, metrics::Metrics};
 pub struct Storage {
     folder: Arc<Path>,
     writes: mpsc::Sender<Write>,
+    /// Connections that nobody uses.
+    readers: Arc<Mutex<Vec<Store>>>,
 }
 
 /// What changes the database.
 enum Write {
+    /// Records and rejections of a session.
     Commit(Commit),
-    CreateSession { name: String, done: oneshot::Sender<Result<String, StoreError>> },
+    /// A new session with its first records; answered with its epoch.
+    Begin(Commit, oneshot::Sender<Result<String, StoreError>>),
+    /// A session's checkpoint.
+    Checkpoint(Arc<str>, Box<SessionCheckpoint>, oneshot::Sender<Result<u64, StoreError>>),
 }
 
-/// Records of one session, in order.
+/// What happened in one session, in order.
 struct Commit {
     session: Arc<str>,
     records: Vec<Record>,
+    rejections: Vec<Rejection>,
     hash: DocumentHash,
-    done: oneshot::Sender<Result<(), StoreError>>,
+    done: oneshot::Sender<Result<Tail, StoreError>>,
 }
 
 impl Storage {
@@ -39,26 +49,47 @@ impl Storage {
     pub fn start(folder: &Path, store: Store, metrics: Arc<Metrics>) -> Self {
         let (writes, inbox) = mpsc::channel(COMMIT_QUEUE);
         thread::spawn(move || write_until_closed(store, inbox, &metrics));
-        Self { folder: folder.into(), writes }
+        Self { folder: folder.into(), writes, readers: Arc::default() }
     }
 
-    /// Writes records down; they are on disk when it returns. `hash` is of the document after the last of them.
+    /// Writes records and rejections down; they are on disk when it returns. `hash` is of the document after the last
+    /// record. Gives what the log has grown by.
     pub async fn append(
         &self,
         session: Arc<str>,
         records: Vec<Record>,
+        rejections: Vec<Rejection>,
         hash: DocumentHash,
-    ) -> Result<(), ServerError> {
+    ) -> Result<Tail, ServerError> {
         let (done, answer) = oneshot::channel();
-        self.write(Write::Commit(Commit { session, records, hash, done })).await?;
-        Ok(answer.await.map_err(|_| ServerError::Fault)??)
+        self.write(Write::Commit(Commit { session, records, rejections, hash, done })).await?;
+        written(answer).await
     }
 
-    /// Makes a session and gives its epoch.
-    pub async fn create_session(&self, name: String) -> Result<String, ServerError> {
+    /// Makes a session that begins with `records`, all of it or nothing, and gives its epoch.
+    pub async fn begin_session(
+        &self,
+        session: &str,
+        records: Vec<Record>,
+        hash: DocumentHash,
+    ) -> Result<String, ServerError> {
         let (done, answer) = oneshot::channel();
-        self.write(Write::CreateSession { name, done }).await?;
-        Ok(answer.await.map_err(|_| ServerError::Fault)??)
+        let (commit_done, _) = oneshot::channel();
+        let session = session.into();
+        let first = Commit { session, records, rejections: Vec::new(), hash, done: commit_done };
+        self.write(Write::Begin(first, done)).await?;
+        written(answer).await
+    }
+
+    /// Keeps a session's checkpoint, in place of an earlier one; gives its bytes.
+    pub async fn keep_checkpoint(
+        &self,
+        session: &Arc<str>,
+        checkpoint: SessionCheckpoint,
+    ) -> Result<u64, ServerError> {
+        let (done, answer) = oneshot::channel();
+        self.write(Write::Checkpoint(Arc::clone(session), Box::new(checkpoint), done)).await?;
+        written(answer).await
     }
 
     async fn write(&self, write: Write) -> Result<(), ServerError> {
@@ -70,7 +101,7 @@ impl Storage {
         &self,
         bytes: impl AsRef<[u8]> + Send + 'static,
     ) -> Result<AssetHash, ServerError> {
-        self.read(move |store| store.put_asset(bytes.as_ref())).await
+        self.ask(move |store| store.put_asset(bytes.as_ref()).map_err(ServerError::Store)).await
     }
 
     /// Asks the store on the blocking pool.
@@ -78,9 +109,52 @@ impl Storage {
         &self,
         question: impl FnOnce(&Store) -> Result<T, StoreError> + Send + 'static,
     ) -> Result<T, ServerError> {
+        self.ask(move |store| question(store).map_err(ServerError::Unread)).await
+    }
+
+    /// As [`Self::read`], of a question that loads scenes. Where one cannot be had, that is what is wrong.
+    pub async fn read_with_scenes<T: Send + 'static>(
+        &self,
+        scenes: &Arc<Scenes>,
+        question: impl FnOnce(&Store, FindScene) -> Result<T, StoreError> + Send + 'static,
+    ) -> Result<T, ServerError> {
+        let scenes = Arc::clone(scenes);
+        self.ask(move |store| {
+            let failed = RefCell::new(None);
+            let find_scene = |asset: &AssetHash| match scenes.find(asset) {
+                Ok(scene) => Some(scene),
+                Err(error) => {
+                    failed.borrow_mut().get_or_insert(error);
+                    None
+                }
+            };
+            let answer = question(store, &find_scene);
+            answer.map_err(|error| failed.into_inner().unwrap_or(ServerError::Unread(error)))
+        })
+        .await
+    }
+
+    async fn ask<T: Send + 'static>(
+        &self,
+        question: impl FnOnce(&Store) -> Result<T, ServerError> + Send + 'static,
+    ) -> Result<T, ServerError> {
         let storage = self.clone();
-        let answer = spawn_blocking(move || question(&storage.open()?));
-        Ok(answer.await.map_err(|_| ServerError::Fault)??)
+        let asked = spawn_blocking(move || {
+            let known = storage.readers().pop();
+            let reader = known.map_or_else(|| storage.open(), Ok).map_err(ServerError::Unread)?;
+            let answer = question(&reader);
+            let mut readers = storage.readers();
+            // After an error another connection may do better.
+            if answer.is_ok() && readers.len() < MAX_READERS {
+                readers.push(reader);
+            }
+            answer
+        });
+        asked.await.map_err(|_| ServerError::Fault)?
+    }
+
+    fn readers(&self) -> std::sync::MutexGuard<'_, Vec<Store>> {
+        self.readers.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Where the data lies.
@@ -94,17 +168,22 @@ impl Storage {
     }
 }
 
+async fn written<T>(answer: oneshot::Receiver<Result<T, StoreError>>) -> Result<T, ServerError> {
+    answer.await.map_err(|_| ServerError::Fault)?.map_err(ServerError::Store)
+}
+
 /// Carries out writes. Commits that wait together become one transaction: the disk is waited for once.
 fn write_until_closed(mut store: Store, mut inbox: mpsc::Receiver<Write>, metrics: &Metrics) {
     let mut waiting = Vec::with_capacity(COMMIT_QUEUE);
     while inbox.blocking_recv_many(&mut waiting, COMMIT_QUEUE) > 0 {
         let mut commits = Vec::new();
         for write in waiting.drain(..) {
+            // Nobody may be waiting any more; it is done all the same.
             match write {
                 Write::Commit(commit) => commits.push(commit),
-                Write::CreateSession { name, done } => {
-                    // Nobody may be waiting any more; the session is there all the same.
-                    let _ = done.send(store.create_session(&name));
+                Write::Begin(first, done) => drop(done.send(store.begin_session(&first.batch()))),
+                Write::Checkpoint(session, checkpoint, done) => {
+                    drop(done.send(store.keep_checkpoint(&session, &checkpoint)));
                 }
             }
         }
@@ -119,15 +198,20 @@ fn write_until_closed(mut store: Store, mut inbox: mpsc::Receiver<Write>, metric
 /// Commits all together, or where that fails each for itself, so that no session fails for another's sake.
 fn commit_all(store: &mut Store, commits: Vec<Commit>) {
     let batches: Vec<Batch> = commits.iter().map(Commit::batch).collect();
-    let together = commits.len() > 1 && store.append(&batches).is_ok();
+    let together = if commits.len() > 1 { store.append(&batches).ok() } else { None };
+    let mut together = together.into_iter().flatten();
     for commit in commits {
-        let result = if together { Ok(()) } else { store.append(&[commit.batch()]) };
+        let result = match together.next() {
+            Some(tail) => Ok(tail),
+            None => store.append(&[commit.batch()]).map(|tails| tails[0]),
+        };
         let _ = commit.done.send(result);
     }
 }
 
 impl Commit {
     fn batch(&self) -> Batch<'_> {
-        Batch { session: &self.session, records: &self.records, hash: self.hash }
+        let Self { session, records, rejections, hash, .. } = self;
+        Batch { session, records, rejections, hash: *hash }
     }
 }

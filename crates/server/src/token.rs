@@ -1,8 +1,7 @@
 //! The one secret: who has the token may use the server.
 
-use std::fs::{self, OpenOptions};
+use std::fs::{self, File};
 use std::io::{self, Write};
-use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 
 use subtle::ConstantTimeEq;
@@ -17,7 +16,7 @@ const DIGITS: usize = 32;
 const FILE: &str = "token";
 
 impl Token {
-    /// The folder's token, made at the first start. Only the owner can read the file.
+    /// The folder's token, made at the first start. Only the owner can read the file, which is there whole or not at all.
     pub(crate) fn of(folder: &Path) -> Result<Self, ServerError> {
         let path = folder.join(FILE);
         let unusable = |reason| ServerError::Data { path: path.clone(), reason };
@@ -25,17 +24,21 @@ impl Token {
             Ok(text) => Self::parse(text.trim()).ok_or_else(|| ServerError::BadToken(path.clone())),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 let token = Self::random().map_err(unusable)?;
-                let mut file = OpenOptions::new()
-                    .write(true)
-                    .create_new(true)
-                    .mode(0o600)
-                    .open(&path)
-                    .map_err(unusable)?;
-                file.write_all(&token.0).and_then(|()| file.sync_all()).map_err(unusable)?;
+                token.write(&path).map_err(unusable)?;
                 Ok(token)
             }
             Err(error) => Err(unusable(error)),
         }
+    }
+
+    /// First beside its place. Temporary files are their owner's alone.
+    fn write(&self, path: &Path) -> io::Result<()> {
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let mut file = tempfile::NamedTempFile::new_in(folder)?;
+        file.write_all(&self.0)?;
+        file.as_file().sync_all()?;
+        file.persist(path)?;
+        File::open(folder)?.sync_all()
     }
 
     fn random() -> io::Result<Self> {

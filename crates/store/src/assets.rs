@@ -5,13 +5,15 @@ use std::io::{self, Read, Write};
 use std::path::PathBuf;
 
 use scene::AssetHash;
-use tempfile::NamedTempFile;
 
 use crate::database::sync_folder;
 use crate::{Store, StoreError};
 
 /// Bytes that an asset has at most. The largest scene that can be read, 512 MiB, with its pictures in base64 takes 683.
 pub const MAX_ASSET_BYTES: u64 = 768 << 20;
+
+/// How the name of a file begins that is not whole yet.
+const LEFTOVER: &str = ".incoming-";
 
 impl Store {
     /// Keeps the bytes. They are on the disk when this returns; where they are already, nothing is written.
@@ -47,11 +49,25 @@ impl Store {
     /// First beside its place, so that a file of that name is always whole.
     fn write(&self, asset: &AssetHash, bytes: &[u8]) -> io::Result<()> {
         fs::create_dir_all(&self.assets)?;
-        let mut file = NamedTempFile::new_in(&self.assets)?;
+        let mut file = tempfile::Builder::new().prefix(LEFTOVER).tempfile_in(&self.assets)?;
         file.write_all(bytes)?;
         file.as_file().sync_all()?;
         file.persist(self.asset_path(asset))?;
         sync_folder(&self.assets)
+    }
+
+    /// Removes what was left of assets whose writing was cut off. Only while nobody else writes assets.
+    pub fn remove_leftovers(&self) -> Result<(), StoreError> {
+        let removed = fs::read_dir(&self.assets).and_then(|files| {
+            for file in files {
+                let file = file?;
+                if file.file_name().to_string_lossy().starts_with(LEFTOVER) {
+                    fs::remove_file(file.path())?;
+                }
+            }
+            Ok(())
+        });
+        removed.map_err(|reason| StoreError::Io { path: self.assets.clone(), reason })
     }
 
     fn asset_path(&self, asset: &AssetHash) -> PathBuf {

@@ -6,7 +6,8 @@ use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use rusqlite::{Connection, TransactionBehavior};
+use protocol::{FIRST_PROOF, next_proof};
+use rusqlite::{Connection, ErrorCode, Transaction, TransactionBehavior, params};
 
 use crate::StoreError;
 
@@ -17,7 +18,7 @@ const ASSETS: &str = "assets";
 /// All that the store keeps in the data folder, and for nobody but its owner.
 pub const FILES: &[&str] = &[DATABASE, "bendylights.sqlite-wal", "bendylights.sqlite-shm", ASSETS];
 /// The database's `user_version`.
-const SCHEMA_VERSION: u32 = 1;
+const SCHEMA_VERSION: u32 = 2;
 /// How long to wait for another program that is writing.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 
@@ -27,6 +28,7 @@ const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 pub struct Store {
     pub(crate) connection: Connection,
     pub(crate) assets: PathBuf,
+    write_ahead_log: PathBuf,
 }
 
 impl Store {
@@ -62,11 +64,35 @@ impl Store {
         // FULL: a commit returns once its part of the write-ahead log is on the disk.
         connection.execute_batch("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON")?;
         match schema_version(&connection)? {
-            0 => make_schema(&mut connection)?,
+            0..SCHEMA_VERSION => upgrade_schema(&mut connection)?,
             SCHEMA_VERSION => {}
             found => return Err(StoreError::Newer { path, found }),
         }
-        Ok(Self { connection, assets })
+        let write_ahead_log = path.with_extension("sqlite-wal");
+        Ok(Self { connection, assets, write_ahead_log })
+    }
+
+    /// What a commit that failed comes to.
+    ///
+    /// Where the disk did not confirm it, its pages may stand whole in the write-ahead log, and whoever opens the
+    /// database after a crash would find it committed. So the log is emptied before anybody is told that nothing was
+    /// changed. Where that fails too, nobody knows.
+    pub(crate) fn failed_commit(&self, reason: rusqlite::Error) -> StoreError {
+        // A log that did not fit on the disk ends before the page that commits.
+        let is_settled = reason.sqlite_error_code() == Some(ErrorCode::DiskFull) || self.empty_log().is_ok();
+        if is_settled { reason.into() } else { StoreError::Unknown(reason) }
+    }
+
+    /// Moves what is committed from the write-ahead log into the database, and empties the log, on the disk too.
+    fn empty_log(&self) -> Result<(), StoreError> {
+        let query = "PRAGMA wal_checkpoint(TRUNCATE)";
+        let is_busy: bool = self.connection.query_row(query, [], |row| row.get(0))?;
+        let synced = if is_busy {
+            Err(io::Error::from(io::ErrorKind::ResourceBusy))
+        } else {
+            File::open(&self.write_ahead_log).and_then(|log| log.sync_all())
+        };
+        synced.map_err(|reason| StoreError::Io { path: self.write_ahead_log.clone(), reason })
     }
 }
 
@@ -74,13 +100,38 @@ fn schema_version(connection: &Connection) -> Result<u32, StoreError> {
     Ok(connection.query_row("PRAGMA user_version", [], |row| row.get(0))?)
 }
 
-/// Makes the tables, unless another program has just done so.
-fn make_schema(connection: &mut Connection) -> Result<(), StoreError> {
+/// Makes the tables, or brings those of an earlier version up to this one, unless another program has just done so.
+fn upgrade_schema(connection: &mut Connection) -> Result<(), StoreError> {
     let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
     if schema_version(&transaction)? == 0 {
-        transaction.execute_batch(include_str!("schema.sql"))?;
+        transaction.execute_batch(include_str!("schema-1.sql"))?;
+    }
+    if schema_version(&transaction)? == 1 {
+        transaction.execute_batch(include_str!("schema-2.sql"))?;
+        note_proofs(&transaction)?;
     }
     Ok(transaction.commit()?)
+}
+
+/// Notes the proofs of logs that were written before there were any.
+fn note_proofs(transaction: &Transaction<'_>) -> Result<(), StoreError> {
+    let mut select =
+        transaction.prepare("SELECT session, seq, json, hash FROM record ORDER BY session, seq")?;
+    let mut rows = select.query([])?;
+    let (mut noted, mut proof) = (Vec::new(), String::new());
+    while let Some(row) = rows.next()? {
+        let (session, seq): (i64, u64) = (row.get("session")?, row.get("seq")?);
+        let before = if seq == 1 { FIRST_PROOF } else { &proof };
+        proof = next_proof(before, row.get_ref("json")?.as_str().map_err(rusqlite::Error::from)?);
+        if row.get_ref("hash")? != rusqlite::types::ValueRef::Null {
+            noted.push((session, seq, proof.clone()));
+        }
+    }
+    let mut update = transaction.prepare("UPDATE record SET proof = ? WHERE session = ? AND seq = ?")?;
+    for (session, seq, proof) in noted {
+        update.execute(params![proof, session, seq])?;
+    }
+    Ok(())
 }
 
 /// Waits until the names in `folder` are on the disk, so that a file just put there is found after a power cut.

@@ -3,18 +3,21 @@
 //!
 //! A child process appends records and prints a line for each once [`Store::append`] has returned. One test kills it and
 //! looks for what it had acknowledged. That cannot tell the disk from the system's memory, which outlives a process;
-//! the other watches its system calls for a sync of the write-ahead log before each acknowledgement.
+//! another watches its system calls for a sync of the write-ahead log before each acknowledgement. A third makes its
+//! syncs fail and looks for what it had refused.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::{env, fs};
 
-use edit::{Actor, Committed, Request, Session};
+use edit::{Actor, Request, Session, Sources};
 use scene::{Camera, CameraId, CameraParameter, Projection};
 use tempfile::TempDir;
 
-use crate::{Batch, Store};
+use crate::records::insert_batch;
+use crate::sessions::find;
+use crate::{Batch, Store, StoreError};
 
 const CHILD: &str = "durability::child_that_appends_and_acknowledges";
 const FOLDER: &str = "BENDYLIGHTS_CHILD_FOLDER";
@@ -24,6 +27,8 @@ const FAULT: &str = "BENDYLIGHTS_CHILD_FAULT";
 const NO_COMMIT: &str = "no commit";
 /// Commits without waiting for the disk.
 const NO_SYNC: &str = "no sync";
+/// Leaves the write-ahead log as a failed commit left it.
+const NO_SETTLING: &str = "no settling";
 
 #[test]
 #[ignore = "the child of the tests below, which they start"]
@@ -40,13 +45,34 @@ fn child_that_appends_and_acknowledges() {
     }
     let mut session = store.replay("main", None, &|_| None).expect("a log");
     for _ in 0..count {
+        let before = session.clone();
         let record = next_record(&mut session);
-        let batch = Batch { session: "main", records: &[record], hash: session.document().hash() };
-        if fault != NO_COMMIT {
-            store.append(&[batch]).expect("a commit");
+        let (seq, hash) = (record.seq, session.document().hash());
+        let batch = Batch { session: "main", records: &[record], rejections: &[], hash };
+        let outcome = match &*fault {
+            NO_COMMIT => Ok(()),
+            NO_SETTLING => append_without_settling(&mut store, &batch),
+            _ => store.append(&[batch]).map(drop),
+        };
+        let said = match outcome {
+            Ok(()) => "ack",
+            Err(StoreError::Unknown(_)) => "unknown",
+            Err(_) => "refused",
+        };
+        writeln!(std::io::stdout(), "{said} {seq}").expect("a reader");
+        if said != "ack" {
+            // Nobody has seen it. What comes next has the same number.
+            session = before;
         }
-        writeln!(std::io::stdout(), "ack {}", session.seq()).expect("a reader");
     }
+    // As a kill: nothing is closed, so nothing is moved out of the write-ahead log.
+    std::process::exit(0);
+}
+
+fn append_without_settling(store: &mut Store, batch: &Batch) -> Result<(), StoreError> {
+    let transaction = store.writing()?;
+    insert_batch(&transaction, &find(&transaction, batch.session)?, batch)?;
+    Ok(transaction.commit()?)
 }
 
 /// Adds a camera first, then moves it each time.
@@ -63,10 +89,8 @@ fn next_record(session: &mut Session) -> edit::Record {
     };
     let actor = Actor { id: "a".into(), name: "Ada".into() };
     let request = Request::Edit { base_seq: None, command };
-    match session.request(request, &actor, &next.to_string(), 0, &|_| None).expect("a valid edit") {
-        Committed::New { record, .. } => *record,
-        Committed::Before(seq) => panic!("record {seq} again"),
-    }
+    let sources = Sources { scene: &|_| None, changes: &|_| None };
+    session.request(request, &actor, &next.to_string(), 0, sources).expect("a valid edit")
 }
 
 /// The child, ready to be started, by itself or as arguments of `tracer`.
@@ -178,12 +202,79 @@ fn traced(fault: &str) -> (usize, usize) {
     (acknowledged, early)
 }
 
-#[test]
-fn the_log_is_synced_before_each_acknowledgement() {
+/// Whether strace can run; where it cannot, a test says that it is skipped.
+fn has_strace() -> bool {
     let strace = Command::new("strace").args(["-o", "/dev/null", "true"]).output();
-    if !strace.is_ok_and(|done| done.status.success()) {
+    let has_strace = strace.is_ok_and(|done| done.status.success());
+    if !has_strace {
         assert_ne!(env::var("CI").as_deref(), Ok("true"), "strace cannot run here: install it, allow ptrace");
         println!("skipped: strace cannot run here");
+    }
+    has_strace
+}
+
+/// What a child says that it did while its syncs failed as `when` says (strace's `inject`), and what its log holds then.
+struct Failed {
+    /// Each word that it said with the record's sequence.
+    said: Vec<(String, u64)>,
+    /// The latest record that is found afterwards.
+    found: u64,
+}
+
+impl Failed {
+    fn run(when: &str, fault: &str) -> Self {
+        let folder = TempDir::new().expect("a folder");
+        // The folder is there before anything fails.
+        assert!(child(&[], folder.path(), 1, "").output().expect("the child runs").status.success());
+        let inject = format!("inject=fsync,fdatasync:error=EIO:when={when}");
+        let tracer = ["strace", "-f", "-o", "/dev/null", "-e", "trace=fsync,fdatasync", "-e", &inject];
+        let done = child(&tracer, folder.path(), 6, fault).output().expect("strace runs");
+        let text = String::from_utf8(done.stdout).expect("text");
+        let said = text.lines().filter_map(|line| {
+            let (word, seq) = line.split_once(' ')?;
+            Some((word.to_owned(), seq.parse().ok()?))
+        });
+        let said = said.filter(|(word, _)| ["ack", "refused", "unknown"].contains(&&**word)).collect();
+        let found = Store::open(folder.path()).expect("a store").session("main").expect("a session").seq;
+        Self { said, found }
+    }
+
+    fn count(&self, word: &str) -> usize {
+        self.said.iter().filter(|(said, _)| said == word).count()
+    }
+
+    /// Whether the log holds what it was said to hold.
+    fn is_honest(&self) -> bool {
+        let acknowledged = 1 + self.count("ack") as u64;
+        // What was refused last would stand behind what was acknowledged last; nothing else can have come since.
+        let may_be_more = self.said.last().is_some_and(|(word, _)| word == "unknown");
+        self.found == acknowledged || may_be_more && self.found == acknowledged + 1
+    }
+}
+
+#[test]
+fn what_a_failing_disk_refused_is_not_in_the_log_after_a_crash() {
+    if !has_strace() {
+        return;
+    }
+    let (mut refused, mut unknown) = (0, 0);
+    for sync in 1..12 {
+        for when in [format!("{sync}"), format!("{sync}+")] {
+            let run = Failed::run(&when, "");
+            assert!(run.is_honest(), "sync {when} fails: {:?}, and {} are found", run.said, run.found);
+            refused += run.count("refused");
+            unknown += run.count("unknown");
+        }
+    }
+    assert!(refused > 0 && unknown > 0, "{refused} and {unknown}: both were tried");
+    let planted = (1..12).map(|sync| Failed::run(&format!("{sync}"), NO_SETTLING));
+    let resurrected = planted.filter(|run| !run.is_honest()).count();
+    assert!(resurrected > 0, "a store that does not settle a failed commit is caught");
+}
+
+#[test]
+fn the_log_is_synced_before_each_acknowledgement() {
+    if !has_strace() {
         return;
     }
     assert_eq!(traced(""), (20, 0));

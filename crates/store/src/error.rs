@@ -30,6 +30,11 @@ pub enum StoreError {
         "the database of sessions cannot be used ({0}); check the disk, and that its folder may be written"
     )]
     Database(#[from] rusqlite::Error),
+    /// The disk failed at the end of a commit, and again when the store looked what had become of it.
+    #[error(
+        "the disk failed while this was written ({0}), and whether it is in the log cannot be told: check the disk, then send it again under the same name"
+    )]
+    Unknown(rusqlite::Error),
     /// The database is of a later version.
     #[error("{}: was written by a newer version of this program (schema {found}); use that one", path.display())]
     Newer {
@@ -137,6 +142,22 @@ pub enum StoreError {
     /// A record does not go on from those before it.
     #[error("{0}")]
     Replay(#[from] ReplayError),
+    /// One operation of an actor twice.
+    #[error("record {seq} repeats operation {op_id} of the same actor: the log was changed by hand")]
+    Repeated {
+        /// The second record.
+        seq: u64,
+        /// The operation.
+        op_id: String,
+    },
+    /// The log's lines are not those that were written.
+    #[error(
+        "what the log says of record {seq} or one before it is not what was logged: the log was changed; export it again"
+    )]
+    Unproven {
+        /// The first record whose checkpoint differs.
+        seq: u64,
+    },
     /// The document is not what it was when the log was written.
     #[error(
         "the document after record {seq} is not the one that was logged: the log or the program was changed; export it again"
@@ -163,14 +184,17 @@ impl StoreError {
             | Self::Cut
             | Self::Misplaced { .. }
             | Self::Replay(_)
+            | Self::Repeated { .. }
+            | Self::Unproven { .. }
             | Self::Differs { .. } => "badLog",
+            Self::Unknown(_) => "unknownOutcome",
+            Self::DamagedAsset(_) => "damagedAsset",
             Self::NoData(_)
             | Self::Io { .. }
             | Self::Database(_)
             | Self::Newer { .. }
             | Self::NoWriteAheadLog(_)
             | Self::OutOfStep(_)
-            | Self::DamagedAsset(_)
             | Self::DamagedRecord { .. }
             | Self::Unreadable(_)
             | Self::Unwritable(_) => "storage",

@@ -5,17 +5,22 @@
 //! a thread for that.
 
 mod assets;
+mod checkpoints;
 mod database;
 #[cfg(test)]
 mod durability;
 mod error;
 mod log_file;
+mod operations;
 mod records;
 mod sessions;
 
 pub use assets::MAX_ASSET_BYTES;
+pub use checkpoints::{Opened, Tail};
 pub use database::{DATABASE, FILES, Store};
 pub use error::StoreError;
 pub use log_file::{ReplayedLog, replay_log};
-pub use records::{Batch, MAX_PAGE_BYTES, MAX_RECORD_BYTES};
+pub use operations::{MAX_REJECTIONS, Outcome, Rejection};
+pub use protocol::MAX_RECORD_BYTES;
+pub use records::{Batch, MAX_PAGE_BYTES};
 pub use sessions::{MAX_NAME_CHARS, MAX_SESSIONS, SessionRow};

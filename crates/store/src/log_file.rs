@@ -1,14 +1,15 @@
 //! Log files: a log as JSON Lines (SPEC, section 5), read line by line.
 
+use std::collections::HashSet;
 use std::io::{BufRead, Read, Write};
 
 use edit::Session;
-use protocol::{Checkpoint, FORMAT, FileError, LogHeader, LogLine, Record};
+use protocol::{Checkpoint, FIRST_PROOF, FORMAT, FileError, LogHeader, LogLine, LogReader, Record};
 use rusqlite::params;
 use scene::FindScene;
 
 use crate::records::{RECORDS, Stored, insert_record, note_hash, stored, take_in};
-use crate::sessions::{find, insert_session};
+use crate::sessions::{Found, find, insert_session};
 use crate::{MAX_RECORD_BYTES, SessionRow, Store, StoreError};
 
 /// Records between two checkpoints of an exported log.
@@ -19,7 +20,8 @@ const CHECKPOINT_EVERY: u64 = 10;
 pub struct ReplayedLog {
     /// The session after the last record that was asked for.
     pub session: Session,
-    /// The first record whose checkpoint says another hash than the document has after it.
+    /// The first record whose checkpoint says another hash than the document has after it, or another proof than the
+    /// lines have.
     pub differs: Option<u64>,
 }
 
@@ -29,9 +31,9 @@ pub fn replay_log(
     to: Option<u64>,
     find_scene: FindScene,
 ) -> Result<ReplayedLog, StoreError> {
-    let (_, lines) = open(log)?;
+    let (header, lines) = open(log)?;
     let mut differs = None;
-    let session = walk(lines, to, find_scene, |passed| {
+    let session = walk(&header, lines, to, find_scene, |passed| {
         if let Passed::Checkpoint { seq, holds: false, .. } = passed {
             differs = differs.or(Some(seq));
         }
@@ -46,23 +48,23 @@ pub fn replay_log(
 impl Store {
     /// Writes the log of `session` as a log file.
     pub fn export(&self, session: &str, out: &mut impl Write) -> Result<(), StoreError> {
-        let (key, row) = find(&self.connection, session)?;
+        let Found { key, row } = find(&self.connection, session)?;
         let mut put = |line: String| writeln!(out, "{line}").map_err(StoreError::Unwritable);
         put(LogHeader { format: FORMAT, session: row.name.clone() }.to_json())?;
-        let checkpoint = |seq, hash| LogLine::Checkpoint(Checkpoint { seq, hash }).to_json();
+        let checkpoint =
+            |seq, hash, proof| LogLine::Checkpoint(Checkpoint { seq, hash, proof: Some(proof) }).to_json();
         if row.seq == 0 {
-            return put(checkpoint(0, row.hash));
+            return put(checkpoint(0, row.hash, row.proof));
         }
         let mut noted = 0;
         let mut statement = self.connection.prepare_cached(RECORDS)?;
         for stored in statement.query_and_then(params![key, 1, row.seq], stored)? {
-            let Stored { record, hash, .. } = stored?;
-            let seq = record.seq;
-            put(LogLine::Record(Box::new(record)).to_json())?;
-            if let Some(hash) = hash
+            let Stored { seq, line, hash, proof } = stored?;
+            put(line)?;
+            if let Some((hash, proof)) = hash.zip(proof)
                 && (seq >= noted + CHECKPOINT_EVERY || seq == row.seq)
             {
-                put(checkpoint(seq, hash))?;
+                put(checkpoint(seq, hash, proof))?;
                 noted = seq;
             }
         }
@@ -82,22 +84,25 @@ impl Store {
         let transaction = self.writing()?;
         let name = name.unwrap_or(&header.session);
         let (key, _) = insert_session(&transaction, name)?;
-        walk(lines, None, find_scene, |passed| match passed {
-            Passed::Record(record) => insert_record(&transaction, key, record, None),
+        // Of the lines as they are stored, in this version's format, whatever the file's was.
+        let mut proof = FIRST_PROOF.to_owned();
+        walk(&header, lines, None, find_scene, |passed| match passed {
+            Passed::Record(record) => insert_record(&transaction, key, *record, &mut proof).map(drop),
             Passed::Checkpoint { seq: 0, holds: true, .. } => Ok(()),
-            Passed::Checkpoint { seq, hash, holds: true } => note_hash(&transaction, key, seq, &hash),
+            Passed::Checkpoint { seq, hash, holds: true } => note_hash(&transaction, key, seq, &hash, &proof),
             Passed::Checkpoint { seq, holds: false, .. } => Err(StoreError::Differs { seq }),
         })?;
-        let (_, row) = find(&transaction, name)?;
-        transaction.commit()?;
-        Ok(row)
+        let found = find(&transaction, name)?;
+        let committed = transaction.commit();
+        committed.map_err(|reason| self.failed_commit(reason))?;
+        Ok(found.row)
     }
 }
 
 /// A line of a log file that the replay has passed.
 enum Passed {
     Record(Box<Record>),
-    /// `holds`: the document has that hash.
+    /// `holds`: the document has that hash, and the lines that proof.
     Checkpoint {
         seq: u64,
         hash: String,
@@ -107,26 +112,34 @@ enum Passed {
 
 /// Replays the lines after the first up to record `to` and what is said of it, or to the end. `visit` is told each.
 fn walk(
+    header: &LogHeader,
     mut lines: Lines<impl BufRead>,
     to: Option<u64>,
     find_scene: FindScene,
     mut visit: impl FnMut(Passed) -> Result<(), StoreError>,
 ) -> Result<Session, StoreError> {
     let mut session = Session::default();
+    let mut reader = LogReader::default();
+    let mut operations = HashSet::new();
     let mut is_whole = false;
-    while let Some(line) = lines.next(LogLine::parse)? {
+    while let Some(line) = lines.next(|line| reader.read(line))? {
         is_whole = matches!(line, LogLine::Checkpoint(_));
         match line {
             LogLine::Record(record) if to.is_some_and(|to| record.seq > to) => return Ok(session),
             LogLine::Record(record) => {
+                let (seq, op_id) = (record.seq, record.op_id.clone());
                 take_in(&mut session, Record::clone(&record), find_scene)?;
+                if !operations.insert((record.actor.id.clone(), op_id.clone())) {
+                    return Err(StoreError::Repeated { seq, op_id });
+                }
                 visit(Passed::Record(record))?;
             }
             LogLine::Checkpoint(Checkpoint { seq: found, .. }) if found != session.seq() => {
                 return Err(StoreError::Misplaced { line: lines.number, found, after: session.seq() });
             }
-            LogLine::Checkpoint(Checkpoint { seq, hash }) => {
-                let holds = hash == session.document().hash().to_string();
+            LogLine::Checkpoint(Checkpoint { seq, hash, proof }) => {
+                let is_proven = proof.map_or(header.format == 1, |proof| proof == reader.proof());
+                let holds = is_proven && hash == session.document().hash().to_string();
                 visit(Passed::Checkpoint { seq, hash, holds })?;
             }
         }
@@ -151,7 +164,7 @@ struct Lines<R> {
 
 impl<R: BufRead> Lines<R> {
     /// What the next line says; `None` after the last. A line may be as long as a record.
-    fn next<T>(&mut self, parse: impl Fn(&str) -> Result<T, FileError>) -> Result<Option<T>, StoreError> {
+    fn next<T>(&mut self, parse: impl FnOnce(&str) -> Result<T, FileError>) -> Result<Option<T>, StoreError> {
         self.text.clear();
         let limit = MAX_RECORD_BYTES as u64 + 1;
         self.log.by_ref().take(limit).read_until(b'\n', &mut self.text).map_err(StoreError::Unreadable)?;
@@ -164,6 +177,7 @@ impl<R: BufRead> Lines<R> {
         }
         let line = self.number;
         let text = str::from_utf8(&self.text).map_err(|_| StoreError::NotText { line })?;
+        let text = text.strip_suffix('\n').unwrap_or(text);
         parse(text).map(Some).map_err(|reason| StoreError::Line { line, reason })
     }
 }

@@ -1,67 +1,82 @@
 //! The records of a log: appended together, read one by one.
 
 use edit::Session;
-use protocol::{LogLine, Record};
-use rusqlite::{ErrorCode, Row, Transaction, TransactionBehavior, params};
+use protocol::{FORMAT, LogReader, ReadError, Record, compact, next_proof};
+use rusqlite::{ErrorCode, OptionalExtension, Row, Transaction, TransactionBehavior, params};
 use scene::{DocumentHash, FindScene};
 
-use crate::sessions::find;
-use crate::{SessionRow, Store, StoreError};
-
-/// Bytes of one record in JSON. One that replaces a document at its limits (256 lights of 258 control points) by
-/// another such takes 28 MiB.
-pub const MAX_RECORD_BYTES: usize = 32 << 20;
+use crate::checkpoints::Tail;
+use crate::operations::{Rejection, insert_rejection};
+use crate::sessions::{Found, find, insert_session};
+use crate::{MAX_RECORD_BYTES, Store, StoreError};
 
 /// Bytes that [`Store::records`] gives at once, but for a single record that has more.
 pub const MAX_PAGE_BYTES: usize = 64 << 20;
+/// Bytes of earlier records that are kept in memory while a log is read, for later ones to refer to.
+const MAX_HELD_BYTES: usize = 64 << 20;
 
-/// Records of one session that are committed together.
+/// What happened in one session and is committed together.
 #[derive(Clone, Copy, Debug)]
 pub struct Batch<'a> {
     /// The session's name.
     pub session: &'a str,
     /// The records, the next of its log in order. None is no error.
     pub records: &'a [edit::Record],
-    /// Of the document after the last of them; replay checks it.
+    /// Operations that were refused meanwhile.
+    pub rejections: &'a [Rejection],
+    /// Of the document after the last record; replay checks it.
     pub hash: DocumentHash,
 }
 
 /// Records of session `?1` from `?2` to `?3`.
 pub(crate) const RECORDS: &str =
-    "SELECT seq, json, hash FROM record WHERE session = ? AND seq BETWEEN ? AND ? ORDER BY seq";
+    "SELECT seq, json, hash, proof FROM record WHERE session = ? AND seq BETWEEN ? AND ? ORDER BY seq";
 
 /// A record as it is stored.
 pub(crate) struct Stored {
-    pub record: Record,
+    pub seq: u64,
+    /// Its line in a log file.
+    pub line: String,
     /// Of the document after it, where that was noted.
     pub hash: Option<String>,
-    /// Length of its JSON.
-    pub bytes: usize,
+    /// Of all lines up to it, where that was noted.
+    pub proof: Option<String>,
 }
 
 impl Store {
-    /// Writes all batches down in one transaction. They are on the disk when this returns; on an error none is.
-    pub fn append(&mut self, batches: &[Batch<'_>]) -> Result<(), StoreError> {
+    /// Writes all batches down in one transaction: they are on the disk when this returns. On an error none is, but for
+    /// [`StoreError::Unknown`]. Gives what each log has grown by.
+    pub fn append(&mut self, batches: &[Batch<'_>]) -> Result<Vec<Tail>, StoreError> {
         let transaction = self.writing()?;
-        for batch in batches {
-            let (key, _) = find(&transaction, batch.session)?;
-            let hash = batch.hash.to_string();
-            for (index, record) in batch.records.iter().enumerate() {
-                let is_last = index + 1 == batch.records.len();
-                insert_record(&transaction, key, Box::new(record.into()), is_last.then_some(&hash))?;
-            }
-        }
-        Ok(transaction.commit()?)
+        let insert = |batch: &Batch| insert_batch(&transaction, &find(&transaction, batch.session)?, batch);
+        let tails = batches.iter().map(insert).collect::<Result<_, _>>()?;
+        let committed = transaction.commit();
+        committed.map_err(|reason| self.failed_commit(reason))?;
+        Ok(tails)
     }
 
-    /// The records from `from` on, at most `limit` and [`MAX_PAGE_BYTES`]; none past the end.
+    /// Makes a session called `first.session` that begins with `first`, all of it or, on an error, nothing. Gives its
+    /// epoch.
+    pub fn begin_session(&mut self, first: &Batch<'_>) -> Result<String, StoreError> {
+        let transaction = self.writing()?;
+        let (_, epoch) = insert_session(&transaction, first.session)?;
+        let found = find(&transaction, first.session)?;
+        insert_batch(&transaction, &found, first)?;
+        let committed = transaction.commit();
+        committed.map_err(|reason| self.failed_commit(reason))?;
+        Ok(epoch)
+    }
+
+    /// The records from `from` on, in full, at most `limit` and [`MAX_PAGE_BYTES`]; none past the end.
     pub fn records(&self, session: &str, from: u64, limit: usize) -> Result<Vec<Record>, StoreError> {
-        let (key, SessionRow { seq: last, .. }) = find(&self.connection, session)?;
+        let Found { key, row } = find(&self.connection, session)?;
         let mut statement = self.connection.prepare_cached(RECORDS)?;
+        let mut reader = LogReader::default();
         let mut bytes = 0;
         let mut page = Vec::new();
-        for stored in statement.query_and_then(params![key, from.min(last + 1), last], stored)?.take(limit) {
-            let Stored { record, bytes: more, .. } = stored?;
+        let rows = statement.query_and_then(params![key, from.min(row.seq + 1), row.seq], stored)?;
+        for stored in rows.take(limit) {
+            let (record, more) = self.read_record(&mut reader, key, &stored?)?;
             bytes += more;
             if bytes > MAX_PAGE_BYTES && !page.is_empty() {
                 break;
@@ -71,28 +86,73 @@ impl Store {
         Ok(page)
     }
 
-    /// The session as it is after record `to`, or after its last. The hash of each batch is checked on the way.
+    /// The session as it is after record `to`, or after its last, from its log alone. The hash and the proof of each
+    /// batch are checked on the way.
     pub fn replay(
         &self,
         session: &str,
         to: Option<u64>,
         find_scene: FindScene,
     ) -> Result<Session, StoreError> {
-        let (key, SessionRow { seq: last, .. }) = find(&self.connection, session)?;
-        let to = to.unwrap_or(last);
-        if to > last {
-            return Err(StoreError::NoRecord { asked: to, last });
+        let Found { key, row } = find(&self.connection, session)?;
+        let to = to.unwrap_or(row.seq);
+        if to > row.seq {
+            return Err(StoreError::NoRecord { asked: to, last: row.seq });
         }
         let mut session = Session::default();
-        let mut statement = self.connection.prepare_cached(RECORDS)?;
-        for stored in statement.query_and_then(params![key, 1, to], stored)? {
-            let Stored { record, hash, .. } = stored?;
-            take_in(&mut session, record, find_scene)?;
-            if hash.is_some_and(|hash| hash != session.document().hash().to_string()) {
-                return Err(StoreError::Differs { seq: session.seq() });
-            }
-        }
+        self.go_on(key, &mut session, &mut LogReader::default(), to, find_scene)?;
         Ok(session)
+    }
+
+    /// Replays the records that follow, up to `to`.
+    pub(crate) fn go_on(
+        &self,
+        key: i64,
+        session: &mut Session,
+        reader: &mut LogReader,
+        to: u64,
+        find_scene: FindScene,
+    ) -> Result<Tail, StoreError> {
+        let mut statement = self.connection.prepare_cached(RECORDS)?;
+        let mut tail = Tail::default();
+        for stored in statement.query_and_then(params![key, session.seq() + 1, to], stored)? {
+            let stored = stored?;
+            let (record, bytes) = self.read_record(reader, key, &stored)?;
+            take_in(session, record, find_scene)?;
+            let Stored { seq, hash, proof, .. } = stored;
+            if hash.is_some_and(|hash| hash != session.document().hash().to_string()) {
+                return Err(StoreError::Differs { seq });
+            }
+            if proof.is_some_and(|proof| proof != reader.proof()) {
+                return Err(StoreError::Unproven { seq });
+            }
+            tail.records += 1;
+            tail.bytes += bytes as u64;
+        }
+        Ok(tail)
+    }
+
+    /// A stored record in full, and the bytes of its JSON.
+    fn read_record(
+        &self,
+        reader: &mut LogReader,
+        key: i64,
+        stored: &Stored,
+    ) -> Result<(Record, usize), StoreError> {
+        reader.keep_at_most(MAX_HELD_BYTES);
+        let seq = stored.seq;
+        let read = reader.read_record(&stored.line, &mut |seq| self.line(key, seq));
+        read.map_err(|error| match error {
+            ReadError::Line(reason) => StoreError::DamagedRecord { seq, reason },
+            ReadError::Source(error) => error,
+        })
+    }
+
+    /// The line of record `seq`, with its references.
+    fn line(&self, key: i64, seq: u64) -> Result<Option<String>, StoreError> {
+        let select = "SELECT json FROM record WHERE session = ? AND seq = ?";
+        let mut statement = self.connection.prepare_cached(select)?;
+        Ok(statement.query_row(params![key, seq], |row| row.get(0)).optional()?)
     }
 
     /// A transaction that writes, alone in doing so from its start.
@@ -116,43 +176,75 @@ pub(crate) fn take_in(
 }
 
 pub(crate) fn stored(row: &Row<'_>) -> Result<Stored, StoreError> {
-    let seq = row.get("seq")?;
-    let json = row.get_ref("json")?.as_str().map_err(rusqlite::Error::from)?;
-    let record = Record::parse(json).map_err(|reason| StoreError::DamagedRecord { seq, reason })?;
-    Ok(Stored { record, hash: row.get("hash")?, bytes: json.len() })
+    Ok(Stored {
+        seq: row.get("seq")?,
+        line: row.get("json")?,
+        hash: row.get("hash")?,
+        proof: row.get("proof")?,
+    })
 }
 
-/// Writes a record of session `key` down, with the hash of the document after it where that is to be noted.
+pub(crate) fn insert_batch(
+    transaction: &Transaction<'_>,
+    Found { key, row }: &Found,
+    batch: &Batch<'_>,
+) -> Result<Tail, StoreError> {
+    let (mut proof, mut bytes) = (row.proof.clone(), 0);
+    for record in batch.records {
+        bytes += insert_record(transaction, *key, record.into(), &mut proof)? as u64;
+    }
+    if let Some(last) = batch.records.last() {
+        note_hash(transaction, *key, last.seq, &batch.hash.to_string(), &proof)?;
+    }
+    for rejection in batch.rejections {
+        insert_rejection(transaction, *key, rejection)?;
+    }
+    Ok(Tail { records: batch.records.len() as u64, bytes })
+}
+
+/// Writes a record of session `key` down, what the log holds already referred to; gives the bytes of its JSON in full.
+/// `proof` is the log's before and after.
 pub(crate) fn insert_record(
     transaction: &Transaction<'_>,
     key: i64,
-    record: Box<Record>,
-    hash: Option<&String>,
-) -> Result<(), StoreError> {
-    let (seq, actor, op_id) = (record.seq, record.actor.id.clone(), record.op_id.clone());
-    let json = LogLine::Record(record).to_json();
+    record: Record,
+    proof: &mut String,
+) -> Result<usize, StoreError> {
+    // One of an earlier format is upgraded: it may have references now.
+    let record = Record { format: FORMAT, ..record };
+    let seq = record.seq;
+    let json = record.to_json();
     if json.len() > MAX_RECORD_BYTES {
         return Err(StoreError::RecordTooLarge);
     }
-    let insert = "INSERT INTO record (session, seq, actor, op_id, json, hash) VALUES (?, ?, ?, ?, ?, ?)";
-    let done = transaction.prepare_cached(insert)?.execute(params![key, seq, actor, op_id, json, hash]);
-    match done {
-        Ok(_) => Ok(()),
-        Err(error) if error.sqlite_error_code() == Some(ErrorCode::ConstraintViolation) => {
-            Err(StoreError::OutOfStep(seq))
-        }
-        Err(error) => Err(error.into()),
+    let select = "SELECT record FROM held_value WHERE session = ? AND hash = ?";
+    let line = compact(&json, seq, |hash| {
+        let mut statement = transaction.prepare_cached(select)?;
+        statement.query_row(params![key, hash], |row| row.get(0)).optional()
+    })?;
+    let insert = "INSERT INTO record (session, seq, actor, op_id, json) VALUES (?, ?, ?, ?, ?)";
+    let row = params![key, seq, record.actor.id, record.op_id, line.text];
+    transaction.prepare_cached(insert)?.execute(row).map_err(|error| match error.sqlite_error_code() {
+        Some(ErrorCode::ConstraintViolation) => StoreError::OutOfStep(seq),
+        _ => error.into(),
+    })?;
+    let hold = "INSERT INTO held_value (session, hash, record) VALUES (?, ?, ?)";
+    for hash in &line.first_holds {
+        transaction.prepare_cached(hold)?.execute(params![key, hash, seq])?;
     }
+    *proof = next_proof(proof, &line.text);
+    Ok(json.len())
 }
 
-/// Notes the hash of the document after record `seq`.
+/// Notes the hash of the document after record `seq`, and the proof of the log up to it.
 pub(crate) fn note_hash(
     transaction: &Transaction<'_>,
     key: i64,
     seq: u64,
     hash: &str,
+    proof: &str,
 ) -> Result<(), StoreError> {
-    let update = "UPDATE record SET hash = ? WHERE session = ? AND seq = ?";
-    transaction.prepare_cached(update)?.execute(params![hash, key, seq])?;
+    let update = "UPDATE record SET hash = ?, proof = ? WHERE session = ? AND seq = ?";
+    transaction.prepare_cached(update)?.execute(params![hash, proof, key, seq])?;
     Ok(())
 }

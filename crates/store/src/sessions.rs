@@ -1,5 +1,6 @@
 //! The sessions of a data folder.
 
+use protocol::FIRST_PROOF;
 use rusqlite::{Connection, OptionalExtension, Row, named_params};
 use scene::Document;
 
@@ -21,11 +22,20 @@ pub struct SessionRow {
     pub seq: u64,
     /// The document's hash after it, 64 hexadecimal digits.
     pub hash: String,
+    /// The log's proof up to it ([`protocol::next_proof`]), 64 hexadecimal digits.
+    pub proof: String,
+}
+
+/// A session with its key in the database.
+pub(crate) struct Found {
+    pub key: i64,
+    pub row: SessionRow,
 }
 
 /// Each session with its latest record. `:name` is a session's name, or null for all of them.
 const SELECT: &str = "
-    SELECT name, epoch, coalesce(seq, 0) AS seq, coalesce(hash, :empty) AS hash, id
+    SELECT name, epoch, coalesce(seq, 0) AS seq, coalesce(hash, :empty) AS hash,
+        coalesce(proof, :first) AS proof, id
     FROM session
     LEFT JOIN record ON session = id AND seq = (SELECT max(seq) FROM record WHERE session = id)
     WHERE :name IS NULL OR name = :name
@@ -44,23 +54,25 @@ impl Store {
     pub fn sessions(&self) -> Result<Vec<SessionRow>, StoreError> {
         let mut statement = self.connection.prepare_cached(SELECT)?;
         let empty = Document::default().hash().to_string();
-        let rows =
-            statement.query_map(named_params! {":name": None::<&str>, ":empty": empty}, session_row)?;
+        let none = named_params! {":name": None::<&str>, ":empty": empty, ":first": FIRST_PROOF};
+        let rows = statement.query_map(none, session_row)?;
         Ok(rows.collect::<Result<_, _>>()?)
     }
 
     /// The session of that name.
     pub fn session(&self, name: &str) -> Result<SessionRow, StoreError> {
-        find(&self.connection, name).map(|(_, row)| row)
+        find(&self.connection, name).map(|found| found.row)
     }
 }
 
-/// The session of that name, with its key in the database.
-pub(crate) fn find(connection: &Connection, name: &str) -> Result<(i64, SessionRow), StoreError> {
+/// The session of that name.
+pub(crate) fn find(connection: &Connection, name: &str) -> Result<Found, StoreError> {
     let mut statement = connection.prepare_cached(SELECT)?;
     let empty = Document::default().hash().to_string();
-    let params = named_params! {":name": name, ":empty": empty};
-    let found = statement.query_row(params, |row| Ok((row.get("id")?, session_row(row)?))).optional()?;
+    let params = named_params! {":name": name, ":empty": empty, ":first": FIRST_PROOF};
+    let found = statement
+        .query_row(params, |row| Ok(Found { key: row.get("id")?, row: session_row(row)? }))
+        .optional()?;
     found.ok_or_else(|| StoreError::NoSession(name.into()))
 }
 
@@ -70,6 +82,7 @@ fn session_row(row: &Row<'_>) -> rusqlite::Result<SessionRow> {
         epoch: row.get("epoch")?,
         seq: row.get("seq")?,
         hash: row.get("hash")?,
+        proof: row.get("proof")?,
     })
 }
 

@@ -64,7 +64,7 @@ export function operations({ host, send, notify, latency }: OperationParts): Ope
       own.done(record);
     },
     answered(result, seq) {
-      if (result.status === "rejected") {
+      if (result.status === "rejected" || result.status === "unknown") {
         forget(result.opId);
         notify(result.message ?? "The server refused the change.");
         return;

@@ -648,10 +648,12 @@ export type State =
 export type Action =
   | {
       command: Command;
+      rebased?: boolean;
       type: "edit";
     }
   | {
       command: Command;
+      rebased?: boolean;
       type: "gesture";
     }
   | {
@@ -669,7 +671,7 @@ export type Action =
 /**
  * What became of a request.
  */
-export type EditStatus = "committed" | "rebased" | "rejected";
+export type EditStatus = "committed" | "rebased" | "rejected" | "unknown";
 
 /**
  * [`edit::Actor`] in JSON.
@@ -1094,11 +1096,11 @@ export interface Resync {
  */
 export interface EditResult {
   /**
-   * Why it was rejected, for programs.
+   * Why it was rejected or is unknown, for programs.
    */
   code?: string;
   /**
-   * Why it was rejected, for people.
+   * Why it was rejected or is unknown, for people.
    */
   message?: string;
   /**
@@ -1120,7 +1122,7 @@ export interface EditResult {
  */
 export interface LogHeader {
   /**
-   * [`crate::FORMAT`] of the newest record.
+   * [`crate::FORMAT`] of the program that wrote the file.
    */
   format: number;
   /**
@@ -1139,9 +1141,13 @@ export interface CheckpointLine {
  */
 export interface Checkpoint {
   /**
-   * 64 hexadecimal digits.
+   * Of the document, 64 hexadecimal digits.
    */
   hash: string;
+  /**
+   * Of all lines of records up to there ([`next_proof`]), 64 hexadecimal digits. Logs of format 1 have none.
+   */
+  proof?: string;
   /**
    * The record; 0 is the empty document before the first.
    */

@@ -35,7 +35,7 @@ fn a_drag_is_live_while_it_lasts_and_one_record_in_the_end() {
     }
     assert_eq!(studio.session.seq(), 1, "nothing is logged");
     let record = studio.done("ada", Request::Commit("g".into()));
-    assert_eq!(record.action, Action::Gesture(angle(50.0)));
+    assert_eq!(record.action, Action::Gesture { command: angle(50.0), rebased: false });
     assert_eq!((studio.light().cone_angle, studio.live_angle()), (50.0, 50.0));
     assert_eq!(studio.session.gestures().count(), 0);
     studio.undo("ada");
@@ -116,7 +116,10 @@ fn an_invalid_state_leaves_the_last_valid_one() {
     assert_eq!((gesture.update, gesture.command), (1, Some(position(2, 0.5, -4.0))));
     assert_eq!(studio.session.live_document(&find_scene).hash(), live);
     let record = studio.done("ada", Request::Commit("g".into()));
-    assert_eq!((record.action, studio.hash()), (Action::Gesture(position(2, 0.5, -4.0)), live));
+    assert_eq!(
+        (record.action, studio.hash()),
+        (Action::Gesture { command: position(2, 0.5, -4.0), rebased: false }, live)
+    );
 }
 
 /// Rules: GEST-3, GEST-4

@@ -7,13 +7,13 @@ use crate::properties::{Step, play, request};
 use crate::support::{Studio, angle};
 
 fn is_edit(record: &Record) -> bool {
-    matches!(record.action, Action::Edit(_) | Action::Gesture(_))
+    matches!(record.action, Action::Edit { .. } | Action::Gesture { .. })
 }
 
 fn target(record: &Record) -> Option<u64> {
     match record.action {
         Action::Undo { target, .. } | Action::Redo { target, .. } => Some(target),
-        Action::Edit(_) | Action::Gesture(_) => None,
+        Action::Edit { .. } | Action::Gesture { .. } => None,
     }
 }
 
@@ -45,9 +45,9 @@ fn redo_target(log: &[Record], who: &str, scope: Scope) -> Option<u64> {
 }
 
 /// The target that the session chose.
-fn chosen(answer: Result<edit::Committed, Refusal>) -> Option<u64> {
+fn chosen(answer: Result<Record, Refusal>) -> Option<u64> {
     match answer {
-        Ok(edit::Committed::New { record, .. }) => target(&record),
+        Ok(record) => target(&record),
         Err(Refusal::NothingToUndo | Refusal::NothingToRedo) => None,
         other => panic!("{other:?}"),
     }

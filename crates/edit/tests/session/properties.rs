@@ -107,17 +107,28 @@ proptest! {
 
     /// Rules: REC-2, LOG-2, UNDO-1
     #[test]
-    fn replay_gives_the_same_session(play in play(THREE, 40), cut in any::<prop::sample::Index>()) {
+    fn replay_and_restore_give_the_same_session(
+        play in play(THREE, 40),
+        cut in any::<prop::sample::Index>(),
+        is_restored in any::<bool>(),
+    ) {
         let studio = played(play);
         let cut = cut.index(studio.log.len() + 1);
         let (mut replayed, mut document) = (Studio::default(), scene::Document::default());
         for record in &studio.log[..cut] {
             replayed.session.replay(record, &find_scene).expect("a log just made");
         }
+        replayed.log = studio.log[..cut].to_vec();
+        // As from a checkpoint, which replays nothing.
+        if is_restored {
+            let past = replayed.session.past();
+            replayed.session = Session::restore(replayed.session.document().clone(), cut as u64, &past);
+            prop_assert_eq!(replayed.session.past(), past);
+        }
         // What comes after a restart is the same too: histories and numbers were rebuilt.
         for record in &studio.log[cut..] {
             let request = match record.action.clone() {
-                edit::Action::Edit(command) | edit::Action::Gesture(command) => {
+                edit::Action::Edit { command, .. } | edit::Action::Gesture { command, .. } => {
                     Request::Edit { base_seq: None, command }
                 }
                 edit::Action::Undo { scope, .. } => Request::Undo(scope),

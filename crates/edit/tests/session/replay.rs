@@ -44,13 +44,6 @@ fn gaps_and_repetitions_are_refused() {
     assert_eq!(with(|log| log[0].seq = u64::MAX), ReplayError::Gap { found: u64::MAX, after: 0 });
 }
 
-/// Rules: REC-4
-#[test]
-fn an_operation_of_one_actor_twice_is_refused() {
-    let twice = with(|log| log[2].op_id = log[1].op_id.clone());
-    assert_eq!(twice, ReplayError::Repeated { seq: 3, op_id: "op 2".into() });
-}
-
 /// Rules: REC-3
 #[test]
 fn values_that_do_not_follow_are_refused() {

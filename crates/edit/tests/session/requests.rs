@@ -1,48 +1,9 @@
-//! Requests: repeated, outdated, rebased.
+//! Requests: outdated, rebased, without effect.
 
-use edit::{Committed, Refusal, Request, Scope};
+use edit::{Refusal, Request};
 use scene::Command;
 
-use crate::support::{KEY, Studio, angle, based, bent_light, find_scene, insert, radius, softness};
-
-/// Rules: REC-4
-#[test]
-fn an_operation_is_carried_out_once() {
-    let mut studio = Studio::new();
-    let edit = |degrees| Request::Edit { base_seq: None, command: angle(degrees) };
-    let first = studio.ask_as("ada", edit(30.0), "x").expect("a valid edit");
-    assert!(matches!(first, Committed::New { .. }));
-    for again in [edit(30.0), edit(40.0), Request::Undo(Scope::Mine)] {
-        assert_eq!(studio.ask_as("ada", again, "x"), Ok(Committed::Before(2)), "whatever it asks for");
-    }
-    assert_eq!((studio.session.seq(), studio.light().cone_angle), (2, 30.0));
-    assert!(matches!(studio.ask_as("ben", edit(40.0), "x"), Ok(Committed::New { .. })), "another actor's x");
-    let undo = studio.ask_as("ada", Request::Undo(Scope::Session), "y");
-    assert!(matches!(undo, Ok(Committed::New { .. })));
-    assert_eq!(studio.ask_as("ada", Request::Undo(Scope::Session), "y"), Ok(Committed::Before(4)));
-}
-
-/// Rules: REC-4, CMD-1
-#[test]
-fn what_was_refused_may_be_asked_again() {
-    let mut studio = Studio::new();
-    let edit = |degrees| Request::Edit { base_seq: None, command: angle(degrees) };
-    assert_eq!(studio.ask_as("ada", edit(90.0), "x").expect_err("no cone").code(), "invalidLight");
-    assert!(matches!(studio.ask_as("ada", edit(80.0), "x"), Ok(Committed::New { .. })));
-}
-
-/// Rules: REC-4, UNDO-1
-#[test]
-fn operations_are_known_after_a_restart() {
-    let mut studio = Studio::new();
-    studio.edit("ada", angle(30.0));
-    let mut restarted = Studio::default();
-    for record in &studio.log {
-        restarted.session.replay(record, &find_scene).expect("a log just made");
-    }
-    let again = Request::Edit { base_seq: None, command: angle(50.0) };
-    assert_eq!(restarted.ask_as("ada", again, "op 2"), Ok(Committed::Before(2)));
-}
+use crate::support::{KEY, Studio, angle, based, bent_light, insert, radius, softness};
 
 /// Rules: SOCK-5
 #[test]

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bendy::BendyLight;
-use edit::{Actor, Committed, Record, Refusal, Request, Scope, Session};
+use edit::{Actor, Record, Refusal, Request, Scope, Session, Sources};
 use glam::DVec3;
 use scene::{
     AssetHash, Command, DocumentHash, Light, LightId, LightKind, LightParameter, PointParameter, Scene,
@@ -49,26 +49,20 @@ impl Studio {
     }
 
     /// What comes of a request under a name of its own.
-    pub fn ask(&mut self, who: &str, request: Request) -> Result<Committed, Refusal> {
-        // What is refused leaves no record, and its name free.
+    pub fn ask(&mut self, who: &str, request: Request) -> Result<Record, Refusal> {
         let op_id = format!("op {}", self.session.seq() + 1);
-        self.ask_as(who, request, &op_id)
-    }
-
-    pub fn ask_as(&mut self, who: &str, request: Request, op_id: &str) -> Result<Committed, Refusal> {
-        let answer = self.session.request(request, &actor(who), op_id, 0, &find_scene);
-        if let Ok(Committed::New { record, .. }) = &answer {
-            self.log.push(Record::clone(record));
-        }
-        answer
+        let changes = |seq: u64| self.log.get(seq as usize - 1).map(|record| record.changes.clone());
+        let sources = Sources { scene: &find_scene, changes: &changes };
+        let record = self.session.request(request, &actor(who), &op_id, 0, sources)?;
+        self.log.push(record.clone());
+        Ok(record)
     }
 
     /// The record of a request that must be carried out, and whether it was rebased.
     pub fn committed(&mut self, who: &str, request: Request) -> (Record, bool) {
-        match self.ask(who, request).expect("a valid request") {
-            Committed::New { record, rebased } => (*record, rebased),
-            Committed::Before(seq) => panic!("it is record {seq} already"),
-        }
+        let record = self.ask(who, request).expect("a valid request");
+        let rebased = record.action.rebased();
+        (record, rebased)
     }
 
     pub fn done(&mut self, who: &str, request: Request) -> Record {

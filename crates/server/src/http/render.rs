@@ -49,9 +49,11 @@ pub async fn render(State(shared): State<Arc<Shared>>, SessionName(name): Sessio
     let Snapshot { name, mut document, stage, .. } =
         shared.rooms.find(&name).await?.ask(Message::Look).await?;
     if let Some(seq) = query.at {
-        let scenes = Arc::clone(&shared.backend.scenes);
-        let replay = move |store: &store::Store| store.replay(&name, Some(seq), &|asset| scenes.find(asset));
-        document = shared.backend.storage.read(replay).await?.document().clone();
+        let replayed =
+            shared.backend.storage.read_with_scenes(&shared.backend.scenes, move |store, scenes| {
+                store.replay(&name, Some(seq), scenes)
+            });
+        document = replayed.await?.document().clone();
     }
     let format = query.format.unwrap_or_default();
     let slot = ViewSlot(u64::MAX - shared.stills_begun.fetch_add(1, Ordering::Relaxed));

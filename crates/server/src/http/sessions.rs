@@ -6,9 +6,10 @@ use axum::body::{Body, Bytes};
 use axum::extract::State;
 use axum::http::{Uri, header};
 use axum::response::{IntoResponse, Response};
-use edit::{Actor, Request};
+use edit::{Actor, Request, Session, Sources};
 use futures_util::stream::try_unfold;
-use protocol::{Edit, EditResults, Edits, NewSession, SessionEntry, SessionList, SessionState};
+use protocol::{Edit, Edits, NewSession, SessionEntry, SessionList, SessionState};
+use scene::Command;
 use serde::Deserialize;
 use store::{SessionRow, Store};
 
@@ -16,7 +17,7 @@ use super::{Answer, SessionName, created, json, read_json, read_query};
 use crate::ServerError;
 use crate::ask::{actor, edit_request, step};
 use crate::limits::{MAX_EDITS, MAX_LOG_RECORDS};
-use crate::room::{Message, Snapshot, Step};
+use crate::room::{Message, Snapshot, Step, time_ms};
 use crate::scenes::Scenes;
 use crate::server::Shared;
 use crate::storage::Storage;
@@ -47,14 +48,22 @@ pub async fn create(State(shared): State<Arc<Shared>>, body: Bytes) -> Answer {
             Some(edit_request(command, None, &shared.backend.scenes).await?)
         }
     };
-    shared.backend.storage.create_session(name.clone()).await?;
-    let room = shared.rooms.find(&name).await?;
+    let mut session = Session::default();
+    let mut records = Vec::new();
     if let Some(load) = load {
-        let steps = vec![Step { op_id: new_op_id()?, request: Ok(load) }];
-        let _: EditResults = room.ask(|reply| Message::Edit { actor: program(), steps, reply }).await?;
+        let scene = match &load {
+            Request::Edit { command: Command::LoadScene { asset, .. }, .. } => {
+                Some(shared.backend.scenes.load(*asset).await?)
+            }
+            _ => None,
+        };
+        let sources = Sources { scene: &|_| scene.clone(), changes: &|_| None };
+        records.push(session.request(load, &program(), &new_op_id()?, time_ms(), sources)?);
     }
-    let snapshot = room.ask(Message::Look).await?;
-    Ok(created(&state(&snapshot)))
+    let hash = session.document().hash();
+    let epoch = shared.backend.storage.begin_session(&name, records, hash).await?;
+    let (seq, document) = (session.seq(), session.document().into());
+    Ok(created(&SessionState { name, epoch, seq, hash: hash.to_string(), document }))
 }
 
 /// `GET /sessions/S`.

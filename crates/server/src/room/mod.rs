@@ -1,13 +1,15 @@
 //! One session: one task that owns its document, its clients and their views.
 //!
 //! The task takes a message, and what else is waiting; carries it out; commits the records that came of it together; and
-//! only then tells anybody (`tick`). A program's long request is carried out in parts, so that others come in between. In between it keeps the views' pictures going (`views`).
+//! only then tells anybody (`tick`). A program's long request is carried out in parts, so that others come in between. In
+//! between it keeps the views' pictures going (`views`).
 
 mod clients;
 mod directory;
 mod gestures;
 mod message;
 mod pictures;
+mod steps;
 mod tick;
 mod views;
 
@@ -18,6 +20,7 @@ use std::sync::atomic::Ordering;
 
 use protocol::Bounds;
 use scene::{Camera, Scene};
+use store::Opened;
 use tokio::sync::{mpsc, watch};
 use tokio::task::{JoinHandle, JoinSet, spawn_blocking};
 use tokio::time::{Instant, sleep_until};
@@ -43,6 +46,10 @@ struct Room {
     epoch: String,
     backend: Backend,
     session: edit::Session,
+    /// What has been written since the session's checkpoint.
+    tail: store::Tail,
+    /// Bytes of that checkpoint.
+    checkpoint_bytes: u64,
     surroundings: Surroundings,
     clients: BTreeMap<ClientId, Client>,
     last_client: ClientId,
@@ -93,6 +100,7 @@ async fn run(
         Ok(mut room) => {
             opening.send_replace(Opening::Open);
             backend.metrics.rooms.inc();
+            room.keep_checkpoint().await;
             room.serve(&mut inbox, &rooms).await;
             backend.metrics.rooms.dec();
         }
@@ -108,20 +116,26 @@ impl Room {
         backend: Backend,
     ) -> Result<Self, ServerError> {
         let (session_name, scenes) = (Arc::clone(name), Arc::clone(&backend.scenes));
-        let replay = backend.storage.read(move |store| {
-            let row = store.session(&session_name)?;
-            Ok((row.epoch, store.replay(&session_name, None, &|asset| scenes.find(asset))?))
+        let opened = backend.storage.read_with_scenes(&scenes, move |store, find_scene| {
+            store.open_session(&session_name, find_scene)
         });
-        let (epoch, session) = replay.await?;
-        tracing::info!("session {name} is open at record {}", session.seq());
+        let Opened { row, session, tail, checkpoint_failed } = opened.await?;
+        if checkpoint_failed {
+            tracing::warn!(
+                "session {name} has a checkpoint that its log does not prove; all of the log was replayed"
+            );
+        }
+        tracing::info!("session {name} is open at record {}, {} replayed", session.seq(), tail.records);
         let now = Instant::now();
         Ok(Self {
             name: Arc::clone(name),
             number,
-            epoch,
+            epoch: row.epoch,
             backend,
             surroundings: Surroundings::of(session.document().scene()).await?,
             session,
+            tail,
+            checkpoint_bytes: 0,
             clients: BTreeMap::new(),
             last_client: 0,
             batches: VecDeque::new(),

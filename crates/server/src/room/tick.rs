@@ -1,16 +1,17 @@
 //! What came in together is carried out and committed together; then it is told.
 
-use std::cell::Cell;
+use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 use std::vec;
 
-use edit::{Actor, Committed, Record, Request};
-use protocol::{EditResult, EditResults, EditStatus, GestureEnd, ServerMessage};
-use scene::{AssetHash, Change, Command, Scene};
+use edit::{Actor, Record};
+use protocol::{EditResult, EditResults, GestureEnd, Problem, ServerMessage};
+use store::Rejection;
 use tokio::sync::mpsc;
 
 use super::message::{Ask, ClientId, Message, Reply, Snapshot, Step};
+use super::steps::{Answer, OperationKey, Outcomes};
 use super::{Room, Surroundings};
 use crate::ServerError;
 use crate::limits::MAX_TICK;
@@ -19,8 +20,13 @@ use crate::limits::MAX_TICK;
 #[derive(Default)]
 pub(super) struct Tick {
     /// The state before the first request for a record, to go back to.
-    before: Option<Box<(edit::Session, Surroundings)>>,
-    records: Vec<Record>,
+    pub before: Option<Box<(edit::Session, Surroundings)>>,
+    pub records: Vec<Record>,
+    pub rejections: Vec<Rejection>,
+    /// What became of this tick's operations in an earlier one, as the store knows it.
+    pub earlier: Outcomes,
+    /// What became of operations in this one.
+    pub answers: HashMap<OperationKey, EditResult>,
     says: Vec<Say>,
     /// Whether a picture can show any of it.
     pub shows: bool,
@@ -32,8 +38,10 @@ pub(super) enum Say {
     All(ServerMessage),
     /// To one.
     To(ClientId, ServerMessage),
+    /// To every client: a record.
+    Log(ServerMessage),
     /// A client's answer.
-    Result(ClientId, EditResult),
+    Answer(ClientId, Answer),
     /// What has been done of a program's request: its answer, or the rest is to be done later.
     Batch(Batch),
 }
@@ -46,7 +54,7 @@ pub(super) struct Batch {
     /// What became of those before this tick.
     done: Vec<EditResult>,
     /// What became of those in this tick.
-    results: Vec<EditResult>,
+    answers: Vec<Answer>,
     reply: Reply<EditResults>,
 }
 
@@ -56,31 +64,30 @@ impl Tick {
     }
 }
 
-/// What became of a step that was carried out.
-struct Outcome {
-    status: EditStatus,
-    seq: u64,
-    skipped: Vec<String>,
-}
-
 impl Room {
     /// Carries out a message and those that wait behind it, and some of what programs have asked for.
     pub(super) async fn tick(&mut self, first: Option<Message>, inbox: &mut mpsc::Receiver<Message>) {
         self.note_use();
         let waiting = std::iter::from_fn(|| inbox.try_recv().ok());
         let messages: Vec<Message> = first.into_iter().chain(waiting.take(MAX_TICK - 1)).collect();
-        let mut tick = Tick::default();
         // Who comes or looks sees what is committed.
-        let mut afterwards = Vec::new();
+        let (mut now, mut afterwards) = (Vec::with_capacity(messages.len()), Vec::new());
         for message in messages {
             match message {
-                Message::Ask { client, ask } => self.carry_out_ask(client, ask, &mut tick).await,
                 Message::Edit { actor, steps, reply } => {
-                    let (done, results) = (Vec::with_capacity(steps.len()), Vec::new());
-                    self.batches.push_back(Batch { actor, steps: steps.into_iter(), done, results, reply });
+                    let (done, answers) = (Vec::with_capacity(steps.len()), Vec::new());
+                    self.batches.push_back(Batch { actor, steps: steps.into_iter(), done, answers, reply });
                 }
-                Message::Leave(client) => self.leave(client, &mut tick),
+                Message::Ask { .. } | Message::Leave(_) => now.push(message),
                 Message::Join(_) | Message::Look(_) | Message::Drain => afterwards.push(message),
+            }
+        }
+        let mut tick = Tick { earlier: self.earlier_outcomes(&now).await, ..Tick::default() };
+        for message in now {
+            match message {
+                Message::Ask { client, ask } => self.carry_out_ask(client, ask, &mut tick).await,
+                Message::Leave(client) => self.leave(client, &mut tick),
+                Message::Edit { .. } | Message::Join(_) | Message::Look(_) | Message::Drain => {}
             }
         }
         self.work_off(&mut tick).await;
@@ -95,13 +102,33 @@ impl Room {
         }
     }
 
+    /// What became of the operations that are next, where they came before.
+    async fn earlier_outcomes(&self, messages: &[Message]) -> Outcomes {
+        let share = self.share_of_batch();
+        let of_clients = messages.iter().filter_map(|message| match message {
+            Message::Ask { client, ask: Ask::Step(step) } => Some((&self.clients.get(client)?.actor, step)),
+            _ => None,
+        });
+        let of_batches = self
+            .batches
+            .iter()
+            .flat_map(|batch| batch.steps.as_slice().iter().take(share).map(|step| (&batch.actor, step)));
+        let operations = of_clients.chain(of_batches);
+        let keys = operations.map(|(actor, step)| (actor.id.clone(), step.op_id.clone())).collect();
+        self.outcomes(keys).await
+    }
+
+    /// How many steps of each program's request are carried out in a tick.
+    fn share_of_batch(&self) -> usize {
+        (MAX_TICK / self.batches.len().max(1)).max(1)
+    }
+
     /// Carries out some of each program's request, as many steps as there is room for in a tick.
     async fn work_off(&mut self, tick: &mut Tick) {
-        let batches = std::mem::take(&mut self.batches);
-        let share = (MAX_TICK / batches.len().max(1)).max(1);
-        for mut batch in batches {
+        let share = self.share_of_batch();
+        for mut batch in std::mem::take(&mut self.batches) {
             for step in batch.steps.by_ref().take(share) {
-                batch.results.push(self.take_step(step, &batch.actor, tick).await);
+                batch.answers.push(self.take_step(step, &batch.actor, tick).await);
             }
             tick.say(Say::Batch(batch));
         }
@@ -119,8 +146,8 @@ impl Room {
             Ask::Resize(size) => self.resize_view(client, size),
             Ask::Ack(frame) => self.acknowledge(client, frame),
             Ask::Step(step) => {
-                let result = self.take_step(step, &actor, tick).await;
-                tick.say(Say::Result(client, result));
+                let answer = self.take_step(step, &actor, tick).await;
+                tick.say(Say::Answer(client, answer));
             }
             Ask::BeginGesture { gesture, light, base_seq } => {
                 self.begin_gesture(&gesture, light, base_seq, (client, &actor), tick);
@@ -143,147 +170,48 @@ impl Room {
         }
     }
 
-    /// Carries out a request for a record; its answer, to be told once the tick is committed.
-    async fn take_step(&mut self, step: Step, actor: &Actor, tick: &mut Tick) -> EditResult {
-        let Step { op_id, request } = step;
-        let outcome = match request {
-            Ok(request) => self.carry_out(request, actor, &op_id, tick).await,
-            Err(error) => Err(error),
-        };
-        match outcome {
-            Ok(Outcome { status, seq, skipped }) => {
-                EditResult { op_id, status, seq: Some(seq), skipped, code: None, message: None }
-            }
-            Err(error) => rejected(op_id, &error),
-        }
-    }
-
-    async fn carry_out(
-        &mut self,
-        request: Request,
-        actor: &Actor,
-        op_id: &str,
-        tick: &mut Tick,
-    ) -> Result<Outcome, ServerError> {
-        let scenes = self.scenes_of(&request, actor, op_id).await?;
-        let held = match &request {
-            Request::Commit(id) => self.gesture_of(id, actor),
-            Request::Edit { .. } | Request::Undo(_) | Request::Redo(_) => None,
-        };
-        tick.before.get_or_insert_with(|| Box::new((self.session.clone(), self.surroundings.clone())));
-        let committed = self.session.request(request, actor, op_id, time_ms(), &|asset| find(&scenes, asset));
-        // A gesture whose commit is refused has ended all the same.
-        let ended = held.filter(|held| self.gesture_of(&held.id, actor).is_none());
-        match committed {
-            Ok(Committed::Before(seq)) => {
-                Ok(Outcome { status: EditStatus::Committed, seq, skipped: Vec::new() })
-            }
-            Ok(Committed::New { record, rebased }) => {
-                let outcome = Outcome {
-                    status: if rebased { EditStatus::Rebased } else { EditStatus::Committed },
-                    seq: record.seq,
-                    skipped: record.action.skipped().to_vec(),
-                };
-                self.log(*record, tick).await;
-                if let Some(gesture) = ended {
-                    self.end_gesture(gesture, GestureEnd::Committed, None, tick);
-                }
-                Ok(outcome)
-            }
-            Err(refusal) => {
-                let error = ServerError::from(refusal);
-                if let Some(gesture) = ended {
-                    self.end_gesture(gesture, GestureEnd::Rejected, Some(error.problem()), tick);
-                }
-                Err(error)
-            }
-        }
-    }
-
-    /// Takes a new record into the tick.
-    async fn log(&mut self, record: Record, tick: &mut Tick) {
-        let document = self.session.document();
-        let hash = document.hash().to_string();
-        let mut bounds = None;
-        if record.changes.iter().any(|change| matches!(change, Change::Scene { .. })) {
-            match Surroundings::of(document.scene()).await {
-                Ok(surroundings) => self.surroundings = surroundings,
-                Err(error) => tracing::error!("the bounds of a scene are not known: {error}"),
-            }
-            bounds = Some(self.surroundings.bounds);
-        }
-        tick.shows |= record.changes.iter().any(Change::changes_picture);
-        tick.say(Say::All(ServerMessage::Log { record: Box::new((&record).into()), hash, bounds }));
-        tick.records.push(record);
-    }
-
-    /// The scenes that a request needs, decoded: known by trying it on a copy.
-    async fn scenes_of(
-        &self,
-        request: &Request,
-        actor: &Actor,
-        op_id: &str,
-    ) -> Result<Vec<(AssetHash, Arc<Scene>)>, ServerError> {
-        let mut scenes = Vec::new();
-        let edits =
-            matches!(request, Request::Edit { command, .. } if !matches!(command, Command::LoadScene { .. }));
-        if edits || matches!(request, Request::Commit(_)) {
-            return Ok(scenes);
-        }
-        while let Some(asset) = self.missing_scene(&scenes, request, actor, op_id) {
-            scenes.push((asset, self.backend.scenes.load(asset).await?));
-        }
-        Ok(scenes)
-    }
-
-    fn missing_scene(
-        &self,
-        scenes: &[(AssetHash, Arc<Scene>)],
-        request: &Request,
-        actor: &Actor,
-        op_id: &str,
-    ) -> Option<AssetHash> {
-        let missing = Cell::new(None);
-        let find_or_note = |asset: &AssetHash| {
-            let found = find(scenes, asset);
-            if found.is_none() {
-                missing.set(Some(*asset));
-            }
-            found
-        };
-        // What comes of it is seen when it is carried out.
-        let _ = self.session.clone().request(request.clone(), actor, op_id, 0, &find_or_note);
-        missing.get()
-    }
-
-    /// Writes the tick's records down and tells what it has to tell; or takes it back.
+    /// Writes down what the tick came to and tells what it has to tell; or takes it back.
     pub(super) async fn commit(&mut self, mut tick: Tick) {
-        let records = std::mem::take(&mut tick.records);
-        if !records.is_empty() {
+        let (records, rejections) = (std::mem::take(&mut tick.records), std::mem::take(&mut tick.rejections));
+        if !(records.is_empty() && rejections.is_empty()) {
             let hash = self.session.document().hash();
-            let written = self.backend.storage.append(Arc::clone(&self.name), records, hash).await;
-            if let Err(error) = written {
-                self.take_back(&mut tick, &error);
+            let name = Arc::clone(&self.name);
+            match self.backend.storage.append(name, records, rejections, hash).await {
+                Ok(more) => self.tail += more,
+                Err(error) => self.take_back(&mut tick, &error),
             }
         }
         self.utter(tick);
+        self.keep_checkpoint().await;
     }
 
-    /// The state before the tick, and rejections in place of its answers. Nobody has seen the rest.
+    /// The state before the tick, and other answers in place of its own. Nobody has seen the rest.
+    ///
+    /// Gestures stay as they are: those that were to be committed are over, and everybody is told why.
     fn take_back(&mut self, tick: &mut Tick, error: &ServerError) {
-        if let Some(before) = tick.before.take() {
-            (self.session, self.surroundings) = *before;
+        if let Some((session, surroundings)) = tick.before.take().map(|before| *before) {
+            self.session.go_back_to(session, &|_| None);
+            self.surroundings = surroundings;
         }
-        let reject = |result: EditResult| rejected(result.op_id, error);
         let says = std::mem::take(&mut tick.says).into_iter();
         tick.says = says
             .filter_map(|say| match say {
-                Say::Result(client, result) => Some(Say::Result(client, reject(result))),
+                Say::Log(_) => None,
+                Say::All(ServerMessage::GestureState(mut state))
+                    if state.ended == Some(GestureEnd::Committed) =>
+                {
+                    let Problem { code, message } = error.problem();
+                    state.ended = Some(GestureEnd::Rejected);
+                    (state.code, state.message) = (Some(code), Some(message));
+                    Some(Say::All(ServerMessage::GestureState(state)))
+                }
+                Say::Answer(client, answer) => Some(Say::Answer(client, answer.taken_back(error))),
                 Say::Batch(mut batch) => {
-                    batch.results = batch.results.into_iter().map(reject).collect();
+                    batch.answers =
+                        batch.answers.into_iter().map(|answer| answer.taken_back(error)).collect();
                     Some(Say::Batch(batch))
                 }
-                Say::All(_) | Say::To(..) => None,
+                Say::All(_) | Say::To(..) => Some(say),
             })
             .collect();
         tick.shows = true;
@@ -296,6 +224,7 @@ impl Room {
         }
         for say in tick.says {
             match say {
+                Say::Log(message) => self.say_to_all(&message, None),
                 Say::All(message) => {
                     // Of a gesture its holder is told in any case: it is an answer.
                     let asker = match &message {
@@ -305,7 +234,7 @@ impl Room {
                     self.say_to_all(&message, asker);
                 }
                 Say::To(client, message) => self.say_to(client, &message),
-                Say::Result(client, result) => {
+                Say::Answer(client, Answer { result, .. }) => {
                     self.count(&result);
                     self.say_to(client, &ServerMessage::EditResult(result));
                 }
@@ -316,7 +245,7 @@ impl Room {
 
     /// Answers a program, or puts what is left of its request back in line.
     fn go_on_with(&mut self, mut batch: Batch) {
-        for result in batch.results.drain(..) {
+        for Answer { result, .. } in batch.answers.drain(..) {
             self.count(&result);
             batch.done.push(result);
         }
@@ -343,22 +272,6 @@ impl Room {
             stage: self.number,
         }
     }
-}
-
-fn rejected(op_id: String, error: &ServerError) -> EditResult {
-    let protocol::Problem { code, message } = error.problem();
-    EditResult {
-        op_id,
-        status: EditStatus::Rejected,
-        seq: None,
-        skipped: Vec::new(),
-        code: Some(code),
-        message: Some(message),
-    }
-}
-
-fn find(scenes: &[(AssetHash, Arc<Scene>)], asset: &AssetHash) -> Option<Arc<Scene>> {
-    scenes.iter().find(|(known, _)| known == asset).map(|(_, scene)| Arc::clone(scene))
 }
 
 /// The time of day, in milliseconds since 1970.

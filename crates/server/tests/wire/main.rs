@@ -5,6 +5,7 @@ mod drain;
 mod errors;
 mod hello;
 mod limits;
+mod operations;
 mod patience;
 mod pictures;
 mod server;

@@ -54,7 +54,7 @@ impl Known {
 }
 
 fn hash_of(document: Document) -> String {
-    document.into_domain(&|_| None).expect("a document without a scene").hash().to_string()
+    document.into_domain(0, &|_| None).expect("a document without a scene").hash().to_string()
 }
 
 /// Reads on until record `last` is known.

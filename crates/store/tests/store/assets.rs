@@ -34,3 +34,15 @@ fn a_damaged_asset_is_caught_and_can_be_mended() {
     assert_eq!(store.put_asset(b"bytes").expect("written again"), asset);
     assert_eq!(store.asset(&asset).expect("whole"), Some(b"bytes".to_vec()));
 }
+
+#[test]
+fn what_a_killed_upload_left_is_removed() {
+    let folder = Folder::new();
+    let store = folder.store();
+    let asset = store.put_asset(b"bytes").expect("a file");
+    let leftover = folder.data().join("assets/.incoming-abc");
+    fs::write(&leftover, b"byt").expect("a planted leftover");
+    store.remove_leftovers().expect("removed");
+    assert!(!leftover.exists());
+    assert_eq!(store.asset(&asset).expect("whole"), Some(b"bytes".to_vec()));
+}

@@ -1,5 +1,6 @@
 //! Log files: written, read back, and refused where they were changed.
 
+use protocol::{FIRST_PROOF, next_proof};
 use store::{Store, StoreError, replay_log};
 
 use crate::support::{Folder, Log, empty_hash, find_none, find_scene, stored_log};
@@ -29,10 +30,12 @@ fn a_log_goes_out_and_comes_in_again() {
     let log = stored_log(&mut store, "main", 250);
     let text = exported(&store, "main");
     let lines: Vec<_> = text.lines().collect();
-    assert_eq!(lines[0], r#"{"format":1,"session":"main"}"#);
+    assert_eq!(lines[0], r#"{"format":2,"session":"main"}"#);
     assert_eq!(lines.len(), 1 + 252 + 26, "records 10, 20, ..., 250 and 252 have checkpoints");
-    let last = format!(r#"{{"checkpoint":{{"seq":252,"hash":"{}"}}}}"#, log.hash());
-    assert_eq!(lines.last(), Some(&last.as_str()));
+    let is_record = |line: &&&str| line.starts_with("{\"format\":2,\"seq\"");
+    let proof =
+        lines.iter().filter(is_record).fold(FIRST_PROOF.to_owned(), |proof, line| next_proof(&proof, line));
+    assert_eq!(lines.last(), Some(&&*checkpoint(252, &log.hash().to_string(), &proof)));
 
     let row = store.import(text.as_bytes(), Some("copy"), &find_scene).expect("a sound log");
     assert_eq!((row.name.as_str(), row.seq, &row.hash), ("copy", 252, &log.hash().to_string()));
@@ -50,8 +53,8 @@ fn an_empty_log_is_a_log() {
     let mut store = Folder::new().store();
     store.create_session("main").expect("a new name");
     let text = exported(&store, "main");
-    let checkpoint = format!(r#"{{"checkpoint":{{"seq":0,"hash":"{}"}}}}"#, empty_hash());
-    assert_eq!(text, format!("{{\"format\":1,\"session\":\"main\"}}\n{checkpoint}\n"));
+    let checkpoint = checkpoint(0, &empty_hash(), FIRST_PROOF);
+    assert_eq!(text, format!("{{\"format\":2,\"session\":\"main\"}}\n{checkpoint}\n"));
     let row = store.import(text.as_bytes(), Some("copy"), &find_none).expect("a log");
     assert_eq!((row.seq, row.hash), (0, empty_hash()));
     assert!(matches!(store.export("none", &mut Vec::new()), Err(StoreError::NoSession(_))));
@@ -97,20 +100,35 @@ fn a_changed_log_is_refused_by_line_or_record() {
     refused("an undo's target", "record 9 takes back record 22", &|l| {
         l[9] = l[9].replace("\"target\":8", "\"target\":22");
     });
-    refused("a hash", "after record 22", &|l| *l.last_mut().expect("lines") = checkpoint(22, &empty_hash()));
-    refused("a checkpoint's place", "checkpoint of record 21", &|l| {
-        *l.last_mut().expect("lines") = checkpoint(21, &log.hash().to_string());
+    let hash = log.hash().to_string();
+    refused("a hash", "after record 22", &|l| {
+        let last = l.last_mut().expect("lines");
+        *last = last.replace(&hash, &empty_hash());
     });
-    refused("a newer format", "format 2", &|l| l[0] = l[0].replace("\"format\":1", "\"format\":2"));
-    refused("a newer record", "line 5: format 2", &|l| {
-        l[4] = l[4].replace("\"format\":1", "\"format\":2,\"later\":0");
+    refused("a proof", "record 22", &|l| *l.last_mut().expect("lines") = checkpoint(22, &hash, FIRST_PROOF));
+    refused("no proof", "record 22", &|l| {
+        *l.last_mut().expect("lines") = format!(r#"{{"checkpoint":{{"seq":22,"hash":"{hash}"}}}}"#);
+    });
+    refused("a checkpoint's place", "checkpoint of record 21", &|l| {
+        let last = l.last_mut().expect("lines");
+        *last = last.replace("\"seq\":22", "\"seq\":21");
+    });
+    // What no document holds: who, when, under which name.
+    for (was, now) in
+        [("Ada", "Eve"), ("\"id\":\"a\"", "\"id\":\"e\""), ("17900", "17800"), ("op 21", "op x")]
+    {
+        refused(was, "record 22", &|l| l[23] = l[23].replace(was, now));
+    }
+    refused("a newer format", "format 3", &|l| l[0] = l[0].replace("\"format\":2", "\"format\":3"));
+    refused("a newer record", "line 5: format 3", &|l| {
+        l[4] = l[4].replace("\"format\":2", "\"format\":3,\"later\":0");
     });
     refused("an unknown field", "`gobo`", &|l| l[4] = l[4].replacen('{', "{\"gobo\":1,", 1));
     refused("no JSON", "line 5: ", &|l| l[4] = "{".into());
 }
 
-fn checkpoint(seq: u64, hash: &str) -> String {
-    format!(r#"{{"checkpoint":{{"seq":{seq},"hash":"{hash}"}}}}"#)
+fn checkpoint(seq: u64, hash: &str, proof: &str) -> String {
+    format!(r#"{{"checkpoint":{{"seq":{seq},"hash":"{hash}","proof":"{proof}"}}}}"#)
 }
 
 /// Rules: LOG-1

@@ -1,7 +1,9 @@
 //! What the store keeps and what it refuses, on real folders.
 
 mod assets;
+mod checkpoints;
 mod log_files;
+mod operations;
 mod records;
 mod sessions;
 mod support;

@@ -43,21 +43,21 @@ fn batches_are_committed_all_or_none() {
         .expect("a commit");
 
     let other = Log::of(20);
-    let next = |records| Batch { session: "a", records, hash: other.hash() };
+    let next = |records| Batch { session: "a", records, rejections: &[], hash: other.hash() };
     let refused = |store: &mut Store, bad: Batch, why: &str| {
         let error = store.append(&[next(&other.records[7..10]), bad]).expect_err(why);
         assert_eq!(store.session("a").expect("a session").seq, 7, "{why}: nothing of the other batch stays");
         error
     };
-    let gap = Batch { session: "b", records: &other.records[8..9], hash: other.hash() };
+    let gap = Batch { session: "b", records: &other.records[8..9], rejections: &[], hash: other.hash() };
     assert!(matches!(refused(&mut store, gap, "a gap"), StoreError::OutOfStep(9)));
-    let again = Batch { session: "b", records: &other.records[6..7], hash: other.hash() };
+    let again = Batch { session: "b", records: &other.records[6..7], rejections: &[], hash: other.hash() };
     assert!(matches!(refused(&mut store, again, "a record again"), StoreError::OutOfStep(7)));
     let mut same_operation = other.records[7].clone();
     same_operation.op_id = "op 1".into();
-    let same = Batch { session: "b", records: &[same_operation], hash: other.hash() };
+    let same = Batch { session: "b", records: &[same_operation], rejections: &[], hash: other.hash() };
     assert!(matches!(refused(&mut store, same, "an operation again"), StoreError::OutOfStep(8)));
-    let nowhere = Batch { session: "c", records: &other.records[..1], hash: other.hash() };
+    let nowhere = Batch { session: "c", records: &other.records[..1], rejections: &[], hash: other.hash() };
     assert!(matches!(refused(&mut store, nowhere, "no session"), StoreError::NoSession(_)));
     store.append(&[next(&other.records[7..10])]).expect("the same without the fault");
 }

@@ -1,8 +1,9 @@
 //! Sessions: their names, their epochs, and folders that hold none.
 
-use store::{MAX_NAME_CHARS, Store, StoreError};
+use protocol::{FIRST_PROOF, next_proof};
+use store::{Batch, MAX_NAME_CHARS, Store, StoreError};
 
-use crate::support::{Folder, empty_hash};
+use crate::support::{Folder, Log, empty_hash, find_scene};
 
 /// Rules: SOCK-2
 #[test]
@@ -49,8 +50,63 @@ fn a_database_of_a_newer_program_is_left_alone() {
     let folder = Folder::new();
     drop(folder.store());
     let database = rusqlite::Connection::open(folder.data().join("bendylights.sqlite")).expect("a database");
-    database.execute_batch("PRAGMA user_version = 2").expect("a pragma");
+    database.execute_batch("PRAGMA user_version = 3").expect("a pragma");
     drop(database);
-    assert!(matches!(Store::create(&folder.data()), Err(StoreError::Newer { found: 2, .. })));
-    assert!(matches!(Store::open(&folder.data()), Err(StoreError::Newer { found: 2, .. })));
+    assert!(matches!(Store::create(&folder.data()), Err(StoreError::Newer { found: 3, .. })));
+    assert!(matches!(Store::open(&folder.data()), Err(StoreError::Newer { found: 3, .. })));
+}
+
+/// A folder of version 1, whose tables are made as that version made them.
+///
+/// Rules: LOG-2, LOG-4, REC-5
+#[test]
+fn a_folder_of_an_earlier_version_is_brought_up_to_date() {
+    let folder = Folder::new();
+    std::fs::create_dir_all(folder.data().join("assets")).expect("a folder");
+    let path = folder.data().join("bendylights.sqlite");
+    let database = rusqlite::Connection::open(&path).expect("a database");
+    database.execute_batch(include_str!("../../src/schema-1.sql")).expect("version 1");
+    let log = Log::of(30);
+    for name in ["one", "two"] {
+        database.execute("INSERT INTO session (name) VALUES (?)", [name]).expect("a session");
+        let session = database.last_insert_rowid();
+        for record in &log.records {
+            let json = protocol::Record { format: 1, ..record.into() }.to_json();
+            let hash = (record.seq % 4 == 0).then(|| log.hash_after(record.seq).to_string());
+            let insert =
+                "INSERT INTO record (session, seq, actor, op_id, json, hash) VALUES (?, ?, 'a', ?, ?, ?)";
+            database
+                .execute(insert, rusqlite::params![session, record.seq, record.op_id, json, hash])
+                .expect("a record");
+        }
+    }
+    drop(database);
+    let mut store = Store::open(&folder.data()).expect("a store of this version");
+    let replayed = store.replay("two", None, &find_scene).expect("a log");
+    assert_eq!((replayed.seq(), replayed.document().hash()), (32, log.hash()));
+    let lines = |json: &dyn Fn(&edit::Record) -> String| log.records.iter().map(json).collect::<Vec<_>>();
+    let lines = lines(&|record| protocol::Record { format: 1, ..record.into() }.to_json());
+    let proof = lines.iter().fold(FIRST_PROOF.to_owned(), |proof, line| next_proof(&proof, line));
+    assert_eq!(store.session("one").expect("a session").proof, proof);
+    // And it goes on from there.
+    let mut longer = log;
+    longer.add_long_light();
+    store.append(&[Batch { records: &longer.records[32..], ..longer.batch("one") }]).expect("a commit");
+    let replayed =
+        Store::open(&folder.data()).expect("a store").replay("one", None, &find_scene).expect("a log");
+    assert_eq!((replayed.seq(), replayed.document().hash()), (33, longer.hash()));
+}
+
+/// Rules: HTTP-4
+#[test]
+fn a_session_begins_whole_or_not_at_all() {
+    let mut store = Folder::new().store();
+    let log = Log::of(3);
+    store.begin_session(&log.batch("main")).expect("a new name");
+    assert_eq!(store.session("main").expect("a session").seq, 5);
+    assert!(matches!(store.begin_session(&log.batch("main")), Err(StoreError::Exists(_))));
+    let mut gap = Log::of(3);
+    gap.records.remove(2);
+    store.begin_session(&gap.batch("other")).expect_err("a gap");
+    assert_eq!(store.session("other").expect_err("nothing of it").code(), "notFound");
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use bendy::BendyLight;
-use edit::{Actor, Committed, Record, Request, Scope, Session};
+use edit::{Actor, Record, Request, Scope, Session, Sources};
 use glam::DVec3;
 use scene::{
     AssetHash, Command, Document, DocumentHash, Light, LightId, LightKind, LightParameter, PointParameter,
@@ -84,18 +84,30 @@ impl Log {
         self.take(Request::Edit { base_seq: None, command });
     }
 
+    pub fn undo(&mut self) {
+        self.take(Request::Undo(Scope::Mine));
+    }
+
+    /// A light of 64 control points, each log its own.
+    pub fn add_long_light(&mut self) {
+        let seq = self.session.seq() as f64;
+        let points = (0..64).map(|i| DVec3::new(0.0, 0.0, -0.1 * f64::from(i))).collect();
+        let light = BendyLight::new(points, vec![0.01 + 1e-5 * seq; 64]);
+        self.edit(Command::AddLight(Box::new(Light { name: "long".into(), kind: LightKind::Bendy(light) })));
+    }
+
     fn take(&mut self, request: Request) {
         let actor = Actor { id: "a".into(), name: "Ada".into() };
         let op_id = format!("op {}", self.session.seq() + 1);
-        match self.session.request(request, &actor, &op_id, 1_790_000_000_000, &find_scene) {
-            Ok(Committed::New { record, .. }) => self.records.push(*record),
-            other => panic!("{other:?}"),
-        }
+        let changes = |seq: u64| self.records.get(seq as usize - 1).map(|record| record.changes.clone());
+        let sources = Sources { scene: &find_scene, changes: &changes };
+        let record = self.session.request(request, &actor, &op_id, 1_790_000_000_000, sources);
+        self.records.push(record.expect("a valid request"));
     }
 
     /// All of it, as one batch of `session`.
     pub fn batch<'a>(&'a self, session: &'a str) -> Batch<'a> {
-        Batch { session, records: &self.records, hash: self.hash() }
+        Batch { session, records: &self.records, rejections: &[], hash: self.hash() }
     }
 
     pub fn hash(&self) -> DocumentHash {
@@ -127,7 +139,7 @@ pub fn stored_log(store: &mut Store, name: &str, edits: u64) -> Log {
             replayed.replay(record, &find_scene).expect("it goes on");
         }
         let hash = replayed.document().hash();
-        store.append(&[Batch { session: name, records, hash }]).expect("a commit");
+        store.append(&[Batch { session: name, records, rejections: &[], hash }]).expect("a commit");
     }
     log
 }

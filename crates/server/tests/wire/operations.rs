@@ -1,0 +1,209 @@
+//! Operations that come again, undo past a restart, and a disk that takes nothing.
+
+use protocol::{
+    ClientMessage, Command, EditResult, EditStatus, GestureEnd, GestureState, LightParameter, Scope,
+    ServerMessage,
+};
+use rusqlite::{Connection, TransactionBehavior};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use crate::client::{Came, Client, get, new_session, post};
+use crate::server::{Door, Own, SHARED};
+
+fn edits(door: &Door, session: &str, edits: &Value) -> Value {
+    let body = json!({"actor": {"id": "ada", "name": "Ada"}, "edits": edits}).to_string();
+    let answer = post(door, &format!("/sessions/{session}/edits"), &body);
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    answer.json()
+}
+
+fn cone_angle(degrees: f64) -> Command {
+    Command::SetLight { light: 1, parameter: LightParameter::ConeAngle(degrees) }
+}
+
+/// Stops a server and gives its folder.
+async fn stopped(own: Own) -> TempDir {
+    let (folder, served) = own.stop();
+    served.await.expect("it ends").expect("well");
+    folder
+}
+
+async fn result(client: &mut Client, op_id: &str) -> EditResult {
+    let answer = |came| match came {
+        Came::Control(ServerMessage::EditResult(result)) if result.op_id == op_id => Some(result),
+        _ => None,
+    };
+    client.until(answer).await
+}
+
+async fn edit(client: &mut Client, op_id: &str, base_seq: u64, command: Command) -> EditResult {
+    client.say(&ClientMessage::Edit { op_id: op_id.into(), base_seq, command }).await;
+    result(client, op_id).await
+}
+
+/// Rules: REC-4, SOCK-5
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn an_operation_that_comes_again_gets_its_first_answer() {
+    let own = Own::start().await;
+    let (mut ada, welcome) = Client::join(&own.door, "main", "Ada").await;
+    let (mut ben, _) = Client::join(&own.door, "main", "Ben").await;
+    let known = welcome.seq;
+    let theirs = edit(&mut ben, "x", known, cone_angle(30.0)).await;
+    assert_eq!(theirs.status, EditStatus::Committed);
+    let rebased = edit(&mut ada, "x", known, cone_angle(31.0)).await;
+    assert_eq!((rebased.status, rebased.seq), (EditStatus::Rebased, Some(known + 2)), "another actor's x");
+    let folded = edit(&mut ada, "y", known, cone_angle(95.0)).await;
+    assert_eq!((folded.status, folded.code.as_deref()), (EditStatus::Rejected, Some("invalidLight")));
+    ada.say(&ClientMessage::Undo { op_id: "z".into(), scope: Scope::Mine }).await;
+    let undone = result(&mut ada, "z").await;
+    assert_eq!(undone.seq, Some(known + 3));
+    let first = [rebased, folded, undone];
+
+    let folder = stopped(own).await;
+    let own = Own::start_in(folder).await;
+    let (mut ada, _) = Client::join(&own.door, "main", "Ada").await;
+    // The same names, for what would be carried out now.
+    for (op_id, expected) in ["x", "y", "z"].into_iter().zip(first) {
+        assert_eq!(edit(&mut ada, op_id, known + 3, cone_angle(40.0)).await, expected);
+    }
+    let fresh = edit(&mut ada, "w", known + 3, cone_angle(40.0)).await;
+    assert_eq!(fresh.seq, Some(known + 4), "nothing was carried out twice");
+    stopped(own).await;
+}
+
+/// Rules: REC-4, HTTP-6
+#[test]
+fn an_operation_twice_in_one_request_is_carried_out_once() {
+    new_session(&SHARED, "twice");
+    let edit = |op: &str, command: Value| json!({"opId": op, "command": command});
+    let angle = |degrees: f64| json!({"type": "setLight", "light": 1, "parameter": {"coneAngle": degrees}});
+    let answer = edits(
+        &SHARED,
+        "twice",
+        &json!([
+            edit("a", angle(20.0)),
+            edit("a", angle(21.0)),
+            edit("b", angle(95.0)),
+            edit("b", angle(22.0))
+        ]),
+    );
+    let results = &answer["results"];
+    assert_eq!((&results[0], &results[2]), (&results[1], &results[3]));
+    assert_eq!((results[0]["seq"].as_u64(), results[2]["code"].as_str()), (Some(2), Some("invalidLight")));
+    assert_eq!(answer["seq"], 2);
+}
+
+/// Refusals by a limit say nothing of the operation: sent again when there is room, it is carried out.
+///
+/// Rules: REC-4, HTTP-11
+#[test]
+fn what_a_limit_refused_may_be_sent_again() {
+    let made = post(&SHARED, "/sessions", r#"{"name": "full"}"#);
+    assert_eq!(made.status, 201);
+    let add = json!({"type": "addLight", "light": {"type": "spot"}});
+    let lights: Vec<Value> = (0..257).map(|n| json!({"opId": n.to_string(), "command": add})).collect();
+    let answer = edits(&SHARED, "full", &lights.into());
+    assert_eq!(answer["results"][256]["code"], "tooMany");
+    let again = json!([
+        {"command": {"type": "removeLight", "light": 7}},
+        {"opId": "256", "command": add},
+        {"opId": "255", "command": add},
+    ]);
+    let answer = edits(&SHARED, "full", &again);
+    assert_eq!(answer["results"][1]["seq"], 258);
+    assert_eq!(answer["results"][2]["seq"], 256, "that one was carried out before");
+}
+
+/// Rules: UNDO-1, UNDO-4, LOG-5
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn undo_reaches_past_a_checkpoint_and_a_restart() {
+    let own = Own::start().await;
+    let hash = |door: &Door| get(door, "/sessions/main").json()["hash"].as_str().map(str::to_owned);
+    let before = hash(&own.door);
+    let step = |n: u32| json!({"command": {"type": "setLight", "light": 1, "parameter": {"coneAngle": 20.0 + f64::from(n % 30)}}});
+    for part in 0..2 {
+        let part: Vec<Value> = (0..600).map(|n| step(600 * part + n)).collect();
+        edits(&own.door, "main", &part.into());
+    }
+    let folder = stopped(own).await;
+    let database = Connection::open(folder.path().join("bendylights.sqlite")).expect("a database");
+    let seq: u64 =
+        database.query_row("SELECT seq FROM checkpoint", [], |row| row.get(0)).expect("a checkpoint");
+    assert!((1_000..1_201).contains(&seq), "{seq}");
+    drop(database);
+
+    let own = Own::start_in(folder).await;
+    let undo: Vec<Value> = (0..600).map(|_| json!({"undo": "mine"})).collect();
+    for _ in 0..2 {
+        let answer = edits(&own.door, "main", &undo.clone().into());
+        assert!(answer["results"].as_array().expect("a list").iter().all(|r| r["status"] == "committed"));
+    }
+    assert_eq!(hash(&own.door), before);
+    let nothing = edits(&own.door, "main", &json!([{"undo": "mine"}]));
+    assert_eq!(nothing["results"][0]["code"], "nothingToUndo");
+    stopped(own).await;
+}
+
+/// Another program holds the database while a drag is committed: the server waits ten seconds and gives up.
+///
+/// Rules: GEST-6, SOCK-4, REC-4
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_drag_that_the_disk_refuses_frees_its_light() {
+    let own = Own::start().await;
+    let (mut ada, welcome) = Client::join(&own.door, "main", "Ada").await;
+    let (mut ben, _) = Client::join(&own.door, "main", "Ben").await;
+    let base_seq = welcome.seq;
+    let gesture = || "drag".to_owned();
+    ada.say(&ClientMessage::GestureBegin { gesture: gesture(), light: 1, base_seq }).await;
+    ada.say(&ClientMessage::GestureUpdate { gesture: gesture(), update: 1, command: cone_angle(40.0) }).await;
+    let state = |update: u64, ended: Option<GestureEnd>| {
+        move |came: Came| match came {
+            Came::Control(ServerMessage::GestureState(state))
+                if (state.update, state.ended) == (update, ended) =>
+            {
+                Some(state)
+            }
+            _ => None,
+        }
+    };
+    let _: GestureState = ben.until(state(1, None)).await;
+
+    let path = own.folder.path().join("bendylights.sqlite");
+    let mut other = Connection::open(path).expect("a database");
+    let held = other.transaction_with_behavior(TransactionBehavior::Immediate).expect("it is free");
+    ada.say(&ClientMessage::GestureCommit { gesture: gesture(), op_id: "commit".into() }).await;
+    for client in [&mut ada, &mut ben] {
+        let ended = client.until(state(1, Some(GestureEnd::Rejected))).await;
+        assert_eq!((ended.code.as_deref(), ended.changes), (Some("storage"), Vec::new()));
+    }
+    let refused = result(&mut ada, "commit").await;
+    assert_eq!((refused.status, refused.code.as_deref()), (EditStatus::Rejected, Some("storage")));
+    assert!(refused.message.expect("a sentence").contains("cannot write"));
+    held.rollback().expect("let go");
+
+    let free = edit(&mut ben, "mine", base_seq, cone_angle(41.0)).await;
+    assert_eq!((free.status, free.seq), (EditStatus::Committed, Some(base_seq + 1)), "the light is free");
+    let again = edit(&mut ada, "commit", base_seq + 1, cone_angle(40.0)).await;
+    assert_eq!(again.seq, Some(base_seq + 2), "what the disk refused is no answer for good");
+    stopped(own).await;
+}
+
+/// Rules: HTTP-3, LOG-3
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_damaged_asset_is_not_called_absent() {
+    let own = Own::start().await;
+    let folder = stopped(own).await;
+    let assets = std::fs::read_dir(folder.path().join("assets")).expect("a folder");
+    let asset = assets.map(|file| file.expect("a file").path()).next().expect("the demo's");
+    let bytes = std::fs::read(&asset).expect("bytes");
+    std::fs::write(&asset, b"damaged").expect("a planted fault");
+    let own = Own::start_in(folder).await;
+    let refusal = |door: &Door| get(door, "/sessions/main").refusal();
+    assert_eq!(refusal(&own.door), (500, "damagedAsset".into()));
+    std::fs::remove_file(&asset).expect("removed");
+    assert_eq!(refusal(&own.door), (404, "unknownAsset".into()));
+    std::fs::write(&asset, bytes).expect("mended");
+    assert_eq!(get(&own.door, "/sessions/main").status, 200);
+    stopped(own).await;
+}

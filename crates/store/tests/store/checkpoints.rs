@@ -1,0 +1,148 @@
+//! Opening from a checkpoint: the same session, for the cost of what came since.
+
+use protocol::SessionCheckpoint;
+use rusqlite::Connection;
+use scene::Command;
+use store::{Store, Tail};
+
+use crate::support::{Folder, Log, SCENE, find_scene, stored_log};
+
+fn database(folder: &Folder) -> Connection {
+    Connection::open(folder.data().join("bendylights.sqlite")).expect("a database")
+}
+
+fn opened(store: &Store) -> store::Opened {
+    store.open_session("main", &find_scene).expect("a log")
+}
+
+/// A session of 62 records with a checkpoint after record 42.
+fn with_checkpoint(folder: &Folder) -> (Store, Log) {
+    let mut store = folder.store();
+    let log = stored_log(&mut store, "main", 40);
+    let checkpoint = SessionCheckpoint::from(&log.session);
+    store.keep_checkpoint("main", &checkpoint).expect("kept");
+    let mut log = log;
+    let known = log.records.len();
+    for _ in 0..10 {
+        log.edit(Command::LoadScene { asset: SCENE, name: "again".into() });
+        log.undo();
+    }
+    store.append(&[store::Batch { records: &log.records[known..], ..log.batch("main") }]).expect("a commit");
+    (store, log)
+}
+
+/// Rules: LOG-5, REC-2
+#[test]
+fn only_what_follows_a_checkpoint_is_replayed() {
+    let folder = Folder::new();
+    let (store, log) = with_checkpoint(&folder);
+    let found = opened(&store);
+    assert_eq!(found.tail.records, 20, "of 62");
+    assert!(!found.checkpoint_failed);
+    assert_eq!((found.session.seq(), found.row.seq), (62, 62));
+    assert_eq!(found.session.document().hash(), log.hash());
+    assert_eq!(found.session.past(), log.session.past(), "undo reaches past the checkpoint");
+    // The log alone says the same.
+    let replayed = store.replay("main", None, &find_scene).expect("a log");
+    assert_eq!(replayed.past(), log.session.past());
+}
+
+/// Rules: LOG-5
+#[test]
+fn a_checkpoint_that_the_log_does_not_prove_is_passed_over() {
+    let planted = [
+        "UPDATE checkpoint SET json = replace(json, 'key', 'kez')",
+        "UPDATE checkpoint SET digest = replace(digest, substr(digest, 1, 1), 'x')",
+        "UPDATE checkpoint SET json = ''",
+        "UPDATE checkpoint SET seq = 32",
+    ];
+    for fault in planted {
+        let folder = Folder::new();
+        let (store, log) = with_checkpoint(&folder);
+        assert!(database(&folder).execute(fault, []).expect(fault) == 1);
+        let found = opened(&store);
+        assert!(found.checkpoint_failed, "{fault}");
+        assert_eq!((found.tail.records, found.session.document().hash()), (62, log.hash()), "{fault}");
+    }
+    // One that is whole in itself, but of another document.
+    let folder = Folder::new();
+    let (mut store, log) = with_checkpoint(&folder);
+    let other = SessionCheckpoint { seq: 42, ..SessionCheckpoint::from(&Log::of(39).session) };
+    store.keep_checkpoint("main", &other).expect("kept");
+    assert_eq!((opened(&store).tail.records, opened(&store).session.document().hash()), (62, log.hash()));
+}
+
+/// Rules: LOG-2, LOG-4
+#[test]
+fn what_follows_a_checkpoint_is_proven() {
+    let folder = Folder::new();
+    let (store, _) = with_checkpoint(&folder);
+    let database = database(&folder);
+    database.execute_batch("DROP TRIGGER record_stays").expect("the trigger that forbids it");
+    for (was, now) in [("Ada", "Eve"), ("17900", "17800"), ("again", "agaim")] {
+        let fault = format!("UPDATE record SET json = replace(json, '{was}', '{now}') WHERE seq = 61");
+        database.execute_batch(&format!("BEGIN; {fault}")).expect("a change");
+        database.execute_batch("COMMIT").expect("a change");
+        let error = store.open_session("main", &find_scene).expect_err(was);
+        assert_eq!(error.code(), "badLog", "{was}: {error}");
+        let back = format!("UPDATE record SET json = replace(json, '{now}', '{was}') WHERE seq = 61");
+        database.execute_batch(&back).expect("a change");
+        opened(&store);
+    }
+}
+
+/// A document near its limits, replaced and brought back over and over: its values stand in the log once, and opening
+/// does not read them over and over.
+///
+/// Rules: REC-6, LOG-5
+#[test]
+fn a_log_does_not_grow_by_what_it_holds() {
+    let folder = Folder::new();
+    let mut store = folder.store();
+    let mut log = Log::default();
+    for _ in 0..16 {
+        log.add_long_light();
+    }
+    let bytes_of = |records: &[edit::Record]| -> usize {
+        records.iter().map(|record| protocol::Record::from(record).to_json().len()).sum()
+    };
+    let lights = bytes_of(&log.records);
+    for _ in 0..20 {
+        log.edit(Command::LoadScene { asset: SCENE, name: "empty".into() });
+        log.undo();
+    }
+    store.create_session("main").expect("a new name");
+    store.append(&[log.batch("main")]).expect("a commit");
+    let in_full = bytes_of(&log.records);
+    let mut text = Vec::new();
+    store.export("main", &mut text).expect("a log");
+    assert!(in_full > 15 * lights, "each of 40 records holds the lights: {in_full} of {lights}");
+    assert!(
+        text.len() < lights,
+        "{} bytes of {in_full}, the lights alone stand there twice: {lights}",
+        text.len()
+    );
+    let replayed = store.replay("main", None, &find_scene).expect("a log");
+    assert_eq!(replayed.document().hash(), log.hash());
+    let again = store.records("main", 40, 3).expect("from the middle");
+    let wire: Vec<_> = log.records[39..42].iter().map(protocol::Record::from).collect();
+    assert_eq!(again, wire, "in full");
+    // And in and out of a file.
+    let row = store.import(&*text, Some("copy"), &find_scene).expect("a sound log");
+    assert_eq!(
+        (row.seq, row.hash, row.proof),
+        (56, log.hash().to_string(), store.session("main").unwrap().proof)
+    );
+    store.keep_checkpoint("main", &SessionCheckpoint::from(&log.session)).expect("kept");
+    assert_eq!(opened(&store).tail, Tail::default());
+    // A file of format 1, which holds everything in full, comes to the same.
+    let line = |record: &edit::Record| protocol::Record { format: 1, ..record.into() }.to_json();
+    let lines: Vec<_> = log.records.iter().map(line).collect();
+    let header = r#"{"format":1,"session":"old"}"#;
+    let checkpoint = format!(r#"{{"checkpoint":{{"seq":56,"hash":"{}"}}}}"#, log.hash());
+    let old = format!("{header}\n{}\n{checkpoint}\n", lines.join("\n"));
+    assert_eq!(store::replay_log(old.as_bytes(), None, &find_scene).expect("format 1").differs, None);
+    let row = store.import(old.as_bytes(), None, &find_scene).expect("format 1");
+    assert_eq!(row.proof, store.session("main").expect("a session").proof, "upgraded");
+    store.replay("old", None, &find_scene).expect("a log");
+}

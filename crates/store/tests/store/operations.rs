@@ -1,0 +1,69 @@
+//! What became of operations.
+
+use store::{Batch, MAX_REJECTIONS, Outcome, Rejection, Store, StoreError};
+
+use crate::support::{Folder, Log, find_scene, stored_log};
+
+fn rejection(actor_id: &str, op_id: &str, message: &str) -> Rejection {
+    let (actor_id, op_id) = (actor_id.into(), op_id.into());
+    Rejection { actor_id, op_id, code: "invalidLight".into(), message: message.into() }
+}
+
+fn reject(store: &mut Store, session: &str, rejections: &[Rejection]) {
+    let hash = Log::default().hash();
+    store.append(&[Batch { session, records: &[], rejections, hash }]).expect("a commit");
+}
+
+/// Rules: REC-4
+#[test]
+fn an_operation_has_its_first_outcome() {
+    let folder = Folder::new();
+    let mut store = folder.store();
+    stored_log(&mut store, "main", 20);
+    store.create_session("other").expect("a new name");
+    reject(&mut store, "main", &[rejection("a", "x", "it folds"), rejection("b", "x", "it is gone")]);
+    reject(&mut store, "main", &[rejection("a", "x", "a second answer")]);
+    drop(store);
+    let store = folder.store();
+    let outcome =
+        |session: &str, actor: &str, op: &str| store.outcome(session, actor, op).expect("an answer");
+    let committed = Outcome::Committed { seq: 7, rebased: false, skipped: Vec::new() };
+    assert_eq!(outcome("main", "a", "op 7"), Some(committed));
+    let rejected = Outcome::Rejected { code: "invalidLight".into(), message: "it folds".into() };
+    assert_eq!(outcome("main", "a", "x"), Some(rejected));
+    for (session, actor, op) in
+        [("main", "c", "x"), ("other", "a", "op 7"), ("other", "a", "x"), ("main", "a", "y")]
+    {
+        assert_eq!(outcome(session, actor, op), None, "{session} {actor} {op}");
+    }
+    assert!(matches!(store.outcome("none", "a", "x"), Err(StoreError::NoSession(_))));
+}
+
+/// Rules: REC-4
+#[test]
+fn an_actors_latest_rejections_are_kept() {
+    let mut store = Folder::new().store();
+    store.create_session("main").expect("a new name");
+    let many: Vec<_> = (0..=MAX_REJECTIONS).map(|op| rejection("a", &op.to_string(), "no")).collect();
+    reject(&mut store, "main", &[rejection("b", "0", "no")]);
+    reject(&mut store, "main", &many);
+    let is_kept =
+        |actor, op: u64| store.outcome("main", actor, &op.to_string()).expect("an answer").is_some();
+    assert!(!is_kept("a", 0) && is_kept("a", 1) && is_kept("a", MAX_REJECTIONS));
+    assert!(is_kept("b", 0), "another's flood takes none of his");
+}
+
+/// Rules: REC-4
+#[test]
+fn a_log_file_with_an_operation_twice_is_refused() {
+    let mut store = Folder::new().store();
+    stored_log(&mut store, "main", 5);
+    let mut text = Vec::new();
+    store.export("main", &mut text).expect("a log");
+    let text = String::from_utf8(text).expect("JSON").replace("\"opId\":\"op 4\"", "\"opId\":\"op 3\"");
+    let error = store::replay_log(text.as_bytes(), None, &find_scene).expect_err("twice");
+    assert_eq!(
+        error.to_string().split(':').next(),
+        Some("record 4 repeats operation op 3 of the same actor")
+    );
+}

@@ -1,0 +1,131 @@
+//! A session in JSON, as the store keeps it, so that opening one does not replay all of its log.
+
+use edit::{Past, Session};
+use scene::{FindScene, LightId};
+use serde::{Deserialize, Serialize};
+
+use crate::error::from_json;
+use crate::{Document, FileError, Refused};
+
+/// A session after one of its records. It holds what the records before it come to, so that replay can go on from it;
+/// what it says is proven by the document's hash at that record.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct SessionCheckpoint {
+    /// The record.
+    pub seq: u64,
+    /// The document after it.
+    pub document: Document,
+    /// The largest number ever given out as an id or a layout.
+    pub last_number: u64,
+    /// Steps in effect, in order.
+    pub steps: Vec<PastStep>,
+    /// Undos that can be redone.
+    pub undos: Vec<PastUndo>,
+    /// The latest record of each actor on each light.
+    pub touched: Vec<LightTouch>,
+    /// The latest renumbering of each light's control points.
+    pub renumbered: Vec<Renumbering>,
+}
+
+/// A step in effect.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct PastStep {
+    /// Its record.
+    pub seq: u64,
+    /// Who made it.
+    pub actor: String,
+}
+
+/// [`edit::PastUndo`] in JSON.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct PastUndo {
+    /// Its record.
+    pub seq: u64,
+    /// Who can redo it; anybody where it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub actor: Option<String>,
+    /// The step that it took back.
+    pub target: u64,
+    /// Who had made that.
+    pub target_actor: String,
+}
+
+/// Who last changed a light.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct LightTouch {
+    /// The light.
+    pub light: u64,
+    /// The actor.
+    pub actor: String,
+    /// That actor's latest record on it.
+    pub seq: u64,
+}
+
+/// When the control points of a light were last renumbered.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Renumbering {
+    /// The light.
+    pub light: u64,
+    /// The record.
+    pub seq: u64,
+}
+
+impl SessionCheckpoint {
+    /// Reads what [`Self::to_json`] wrote.
+    pub fn parse(text: &str) -> Result<Self, FileError> {
+        from_json(text)
+    }
+
+    /// One line of JSON.
+    pub fn to_json(&self) -> String {
+        crate::log_file::to_line(self)
+    }
+
+    /// The session that goes on from here; `find_scene` as in [`scene::Document::apply`].
+    pub fn into_domain(self, find_scene: FindScene) -> Result<Session, Refused> {
+        let undo = |undo: PastUndo| edit::PastUndo {
+            seq: undo.seq,
+            actor_id: undo.actor,
+            target: undo.target,
+            target_actor_id: undo.target_actor,
+        };
+        let past = Past {
+            steps: self.steps.into_iter().map(|step| (step.seq, step.actor)).collect(),
+            undos: self.undos.into_iter().map(undo).collect(),
+            touched: self.touched.into_iter().map(|t| (LightId(t.light), t.actor, t.seq)).collect(),
+            renumbered: self.renumbered.into_iter().map(|r| (LightId(r.light), r.seq)).collect(),
+        };
+        let document = self.document.into_domain(self.last_number, find_scene)?;
+        Ok(Session::restore(document, self.seq, &past))
+    }
+}
+
+impl From<&Session> for SessionCheckpoint {
+    fn from(session: &Session) -> Self {
+        let Past { steps, undos, touched, renumbered } = session.past();
+        let undo = |undo: edit::PastUndo| PastUndo {
+            seq: undo.seq,
+            actor: undo.actor_id,
+            target: undo.target,
+            target_actor: undo.target_actor_id,
+        };
+        let touch = |(light, actor, seq): (LightId, String, u64)| LightTouch { light: light.0, actor, seq };
+        Self {
+            seq: session.seq(),
+            document: session.document().into(),
+            last_number: session.document().last_number(),
+            steps: steps.into_iter().map(|(seq, actor)| PastStep { seq, actor }).collect(),
+            undos: undos.into_iter().map(undo).collect(),
+            touched: touched.into_iter().map(touch).collect(),
+            renumbered: renumbered
+                .into_iter()
+                .map(|(light, seq)| Renumbering { light: light.0, seq })
+                .collect(),
+        }
+    }
+}
