@@ -3,7 +3,7 @@
 //! All of this works on the text of lines and knows no field but `sameAs`: what is long and comes again is written
 //! short, whatever a record will hold one day.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -14,23 +14,35 @@ use crate::{FileError, MAX_RECORD_BYTES};
 
 /// Objects and arrays with more bytes of JSON than this are written once.
 pub const MIN_HELD_BYTES: usize = 1_024;
+/// How deep values that are referred to may refer on. Each is a part of the one before, and so it is never more than the
+/// depth of a record's JSON.
+const MAX_DEPTH: usize = 16;
 
 /// How a reference begins. Inside a string it cannot stand like that: there its quotes are escaped.
 const MARK: &str = r#"{"sameAs":"#;
 
-/// Stands in place of a value that the log holds already.
+/// Where in a log a value stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Place {
+    /// The record.
+    pub record: u64,
+    /// The byte of the record's line at which the value begins.
+    pub at: usize,
+}
+
+/// Stands instead of a value that the log holds already.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 struct Reference {
-    same_as: Place,
+    same_as: Target,
 }
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Place {
-    /// The record whose line has the value in full, this one or an earlier.
+struct Target {
     record: u64,
-    /// SHA-256 of the value's JSON, 64 hexadecimal digits.
+    at: usize,
+    /// SHA-256 of the value's JSON in full, 64 hexadecimal digits.
     hash: String,
 }
 
@@ -39,32 +51,31 @@ struct Place {
 pub struct CompactLine {
     /// The line, without its end.
     pub text: String,
-    /// Hashes of the values that it is the first to have in full.
-    pub first_holds: Vec<String>,
+    /// The values that it is the first to hold: the hash of each in full, and where it begins.
+    pub first_holds: Vec<(String, usize)>,
 }
 
-/// Shortens the JSON of record `seq`, which has no references. `find_record` gives the record whose line has the value
-/// of a hash in full, if any does.
+/// Shortens the JSON of record `seq`, which has no references. `find_place` tells where the value of a hash stands, if
+/// the log holds it.
 pub fn compact<E>(
     text: &str,
     seq: u64,
-    find_record: impl FnMut(&str) -> Result<Option<u64>, E>,
+    find_place: impl FnMut(&str) -> Result<Option<Place>, E>,
 ) -> Result<CompactLine, E> {
-    let mut spans = literals(text);
+    let mut spans = long_values(text);
     // Outer ones first.
     spans.sort_by_key(|span| (span.start, std::cmp::Reverse(span.end)));
-    let mut writer = Writer {
-        text,
-        seq,
-        find_record,
-        spans,
-        next: 0,
-        own: HashSet::new(),
-        copied: 0,
-        line: CompactLine { text: String::with_capacity(text.len()), first_holds: Vec::new() },
-    };
-    writer.write_values_within(text.len())?;
-    writer.line.text.push_str(&text[writer.copied..]);
+    let line = CompactLine { text: String::with_capacity(text.len()), first_holds: Vec::new() };
+    let own = HashMap::new();
+    let mut writer = Writer { text, seq, find_place, own, copied: 0, line };
+    let mut written_to = 0;
+    for span in spans {
+        // Within a value that was replaced?
+        if span.start >= written_to {
+            written_to = writer.write(span)?;
+        }
+    }
+    writer.copy_to(text.len());
     Ok(writer.line)
 }
 
@@ -72,59 +83,45 @@ pub fn compact<E>(
 struct Writer<'a, F> {
     text: &'a str,
     seq: u64,
-    find_record: F,
-    spans: Vec<Range<usize>>,
-    /// The span to look at next.
-    next: usize,
-    /// The values that this line has in full so far.
-    own: HashSet<String>,
+    find_place: F,
+    /// Where the values begin that this line is the first to hold.
+    own: HashMap<String, usize>,
     /// How much of the text is written.
     copied: usize,
     line: CompactLine,
 }
 
-impl<E, F: FnMut(&str) -> Result<Option<u64>, E>> Writer<'_, F> {
-    /// Replaces what is held among the values that begin before `end`. Returns whether there was any.
-    fn write_values_within(&mut self, end: usize) -> Result<bool, E> {
-        let mut replaced_any = false;
-        while let Some(span) = self.spans.get(self.next).cloned()
-            && span.start < end
-        {
-            self.next += 1;
-            let hash = hash(&self.text[span.clone()]);
-            let holder = if self.own.contains(&hash) { Some(self.seq) } else { (self.find_record)(&hash)? };
-            if let Some(record) = holder {
-                let reference = Reference { same_as: Place { record, hash } };
-                self.line.text.push_str(&self.text[self.copied..span.start]);
-                self.line.text.push_str(&crate::log_file::to_line(&reference));
-                self.copied = span.end;
-                self.next += self.spans[self.next..].partition_point(|inner| inner.start < span.end);
-                replaced_any = true;
-            } else if self.write_values_within(span.end)? {
-                // It is not in full in this line, and so nothing can refer to it.
-                replaced_any = true;
-            } else {
-                self.own.insert(hash.clone());
-                self.line.first_holds.push(hash);
-            }
+impl<E, F: FnMut(&str) -> Result<Option<Place>, E>> Writer<'_, F> {
+    /// Writes a reference to the value where it is held, else all that stands before the value. Returns up to where
+    /// nothing is left to write.
+    fn write(&mut self, span: Range<usize>) -> Result<usize, E> {
+        let hash = hash(&self.text[span.clone()]);
+        let own = self.own.get(&hash).map(|&at| Place { record: self.seq, at });
+        let place = if own.is_some() { own } else { (self.find_place)(&hash)? };
+        self.copy_to(span.start);
+        if let Some(Place { record, at }) = place {
+            let reference = Reference { same_as: Target { record, at, hash } };
+            self.line.text.push_str(&crate::log_file::to_line(&reference));
+            self.copied = span.end;
+        } else {
+            let at = self.line.text.len();
+            self.own.insert(hash.clone(), at);
+            self.line.first_holds.push((hash, at));
         }
-        Ok(replaced_any)
+        Ok(self.copied)
+    }
+
+    fn copy_to(&mut self, end: usize) {
+        self.line.text.push_str(&self.text[self.copied..end]);
+        self.copied = end;
     }
 }
 
-/// The long values of the lines that were read, for later ones to refer to.
+/// The lines that later ones may refer to.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct HeldValues {
-    by_hash: HashMap<String, Held>,
+pub(crate) struct HeldLines {
+    lines: HashMap<u64, Arc<str>>,
     bytes: usize,
-}
-
-/// A part of a line.
-#[derive(Clone, Debug)]
-struct Held {
-    record: u64,
-    line: Arc<str>,
-    span: Range<usize>,
 }
 
 /// What a line comes to.
@@ -132,63 +129,76 @@ struct Held {
 pub(crate) enum Expanded {
     /// Its JSON in full.
     Whole(String),
-    /// It refers to a record that was not read: read that, then this again.
+    /// It refers to a record whose line is not here.
     Needs(u64),
 }
 
-impl HeldValues {
-    /// Keeps what the line of record `seq` has in full.
-    pub fn learn(&mut self, line: &str, seq: u64) {
-        let spans = literals(line);
-        if spans.is_empty() {
-            return;
-        }
-        let line: Arc<str> = line.into();
-        self.bytes += line.len();
-        for span in spans {
-            let held = Held { record: seq, line: Arc::clone(&line), span: span.clone() };
-            self.by_hash.entry(hash(&line[span])).or_insert(held);
+/// Why a line is not expanded.
+enum Stop {
+    Needs(u64),
+    Refused(String),
+}
+
+impl HeldLines {
+    /// Keeps the line of record `seq`.
+    pub fn keep(&mut self, line: &str, seq: u64) {
+        if self.lines.insert(seq, line.into()).is_none() {
+            self.bytes += line.len();
         }
     }
 
-    /// The JSON of record `seq` in full, which has at most [`MAX_RECORD_BYTES`]. The line itself was learned before.
-    pub fn expand(&self, line: &str, seq: u64) -> Result<Expanded, FileError> {
+    /// The JSON in full of record `seq`, whose line is kept; it has at most [`MAX_RECORD_BYTES`].
+    pub fn expand(&self, seq: u64) -> Result<Expanded, FileError> {
+        let line =
+            self.lines.get(&seq).ok_or_else(|| FileError::Reference(format!("record {seq} is missing")))?;
         let mut whole = String::with_capacity(line.len());
-        let mut copied = 0;
-        let mut scan = Scan::default();
-        for (at, byte) in line.bytes().enumerate() {
-            if at < copied {
-                // Within a reference.
-                continue;
-            }
-            if byte == b'{' && !scan.in_string && line[at..].starts_with(MARK) {
-                whole.push_str(&line[copied..at]);
-                let mut references = serde_json::Deserializer::from_str(&line[at..]).into_iter::<Reference>();
-                let Some(Ok(Reference { same_as: Place { record, hash } })) = references.next() else {
-                    let sentence = "`sameAs` takes a `record` and a `hash`: export the log again";
-                    return Err(FileError::Reference(sentence.into()));
-                };
-                copied = at + references.byte_offset();
-                match self.by_hash.get(&hash).filter(|held| held.record == record) {
-                    Some(held) => whole.push_str(&held.line[held.span.clone()]),
-                    None if record < seq => return Ok(Expanded::Needs(record)),
-                    None => return Err(FileError::lost(seq, record)),
-                }
-                if whole.len() > MAX_RECORD_BYTES {
-                    let sentence = format!("record {seq} has more than {MAX_RECORD_BYTES} bytes in full");
-                    return Err(FileError::Reference(sentence));
-                }
-            } else {
-                scan.take(line, at);
+        match self.expand_part(Place { record: seq, at: 0 }, line.len(), MAX_DEPTH, &mut whole) {
+            Ok(()) => Ok(Expanded::Whole(whole)),
+            Err(Stop::Needs(record)) => Ok(Expanded::Needs(record)),
+            Err(Stop::Refused(why)) => {
+                Err(FileError::Reference(format!("record {seq} {why}: export the log again")))
             }
         }
-        whole.push_str(&line[copied..]);
-        Ok(Expanded::Whole(whole))
     }
 
-    /// Whether anything of that record is kept.
-    pub fn has_learned(&self, record: u64) -> bool {
-        self.by_hash.values().any(|held| held.record == record)
+    /// Appends what stands from `from` to `end` of its line, in full.
+    fn expand_part(&self, from: Place, end: usize, depth: usize, whole: &mut String) -> Result<(), Stop> {
+        let refuse = |why: String| Err(Stop::Refused(why));
+        let line = self.lines.get(&from.record).ok_or(Stop::Needs(from.record))?;
+        let mut copied = from.at;
+        for here in marks(&line[..end], from.at) {
+            whole.push_str(&line[copied..here]);
+            let mut references =
+                serde_json::Deserializer::from_str(&line[here..end]).into_iter::<Reference>();
+            let Some(Ok(Reference { same_as: Target { record, at, hash } })) = references.next() else {
+                return refuse("has a `sameAs` that is not a record, a byte and a hash".into());
+            };
+            copied = here + references.byte_offset();
+            let place = Place { record, at };
+            if place >= (Place { record: from.record, at: here }) {
+                return refuse(format!("refers ahead, to record {record}"));
+            }
+            if depth == 0 {
+                return refuse(format!("refers on and on, to record {record} in the end"));
+            }
+            let held = self.lines.get(&record).ok_or(Stop::Needs(record))?;
+            let lost = || Stop::Refused(format!("refers to a value that record {record} does not hold"));
+            let held_end = value_end(held, at).ok_or_else(lost)?;
+            if record == from.record && held_end > here {
+                return refuse("refers to what is around it".into());
+            }
+            let start = whole.len();
+            self.expand_part(place, held_end, depth - 1, whole)?;
+            if whole.len() > MAX_RECORD_BYTES {
+                return refuse(format!("has more than {MAX_RECORD_BYTES} bytes in full"));
+            }
+            // What is short is never referred to; so no line can make work that is not seen in its length.
+            if whole.len() - start <= MIN_HELD_BYTES || self::hash(&whole[start..]) != hash {
+                return Err(lost());
+            }
+        }
+        whole.push_str(&line[copied..end]);
+        Ok(())
     }
 
     /// Bytes of the lines that are kept.
@@ -197,11 +207,30 @@ impl HeldValues {
     }
 }
 
-/// The spans of the long objects and arrays of a line that have no reference in them, but for the line itself. Inner
-/// ones come before those around them.
-fn literals(line: &str) -> Vec<Range<usize>> {
+/// Where the outermost references of a line begin, from byte `at` on, which is not in a string.
+fn marks(line: &str, at: usize) -> impl Iterator<Item = usize> {
     let mut scan = Scan::default();
-    let closed = (0..line.len()).filter_map(|at| scan.take(line, at));
+    (at..line.len()).filter(move |&here| {
+        let is_mark = !scan.in_string && line.as_bytes()[here] == b'{' && line[here..].starts_with(MARK);
+        scan.take(line.as_bytes()[here], here);
+        is_mark
+    })
+}
+
+/// Where the object or array that begins at byte `at` of a line ends; `None` where none does.
+fn value_end(line: &str, at: usize) -> Option<usize> {
+    if !matches!(line.as_bytes().get(at)?, b'{' | b'[') {
+        return None;
+    }
+    let mut scan = Scan::default();
+    let mut closed = (at..line.len()).filter_map(|here| scan.take(line.as_bytes()[here], here));
+    closed.find(|span| span.start == at).map(|span| span.end)
+}
+
+/// The spans of the long objects and arrays of a line, but for the line itself.
+fn long_values(line: &str) -> Vec<Range<usize>> {
+    let mut scan = Scan::default();
+    let closed = line.bytes().enumerate().filter_map(|(at, byte)| scan.take(byte, at));
     closed.filter(|span| span.start > 0 && span.len() > MIN_HELD_BYTES).collect()
 }
 
@@ -210,14 +239,13 @@ fn literals(line: &str) -> Vec<Range<usize>> {
 struct Scan {
     in_string: bool,
     escaped: bool,
-    /// Where the objects and arrays around this place begin, and whether there is a reference in them.
-    open: Vec<(usize, bool)>,
+    /// Where the objects and arrays around this place begin.
+    open: Vec<usize>,
 }
 
 impl Scan {
-    /// Takes in the byte at `at`: the span of the object or array that it closes, if there is no reference in it.
-    fn take(&mut self, text: &str, at: usize) -> Option<Range<usize>> {
-        let byte = text.as_bytes()[at];
+    /// Takes in the byte at `at`: the span of the object or array that it closes.
+    fn take(&mut self, byte: u8, at: usize) -> Option<Range<usize>> {
         if self.in_string {
             match byte {
                 _ if self.escaped => self.escaped = false,
@@ -229,15 +257,8 @@ impl Scan {
         }
         match byte {
             b'"' => self.in_string = true,
-            b'{' => self.open.push((at, text[at..].starts_with(MARK))),
-            b'[' => self.open.push((at, false)),
-            b'}' | b']' => {
-                let (start, has_reference) = self.open.pop()?;
-                if has_reference && let Some(around) = self.open.last_mut() {
-                    around.1 = true;
-                }
-                return (!has_reference).then_some(start..at + 1);
-            }
+            b'{' | b'[' => self.open.push(at),
+            b'}' | b']' => return self.open.pop().map(|start| start..at + 1),
             _ => {}
         }
         None

@@ -26,7 +26,7 @@ pub use document::{
 };
 pub use error::{FileError, Refused};
 pub use evaluation::{Evaluation, TubePoint, Visibility};
-pub use held::{CompactLine, MIN_HELD_BYTES, compact};
+pub use held::{CompactLine, MIN_HELD_BYTES, Place, compact};
 pub use http::{
     Asset, Edit, EditResults, Edits, ErrorBody, NewSession, Problem, SessionEntry, SessionList, SessionState,
 };

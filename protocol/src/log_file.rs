@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::error::from_json;
-use crate::held::{Expanded, HeldValues, MIN_HELD_BYTES};
+use crate::held::{Expanded, HeldLines, MIN_HELD_BYTES};
 use crate::record::known_format;
 use crate::{FileError, Record};
 
@@ -82,7 +82,7 @@ impl<E> From<FileError> for ReadError<E> {
 /// Reads the lines of a log after its header, in order: resolves references and keeps the proof.
 #[derive(Clone, Debug)]
 pub struct LogReader {
-    held: HeldValues,
+    held: HeldLines,
     proof: String,
 }
 
@@ -95,7 +95,7 @@ impl Default for LogReader {
 impl LogReader {
     /// Goes on behind a record whose proof is known. What the records before it hold is asked for when it is needed.
     pub fn going_on_from(proof: &str) -> Self {
-        Self { held: HeldValues::default(), proof: proof.into() }
+        Self { held: HeldLines::default(), proof: proof.into() }
     }
 
     /// The proof of all records read so far.
@@ -132,7 +132,7 @@ impl LogReader {
     /// Lets go of what is kept of earlier records once that has more than `max_bytes`.
     pub fn keep_at_most(&mut self, max_bytes: usize) {
         if self.held.bytes() > max_bytes {
-            self.held = HeldValues::default();
+            self.held = HeldLines::default();
         }
     }
 
@@ -149,19 +149,13 @@ impl LogReader {
         if format == 1 {
             return Ok((Record::parse(line)?, line.len()));
         }
-        self.held.learn(line, seq);
+        self.held.keep(line, seq);
         loop {
-            match self.held.expand(line, seq)? {
+            match self.held.expand(seq)? {
                 Expanded::Whole(text) => return Ok((Record::parse(&text)?, text.len())),
-                Expanded::Needs(record) if self.held.has_learned(record) => {
-                    return Err(FileError::lost(seq, record).into());
-                }
                 Expanded::Needs(record) => {
                     let earlier = find_line(record).map_err(ReadError::Source)?;
-                    self.held.learn(&earlier.ok_or_else(|| FileError::lost(seq, record))?, record);
-                    if !self.held.has_learned(record) {
-                        return Err(FileError::lost(seq, record).into());
-                    }
+                    self.held.keep(&earlier.ok_or_else(|| FileError::lost(seq, record))?, record);
                 }
             }
         }

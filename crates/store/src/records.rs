@@ -1,7 +1,7 @@
 //! The records of a log: appended together, read one by one.
 
 use edit::Session;
-use protocol::{FORMAT, LogReader, ReadError, Record, compact, next_proof};
+use protocol::{FORMAT, LogReader, Place, ReadError, Record, compact, next_proof};
 use rusqlite::{ErrorCode, OptionalExtension, Row, Transaction, TransactionBehavior, params};
 use scene::{DocumentHash, FindScene};
 
@@ -217,10 +217,11 @@ pub(crate) fn insert_record(
     if json.len() > MAX_RECORD_BYTES {
         return Err(StoreError::RecordTooLarge);
     }
-    let select = "SELECT record FROM held_value WHERE session = ? AND hash = ?";
+    let select = "SELECT record, at FROM held_value WHERE session = ? AND hash = ?";
     let line = compact(&json, seq, |hash| {
         let mut statement = transaction.prepare_cached(select)?;
-        statement.query_row(params![key, hash], |row| row.get(0)).optional()
+        let place = |row: &Row<'_>| Ok(Place { record: row.get("record")?, at: row.get("at")? });
+        statement.query_row(params![key, hash], place).optional()
     })?;
     let insert = "INSERT INTO record (session, seq, actor, op_id, json) VALUES (?, ?, ?, ?, ?)";
     let row = params![key, seq, record.actor.id, record.op_id, line.text];
@@ -228,9 +229,9 @@ pub(crate) fn insert_record(
         Some(ErrorCode::ConstraintViolation) => StoreError::OutOfStep(seq),
         _ => error.into(),
     })?;
-    let hold = "INSERT INTO held_value (session, hash, record) VALUES (?, ?, ?)";
-    for hash in &line.first_holds {
-        transaction.prepare_cached(hold)?.execute(params![key, hash, seq])?;
+    let hold = "INSERT INTO held_value (session, hash, record, at) VALUES (?, ?, ?, ?)";
+    for (hash, at) in &line.first_holds {
+        transaction.prepare_cached(hold)?.execute(params![key, hash, seq, at])?;
     }
     *proof = next_proof(proof, &line.text);
     Ok(json.len())

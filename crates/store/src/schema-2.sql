@@ -13,11 +13,12 @@ WHEN OLD.proof IS NOT NULL
         IS NOT (NEW.session, NEW.seq, NEW.actor, NEW.op_id, NEW.json)
 BEGIN SELECT raise(ABORT, 'a log only grows'); END;
 
--- Which record was the first to hold a long value, by the SHA-256 of its JSON.
+-- Which record was the first to hold a long value, by the SHA-256 of its JSON, and at which byte of its line.
 CREATE TABLE held_value (
     session INTEGER NOT NULL REFERENCES session (id),
     hash TEXT NOT NULL CHECK (length(hash) = 64),
     record INTEGER NOT NULL,
+    at INTEGER NOT NULL,
     PRIMARY KEY (session, hash)
 ) STRICT, WITHOUT ROWID;
 
