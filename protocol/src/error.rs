@@ -71,13 +71,6 @@ impl Refused {
 }
 
 impl FileError {
-    /// A record that cannot be read, or does not hold what another refers to.
-    pub(crate) fn lost(seq: u64, record: u64) -> Self {
-        Self::Reference(format!(
-            "record {seq} refers to a value that record {record} does not hold: export the log again"
-        ))
-    }
-
     /// The same error, said of light `index` of a file of several.
     pub(crate) fn of_light(self, index: usize) -> Self {
         let prefix = |place| format!("light {index}: {place}");

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use crate::log_file::{FindLine, ReadError};
 use crate::{FileError, MAX_RECORD_BYTES};
 
 /// Objects and arrays with more bytes of JSON than this are written once.
@@ -124,86 +125,96 @@ pub(crate) struct HeldLines {
     bytes: usize,
 }
 
-/// What a line comes to.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Expanded {
-    /// Its JSON in full.
-    Whole(String),
-    /// It refers to a record whose line is not here.
-    Needs(u64),
-}
-
-/// Why a line is not expanded.
-enum Stop {
-    Needs(u64),
-    Refused(String),
-}
-
 impl HeldLines {
     /// Keeps the line of record `seq`.
-    pub fn keep(&mut self, line: &str, seq: u64) {
-        if self.lines.insert(seq, line.into()).is_none() {
+    pub fn keep(&mut self, line: &str, seq: u64) -> Arc<str> {
+        let line: Arc<str> = line.into();
+        if self.lines.insert(seq, Arc::clone(&line)).is_none() {
             self.bytes += line.len();
         }
+        line
     }
 
-    /// The JSON in full of record `seq`, whose line is kept; it has at most [`MAX_RECORD_BYTES`].
-    pub fn expand(&self, seq: u64) -> Result<Expanded, FileError> {
-        let line =
-            self.lines.get(&seq).ok_or_else(|| FileError::Reference(format!("record {seq} is missing")))?;
+    /// The JSON in full of record `seq`, which has at most [`MAX_RECORD_BYTES`]. Its line is kept, and those that it
+    /// refers to.
+    pub fn expand<E>(
+        &mut self,
+        line: &str,
+        seq: u64,
+        find_line: &mut FindLine<E>,
+    ) -> Result<String, ReadError<E>> {
+        let line = self.keep(line, seq);
         let mut whole = String::with_capacity(line.len());
-        match self.expand_part(Place { record: seq, at: 0 }, line.len(), MAX_DEPTH, &mut whole) {
-            Ok(()) => Ok(Expanded::Whole(whole)),
-            Err(Stop::Needs(record)) => Ok(Expanded::Needs(record)),
-            Err(Stop::Refused(why)) => {
-                Err(FileError::Reference(format!("record {seq} {why}: export the log again")))
-            }
-        }
-    }
-
-    /// Appends what stands from `from` to `end` of its line, in full.
-    fn expand_part(&self, from: Place, end: usize, depth: usize, whole: &mut String) -> Result<(), Stop> {
-        let refuse = |why: String| Err(Stop::Refused(why));
-        let line = self.lines.get(&from.record).ok_or(Stop::Needs(from.record))?;
-        let mut copied = from.at;
-        for here in marks(&line[..end], from.at) {
-            whole.push_str(&line[copied..here]);
-            let mut references =
-                serde_json::Deserializer::from_str(&line[here..end]).into_iter::<Reference>();
-            let Some(Ok(Reference { same_as: Target { record, at, hash } })) = references.next() else {
-                return refuse("has a `sameAs` that is not a record, a byte and a hash".into());
-            };
-            copied = here + references.byte_offset();
-            let place = Place { record, at };
-            if place >= (Place { record: from.record, at: here }) {
-                return refuse(format!("refers ahead, to record {record}"));
-            }
-            if depth == 0 {
-                return refuse(format!("refers on and on, to record {record} in the end"));
-            }
-            let held = self.lines.get(&record).ok_or(Stop::Needs(record))?;
-            let lost = || Stop::Refused(format!("refers to a value that record {record} does not hold"));
-            let held_end = value_end(held, at).ok_or_else(lost)?;
-            if record == from.record && held_end > here {
-                return refuse("refers to what is around it".into());
-            }
-            let start = whole.len();
-            self.expand_part(place, held_end, depth - 1, whole)?;
-            if whole.len() > MAX_RECORD_BYTES {
-                return refuse(format!("has more than {MAX_RECORD_BYTES} bytes in full"));
-            }
-            // What is short is never referred to; so no line can make work that is not seen in its length.
-            if whole.len() - start <= MIN_HELD_BYTES || self::hash(&whole[start..]) != hash {
-                return Err(lost());
-            }
-        }
-        whole.push_str(&line[copied..end]);
-        Ok(())
+        let mut part = Part { held: self, of: seq, find_line, whole: &mut whole };
+        part.expand(&line, Place { record: seq, at: 0 }, line.len(), MAX_DEPTH)?;
+        Ok(whole)
     }
 
     /// Bytes of the lines that are kept.
     pub fn bytes(&self) -> usize {
         self.bytes
+    }
+}
+
+/// The expansion of a record.
+struct Part<'a, 'f, E> {
+    held: &'a mut HeldLines,
+    /// Which record.
+    of: u64,
+    find_line: &'a mut FindLine<'f, E>,
+    whole: &'a mut String,
+}
+
+impl<E> Part<'_, '_, E> {
+    /// Appends what stands from `from` to byte `end` of its line, in full.
+    fn expand(&mut self, line: &str, from: Place, end: usize, depth: usize) -> Result<(), ReadError<E>> {
+        let mut copied = from.at;
+        for here in marks(&line[..end], from.at) {
+            self.whole.push_str(&line[copied..here]);
+            let mut references =
+                serde_json::Deserializer::from_str(&line[here..end]).into_iter::<Reference>();
+            let Some(Ok(Reference { same_as: Target { record, at, hash } })) = references.next() else {
+                return Err(self.refused("has a `sameAs` that is not a record, a byte and a hash"));
+            };
+            copied = here + references.byte_offset();
+            let place = Place { record, at };
+            if place >= (Place { record: from.record, at: here }) {
+                return Err(self.refused(&format!("refers ahead, to record {record}")));
+            }
+            if depth == 0 {
+                return Err(self.refused(&format!("refers on and on, to record {record} in the end")));
+            }
+            let lost = format!("refers to a value that record {record} does not hold");
+            let Some(held) = self.line(record)? else { return Err(self.refused(&lost)) };
+            let Some(held_end) = value_end(&held, at) else { return Err(self.refused(&lost)) };
+            if record == from.record && held_end > here {
+                return Err(self.refused("refers to what is around it"));
+            }
+            let start = self.whole.len();
+            self.expand(&held, place, held_end, depth - 1)?;
+            if self.whole.len() > MAX_RECORD_BYTES {
+                return Err(self.refused(&format!("has more than {MAX_RECORD_BYTES} bytes in full")));
+            }
+            // What is short is never referred to; so no line can make work that is not seen in its length.
+            let value = &self.whole[start..];
+            if value.len() <= MIN_HELD_BYTES || self::hash(value) != hash {
+                return Err(self.refused(&lost));
+            }
+        }
+        self.whole.push_str(&line[copied..end]);
+        Ok(())
+    }
+
+    fn line(&mut self, record: u64) -> Result<Option<Arc<str>>, ReadError<E>> {
+        if let Some(line) = self.held.lines.get(&record) {
+            return Ok(Some(Arc::clone(line)));
+        }
+        let found = (self.find_line)(record).map_err(ReadError::Source)?;
+        Ok(found.map(|line| self.held.keep(&line, record)))
+    }
+
+    fn refused(&self, why: &str) -> ReadError<E> {
+        FileError::Reference(format!("record {} {why}: export the log again", self.of)).into()
     }
 }
 

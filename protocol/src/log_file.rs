@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::error::from_json;
-use crate::held::{Expanded, HeldLines, MIN_HELD_BYTES};
+use crate::held::{HeldLines, MIN_HELD_BYTES};
 use crate::record::known_format;
 use crate::{FileError, Record};
 
@@ -149,16 +149,8 @@ impl LogReader {
         if format == 1 {
             return Ok((Record::parse(line)?, line.len()));
         }
-        self.held.keep(line, seq);
-        loop {
-            match self.held.expand(seq)? {
-                Expanded::Whole(text) => return Ok((Record::parse(&text)?, text.len())),
-                Expanded::Needs(record) => {
-                    let earlier = find_line(record).map_err(ReadError::Source)?;
-                    self.held.keep(&earlier.ok_or_else(|| FileError::lost(seq, record))?, record);
-                }
-            }
-        }
+        let text = self.held.expand(line, seq, find_line)?;
+        Ok((Record::parse(&text)?, text.len()))
     }
 }
 
