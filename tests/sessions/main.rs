@@ -1,6 +1,7 @@
 //! Whole sessions: the program as a server, clients on real sockets, what they see and what is left on disk.
 
 mod crash;
+mod disk;
 mod frames;
 mod gestures;
 mod http;
