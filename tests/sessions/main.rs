@@ -5,6 +5,7 @@ mod disk;
 mod frames;
 mod gestures;
 mod http;
+mod load;
 mod picture;
 #[path = "../program.rs"]
 mod program;

@@ -11,6 +11,7 @@ mod process;
 pub mod session;
 pub mod shadow;
 pub mod solver;
+pub mod stills;
 pub mod stress;
 mod timing;
 

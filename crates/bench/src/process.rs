@@ -32,6 +32,28 @@ impl FromStr for Address {
     }
 }
 
+impl Address {
+    /// Asks for `path`, with the token.
+    pub fn get(&self, path: &str) -> Result<Response, BenchError> {
+        let request = agent().get(self.url(path)).header("Authorization", self.bearer());
+        answer(request.call()?)
+    }
+
+    /// Sends `body` to `path`, with the token.
+    pub fn post(&self, path: &str, body: &[u8]) -> Result<Response, BenchError> {
+        let request = agent().post(self.url(path)).header("Authorization", self.bearer());
+        answer(request.content_type("application/json").send(body)?)
+    }
+
+    fn url(&self, path: &str) -> String {
+        format!("http://{}{path}", self.host)
+    }
+
+    fn bearer(&self) -> String {
+        format!("Bearer {}", self.token)
+    }
+}
+
 /// A running `bendylights serve`; killed when it is dropped.
 #[derive(Debug)]
 pub struct ServerProcess {
@@ -96,14 +118,12 @@ impl ServerProcess {
 
     /// Asks for `path`, with the token.
     pub fn get(&self, path: &str) -> Result<Response, BenchError> {
-        let request = agent().get(self.url(path)).header("Authorization", self.bearer());
-        answer(request.call()?)
+        self.address.get(path)
     }
 
     /// Sends `body` to `path`, with the token.
     pub fn post(&self, path: &str, body: &[u8]) -> Result<Response, BenchError> {
-        let request = agent().post(self.url(path)).header("Authorization", self.bearer());
-        answer(request.content_type("application/json").send(body)?)
+        self.address.post(path, body)
     }
 
     /// Value of a counter or gauge of `/metrics`: the sum over all labels that contain `labels`.
@@ -130,14 +150,6 @@ impl ServerProcess {
     /// Waits until it stops by itself; its exit code.
     pub fn wait(mut self) -> Result<Option<i32>, BenchError> {
         Ok(self.child.wait()?.code())
-    }
-
-    fn url(&self, path: &str) -> String {
-        format!("http://{}{path}", self.address.host)
-    }
-
-    fn bearer(&self) -> String {
-        format!("Bearer {}", self.address.token)
     }
 }
 

@@ -14,9 +14,9 @@ use stream::FrameHeader;
 use crate::{BenchError, Client, Incoming, ServerProcess};
 
 /// A page sends at most one update an animation frame.
-const ANIMATION_FRAME: Duration = Duration::from_micros(16_667);
+pub(crate) const ANIMATION_FRAME: Duration = Duration::from_micros(16_667);
 /// How far the control point goes around its place, in light-local units.
-const RADIUS: f64 = 0.25;
+pub(crate) const RADIUS: f64 = 0.25;
 
 /// What to measure.
 #[derive(Clone, Copy, Debug)]
@@ -93,7 +93,7 @@ pub fn run(program: &Path, options: Options, progress: impl Fn(u64)) -> Result<(
     let server = ServerProcess::start(program, data.path(), &["--scene", "demo:vases"])?;
     server.wait_until_ready()?;
     let mut client = Client::connect(&server.address, "main", "bench", None)?;
-    open_view(&mut client, &options)?;
+    open_view(&mut client, [options.width, options.height])?;
 
     let (light, start) = control_point(&client)?;
     let gesture = "bench".to_owned();
@@ -136,9 +136,8 @@ pub fn run(program: &Path, options: Options, progress: impl Fn(u64)) -> Result<(
 }
 
 /// Waits for the first lossless picture too, so that nothing else is under way.
-fn open_view(client: &mut Client, options: &Options) -> Result<(), BenchError> {
+pub(crate) fn open_view(client: &mut Client, [width, height]: [u32; 2]) -> Result<(), BenchError> {
     let camera: Camera = client.welcome.camera.clone();
-    let Options { width, height, .. } = *options;
     client.send(&ClientMessage::OpenView {
         source: ViewSource::Own(camera),
         width,
@@ -151,7 +150,7 @@ fn open_view(client: &mut Client, options: &Options) -> Result<(), BenchError> {
 }
 
 /// The demo's light and where its third control point is.
-fn control_point(client: &Client) -> Result<(u64, Vec3), BenchError> {
+pub(crate) fn control_point(client: &Client) -> Result<(u64, Vec3), BenchError> {
     let State::Snapshot(document) = &client.welcome.state else {
         return Err(BenchError::Refused("it gave no document".into()));
     };
@@ -250,12 +249,12 @@ impl Drag {
     }
 }
 
-fn decode(payload: &[u8]) -> Result<(), BenchError> {
+pub(crate) fn decode(payload: &[u8]) -> Result<(), BenchError> {
     image::load_from_memory(payload)?;
     Ok(())
 }
 
-fn ms(duration: Duration) -> f64 {
+pub(crate) fn ms(duration: Duration) -> f64 {
     duration.as_secs_f64() * 1000.0
 }
 

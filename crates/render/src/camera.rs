@@ -70,12 +70,14 @@ impl Raster {
         clip_from_camera * self.world_from_camera.inverse()
     }
 
-    /// What shaders need for the samples that lie `jitter` pixels right of and below the pixels' centres.
+    /// What shaders need for the samples that lie `jitter` pixels right of and below the pixels' centres, in a
+    /// target whose first pixel is `tile_origin` of the picture.
     pub fn uniform(
         &self,
         jitter: DVec2,
         sample_weight: f32,
         scene_origin: DVec3,
+        tile_origin: [u32; 2],
     ) -> Result<layout::View, RenderError> {
         let pixel = DVec2::new(2.0 / f64::from(self.width), -2.0 / f64::from(self.height));
         // The sample of pixel (0, 0) in normalised device coordinates.
@@ -112,6 +114,7 @@ impl Raster {
             ray_direction_dx,
             ray_direction_dy,
             depth_from_z: depth_from_z.map(|x| x as f32),
+            tile_origin: tile_origin.map(|x| x as f32),
             ..layout::View::default()
         };
         if bytemuck::cast_slice::<_, f32>(&[uniform]).iter().all(|x| x.is_finite()) {
@@ -199,7 +202,7 @@ mod tests {
         for projection in projections {
             let raster = Raster { world_from_camera, projection, width: 7, height: 5 };
             let scene_origin = DVec3::new(3.0, -2.0, 1.0);
-            let uniform = raster.uniform(DVec2::new(0.3, -0.2), 1.0, scene_origin).unwrap();
+            let uniform = raster.uniform(DVec2::new(0.3, -0.2), 1.0, scene_origin, [0, 0]).unwrap();
             let clip_from_scene = glam::Mat4::from_cols_array_2d(&uniform.clip_from_scene);
             let along = |base: [f32; 3], dx: [f32; 3], dy: [f32; 3], x: f32, y: f32| {
                 glam::Vec3::from(base) + glam::Vec3::from(dx) * x + glam::Vec3::from(dy) * y

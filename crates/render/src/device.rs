@@ -2,9 +2,12 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use wgpu::{Adapter, Backends, Device, DeviceType, ErrorFilter, Features, Limits, PollType, Queue};
+use wgpu::{
+    Adapter, Backends, CommandEncoder, CommandEncoderDescriptor, Device, DeviceType, ErrorFilter, Features,
+    Limits, PollType, Queue,
+};
 
-use crate::RenderError;
+use crate::{Ledger, RenderError};
 
 /// What every pass relies on: lights add up in f32, and a pixel knows its triangle.
 const FEATURES: Features = Features::FLOAT32_BLENDABLE.union(Features::PRIMITIVE_INDEX);
@@ -14,6 +17,7 @@ const FEATURES: Features = Features::FLOAT32_BLENDABLE.union(Features::PRIMITIVE
 pub struct Gpu {
     pub(crate) device: Device,
     pub(crate) queue: Queue,
+    pub(crate) ledger: Ledger,
     adapter_name: String,
     /// Why the device is gone, once it is.
     lost: Arc<Mutex<Option<String>>>,
@@ -22,11 +26,18 @@ pub struct Gpu {
 impl Gpu {
     /// Opens the best device: Vulkan before GL, a GPU before a processor.
     pub fn new() -> Result<Self, RenderError> {
+        Self::with_ledger(Ledger::default())
+    }
+
+    /// The same, with what is kept on it entered in `ledger`.
+    pub fn with_ledger(ledger: Ledger) -> Result<Self, RenderError> {
         let adapter = choose_adapter()?;
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("render"),
             required_features: FEATURES,
             required_limits: limits(&adapter.limits()),
+            // What is dropped is to go back to the system, not to a pool of blocks of 256 MiB.
+            memory_hints: wgpu::MemoryHints::MemoryUsage,
             ..Default::default()
         }))
         .map_err(|e| RenderError::NoAdapter(one_line(&e)))?;
@@ -42,12 +53,43 @@ impl Gpu {
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| record(&by_error, one_line(&e))));
 
         let info = adapter.get_info();
-        Ok(Self { device, queue, adapter_name: format!("{} ({})", info.name, info.backend), lost })
+        Ok(Self { device, queue, ledger, adapter_name: format!("{} ({})", info.name, info.backend), lost })
     }
 
     /// Name of the driver's device and of the interface that it is used by.
     pub fn adapter_name(&self) -> &str {
         &self.adapter_name
+    }
+
+    /// The account of what is kept.
+    pub fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    /// Gives back the memory of what has been dropped and is in no work under way.
+    pub(crate) fn collect(&self) {
+        // Without waiting there is nothing that could go wrong.
+        let _ = self.device.poll(PollType::Poll);
+    }
+
+    /// As [`Ledger::make_room`], with the memory given back.
+    pub(crate) fn make_room(&self, bytes: u64) -> bool {
+        let before = self.ledger.total();
+        let room = self.ledger.make_room(bytes);
+        if self.ledger.total() < before {
+            self.collect();
+        }
+        room
+    }
+
+    pub(crate) fn encoder(&self) -> CommandEncoder {
+        self.device.create_command_encoder(&CommandEncoderDescriptor::default())
+    }
+
+    /// Submits what has been encoded, waits for it, and leaves a new encoder.
+    pub(crate) fn finish(&self, encoder: &mut CommandEncoder) -> Result<(), RenderError> {
+        self.queue.submit([std::mem::replace(encoder, self.encoder()).finish()]);
+        self.wait()
     }
 
     /// Waits for everything submitted before.

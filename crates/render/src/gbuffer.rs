@@ -5,11 +5,11 @@ use wgpu::{
     TextureViewDescriptor,
 };
 
-use crate::geometry::Geometry;
-use crate::material::MaterialDraw;
 use crate::pipeline::{
     DEPTH_FORMAT, RAW_TEXTURE, UINT_TEXTURE, cleared_depth, color_attachment, nearer_wins, vertex_buffers,
 };
+use crate::staged::StagedScene;
+use crate::tile::Tile;
 use crate::{Gpu, shaders};
 
 const FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
@@ -76,20 +76,25 @@ impl GbufferPass {
         Gbuffer { packed, depth, surface }
     }
 
+    /// Draws what the pixels of `tile` see of a picture of `size`. All of the picture is mapped as it would be
+    /// without tiles, and what lies outside of this one is cut off: so tiles hold the same.
     pub fn draw(
         &self,
         encoder: &mut CommandEncoder,
         into: &Gbuffer,
-        view: &BindGroup,
-        geometry: &Geometry,
-        draws: &[MaterialDraw],
+        (size, tile): ([u32; 2], Tile),
+        scene: &StagedScene,
     ) {
+        let StagedScene { view, geometry, draws, .. } = scene;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("gbuffer"),
             color_attachments: &[Some(color_attachment(&into.packed, true))],
             depth_stencil_attachment: Some(cleared_depth(&into.depth)),
             ..Default::default()
         });
+        let [left, top, width, height] =
+            [-f64::from(tile.x), -f64::from(tile.y), size[0].into(), size[1].into()].map(|x| x as f32);
+        pass.set_viewport(left, top, width, height, 0.0, 1.0);
         pass.set_bind_group(0, view, &[]);
         pass.set_vertex_buffer(0, geometry.positions.slice(..));
         pass.set_vertex_buffer(1, geometry.attributes.slice(..));

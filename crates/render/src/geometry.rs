@@ -132,6 +132,10 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
+    pub fn bytes(&self) -> u64 {
+        [&self.positions, &self.attributes, &self.indices, &self.planes].into_iter().map(Buffer::size).sum()
+    }
+
     pub fn new(gpu: &Gpu, posed: &Posed) -> Result<Self, RenderError> {
         let geometry = BufferUsages::STORAGE | BufferUsages::VERTEX | BufferUsages::COPY_SRC;
         Ok(Self {

@@ -69,6 +69,8 @@ gpu_struct! {
         ray_direction_dy: [f32; 3],
         pad4: f32,
         depth_from_z: [f32; 4],
+        tile_origin: [f32; 2],
+        pad5: [f32; 2],
     }
 }
 

@@ -4,7 +4,10 @@
 //! the centre of the scene's bounds, so that f32 on the GPU keeps its precision wherever the scene stands. A
 //! picture ([`Renderer::render`]) is a G-buffer, a shadow map a light and one additive pass a light. Shadow
 //! maps stay while nothing they depend on changes, and so do, for each viewer, its G-buffer and its last
-//! picture.
+//! picture, as long as there is room ([`Ledger`]).
+//!
+//! A picture that nobody waits for with a hand on the mouse is drawn in tiles ([`TiledPicture`]), so that other
+//! pictures can come between.
 
 mod bendy_light;
 mod camera;
@@ -15,6 +18,7 @@ mod error;
 mod gbuffer;
 mod geometry;
 mod layout;
+mod ledger;
 mod lighting;
 mod lights;
 mod material;
@@ -30,12 +34,16 @@ mod shadow_settings;
 mod spot;
 mod staged;
 mod targets;
+mod tile;
+mod tiled;
 mod warm;
 
 pub use bendy_light::{increasing_roots, locate, map_points};
 pub use device::Gpu;
 pub use error::RenderError;
-pub use picture::{Picture, PictureFormat};
+pub use ledger::{Ledger, MemoryKind};
+pub use picture::{Picture, PictureFormat, Pixels};
 pub use renderer::{PassCounts, Renderer, StageTimes};
 pub use scene::{Aov, View, ViewSlot};
 pub use shadow_settings::{ShadowFilter, ShadowSettings};
+pub use tiled::TiledPicture;

@@ -1,24 +1,38 @@
 //! What is kept of each light from picture to picture: above all its shadow map.
 
-use std::ops::Range;
-
-use scene::{Light, LightKind};
+use scene::{Light, LightKind, ViewSlot};
 use wgpu::{BindGroup, CommandEncoder, TextureView};
 
 use crate::bendy_light::{Baked, BendyPass, BendySlot, BentWork};
 use crate::camera::Raster;
+use crate::ledger::{Entry, Kept, MemoryKind};
 use crate::passes::Passes;
 use crate::spot::SpotSlot;
 use crate::staged::StagedScene;
 use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings};
 
-/// The lights of one scene.
+/// The shadow maps of one scene's lights, whoever needs them.
 #[derive(Debug)]
-pub(crate) struct LightSlots {
-    /// One a light, in the order of the last picture's lights; `None` where that light was not needed yet.
-    slots: Vec<Option<LightSlot>>,
+pub(crate) struct ShadowMaps {
+    maps: Vec<KeptMap>,
+    users: Vec<User>,
     pub bent_work: BentWork,
     shadows: ShadowSettings,
+}
+
+#[derive(Debug)]
+struct KeptMap {
+    slot: Kept<LightSlot>,
+    /// Whether one of the users has a light whose map this is.
+    needed: bool,
+}
+
+/// Who draws, and the lights of the picture that is or was drawn last.
+#[derive(Debug)]
+struct User {
+    slot: ViewSlot,
+    revision: u64,
+    lights: Vec<Light>,
 }
 
 #[derive(Debug)]
@@ -44,6 +58,8 @@ pub(crate) struct ReadyLight {
     pub pixels: [u32; 4],
     /// Whether its shadow map had to be drawn.
     pub shadow_drawn: bool,
+    /// There is no room to keep its map, which lives as long as this.
+    pub passing: Option<Entry>,
 }
 
 impl LightSlot {
@@ -62,11 +78,29 @@ impl LightSlot {
             _ => false,
         }
     }
+
+    fn invalidate(&mut self) {
+        match self {
+            Self::Spot(slot) => slot.invalidate(),
+            Self::Bendy(slot) => slot.invalidate(),
+        }
+    }
 }
 
-impl LightSlots {
+impl KeptMap {
+    fn shows(&self, light: &Light, revision: u64) -> bool {
+        self.slot.peek(|slot| slot.shows(light, revision)).unwrap_or(false)
+    }
+}
+
+impl ShadowMaps {
     pub fn new() -> Self {
-        Self { slots: Vec::new(), bent_work: BentWork::new(), shadows: ShadowSettings::default() }
+        Self {
+            maps: Vec::new(),
+            users: Vec::new(),
+            bent_work: BentWork::new(),
+            shadows: ShadowSettings::default(),
+        }
     }
 
     /// How maps are made.
@@ -86,55 +120,118 @@ impl LightSlots {
 
     /// Draws every map anew when it is next asked for.
     pub fn invalidate(&mut self) {
-        for slot in self.slots.iter_mut().flatten() {
-            match slot {
-                LightSlot::Spot(slot) => slot.invalidate(),
-                LightSlot::Bendy(slot) => slot.invalidate(),
+        for map in &mut self.maps {
+            if let Some(mut slot) = map.slot.take() {
+                slot.invalidate();
+                map.slot.put(slot);
             }
         }
+        self.users.clear();
+        self.see_who_needs_what();
     }
 
     /// Drops every map.
     pub fn clear(&mut self) {
-        self.slots.clear();
+        self.maps.clear();
+        self.users.clear();
     }
 
-    /// Brings the shadows of `lights[wanted]` up to date.
+    /// `slot` draws `lights` over the scene of that revision from now on. Maps that nobody needs any more are the
+    /// first to be made those of other lights.
+    pub fn begin(&mut self, slot: ViewSlot, lights: &[Light], revision: u64) {
+        self.maps.retain(|map| map.slot.is_there());
+        let known = self.users.iter().position(|user| user.slot == slot);
+        match known.map(|index| &mut self.users[index]) {
+            Some(user) if user.revision == revision && user.lights == lights => return,
+            Some(user) => (user.revision, user.lights) = (revision, lights.to_vec()),
+            None => self.users.push(User { slot, revision, lights: lights.to_vec() }),
+        }
+        self.see_who_needs_what();
+    }
+
+    /// `slot` needs no lights any more; their maps stay while there is room.
+    pub fn end(&mut self, slot: ViewSlot) {
+        self.users.retain(|user| user.slot != slot);
+        self.see_who_needs_what();
+    }
+
+    /// `slot` needs no lights any more, and the maps that only it needed go.
+    pub fn forget(&mut self, slot: ViewSlot) {
+        let Some(index) = self.users.iter().position(|user| user.slot == slot) else { return };
+        let gone = self.users.remove(index);
+        self.see_who_needs_what();
+        let its_own = |map: &KeptMap| gone.lights.iter().any(|light| map.shows(light, gone.revision));
+        self.maps.retain(|map| map.needed || !its_own(map));
+    }
+
+    fn see_who_needs_what(&mut self) {
+        for map in &mut self.maps {
+            let shows = |user: &User| user.lights.iter().any(|light| map.shows(light, user.revision));
+            map.needed = self.users.iter().any(shows);
+            map.slot.set_needed(map.needed);
+        }
+    }
+
+    /// Brings the shadows of `light` up to date.
     pub fn ready(
         &mut self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         (passes, scene, raster): (&Passes, &StagedScene, &Raster),
-        lights: &[Light],
-        wanted: Range<usize>,
-    ) -> Result<Vec<ReadyLight>, RenderError> {
-        self.arrange(lights, scene.revision);
+        light: &Light,
+    ) -> Result<ReadyLight, RenderError> {
+        let known = self.maps.iter().position(|map| map.shows(light, scene.revision));
+        let free = || {
+            let fits = |map: &KeptMap| map.slot.peek(|slot| slot.of_kind(light)).unwrap_or(false);
+            self.maps.iter().position(|map| !map.needed && fits(map))
+        };
+        let index = known.or_else(free);
+        let mut slot = match index.and_then(|index| self.maps[index].slot.take()) {
+            Some(slot) => slot,
+            None => self.new_slot(gpu, passes, light),
+        };
         let shadows = &self.shadows;
-        let mut ready = Vec::with_capacity(wanted.len());
-        for (slot, light) in self.slots.iter_mut().zip(lights).take(wanted.end).skip(wanted.start) {
-            let (kind, group, corners_in_world, shadow_drawn) = match &light.kind {
-                LightKind::Spot(spot) => {
-                    let made = slot.get_or_insert_with(|| LightSlot::Spot(passes.spot.slot(gpu, shadows)));
-                    let LightSlot::Spot(slot) = made else { continue };
-                    let (placed, drawn) = passes.spot.prepare(gpu, encoder, slot, spot, (scene, shadows))?;
-                    (
-                        LightingKind::Spot(shadows.filter),
-                        slot.group.clone(),
-                        placed.corners_in_world.to_vec(),
-                        drawn,
-                    )
-                }
-                LightKind::Bendy(bendy) => {
-                    let made = slot.get_or_insert_with(|| LightSlot::Bendy(BendyPass::slot(gpu, shadows)));
-                    let LightSlot::Bendy(slot) = made else { continue };
-                    let (placed, drawn) =
-                        passes.bendy.prepare(gpu, (&mut self.bent_work, shadows), slot, bendy, scene)?;
-                    (LightingKind::Bendy(placed.baked), placed.group, placed.corners_in_world, drawn)
-                }
-            };
-            ready.push(ReadyLight { kind, group, pixels: raster.bounds_of(&corners_in_world), shadow_drawn });
+        let (kind, group, corners_in_world, shadow_drawn) = match (&mut slot, &light.kind) {
+            (LightSlot::Spot(slot), LightKind::Spot(spot)) => {
+                let (placed, group, drawn) =
+                    passes.spot.prepare(gpu, encoder, slot, spot, (scene, shadows))?;
+                (LightingKind::Spot(shadows.filter), group, placed.corners_in_world.to_vec(), drawn)
+            }
+            (LightSlot::Bendy(slot), LightKind::Bendy(bendy)) => {
+                let work = (&mut self.bent_work, shadows);
+                let (placed, drawn) = passes.bendy.prepare(gpu, work, slot, bendy, scene)?;
+                (LightingKind::Bendy(placed.baked), placed.group, placed.corners_in_world, drawn)
+            }
+            _ => unreachable!("the slot was chosen or made for this kind of light"),
+        };
+        let passing = self.keep(gpu, index, slot);
+        let pixels = raster.bounds_of(&corners_in_world);
+        Ok(ReadyLight { kind, group, pixels, shadow_drawn, passing })
+    }
+
+    fn new_slot(&self, gpu: &Gpu, passes: &Passes, light: &Light) -> LightSlot {
+        match light.kind {
+            LightKind::Spot(_) => LightSlot::Spot(passes.spot.slot(gpu, &self.shadows)),
+            LightKind::Bendy(_) => LightSlot::Bendy(BendyPass::slot(gpu, &self.shadows)),
         }
-        Ok(ready)
+    }
+
+    /// Puts a map back, or keeps a new one where there is room. Where there is none, the line that counts it until
+    /// it is dropped.
+    fn keep(&mut self, gpu: &Gpu, index: Option<usize>, slot: LightSlot) -> Option<Entry> {
+        if let Some(map) = index.and_then(|index| self.maps.get_mut(index)) {
+            map.needed = true;
+            map.slot.set_needed(true);
+            map.slot.put(slot);
+            return None;
+        }
+        let bytes = 4 * u64::from(self.shadows.resolution).pow(2);
+        if !gpu.make_room(bytes) {
+            return Some(gpu.ledger.enter(MemoryKind::ShadowMaps, bytes));
+        }
+        let slot = gpu.ledger.keep(MemoryKind::ShadowMaps, bytes, slot);
+        self.maps.push(KeptMap { slot, needed: true });
+        None
     }
 
     /// Draws the triangles of `light`'s shadow map into a picture of `size` pixels. A spotlight is one that was bent
@@ -153,21 +250,5 @@ impl LightSlots {
                 passes.bendy.draw_wireframe(gpu, work, &bendy::bend(spot, 1)?, scene, picture)
             }
         }
-    }
-
-    /// Gives each light the slot whose map is its own, wherever it stood before, or else a free one of its
-    /// kind: a light that comes or goes leaves the maps of the others as they are.
-    fn arrange(&mut self, lights: &[Light], revision: u64) {
-        let mut free: Vec<LightSlot> = self.slots.drain(..).flatten().collect();
-        let mut take = |fits: &dyn Fn(&LightSlot) -> bool| {
-            let index = free.iter().position(fits)?;
-            Some(free.remove(index))
-        };
-        let mut slots: Vec<_> =
-            lights.iter().map(|light| take(&|slot| slot.shows(light, revision))).collect();
-        for (slot, light) in slots.iter_mut().zip(lights).filter(|(slot, _)| slot.is_none()) {
-            *slot = take(&|free| free.of_kind(light));
-        }
-        self.slots = slots;
     }
 }

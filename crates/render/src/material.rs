@@ -26,15 +26,15 @@ pub(crate) struct MaterialDraw {
     pub double_sided: bool,
 }
 
-/// The draws of `posed`, those without an alpha test first.
+/// The draws of `posed`, those without an alpha test first, and the bytes of their textures.
 pub(crate) fn material_draws(
     gpu: &Gpu,
     layout: &BindGroupLayout,
     scene: &Scene,
     posed: &Posed,
-) -> Result<Vec<MaterialDraw>, RenderError> {
-    let mut textures = Textures { gpu, scene, views: HashMap::new(), samplers: HashMap::new() };
-    posed
+) -> Result<(Vec<MaterialDraw>, u64), RenderError> {
+    let mut textures = Textures { gpu, scene, views: HashMap::new(), samplers: HashMap::new(), bytes: 0 };
+    let draws = posed
         .draws
         .iter()
         .map(|draw| {
@@ -71,7 +71,8 @@ pub(crate) fn material_draws(
                 double_sided: material.double_sided,
             })
         })
-        .collect()
+        .collect::<Result<_, RenderError>>()?;
+    Ok((draws, textures.bytes))
 }
 
 /// What has been uploaded so far; each picture once an encoding.
@@ -80,6 +81,8 @@ struct Textures<'a> {
     scene: &'a Scene,
     views: HashMap<(Option<usize>, Encoding), TextureView>,
     samplers: HashMap<Sampler, wgpu::Sampler>,
+    /// Of all that was uploaded.
+    bytes: u64,
 }
 
 impl Textures<'_> {
@@ -98,6 +101,8 @@ impl Textures<'_> {
                 (image.width, image.height, &image.rgba8)
             });
             let view = upload(self.gpu, width, height, rgba8, encoding)?;
+            // Four bytes a pixel; all smaller levels together have a third as many.
+            self.bytes += u64::from(width) * u64::from(height) * 16 / 3;
             self.views.insert(key, view.clone());
             view
         };

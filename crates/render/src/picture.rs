@@ -1,11 +1,12 @@
 //! Pictures as files: raw values for programs, eight bits a channel for people.
 
 use std::io::Cursor;
+use std::time::Duration;
 
 use image::{DynamicImage, ImageFormat, Rgb, RgbImage, Rgba32FImage, RgbaImage};
 use scene::{Light, LightKind};
 
-use crate::{Aov, RenderError, Renderer, View};
+use crate::{Aov, RenderError, Renderer, TiledPicture, View};
 
 /// Raw values, linear.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +29,22 @@ pub enum PictureFormat {
     Exr,
 }
 
+/// A picture as it comes from the device, for a screen or for programs.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pixels {
+    /// RGBA, 8 bits a channel, as a screen shows it; rows from the top.
+    Display {
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+        /// Four a pixel.
+        bytes: Vec<u8>,
+    },
+    /// Linear values.
+    Raw(Picture),
+}
+
 impl Renderer {
     /// The bytes of a picture file of `view` under `lights`.
     pub fn render_file(
@@ -36,12 +53,28 @@ impl Renderer {
         lights: &[Light],
         format: PictureFormat,
     ) -> Result<Vec<u8>, RenderError> {
-        if (format, view.aov) == (PictureFormat::Png, Aov::Beauty) {
-            let bytes = self.render_display(view, lights)?;
-            let image = RgbaImage::from_raw(view.width, view.height, bytes).expect("four bytes a pixel");
-            return encode(&image.into(), format);
+        // Nobody waits for anything else: each piece of work is as large as it may be.
+        let pixels = self.render_tiled(TiledPicture::for_file(view, lights, format)?, Duration::MAX)?;
+        pixels.into_file(view, lights, format)
+    }
+}
+
+impl Pixels {
+    /// The bytes of a picture file that holds this, made of `view` under `lights`. Takes a while: a large picture
+    /// takes seconds to compress.
+    pub fn into_file(
+        self,
+        view: &View,
+        lights: &[Light],
+        format: PictureFormat,
+    ) -> Result<Vec<u8>, RenderError> {
+        match self {
+            Self::Display { width, height, bytes } => {
+                let image = RgbaImage::from_raw(width, height, bytes).expect("four bytes a pixel");
+                encode(&image.into(), format)
+            }
+            Self::Raw(picture) => picture.into_file(view, lights, format),
         }
-        self.render(view, lights)?.into_file(view, lights, format)
     }
 }
 

@@ -4,9 +4,15 @@ use wgpu::{Buffer, BufferUsages, BufferView, COPY_BYTES_PER_ROW_ALIGNMENT, MapMo
 
 use crate::{Gpu, RenderError};
 
-/// The texels of `texture`, rows from the top without gaps. Waits for everything submitted before.
-pub(crate) fn read<T: bytemuck::Pod>(gpu: &Gpu, texture: &Texture) -> Result<Vec<T>, RenderError> {
-    let (width, height) = (texture.width() as usize, texture.height() as usize);
+/// The texels of the upper left corner of `texture`, rows from the top without gaps. Waits for everything submitted
+/// before.
+pub(crate) fn read<T: bytemuck::Pod>(
+    gpu: &Gpu,
+    texture: &Texture,
+    [width, height]: [u32; 2],
+) -> Result<Vec<T>, RenderError> {
+    let extent = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let (width, height) = (width as usize, height as usize);
     let row = width * size_of::<T>();
     let padded_row = row.next_multiple_of(COPY_BYTES_PER_ROW_ALIGNMENT as usize);
     let size = (padded_row * height) as u64;
@@ -33,7 +39,7 @@ pub(crate) fn read<T: bytemuck::Pod>(gpu: &Gpu, texture: &Texture) -> Result<Vec
     encoder.copy_texture_to_buffer(
         texture.as_image_copy(),
         wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
-        texture.size(),
+        extent,
     );
     gpu.queue.submit([encoder.finish()]);
     let bytes = map(gpu, &buffer)?;

@@ -6,13 +6,14 @@ use std::time::Instant;
 
 use glam::DVec2;
 use scene::{Light, Scene};
-use wgpu::{Buffer, CommandEncoder, CommandEncoderDescriptor};
+use wgpu::{Buffer, CommandEncoder};
 
 use crate::camera::{Raster, sample_offset};
-use crate::lights::LightSlots;
+use crate::lights::ShadowMaps;
 use crate::passes::Passes;
 use crate::staged::StagedScene;
-use crate::targets::Viewers;
+use crate::targets::{Targets, Viewers};
+use crate::tile::Tile;
 use crate::{Aov, Gpu, Picture, RenderError, ShadowSettings, View, ViewSlot, layout, readback};
 
 /// How often each pass has run since the renderer was made.
@@ -47,11 +48,11 @@ pub struct StageTimes {
 #[derive(Debug)]
 pub struct Renderer {
     gpu: Arc<Gpu>,
-    passes: Arc<Passes>,
+    pub(crate) passes: Arc<Passes>,
     view_uniform: Buffer,
-    scene: StagedScene,
+    pub(crate) scene: StagedScene,
     viewers: Viewers,
-    lights: LightSlots,
+    shadow_maps: ShadowMaps,
     counts: PassCounts,
 }
 
@@ -74,14 +75,14 @@ impl Renderer {
             let scene = StagedScene::new(&gpu, &passes.layouts, &view_uniform, &Scene::default(), 0, 0.0)?;
             Ok((view_uniform, scene))
         })?;
-        let (viewers, lights, counts) = (Viewers::default(), LightSlots::new(), PassCounts::default());
-        Ok(Self { gpu, passes, view_uniform, scene, viewers, lights, counts })
+        let (viewers, shadow_maps, counts) = (Viewers::default(), ShadowMaps::new(), PassCounts::default());
+        Ok(Self { gpu, passes, view_uniform, scene, viewers, shadow_maps, counts })
     }
 
     /// Takes over another scene: its geometry, materials and fill. Its promises hold ([`Scene::check`]); its
     /// cameras and lights are not used. On an error the scene before stays.
     pub fn set_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
-        let (revision, mesh_error) = (self.scene.revision + 1, self.lights.shadows().mesh_error);
+        let (revision, mesh_error) = (self.scene.revision + 1, self.shadow_maps.shadows().mesh_error);
         self.scene = self.gpu.checked(|| {
             StagedScene::new(&self.gpu, &self.passes.layouts, &self.view_uniform, scene, revision, mesh_error)
         })?;
@@ -91,11 +92,11 @@ impl Renderer {
     /// Makes shadow maps by other settings from the next picture on. On an error the settings before stay.
     pub fn set_shadow_settings(&mut self, shadows: ShadowSettings) -> Result<(), RenderError> {
         shadows.check(self.gpu.device.limits().max_texture_dimension_2d)?;
-        if shadows.mesh_error != self.lights.shadows().mesh_error {
+        if shadows.mesh_error != self.shadow_maps.shadows().mesh_error {
             let simplify = || self.scene.surface.simplified(&self.gpu, shadows.mesh_error);
             self.scene.casters = self.gpu.checked(simplify)?;
         }
-        if self.lights.set_shadows(shadows) {
+        if self.shadow_maps.set_shadows(shadows) {
             self.viewers = Viewers::default();
         }
         Ok(())
@@ -104,7 +105,7 @@ impl Renderer {
     /// What bent shadow maps are made in, for tests to plant faults in.
     #[cfg(test)]
     pub(crate) fn bent_work(&mut self) -> &mut crate::bendy_light::BentWork {
-        &mut self.lights.bent_work
+        &mut self.shadow_maps.bent_work
     }
 
     /// The device and what is on it of the scene, for tests to plant faults in before the first picture.
@@ -118,30 +119,28 @@ impl Renderer {
         self.counts
     }
 
-    /// Drops what is kept for a viewer; a later picture of it starts anew.
+    /// Drops what is kept for a viewer, and gives its memory back; a later picture of it starts anew.
     pub fn forget(&mut self, slot: ViewSlot) {
         self.viewers.forget(slot);
+        self.shadow_maps.forget(slot);
+        self.gpu.collect();
     }
 
-    /// Draws some of the samples that `view` under `lights` takes: at least one, then more while `keep_going`
-    /// says so. Returns whether none is left.
-    ///
-    /// Called again with the same view and lights it goes on where it stopped, as do [`Self::render`] and
-    /// [`Self::render_display`]; another picture in the same slot starts anew.
-    pub fn advance(
-        &mut self,
-        view: &View,
-        lights: &[Light],
-        mut keep_going: impl FnMut() -> bool,
-    ) -> Result<bool, RenderError> {
-        self.draw(view, view.aov, lights, &mut keep_going)
+    /// Gives back the memory of renderers on this device that have been dropped.
+    pub fn collect(&self) {
+        self.gpu.collect();
+    }
+
+    /// `slot` has no picture any more that needs its lights: their maps stay, but are the first to go where room is
+    /// short.
+    pub fn rest(&mut self, slot: ViewSlot) {
+        self.shadow_maps.end(slot);
     }
 
     /// The raw values of `view` under `lights`.
     pub fn render(&mut self, view: &View, lights: &[Light]) -> Result<Picture, RenderError> {
-        self.draw(view, view.aov, lights, &mut || true)?;
-        let pixels = self.attempt(view.slot, |renderer, gpu| {
-            readback::read(gpu, &renderer.viewers.targets(gpu, &renderer.passes, view)?.radiance)
+        let pixels = self.with_whole(view, view.aov, lights, |_, gpu, targets| {
+            readback::read(gpu, &targets.radiance, targets.size)
         })?;
         Ok(Picture { width: view.width, height: view.height, pixels })
     }
@@ -149,70 +148,132 @@ impl Renderer {
     /// The beauty of `view` under `lights` as a screen shows it, whatever `view.aov` says: tone-mapped sRGB,
     /// RGBA, 8 bits a channel, rows from the top.
     pub fn render_display(&mut self, view: &View, lights: &[Light]) -> Result<Vec<u8>, RenderError> {
-        self.draw(view, Aov::Beauty, lights, &mut || true)?;
-        self.attempt(view.slot, |renderer, gpu| {
-            let targets = renderer.viewers.targets(gpu, &renderer.passes, view)?;
-            let mut encoder = gpu.device.create_command_encoder(&CommandEncoderDescriptor::default());
-            targets.draw_display(&mut encoder, &renderer.passes);
-            gpu.queue.submit([encoder.finish()]);
-            renderer.counts.display += 1;
-            Ok(readback::read::<[u8; 4]>(gpu, &targets.display)?.into_flattened())
+        self.with_whole(view, Aov::Beauty, lights, |renderer, gpu, targets| {
+            renderer.read_display(gpu, targets, targets.size)
         })
     }
 
-    /// Draws samples of `aov` of `view` into the radiance of its slot, as [`Self::advance`] says.
-    fn draw(
+    /// Tone-maps the corner of what is in `targets` and reads it back.
+    pub(crate) fn read_display(
+        &mut self,
+        gpu: &Gpu,
+        targets: &Targets,
+        size: [u32; 2],
+    ) -> Result<Vec<u8>, RenderError> {
+        let mut encoder = gpu.encoder();
+        targets.draw_display(&mut encoder, &self.passes);
+        gpu.queue.submit([encoder.finish()]);
+        self.counts.display += 1;
+        Ok(readback::read::<[u8; 4]>(gpu, &targets.display, size)?.into_flattened())
+    }
+
+    /// Draws all of `aov` of `view` into the targets of its slot, then does `work` with them.
+    fn with_whole<T>(
         &mut self,
         view: &View,
         aov: Aov,
         lights: &[Light],
-        keep_going: &mut dyn FnMut() -> bool,
-    ) -> Result<bool, RenderError> {
+        work: impl FnOnce(&mut Self, &Gpu, &Targets) -> Result<T, RenderError>,
+    ) -> Result<T, RenderError> {
         // What cannot be drawn is refused here, before anything that is kept has changed.
-        let raster = Raster::new(view)?;
-        let wanted = wanted_lights(aov, view.light, lights.len())?;
-        let samples = if aov.takes_samples() { view.samples } else { 1 };
+        let drawing = Drawing::new(&View { aov, ..view.clone() }, lights)?;
+        let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
         self.attempt(view.slot, |renderer, gpu| {
-            let Self { passes, scene, viewers, counts, view_uniform, .. } = renderer;
-            let targets = viewers.targets(gpu, passes, view)?;
-            targets.begin(scene.revision, view, aov, lights);
-            if targets.samples_drawn == samples {
-                return Ok(true);
-            }
-            if aov == Aov::Wireframe {
-                let picture = (&targets.radiance_view, targets.size);
-                renderer.lights.draw_wireframe(gpu, (passes, scene), &lights[view.light], picture)?;
-                counts.shadow += 1;
-                targets.samples_drawn = samples;
-                return Ok(true);
-            }
-            let new_encoder = || gpu.device.create_command_encoder(&CommandEncoderDescriptor::default());
-            let mut encoder = new_encoder();
-            let ready = renderer.lights.ready(gpu, &mut encoder, (passes, scene, &raster), lights, wanted)?;
-            counts.shadow += ready.iter().filter(|light| light.shadow_drawn).count() as u64;
+            gpu.ledger.begin();
+            let mut targets = renderer.viewers.take(gpu, &renderer.passes, view)?;
+            while !renderer.draw_sample(gpu, &mut targets, &drawing, tile, None)? {}
+            let result = work(renderer, gpu, &targets)?;
+            renderer.viewers.put(gpu, view.slot, targets);
+            Ok(result)
+        })
+    }
 
-            for sample in targets.samples_drawn..samples {
-                let offset = sample_offset(sample, samples);
-                let uniform = raster.uniform(offset, 1.0 / samples as f32, scene.origin)?;
-                gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
-                counts.gbuffer +=
-                    u64::from(targets.draw_gbuffer(&mut encoder, passes, scene, &raster, offset));
-                targets.draw_lighting(gpu, &mut encoder, (passes, scene), aov, &ready, sample == 0);
-                counts.lighting += 1;
-                // What is written to a buffer is seen by the next submission: one a sample.
-                gpu.queue.submit([std::mem::replace(&mut encoder, new_encoder()).finish()]);
-                targets.samples_drawn = sample + 1;
-                if targets.samples_drawn < samples {
-                    // Submitting is quick: without waiting, all would be under way before anybody can stop
-                    // it.
-                    gpu.wait()?;
-                    if !keep_going() {
-                        return Ok(false);
-                    }
+    /// Draws the next sample of what `drawing` shows in `tile`, or, where `pause` says so between two pieces of
+    /// work, a part of it. Returns whether nothing is left.
+    pub(crate) fn draw_sample(
+        &mut self,
+        gpu: &Gpu,
+        targets: &mut Targets,
+        drawing: &Drawing,
+        tile: Tile,
+        mut pause: Option<&mut dyn FnMut(Piece) -> bool>,
+    ) -> Result<bool, RenderError> {
+        let Drawing { view, lights, raster, wanted, samples } = drawing;
+        let Self { passes, scene, shadow_maps, counts, view_uniform, .. } = self;
+        let (passes, scene) = (&**passes, &*scene);
+        shadow_maps.begin(view.slot, &lights[wanted.clone()], scene.revision);
+        targets.begin(scene.revision, view, tile, lights);
+        let (sample, clear) = (targets.samples_drawn, targets.samples_drawn == 0);
+        if sample == *samples {
+            return Ok(true);
+        }
+        if view.aov == Aov::Wireframe {
+            let picture = (&targets.radiance_view, targets.size);
+            shadow_maps.draw_wireframe(gpu, (passes, scene), &lights[view.light], picture)?;
+            counts.shadow += 1;
+            targets.samples_drawn = *samples;
+            return Ok(true);
+        }
+        let offset = sample_offset(sample, *samples);
+        let uniform = raster.uniform(offset, 1.0 / *samples as f32, scene.origin, [tile.x, tile.y])?;
+        gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
+        let mut encoder = gpu.encoder();
+        let mut base = targets.lights_drawn.is_none();
+        if base {
+            let onto = (raster, tile);
+            counts.gbuffer += u64::from(targets.draw_gbuffer(&mut encoder, passes, scene, onto, offset));
+        }
+        let mut batch = Vec::new();
+        let first = wanted.start + targets.lights_drawn.unwrap_or(0);
+        for (index, light) in lights.iter().enumerate().take(wanted.end).skip(first) {
+            let ready = shadow_maps.ready(gpu, &mut encoder, (passes, scene, raster), light)?;
+            counts.shadow += u64::from(ready.shadow_drawn);
+            let (drawn, passing) = (ready.shadow_drawn, ready.passing.is_some());
+            if drawn
+                && !passing
+                && let Some(pause) = pause.as_deref_mut()
+            {
+                // The map is kept, and so the light can wait.
+                gpu.finish(&mut encoder)?;
+                if pause(Piece::ShadowMap) {
+                    // The G-buffer that may have been drawn is known by its key, the light by its map.
+                    return Ok(false);
                 }
             }
-            Ok(true)
-        })
+            batch.push(ready);
+            // A map that passes is to be gone before the next one comes.
+            if passing || pause.is_some() {
+                let onto = (view.aov, tile);
+                targets.draw_lighting(
+                    gpu,
+                    &mut encoder,
+                    (passes, scene),
+                    onto,
+                    (base, base && clear),
+                    &batch,
+                );
+                gpu.finish(&mut encoder)?;
+                batch.clear();
+                base = false;
+                targets.lights_drawn = Some(index + 1 - wanted.start);
+                if index + 1 < wanted.end && pause.as_deref_mut().is_some_and(|pause| pause(Piece::Pixels)) {
+                    return Ok(false);
+                }
+            }
+        }
+        if base || !batch.is_empty() {
+            let onto = (view.aov, tile);
+            targets.draw_lighting(gpu, &mut encoder, (passes, scene), onto, (base, base && clear), &batch);
+        }
+        gpu.queue.submit([encoder.finish()]);
+        counts.lighting += 1;
+        targets.samples_drawn = sample + 1;
+        targets.lights_drawn = None;
+        if sample + 1 < *samples || pause.is_some() {
+            // Submitting is quick: without waiting, all samples would be under way at once.
+            gpu.wait()?;
+        }
+        Ok(sample + 1 == *samples)
     }
 
     /// Draws one sample of the beauty of `view` under `lights`, whatever `view.aov` says, stage by stage, each anew
@@ -221,30 +282,36 @@ impl Renderer {
     pub fn time_stages(&mut self, view: &View, lights: &[Light]) -> Result<StageTimes, RenderError> {
         let raster = Raster::new(view)?;
         self.attempt(view.slot, |renderer, gpu| {
-            let Self { passes, scene, viewers, view_uniform, lights: slots, .. } = renderer;
-            let targets = viewers.targets(gpu, passes, view)?;
-            slots.invalidate();
-            let uniform = raster.uniform(DVec2::ZERO, 1.0, scene.origin)?;
+            gpu.ledger.begin();
+            let mut targets = renderer.viewers.take(gpu, &renderer.passes, view)?;
+            let Self { passes, scene, view_uniform, shadow_maps, .. } = renderer;
+            let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
+            shadow_maps.invalidate();
+            shadow_maps.begin(view.slot, lights, scene.revision);
+            let uniform = raster.uniform(DVec2::ZERO, 1.0, scene.origin, [0, 0])?;
             gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
             gpu.wait()?;
             let ((), gbuffer_ms) = timed(gpu, |encoder| {
                 targets.invalidate();
-                targets.draw_gbuffer(encoder, passes, scene, &raster, DVec2::ZERO);
+                targets.draw_gbuffer(encoder, passes, scene, (&raster, tile), DVec2::ZERO);
                 Ok(())
             })?;
             let (ready, shadow_ms) = timed(gpu, |encoder| {
-                slots.ready(gpu, encoder, (passes, scene, &raster), lights, 0..lights.len())
+                let mut ready = |light| shadow_maps.ready(gpu, encoder, (passes, scene, &raster), light);
+                lights.iter().map(&mut ready).collect::<Result<Vec<_>, _>>()
             })?;
             let ((), lighting_ms) = timed(gpu, |encoder| {
-                targets.draw_lighting(gpu, encoder, (passes, scene), Aov::Beauty, &ready, true);
+                let onto = (Aov::Beauty, tile);
+                targets.draw_lighting(gpu, encoder, (passes, scene), onto, (true, true), &ready);
                 Ok(())
             })?;
+            renderer.viewers.put(gpu, view.slot, targets);
             Ok(StageTimes { gbuffer_ms, shadow_ms, lighting_ms })
         })
     }
 
     /// Runs `work`; where it fails, nothing that it may have left half done is kept.
-    fn attempt<T>(
+    pub(crate) fn attempt<T>(
         &mut self,
         slot: ViewSlot,
         work: impl FnOnce(&mut Self, &Gpu) -> Result<T, RenderError>,
@@ -253,9 +320,42 @@ impl Renderer {
         let result = gpu.checked(|| work(self, &gpu));
         if result.is_err() {
             self.viewers.forget(slot);
-            self.lights.clear();
+            self.shadow_maps.clear();
         }
         result
+    }
+}
+
+/// A picture to draw, checked.
+#[derive(Clone, Debug)]
+pub(crate) struct Drawing {
+    pub view: View,
+    pub lights: Vec<Light>,
+    pub raster: Raster,
+    /// The lights that it needs.
+    pub wanted: Range<usize>,
+    /// Samples a pixel that it takes.
+    pub samples: u32,
+}
+
+/// What has been drawn and waited for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Piece {
+    /// A light's map, whatever the size of the picture.
+    ShadowMap,
+    /// Something of each pixel.
+    Pixels,
+}
+
+impl Drawing {
+    pub fn new(view: &View, lights: &[Light]) -> Result<Self, RenderError> {
+        Ok(Self {
+            raster: Raster::new(view)?,
+            wanted: wanted_lights(view.aov, view.light, lights.len())?,
+            samples: if view.aov.takes_samples() { view.samples } else { 1 },
+            view: view.clone(),
+            lights: lights.to_vec(),
+        })
     }
 }
 
@@ -265,7 +365,7 @@ fn timed<T>(
     stage: impl FnOnce(&mut CommandEncoder) -> Result<T, RenderError>,
 ) -> Result<(T, f64), RenderError> {
     let start = Instant::now();
-    let mut encoder = gpu.device.create_command_encoder(&CommandEncoderDescriptor::default());
+    let mut encoder = gpu.encoder();
     let result = stage(&mut encoder)?;
     gpu.queue.submit([encoder.finish()]);
     gpu.wait()?;

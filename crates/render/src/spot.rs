@@ -5,7 +5,8 @@ use std::sync::OnceLock;
 
 use bendy::{Decay, SpotLight};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
-use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, Buffer, CommandEncoder, Sampler};
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, CommandEncoder, Sampler};
 
 use crate::camera::columns;
 use crate::geometry::MAX_EXTENT;
@@ -143,9 +144,6 @@ pub(crate) struct SpotSlot {
     map: ShadowMap,
     /// What the map shows: a scene's revision and the light's shape.
     map_key: Option<(u64, Shape)>,
-    uniform: Buffer,
-    /// Group 2 of its lighting pass.
-    pub group: BindGroup,
 }
 
 impl SpotSlot {
@@ -182,19 +180,11 @@ impl SpotPass {
     }
 
     pub fn slot(&self, gpu: &Gpu, shadows: &ShadowSettings) -> SpotSlot {
-        let map = self.shadow.map(gpu, shadows.resolution);
-        let uniform = gpu.uniform_buffer::<layout::Spot>("spot");
-        let resources = [
-            uniform.as_entire_binding(),
-            BindingResource::TextureView(&map.depth),
-            BindingResource::Sampler(&self.sampler),
-        ];
-        let group = gpu.group("spot", &self.layouts[2], &resources);
-        SpotSlot { map, map_key: None, uniform, group }
+        SpotSlot { map: self.shadow.map(gpu, shadows.resolution), map_key: None }
     }
 
-    /// Brings `slot` up to date with `light` over `scene`. Returns the light in place and whether its map was
-    /// drawn.
+    /// Brings `slot` up to date with `light` over `scene`. Returns the light in place, group 2 of its lighting pass
+    /// and whether its map was drawn.
     pub fn prepare(
         &self,
         gpu: &Gpu,
@@ -202,16 +192,27 @@ impl SpotPass {
         slot: &mut SpotSlot,
         light: &SpotLight,
         (scene, shadows): (&StagedScene, &ShadowSettings),
-    ) -> Result<(PlacedSpot, bool), RenderError> {
+    ) -> Result<(PlacedSpot, BindGroup, bool), RenderError> {
         bendy::check_spot(light)?;
         let placed = PlacedSpot::new(light, scene.origin, scene.half_extent, shadows)?;
-        gpu.queue.write_buffer(&slot.uniform, 0, bytemuck::bytes_of(&placed.uniform));
+        let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
+            label: Some("spot"),
+            contents: bytemuck::bytes_of(&placed.uniform),
+            usage: BufferUsages::UNIFORM,
+        });
+        let resources = [
+            uniform.as_entire_binding(),
+            BindingResource::TextureView(&slot.map.depth),
+            BindingResource::Sampler(&self.sampler),
+        ];
+        // One a picture: lights that share a map have colours of their own.
+        let group = gpu.group("spot", &self.layouts[2], &resources);
         let key = Some((scene.revision, Shape::of(light)));
         let stale = slot.map_key != key;
         if stale {
             self.shadow.draw(gpu, encoder, &slot.map, &placed.shadow_view, scene);
             slot.map_key = key;
         }
-        Ok((placed, stale))
+        Ok((placed, group, stale))
     }
 }

@@ -7,6 +7,7 @@ use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages};
 
 use crate::casters::Casters;
 use crate::geometry::{Geometry, Posed};
+use crate::ledger::{Entry, MemoryKind};
 use crate::material::{MaterialDraw, material_draws};
 use crate::{Gpu, RenderError, layout};
 
@@ -29,6 +30,8 @@ pub(crate) struct StagedScene {
     pub view: BindGroup,
     /// Group 2 of the fill's pass; see `fill.wgsl`.
     pub fill: BindGroup,
+    /// Counts its buffers and textures.
+    _entry: Entry,
 }
 
 /// The layouts of the groups that a scene fills.
@@ -63,7 +66,7 @@ impl StagedScene {
             }),
             usage: BufferUsages::UNIFORM,
         });
-        let draws = material_draws(gpu, &layouts.material, scene, &posed)?;
+        let (draws, texture_bytes) = material_draws(gpu, &layouts.material, scene, &posed)?;
         let surface = Casters {
             positions: geometry.positions.clone(),
             indices: geometry.indices.clone(),
@@ -72,6 +75,7 @@ impl StagedScene {
             opaque_indices: draws.iter().rfind(|draw| !draw.masked).map_or(0, |draw| draw.indices.end),
         };
         let casters = surface.simplified(gpu, mesh_error)?;
+        let bytes = texture_bytes + geometry.bytes();
         Ok(Self {
             revision,
             origin: posed.scene_origin,
@@ -82,6 +86,7 @@ impl StagedScene {
             draws,
             view,
             fill: gpu.group("fill", &layouts.fill, &[fill_uniform.as_entire_binding()]),
+            _entry: gpu.ledger.enter(MemoryKind::Scenes, bytes),
         })
     }
 }

@@ -1,4 +1,4 @@
-//! What each viewer's picture is drawn into, and what it holds.
+//! What pictures are drawn into, and what it holds: a viewer's whole picture, or one tile of a larger one.
 
 use glam::{DAffine3, DVec2};
 use scene::{Light, Projection};
@@ -6,23 +6,25 @@ use wgpu::{BindGroup, CommandEncoder, Texture, TextureView, TextureViewDescripto
 
 use crate::camera::Raster;
 use crate::gbuffer::Gbuffer;
+use crate::ledger::{Kept, MemoryKind};
 use crate::lights::{LightingKind, ReadyLight};
 use crate::passes::Passes;
 use crate::pipeline::color_attachment;
 use crate::staged::StagedScene;
+use crate::tile::Tile;
 use crate::{Aov, Gpu, RenderError, View, ViewSlot, display, lighting};
 
-/// Most viewers whose targets are kept; each takes 40 bytes a pixel. Past it, the one that drew longest ago
-/// starts anew.
-const MAX_SLOTS: usize = 32;
+/// Bytes a pixel of targets: G-buffer, its depth, radiance, display.
+pub(crate) const BYTES_A_PIXEL: u64 = 16 + 4 + 16 + 4;
 
-/// The targets of every viewer, the one that drew last at the end.
+/// The targets of every viewer.
 #[derive(Debug, Default)]
-pub(crate) struct Viewers(Vec<(ViewSlot, Targets)>);
+pub(crate) struct Viewers(Vec<(ViewSlot, Kept<Targets>)>);
 
 /// What is made once a viewer and picture size.
 #[derive(Debug)]
 pub(crate) struct Targets {
+    /// Width and height in pixels, of the tile where there is one.
     pub size: [u32; 2],
     gbuffer: Gbuffer,
     /// What the G-buffer shows.
@@ -30,10 +32,12 @@ pub(crate) struct Targets {
     pub radiance: Texture,
     pub radiance_view: TextureView,
     radiance_group: BindGroup,
-    /// What the radiance shows: of which scene's revision, in which view, under which lights.
-    shown: Option<(u64, View, Vec<Light>)>,
+    /// What the radiance shows: of which scene's revision, in which view, which tile, under which lights.
+    shown: Option<(u64, View, Tile, Vec<Light>)>,
     /// Samples a pixel of it that have been added up.
     pub samples_drawn: u32,
+    /// How many of the lights the sample after those has; `None` before it has anything.
+    pub lights_drawn: Option<usize>,
     pub display: Texture,
     display_view: TextureView,
 }
@@ -44,28 +48,40 @@ struct GbufferKey {
     revision: u64,
     world_from_camera: DAffine3,
     projection: Projection,
+    size: [u32; 2],
+    tile: Tile,
     sample_offset: DVec2,
 }
 
 impl Viewers {
-    /// The targets of the viewer of `view`, as it left them if the size is still the same.
-    pub fn targets(&mut self, gpu: &Gpu, passes: &Passes, view: &View) -> Result<&mut Targets, RenderError> {
+    /// The targets of the viewer of `view`, as it left them if the size is still the same. They are the caller's
+    /// until it puts them back.
+    pub fn take(&mut self, gpu: &Gpu, passes: &Passes, view: &View) -> Result<Targets, RenderError> {
         let limit = gpu.device.limits().max_texture_dimension_2d;
-        let size = view.width.max(view.height);
-        if size > limit {
+        let side = view.width.max(view.height);
+        if side > limit {
             let what = "the picture's width or height";
-            return Err(RenderError::TooLarge { what, size: f64::from(size), limit: f64::from(limit) });
+            return Err(RenderError::TooLarge { what, size: f64::from(side), limit: f64::from(limit) });
         }
-        let known = self.0.iter().position(|(slot, _)| *slot == view.slot);
-        let kept = known.map(|index| self.0.remove(index).1);
-        let targets = kept
-            .filter(|targets| targets.size == [view.width, view.height])
-            .unwrap_or_else(|| Targets::new(gpu, passes, view.width, view.height));
-        if self.0.len() == MAX_SLOTS {
-            self.0.remove(0);
+        self.0.retain(|(_, targets)| targets.is_there());
+        let size = [view.width, view.height];
+        let kept = self.0.iter().find(|(slot, _)| *slot == view.slot).and_then(|(_, kept)| kept.take());
+        if let Some(targets) = kept.filter(|targets| targets.size == size) {
+            return Ok(targets);
         }
-        self.0.push((view.slot, targets));
-        Ok(&mut self.0.last_mut().expect("one was pushed").1)
+        self.forget(view.slot);
+        gpu.make_room(bytes(size));
+        Ok(Targets::new(gpu, passes, size))
+    }
+
+    /// Keeps the targets of a viewer for its next picture.
+    pub fn put(&mut self, gpu: &Gpu, slot: ViewSlot, targets: Targets) {
+        if let Some((_, kept)) = self.0.iter().find(|(known, _)| *known == slot) {
+            kept.put(targets);
+        } else {
+            let kept = gpu.ledger.keep(MemoryKind::Views, bytes(targets.size), targets);
+            self.0.push((slot, kept));
+        }
     }
 
     /// Drops the targets of a viewer.
@@ -74,13 +90,18 @@ impl Viewers {
     }
 }
 
+fn bytes([width, height]: [u32; 2]) -> u64 {
+    u64::from(width) * u64::from(height) * BYTES_A_PIXEL
+}
+
 impl Targets {
-    fn new(gpu: &Gpu, passes: &Passes, width: u32, height: u32) -> Self {
+    pub fn new(gpu: &Gpu, passes: &Passes, size: [u32; 2]) -> Self {
+        let [width, height] = size;
         let radiance = gpu.target("radiance", width, height, lighting::FORMAT);
         let radiance_view = radiance.create_view(&TextureViewDescriptor::default());
         let display = gpu.target("display", width, height, display::FORMAT);
         Self {
-            size: [width, height],
+            size,
             gbuffer: passes.gbuffer.targets(gpu, width, height),
             gbuffer_key: None,
             radiance_group: passes.display.group(gpu, &radiance_view),
@@ -88,18 +109,20 @@ impl Targets {
             radiance_view,
             shown: None,
             samples_drawn: 0,
+            lights_drawn: None,
             display_view: display.create_view(&TextureViewDescriptor::default()),
             display,
         }
     }
 
     /// Starts anew, unless the radiance shows this picture or the beginning of it.
-    pub fn begin(&mut self, revision: u64, view: &View, aov: Aov, lights: &[Light]) {
-        let view = View { aov, ..view.clone() };
-        let same = |(r, v, l): &(u64, View, Vec<Light>)| *r == revision && *v == view && l == lights;
+    pub fn begin(&mut self, revision: u64, view: &View, tile: Tile, lights: &[Light]) {
+        let same = |(r, v, t, l): &(u64, View, Tile, Vec<Light>)| {
+            (*r, v, *t, &l[..]) == (revision, view, tile, lights)
+        };
         if !self.shown.as_ref().is_some_and(same) {
-            self.shown = Some((revision, view, lights.to_vec()));
-            self.samples_drawn = 0;
+            self.shown = Some((revision, view.clone(), tile, lights.to_vec()));
+            (self.samples_drawn, self.lights_drawn) = (0, None);
         }
     }
 
@@ -114,53 +137,56 @@ impl Targets {
         encoder: &mut CommandEncoder,
         passes: &Passes,
         scene: &StagedScene,
-        raster: &Raster,
+        (raster, tile): (&Raster, Tile),
         sample_offset: DVec2,
     ) -> bool {
+        let size = [raster.width, raster.height];
         let key = Some(GbufferKey {
             revision: scene.revision,
             world_from_camera: raster.world_from_camera,
             projection: raster.projection,
+            size,
+            tile,
             sample_offset,
         });
         let stale = self.gbuffer_key != key;
         if stale {
-            passes.gbuffer.draw(encoder, &self.gbuffer, &scene.view, &scene.geometry, &scene.draws);
+            passes.gbuffer.draw(encoder, &self.gbuffer, (size, tile), scene);
             self.gbuffer_key = key;
         }
         stale
     }
 
-    /// Adds one sample of `aov`, to nothing if it is the first.
+    /// Adds to the radiance, or to nothing if it is the picture's beginning: what of one sample of `aov` comes from
+    /// no light where `base`, and what comes from `lights`. They reach pixels of the picture, of which this is `tile`.
     pub fn draw_lighting(
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         (passes, scene): (&Passes, &StagedScene),
-        aov: Aov,
+        (aov, tile): (Aov, Tile),
+        (base, clear): (bool, bool),
         lights: &[ReadyLight],
-        first: bool,
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("lighting"),
-            color_attachments: &[Some(color_attachment(&self.radiance_view, first))],
+            color_attachments: &[Some(color_attachment(&self.radiance_view, clear))],
             ..Default::default()
         });
         pass.set_bind_group(0, &scene.view, &[]);
         pass.set_bind_group(1, &self.gbuffer.surface, &[]);
-        let [width, height] = self.size;
-        let everywhere = [0, 0, width, height];
+        let everywhere = [0, 0, tile.width, tile.height];
         match aov {
-            Aov::Beauty => passes.fill.draw(gpu, &mut pass, aov, Some(&scene.fill), everywhere),
-            Aov::Depth | Aov::Normal => passes.inspect.draw(gpu, &mut pass, aov, None, everywhere),
-            Aov::T | Aov::Vw | Aov::Direction | Aov::Visibility | Aov::Wireframe => {}
+            Aov::Beauty if base => passes.fill.draw(gpu, &mut pass, aov, Some(&scene.fill), everywhere),
+            Aov::Depth | Aov::Normal if base => passes.inspect.draw(gpu, &mut pass, aov, None, everywhere),
+            _ => {}
         }
         for light in lights {
             let lighting = match light.kind {
                 LightingKind::Spot(filter) => passes.spot.lighting(gpu, filter),
                 LightingKind::Bendy(baked) => passes.bendy.lighting(gpu, baked),
             };
-            lighting.draw(gpu, &mut pass, aov, Some(&light.group), light.pixels);
+            lighting.draw(gpu, &mut pass, aov, Some(&light.group), tile.cut(light.pixels));
         }
     }
 

@@ -18,8 +18,10 @@ pub const MAX_UPLOADS: usize = 32;
 pub const MAX_ROOMS: usize = 64;
 /// Clients in one session.
 pub const MAX_CLIENTS: usize = 64;
-/// Sessions' documents that the renderer holds at once; others are staged again when they are next drawn.
-pub const MAX_STAGES: usize = 8;
+/// Bytes that the renderer keeps, over all sessions: a quarter of `MemoryMax` in `deploy/bendylights.service`, which
+/// leaves as much for eight stills with their files, and half for scenes and documents. With more in use at once, what
+/// was used longest ago is made again when it is next needed.
+pub const MAX_RENDER_BYTES: u64 = 4 << 30;
 /// Decoded scenes kept besides those in use.
 pub const MAX_SCENES_KEPT: usize = 4;
 
@@ -36,7 +38,7 @@ pub const MAX_LABEL_BYTES: usize = 128;
 
 /// Pixels along a side of a picture.
 pub const MAX_VIEW_SIDE: u32 = 4096;
-/// Pixels of a view that is streamed, enough for 3840 x 2160; the GPU keeps 40 bytes for each.
+/// Pixels of a view that is streamed, enough for 3840 x 2160; the renderer keeps 40 bytes for each.
 pub const MAX_VIEW_PIXELS: u32 = 1 << 23;
 /// Samples a pixel of a picture for HTTP.
 pub const MAX_SAMPLES: u32 = 64;
@@ -88,8 +90,14 @@ pub const LEASE_CHECK_EVERY: Duration = Duration::from_secs(1);
 pub const STALLED_CHECK_EVERY: Duration = Duration::from_millis(100);
 /// How often all are told where the others' cameras are, at most.
 pub const PRESENCE_EVERY: Duration = Duration::from_millis(100);
-/// How long a picture of less urgency waits behind moving ones before it gets a sample all the same.
-pub const PATIENCE: Duration = Duration::from_millis(500);
+/// Share of the renderer's time that views at rest get while something moves, and stills while anything else goes on.
+pub const REST_SHARE: f64 = 0.1;
+/// How long after its last picture something still moves: a drag's next one is asked for when the last is shown.
+pub const MOVING_FOR: Duration = Duration::from_millis(300);
+/// How long a picture at rest is worked on at once, at least: what beginning takes is to be a small part of it.
+pub const TURN_AT_LEAST: Duration = Duration::from_millis(5);
+/// The same at most: so long may something that begins to move have to wait.
+pub const TURN_AT_MOST: Duration = Duration::from_millis(50);
 /// How long a server that is asked to stop may take.
 pub const DRAIN_WITHIN: Duration = Duration::from_secs(10);
 /// When clients should try again after that.

@@ -6,6 +6,7 @@ use prometheus_client::metrics::family::Family;
 use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::histogram::{Histogram, exponential_buckets};
 use prometheus_client::registry::Registry;
+use render::{Ledger, MemoryKind};
 use stream::Codec;
 
 /// Every count, with the registry that knows their names.
@@ -34,6 +35,13 @@ pub struct Metrics {
     pub clients: Gauge,
     /// Sessions that are open.
     pub rooms: Gauge,
+    /// How often pictures for HTTP were worked on.
+    pub still_turns: Counter,
+    /// How often the one under way was that was so least often.
+    pub least_still_turns: Gauge,
+    /// Bytes that the renderer keeps, by kind; read from the ledger when they are asked for.
+    render_bytes: Family<MemoryLabel, Gauge>,
+    ledger: Ledger,
 }
 
 /// By encoding.
@@ -49,6 +57,12 @@ pub struct OutcomeLabel {
     pub outcome: String,
 }
 
+/// By what memory is kept for.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct MemoryLabel {
+    kind: &'static str,
+}
+
 impl From<Codec> for CodecLabel {
     fn from(codec: Codec) -> Self {
         let codec = match codec {
@@ -61,7 +75,7 @@ impl From<Codec> for CodecLabel {
 
 impl Metrics {
     /// All at zero.
-    pub fn new() -> Self {
+    pub fn new(ledger: Ledger) -> Self {
         // From a millisecond to 8 seconds, each bound twice the one before.
         let seconds = || Histogram::new(exponential_buckets(0.001, 2.0, 14));
         let mut metrics = Self {
@@ -77,9 +91,18 @@ impl Metrics {
             encode_seconds: seconds(),
             clients: Gauge::default(),
             rooms: Gauge::default(),
+            still_turns: Counter::default(),
+            least_still_turns: Gauge::default(),
+            render_bytes: Family::default(),
+            ledger,
         };
         metrics.register();
         metrics
+    }
+
+    /// The account of what the renderer keeps.
+    pub fn ledger(&self) -> &Ledger {
+        &self.ledger
     }
 
     fn register(&mut self) {
@@ -100,6 +123,18 @@ impl Metrics {
         registry.register("encode_seconds", "Encodings for views", self.encode_seconds.clone());
         registry.register("clients", "Clients that have said hello", self.clients.clone());
         registry.register("rooms", "Sessions that are open", self.rooms.clone());
+        registry.register(
+            "still_turns",
+            "How often pictures for HTTP were worked on",
+            self.still_turns.clone(),
+        );
+        let least =
+            "How often the picture for HTTP was worked on that was so least often, of those under way";
+        registry.register("least_still_turns", least, self.least_still_turns.clone());
+        registry.register("render_bytes", "Bytes that the renderer keeps", self.render_bytes.clone());
+        let budget: Gauge = Gauge::default();
+        budget.set(bytes(self.ledger.budget()));
+        registry.register("render_bytes_budget", "Bytes that the renderer keeps at most", budget);
     }
 
     /// Counts a request for a record.
@@ -109,8 +144,16 @@ impl Metrics {
 
     /// All of them in Prometheus' text format.
     pub fn to_text(&self) -> String {
+        for kind in MemoryKind::ALL {
+            let label = MemoryLabel { kind: kind.name() };
+            self.render_bytes.get_or_create(&label).set(bytes(self.ledger.bytes(kind)));
+        }
         let mut out = String::new();
         text::encode(&mut out, &self.registry).expect("writing to a string does not fail");
         out
     }
+}
+
+fn bytes(count: u64) -> i64 {
+    i64::try_from(count).unwrap_or(i64::MAX)
 }

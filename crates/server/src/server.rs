@@ -4,10 +4,10 @@ use std::fs::{File, TryLockError};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicU64;
 use std::time::Instant;
 
 use edit::{Actor, Request, Sources};
+use render::Ledger;
 use scene::{AssetHash, Command};
 use store::{Batch, Store};
 use tokio::net::TcpListener;
@@ -18,7 +18,7 @@ use tokio_util::task::TaskTracker;
 
 use crate::backend::Backend;
 use crate::hosts::{Hosts, PublicUrl};
-use crate::limits::{DRAIN_WITHIN, MAX_REQUESTS, MAX_SOCKETS, MAX_STILLS, MAX_UPLOADS};
+use crate::limits::{DRAIN_WITHIN, MAX_RENDER_BYTES, MAX_REQUESTS, MAX_SOCKETS, MAX_STILLS, MAX_UPLOADS};
 use crate::metrics::Metrics;
 use crate::renderer::{RenderThread, Renders};
 use crate::room::{Rooms, time_ms};
@@ -47,6 +47,7 @@ pub struct Server {
     store: Store,
     renders: Renders,
     render_thread: RenderThread,
+    metrics: Arc<Metrics>,
     token: Token,
     data: PathBuf,
     public_urls: Vec<PublicUrl>,
@@ -69,17 +70,16 @@ pub struct Shared {
     pub stills: Semaphore,
     /// A permit for each scene on its way here.
     pub uploads: Semaphore,
-    /// Counts pictures for HTTP: each has a slot of its own in the renderer, from the other end than clients'.
-    pub stills_begun: AtomicU64,
 }
 
 impl Server {
     /// Takes the data folder, makes the first session where it is missing, and opens the graphics device. Blocks.
     pub fn open(config: &Config) -> Result<Self, ServerError> {
         let Data { store, token, lock } = Data::open(config)?;
-        let (renders, render_thread) = Renders::start()?;
+        let metrics = Arc::new(Metrics::new(Ledger::new(MAX_RENDER_BYTES)));
+        let (renders, render_thread) = Renders::start(Arc::clone(&metrics))?;
         let (data, public_urls) = (config.data.clone(), config.public_urls.clone());
-        Ok(Self { store, renders, render_thread, token, data, public_urls, _lock: lock })
+        Ok(Self { store, renders, render_thread, metrics, token, data, public_urls, _lock: lock })
     }
 
     /// The secret that clients need.
@@ -94,9 +94,9 @@ impl Server {
         shutdown: impl Future<Output = ()> + Send + 'static,
     ) -> Result<(), ServerError> {
         // Whether all ends well or is cut off, the render thread has ended when this returns.
-        let Self { store, renders, render_thread: _render_thread, token, data, public_urls, _lock } = self;
+        let Self { store, renders, render_thread: _render_thread, metrics, token, data, public_urls, _lock } =
+            self;
         let address = listener.local_addr().map_err(ServerError::Listen)?;
-        let metrics = Arc::new(Metrics::new());
         let storage = Storage::start(&data, store, Arc::clone(&metrics));
         let backend = Backend {
             scenes: Arc::new(Scenes::new(storage.clone())),
@@ -116,7 +116,6 @@ impl Server {
             requests: Semaphore::new(MAX_REQUESTS),
             stills: Semaphore::new(MAX_STILLS),
             uploads: Semaphore::new(MAX_UPLOADS),
-            stills_begun: AtomicU64::new(0),
         });
         let router = http::router(Arc::clone(&shared));
         let serving = tokio::spawn(connections::serve(listener, router, backend.draining.clone()));

@@ -1,8 +1,9 @@
 //! `bendylights bench session`: how long until an edit is on the screen.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
-use ::bench::session;
+use ::bench::{session, stills};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::error::Error;
@@ -18,8 +19,12 @@ Prints JSON: edit to decoded frame (p50, p95), and where the time of each frame'
   send    all else: the update's and the frame's way through sockets and queues
   decode  by the client
 
-Example:
-  bendylights bench session --updates 240 -o session.svg")]
+With --stills N another session asks for N pictures meanwhile; prints JSON: frame rate, usual and longest gap of a
+drag alone and beside them, how often the one was worked on that was so least often, and when all were there.
+
+Examples:
+  bendylights bench session --updates 240 -o session.svg
+  bendylights bench session --stills 8 --still-size 4096x4096")]
 pub struct Args {
     /// Width and height of the view in pixels
     #[arg(long, default_value = "686x382", value_name = "WxH")]
@@ -27,12 +32,21 @@ pub struct Args {
     /// Updates of the drag, one an animation frame (1/60 s)
     #[arg(long, default_value_t = 240, value_name = "N", value_parser = clap::value_parser!(u64).range(10..=100_000))]
     updates: u64,
+    /// Pictures of 16 samples a pixel that another session asks for meanwhile
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=8), conflicts_with = "output")]
+    stills: Option<u64>,
+    /// Width and height of those in pixels
+    #[arg(long, default_value = "2048x2048", value_name = "WxH", requires = "stills")]
+    still_size: Size,
     /// Chart to write: a bar a frame, its stages stacked
     #[arg(short, value_name = "OUT.svg")]
     output: Option<PathBuf>,
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
+    if let Some(count) = args.stills {
+        return beside_stills(args, count);
+    }
     let output = args.output.as_deref().map(Output::create).transpose()?;
     let program = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} updates").expect("a valid template");
@@ -45,5 +59,18 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if let Some(output) = output {
         output.write(chart.as_bytes())?;
     }
+    crate::answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))
+}
+
+fn beside_stills(args: &Args, count: u64) -> Result<(), Error> {
+    let program = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
+    let options = stills::Options {
+        view: [args.size.width, args.size.height],
+        drag: Duration::from_millis(args.updates * 1_000 / 60),
+        stills: count as usize,
+        still: [args.still_size.width, args.still_size.height],
+        samples: 16,
+    };
+    let report = stills::run(&program, &options).map_err(Error::Bench)?;
     crate::answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))
 }

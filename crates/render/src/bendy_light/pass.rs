@@ -41,6 +41,12 @@ impl Shape {
             end_mode: light.end_mode,
         }
     }
+
+    fn is_of(&self, light: &BendyLight) -> bool {
+        let Self { transform, points, radii, up, frame, end_mode } = self;
+        (transform, points, radii) == (&light.transform, &light.points, &light.radii)
+            && (up, frame, end_mode) == (&light.up, &light.frame, &light.end_mode)
+    }
 }
 
 /// The pipelines, which outlive scenes and lights.
@@ -96,7 +102,7 @@ impl BendySlot {
 
     /// Whether its map is that of `light` over the scene of that revision.
     pub fn shows(&self, light: &BendyLight, revision: u64) -> bool {
-        self.map_key.as_ref().is_some_and(|(r, shape)| *r == revision && *shape == Shape::of(light))
+        self.map_key.as_ref().is_some_and(|(r, shape)| *r == revision && shape.is_of(light))
     }
 }
 

@@ -14,6 +14,7 @@ use super::layout::{BentCounts, BentMap, BentShadow, Patch, STAGES, Slab};
 use super::slab::{self, SLABS_A_TURN};
 use super::tube_from_scene;
 use super::wireframe::Drawing;
+use crate::ledger::{Kept, MemoryKind};
 use crate::pipeline::DEPTH_FORMAT;
 use crate::staged::StagedScene;
 use crate::{Gpu, RenderError, ShadowSettings, readback, shaders};
@@ -38,7 +39,7 @@ pub(crate) struct BentShadowPass {
 #[derive(Debug)]
 pub(crate) struct BentWork {
     pub room: Room,
-    buffers: Option<Buffers>,
+    buffers: Option<Kept<Buffers>>,
 }
 
 /// How many items fit.
@@ -137,9 +138,11 @@ impl BentShadowPass {
         first: bool,
     ) -> Result<bool, RenderError> {
         let map = work.map(request, slabs);
-        let buffers = match work.buffers.take() {
-            Some(kept) if kept.fits(&map) => kept,
-            _ => Buffers::new(gpu, &map),
+        let kept = work.buffers.take();
+        let fitting = kept.as_ref().and_then(Kept::take).filter(|buffers| buffers.fits(&map));
+        let (kept, buffers) = match (kept, fitting) {
+            (Some(kept), Some(buffers)) => (Some(kept), buffers),
+            _ => (None, Buffers::new(gpu, &map)),
         };
         let mut table: Vec<Slab> = slabs.iter().map(|slab| slab.0).collect();
         table.resize(SLABS_A_TURN, Slab::default());
@@ -152,7 +155,12 @@ impl BentShadowPass {
         }
         gpu.queue.submit([encoder.finish()]);
         let counts = readback::buffer::<BentCounts>(gpu, &buffers.counts)?[0];
-        work.buffers = Some(buffers);
+        work.buffers = Some(if let Some(kept) = kept {
+            kept.put(buffers);
+            kept
+        } else {
+            gpu.ledger.keep(MemoryKind::ShadowWork, buffers.bytes(), buffers)
+        });
         let needed = work.room.grown_for(&counts);
         needed.check(gpu)?;
         let fitted = needed == work.room;
@@ -348,6 +356,12 @@ impl Buffers {
         let room =
             Room { work: map.work_capacity, patches: map.patch_capacity, split_vertices: map.split_capacity };
         (map.vertex_count, map.triangle_count, room)
+    }
+
+    fn bytes(&self) -> u64 {
+        let [even, odd] = &self.patches;
+        let all = [&self.mapped, &self.vertex_slab, &self.whole_indices, &self.work, even, odd];
+        all.into_iter().chain([&self.split_vertices]).map(Buffer::size).sum()
     }
 
     fn fits(&self, map: &BentMap) -> bool {

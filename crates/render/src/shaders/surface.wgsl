@@ -23,12 +23,13 @@ struct Surface {
 @group(1) @binding(0) var gbuffer: texture_2d<u32>;
 @group(1) @binding(1) var gbuffer_z: texture_2d<f32>;
 
+// `pixel` counts from the corner of the target.
 fn surface_at(pixel: vec2u) -> Surface {
     let packed = textureLoad(gbuffer, pixel, 0);
     if packed.y == 0u {
         return Surface();
     }
-    let at = vec2f(pixel);
+    let at = vec2f(pixel) + view.tile_origin;
     let origin = view.ray_origin + at.x * view.ray_origin_dx + at.y * view.ray_origin_dy;
     let direction = view.ray_direction + at.x * view.ray_direction_dx + at.y * view.ray_direction_dy;
 

@@ -15,6 +15,8 @@ struct View {
     ray_direction_dy: vec3f,
     // Distance along the view axis = (c.x + c.y z) / (c.z + c.w z).
     depth_from_z: vec4f,
+    // The pixel of the picture that the target's first one is.
+    tile_origin: vec2f,
 }
 
 @group(0) @binding(0) var<uniform> view: View;

@@ -1,12 +1,11 @@
 //! `GET /sessions/S/render`: a picture of the document, as it is or as it was.
 
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 use axum::extract::State;
 use axum::http::{Uri, header};
 use axum::response::IntoResponse;
-use render::{Aov, PictureFormat, View, ViewSlot};
+use render::{Aov, PictureFormat, View};
 use scene::{Camera, Document, Light, framing_camera};
 use serde::Deserialize;
 use tokio::task::spawn_blocking;
@@ -14,7 +13,7 @@ use tokio::task::spawn_blocking;
 use super::{Answer, SessionName, read_query};
 use crate::ServerError;
 use crate::limits::{MAX_SAMPLES, MAX_STILLS, MAX_VIEW_SIDE};
-use crate::renderer::{Output, Request, Urgency};
+use crate::renderer::{Lease, Output, Request, Urgency};
 use crate::room::{Message, Snapshot};
 use crate::server::Shared;
 
@@ -41,12 +40,21 @@ enum Format {
     Exr,
 }
 
+impl From<Format> for PictureFormat {
+    fn from(format: Format) -> Self {
+        match format {
+            Format::Png => Self::Png,
+            Format::Exr => Self::Exr,
+        }
+    }
+}
+
 /// The picture that the address asks for. It waits behind the views.
 pub async fn render(State(shared): State<Arc<Shared>>, SessionName(name): SessionName, uri: Uri) -> Answer {
     let query: Query = read_query(&uri)?;
     let too_many = |_| ServerError::TooMany { what: "pictures", limit: MAX_STILLS };
     let _permit = shared.stills.try_acquire().map_err(too_many)?;
-    let Snapshot { name, mut document, stage, .. } =
+    let Snapshot { name, mut document, lease: session, .. } =
         shared.rooms.find(&name).await?.ask(Message::Look).await?;
     if let Some(seq) = query.at {
         let replayed =
@@ -56,20 +64,24 @@ pub async fn render(State(shared): State<Arc<Shared>>, SessionName(name): Sessio
         document = replayed.await?.document().clone();
     }
     let format = query.format.unwrap_or_default();
-    let slot = ViewSlot(u64::MAX - shared.stills_begun.fetch_add(1, Ordering::Relaxed));
-    let request = request(query, document, (stage, slot)).await?;
-    let drawn = shared.backend.renders.draw(request).await?;
+    let request = request(query, document, (session, shared.backend.renders.lease())).await?;
+    let (view, lights) = (request.view.clone(), request.lights.clone());
+    let picture_format = format.into();
+    let pixels = shared.backend.renders.draw(request).await?.pixels;
+    // Compressing takes seconds, in which the renderer can draw for others.
+    let file = spawn_blocking(move || pixels.into_file(&view, &lights, picture_format));
+    let file = file.await.map_err(|_| ServerError::Fault)??;
     let kind = match format {
         Format::Png => "image/png",
         Format::Exr => "image/x-exr",
     };
-    Ok(([(header::CONTENT_TYPE, kind)], drawn.bytes).into_response())
+    Ok(([(header::CONTENT_TYPE, kind)], file).into_response())
 }
 
 async fn request(
     query: Query,
     document: Document,
-    (stage, slot): (u64, ViewSlot),
+    (session, viewer): (Arc<Lease>, Arc<Lease>),
 ) -> Result<Request, ServerError> {
     let [width, height] = query.size.as_deref().map_or(Ok(DEFAULT_SIZE), size)?;
     let samples = query.samples.unwrap_or(1);
@@ -89,14 +101,12 @@ async fn request(
         None => default_camera(&document, f64::from(width) / f64::from(height)).await?,
     };
     Ok(Request {
-        stage,
         scene: Arc::clone(document.scene()),
-        view: View { camera, width, height, samples, aov, light, slot },
+        view: View { camera, width, height, samples, aov, light, slot: viewer.slot() },
+        session,
+        viewer,
         lights: lights(&document),
-        output: Output::File(match query.format.unwrap_or_default() {
-            Format::Png => PictureFormat::Png,
-            Format::Exr => PictureFormat::Exr,
-        }),
+        output: Output::File(query.format.unwrap_or_default().into()),
         urgency: Urgency::Still,
     })
 }

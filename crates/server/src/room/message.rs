@@ -9,6 +9,7 @@ use tokio::sync::{mpsc, oneshot, watch};
 
 use crate::ServerError;
 use crate::lane::Lane;
+use crate::renderer::Lease;
 
 /// A client of a session. Counts from 1 while the session is open.
 pub type ClientId = u64;
@@ -135,8 +136,8 @@ pub struct Snapshot {
     pub seq: u64,
     /// The document after it.
     pub document: Document,
-    /// The number that the renderer keeps its scene by.
-    pub stage: u64,
+    /// Keeps what the renderer has of it.
+    pub lease: Arc<Lease>,
 }
 
 /// How the opening of a session goes.

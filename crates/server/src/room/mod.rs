@@ -32,6 +32,7 @@ pub(crate) use tick::time_ms;
 use crate::ServerError;
 use crate::backend::Backend;
 use crate::limits::{IDLE_AT_MOST, LEASE_CHECK_EVERY, PRESENCE_EVERY, RETRY_AFTER, STALLED_CHECK_EVERY};
+use crate::renderer::Lease;
 use clients::Client;
 use directory::Signs;
 use message::Opening;
@@ -41,8 +42,10 @@ use tick::Batch;
 /// What the task owns.
 struct Room {
     name: Arc<str>,
-    /// Names the room among all there ever were; the renderer keeps its scene by it.
+    /// Names the room among all there ever were.
     number: u64,
+    /// Keeps what the renderer has of its scenes.
+    lease: Arc<Lease>,
     epoch: String,
     backend: Backend,
     session: edit::Session,
@@ -106,7 +109,6 @@ async fn run(
         }
         Err(error) => drop(opening.send_replace(Opening::Failed(Arc::new(error)))),
     }
-    backend.renders.forget(number);
 }
 
 impl Room {
@@ -131,6 +133,7 @@ impl Room {
             name: Arc::clone(name),
             number,
             epoch: row.epoch,
+            lease: backend.renders.lease(),
             backend,
             surroundings: Surroundings::of(session.document().scene()).await?,
             session,

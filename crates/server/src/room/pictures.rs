@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
-use render::{Aov, View as RenderView, ViewSlot};
+use render::{Aov, Pixels, View as RenderView};
 use stream::{Codec, Content, Flags, FrameHeader, HEADER_BYTES, MOVING_QUALITY, Next, Quality, Tile};
 use tokio::task::{Id, JoinError, spawn_blocking};
 
@@ -141,7 +141,8 @@ impl Room {
 
     /// Starts a picture of a view, unless one is under way or cannot be made.
     fn start_picture(&mut self, owner: ClientId, quality: Quality) {
-        let (log_seq, live_revision, stage) = (self.session.seq(), self.live_revision, self.number);
+        let (log_seq, live_revision) = (self.session.seq(), self.live_revision);
+        let session = Arc::clone(&self.lease);
         let Some(view) = self.clients.get_mut(&owner).and_then(|client| client.source.own()) else { return };
         if view.under_way.is_some() || view.failed == Some(view.content.revision) {
             return;
@@ -151,7 +152,8 @@ impl Room {
         let (size, camera_revision, content) = (view.size, view.camera_revision, view.content);
         let stamp = Stamp { content, quality, log_seq, live_revision, camera_revision, size };
         let request = Request {
-            stage,
+            session,
+            viewer: Arc::clone(&view.lease),
             scene: document.scene().clone(),
             view: RenderView {
                 camera: view.camera.clone(),
@@ -160,7 +162,7 @@ impl Room {
                 samples: samples(quality),
                 aov: Aov::Beauty,
                 light: 0,
-                slot: ViewSlot(owner),
+                slot: view.lease.slot(),
             },
             lights: document.lights().values().map(|placed| placed.light.clone()).collect(),
             output: Output::Display,
@@ -220,9 +222,10 @@ async fn make_picture(backend: Backend, request: Request, stamp: Stamp) -> Pictu
     backend.metrics.render_seconds.observe(drawn.took.as_secs_f64());
     let (quality, [width, height]) = (stamp.quality, stamp.size.map(|side| side as u16));
     let started = Instant::now();
+    let Pixels::Display { bytes, .. } = drawn.pixels else { return Err(ServerError::Fault) };
     let encoded = spawn_blocking(move || match quality {
-        Quality::Moving => stream::jpeg(&drawn.bytes, width, height, MOVING_QUALITY),
-        Quality::Settled => stream::png(&drawn.bytes, width, height),
+        Quality::Moving => stream::jpeg(&bytes, width, height, MOVING_QUALITY),
+        Quality::Settled => stream::png(&bytes, width, height),
     });
     let payload = encoded.await.map_err(|_| ServerError::Fault)??;
     let encode = started.elapsed();

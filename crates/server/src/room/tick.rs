@@ -269,7 +269,7 @@ impl Room {
             epoch: self.epoch.clone(),
             seq: self.session.seq(),
             document: self.session.document().clone(),
-            stage: self.number,
+            lease: Arc::clone(&self.lease),
         }
     }
 }

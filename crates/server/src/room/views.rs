@@ -11,6 +11,7 @@ use super::Room;
 use super::message::ClientId;
 use super::pictures::Frame;
 use crate::ServerError;
+use crate::renderer::Lease;
 
 /// What a client looks at.
 pub(super) enum Source {
@@ -34,6 +35,8 @@ pub(super) struct View {
     pub under_way: Option<UnderWay>,
     /// The revision of the content that could not be drawn; another may.
     pub failed: Option<u64>,
+    /// Keeps what the renderer has of it.
+    pub lease: Arc<Lease>,
 }
 
 /// A picture that is being made; dropping this gives it up.
@@ -52,10 +55,10 @@ impl Drop for UnderWay {
 
 impl Room {
     pub(super) fn open_view(&mut self, id: ClientId, camera: Camera, camera_revision: u32, size: [u32; 2]) {
-        let content = self.new_content();
+        let (content, lease) = (self.new_content(), self.backend.renders.lease());
+        let (latest, under_way, failed) = (None, None, None);
         let Some(client) = self.clients.get_mut(&id) else { return };
-        let view =
-            View { camera, camera_revision, size, content, latest: None, under_way: None, failed: None };
+        let view = View { camera, camera_revision, size, content, latest, under_way, failed, lease };
         client.source = Source::Own(Box::new(view));
         client.shown = None;
         self.presence_changed = true;
@@ -118,8 +121,16 @@ impl Room {
             client.source = match source {
                 Source::Own(view) => {
                     let (camera, latest) = (view.camera.clone(), None);
-                    let (under_way, failed) = (None, None);
-                    Source::Own(Box::new(View { camera, content, latest, under_way, failed, ..**view }))
+                    let (under_way, failed, lease) = (None, None, self.backend.renders.lease());
+                    Source::Own(Box::new(View {
+                        camera,
+                        content,
+                        latest,
+                        under_way,
+                        failed,
+                        lease,
+                        ..**view
+                    }))
                 }
                 Source::Follow(leader) => Source::Follow(*leader),
                 Source::Nothing => Source::Nothing,

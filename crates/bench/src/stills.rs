@@ -1,0 +1,169 @@
+//! What a drag loses while stills are drawn for others.
+
+use std::path::Path;
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use protocol::{ClientMessage, Command, PointParameter};
+use serde::Serialize;
+
+use crate::session::{ANIMATION_FRAME, RADIUS, control_point, decode, ms, open_view};
+use crate::{BenchError, Client, Incoming, Response, ServerProcess};
+
+/// What to measure.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Width and height of the view in pixels.
+    pub view: [u32; 2],
+    /// How long each drag goes on.
+    pub drag: Duration,
+    /// How many stills.
+    pub stills: usize,
+    /// Width and height of a still in pixels.
+    pub still: [u32; 2],
+    /// Samples a pixel of a still.
+    pub samples: u32,
+}
+
+/// How the frames of a drag came.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Pace {
+    /// Frames decoded in a second.
+    pub frames_per_second: f64,
+    /// Between two frames: half of all gaps are shorter.
+    pub usual_gap_ms: f64,
+    /// The longest gap.
+    pub longest_gap_ms: f64,
+}
+
+/// What was measured.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// The drag with nothing else going on: before, and after all stills are finished.
+    pub alone: [Pace; 2],
+    /// The drag beside the stills.
+    pub beside: Pace,
+    /// Frame rate beside the stills, of the mean of those alone.
+    pub rate_kept: f64,
+    /// Longest gap beside the stills, of the mean of the usual gaps alone.
+    pub longest_gap_of_usual: f64,
+    /// At the end of the drag: how often the still was worked on that was so least often.
+    pub least_turns: f64,
+    /// Stills that were finished before the drag was.
+    pub finished_early: usize,
+    /// From the first request until all were answered with a picture.
+    pub all_finished_s: f64,
+}
+
+/// Starts `program serve` on data of its own, drags in one session, and again while another session renders stills.
+pub fn run(program: &Path, options: &Options) -> Result<Report, BenchError> {
+    let data = tempfile::tempdir()?;
+    let server = ServerProcess::start(program, data.path(), &["--scene", "demo:vases"])?;
+    server.wait_until_ready()?;
+    created(&server.post("/sessions", br#"{"name": "stills", "scene": "demo:vases"}"#)?)?;
+    let mut client = viewer(&server, options)?;
+    let before = drag(&mut client, "before", options.drag)?;
+    let asked = Instant::now();
+    let stills = ask(&server, options);
+    wait_for_turns(&server)?;
+    let beside = drag(&mut client, "beside", options.drag)?;
+    let least_turns = server.metric("bendylights_least_still_turns", "")?;
+    let finished_early = stills.iter().filter(|still| still.is_finished()).count();
+    // Nobody reads from here on, and a server closes who is silent.
+    drop(client);
+    for still in stills {
+        still.join().map_err(|_| BenchError::Refused("a still's request panicked".into()))??;
+    }
+    let all_finished_s = asked.elapsed().as_secs_f64();
+    let after = drag(&mut viewer(&server, options)?, "after", options.drag)?;
+
+    let mean = |of: fn(&Pace) -> f64| f64::midpoint(of(&before), of(&after));
+    Ok(Report {
+        alone: [before, after],
+        beside,
+        rate_kept: beside.frames_per_second / mean(|pace| pace.frames_per_second),
+        longest_gap_of_usual: beside.longest_gap_ms / mean(|pace| pace.usual_gap_ms),
+        least_turns,
+        finished_early,
+        all_finished_s,
+    })
+}
+
+/// A client whose view is at rest.
+fn viewer(server: &ServerProcess, options: &Options) -> Result<Client, BenchError> {
+    let mut client = Client::connect(&server.address, "main", "bench", None)?;
+    open_view(&mut client, options.view)?;
+    Ok(client)
+}
+
+/// Asks for all stills at once, each on a connection of its own.
+fn ask(server: &ServerProcess, options: &Options) -> Vec<JoinHandle<Result<(), BenchError>>> {
+    let ([width, height], samples) = (options.still, options.samples);
+    let path = format!("/sessions/stills/render?size={width}x{height}&samples={samples}");
+    let still = |_| {
+        let (server, path) = (server.address.clone(), path.clone());
+        thread::spawn(move || created(&server.get(&path)?))
+    };
+    (0..options.stills).map(still).collect()
+}
+
+/// Waits until each still has been worked on.
+fn wait_for_turns(server: &ServerProcess) -> Result<(), BenchError> {
+    let within = Duration::from_mins(2);
+    let until = Instant::now() + within;
+    while server.metric("bendylights_least_still_turns", "")? < 1.0 {
+        if Instant::now() > until {
+            return Err(BenchError::Silent { what: "a turn of each still", within });
+        }
+        thread::sleep(Duration::from_millis(50));
+    }
+    Ok(())
+}
+
+fn created(response: &Response) -> Result<(), BenchError> {
+    if matches!(response.status, 200 | 201) { Ok(()) } else { Err(BenchError::Refused(response.text())) }
+}
+
+/// Drags the demo's control point in circles for so long; how its frames came.
+fn drag(client: &mut Client, gesture: &str, time: Duration) -> Result<Pace, BenchError> {
+    let (light, [x, y, z]) = control_point(client)?;
+    let base_seq = client.welcome.seq;
+    let gesture = gesture.to_owned();
+    client.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq })?;
+    let (began, mut update) = (Instant::now(), 0);
+    let mut shown: Vec<Instant> = Vec::new();
+    while began.elapsed() < time {
+        update += 1;
+        let angle = 0.05 * update as f64;
+        let position = [x + RADIUS * angle.sin(), y + RADIUS * (1.0 - angle.cos()), z];
+        let command = Command::SetPoint { light, point: 2, parameter: PointParameter::Position(position) };
+        client.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command })?;
+        let next = began + ANIMATION_FRAME * update as u32;
+        while let Some(left) = next.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
+            if let Some(Incoming::Frame(header, payload)) = client.receive(left)? {
+                decode(&payload)?;
+                client.ack(&header)?;
+                shown.push(Instant::now());
+            }
+        }
+    }
+    client.send(&ClientMessage::GestureCancel { gesture })?;
+    // The next drag begins from a view at rest.
+    client.wait_for("the lossless picture", |incoming| {
+        matches!(incoming, Incoming::Frame(header, _) if header.flags.settle).then_some(())
+    })?;
+    let until = began + time;
+    // A gap that was still open at the end counts as far as it went.
+    let ends = shown.iter().skip(1).copied().chain([until]);
+    let mut gaps: Vec<f64> =
+        shown.iter().zip(ends).map(|(from, to)| ms(to.saturating_duration_since(*from))).collect();
+    gaps.sort_by(f64::total_cmp);
+    let (Some(usual), Some(longest)) = (gaps.get(gaps.len() / 2), gaps.last()) else {
+        return Err(BenchError::Silent { what: "a frame of the drag", within: time });
+    };
+    Ok(Pace {
+        frames_per_second: shown.len() as f64 / time.as_secs_f64(),
+        usual_gap_ms: *usual,
+        longest_gap_ms: *longest,
+    })
+}

@@ -1,0 +1,161 @@
+//! A picture cut into tiles, and how large they are.
+
+use std::time::Duration;
+
+/// Some pixels of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Tile {
+    /// Left edge, from the left of the picture.
+    pub x: u32,
+    /// Upper edge, from the top of the picture.
+    pub y: u32,
+    pub width: u32,
+    pub height: u32,
+}
+
+impl Tile {
+    /// What this and `[x, y, width, height]` of the picture share, counted from this tile's corner.
+    pub fn cut(self, [x, y, width, height]: [u32; 4]) -> [u32; 4] {
+        let [left, top] = [x.max(self.x), y.max(self.y)];
+        let right = (x + width).min(self.x + self.width);
+        let bottom = (y + height).min(self.y + self.height);
+        [left - self.x, top - self.y, right.saturating_sub(left), bottom.saturating_sub(top)]
+    }
+}
+
+/// Shortest side of a tile, but at the picture's edges. Half the pixels that cost least are then the tile's own and
+/// not the work that each has, whatever its size.
+const MIN_SIDE: u32 = 128;
+/// Longest side of a tile: 42 MB to draw it in.
+const MAX_SIDE: u32 = 1024;
+/// The side of the first: nothing is known of what it costs.
+const FIRST_SIDE: u32 = 256;
+/// Sides are multiples of it: four pixels that share a texture's level of detail are never parted.
+const STEP: u32 = 16;
+
+/// Cuts a picture into tiles, row by row. The sides of a row's tiles follow from what the rows before it cost.
+#[derive(Debug)]
+pub(crate) struct Tiling {
+    size: [u32; 2],
+    /// Least pixels of a tile.
+    min_side: u32,
+    /// Of the next row's tiles, about.
+    side: u32,
+    next: Option<Tile>,
+    done_pixels: u64,
+}
+
+impl Tiling {
+    /// Each tile asks for work that grows with `triangle_count`, a triangle as much as a pixel about: tiles have at
+    /// least so many pixels, where the bounds allow.
+    pub fn new(size: [u32; 2], triangle_count: u32) -> Self {
+        let min_side = triangle_count.isqrt().clamp(MIN_SIDE, MAX_SIDE);
+        let mut tiling = Self { size, min_side, side: FIRST_SIDE.max(min_side), next: None, done_pixels: 0 };
+        tiling.next = Some(tiling.row_from(0));
+        tiling
+    }
+
+    /// The tile to draw now; `None` at the end.
+    pub fn tile(&self) -> Option<Tile> {
+        self.next
+    }
+
+    /// Goes on to the next tile. The longest piece of work that grew with the tile's pixels took `took`; it should
+    /// take `aim`.
+    pub fn advance(&mut self, took: Duration, aim: Duration) {
+        let Some(tile) = self.next else { return };
+        self.done_pixels += u64::from(tile.width) * u64::from(tile.height);
+        let ratio = aim.as_secs_f64() / took.as_secs_f64().max(1e-6);
+        let pixels = f64::from(tile.width) * f64::from(tile.height);
+        // At most four times the pixels at once: one measurement is not to be trusted.
+        let wanted = (pixels * ratio.clamp(0.25, 4.0)).sqrt() as u32;
+        self.side = wanted.clamp(self.min_side, MAX_SIDE);
+        let right = tile.x + tile.width;
+        self.next = if right < self.size[0] {
+            let width = tile.width.min(self.size[0] - right);
+            Some(Tile { x: right, width, ..tile })
+        } else if tile.y + tile.height < self.size[1] {
+            Some(self.row_from(tile.y + tile.height))
+        } else {
+            None
+        };
+    }
+
+    /// Share of the pixels that are done.
+    pub fn progress(&self) -> f64 {
+        self.done_pixels as f64 / (f64::from(self.size[0]) * f64::from(self.size[1]))
+    }
+
+    /// The first tile of a row.
+    fn row_from(&self, y: u32) -> Tile {
+        let [width, height] = [(self.size[0], 0), (self.size[1], y)].map(|(size, from)| {
+            let left = size - from;
+            let count = left.div_ceil(self.side);
+            left.div_ceil(count).next_multiple_of(STEP).min(left)
+        });
+        Tile { x: 0, y, width, height }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All tiles of a picture where a pixel costs a microsecond, and the aim is `aim_ms`.
+    fn tiles(size: [u32; 2], triangles: u32, aim_ms: u64) -> Vec<Tile> {
+        let mut tiling = Tiling::new(size, triangles);
+        let mut tiles = Vec::new();
+        while let Some(tile) = tiling.tile() {
+            tiles.push(tile);
+            let took = Duration::from_micros(u64::from(tile.width) * u64::from(tile.height));
+            tiling.advance(took, Duration::from_millis(aim_ms));
+        }
+        assert!((tiling.progress() - 1.0).abs() < 1e-12);
+        tiles
+    }
+
+    #[test]
+    fn every_pixel_is_in_one_tile() {
+        for size in [[1, 1], [17, 3], [256, 256], [257, 511], [1000, 30], [33, 2000]] {
+            for aim_ms in [1, 50, 10_000] {
+                let mut seen = vec![0_u8; (size[0] * size[1]) as usize];
+                for tile in tiles(size, 12, aim_ms) {
+                    for y in tile.y..tile.y + tile.height {
+                        for x in tile.x..tile.x + tile.width {
+                            seen[(y * size[0] + x) as usize] += 1;
+                        }
+                    }
+                    assert!(tile.x % 2 == 0 && tile.y % 2 == 0, "{tile:?} parts pixels that belong together");
+                }
+                assert!(seen.iter().all(|count| *count == 1), "{size:?} {aim_ms}");
+            }
+        }
+    }
+
+    #[test]
+    fn tiles_grow_to_what_may_be_spent() {
+        let pixels = |tile: &Tile| tile.width * tile.height;
+        for (triangles, aim_ms, least, most) in [
+            (12, 50, 35_000, 60_000),
+            (12, 200, 140_000, 240_000),
+            // Within bounds: no tile is tiny, and none is smaller than its scene is large.
+            (12, 0, 12_000, 20_000),
+            (12, 10_000, 800_000, 1_100_000),
+            (400_000, 0, 320_000, 480_000),
+        ] {
+            let tiles = tiles([4096, 4096], triangles, aim_ms);
+            // The first rows find out.
+            let late = pixels(&tiles[tiles.len() - 2]);
+            assert!((least..=most).contains(&late), "{triangles} {aim_ms}: {late}");
+        }
+    }
+
+    #[test]
+    fn what_lies_in_a_tile_is_counted_from_its_corner() {
+        let tile = Tile { x: 100, y: 50, width: 20, height: 10 };
+        assert_eq!(tile.cut([0, 0, 500, 500]), [0, 0, 20, 10]);
+        assert_eq!(tile.cut([110, 40, 5, 15]), [10, 0, 5, 5]);
+        assert_eq!(tile.cut([0, 0, 100, 500])[2], 0, "beside it");
+        assert_eq!(tile.cut([0, 70, 500, 9])[3], 0, "below it");
+    }
+}

@@ -1,0 +1,230 @@
+//! Pictures that are drawn in tiles, a piece of work at a time, so that others can come between.
+
+use std::time::{Duration, Instant};
+
+use scene::Light;
+
+use crate::ledger::{Entry, MemoryKind};
+use crate::renderer::{Drawing, Piece};
+use crate::targets::{BYTES_A_PIXEL, Targets};
+use crate::tile::{Tile, Tiling};
+use crate::{Aov, Gpu, Picture, PictureFormat, Pixels, RenderError, Renderer, View, readback};
+
+/// A picture on its way: a tile is drawn with all its samples before the next one is begun, so that it takes the
+/// memory of one tile and of the finished pixels, however large it is and however many samples it has.
+///
+/// It holds the pixels that [`Renderer::render`] would give, but for what the rasteriser's arithmetic makes of
+/// another place on the target. Dropping it gives it up; [`Renderer::forget`] of its slot frees the rest.
+#[derive(Debug)]
+pub struct TiledPicture {
+    drawing: Drawing,
+    pixels: Pixels,
+    /// Set when the first piece is drawn.
+    work: Option<Work>,
+}
+
+/// What a picture under way has on the device.
+#[derive(Debug)]
+struct Work {
+    tiling: Tiling,
+    targets: Option<Targets>,
+    /// Counts the targets.
+    tile_entry: Option<Entry>,
+    /// Counts the finished pixels.
+    _pixels_entry: Entry,
+    /// What the longest piece of this tile took that grew with its pixels.
+    longest: Duration,
+}
+
+impl TiledPicture {
+    /// The beauty of `view` under `lights` as a screen shows it, whatever `view.aov` says.
+    pub fn for_screen(view: &View, lights: &[Light]) -> Result<Self, RenderError> {
+        let bytes = vec![0; 4 * view.width as usize * view.height as usize];
+        let pixels = Pixels::Display { width: view.width, height: view.height, bytes };
+        Self::new(&View { aov: Aov::Beauty, ..view.clone() }, lights, pixels)
+    }
+
+    /// `view` under `lights` as a file of that format holds it.
+    pub fn for_file(view: &View, lights: &[Light], format: PictureFormat) -> Result<Self, RenderError> {
+        if (format, view.aov) == (PictureFormat::Png, Aov::Beauty) {
+            return Self::for_screen(view, lights);
+        }
+        let pixels = vec![[0.0; 4]; view.width as usize * view.height as usize];
+        Self::new(view, lights, Pixels::Raw(Picture { width: view.width, height: view.height, pixels }))
+    }
+
+    fn new(view: &View, lights: &[Light], pixels: Pixels) -> Result<Self, RenderError> {
+        Ok(Self { drawing: Drawing::new(view, lights)?, pixels, work: None })
+    }
+
+    /// Share of the pixels that are finished.
+    pub fn progress(&self) -> f64 {
+        self.work.as_ref().map_or(0.0, |work| work.tiling.progress())
+    }
+
+    /// What there is of it.
+    pub fn into_pixels(self) -> Pixels {
+        self.pixels
+    }
+
+    /// A wireframe is not the camera's view and has no tiles.
+    fn is_whole(&self) -> bool {
+        self.drawing.view.aov == Aov::Wireframe
+    }
+}
+
+impl Renderer {
+    /// Works on `picture` for about `aim`, or a little longer: until a piece of work is done, which may be a shadow
+    /// map or one light over a tile. The sizes of tiles follow from what those took. Returns whether it is finished.
+    ///
+    /// On an error the picture is of no use any more.
+    pub fn draw_some(&mut self, picture: &mut TiledPicture, aim: Duration) -> Result<bool, RenderError> {
+        let slot = picture.drawing.view.slot;
+        let until = Instant::now().checked_add(aim);
+        self.attempt(slot, |renderer, gpu| {
+            gpu.ledger.begin();
+            loop {
+                let over = || until.is_some_and(|until| Instant::now() >= until);
+                let finished = renderer.draw_piece(gpu, picture, aim, &over)?;
+                if finished || over() {
+                    return Ok(finished);
+                }
+            }
+        })
+    }
+
+    /// All of a picture.
+    pub(crate) fn render_tiled(
+        &mut self,
+        mut picture: TiledPicture,
+        aim: Duration,
+    ) -> Result<Pixels, RenderError> {
+        while !self.draw_some(&mut picture, aim)? {}
+        Ok(picture.into_pixels())
+    }
+
+    /// Draws a sample of a tile, or the part of it that is drawn before it is `over`. Returns whether the picture
+    /// is finished.
+    fn draw_piece(
+        &mut self,
+        gpu: &Gpu,
+        picture: &mut TiledPicture,
+        aim: Duration,
+        over: &dyn Fn() -> bool,
+    ) -> Result<bool, RenderError> {
+        let whole = picture.is_whole();
+        let TiledPicture { drawing, pixels, work } = picture;
+        let size = [drawing.view.width, drawing.view.height];
+        let triangles = self.scene.casters.triangle_count;
+        let work = work.get_or_insert_with(|| Work::new(gpu, size, triangles, pixels));
+        let Some(next) = work.tiling.tile() else { return Ok(true) };
+        let tile = if whole { Tile { x: 0, y: 0, width: size[0], height: size[1] } } else { next };
+        work.fit(gpu, self, tile)?;
+        let Some(targets) = &mut work.targets else { return Ok(false) };
+
+        let (mut since, longest) = (Instant::now(), &mut work.longest);
+        let mut pause = |piece| {
+            let took = since.elapsed();
+            since = Instant::now();
+            if piece == Piece::Pixels {
+                *longest = took.max(*longest);
+            }
+            over()
+        };
+        let sampled = targets.samples_drawn;
+        let done = self.draw_sample(gpu, targets, drawing, tile, Some(&mut pause))?;
+        if targets.samples_drawn != sampled || done {
+            pause(Piece::Pixels);
+        }
+        if !done {
+            return Ok(false);
+        }
+        self.collect_tile(gpu, targets, tile, pixels)?;
+        if whole {
+            return Ok(true);
+        }
+        work.tiling.advance(work.longest, aim / PIECES_A_TURN);
+        work.longest = Duration::ZERO;
+        Ok(work.tiling.tile().is_none())
+    }
+
+    /// Copies a finished tile to its place.
+    fn collect_tile(
+        &mut self,
+        gpu: &Gpu,
+        targets: &Targets,
+        tile: Tile,
+        pixels: &mut Pixels,
+    ) -> Result<(), RenderError> {
+        let size = [tile.width, tile.height];
+        match pixels {
+            Pixels::Display { width, bytes, .. } => {
+                let drawn = self.read_display(gpu, targets, size)?;
+                place(
+                    bytes,
+                    4 * *width as usize,
+                    &drawn,
+                    (4 * tile.x as usize, 4 * tile.width as usize),
+                    tile.y,
+                );
+            }
+            Pixels::Raw(picture) => {
+                let drawn = readback::read::<[f32; 4]>(gpu, &targets.radiance, size)?;
+                let columns = (tile.x as usize, tile.width as usize);
+                place(&mut picture.pixels, picture.width as usize, &drawn, columns, tile.y);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// So many pieces are to fit into one turn, that it ends about when it should.
+const PIECES_A_TURN: u32 = 2;
+
+/// Puts rows of a tile, which has columns from `.0` on and `.1` of them, into those of a picture.
+fn place<T: Copy>(picture: &mut [T], row: usize, tile: &[T], (from, count): (usize, usize), top: u32) {
+    for (y, line) in tile.chunks_exact(count).enumerate() {
+        let at = (top as usize + y) * row + from;
+        picture[at..at + count].copy_from_slice(line);
+    }
+}
+
+impl Work {
+    fn new(gpu: &Gpu, size: [u32; 2], triangles: u32, pixels: &Pixels) -> Self {
+        let bytes = match pixels {
+            Pixels::Display { bytes, .. } => bytes.len(),
+            Pixels::Raw(picture) => size_of_val(&picture.pixels[..]),
+        };
+        Self {
+            tiling: Tiling::new(size, triangles),
+            targets: None,
+            tile_entry: None,
+            _pixels_entry: gpu.ledger.enter(MemoryKind::Tiled, bytes as u64),
+            longest: Duration::ZERO,
+        }
+    }
+
+    /// Has targets that hold `tile`, and not much more.
+    fn fit(&mut self, gpu: &Gpu, renderer: &Renderer, tile: Tile) -> Result<(), RenderError> {
+        let (width, height) = (tile.width, tile.height);
+        let limit = gpu.device.limits().max_texture_dimension_2d;
+        let side = width.max(height);
+        if side > limit {
+            let what = "the picture's width or height";
+            return Err(RenderError::TooLarge { what, size: f64::from(side), limit: f64::from(limit) });
+        }
+        let area = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
+        let needed = area([width, height]);
+        let fits = self.targets.as_ref().is_some_and(|targets| {
+            targets.size[0] >= width && targets.size[1] >= height && area(targets.size) <= 2 * needed
+        });
+        if !fits {
+            // The old ones first: at no time are there two.
+            (self.targets, self.tile_entry) = (None, None);
+            gpu.collect();
+            self.tile_entry = Some(gpu.ledger.enter(MemoryKind::Tiled, needed * BYTES_A_PIXEL));
+            self.targets = Some(Targets::new(gpu, &renderer.passes, [width, height]));
+        }
+        Ok(())
+    }
+}

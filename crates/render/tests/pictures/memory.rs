@@ -1,0 +1,133 @@
+//! What is kept, in how little memory it can be done, and when it is given back.
+
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+
+use bendy::SpotLight;
+use glam::DVec3;
+use render::{
+    Aov, Gpu, Ledger, MemoryKind, Picture, PictureFormat, Pixels, Renderer, TiledPicture, View, ViewSlot,
+};
+use scene::{Light, LightKind, Material, Scene};
+
+use crate::support::{floor, named, scene_of, spot, view};
+
+/// Bytes of a map of 2048 x 2048 texels.
+const MAP: u64 = 4 << 22;
+
+fn tables() -> Scene {
+    scene_of([floor(3.0, 0.0), floor(0.5, 1.0)], vec![Material::default()])
+}
+
+/// A renderer of its own device, which keeps at most so much.
+fn renderer(budget: u64) -> (Renderer, Ledger) {
+    let ledger = Ledger::new(budget);
+    let gpu = Gpu::with_ledger(ledger.clone()).expect("tests need a graphics driver");
+    let mut renderer = Renderer::new(Arc::new(gpu)).unwrap();
+    renderer.set_scene(&tables()).unwrap();
+    (renderer, ledger)
+}
+
+/// Spots and bent lights in turn, around the table.
+fn lights(count: usize) -> Vec<Light> {
+    let light = |k: usize| {
+        let (z, x) = (k as f64 * 2.4).sin_cos();
+        let intensity = 1.0 + k as f64;
+        let spot = SpotLight { intensity, ..spot(DVec3::new(x, 3.0, z), DVec3::ZERO) };
+        if k.is_multiple_of(2) {
+            return named(spot);
+        }
+        let bent = bendy::bend(&SpotLight { range: Some(6.0), ..spot }, 2).unwrap();
+        Light { name: "bent".into(), kind: LightKind::Bendy(bent) }
+    };
+    (0..count).map(light).collect()
+}
+
+fn camera(slot: u64) -> View {
+    let slot = ViewSlot(slot);
+    View { samples: 2, slot, ..view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [150, 140], Aov::Beauty) }
+}
+
+/// At once and in tiles; the most that was kept meanwhile.
+fn pictures(renderer: &mut Renderer, ledger: &Ledger, lights: &[Light]) -> (Picture, Pixels, u64) {
+    let whole = renderer.render(&camera(1), lights).unwrap();
+    let mut most = ledger.total();
+    let mut picture = TiledPicture::for_file(&camera(2), lights, PictureFormat::Exr).unwrap();
+    while !renderer.draw_some(&mut picture, Duration::ZERO).unwrap() {
+        most = most.max(ledger.total());
+    }
+    (whole, picture.into_pixels(), most)
+}
+
+/// Where there is no room for all maps, those that do not fit are made one after another and used at once: the
+/// picture is the same to the last bit.
+#[test]
+fn little_memory_makes_the_same_pictures() {
+    let lights = lights(7);
+    let (mut rich, rich_ledger) = renderer(1 << 30);
+    let (whole, tiled, _) = pictures(&mut rich, &rich_ledger, &lights);
+    assert_eq!(rich_ledger.bytes(MemoryKind::ShadowMaps), 7 * MAP);
+    assert_eq!(rich.counts().shadow, 7);
+
+    let budget = 4 * MAP;
+    let (mut poor, poor_ledger) = renderer(budget);
+    let (poor_whole, poor_tiled, most) = pictures(&mut poor, &poor_ledger, &lights);
+    assert!(poor_whole == whole && poor_tiled == tiled);
+    assert!(poor.counts().shadow > 7, "maps were made again");
+    assert!(most <= budget + MAP, "{most} bytes, and one map more may be in use");
+    // The planted fault: a light whose map was another's.
+    let mut other = lights.clone();
+    other.swap(0, 2);
+    other.truncate(6);
+    assert!(poor.render(&camera(1), &other).unwrap() != whole);
+}
+
+/// One device for the tests of what is given back.
+fn shared() -> &'static Arc<Gpu> {
+    static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
+    GPU.get_or_init(|| Arc::new(Gpu::new().expect("tests need a graphics driver")))
+}
+
+#[test]
+fn what_nobody_looks_at_is_given_back() {
+    let ledger = shared().ledger();
+    let mut renderer = Renderer::new(Arc::clone(shared())).unwrap();
+    renderer.set_scene(&tables()).unwrap();
+    let lights = lights(3);
+    // The work buffers of bent maps stay with the scene.
+    renderer.render(&camera(1), &lights).unwrap();
+    renderer.forget(ViewSlot(1));
+    let before = ledger.total();
+
+    // Views that close; the maps go with the last who needs them.
+    renderer.render(&camera(1), &lights).unwrap();
+    renderer.render(&camera(2), &lights[..2]).unwrap();
+    assert_eq!(ledger.bytes(MemoryKind::ShadowMaps), 3 * MAP);
+    assert_eq!(ledger.bytes(MemoryKind::Views), 2 * 150 * 140 * 40);
+    renderer.forget(ViewSlot(1));
+    assert_eq!(ledger.bytes(MemoryKind::ShadowMaps), 2 * MAP);
+    renderer.forget(ViewSlot(2));
+    assert_eq!(ledger.total(), before);
+
+    // A still that is given up in the middle.
+    let mut still = TiledPicture::for_file(&camera(3), &lights, PictureFormat::Exr).unwrap();
+    for _ in 0..4 {
+        assert!(!renderer.draw_some(&mut still, Duration::ZERO).unwrap());
+    }
+    assert!(ledger.bytes(MemoryKind::Tiled) > 150 * 140 * 16 && ledger.bytes(MemoryKind::ShadowMaps) > 0);
+    drop(still);
+    renderer.forget(ViewSlot(3));
+    assert_eq!(ledger.total(), before);
+
+    // A drag leaves no trail of maps.
+    for step in 0..5 {
+        let mut moved = lights.clone();
+        if let LightKind::Spot(spot) = &mut moved[0].kind {
+            spot.transform.translation.x += 0.1 * f64::from(step);
+        }
+        renderer.render(&camera(1), &moved).unwrap();
+        assert_eq!(ledger.bytes(MemoryKind::ShadowMaps), 3 * MAP);
+    }
+    drop(renderer);
+    assert_eq!(ledger.total(), 0);
+}

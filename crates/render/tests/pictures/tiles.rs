@@ -1,0 +1,165 @@
+//! Pictures that are drawn in tiles are the pictures that are drawn at once.
+
+use std::time::Duration;
+
+use bendy::SpotLight;
+use glam::{DAffine3, DQuat, DVec3, Vec3, Vec4};
+use render::{Aov, Picture, PictureFormat, Pixels, Renderer, TiledPicture, View, ViewSlot};
+use scene::{Image, Light, LightKind, Material, Primitive, Sampler, Scene, TextureRef};
+
+use crate::support::{named, renderer, scene_of, spot, square, view};
+
+/// A textured floor, a smooth ball of few triangles and a double-sided sheet on edge.
+fn things() -> Scene {
+    let textured = Material {
+        base_color_texture: Some(TextureRef { image: 0, sampler: Sampler::default() }),
+        ..Material::default()
+    };
+    let sheet = Material { double_sided: true, roughness: 0.3, ..Material::default() };
+    let mut tiled = square();
+    tiled.uvs = tiled.positions.iter().map(|p| glam::Vec2::new(p.x, p.z) * 7.0).collect();
+    let upright = Primitive { material: 1, ..square() };
+    let ball = Primitive { material: 1, ..ball() };
+    let turned = DAffine3::from_rotation_translation(DQuat::from_rotation_z(1.5), DVec3::new(-0.8, 0.5, 0.0));
+    let mut scene = scene_of(
+        [
+            (tiled, DAffine3::from_scale(DVec3::splat(3.0))),
+            (ball, DAffine3::from_translation(DVec3::new(0.6, 0.8, 0.3))),
+            (upright, turned),
+        ],
+        vec![textured, sheet],
+    );
+    let texel =
+        |k: u32| if (k + k / 16).is_multiple_of(2) { [250, 200, 90, 255] } else { [20, 60, 160, 255] };
+    let rgba8 = (0..256).flat_map(texel).collect();
+    scene.images = vec![Image { width: 16, height: 16, rgba8 }];
+    scene.fill.sky = DVec3::new(0.1, 0.2, 0.3);
+    scene
+}
+
+/// Of radius 0.5, with normals of its own.
+fn ball() -> Primitive {
+    let (rows, columns) = (12_u32, 24_u32);
+    let normals: Vec<Vec3> = (0..=rows)
+        .flat_map(|row| (0..=columns).map(move |column| (row, column)))
+        .map(|(row, column)| {
+            let (down, around) = (row as f32 / rows as f32, column as f32 / columns as f32);
+            let (sin, cos) = (down * std::f32::consts::PI).sin_cos();
+            let (y, x) = (around * std::f32::consts::TAU).sin_cos();
+            Vec3::new(x * sin, cos, y * sin)
+        })
+        .collect();
+    let quads = (0..rows).flat_map(|row| (0..columns).map(move |column| row * (columns + 1) + column));
+    Primitive {
+        positions: normals.iter().map(|n| *n * 0.5).collect(),
+        colors: normals.iter().map(|n| (0.5 + 0.5 * *n).extend(1.0)).collect::<Vec<Vec4>>(),
+        normals,
+        indices: quads
+            .flat_map(|k| [k, k + 1, k + columns + 1, k + 1, k + columns + 2, k + columns + 1])
+            .collect(),
+        ..Primitive::default()
+    }
+}
+
+fn lights() -> [Light; 3] {
+    let key = spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO);
+    let low = SpotLight { color: DVec3::new(1.0, 0.3, 0.2), ..spot(DVec3::new(-2.0, 1.0, 2.0), DVec3::ZERO) };
+    let bent = bendy::bend(&SpotLight { range: Some(6.0), ..low.clone() }, 3).unwrap();
+    [named(key), named(low), Light { name: "bent".into(), kind: LightKind::Bendy(bent) }]
+}
+
+fn camera(size: [u32; 2], aov: Aov, samples: u32) -> View {
+    View { samples, ..view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, size, aov) }
+}
+
+/// In tiles as small as they get; other pictures come between.
+fn tiled(renderer: &mut Renderer, mut picture: TiledPicture, between: &View) -> (Pixels, usize) {
+    let mut turns = 1;
+    let mut progress = 0.0;
+    while !renderer.draw_some(&mut picture, Duration::ZERO).unwrap() {
+        turns += 1;
+        assert!(picture.progress() >= progress);
+        progress = picture.progress();
+        if turns % 5 == 0 {
+            renderer.render(between, &lights()[1..2]).unwrap();
+        }
+    }
+    (picture.into_pixels(), turns)
+}
+
+fn differences(a: &Picture, b: &Picture) -> (usize, f32) {
+    let pairs = a.pixels.iter().flatten().zip(b.pixels.iter().flatten());
+    pairs.filter(|(a, b)| a != b).fold((0, 0.0), |(count, most), (a, b)| (count + 1, (a - b).abs().max(most)))
+}
+
+/// The picture's raw values, drawn in tiles with others in between.
+fn raw(renderer: &mut Renderer, view: &View) -> (Picture, usize) {
+    let between = View { slot: ViewSlot(9), ..camera([40, 30], Aov::Beauty, 1) };
+    let picture = TiledPicture::for_file(view, &lights(), PictureFormat::Exr).unwrap();
+    let (Pixels::Raw(picture), turns) = tiled(renderer, picture, &between) else { panic!("raw values") };
+    (picture, turns)
+}
+
+/// A step of the G-buffer's normals, of 16 bits a coordinate from -1 to 1, moves one by at most twice as much.
+const NORMAL_STEP: f32 = 2.0 * 2.0 / 65_535.0;
+
+/// The same pixels are covered and every ray is the same to the last bit, so what depends on those alone is, too. What
+/// the rasteriser interpolates over a triangle, it does from another corner of the target: its last bit can differ,
+/// and make the G-buffer round a normal or colour to the neighbouring step, at some of the pixels. A highlight of
+/// roughness 0.3 changes by 1 / 0.09 of that.
+#[test]
+fn tiles_make_up_the_picture() {
+    let mut renderer = renderer(&things());
+    let most = |aov| match aov {
+        Aov::Beauty => 2.0 * NORMAL_STEP / 0.09,
+        Aov::Normal => NORMAL_STEP,
+        _ => 0.0,
+    };
+    for aov in [Aov::Beauty, Aov::Depth, Aov::Normal, Aov::T, Aov::Visibility] {
+        let view = View { light: 2, ..camera([700, 410], aov, 2) };
+        let whole = renderer.render(&view, &lights()).unwrap();
+        let (tiled, turns) = raw(&mut renderer, &view);
+        let (count, error) = differences(&whole, &tiled);
+        assert!(error <= most(aov), "{aov:?}: {count} values differ, by up to {error}");
+        assert!(count < whole.pixels.len() / 10, "{aov:?}: {count} values differ");
+        // 3 x 2 tiles of at least 128 x 128 pixels, each with its samples and lights.
+        assert!(turns >= 6, "{turns}");
+        // The planted faults: a tile one pixel beside its place, and one sample for two.
+        let mut shifted = tiled.clone();
+        shifted.pixels.rotate_right(1);
+        assert!(differences(&whole, &shifted).1 > 100.0 * most(aov).max(1e-4), "{aov:?}");
+        if aov.takes_samples() {
+            let (single, _) = raw(&mut renderer, &View { samples: 1, ..view.clone() });
+            assert!(differences(&whole, &single).1 > 10.0 * most(aov));
+        }
+    }
+}
+
+/// What a screen shows is as near.
+#[test]
+fn tiles_make_up_the_screen() {
+    let mut renderer = renderer(&things());
+    let view = camera([500, 300], Aov::Beauty, 2);
+    let whole = renderer.render_display(&view, &lights()).unwrap();
+    let picture = TiledPicture::for_screen(&view, &lights()).unwrap();
+    let (Pixels::Display { bytes, .. }, _) = tiled(&mut renderer, picture, &view) else { panic!("bytes") };
+    assert!(whole.iter().zip(&bytes).all(|(a, b)| a.abs_diff(*b) <= 1));
+    // The planted fault: rows in another order.
+    let turned: Vec<u8> = bytes.chunks(4 * 500).rev().flatten().copied().collect();
+    assert!(whole.iter().zip(&turned).any(|(a, b)| a.abs_diff(*b) > 50));
+}
+
+/// However many turns it takes, each shadow map is made once.
+#[test]
+fn tiles_share_their_shadow_maps() {
+    let mut renderer = renderer(&things());
+    let view = camera([700, 410], Aov::Beauty, 3);
+    let mut picture = TiledPicture::for_screen(&view, &lights()).unwrap();
+    let mut turns = 0;
+    while !renderer.draw_some(&mut picture, Duration::ZERO).unwrap() {
+        turns += 1;
+    }
+    // A turn a map, and one for each light over each sample of each tile.
+    assert!(turns > 3 + 3 * 3 * 6 - 1, "{turns}");
+    assert_eq!(renderer.counts().shadow, 3);
+}

@@ -1,0 +1,173 @@
+//! The one thread that owns the graphics device, and the way to it.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use render::{PictureFormat, Pixels, RenderError, View, ViewSlot};
+use scene::{Light, Scene};
+use tokio::sync::{mpsc, oneshot, watch};
+
+use crate::ServerError;
+use crate::limits::RENDER_QUEUE;
+use crate::metrics::Metrics;
+
+mod schedule;
+mod studio;
+
+pub use schedule::Urgency;
+use studio::Studio;
+
+/// How the pipelines stand.
+#[derive(Clone, Debug)]
+pub enum Warmth {
+    /// They are drawn for the first time, which compiles them.
+    Warming,
+    /// Each has drawn once.
+    Warm,
+    /// One could not: why.
+    Failed(RenderError),
+}
+
+/// In which form a picture comes back.
+#[derive(Clone, Copy, Debug)]
+pub enum Output {
+    /// As a screen shows it.
+    Display,
+    /// As a file of that format holds it.
+    File(PictureFormat),
+}
+
+/// Somebody the renderer keeps things for: a session, a view, a still. When the last clone is dropped, those go.
+#[derive(Debug)]
+pub struct Lease {
+    number: u64,
+    jobs: mpsc::Sender<Job>,
+}
+
+impl Lease {
+    /// Names the viewer for the renderer.
+    pub fn slot(&self) -> ViewSlot {
+        ViewSlot(self.number)
+    }
+}
+
+impl Drop for Lease {
+    fn drop(&mut self) {
+        // Wakes it. Where the queue is full it is awake.
+        let _ = self.jobs.try_send(Job::Look);
+    }
+}
+
+/// A picture to draw.
+#[derive(Debug)]
+pub struct Request {
+    /// Whose scene it is.
+    pub session: Arc<Lease>,
+    /// Who sees it; the slot of `view` is this one's.
+    pub viewer: Arc<Lease>,
+    /// Geometry and materials.
+    pub scene: Arc<Scene>,
+    /// From where, how large, of what.
+    pub view: View,
+    /// All lights that shine in it.
+    pub lights: Vec<Light>,
+    /// In which form.
+    pub output: Output,
+    /// When.
+    pub urgency: Urgency,
+}
+
+/// A picture.
+#[derive(Debug)]
+pub struct Drawn {
+    /// In the form asked for.
+    pub pixels: Pixels,
+    /// When drawing began.
+    pub started: Instant,
+    /// How long it took, without what was drawn in between.
+    pub took: Duration,
+}
+
+/// The way to the render thread.
+#[derive(Clone, Debug)]
+pub struct Renders {
+    jobs: mpsc::Sender<Job>,
+    warmth: watch::Receiver<Warmth>,
+    leases: Arc<AtomicU64>,
+}
+
+/// The render thread itself. Dropping this ends it and waits: a process must not end while its driver compiles, which
+/// crashes with what it works on gone.
+#[derive(Debug)]
+pub struct RenderThread {
+    jobs: mpsc::Sender<Job>,
+    ending: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Drop for RenderThread {
+    fn drop(&mut self) {
+        self.ending.store(true, Ordering::Relaxed);
+        // Wakes it. Where the queue is full it is awake.
+        let _ = self.jobs.try_send(Job::Look);
+        if let Some(thread) = self.thread.take()
+            && thread.join().is_err()
+        {
+            tracing::error!("the render thread had panicked");
+        }
+    }
+}
+
+/// Where a picture goes. Whoever asked gives it up by dropping the other end.
+type Answer = oneshot::Sender<Result<Drawn, RenderError>>;
+
+#[derive(Debug)]
+enum Job {
+    Draw(Box<Request>, Answer),
+    /// Somebody is gone, or nothing will be drawn any more.
+    Look,
+}
+
+impl Renders {
+    /// Opens the device on a thread of its own, which then warms up. Blocks until the device is open.
+    pub fn start(metrics: Arc<Metrics>) -> Result<(Self, RenderThread), ServerError> {
+        let (jobs, inbox) = mpsc::channel(RENDER_QUEUE);
+        let (warm, warmth) = watch::channel(Warmth::Warming);
+        let (opened, is_open) = std::sync::mpsc::sync_channel(1);
+        let ending = Arc::new(AtomicBool::new(false));
+        let ended = Arc::clone(&ending);
+        let thread = thread::spawn(move || match Studio::open(metrics, inbox, ended) {
+            Ok(studio) => {
+                if opened.send(Ok(())).is_ok() {
+                    warm.send_replace(studio.warm_up());
+                    studio.run();
+                }
+            }
+            // The other end waits for exactly this.
+            Err(error) => drop(opened.send(Err(error))),
+        });
+        let thread = RenderThread { jobs: jobs.clone(), ending, thread: Some(thread) };
+        is_open.recv().map_err(|_| ServerError::Fault)??;
+        Ok((Self { jobs, warmth, leases: Arc::default() }, thread))
+    }
+
+    /// How the pipelines stand.
+    pub fn warmth(&self) -> Warmth {
+        self.warmth.borrow().clone()
+    }
+
+    /// Draws a picture. Dropping the future gives it up.
+    pub async fn draw(&self, request: Request) -> Result<Drawn, ServerError> {
+        let (done, drawn) = oneshot::channel();
+        self.jobs.send(Job::Draw(Box::new(request), done)).await.map_err(|_| ServerError::Fault)?;
+        Ok(drawn.await.map_err(|_| ServerError::Fault)??)
+    }
+
+    /// For a new session, view or still.
+    pub fn lease(&self) -> Arc<Lease> {
+        let number = self.leases.fetch_add(1, Ordering::Relaxed);
+        Arc::new(Lease { number, jobs: self.jobs.clone() })
+    }
+}
