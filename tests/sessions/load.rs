@@ -14,6 +14,8 @@ use crate::support::{Mirror, Server};
 /// the smallest piece of work, eight of them left the drag less than a tenth of its frames, with gaps of a whole still.
 /// (`bendylights bench session --stills 8` measures it at full size; what the schedule promises is held by its own
 /// tests. Other tests share the machine with this one: hence the wide margins.)
+///
+/// Rules: HTTP-8
 #[test]
 fn a_drag_goes_on_beside_eight_stills() {
     let options = stills::Options {

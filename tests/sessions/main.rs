@@ -9,6 +9,7 @@ mod load;
 mod picture;
 #[path = "../program.rs"]
 mod program;
+mod reach;
 mod reconnect;
 mod support;
 mod together;

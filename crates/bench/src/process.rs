@@ -69,6 +69,8 @@ pub struct Response {
     pub status: u16,
     /// The body's bytes.
     pub body: Vec<u8>,
+    /// What a picture lacks: the headers `x-bendylights-note`.
+    pub notes: Vec<String>,
 }
 
 impl Response {
@@ -167,5 +169,7 @@ fn agent() -> ureq::Agent {
 
 fn answer(mut response: ureq::http::Response<ureq::Body>) -> Result<Response, BenchError> {
     let body = response.body_mut().with_config().limit(1 << 30).read_to_vec()?;
-    Ok(Response { status: response.status().as_u16(), body })
+    let notes = response.headers().get_all("x-bendylights-note").iter();
+    let notes = notes.map(|note| String::from_utf8_lossy(note.as_bytes()).into_owned()).collect();
+    Ok(Response { status: response.status().as_u16(), body, notes })
 }

@@ -12,7 +12,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressStyle};
 use reference::Reference;
 use render::{Aov, Gpu, Picture, PictureFormat, Renderer, ShadowSettings, View, ViewSlot};
-use scene::{Camera, Light, LightKind, Scene, framing_camera};
+use scene::{Camera, Light, LightKind, Reach, Scene, framing_camera};
 
 use crate::error::Error;
 use crate::output::{self, Output};
@@ -134,6 +134,9 @@ pub fn run(args: &Args) -> Result<(), Error> {
         ));
     }
     notes.extend(lights.iter().flat_map(warnings));
+    if matches!(args.backend, Backend::Gpu) {
+        notes.extend(left_out(&Reach::of(&scene), &lights));
+    }
     let view = View {
         camera: choose_camera(args, &scene)?,
         width: args.size.width,
@@ -197,6 +200,11 @@ fn trace(scene: &Scene, view: &View, lights: &[Light]) -> Result<Picture, Error>
     bar.finish_and_clear();
     let pixels = frame.pixels.iter().map(|pixel| pixel.map(|x| x as f32)).collect();
     Ok(Picture { width: frame.width, height: frame.height, pixels })
+}
+
+/// The lights that a picture is made without.
+pub fn left_out(reach: &Reach, lights: &[Light]) -> Vec<String> {
+    reach.left_out(lights).iter().map(|why| format!("a light is left out: {why}")).collect()
 }
 
 /// What should be known of a light that is usable all the same.

@@ -12,6 +12,7 @@ use store::{Store, StoreError, replay_log};
 use crate::error::Error;
 use crate::known_scenes::KnownScenes;
 use crate::output::{self, Output};
+use crate::render::left_out;
 use crate::{answer, files, headless};
 
 #[derive(clap::Args)]
@@ -104,6 +105,9 @@ fn drawn(document: &Document, format: PictureFormat) -> Result<Vec<u8>, Error> {
         slot: ViewSlot::default(),
     };
     let lights: Vec<Light> = document.lights().values().map(|placed| placed.light.clone()).collect();
+    for note in left_out(&document.reach(), &lights) {
+        crate::say(&format!("note: {note}"));
+    }
     let mut renderer = Renderer::new(Arc::new(Gpu::new()?))?;
     renderer.set_scene(document.scene())?;
     Ok(renderer.render_file(&view, &lights, format)?)

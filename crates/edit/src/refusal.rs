@@ -68,7 +68,7 @@ impl Refusal {
                 EditError::NoLight(_) | EditError::NoCamera(_) | EditError::NoPoint { .. } => "notFound",
                 EditError::WrongKind { .. } => "wrongKind",
                 EditError::Source => "source",
-                EditError::InvalidLight(_) => "invalidLight",
+                EditError::InvalidLight(_) | EditError::OutOfReach(_) => "invalidLight",
                 EditError::InvalidCamera(_) => "invalidCamera",
                 EditError::UnknownAsset(_) => "unknownAsset",
                 EditError::TooMany { .. } => "tooMany",

@@ -28,10 +28,8 @@ pub enum RenderError {
         limit: f64,
     },
     /// A light that f32 cannot relate to the scene.
-    #[error(
-        "a light is too far from the scene, or too small against it, for single precision: bring it nearer or scale it up"
-    )]
-    OutOfReach,
+    #[error(transparent)]
+    OutOfReach(#[from] scene::OutOfReach),
     /// A picture without pixels, without samples, or through an impossible camera.
     #[error("this view cannot be rendered: {0}")]
     InvalidView(&'static str),

@@ -3,15 +3,11 @@
 use std::ops::Range;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
-use scene::{Material, PosedPrimitive, Scene};
+use scene::{MAX_EXTENT, Material, PosedPrimitive, Reach, Scene};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 
 use crate::{Gpu, RenderError};
-
-/// Largest distance from the scene's centre: squares of it, and their products with intensities, stay within
-/// f32.
-pub(crate) const MAX_EXTENT: f64 = 1e15;
 
 /// The scene in scene space: world axes, origin at the centre of its bounds. Composed in f64, then rounded.
 #[derive(Debug, Default)]
@@ -49,8 +45,7 @@ pub(crate) struct Draw {
 impl Posed {
     /// Poses `scene`, whose promises hold.
     pub fn new(scene: &Scene) -> Result<Self, RenderError> {
-        let (min, max) = scene::world_bounds(scene).unwrap_or_default();
-        let (scene_origin, half_extent) = (min / 2.0 + max / 2.0, max / 2.0 - min / 2.0);
+        let Reach { middle: scene_origin, half_extent } = Reach::of(scene);
         let reach = half_extent.max_element();
         if !(reach <= MAX_EXTENT && scene_origin.is_finite()) {
             return Err(RenderError::TooLarge {

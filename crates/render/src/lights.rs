@@ -172,7 +172,8 @@ impl ShadowMaps {
         }
     }
 
-    /// Brings the shadows of `light` up to date.
+    /// Brings the shadows of `light` up to date. Refuses one that is out of the scene's reach, before anything is
+    /// changed.
     pub fn ready(
         &mut self,
         gpu: &Gpu,
@@ -181,6 +182,9 @@ impl ShadowMaps {
         light: &Light,
     ) -> Result<ReadyLight, RenderError> {
         let known = self.maps.iter().position(|map| map.shows(light, scene.revision));
+        if known.is_none() {
+            scene.reach().check(light)?;
+        }
         let free = || {
             let fits = |map: &KeptMap| map.slot.peek(|slot| slot.of_kind(light)).unwrap_or(false);
             self.maps.iter().position(|map| !map.needed && fits(map))
@@ -243,6 +247,7 @@ impl ShadowMaps {
         light: &Light,
         picture: (&TextureView, [u32; 2]),
     ) -> Result<(), RenderError> {
+        scene.reach().check(light)?;
         let work = (&mut self.bent_work, &self.shadows);
         match &light.kind {
             LightKind::Bendy(bendy) => passes.bendy.draw_wireframe(gpu, work, bendy, scene, picture),

@@ -43,6 +43,9 @@ pub struct StageTimes {
 
 /// Draws pictures of one scene at a time, for any number of viewers.
 ///
+/// A light that is out of the scene's reach ([`scene::Reach`]) is left out of the beauty; a picture of its own is
+/// refused.
+///
 /// What a picture shares with the one before is not drawn again: each light's shadow map, and for each
 /// [`ViewSlot`] the G-buffer and the picture itself.
 #[derive(Debug)]
@@ -226,7 +229,11 @@ impl Renderer {
         let mut batch = Vec::new();
         let first = wanted.start + targets.lights_drawn.unwrap_or(0);
         for (index, light) in lights.iter().enumerate().take(wanted.end).skip(first) {
-            let ready = shadow_maps.ready(gpu, &mut encoder, (passes, scene, raster), light)?;
+            let ready = match shadow_maps.ready(gpu, &mut encoder, (passes, scene, raster), light) {
+                // Others shine all the same; `scene::Reach` tells who asks.
+                Err(RenderError::OutOfReach(_)) if view.aov == Aov::Beauty => continue,
+                ready => ready?,
+            };
             counts.shadow += u64::from(ready.shadow_drawn);
             let (drawn, passing) = (ready.shadow_drawn, ready.passing.is_some());
             if drawn

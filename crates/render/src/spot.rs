@@ -5,11 +5,11 @@ use std::sync::OnceLock;
 
 use bendy::{Decay, SpotLight};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
+use scene::MAX_EXTENT;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, CommandEncoder, Sampler};
 
 use crate::camera::columns;
-use crate::geometry::MAX_EXTENT;
 use crate::lighting::LightingPass;
 use crate::pipeline::{NON_FILTERING, RAW_TEXTURE, UNIFORM};
 use crate::shadow::{ShadowMap, ShadowPass};
@@ -52,21 +52,13 @@ pub(crate) struct PlacedSpot {
 }
 
 impl PlacedSpot {
-    /// Places a checked light over a scene whose bounds reach `half_extent` about `scene_origin`.
-    pub fn new(
-        light: &SpotLight,
-        scene_origin: DVec3,
-        half_extent: DVec3,
-        shadows: &ShadowSettings,
-    ) -> Result<Self, RenderError> {
+    /// Places a checked light within reach of a scene whose bounds reach `half_extent` about `scene_origin`.
+    pub fn new(light: &SpotLight, scene_origin: DVec3, half_extent: DVec3, shadows: &ShadowSettings) -> Self {
         let rotation = DMat3::from_quat(light.transform.rotation.normalize());
         let scene_from_light =
             DAffine3 { matrix3: rotation, translation: light.transform.translation - scene_origin };
         let source = scene_from_light.translation;
         let far = (source.abs() + half_extent).length();
-        if far > MAX_EXTENT {
-            return Err(RenderError::OutOfReach);
-        }
 
         let outer = light.cone_angle.to_radians();
         let inner = outer * (1.0 - light.cone_softness);
@@ -103,7 +95,7 @@ impl PlacedSpot {
             .map(|(x, y)| DVec3::new(x * tan_outer, y * tan_outer, -1.0) * end);
         let in_world = |local| light.transform.translation + rotation * local;
         let [a, b, c, d] = corners.map(in_world);
-        Ok(Self {
+        Self {
             uniform: layout::Spot {
                 light_from_scene: columns(&DMat4::from(light_from_scene)),
                 intensity: intensity.as_vec3().to_array(),
@@ -123,7 +115,7 @@ impl PlacedSpot {
             },
             shadow_view: layout::ShadowView { clip_from_scene: columns(&clip_from_scene) },
             corners_in_world: [light.transform.translation, a, b, c, d],
-        })
+        }
     }
 }
 
@@ -194,7 +186,7 @@ impl SpotPass {
         (scene, shadows): (&StagedScene, &ShadowSettings),
     ) -> Result<(PlacedSpot, BindGroup, bool), RenderError> {
         bendy::check_spot(light)?;
-        let placed = PlacedSpot::new(light, scene.origin, scene.half_extent, shadows)?;
+        let placed = PlacedSpot::new(light, scene.origin, scene.half_extent, shadows);
         let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
             label: Some("spot"),
             contents: bytemuck::bytes_of(&placed.uniform),

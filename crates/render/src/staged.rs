@@ -1,7 +1,7 @@
 //! A scene on the GPU.
 
 use glam::DVec3;
-use scene::Scene;
+use scene::{Reach, Scene};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages};
 
@@ -43,6 +43,11 @@ pub(crate) struct SceneLayouts {
 }
 
 impl StagedScene {
+    /// What lights are measured against.
+    pub fn reach(&self) -> Reach {
+        Reach { middle: self.origin, half_extent: self.half_extent }
+    }
+
     /// Poses `scene` and uploads it. `view_uniform` will hold the camera of each picture; casters may stray
     /// from the surface by `mesh_error`, in world units.
     pub fn new(

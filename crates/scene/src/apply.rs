@@ -80,8 +80,29 @@ pub fn changes_of(
         }
     };
     let changes: Vec<_> = changes.into_iter().filter(|change| change != &change.inverse()).collect();
-    document.clone().apply(&changes, find_scene)?;
+    let mut after = document.clone();
+    after.apply(&changes, find_scene)?;
+    // A scene brings its lights as they are.
+    if !matches!(command, Command::LoadScene { .. }) {
+        stays_in_reach(document, &after, &changes)?;
+    }
     Ok(changes)
+}
+
+/// Refuses to take a light out of where pictures can show it. One that is there already, by an old record or with its
+/// scene, may be changed in steps until it is back.
+fn stays_in_reach(before: &Document, after: &Document, changes: &[Change]) -> Result<(), EditError> {
+    let reach = after.reach();
+    for id in changes.iter().filter_map(Change::light) {
+        let was_in_reach = || before.lights().get(&id).is_none_or(|was| reach.check(&was.light).is_ok());
+        if let Some(now) = after.lights().get(&id)
+            && let Err(error) = reach.check(&now.light)
+            && was_in_reach()
+        {
+            return Err(error.into());
+        }
+    }
+    Ok(())
 }
 
 impl Document {

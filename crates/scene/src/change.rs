@@ -6,7 +6,7 @@ use bendy::LightError;
 use thiserror::Error;
 
 use crate::{
-    AssetHash, Camera, CameraId, CameraParameter, ControlPoints, Layout, LightId, LightParameter,
+    AssetHash, Camera, CameraId, CameraParameter, ControlPoints, Layout, LightId, LightParameter, OutOfReach,
     PlacedLight, PointParameter, SceneRef,
 };
 
@@ -116,6 +116,9 @@ pub enum EditError {
     /// The light could not be evaluated.
     #[error("{0}")]
     InvalidLight(#[from] LightError),
+    /// No picture could show the light.
+    #[error("{0}")]
+    OutOfReach(#[from] OutOfReach),
     /// The camera makes no picture.
     #[error("the camera's {0}: correct it")]
     InvalidCamera(&'static str),

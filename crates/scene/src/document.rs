@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 use sha2::{Digest, Sha256};
 
-use crate::{Camera, Light, LightKind, Scene};
+use crate::{Camera, Light, LightKind, Reach, Scene};
 
 /// Identifies a light for as long as a session lives. Never used twice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -52,6 +52,8 @@ pub struct PlacedLight {
 pub struct Document {
     scene_ref: Option<SceneRef>,
     scene: Arc<Scene>,
+    /// The scene's, once somebody asked.
+    reach: Arc<OnceLock<Reach>>,
     lights: BTreeMap<LightId, PlacedLight>,
     cameras: BTreeMap<CameraId, Camera>,
     /// The largest number given out as an id or a layout. Not part of the document's content: undoing an
@@ -69,6 +71,11 @@ impl Document {
     /// since.
     pub fn scene(&self) -> &Arc<Scene> {
         &self.scene
+    }
+
+    /// The box that lights are measured against. The first time after a scene was loaded it looks at all vertices.
+    pub fn reach(&self) -> Reach {
+        *self.reach.get_or_init(|| Reach::of(&self.scene))
     }
 
     /// The lights, in the order of their ids.
@@ -91,7 +98,7 @@ impl Document {
     }
 
     pub(crate) fn set_scene(&mut self, scene_ref: Option<SceneRef>, scene: Arc<Scene>) {
-        (self.scene_ref, self.scene) = (scene_ref, scene);
+        (self.scene_ref, self.scene, self.reach) = (scene_ref, scene, Arc::default());
     }
 
     pub(crate) fn lights_mut(&mut self) -> &mut BTreeMap<LightId, PlacedLight> {
@@ -113,7 +120,7 @@ impl Document {
         let (scene_ref, scene) = scene.map_or_else(Default::default, |(r, s)| (Some(r), s));
         let numbers = lights.iter().flat_map(|(id, light)| [id.0, light.layout.0]);
         let last_number = numbers.chain(cameras.keys().map(|id| id.0)).fold(last_number, u64::max);
-        Self { scene_ref, scene, lights, cameras, last_number }
+        Self { scene_ref, scene, reach: Arc::default(), lights, cameras, last_number }
     }
 
     /// The largest number ever given out as an id or a layout; what [`Document::restore`] needs.

@@ -15,6 +15,7 @@ mod hash;
 mod points;
 mod pose;
 mod property;
+mod reach;
 mod scene;
 mod view;
 
@@ -27,6 +28,7 @@ pub use document::{
 };
 pub use hash::DocumentHash;
 pub use pose::{PosedPrimitive, pose};
+pub use reach::{MAX_EXTENT, OutOfReach, Reach};
 pub use scene::{
     Fill, Image, Light, LightKind, Material, Mesh, Node, Primitive, Sampler, Scene, SceneError, TextureRef,
     Wrap,

@@ -15,8 +15,8 @@ mod wireframe;
 
 use bendy::{Decay, Direction, EndMode, Frame, Segment, Tube};
 use glam::{DMat3, DMat4, DVec3};
+use scene::MAX_EXTENT;
 
-use crate::geometry::MAX_EXTENT;
 use crate::layout::Mat4;
 use crate::{ShadowFilter, ShadowSettings};
 

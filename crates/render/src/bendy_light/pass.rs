@@ -10,7 +10,6 @@ use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsage
 use super::shadow::{BentShadowPass, BentWork, MapRequest, Onto};
 use super::wireframe::{Drawing, WireframePass};
 use super::{Baked, hull_in_world, segments, t_max, uniform};
-use crate::geometry::MAX_EXTENT;
 use crate::lighting::LightingPass;
 use crate::pipeline::{DEPTH_FORMAT, NON_FILTERING, RAW_TEXTURE, UNIFORM};
 use crate::staged::StagedScene;
@@ -83,17 +82,6 @@ pub(crate) struct PlacedBendy {
     pub corners_in_world: Vec<DVec3>,
 }
 
-/// Refuses a light so far from the scene, or so small against it, that f32 cannot hold the scene in tube
-/// space.
-fn check_reach(tube: &Tube<f64>, scene: &StagedScene) -> Result<(), RenderError> {
-    let offset = (tube.placement.translation - scene.origin).abs() + scene.half_extent;
-    let size = offset.length() / tube.placement.world_per_tube.min(1.0);
-    if size > MAX_EXTENT {
-        return Err(RenderError::OutOfReach);
-    }
-    Ok(())
-}
-
 impl BendySlot {
     /// Draws everything anew when it is next asked for.
     pub fn invalidate(&mut self) {
@@ -152,7 +140,6 @@ impl BendyPass {
             return Ok((placed.clone(), false));
         }
         let tube = Tube::new(light)?;
-        check_reach(&tube, scene)?;
         let t_max = t_max(&tube, scene.origin, scene.half_extent);
         let key = Some((scene.revision, Shape::of(light)));
         let stale = slot.map_key != key;
@@ -190,7 +177,6 @@ impl BendyPass {
         (color, size): (&TextureView, [u32; 2]),
     ) -> Result<(), RenderError> {
         let tube = &Tube::new(light)?;
-        check_reach(tube, scene)?;
         let t_max = t_max(tube, scene.origin, scene.half_extent);
         let depth = gpu.target("wireframe", size[0], size[1], DEPTH_FORMAT);
         let depth = &depth.create_view(&wgpu::TextureViewDescriptor::default());

@@ -205,11 +205,11 @@ fn impossible_lights_are_refused() {
     let refused = |change: fn(&mut BendyLight)| {
         let mut light = winding();
         change(&mut light);
-        let view = view(EYE, DVec3::ZERO, [5, 4], Aov::Beauty);
+        let view = view(EYE, DVec3::ZERO, [5, 4], Aov::Visibility);
         renderer(&tilted()).render(&view, &bendy(light)).expect_err("refused")
     };
-    assert_eq!(refused(|l| l.transform.translation.x = 1e200), RenderError::OutOfReach);
-    assert_eq!(refused(|l| l.transform.scale = 1e-30), RenderError::OutOfReach);
+    assert!(matches!(refused(|l| l.transform.translation.x = 1e200), RenderError::OutOfReach(_)));
+    assert!(matches!(refused(|l| l.transform.scale = 1e-30), RenderError::OutOfReach(_)));
     assert!(matches!(refused(|l| l.radii[2] = 9.0), RenderError::Light(bendy::LightError::Fold { .. })));
 }
 

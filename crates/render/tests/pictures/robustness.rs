@@ -158,6 +158,45 @@ fn impossible_lights_are_refused() {
     let good = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [5, 4], Aov::Beauty);
     let nan = SpotLight { intensity: f64::NAN, ..SpotLight::default() };
     assert_eq!(refused(&good, &[named(nan)]), RenderError::Light(LightError::NotFinite("intensity")));
-    let far = spot(DVec3::new(1e200, 0.0, 0.0), DVec3::ZERO);
-    assert_eq!(refused(&good, &[named(far)]), RenderError::OutOfReach);
+    let far = named(spot(DVec3::new(1e200, 0.0, 0.0), DVec3::ZERO));
+    assert!(matches!(refused(&View { aov: Aov::T, ..good }, &[far]), RenderError::OutOfReach(_)));
+}
+
+/// What is out of reach is left out, and the other lights shine.
+#[test]
+fn lights_out_of_reach_are_left_out() {
+    let near = named(spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO));
+    let bent = bendy::bend(&SpotLight { range: Some(6.0), ..spot(DVec3::Y * 3.0, DVec3::ZERO) }, 2).unwrap();
+    let bent = |change: fn(&mut bendy::BendyLight)| {
+        let mut light = bent.clone();
+        change(&mut light);
+        Light { name: "bent".into(), kind: scene::LightKind::Bendy(light) }
+    };
+    let far = [
+        named(spot(DVec3::new(1e200, 0.0, 0.0), DVec3::ZERO)),
+        named(spot(DVec3::new(1.1e15, 0.0, 0.0), DVec3::ZERO)),
+        bent(|light| light.transform.translation = DVec3::splat(3.4e38)),
+        bent(|light| light.transform.scale = 1e30),
+        bent(|light| light.transform.scale = 1e-30),
+    ];
+    let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [41, 31], Aov::Beauty);
+    let alone = picture(&tables(), &view, std::slice::from_ref(&near));
+    for light in far {
+        assert_eq!(scene::Reach::of(&tables()).left_out([&light]).len(), 1, "{light:?}");
+        assert_eq!(picture(&tables(), &view, &[light, near.clone()]), alone);
+    }
+    // The planted fault: the near one left out as well.
+    assert_ne!(picture(&tables(), &view, &[]), alone);
+    // Just within reach everything is finite.
+    let edge = [
+        named(SpotLight { intensity: 1e300, ..spot(DVec3::new(0.9e15, 0.0, 0.0), DVec3::ZERO) }),
+        bent(|light| light.transform.translation = DVec3::new(0.0, 0.9e15, 0.0)),
+        bent(|light| light.transform.scale = 1e13),
+        bent(|light| light.transform.scale = 1e-13),
+        bent(|light| light.intensities.fill(3.4e38)),
+    ];
+    for light in edge {
+        assert_eq!(scene::Reach::of(&tables()).check(&light), Ok(()), "{light:?}");
+        picture(&tables(), &view, &[light]);
+    }
 }

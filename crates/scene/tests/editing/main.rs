@@ -9,5 +9,6 @@ mod lights;
 mod points;
 mod properties;
 mod random;
+mod reach;
 mod scenes;
 mod support;

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use axum::extract::State;
-use axum::http::{Uri, header};
+use axum::http::{HeaderName, HeaderValue, Uri, header};
 use axum::response::IntoResponse;
 use render::{Aov, PictureFormat, View};
-use scene::{Camera, Document, Light, framing_camera};
+use scene::{Camera, Document, Light, OutOfReach, framing_camera};
 use serde::Deserialize;
 use tokio::task::spawn_blocking;
 
@@ -16,6 +16,9 @@ use crate::limits::{MAX_SAMPLES, MAX_STILLS, MAX_VIEW_SIDE};
 use crate::renderer::{Lease, Output, Request, Urgency};
 use crate::room::{Message, Snapshot};
 use crate::server::Shared;
+
+/// The header that tells what a picture lacks.
+const NOTE: HeaderName = HeaderName::from_static("x-bendylights-note");
 
 /// Width and height where none is asked for, as of `bendylights render`.
 const DEFAULT_SIZE: [u32; 2] = [686, 382];
@@ -64,6 +67,7 @@ pub async fn render(State(shared): State<Arc<Shared>>, SessionName(name): Sessio
         document = replayed.await?.document().clone();
     }
     let format = query.format.unwrap_or_default();
+    let notes = notes(&document);
     let request = request(query, document, (session, shared.backend.renders.lease())).await?;
     let (view, lights) = (request.view.clone(), request.lights.clone());
     let picture_format = format.into();
@@ -75,7 +79,19 @@ pub async fn render(State(shared): State<Arc<Shared>>, SessionName(name): Sessio
         Format::Png => "image/png",
         Format::Exr => "image/x-exr",
     };
-    Ok(([(header::CONTENT_TYPE, kind)], file).into_response())
+    let mut response = ([(header::CONTENT_TYPE, kind)], file).into_response();
+    for note in notes {
+        response.headers_mut().append(NOTE, note);
+    }
+    Ok(response)
+}
+
+/// What the picture lacks: a sentence for each light that it leaves out.
+fn notes(document: &Document) -> Vec<HeaderValue> {
+    let left_out = document.reach().left_out(document.lights().values().map(|placed| &placed.light));
+    // Names of lights can have any letters; a header's value has those of ASCII.
+    let plain = |why: OutOfReach| why.to_string().replace(|c: char| !matches!(c, ' '..='~'), "?");
+    left_out.into_iter().filter_map(|why| HeaderValue::from_str(&plain(why)).ok()).collect()
 }
 
 async fn request(

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
-use render::{Aov, Pixels, View as RenderView};
+use render::{Aov, Pixels, RenderError, View as RenderView};
 use stream::{Codec, Content, Flags, FrameHeader, HEADER_BYTES, MOVING_QUALITY, Next, Quality, Tile};
 use tokio::task::{Id, JoinError, spawn_blocking};
 
@@ -171,8 +171,23 @@ impl Room {
                 Quality::Settled => Urgency::Settling,
             },
         };
+        let left_out = match quality {
+            Quality::Moving => None,
+            Quality::Settled => Some(document.reach().left_out(&request.lights)),
+        };
+        let news = left_out.filter(|left_out| *left_out != view.left_out);
+        if let Some(left_out) = &news {
+            view.left_out.clone_from(left_out);
+        }
         let task = self.pictures.spawn(make_picture(self.backend.clone(), request, stamp));
         view.under_way = Some(UnderWay { quality, revision: content.revision, task });
+        // Said once, to all who see it.
+        for why in news.into_iter().flatten() {
+            let error = ServerError::from(RenderError::from(why));
+            for id in self.watchers_of(owner) {
+                self.complain_to(id, &error);
+            }
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use protocol::{ServerMessage, ViewSource};
-use scene::Camera;
+use scene::{Camera, OutOfReach};
 use stream::{Content, Pace, Quality};
 use tokio::task::AbortHandle;
 
@@ -35,6 +35,8 @@ pub(super) struct View {
     pub under_way: Option<UnderWay>,
     /// The revision of the content that could not be drawn; another may.
     pub failed: Option<u64>,
+    /// The lights that its latest lossless picture lacks.
+    pub left_out: Vec<OutOfReach>,
     /// Keeps what the renderer has of it.
     pub lease: Arc<Lease>,
 }
@@ -56,9 +58,8 @@ impl Drop for UnderWay {
 impl Room {
     pub(super) fn open_view(&mut self, id: ClientId, camera: Camera, camera_revision: u32, size: [u32; 2]) {
         let (content, lease) = (self.new_content(), self.backend.renders.lease());
-        let (latest, under_way, failed) = (None, None, None);
         let Some(client) = self.clients.get_mut(&id) else { return };
-        let view = View { camera, camera_revision, size, content, latest, under_way, failed, lease };
+        let view = View::new((camera, camera_revision), size, content, lease);
         client.source = Source::Own(Box::new(view));
         client.shown = None;
         self.presence_changed = true;
@@ -120,17 +121,9 @@ impl Room {
             }
             client.source = match source {
                 Source::Own(view) => {
-                    let (camera, latest) = (view.camera.clone(), None);
-                    let (under_way, failed, lease) = (None, None, self.backend.renders.lease());
-                    Source::Own(Box::new(View {
-                        camera,
-                        content,
-                        latest,
-                        under_way,
-                        failed,
-                        lease,
-                        ..**view
-                    }))
+                    let (camera, lease) = (view.camera.clone(), self.backend.renders.lease());
+                    let view = View::new((camera, view.camera_revision), view.size, content, lease);
+                    Source::Own(Box::new(view))
                 }
                 Source::Follow(leader) => Source::Follow(*leader),
                 Source::Nothing => Source::Nothing,
@@ -207,6 +200,16 @@ impl Source {
 }
 
 impl View {
+    fn new(
+        (camera, camera_revision): (Camera, u32),
+        size: [u32; 2],
+        content: Content,
+        lease: Arc<Lease>,
+    ) -> Self {
+        let (latest, under_way, failed, left_out) = (None, None, None, Vec::new());
+        Self { camera, camera_revision, size, content, latest, under_way, failed, left_out, lease }
+    }
+
     /// It shows something else from now on. A lossless picture of what it showed is given up.
     fn touch(&mut self, content: Content) {
         self.content = content;
