@@ -36,7 +36,7 @@ impl MemoryKind {
 
 /// The account of a device's memory. Clones share it.
 ///
-/// Each allocation of some size is entered with its bytes. Those that can be made again are [`Kept`]: where room is
+/// Each allocation of some size is entered with its bytes. Those that can be made again are only kept: where room is
 /// short they go, first what no view or picture under way needs, then what was used longest ago. What the picture
 /// that is being drawn has used stays until it is done: its bytes and those of scenes and tiles can pass the budget.
 #[derive(Clone, Debug)]
