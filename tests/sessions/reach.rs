@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use bench::{Client, Incoming, ServerProcess};
-use protocol::{ClientMessage, LogLine, ServerMessage, ViewSource};
+use protocol::{ClientMessage, LogLine, LogReader, ServerMessage, ViewSource};
 
 use crate::program::program;
 use crate::support::Server;
@@ -36,7 +36,7 @@ fn old_log() -> String {
             "changes": [{{"type": "light", "light": 1, "old": null, "new": {{"layout": 1, "light": {lamp}}}}}]}}"#
     );
     let record = record.replace('\n', "");
-    let Ok(LogLine::Record(parsed)) = LogLine::parse(&record) else { panic!("a record") };
+    let Ok(LogLine::Record(parsed)) = LogReader::default().read(&record) else { panic!("a record") };
     let parsed = edit::Record::try_from(*parsed).expect("a valid record");
     let mut document = scene::Document::default();
     document.apply(&parsed.changes, &|_| None).expect("it applies");
