@@ -29,6 +29,8 @@ pub struct Store {
     pub(crate) connection: Connection,
     pub(crate) assets: PathBuf,
     write_ahead_log: PathBuf,
+    /// The write-ahead log may hold a commit that failed ([`Store::failed_commit`]).
+    is_unsettled: bool,
 }
 
 impl Store {
@@ -69,7 +71,7 @@ impl Store {
             found => return Err(StoreError::Newer { path, found }),
         }
         let write_ahead_log = path.with_extension("sqlite-wal");
-        Ok(Self { connection, assets, write_ahead_log })
+        Ok(Self { connection, assets, write_ahead_log, is_unsettled: false })
     }
 
     /// What a commit that failed comes to.
@@ -77,10 +79,23 @@ impl Store {
     /// Where the disk did not confirm it, its pages may stand whole in the write-ahead log, and whoever opens the
     /// database after a crash would find it committed. So the log is emptied before anybody is told that nothing was
     /// changed. Where that fails too, nobody knows.
-    pub(crate) fn failed_commit(&self, reason: rusqlite::Error) -> StoreError {
+    pub(crate) fn failed_commit(&mut self, reason: rusqlite::Error) -> StoreError {
         // A log that did not fit on the disk ends before the page that commits.
-        let is_settled = reason.sqlite_error_code() == Some(ErrorCode::DiskFull) || self.empty_log().is_ok();
-        if is_settled { reason.into() } else { StoreError::Unknown(reason) }
+        let is_full = reason.sqlite_error_code() == Some(ErrorCode::DiskFull);
+        self.is_unsettled = !is_full && self.empty_log().is_err();
+        if self.is_unsettled { StoreError::Unknown(reason.to_string()) } else { reason.into() }
+    }
+
+    /// A transaction that writes, alone in doing so from its start.
+    ///
+    /// What an earlier commit may have left in the write-ahead log is gone before: it may be the same operation that
+    /// is now sent again, and a refusal would be a lie.
+    pub(crate) fn writing(&mut self) -> Result<Transaction<'_>, StoreError> {
+        if self.is_unsettled {
+            self.empty_log().map_err(|reason| StoreError::Unknown(reason.to_string()))?;
+            self.is_unsettled = false;
+        }
+        Ok(self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?)
     }
 
     /// Moves what is committed from the write-ahead log into the database, and empties the log, on the disk too.

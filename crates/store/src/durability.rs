@@ -213,7 +213,7 @@ fn has_strace() -> bool {
     has_strace
 }
 
-/// What a child says that it did while its syncs failed as `when` says (strace's `inject`), and what its log holds then.
+/// What a child says that it did while its disk failed, and what its log holds then.
 struct Failed {
     /// Each word that it said with the record's sequence.
     said: Vec<(String, u64)>,
@@ -222,12 +222,14 @@ struct Failed {
 }
 
 impl Failed {
-    fn run(when: &str, fault: &str) -> Self {
+    /// `faults` says which system calls fail how and when, each as strace's `inject` does.
+    fn run(faults: &[&str], fault: &str) -> Self {
         let folder = TempDir::new().expect("a folder");
         // The folder is there before anything fails.
         assert!(child(&[], folder.path(), 1, "").output().expect("the child runs").status.success());
-        let inject = format!("inject=fsync,fdatasync:error=EIO:when={when}");
-        let tracer = ["strace", "-f", "-o", "/dev/null", "-e", "trace=fsync,fdatasync", "-e", &inject];
+        let mut tracer = vec!["strace", "-f", "-o", "/dev/null", "-e", "trace=fsync,fdatasync,pwrite64"];
+        let injected: Vec<String> = faults.iter().map(|fault| format!("inject={fault}")).collect();
+        tracer.extend(injected.iter().flat_map(|inject| ["-e", inject.as_str()]));
         let done = child(&tracer, folder.path(), 6, fault).output().expect("strace runs");
         let text = String::from_utf8(done.stdout).expect("text");
         let said = text.lines().filter_map(|line| {
@@ -252,6 +254,10 @@ impl Failed {
     }
 }
 
+fn syncs_fail(when: &str) -> String {
+    format!("fsync,fdatasync:error=EIO:when={when}")
+}
+
 #[test]
 fn what_a_failing_disk_refused_is_not_in_the_log_after_a_crash() {
     if !has_strace() {
@@ -260,16 +266,35 @@ fn what_a_failing_disk_refused_is_not_in_the_log_after_a_crash() {
     let (mut refused, mut unknown) = (0, 0);
     for sync in 1..12 {
         for when in [format!("{sync}"), format!("{sync}+")] {
-            let run = Failed::run(&when, "");
+            let run = Failed::run(&[&syncs_fail(&when)], "");
             assert!(run.is_honest(), "sync {when} fails: {:?}, and {} are found", run.said, run.found);
             refused += run.count("refused");
             unknown += run.count("unknown");
         }
     }
     assert!(refused > 0 && unknown > 0, "{refused} and {unknown}: both were tried");
-    let planted = (1..12).map(|sync| Failed::run(&format!("{sync}"), NO_SETTLING));
+    let planted = (1..12).map(|sync| Failed::run(&[&syncs_fail(&sync.to_string())], NO_SETTLING));
     let resurrected = planted.filter(|run| !run.is_honest()).count();
     assert!(resurrected > 0, "a store that does not settle a failed commit is caught");
+}
+
+/// First nobody can tell what became of a record, and then the disk is full when it is sent again.
+///
+/// Rules: SOCK-4
+#[test]
+fn what_is_refused_when_it_is_sent_again_is_not_in_the_log_either() {
+    if !has_strace() {
+        return;
+    }
+    let (mut refused, mut unknown) = (0, 0);
+    for write in 4..24 {
+        let full = format!("pwrite64:error=ENOSPC:when={write}+");
+        let run = Failed::run(&[&syncs_fail("2+"), &full], "");
+        assert!(run.is_honest(), "write {write} fails: {:?}, and {} are found", run.said, run.found);
+        refused += run.count("refused");
+        unknown += run.count("unknown");
+    }
+    assert!(refused + unknown > 0, "{refused} and {unknown}");
 }
 
 #[test]

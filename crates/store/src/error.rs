@@ -30,11 +30,12 @@ pub enum StoreError {
         "the database of sessions cannot be used ({0}); check the disk, and that its folder may be written"
     )]
     Database(#[from] rusqlite::Error),
-    /// The disk failed at the end of a commit, and again when the store looked what had become of it.
+    /// The disk failed at the end of a commit, and again when the store saw to it that nothing is left of that; or what
+    /// became of an operation that may have come before cannot be read.
     #[error(
-        "the disk failed while this was written ({0}), and whether it is in the log cannot be told: check the disk, then send it again under the same name"
+        "the disk failed ({0}), and whether this is in the log cannot be told: check the disk, then send it again under the same name"
     )]
-    Unknown(rusqlite::Error),
+    Unknown(String),
     /// The database is of a later version.
     #[error("{}: was written by a newer version of this program (schema {found}); use that one", path.display())]
     Newer {

@@ -2,7 +2,7 @@
 
 use edit::Session;
 use protocol::{FORMAT, LogReader, Place, ReadError, Record, compact, next_proof};
-use rusqlite::{ErrorCode, OptionalExtension, Row, Transaction, TransactionBehavior, params};
+use rusqlite::{ErrorCode, OptionalExtension, Row, Transaction, params};
 use scene::{DocumentHash, FindScene};
 
 use crate::checkpoints::Tail;
@@ -153,11 +153,6 @@ impl Store {
         let select = "SELECT json FROM record WHERE session = ? AND seq = ?";
         let mut statement = self.connection.prepare_cached(select)?;
         Ok(statement.query_row(params![key, seq], |row| row.get(0)).optional()?)
-    }
-
-    /// A transaction that writes, alone in doing so from its start.
-    pub(crate) fn writing(&mut self) -> Result<Transaction<'_>, StoreError> {
-        Ok(self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?)
     }
 }
 
