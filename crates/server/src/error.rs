@@ -217,8 +217,8 @@ impl ServerError {
 const READ_FAILED: &str = "the server cannot read its disk: tell whoever runs it, and try again";
 const WRITE_FAILED: &str =
     "the server cannot write to its disk, nothing was changed: tell whoever runs it, and try again";
-const OUTCOME_UNKNOWN: &str = "the server's disk failed while this was written, and it may have been done or not: tell \
-    whoever runs it, then look, or send it again under the same name";
+const OUTCOME_UNKNOWN: &str = "the server's disk failed, and this may have been done or not: tell whoever runs it, then look, \
+    or send it again under the same name";
 
 impl From<FileError> for ServerError {
     fn from(error: FileError) -> Self {

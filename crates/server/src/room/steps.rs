@@ -6,7 +6,7 @@ use std::sync::Arc;
 use edit::{Actor, Record, Request, Sources};
 use protocol::{EditResult, EditStatus, GestureEnd, Problem, ServerMessage, SessionCheckpoint};
 use scene::{AssetHash, Change, Command, Scene};
-use store::{Outcome, Rejection};
+use store::{Outcome, Rejection, StoreError};
 use tokio::task::spawn_blocking;
 
 use super::message::Step;
@@ -81,7 +81,11 @@ impl Room {
                     return Answer { result: result_of(op_id, outcome.clone()), is_new: false };
                 }
             }
-            Err(error) => return Answer { result: refused(op_id, error), is_new: false },
+            // It may have been carried out before.
+            Err(error) => {
+                let error = ServerError::Store(StoreError::Unknown(error.to_string()));
+                return Answer { result: refused(op_id, &error), is_new: false };
+            }
         }
         let outcome = match request {
             Ok(request) => self.carry_out(request, actor, &op_id, tick).await,

@@ -189,6 +189,29 @@ async fn a_drag_that_the_disk_refuses_frees_its_light() {
     stopped(own).await;
 }
 
+/// What came before cannot be read, so nobody can say that it is not in the log.
+///
+/// Rules: SOCK-4, REC-4
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn an_operation_that_may_have_come_before_is_not_called_refused() {
+    let own = Own::start().await;
+    let (mut ada, welcome) = Client::join(&own.door, "main", "Ada").await;
+    let first = edit(&mut ada, "x", welcome.seq, cone_angle(30.0)).await;
+    assert_eq!(first.status, EditStatus::Committed);
+    let database = Connection::open(own.folder.path().join("bendylights.sqlite")).expect("a database");
+    let rename = |from: &str, to: &str| {
+        database.execute_batch(&format!("ALTER TABLE {from} RENAME TO {to}")).expect("a planted fault");
+    };
+    rename("rejection", "lost");
+    let fresh = edit(&mut ada, "y", welcome.seq + 1, cone_angle(31.0)).await;
+    assert_eq!((fresh.status, fresh.code.as_deref()), (EditStatus::Unknown, Some("unknownOutcome")));
+    rename("lost", "rejection");
+    let again = edit(&mut ada, "y", welcome.seq + 1, cone_angle(31.0)).await;
+    assert_eq!(again.seq, Some(welcome.seq + 2), "and it may be sent again");
+    assert_eq!(edit(&mut ada, "x", welcome.seq + 2, cone_angle(32.0)).await, first);
+    stopped(own).await;
+}
+
 /// Rules: HTTP-3, LOG-3
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_damaged_asset_is_not_called_absent() {
