@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use crate::program::{Folder, TRIANGLE, run};
 
 const LOG: &str = include_str!("../../../../tests/logs/format-1.jsonl");
+const NEWEST_LOG: &str = include_str!("../../../../tests/logs/format-2.jsonl");
 /// Of the document after its last record.
 const HASH: &str = "4a062bb30a1c9a5d669a9b9ff34e788daa293374d49b7e02162f4bb3d6cb923b";
 
@@ -36,9 +37,19 @@ fn imported() -> (Folder, String, String) {
 #[test]
 fn a_log_goes_in_and_comes_out_as_it_was() {
     let (folder, log, data) = imported();
-    let out = folder.path("out.jsonl");
-    assert_eq!(printed(&["export", "main", "--data", &data, "-o", &out]), "");
-    assert_eq!(std::fs::read_to_string(&out).expect("a log"), LOG);
+    let exported = |name: &str| {
+        let out = folder.path("out.jsonl");
+        assert_eq!(printed(&["export", name, "--data", &data, "-o", &out]), "");
+        std::fs::read_to_string(&out).expect("a log")
+    };
+    let newest = folder.file("log-2.jsonl", NEWEST_LOG);
+    assert_eq!(printed(&["import", &newest, "--data", &data]), "old: 52 records\n");
+    assert_eq!(exported("old"), NEWEST_LOG);
+    // One of an earlier format comes out as one of this.
+    let upgraded = folder.file("upgraded.jsonl", &exported("main"));
+    assert!(exported("main").starts_with("{\"format\":2,"));
+    let replayed: Value = serde_json::from_str(&printed(&["replay", &upgraded])).expect("JSON");
+    assert_eq!((&replayed["checkpoints_ok"], &replayed["hash"]), (&json!(true), &json!(HASH)));
     assert_eq!(printed(&["import", &log, "--data", &data, "--name", "b.2"]), "b.2: 43 records\n");
     let (said, _) = refused(&["import", &log, "--data", &data]);
     assert!(said.contains("`main`") && said.contains(&log), "{said}");
@@ -54,7 +65,8 @@ fn a_log_goes_in_and_comes_out_as_it_was() {
         (&json!("main"), &json!(43), &json!(HASH))
     );
     assert_ne!(rows[0]["epoch"], rows[1]["epoch"], "two histories");
-    assert_eq!(folder.names(), ["data", "log.jsonl", "out.jsonl"], "and nothing else");
+    let names = ["data", "log-2.jsonl", "log.jsonl", "out.jsonl", "upgraded.jsonl"];
+    assert_eq!(folder.names(), names, "and nothing else");
 }
 
 #[test]
