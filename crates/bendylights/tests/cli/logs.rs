@@ -46,7 +46,7 @@ fn a_log_goes_in_and_comes_out_as_it_was() {
     assert_eq!(printed(&["import", &newest, "--data", &data]), "old: 52 records\n");
     assert_eq!(exported("old"), NEWEST_LOG);
     // One of an earlier format comes out as one of this.
-    let upgraded = folder.file("upgraded.jsonl", &exported("main"));
+    let upgraded = folder.file("upgraded.jsonl", exported("main"));
     assert!(exported("main").starts_with("{\"format\":2,"));
     let replayed: Value = serde_json::from_str(&printed(&["replay", &upgraded])).expect("JSON");
     assert_eq!((&replayed["checkpoints_ok"], &replayed["hash"]), (&json!(true), &json!(HASH)));
