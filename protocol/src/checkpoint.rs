@@ -1,5 +1,7 @@
 //! A session in JSON, as the store keeps it, so that opening one does not replay all of its log.
 
+use std::collections::BTreeMap;
+
 use edit::{Past, Session};
 use scene::{FindScene, LightId};
 use serde::{Deserialize, Serialize};
@@ -18,24 +20,14 @@ pub struct SessionCheckpoint {
     pub document: Document,
     /// The largest number ever given out as an id or a layout.
     pub last_number: u64,
-    /// Steps in effect, in order.
-    pub steps: Vec<PastStep>,
+    /// Records of the steps in effect, in order, by who made them.
+    pub steps: BTreeMap<String, Vec<u64>>,
     /// Undos that can be redone.
     pub undos: Vec<PastUndo>,
     /// The latest record of each actor on each light.
     pub touched: Vec<LightTouch>,
     /// The latest renumbering of each light's control points.
     pub renumbered: Vec<Renumbering>,
-}
-
-/// A step in effect.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase", deny_unknown_fields)]
-pub struct PastStep {
-    /// Its record.
-    pub seq: u64,
-    /// Who made it.
-    pub actor: String,
 }
 
 /// [`edit::PastUndo`] in JSON.
@@ -94,8 +86,12 @@ impl SessionCheckpoint {
             target: undo.target,
             target_actor_id: undo.target_actor,
         };
+        let steps_of =
+            |(actor, seqs): (String, Vec<u64>)| seqs.into_iter().map(move |seq| (seq, actor.clone()));
+        let mut steps: Vec<(u64, String)> = self.steps.into_iter().flat_map(steps_of).collect();
+        steps.sort_unstable();
         let past = Past {
-            steps: self.steps.into_iter().map(|step| (step.seq, step.actor)).collect(),
+            steps,
             undos: self.undos.into_iter().map(undo).collect(),
             touched: self.touched.into_iter().map(|t| (LightId(t.light), t.actor, t.seq)).collect(),
             renumbered: self.renumbered.into_iter().map(|r| (LightId(r.light), r.seq)).collect(),
@@ -114,12 +110,16 @@ impl From<&Session> for SessionCheckpoint {
             target: undo.target,
             target_actor: undo.target_actor_id,
         };
+        let mut steps_of = BTreeMap::<String, Vec<u64>>::new();
+        for (seq, actor) in steps {
+            steps_of.entry(actor).or_default().push(seq);
+        }
         let touch = |(light, actor, seq): (LightId, String, u64)| LightTouch { light: light.0, actor, seq };
         Self {
             seq: session.seq(),
             document: session.document().into(),
             last_number: session.document().last_number(),
-            steps: steps.into_iter().map(|(seq, actor)| PastStep { seq, actor }).collect(),
+            steps: steps_of,
             undos: undos.into_iter().map(undo).collect(),
             touched: touched.into_iter().map(touch).collect(),
             renumbered: renumbered

@@ -19,7 +19,7 @@ pub mod point_file;
 mod record;
 mod schema;
 
-pub use checkpoint::{LightTouch, PastStep, PastUndo, Renumbering, SessionCheckpoint};
+pub use checkpoint::{LightTouch, PastUndo, Renumbering, SessionCheckpoint};
 pub use command::{CameraParameter, Command, LightParameter, PointParameter};
 pub use document::{
     Bounds, Camera, Document, DocumentCamera, DocumentLight, Projection, Quat, SceneRef, Vec3,

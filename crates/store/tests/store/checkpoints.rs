@@ -72,6 +72,17 @@ fn a_checkpoint_that_the_log_does_not_prove_is_passed_over() {
     assert_eq!((opened(&store).tail.records, opened(&store).session.document().hash()), (62, log.hash()));
 }
 
+/// A person's thousands of steps are numbers, whatever that person is called: each checkpoint holds them all.
+///
+/// Rules: LOG-5
+#[test]
+fn a_step_takes_a_few_bytes_of_a_checkpoint() {
+    let bytes = |edits: u64| SessionCheckpoint::from(&Log::of(edits).session).to_json().len();
+    let (few, many) = (bytes(700), bytes(1_400));
+    // Of seven edits one undoes another: five are in effect. A number of four digits has a comma.
+    assert!(many - few < 500 * 6, "{} bytes for 500 steps", many - few);
+}
+
 /// Rules: LOG-2, LOG-4
 #[test]
 fn what_follows_a_checkpoint_is_proven() {
