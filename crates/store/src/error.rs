@@ -130,15 +130,13 @@ pub enum StoreError {
     Cut,
     /// A checkpoint in the wrong place.
     #[error(
-        "line {line}: a checkpoint of record {found} follows record {after}: the log was changed by hand; export it again"
+        "line {line}: a checkpoint of record {found} does not stand directly after that record: the log was changed by hand; export it again"
     )]
     Misplaced {
         /// The line.
         line: u64,
         /// What it says.
         found: u64,
-        /// Where it stands.
-        after: u64,
     },
     /// A record does not go on from those before it.
     #[error("{0}")]

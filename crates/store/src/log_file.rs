@@ -123,6 +123,7 @@ fn walk(
     let mut operations = HashSet::new();
     let mut is_whole = false;
     while let Some(line) = lines.next(|line| reader.read(line))? {
+        let follows_checkpoint = is_whole;
         is_whole = matches!(line, LogLine::Checkpoint(_));
         match line {
             LogLine::Record(record) if to.is_some_and(|to| record.seq > to) => return Ok(session),
@@ -134,8 +135,10 @@ fn walk(
                 }
                 visit(Passed::Record(record))?;
             }
-            LogLine::Checkpoint(Checkpoint { seq: found, .. }) if found != session.seq() => {
-                return Err(StoreError::Misplaced { line: lines.number, found, after: session.seq() });
+            LogLine::Checkpoint(Checkpoint { seq: found, .. })
+                if follows_checkpoint || found != session.seq() =>
+            {
+                return Err(StoreError::Misplaced { line: lines.number, found });
             }
             LogLine::Checkpoint(Checkpoint { seq, hash, proof }) => {
                 let is_proven = proof.map_or(header.format == 1, |proof| proof == reader.proof());

@@ -113,6 +113,9 @@ fn a_changed_log_is_refused_by_line_or_record() {
         let last = l.last_mut().expect("lines");
         *last = last.replace("\"seq\":22", "\"seq\":21");
     });
+    refused("a checkpoint twice", "line 27: a checkpoint of record 22 does not stand directly", &|l| {
+        l.push(l[l.len() - 1].clone());
+    });
     // What no document holds: who, when, under which name.
     for (was, now) in
         [("Ada", "Eve"), ("\"id\":\"a\"", "\"id\":\"e\""), ("17900", "17800"), ("op 21", "op x")]
