@@ -3,6 +3,7 @@
 use glam::DVec3;
 use scene::{CameraId, Layout, LightId};
 use schemars::JsonSchema;
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
 use crate::document::Vec3;
@@ -139,6 +140,27 @@ impl Record {
         // Before the rest is looked at: a later format may have fields that are not known here.
         known_format(from_json::<Versioned>(text)?.format).map_err(FileError::Format)?;
         from_json(text)
+    }
+
+    /// What its sender was told of a record besides its sequence, whether it was rebased and what was skipped: as the
+    /// record's line alone says, whatever the rest of it refers to. `None` where these are referred to themselves.
+    pub fn answer_in(line: &str) -> Option<(bool, Vec<String>)> {
+        #[derive(Deserialize)]
+        struct Line {
+            action: Answer,
+        }
+        #[derive(Deserialize)]
+        struct Answer {
+            // A reference has none.
+            #[serde(rename = "type")]
+            _type: IgnoredAny,
+            #[serde(default)]
+            rebased: bool,
+            #[serde(default)]
+            skipped: Vec<String>,
+        }
+        let Line { action } = serde_json::from_str(line).ok()?;
+        Some((action.rebased, action.skipped))
     }
 
     /// One line of JSON, in full.

@@ -54,10 +54,11 @@ impl Store {
         let seq: Option<u64> =
             self.connection.prepare_cached(select)?.query_row(operation, |row| row.get(0)).optional()?;
         if let Some(seq) = seq {
-            let record = self.records(session, seq, 1)?.pop().ok_or(StoreError::OutOfStep(seq))?;
-            let record =
-                edit::Record::try_from(record).map_err(|reason| StoreError::Meaningless { seq, reason })?;
-            let (rebased, skipped) = (record.action.rebased(), Action::skipped(&record.action).to_vec());
+            let line = self.line(key, seq)?.ok_or(StoreError::OutOfStep(seq))?;
+            let (rebased, skipped) = match protocol::Record::answer_in(&line) {
+                Some(answer) => answer,
+                None => self.answer_in_full(session, seq)?,
+            };
             return Ok(Some(Outcome::Committed { seq, rebased, skipped }));
         }
         let select = "SELECT code, message FROM rejection WHERE session = ? AND actor = ? AND op_id = ?";
@@ -66,6 +67,14 @@ impl Store {
             Ok(Outcome::Rejected { code: row.get("code")?, message: row.get("message")? })
         });
         Ok(rejected.optional()?)
+    }
+
+    /// Whether record `seq` was rebased, and what it skipped.
+    fn answer_in_full(&self, session: &str, seq: u64) -> Result<(bool, Vec<String>), StoreError> {
+        let record = self.records(session, seq, 1)?.pop().ok_or(StoreError::OutOfStep(seq))?;
+        let record =
+            edit::Record::try_from(record).map_err(|reason| StoreError::Meaningless { seq, reason })?;
+        Ok((record.action.rebased(), Action::skipped(&record.action).to_vec()))
     }
 }
 

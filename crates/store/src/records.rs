@@ -149,7 +149,7 @@ impl Store {
     }
 
     /// The line of record `seq`, with its references.
-    fn line(&self, key: i64, seq: u64) -> Result<Option<String>, StoreError> {
+    pub(crate) fn line(&self, key: i64, seq: u64) -> Result<Option<String>, StoreError> {
         let select = "SELECT json FROM record WHERE session = ? AND seq = ?";
         let mut statement = self.connection.prepare_cached(select)?;
         Ok(statement.query_row(params![key, seq], |row| row.get(0)).optional()?)

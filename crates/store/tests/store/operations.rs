@@ -1,5 +1,8 @@
 //! What became of operations.
 
+use edit::Action;
+use rusqlite::Connection;
+use scene::{Command, LightId};
 use store::{Batch, MAX_REJECTIONS, Outcome, Rejection, Store, StoreError};
 
 use crate::support::{Folder, Log, find_scene, stored_log};
@@ -37,6 +40,53 @@ fn an_operation_has_its_first_outcome() {
         assert_eq!(outcome(session, actor, op), None, "{session} {actor} {op}");
     }
     assert!(matches!(store.outcome("none", "a", "x"), Err(StoreError::NoSession(_))));
+}
+
+/// A record that brings a long light back refers to where that stands. Whoever sends its operation again is not made to
+/// wait until all of it is put together, which takes long where the document is large.
+///
+/// Rules: REC-4, REC-6
+#[test]
+fn an_outcome_is_read_of_its_own_line_alone() {
+    let folder = Folder::new();
+    let mut store = folder.store();
+    store.create_session("main").expect("a new name");
+    let mut log = Log::default();
+    log.add_long_light();
+    log.edit(Command::RemoveLight(LightId(1)));
+    log.undo();
+    store.append(&[log.batch("main")]).expect("a commit");
+    let database = Connection::open(folder.data().join("bendylights.sqlite")).expect("a database");
+    let fault = "DROP TRIGGER record_stays; UPDATE record SET json = '' WHERE seq = 1";
+    database.execute_batch(fault).expect("a planted fault");
+    store.records("main", 3, 1).expect_err("the light is gone");
+    let committed = Outcome::Committed { seq: 3, rebased: false, skipped: Vec::new() };
+    assert_eq!(store.outcome("main", "a", "op 3").expect("an answer"), Some(committed));
+}
+
+/// What was skipped is itself referred to where it is long and comes again.
+///
+/// Rules: REC-4, REC-6
+#[test]
+fn an_outcome_that_is_referred_to_is_found() {
+    let folder = Folder::new();
+    let mut store = folder.store();
+    store.create_session("main").expect("a new name");
+    let mut log = Log::of(5);
+    log.undo();
+    log.undo();
+    let skipped: Vec<String> =
+        (0..40).map(|n| format!("light {n}'s radius has been changed since")).collect();
+    for record in &mut log.records {
+        if let Action::Undo { skipped: said, .. } = &mut record.action {
+            said.clone_from(&skipped);
+        }
+    }
+    store.append(&[log.batch("main")]).expect("a commit");
+    for seq in [8, 9] {
+        let committed = Outcome::Committed { seq, rebased: false, skipped: skipped.clone() };
+        assert_eq!(store.outcome("main", "a", &format!("op {seq}")).expect("an answer"), Some(committed));
+    }
 }
 
 /// Rules: REC-4
