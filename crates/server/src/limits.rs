@@ -48,6 +48,9 @@ pub const ROOM_QUEUE: usize = 1_024;
 /// Messages that a session's task carries out before it commits their edits together, and as many edits of programs'
 /// requests.
 pub const MAX_TICK: usize = 256;
+/// Changes of a tick's records, past which the rest of programs' requests waits for the next tick. One may hold a light with
+/// the most control points before and after: 33 KB in memory, and as much again as JSON several times.
+pub const MAX_TICK_CHANGES: usize = 2_048;
 /// Control messages that wait for one client. One with more is behind: it is told what it missed when it has taken them.
 pub const CONTROL_QUEUE: usize = 1_024;
 /// Bytes of control messages that wait for one client, as above; a single message may have more.

@@ -14,7 +14,7 @@ use super::message::{Ask, ClientId, Message, Reply, Snapshot, Step};
 use super::steps::{Answer, OperationKey, Outcomes};
 use super::{Room, Surroundings};
 use crate::ServerError;
-use crate::limits::MAX_TICK;
+use crate::limits::{MAX_TICK, MAX_TICK_CHANGES};
 
 /// What has been done and is not committed yet.
 #[derive(Default)]
@@ -61,6 +61,11 @@ pub(super) struct Batch {
 impl Tick {
     pub fn say(&mut self, say: Say) {
         self.says.push(say);
+    }
+
+    /// Whether what it holds is as much as may be in memory at once.
+    fn is_full(&self) -> bool {
+        self.records.iter().map(|record| record.changes.len()).sum::<usize>() >= MAX_TICK_CHANGES
     }
 }
 
@@ -127,7 +132,12 @@ impl Room {
     async fn work_off(&mut self, tick: &mut Tick) {
         let share = self.share_of_batch();
         for mut batch in std::mem::take(&mut self.batches) {
-            for step in batch.steps.by_ref().take(share) {
+            // One of each in any case, so that none waits for the end of another.
+            for taken in 0..share {
+                if taken > 0 && tick.is_full() {
+                    break;
+                }
+                let Some(step) = batch.steps.next() else { break };
                 batch.answers.push(self.take_step(step, &batch.actor, tick).await);
             }
             tick.say(Say::Batch(batch));

@@ -115,6 +115,32 @@ fn what_a_limit_refused_may_be_sent_again() {
     assert_eq!(answer["results"][2]["seq"], 256, "that one was carried out before");
 }
 
+/// Each of these holds all lights of a full document. Carried out together, as small edits are, 1,000 of them would take
+/// gigabytes of memory.
+///
+/// Rules: HTTP-6
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn large_edits_of_one_request_are_committed_in_parts() {
+    let own = Own::start().await;
+    let commits = |door: &Door| -> u64 {
+        let text = get(door, "/metrics").text().to_owned();
+        let count = text.lines().find_map(|line| line.strip_prefix("bendylights_commit_seconds_count "));
+        count.expect("it is counted").parse().expect("a number")
+    };
+    let add = json!({"command": {"type": "addLight", "light": {"type": "spot"}}});
+    let before = commits(&own.door);
+    edits(&own.door, "main", &vec![add; 255].into());
+    let small = commits(&own.door) - before;
+    let turn = [json!({"command": {"type": "loadScene", "scene": "demo:vases"}}), json!({"undo": "mine"})];
+    let turns: Vec<Value> = turn.into_iter().cycle().take(64).collect();
+    let answer = edits(&own.door, "main", &turns.into());
+    assert!(answer["results"].as_array().expect("a list").iter().all(|r| r["status"] == "committed"));
+    let large = commits(&own.door) - before - small;
+    // 64 records of 258 changes and more: eight fill a tick. A checkpoint is no commit of records.
+    assert!(small <= 2 && large >= 8, "{small} for 255 small edits, {large} for 64 large ones");
+    stopped(own).await;
+}
+
 /// Rules: UNDO-1, UNDO-4, LOG-5
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn undo_reaches_past_a_checkpoint_and_a_restart() {
