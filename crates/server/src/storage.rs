@@ -27,11 +27,11 @@ pub struct Storage {
 
 /// What changes the database.
 enum Write {
-    /// Records and rejections of a session.
-    Commit(Commit),
+    /// Records and rejections of a session; answered with what its log has grown by.
+    Commit(Commit, oneshot::Sender<Result<Tail, StoreError>>),
     /// A new session with its first records; answered with its epoch.
     Begin(Commit, oneshot::Sender<Result<String, StoreError>>),
-    /// A session's checkpoint.
+    /// A session's checkpoint; answered with its bytes.
     Checkpoint(Arc<str>, Box<SessionCheckpoint>, oneshot::Sender<Result<u64, StoreError>>),
 }
 
@@ -41,7 +41,6 @@ struct Commit {
     records: Vec<Record>,
     rejections: Vec<Rejection>,
     hash: DocumentHash,
-    done: oneshot::Sender<Result<Tail, StoreError>>,
 }
 
 impl Storage {
@@ -62,7 +61,7 @@ impl Storage {
         hash: DocumentHash,
     ) -> Result<Tail, ServerError> {
         let (done, answer) = oneshot::channel();
-        self.write(Write::Commit(Commit { session, records, rejections, hash, done })).await?;
+        self.write(Write::Commit(Commit { session, records, rejections, hash }, done)).await?;
         written(answer).await
     }
 
@@ -74,9 +73,7 @@ impl Storage {
         hash: DocumentHash,
     ) -> Result<String, ServerError> {
         let (done, answer) = oneshot::channel();
-        let (commit_done, _) = oneshot::channel();
-        let session = session.into();
-        let first = Commit { session, records, rejections: Vec::new(), hash, done: commit_done };
+        let first = Commit { session: session.into(), records, rejections: Vec::new(), hash };
         self.write(Write::Begin(first, done)).await?;
         written(answer).await
     }
@@ -180,7 +177,7 @@ fn write_until_closed(mut store: Store, mut inbox: mpsc::Receiver<Write>, metric
         for write in waiting.drain(..) {
             // Nobody may be waiting any more; it is done all the same.
             match write {
-                Write::Commit(commit) => commits.push(commit),
+                Write::Commit(commit, done) => commits.push((commit, done)),
                 Write::Begin(first, done) => drop(done.send(store.begin_session(&first.batch()))),
                 Write::Checkpoint(session, checkpoint, done) => {
                     drop(done.send(store.keep_checkpoint(&session, &checkpoint)));
@@ -196,22 +193,22 @@ fn write_until_closed(mut store: Store, mut inbox: mpsc::Receiver<Write>, metric
 }
 
 /// Commits all together, or where that fails each for itself, so that no session fails for another's sake.
-fn commit_all(store: &mut Store, commits: Vec<Commit>) {
-    let batches: Vec<Batch> = commits.iter().map(Commit::batch).collect();
+fn commit_all(store: &mut Store, commits: Vec<(Commit, oneshot::Sender<Result<Tail, StoreError>>)>) {
+    let batches: Vec<Batch> = commits.iter().map(|(commit, _)| commit.batch()).collect();
     let together = if commits.len() > 1 { store.append(&batches).ok() } else { None };
     let mut together = together.into_iter().flatten();
-    for commit in commits {
+    for (commit, done) in commits {
         let result = match together.next() {
             Some(tail) => Ok(tail),
             None => store.append(&[commit.batch()]).map(|tails| tails[0]),
         };
-        let _ = commit.done.send(result);
+        let _ = done.send(result);
     }
 }
 
 impl Commit {
     fn batch(&self) -> Batch<'_> {
-        let Self { session, records, rejections, hash, .. } = self;
+        let Self { session, records, rejections, hash } = self;
         Batch { session, records, rejections, hash: *hash }
     }
 }
