@@ -8,7 +8,6 @@ use axum::body::Body;
 use axum::extract::State;
 use protocol::Asset;
 use store::MAX_ASSET_BYTES;
-
 use tokio::io::AsyncWriteExt;
 
 use super::{Answer, created, next_part};
