@@ -103,3 +103,40 @@ pub(crate) fn sample_tube(tube: &Tube<f64>, source: DVec3, point: DVec3) -> Opti
         visible: true,
     })
 }
+
+/// Where `point` lies, a little beside the place of `sample`, inside of the tube or past its rim: `t`, and (v, w) in
+/// radii.
+///
+/// Newton's method on `(q - P) . P'` from that place: a few steps, each squaring an error that starts as the bend of the
+/// curve over the distance.
+pub(crate) fn place_beside(
+    tube: &Tube<f64>,
+    source: DVec3,
+    sample: &LightSample,
+    point: DVec3,
+) -> (f64, DVec2) {
+    const STEPS: usize = 8;
+    let q = tube.placement.rotation.transpose() * (point - source) / tube.placement.world_per_tube;
+    let last = tube.segments.len() - 1;
+    // The extension past the last segment has no end.
+    let end = if last == tube.n { f64::INFINITY } else { tube.n as f64 };
+    let piece = |t: f64| {
+        let index = (t as usize).min(last);
+        (&tube.segments[index], t - index as f64)
+    };
+    let mut t = sample.t;
+    for _ in 0..STEPS {
+        let (segment, u) = piece(t);
+        let (r, d) = (segment.offset(q, u), segment.d(u));
+        let slope = 2.0 * d.length_squared() - r.dot(segment.a);
+        if slope <= 0.0 {
+            break;
+        }
+        t = (t + r.dot(d) / slope).clamp(0.0, end);
+    }
+    let (segment, u) = piece(t);
+    let (v_hat, w_hat) = tube.cross_section(segment, segment.u_hat(u));
+    let (r, radius) = (segment.offset(q, u), segment.radius(u));
+    let radii = if radius > 0.0 { radius } else { 1.0 };
+    (t, DVec2::new(r.dot(v_hat), r.dot(w_hat)) / radii)
+}

@@ -4,7 +4,7 @@ use bendy::{Tube, TubePoint};
 use glam::DVec3;
 use raycast::BentHit;
 
-use crate::source::{sample_spot, sample_tube};
+use crate::source::{place_beside, sample_spot, sample_tube};
 use crate::{LightSample, Reference, Source, Surface};
 
 /// Distance from a surface within which nothing shadows it, as a share of the light's size or of the way to the
@@ -32,15 +32,30 @@ impl Reference<'_> {
         source.position_in_world() - self.posed.origin_in_world
     }
 
-    /// Whether nothing is in the way of the light that `sample` says arrives at the surface. Light that arrives
-    /// from behind has the surface itself in its way: it meets the other side.
+    /// Whether nothing is in the way of the light that `sample` says arrives at the surface, as a smooth one
+    /// ([`Surface::shadow_position`]). Light that arrives from behind that, or through the surface's own triangle, meets the other side.
     pub(crate) fn reaches(&self, source: &Source, surface: &Surface, sample: &LightSample) -> bool {
-        if surface.geometric_normal.dot(sample.along_path) <= 0.0 {
+        if surface.normal.dot(sample.along_path) <= 0.0 || self.is_in_its_own_way(surface, sample) {
             return false;
         }
-        let Source::Bendy(tube) = source else { return self.sees(surface, self.in_scene(source)) };
-        let path = self.posed.path(tube, sample.vw.x, sample.vw.y);
-        !self.posed.blocks(&path, sample.t, self.in_the_way_of(surface.position, tube))
+        let (origin, point) = (self.in_scene(source), surface.shadow_position());
+        let Source::Bendy(tube) = source else { return self.sees(surface, origin) };
+        let (t, vw) = place_beside(tube, origin, sample, point);
+        let path = self.posed.path(tube, vw.x, vw.y);
+        !self.posed.blocks(&path, t, self.in_the_way_of(point, tube))
+    }
+
+    /// Whether light from behind the surface's triangle comes through it.
+    fn is_in_its_own_way(&self, surface: &Surface, sample: &LightSample) -> bool {
+        let arriving = surface.geometric_normal.dot(sample.along_path);
+        if arriving > 0.0 {
+            return false;
+        }
+        let height = surface.terminator_offset * surface.normal.dot(surface.geometric_normal);
+        let through = surface.shadow_position() + sample.along_path * (height / -arriving);
+        let triangle = &self.posed.triangles[surface.triangle];
+        // Seen edge on, light comes through nowhere; at no height it comes through the point itself.
+        height <= 0.0 || triangle.weights_at(through).is_some()
     }
 
     /// The node that shadows a point, given where it lies in the light: the first on the light's way from its
@@ -64,10 +79,11 @@ impl Reference<'_> {
 
     /// Whether nothing lies on the straight way from a surface to another point.
     fn sees(&self, surface: &Surface, there: DVec3) -> bool {
-        let way = there - surface.position;
-        let near = CONTACT + rounding(surface.position) / way.length();
+        let point = surface.shadow_position();
+        let way = there - point;
+        let near = CONTACT + rounding(point) / way.length();
         self.posed
-            .first_hit(surface.position, way, [near, 1.0], |hit| {
+            .first_hit(point, way, [near, 1.0], |hit| {
                 hit.triangle != surface.triangle
                     && self.is_solid(&self.posed.triangles[hit.triangle], hit.weights)
             })

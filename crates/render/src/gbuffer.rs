@@ -13,6 +13,7 @@ use crate::tile::Tile;
 use crate::{Gpu, shaders};
 
 const FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
+const OFFSET_FORMAT: TextureFormat = TextureFormat::R32Float;
 
 /// The pipelines, which outlive scenes and pictures.
 #[derive(Debug)]
@@ -27,6 +28,8 @@ pub(crate) struct GbufferPass {
 #[derive(Debug)]
 pub(crate) struct Gbuffer {
     packed: TextureView,
+    /// How far in front of each surface its shadow is looked for.
+    offset: TextureView,
     depth: TextureView,
     /// Group 1 of the lighting passes.
     pub surface: BindGroup,
@@ -53,7 +56,7 @@ impl GbufferPass {
                     module: &module,
                     entry_point: Some("fs_gbuffer"),
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[Some(FORMAT.into())],
+                    targets: &[Some(FORMAT.into()), Some(OFFSET_FORMAT.into())],
                 }),
                 multiview_mask: None,
                 cache: None,
@@ -62,7 +65,7 @@ impl GbufferPass {
         Self {
             one_sided: pipeline(Some(wgpu::Face::Back)),
             double_sided: pipeline(None),
-            surface_layout: gpu.layout("surface", &[UINT_TEXTURE, RAW_TEXTURE]),
+            surface_layout: gpu.layout("surface", &[UINT_TEXTURE, RAW_TEXTURE, RAW_TEXTURE]),
         }
     }
 
@@ -70,10 +73,10 @@ impl GbufferPass {
         let view = |format| {
             gpu.target("gbuffer", width, height, format).create_view(&TextureViewDescriptor::default())
         };
-        let (packed, depth) = (view(FORMAT), view(DEPTH_FORMAT));
-        let resources = [BindingResource::TextureView(&packed), BindingResource::TextureView(&depth)];
+        let (packed, offset, depth) = (view(FORMAT), view(OFFSET_FORMAT), view(DEPTH_FORMAT));
+        let resources = [&packed, &depth, &offset].map(BindingResource::TextureView);
         let surface = gpu.group("surface", &self.surface_layout, &resources);
-        Gbuffer { packed, depth, surface }
+        Gbuffer { packed, offset, depth, surface }
     }
 
     /// Draws what the pixels of `tile` see of a picture of `size`. All of the picture is mapped as it would be
@@ -88,7 +91,8 @@ impl GbufferPass {
         let StagedScene { view, geometry, draws, .. } = scene;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("gbuffer"),
-            color_attachments: &[Some(color_attachment(&into.packed, true))],
+            color_attachments: &[&into.packed, &into.offset]
+                .map(|target| Some(color_attachment(target, true))),
             depth_stencil_attachment: Some(cleared_depth(&into.depth)),
             ..Default::default()
         });

@@ -7,6 +7,7 @@ use scene::{MAX_EXTENT, Material, PosedPrimitive, Reach, Scene};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 
+use crate::hierarchy::Hierarchy;
 use crate::{Gpu, RenderError};
 
 /// The scene in scene space: world axes, origin at the centre of its bounds. Composed in f64, then rounded.
@@ -124,14 +125,22 @@ pub(crate) struct Geometry {
     pub indices: Buffer,
     /// `array<vec4f>`, one a triangle.
     pub planes: Buffer,
+    /// [`crate::layout::HierarchyNode`]s over the triangles without an alpha test.
+    pub hierarchy: Buffer,
+    /// Those triangles in the order of its leaves.
+    pub hierarchy_triangles: Buffer,
 }
 
 impl Geometry {
     pub fn bytes(&self) -> u64 {
-        [&self.positions, &self.attributes, &self.indices, &self.planes].into_iter().map(Buffer::size).sum()
+        let geometry = [&self.positions, &self.attributes, &self.indices, &self.planes];
+        geometry.into_iter().chain([&self.hierarchy, &self.hierarchy_triangles]).map(Buffer::size).sum()
     }
 
-    pub fn new(gpu: &Gpu, posed: &Posed) -> Result<Self, RenderError> {
+    /// `opaque_indices` of the indices have no alpha test; they come first.
+    pub fn new(gpu: &Gpu, posed: &Posed, opaque_indices: u32) -> Result<Self, RenderError> {
+        let (opaque, _) = posed.indices[..opaque_indices as usize].as_chunks();
+        let hierarchy = Hierarchy::new(&posed.positions, opaque);
         let geometry = BufferUsages::STORAGE | BufferUsages::VERTEX | BufferUsages::COPY_SRC;
         Ok(Self {
             positions: upload(gpu, "the scene's vertex positions in bytes", &posed.positions, geometry)?,
@@ -143,6 +152,18 @@ impl Geometry {
                 BufferUsages::STORAGE | BufferUsages::INDEX | BufferUsages::COPY_SRC,
             )?,
             planes: upload(gpu, "the scene's triangles in bytes", &posed.planes, BufferUsages::STORAGE)?,
+            hierarchy: upload(
+                gpu,
+                "the boxes around the scene's triangles in bytes",
+                &hierarchy.nodes,
+                BufferUsages::STORAGE,
+            )?,
+            hierarchy_triangles: upload(
+                gpu,
+                "the order of the scene's triangles in bytes",
+                &hierarchy.triangles,
+                BufferUsages::STORAGE,
+            )?,
         })
     }
 }

@@ -39,6 +39,7 @@ pub(crate) const ALL: &[StructLayout] = {
         Fill::LAYOUT,
         ShadowView::LAYOUT,
         Spot::LAYOUT,
+        HierarchyNode::LAYOUT,
         bendy::Curve::LAYOUT,
         bendy::Segment::LAYOUT,
         bendy::BendyLight::LAYOUT,
@@ -71,6 +72,16 @@ gpu_struct! {
         depth_from_z: [f32; 4],
         tile_origin: [f32; 2],
         pad5: [f32; 2],
+    }
+}
+
+gpu_struct! {
+    /// See `nearby.wgsl`.
+    HierarchyNode {
+        min: [f32; 3],
+        triangle_count: u32,
+        max: [f32; 3],
+        next: u32,
     }
 }
 

@@ -17,6 +17,7 @@ mod display;
 mod error;
 mod gbuffer;
 mod geometry;
+mod hierarchy;
 mod layout;
 mod ledger;
 mod lighting;

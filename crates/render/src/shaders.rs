@@ -19,7 +19,7 @@ pub(crate) const SHADOW: &str = wgsl!("shadow");
 pub(crate) const SHADOW_MASKED: &str = wgsl!("shadow", "material", "shadow_masked");
 /// Adds a spotlight.
 pub(crate) const SPOT: &str =
-    wgsl!("view", "encoding", "surface", "fullscreen", "brdf", "lighting", "shadow_filter", "spot");
+    wgsl!("view", "encoding", "surface", "fullscreen", "brdf", "lighting", "nearby", "shadow_filter", "spot");
 /// Adds a BendyLight.
 pub(crate) const BENDY: &str = wgsl!(
     "view",
@@ -28,6 +28,7 @@ pub(crate) const BENDY: &str = wgsl!(
     "fullscreen",
     "brdf",
     "lighting",
+    "nearby",
     "shadow_filter",
     "curve",
     "tube",

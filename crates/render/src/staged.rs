@@ -59,8 +59,13 @@ impl StagedScene {
         mesh_error: f64,
     ) -> Result<Self, RenderError> {
         let posed = Posed::new(scene)?;
-        let geometry = Geometry::new(gpu, &posed)?;
-        let view_resources = [view_uniform.as_entire_binding(), geometry.planes.as_entire_binding()];
+        let opaque = posed.draws.iter().rfind(|draw| scene.materials[draw.material].alpha_cutoff.is_none());
+        let opaque_indices = opaque.map_or(0, |draw| draw.indices.end);
+        let geometry = Geometry::new(gpu, &posed, opaque_indices)?;
+        let Geometry { positions, attributes, indices, planes, hierarchy, hierarchy_triangles } = &geometry;
+        let view_resources =
+            [view_uniform, planes, positions, indices, attributes, hierarchy, hierarchy_triangles]
+                .map(Buffer::as_entire_binding);
         let view = gpu.group("view", &layouts.view, &view_resources);
         let fill_uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
             label: Some("fill"),
@@ -77,7 +82,7 @@ impl StagedScene {
             indices: geometry.indices.clone(),
             vertex_count: posed.positions.len() as u32,
             triangle_count: posed.planes.len() as u32,
-            opaque_indices: draws.iter().rfind(|draw| !draw.masked).map_or(0, |draw| draw.indices.end),
+            opaque_indices,
         };
         let casters = surface.simplified(gpu, mesh_error)?;
         let bytes = texture_bytes + geometry.bytes();

@@ -14,8 +14,8 @@ use crate::staged::StagedScene;
 use crate::tile::Tile;
 use crate::{Aov, Gpu, RenderError, View, ViewSlot, display, lighting};
 
-/// Bytes a pixel of targets: G-buffer, its depth, radiance, display.
-pub(crate) const BYTES_A_PIXEL: u64 = 16 + 4 + 16 + 4;
+/// Bytes a pixel of targets: G-buffer, its terminator's offset and its depth, radiance, display.
+pub(crate) const BYTES_A_PIXEL: u64 = 16 + 4 + 4 + 16 + 4;
 
 /// The targets of every viewer.
 #[derive(Debug, Default)]

@@ -15,8 +15,9 @@ use super::{Drawn, Expected};
 const RINGS: [f64; 12] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0];
 /// Directions on each ring.
 const DIRECTIONS: u32 = 16;
-/// Longest step along the light, in texels' widths: seen edge on, a plane runs off along it.
-const LONGEST_STEP: f64 = 32.0;
+/// Longest step along the light, in texels' widths: seen edge on, a plane runs off along it, and every shadow would be
+/// near an edge. Light that meets it at 14 degrees goes that far in a texel.
+const LONGEST_STEP: f64 = 4.0;
 
 /// One texel's steps over the plane of a surface, in the world: along v and along w.
 struct Texel {

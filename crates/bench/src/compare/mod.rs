@@ -24,6 +24,9 @@ pub use expected::{Expected, Subject};
 /// A shadow may lie this many texels of its map beside where it should.
 const TEXELS_ALLOWED: f64 = 1.5;
 
+/// A pixel whose share of the light is wrong by more than this is seen to be, and to come and go as things move.
+const SEEN: f32 = 0.1;
+
 /// Weights of a filter add up to 1 within some ulps.
 const FULL: f32 = 1e-6;
 
@@ -71,6 +74,9 @@ pub struct Comparison {
     /// Shadow where there should be light, more than 1.5 texels from its edge.
     #[serde(rename = "false")]
     pub false_shadow: usize,
+    /// Light or shadow, or more than a tenth of either, where the reference says the other of all 5 x 5 pixels around.
+    /// This knows nothing of maps and texels.
+    pub off_edge: usize,
     /// Pixels that hold a number that is not finite.
     pub not_finite: usize,
     /// `sqrt(mean |gpu - reference|^2) / sqrt(mean |reference|^2)` over what is compared.
@@ -84,6 +90,9 @@ pub struct Comparison {
     /// One a pixel.
     #[serde(skip)]
     pub verdicts: Vec<Verdict>,
+    /// Indices of those that `off_edge` counts.
+    #[serde(skip)]
+    pub off_edge_pixels: Vec<usize>,
 }
 
 /// Quantiles of some values; 0 of none.
@@ -158,6 +167,8 @@ impl Expected<'_> {
         let verdicts: Vec<_> = judged.iter().map(|judged| judged.0).collect();
         let count = |verdict| verdicts.iter().filter(|v| **v == verdict).count();
         let in_light = |seen: &&Option<Seen>| seen.as_ref().is_some_and(|seen| seen.light.is_some());
+        let off_edge_pixels: Vec<_> =
+            (0..self.pixels.len()).filter(|&pixel| self.is_off_edge(drawn, pixel)).collect();
         Comparison {
             pixels: verdicts.len() - count(Verdict::Background),
             in_light: self.pixels.iter().filter(in_light).count(),
@@ -167,11 +178,13 @@ impl Expected<'_> {
             boundary: count(Verdict::Boundary),
             missed: count(Verdict::Missed),
             false_shadow: count(Verdict::False),
+            off_edge: off_edge_pixels.len(),
             not_finite: count(Verdict::NotFinite),
             radiance_rmse: self.radiance_rmse(drawn, &verdicts),
             displacement_texels: Quantiles::of(judged.iter().filter_map(|judged| judged.1).collect()),
             displacement_pixels: Quantiles::of(self.displacements(&drawn.fine_visibility)),
             verdicts,
+            off_edge_pixels,
         }
     }
 
@@ -210,6 +223,26 @@ impl Expected<'_> {
         };
         let wrong = if light.sample.visible { Verdict::False } else { Verdict::Missed };
         (if near { Verdict::Boundary } else { wrong }, texels)
+    }
+
+    /// Whether the picture has light for shadow, or the other way round, where it would be seen and the reference says
+    /// the same of the 5 x 5 pixels around.
+    fn is_off_edge(&self, drawn: &Drawn, pixel: usize) -> bool {
+        const REACH: usize = 2;
+        let lit = |pixel: usize| self.pixels[pixel].as_ref()?.light.map(|light| light.sample.visible);
+        let Some(seen) = &self.pixels[pixel] else { return false };
+        let (Some(expected), [share, .., inside]) = (seen.lit(), drawn.visibility.pixels[pixel]) else {
+            return false;
+        };
+        let (width, height) = self.size();
+        let (x, y) = (pixel % width, pixel / width);
+        let inner = x >= REACH && y >= REACH && x + REACH < width && y + REACH < height;
+        let mut around = (0..=2 * REACH).flat_map(|dy| (0..=2 * REACH).map(move |dx| (dx, dy)));
+        inside > 0.0
+            && (share - if expected { 1.0 } else { 0.0 }).abs() > SEEN
+            && inner
+            && around.all(|(dx, dy)| lit((y + dy - REACH) * width + x + dx - REACH) == Some(expected))
+            && self.other_surface(drawn, pixel, &seen.surface).is_none()
     }
 
     fn radiance_rmse(&self, drawn: &Drawn, verdicts: &[Verdict]) -> f64 {

@@ -9,6 +9,9 @@ use super::{Comparison, Drawn, Expected, Verdict, rgb};
 /// What a difference is multiplied by, against the brightest radiance that should be.
 const AMPLIFIED: f64 = 50.0;
 
+/// Colour in the mask of what is wrong though no edge is near in pixels.
+const OFF_EDGE: [u8; 3] = [60, 255, 60];
+
 impl Verdict {
     /// Its colour in the mask.
     fn color(self) -> [u8; 3] {
@@ -31,7 +34,7 @@ impl Expected<'_> {
     /// where the GPU is, full at 1/50 of the brightest radiance) and what each pixel was taken for.
     ///
     /// In the last, grey pixels are compared; left out are silhouettes (yellow), surfaces in one place (orange), the light's rim (cyan) and shadows'
-    /// edges (blue); missed shadow is red, false shadow magenta, and what is not finite white.
+    /// edges (blue); missed shadow is red, false shadow magenta, what is wrong though no edge is within two pixels green, and what is not finite white.
     pub fn panels(&self, drawn: &Drawn, comparison: &Comparison) -> RgbImage {
         let (width, height) = self.size();
         let reference = |pixel: usize| self.pixels[pixel].as_ref().map_or(DVec3::ZERO, Seen::radiance);
@@ -47,6 +50,7 @@ impl Expected<'_> {
                     let share = difference * (0.5 * AMPLIFIED) + 0.5;
                     Rgb(share.to_array().map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u8))
                 }
+                _ if comparison.off_edge_pixels.contains(&pixel) => Rgb(OFF_EDGE),
                 _ => Rgb(comparison.verdicts[pixel].color()),
             }
         };

@@ -27,7 +27,7 @@ fn json(found: &Comparison) -> String {
 /// The bars of the accuracy tests over real scenes.
 fn passes(found: &Comparison) -> bool {
     found.not_finite == 0
-        && found.missed + found.false_shadow == 0
+        && found.missed + found.false_shadow + found.off_edge == 0
         && found.silhouettes + found.rim <= found.pixels / 1000
         && found.radiance_rmse <= 1e-3
         && found.displacement_texels.p99 <= 1.5
@@ -89,4 +89,23 @@ fn a_wrong_exposure_is_seen() {
     let found = EXPECTED.compare(&bright);
     // 0.2 % everywhere is a relative error of 2e-3, whatever the scene.
     assert!(!passes(&found) && (found.radiance_rmse - 2e-3).abs() < 5e-4, "{}", json(&found));
+}
+
+#[test]
+fn a_leak_is_seen_in_pixels() {
+    let mut leaking = drawn(&SUBJECT);
+    // In the middle of the largest shadow: the pixel whose surroundings are dark for longest.
+    let is_dark = |pixel: usize| leaking.visibility.pixels[pixel] == [0.0, 0.0, 0.0, 1.0];
+    let amid = |pixel: &usize| (0..7).all(|y| (0..7).all(|x| is_dark(pixel + y * 160 + x)));
+    let corner = (0..160 * 80).find(amid).expect("a shadow is seven pixels wide");
+    let pixel = corner + 3 * 160 + 3;
+    // A fifth of the light: far less than a lit pixel, and seen.
+    leaking.visibility.pixels[pixel] = [0.2, 0.2, 0.2, 1.0];
+    let found = EXPECTED.compare(&leaking);
+    assert_eq!(
+        (found.off_edge_pixels.as_slice(), passes(&found)),
+        ([pixel].as_slice(), false),
+        "{}",
+        json(&found)
+    );
 }

@@ -3,3 +3,4 @@
 mod light;
 mod materials;
 mod support;
+mod terminator;

@@ -1,4 +1,4 @@
-// A BendyLight's share of the picture. Follows tube.wgsl, lighting.wgsl and shadow_filter.wgsl.
+// A BendyLight's share of the picture. Follows tube.wgsl, lighting.wgsl, shadow_filter.wgsl and nearby.wgsl.
 
 @group(2) @binding(2) var shadow_map: texture_2d<f32>;
 @group(2) @binding(3) var shadow_sampler: sampler;
@@ -16,7 +16,7 @@ fn sample_light(surface: Surface) -> LightSample {
     result.vw = root.vw_len / select(1.0, root.radius, root.radius > 0.0);
     result.to_light = normalize(light.world_from_tube * direction_at(root));
     result.irradiance = irradiance(root);
-    result.visibility = bent_visibility(root, result.vw, surface.geometric_normal * light.world_from_tube);
+    result.visibility = bent_visibility(root, result.vw, surface);
     return result;
 }
 
@@ -33,49 +33,85 @@ struct Receiver {
     t: f32,
     // How t changes along the receiver's plane from texel to texel.
     step: vec2f,
+    // How much later in t than the map says it may lie and be lit: by all that the map can tell, and if what is near is
+    // left to the scene.
     tolerance: f32,
+    reach: f32,
 }
 
+// Lengths along the light, in a texel's widths. From texel to texel the receiver's plane runs along the light so far:
+// more than GRAZING, and what the map cannot tell the scene is asked; the map is believed as if it were STEEP at most;
+// and seen edge on it runs STEEPEST.
+const GRAZING = 1.0;
+const STEEP = 4.0;
+const STEEPEST = 32.0;
+// The farthest of the texels around is a step and a half away, where the plane may lie so much earlier.
+const REACH = 1.5 * STEEPEST;
+
+// How much of the arriving light nothing is in the way of.
+//
 // Each texel is compared with the t that the receiver's own plane has at that texel's centre, so that a plane cannot
 // shadow itself: a step e in the plane is R (dv v_hat + dw w_hat) + T dt with T the path's tangent, and n.e = 0 gives
 // dt = -R (n_v dv + n_w dw) / n.T.
-fn bent_visibility(root: Root, vw: vec2f, normal: vec3f) -> f32 {
+fn bent_visibility(root: Root, vw: vec2f, surface: Surface) -> f32 {
     let across = mat2x3f(root.v_hat, cross(root.u_hat, root.v_hat));
     let tangent = path_tangent(root, vw, across);
-    let texel_width = 2.0 * root.radius / light.shadow_resolution;
-    // One texel's width in the scene, as a step in t; at most that along the centre, in which the map's own
-    // error is measured.
-    let speed = max(min(length(tangent), 2.0 * length(root.d)), 1e-20);
-    let footprint = texel_width / speed;
-    let closing = -dot(normal, tangent);
+    let arriving = -normalize(light.world_from_tube * tangent);
     // Light that arrives from behind meets the surface's other side.
-    if closing <= 0.0 {
+    if dot(surface.normal, arriving) <= 0.0 || is_in_its_own_way(surface, arriving) {
         return 0.0;
     }
+
+    // The shadow position lies a little beside the surface's: grad t = u_hat / sigma, grad V = v_hat, grad W = w_hat.
+    let centre_speed = 2.0 * length(root.d);
+    let lift = surface.terminator_offset / light.world_per_tube * (surface.normal * light.world_from_tube);
+    let sigma = max(centre_speed - dot(root.r, turn_at(root)), 0.1 * centre_speed);
+    let lift_t = dot(lift, root.u_hat) / max(sigma, 1e-20);
+    let radius = max(root.radius + root.radius_derivative * lift_t, 0.0);
+    let lifted_vw = (root.vw_len + lift * across) / select(1.0, radius, radius > 0.0);
+
+    // A facet that faces away lies behind the plane of the smooth surface.
+    let faces_light = dot(surface.geometric_normal, arriving) > 0.0;
+    let normal = select(surface.normal, surface.geometric_normal, faces_light) * light.world_from_tube;
     let leaning = normal * across;
+    let texel_width = 2.0 * radius / light.shadow_resolution;
+    // One texel's width in the scene, as a step in t; at most that along the centre, in which the map's own
+    // error is measured.
+    let speed = max(min(length(tangent), centre_speed), 1e-20);
+    let footprint = texel_width / speed;
 
     var receiver: Receiver;
-    receiver.texel = (vw * vec2f(0.5, -0.5) + 0.5) * light.shadow_resolution - 0.5;
-    receiver.t = root_t(root);
-    // Seen edge on, the plane runs off along the light within a texel: at most 32 of its widths, the way it leans.
-    let facing = max(closing, length(leaning) * speed / 32.0);
+    receiver.texel = (lifted_vw * vec2f(0.5, -0.5) + 0.5) * light.shadow_resolution - 0.5;
+    receiver.t = root_t(root) + lift_t;
+    // Seen edge on, the plane runs off along the light within a texel: the way it leans.
+    let facing = max(-dot(normal, tangent), length(leaning) * speed / STEEPEST);
     receiver.step = texel_width / facing * vec2f(leaning.x, -leaning.y);
+    let slope = min(length(receiver.step), STEEP * footprint);
     // The depth is rounded to some ulps of 1. And the receiver's own caster may stray by e towards the light: a plane
     // moved so far along its normal is met e / (n . T) earlier.
-    receiver.tolerance = light.shadow_tolerance_texels * (footprint + length(receiver.step))
+    receiver.tolerance = light.shadow_tolerance_texels * (footprint + slope)
         + 0x1p-22 * light.t_max + light.mesh_error / facing;
+    receiver.reach = max(receiver.tolerance, REACH * footprint);
 
-    return filtered(receiver);
+    // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach, along
+    // the chord of the path, whose tangent turns with the centre's.
+    let grazes = !faces_light || length(receiver.step) > GRAZING * footprint;
+    let back = 2.0 * receiver.reach + length(receiver.step);
+    let way = turn_at(root) * (0.5 * sigma * back * back) - tangent * back;
+    return decided(surface, filtered(receiver), grazes, light.world_from_tube * way * light.world_per_tube);
 }
 
 // Which of the four texels from `corner` on let the light through, in the order of textureGather.
-fn lit_texels(receiver: Receiver, corner: vec2f) -> vec4f {
+fn lit_texels(receiver: Receiver, corner: vec2f) -> mat2x4f {
     // The tube's rim touches the map's: what lies beyond is looked up a texel further in.
     let first = clamp(corner, vec2f(0.0), vec2f(light.shadow_resolution - 2.0));
     let step = receiver.step;
     let expected = receiver.t + dot(step, first - receiver.texel) + vec4f(step.y, step.x + step.y, step.x, 0.0);
     // A texel that nothing was drawn to holds t_max, and a plane may run on past the light's end.
-    let needed = min(expected - receiver.tolerance, vec4f(light.t_max * (1.0 - 0x1p-22)));
+    let latest = vec4f(light.t_max * (1.0 - 0x1p-22));
     let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / light.shadow_resolution) * light.t_max;
-    return select(vec4f(0.0), vec4f(1.0), stored >= needed);
+    return mat2x4f(
+        select(vec4f(0.0), vec4f(1.0), stored >= min(expected - receiver.tolerance, latest)),
+        select(vec4f(0.0), vec4f(1.0), stored >= min(expected - receiver.reach, latest)),
+    );
 }

@@ -3,8 +3,9 @@
 //   SHADOW_FILTER  u32  one of the FILTER_ constants
 // Each kind of light brings, for its own map:
 //   struct Receiver      with its place `texel`, counted from the centre of the first one
-//   fn lit_texels(receiver: Receiver, corner: vec2f) -> vec4f
-//                        which of the four texels from `corner` on let the light through, in the order of textureGather
+//   fn lit_texels(receiver: Receiver, corner: vec2f) -> mat2x4f
+//                        which of the four texels from `corner` on let the light through, in the order of textureGather:
+//                        by all that the map can tell, and if what is near to the receiver is left to the scene
 
 const FILTER_NEAREST = 0u;
 const FILTER_BILINEAR = 1u;
@@ -15,24 +16,36 @@ fn filter_blend(blend: vec2f) -> vec2f {
     return select(blend, round(blend), SHADOW_FILTER == FILTER_NEAREST);
 }
 
-// Sum over four texels, in the order of textureGather, weighted by column and row.
+// Sum over four texels, in the order of textureGather, weighted by column and row: 1 to the last bit where all are lit.
 fn weighted(lit: vec4f, columns: vec2f, rows: vec2f) -> f32 {
     return dot(rows, vec2f(dot(columns, lit.wz), dot(columns, lit.xy)));
 }
 
-// Share of the light that the filter lets through.
-fn filtered(receiver: Receiver) -> f32 {
+fn weighted_both(lit: mat2x4f, columns: vec2f, rows: vec2f) -> vec2f {
+    return vec2f(weighted(lit[0], columns, rows), weighted(lit[1], columns, rows));
+}
+
+// Shares of the light that the filter lets through, both ways of `lit_texels`.
+fn filtered(receiver: Receiver) -> vec2f {
     let first = floor(receiver.texel);
     let blend = filter_blend(receiver.texel - first);
     if SHADOW_FILTER == FILTER_PCF_3X3 {
         let low = mat2x2f(vec2f(1.0 - blend.x, 1.0), vec2f(1.0 - blend.y, 1.0));
         let high = mat2x2f(vec2f(1.0, blend.x), vec2f(1.0, blend.y));
-        let sum = weighted(lit_texels(receiver, first + vec2f(-1.0, -1.0)), low[0], low[1])
-            + weighted(lit_texels(receiver, first + vec2f(1.0, -1.0)), high[0], low[1])
-            + weighted(lit_texels(receiver, first + vec2f(-1.0, 1.0)), low[0], high[1])
-            + weighted(lit_texels(receiver, first + vec2f(1.0, 1.0)), high[0], high[1]);
+        let sum = weighted_both(lit_texels(receiver, first + vec2f(-1.0, -1.0)), low[0], low[1])
+            + weighted_both(lit_texels(receiver, first + vec2f(1.0, -1.0)), high[0], low[1])
+            + weighted_both(lit_texels(receiver, first + vec2f(-1.0, 1.0)), low[0], high[1])
+            + weighted_both(lit_texels(receiver, first + vec2f(1.0, 1.0)), high[0], high[1]);
         return sum / 9.0;
     }
     let near = lit_texels(receiver, first);
-    return weighted(near, vec2f(1.0 - blend.x, blend.x), vec2f(1.0 - blend.y, blend.y));
+    return weighted_both(near, vec2f(1.0 - blend.x, blend.x), vec2f(1.0 - blend.y, blend.y));
+}
+
+// Share of the light that reaches the surface, given both shares of `filtered`. Where light grazes and the texels around
+// do not all let it through, the scene tells of `way`, its last piece reversed, and the map of what came before.
+fn decided(surface: Surface, shares: vec2f, grazes: bool, way: vec3f) -> f32 {
+    let asked = grazes && shares.x < 1.0 && shares.y > 0.0;
+    let is_blocked = is_met(surface, shadow_position(surface), select(vec3f(0.0), way, asked));
+    return select(shares.x, select(shares.y, 0.0, is_blocked), asked);
 }

@@ -47,7 +47,7 @@ fn sample_light(surface: Surface) -> LightSample {
     light.vw = vec2f(-slope.x, slope.y) / spot.tan_outer;
     light.to_light = normalize(-position * rotation);
     light.irradiance = spot.intensity * cone_profile(tan2) * decay;
-    light.visibility = shadow_visibility(position, rotation * surface.geometric_normal);
+    light.visibility = shadow_visibility(surface, light.to_light, rotation);
     return light;
 }
 
@@ -69,21 +69,27 @@ struct Receiver {
     tolerance: f32,
 }
 
+// How much of the arriving light nothing is in the way of.
+//
 // Each texel is compared with the depth that the receiver's own plane has on the ray through that texel's centre, so
 // that a plane cannot shadow itself.
-fn shadow_visibility(position: vec3f, normal: vec3f) -> f32 {
-    let depth = -position.z;
+fn shadow_visibility(surface: Surface, to_light: vec3f, rotation: mat3x3f) -> f32 {
+    // Light that arrives from behind meets the surface's other side.
+    if dot(surface.normal, to_light) <= 0.0 || is_in_its_own_way(surface, to_light) {
+        return 0.0;
+    }
+    // A facet that faces away lies behind the plane of the smooth surface.
+    let faces_light = dot(surface.geometric_normal, to_light) > 0.0;
+    let normal = rotation * select(surface.normal, surface.geometric_normal, faces_light);
+    let position = (spot.light_from_scene * vec4f(shadow_position(surface), 1.0)).xyz;
+    let depth = max(-position.z, 1e-30);
     let resolution = vec2f(textureDimensions(shadow_map));
     let slope = position.xy / depth;
 
     // On the ray (x, y, -1) the plane through `position` has 1 / depth = n.(x, y, -1) / n.position: linear in
     // (x, y).
     let texel_slope = 2.0 * spot.shadow_tan / resolution.x;
-    let plane_distance = dot(normal, position);
-    // Light that arrives from behind meets the surface's other side.
-    if plane_distance >= 0.0 {
-        return 0.0;
-    }
+    let plane_distance = min(dot(normal, position), -1e-30);
     let across = normal.xy / plane_distance;
 
     var receiver: Receiver;
@@ -102,11 +108,11 @@ fn shadow_visibility(position: vec3f, normal: vec3f) -> f32 {
     let nearer = spot.mesh_error / max(plane_height - spot.mesh_error, spot.mesh_error);
     receiver.tolerance += nearer * spot.shadow_near / depth;
 
-    return filtered(receiver);
+    return filtered(receiver).x;
 }
 
 // Which of the four texels from `first` on let the light through, in the order of textureGather.
-fn lit_texels(receiver: Receiver, first: vec2f) -> vec4f {
+fn lit_texels(receiver: Receiver, first: vec2f) -> mat2x4f {
     let step = receiver.step;
     let start = receiver.inverse_depth + dot(step, first - receiver.texel);
     let plane_at = start + vec4f(step.y, step.x + step.y, step.x, 0.0);
@@ -115,5 +121,6 @@ fn lit_texels(receiver: Receiver, first: vec2f) -> vec4f {
     let expected = clamp(plane_at, vec4f(bounds.x), vec4f(bounds.y)) * spot.shadow_near;
     let resolution = vec2f(textureDimensions(shadow_map));
     let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / resolution);
-    return select(vec4f(0.0), vec4f(1.0), stored <= expected + receiver.tolerance);
+    let lit = select(vec4f(0.0), vec4f(1.0), stored <= expected + receiver.tolerance);
+    return mat2x4f(lit, lit);
 }

@@ -11,6 +11,10 @@ struct Surface {
     geometric_normal: vec3f,
     // Unit shading normal.
     normal: vec3f,
+    // Its shadow is looked for so far along `normal`: see gbuffer.wgsl.
+    terminator_offset: f32,
+    // Index in `planes`.
+    triangle: u32,
     // Unit vector towards the viewer.
     to_eye: vec3f,
     // Linear.
@@ -22,6 +26,7 @@ struct Surface {
 
 @group(1) @binding(0) var gbuffer: texture_2d<u32>;
 @group(1) @binding(1) var gbuffer_z: texture_2d<f32>;
+@group(1) @binding(2) var gbuffer_offset: texture_2d<f32>;
 
 // `pixel` counts from the corner of the target.
 fn surface_at(pixel: vec2u) -> Surface {
@@ -29,27 +34,19 @@ fn surface_at(pixel: vec2u) -> Surface {
     if packed.y == 0u {
         return Surface();
     }
-    let at = vec2f(pixel) + view.tile_origin;
-    let origin = view.ray_origin + at.x * view.ray_origin_dx + at.y * view.ray_origin_dy;
-    let direction = view.ray_direction + at.x * view.ray_direction_dx + at.y * view.ray_direction_dy;
-
-    // The rasteriser's depth is right to a few thousandths of a percent; it only serves where the plane is
-    // seen edge on.
-    let z = textureLoad(gbuffer_z, pixel, 0).x;
-    let c = view.depth_from_z;
-    let rough_depth = (c.x + c.y * z) / (c.z + c.w * z);
     let plane = planes[packed.y - 1u];
-    let closing = dot(plane.xyz, direction);
-    let exact_depth = (plane.w - dot(plane.xyz, origin)) / select(closing, 1.0, closing == 0.0);
-    let depth = select(clamp(exact_depth, 0.5 * rough_depth, 2.0 * rough_depth), rough_depth, closing == 0.0);
+    let ray = ray_through(pixel);
+    let depth = depth_on(plane, ray, textureLoad(gbuffer_z, pixel, 0).x);
 
     var surface: Surface;
     surface.exists = true;
-    surface.position = origin + depth * direction;
+    surface.position = ray.origin + depth * ray.direction;
     surface.depth = depth;
-    surface.to_eye = -normalize(direction);
-    surface.geometric_normal = select(plane.xyz, -plane.xyz, closing > 0.0);
+    surface.to_eye = -normalize(ray.direction);
+    surface.geometric_normal = select(plane.xyz, -plane.xyz, dot(plane.xyz, ray.direction) > 0.0);
     surface.normal = unit_from_bits(packed.x);
+    surface.terminator_offset = textureLoad(gbuffer_offset, pixel, 0).x;
+    surface.triangle = packed.y - 1u;
     let factors = material_from_bits(packed.zw);
     surface.base_color = factors.color;
     surface.metallic = factors.metallic;

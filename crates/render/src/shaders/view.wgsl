@@ -22,3 +22,68 @@ struct View {
 @group(0) @binding(0) var<uniform> view: View;
 // One a triangle: n.xyz . position = w on it, n of length 1 towards its front, or 0 where it has no area.
 @group(0) @binding(1) var<storage, read> planes: array<vec4f>;
+// The scene's triangles: three positions' coordinates a vertex, three vertices a triangle, and a vertex's normal, uv
+// and colour.
+@group(0) @binding(2) var<storage, read> positions: array<f32>;
+@group(0) @binding(3) var<storage, read> indices: array<u32>;
+@group(0) @binding(4) var<storage, read> attributes: array<f32>;
+
+const ATTRIBUTES = 9u;
+
+// All that a pixel sees lies on it.
+struct ViewRay {
+    origin: vec3f,
+    // As long as one unit along the view axis.
+    direction: vec3f,
+}
+
+// `pixel` counts from the corner of the target.
+fn ray_through(pixel: vec2u) -> ViewRay {
+    let at = vec2f(pixel) + view.tile_origin;
+    return ViewRay(
+        view.ray_origin + at.x * view.ray_origin_dx + at.y * view.ray_origin_dy,
+        view.ray_direction + at.x * view.ray_direction_dx + at.y * view.ray_direction_dy,
+    );
+}
+
+// Where a ray meets the plane of the triangle that the rasteriser found there at depth `z`: along the view axis. The
+// rasteriser's depth is right to a few thousandths of a percent; it only serves where the plane is seen edge on.
+fn depth_on(plane: vec4f, ray: ViewRay, z: f32) -> f32 {
+    let c = view.depth_from_z;
+    let rough = (c.x + c.y * z) / (c.z + c.w * z);
+    let closing = dot(plane.xyz, ray.direction);
+    let exact = (plane.w - dot(plane.xyz, ray.origin)) / select(closing, 1.0, closing == 0.0);
+    return select(clamp(exact, 0.5 * rough, 2.0 * rough), rough, closing == 0.0);
+}
+
+struct Corners {
+    a: vec3f,
+    b: vec3f,
+    c: vec3f,
+}
+
+fn position_of(vertex: u32) -> vec3f {
+    return vec3f(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]);
+}
+
+fn normal_of(vertex: u32) -> vec3f {
+    let first = ATTRIBUTES * vertex;
+    return vec3f(attributes[first], attributes[first + 1u], attributes[first + 2u]);
+}
+
+fn corners_of(triangle: u32) -> Corners {
+    let first = 3u * triangle;
+    return Corners(position_of(indices[first]), position_of(indices[first + 1u]), position_of(indices[first + 2u]));
+}
+
+// Weights of the corners at a point of the triangle's plane, one of them below zero outside of it; 0 where the triangle
+// has no area.
+fn weights_at(corners: Corners, point: vec3f) -> vec3f {
+    let ab = corners.b - corners.a;
+    let ac = corners.c - corners.a;
+    let at = point - corners.a;
+    let normal = cross(ab, ac);
+    let area2 = dot(normal, normal);
+    let beta_gamma = vec2f(dot(cross(at, ac), normal), dot(cross(ab, at), normal)) / max(area2, 1e-37);
+    return select(vec3f(0.0), vec3f(1.0 - beta_gamma.x - beta_gamma.y, beta_gamma), area2 > 1e-37);
+}

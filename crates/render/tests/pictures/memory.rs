@@ -103,7 +103,7 @@ fn what_nobody_looks_at_is_given_back() {
     renderer.render(&camera(1), &lights).unwrap();
     renderer.render(&camera(2), &lights[..2]).unwrap();
     assert_eq!(ledger.bytes(MemoryKind::ShadowMaps), 3 * MAP);
-    assert_eq!(ledger.bytes(MemoryKind::Views), 2 * 150 * 140 * 40);
+    assert_eq!(ledger.bytes(MemoryKind::Views), 2 * 150 * 140 * 44);
     renderer.forget(ViewSlot(1));
     assert_eq!(ledger.bytes(MemoryKind::ShadowMaps), 2 * MAP);
     renderer.forget(ViewSlot(2));

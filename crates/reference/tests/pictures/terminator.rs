@@ -1,0 +1,112 @@
+//! Where light grazes a smooth mesh of few facets.
+
+use bendy::{BendyLight, SpotLight};
+use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3};
+use reference::{LightSample, Reference, Source, Surface};
+use scene::{Aov, LightKind, Primitive, Scene, View};
+
+use crate::support::{floor, scene_of, sphere, spot, view};
+
+fn at(scale: DVec3, place: DVec3) -> DAffine3 {
+    DAffine3::from_scale_rotation_translation(scale, DQuat::IDENTITY, place)
+}
+
+/// From the side, seen from the front: half of what is seen is lit.
+fn key() -> SpotLight {
+    spot(DVec3::new(5.0, 2.0, 0.5), DVec3::ZERO)
+}
+
+fn front(target: DVec3) -> View {
+    let view = view(target + DVec3::new(0.5, 1.0, 4.0), target, Aov::Visibility);
+    View { width: 144, height: 96, ..view }
+}
+
+fn kinds() -> [LightKind; 2] {
+    let bent = BendyLight { direction: bendy::Direction::Path, ..bendy::bend(&key(), 3).unwrap() };
+    [LightKind::Spot(key()), LightKind::Bendy(bent)]
+}
+
+/// Every point that the view sees in the light.
+fn seen(scene: &Scene, view: &View, kind: &LightKind) -> Vec<(Surface, LightSample)> {
+    let (reference, source) = (Reference::new(scene), Source::new(kind).unwrap());
+    let centre = |k: u32| DVec2::new(f64::from(k % view.width) + 0.5, f64::from(k / view.width) + 0.5);
+    (0..view.width * view.height)
+        .filter_map(|k| {
+            let surface = reference.surface(view, centre(k))?;
+            Some((surface, reference.sample(&source, &surface)?))
+        })
+        .collect()
+}
+
+/// A ball is lit where its normal faces the light, however few facets it has.
+#[test]
+fn the_terminator_of_a_coarse_ball_is_smooth() {
+    for facets in [6, 12, 24] {
+        let scene = scene_of([(sphere(facets), DAffine3::IDENTITY)]);
+        for kind in kinds() {
+            let seen = seen(&scene, &front(DVec3::ZERO), &kind);
+            let facing = |surface: &Surface, light: &LightSample| surface.normal.dot(light.along_path);
+            let wrong = seen.iter().filter(|(s, light)| light.visible != (facing(s, light) > 0.0)).count();
+            assert!(seen.len() > 2000);
+            assert_eq!(wrong, 0, "{facets} facets, of {}", seen.len());
+            // The planted fault, and how it was: facets that face away are dark, and shadow those behind them.
+            let (reference, source) = (Reference::new(&scene), Source::new(&kind).unwrap());
+            let flat = seen.iter().filter(|(surface, light)| {
+                let flat = Surface { terminator_offset: 0.0, ..*surface };
+                reference.sample(&source, &flat).unwrap().visible != (facing(surface, light) > 0.0)
+            });
+            let flat = flat.count();
+            assert!(flat > 400 / facets as usize, "{facets} facets: {flat}");
+        }
+    }
+}
+
+/// A wall of two triangles whose normals all lean by 60 degrees, as those of leaves do, lets no light through from behind.
+#[test]
+fn light_from_behind_stays_there() {
+    let leaning = Vec3::new(0.0, 0.5, 0.866);
+    let wall = Primitive {
+        positions: [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y)| Vec3::new(x, y, 0.0))
+            .into(),
+        normals: vec![leaning; 4],
+        indices: vec![0, 1, 2, 0, 2, 3],
+        ..Primitive::default()
+    };
+    let scene = scene_of([(wall, DAffine3::IDENTITY)]);
+    let behind = spot(DVec3::new(0.0, 3.0, -0.8), DVec3::ZERO);
+    for kind in [LightKind::Bendy(bendy::bend(&behind, 3).unwrap()), LightKind::Spot(behind)] {
+        let seen = seen(&scene, &front(DVec3::ZERO), &kind);
+        let faced = |(surface, light): &&(Surface, LightSample)| surface.normal.dot(light.along_path) > 0.05;
+        assert!(seen.iter().filter(faced).count() > 1000);
+        assert_eq!(seen.iter().filter(|(_, light)| light.visible).count(), 0);
+    }
+}
+
+/// The shadow of a post on a coarse ball begins at its foot: no farther from it than the surface is moved.
+#[test]
+fn shadows_stay_attached() {
+    let post = (floor(1.0).0, DAffine3::from_rotation_z(std::f64::consts::FRAC_PI_2));
+    let stands = at(DVec3::new(0.3, 0.3, 0.6), DVec3::Y * 1.0) * post.1;
+    let scene = scene_of([(sphere(12), DAffine3::IDENTITY), (post.0, stands)]);
+    for kind in kinds() {
+        let view = view(DVec3::new(-0.6, 4.0, 0.4), DVec3::Y, Aov::Visibility);
+        let seen = seen(&scene, &View { width: 144, height: 96, ..view }, &kind);
+        let ball = || seen.iter().filter(|(surface, _)| surface.node == 0);
+        let largest = ball().map(|(surface, _)| surface.terminator_offset).fold(0.0, f64::max);
+        assert!(largest > 0.01 && largest < 0.035, "{largest}");
+        // Behind the post, from the light: it stands in the plane x = 0.
+        let beside = |low: f64, high: f64| {
+            let within = move |(surface, _): &&(Surface, LightSample)| {
+                surface.position.z.abs() < 0.3 && (low..high).contains(&-surface.position.x)
+            };
+            let lit = ball().filter(within).filter(|(_, light)| light.visible).count();
+            (lit, ball().filter(within).count())
+        };
+        let (lit, count) = beside(3.0 * largest, 0.2);
+        assert!(lit == 0 && count > 50, "{lit} of {count}");
+        // What the check is for: light there without the post.
+        let (lit, count) = beside(-0.2, -3.0 * largest);
+        assert!(lit == count && count > 50, "{lit} of {count}");
+    }
+}

@@ -1,0 +1,126 @@
+//! The scene's triangles in boxes within boxes, for the last piece of light's way (`nearby.wgsl`).
+
+use glam::{Vec3, Vec3A};
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::{Boundable, BvhBuildParams};
+
+use crate::layout::HierarchyNode;
+
+/// Boxes depth first, and the triangles of the leaves.
+#[derive(Debug, Default)]
+pub(crate) struct Hierarchy {
+    pub nodes: Vec<HierarchyNode>,
+    pub triangles: Vec<u32>,
+}
+
+/// The one node where there are no triangles, which nothing meets: a binding may not be empty.
+const NOWHERE: HierarchyNode =
+    HierarchyNode { min: [f32::MAX; 3], triangle_count: 0, max: [f32::MIN; 3], next: 1 };
+
+struct Bounded(Aabb);
+
+impl Boundable for Bounded {
+    fn aabb(&self) -> Aabb {
+        self.0
+    }
+}
+
+impl Hierarchy {
+    /// Of triangles by their corners.
+    pub fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
+        let bounded = |corners: &[u32; 3]| {
+            let [a, b, c] = corners.map(|k| Vec3A::from_array(positions[k as usize]));
+            Bounded(Aabb::new(a.min(b).min(c), a.max(b).max(c)))
+        };
+        let boxes: Vec<_> = triangles.iter().map(bounded).collect();
+        // It also reports how long it took; nobody asks.
+        let mut took = <_>::default();
+        let bvh = build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut took);
+        let nodes = if triangles.is_empty() { vec![NOWHERE] } else { depth_first(&bvh) };
+        Self { nodes, triangles: bvh.primitive_indices }
+    }
+}
+
+/// The nodes in the order of a walk that looks at first children first.
+fn depth_first(bvh: &Bvh2) -> Vec<HierarchyNode> {
+    let mut nodes = Vec::with_capacity(bvh.nodes.len());
+    let mut open: Vec<u32> = vec![0];
+    while let Some(index) = open.pop() {
+        let node = &bvh.nodes[index as usize];
+        let &Aabb { min, max } = node.aabb();
+        nodes.push(HierarchyNode {
+            min: Vec3::from(min).to_array(),
+            triangle_count: node.prim_count,
+            max: Vec3::from(max).to_array(),
+            next: node.first_index,
+        });
+        if !node.is_leaf() {
+            open.extend([node.first_index + 1, node.first_index]);
+        }
+    }
+    // From the back every subtree is known when its root comes.
+    let mut sizes: Vec<u32> = Vec::new();
+    for index in (0..nodes.len()).rev() {
+        let node = &mut nodes[index];
+        if node.triangle_count > 0 {
+            sizes.push(1);
+            continue;
+        }
+        let children = sizes.pop().unwrap_or(0) + sizes.pop().unwrap_or(0);
+        node.next = index as u32 + 1 + children;
+        sizes.push(1 + children);
+    }
+    nodes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Triangles on a grid, each a hundredth wide.
+    fn grid(side: u16) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+        let places = (0..side).flat_map(|x| (0..side).map(move |y| (f32::from(x), f32::from(y))));
+        let positions: Vec<_> =
+            places.flat_map(|(x, y)| [[x, y, 0.0], [x + 0.01, y, 0.0], [x, y + 0.01, 0.0]]).collect();
+        let triangles = (0..positions.len() as u32 / 3).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+        (positions, triangles)
+    }
+
+    /// The walk of `nearby.wgsl`: triangles of the leaves whose boxes hold `point`, and how many nodes were looked at.
+    fn walk(hierarchy: &Hierarchy, point: [f32; 3]) -> (Vec<u32>, usize) {
+        let (mut found, mut looked_at, mut index) = (Vec::new(), 0, 0);
+        while let Some(node) = hierarchy.nodes.get(index) {
+            looked_at += 1;
+            let inside = (0..3).all(|k| node.min[k] <= point[k] && point[k] <= node.max[k]);
+            let is_leaf = node.triangle_count > 0;
+            if inside && is_leaf {
+                let (first, count) = (node.next as usize, node.triangle_count as usize);
+                found.extend(&hierarchy.triangles[first..first + count]);
+            }
+            index = if inside || is_leaf { index + 1 } else { node.next as usize };
+        }
+        (found, looked_at)
+    }
+
+    #[test]
+    fn a_walk_finds_what_is_there_and_passes_by_the_rest() {
+        let (positions, triangles) = grid(20);
+        let hierarchy = Hierarchy::new(&positions, &triangles);
+        for (index, corners) in triangles.iter().enumerate() {
+            let (found, looked_at) = walk(&hierarchy, positions[corners[0] as usize]);
+            assert!(found.contains(&(index as u32)), "triangle {index}: {found:?}");
+            assert!(looked_at < hierarchy.nodes.len() / 4, "{looked_at} of {}", hierarchy.nodes.len());
+        }
+        assert_eq!(walk(&hierarchy, [0.5, 0.5, 0.0]).0, []);
+    }
+
+    #[test]
+    fn nothing_is_met_nowhere() {
+        let nothing = Hierarchy::new(&[], &[]);
+        assert_eq!(walk(&nothing, [0.0; 3]), (Vec::new(), 1));
+        let one = Hierarchy::new(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[0, 1, 2]]);
+        assert_eq!(walk(&one, [0.1, 0.1, 0.0]), (vec![0], 1));
+    }
+}

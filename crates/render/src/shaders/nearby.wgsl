@@ -1,0 +1,69 @@
+// The last piece of light's way to a surface, followed through the scene itself. A shadow map cannot tell a caster from
+// its receiver where both lie within its tolerance, and where light grazes that is long. Follows surface.wgsl.
+
+// Depth first. Of a node that is passed by, the next to look at is `next`; of others it is the following one.
+struct HierarchyNode {
+    min: vec3f,
+    // Of a leaf: how many triangles it has, from `next` on in `hierarchy_triangles`. Zero: the node has children.
+    triangle_count: u32,
+    max: vec3f,
+    next: u32,
+}
+
+@group(0) @binding(5) var<storage, read> hierarchy: array<HierarchyNode>;
+@group(0) @binding(6) var<storage, read> hierarchy_triangles: array<u32>;
+
+// What f32 makes of positions of this size.
+fn rounding(position: vec3f) -> f32 {
+    return 0x1p-21 * max(max(abs(position.x), abs(position.y)), abs(position.z));
+}
+
+// Where light has to arrive for the surface to be lit.
+fn shadow_position(surface: Surface) -> vec3f {
+    return surface.position + surface.terminator_offset * surface.normal;
+}
+
+// Whether light that comes along `arriving`, a unit vector towards it, passes through the surface's own triangle from
+// behind.
+fn is_in_its_own_way(surface: Surface, arriving: vec3f) -> bool {
+    let facing = dot(surface.geometric_normal, arriving);
+    let height = surface.terminator_offset * dot(surface.normal, surface.geometric_normal);
+    let through = shadow_position(surface) + arriving * (height / max(-facing, 1e-30));
+    // A loop of one turn or none, not a branch: a software driver would do it for every pixel.
+    let end = select(0u, 1u, facing <= 0.0);
+    var met = false;
+    for (var turn = 0u; turn < end; turn++) {
+        met = height <= 0.0 || all(weights_at(corners_of(surface.triangle), through) >= vec3f(0.0));
+    }
+    return met;
+}
+
+// Whether a triangle that has no holes, other than the surface's own, lies between `start` and `start + way`.
+fn is_met(surface: Surface, start: vec3f, way: vec3f) -> bool {
+    let end_point = start + way;
+    let slack = rounding(start) + 0x1p-21 * surface.depth;
+    let low = min(start, end_point) - slack;
+    let high = max(start, end_point) + slack;
+    // The bound, not a branch: a group of pixels with no way to go leaves at once on a software driver.
+    let end = select(0u, arrayLength(&hierarchy), any(way != vec3f(0.0)));
+    var met = false;
+    var index = 0u;
+    while index < end && !met {
+        let node = hierarchy[index];
+        let is_leaf = node.triangle_count > 0u;
+        let passed_by = any(node.min > high) || any(node.max < low);
+        let count = select(node.triangle_count, 0u, passed_by);
+        for (var k = 0u; k < count; k++) {
+            let triangle = hierarchy_triangles[node.next + k];
+            let plane = planes[triangle];
+            let start_height = dot(plane.xyz, start) - plane.w;
+            let end_height = dot(plane.xyz, end_point) - plane.w;
+            if triangle != surface.triangle && abs(start_height) > slack && start_height * end_height < 0.0 {
+                let at = start + way * (start_height / (start_height - end_height));
+                met = met || all(weights_at(corners_of(triangle), at) >= vec3f(-1e-6));
+            }
+        }
+        index = select(index + 1u, node.next, passed_by && !is_leaf);
+    }
+    return met;
+}
