@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::hierarchy::Thick;
-use crate::{BentPath, Chord, PosedScene, Triangle};
+use crate::{BentPath, Bounds, Chord, PosedScene, Triangle};
 
 /// Where a path meets a triangle.
 #[derive(Clone, Copy, Debug)]
@@ -33,8 +33,19 @@ impl PosedScene<'_> {
         t_end: f64,
         accept: impl Fn(&BentHit) -> bool,
     ) -> Option<BentHit> {
+        self.first_bent_hit_in(path, t_end, &self.hierarchy.bounds()?, accept)
+    }
+
+    /// The same, of what lies in `bounds`.
+    pub(crate) fn first_bent_hit_in(
+        &self,
+        path: &BentPath,
+        t_end: f64,
+        bounds: &Bounds,
+        accept: impl Fn(&BentHit) -> bool,
+    ) -> Option<BentHit> {
         let mut best = None;
-        path.for_each_chord(t_end, |chord| {
+        path.for_each_chord(t_end, bounds, |chord| {
             best = self.first_on_chord(path, chord, &accept, false);
             best.is_some()
         });
@@ -43,8 +54,9 @@ impl PosedScene<'_> {
 
     /// Whether the path meets any triangle before `t_end` that `accept` takes.
     pub fn blocks(&self, path: &BentPath, t_end: f64, accept: impl Fn(&BentHit) -> bool) -> bool {
+        let Some(bounds) = self.hierarchy.bounds() else { return false };
         let mut blocked = false;
-        path.for_each_chord(t_end, |chord| {
+        path.for_each_chord(t_end, &bounds, |chord| {
             blocked = self.first_on_chord(path, chord, &accept, true).is_some();
             blocked
         });

@@ -12,6 +12,12 @@ use crate::PosedScene;
 /// depends on it.
 const CHORD_ERROR: f64 = 1.0 / 32.0;
 
+/// How far a chord that comes near the scene may stray, as a share of the scene's size.
+///
+/// As much as the rule above allows a chord of a quarter of the scene: so of a light a million scenes long, what passes
+/// the scene is cut about as finely as of one of the scene's own size.
+const ERROR_IN_SCENE: f64 = CHORD_ERROR / 4.0;
+
 /// Halvings after which a chord stands for its path all the same: where the curve stops (`P' = 0`) no
 /// bound on its turning exists, but a piece of 2^-24 of a segment is as good as a point.
 const MAX_HALVINGS: u32 = 24;
@@ -27,6 +33,33 @@ pub struct BentPath<'a> {
     pub w: f64,
     /// Position of the light's source in scene space.
     source: DVec3,
+}
+
+/// A box, between two corners.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    /// Smallest coordinates.
+    pub min: DVec3,
+    /// Largest coordinates.
+    pub max: DVec3,
+}
+
+impl Bounds {
+    /// Everywhere.
+    pub const ENDLESS: Self = Self { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
+
+    fn size(&self) -> f64 {
+        (self.max - self.min).length()
+    }
+
+    /// Whether all of `chord`'s path surely lies outside.
+    fn misses(&self, chord: &Chord) -> bool {
+        let [from, to] = chord.ends;
+        // With the rounding of positions, some ulps of the largest coordinate.
+        let slack = 1e-14 * (from.abs().max_element() + to.abs().max_element());
+        let reach = DVec3::splat(chord.error() + slack);
+        (from.min(to) - reach).cmpgt(self.max).any() || (from.max(to) + reach).cmplt(self.min).any()
+    }
 }
 
 impl PosedScene<'_> {
@@ -72,9 +105,9 @@ impl BentPath<'_> {
         self.source + placement.rotation * (in_tube * placement.world_per_tube)
     }
 
-    /// Calls `visit` with chords from the source to `t_end`, in order, until it returns `true`. Each strays
-    /// from the path by at most 1/32 of its length.
-    pub fn for_each_chord(&self, t_end: f64, mut visit: impl FnMut(&Chord) -> bool) {
+    /// Calls `visit` with chords from the source to `t_end`, in order, until it returns `true`: those that may come
+    /// into `bounds`. Each strays from the path by at most 1/32 of its length, and 1/128 of the size of `bounds`.
+    pub fn for_each_chord(&self, t_end: f64, bounds: &Bounds, mut visit: impl FnMut(&Chord) -> bool) {
         for segment in 0..self.tube.segments.len() {
             let start = segment as f64;
             // The extension past the last segment has no end of its own.
@@ -83,7 +116,7 @@ impl BentPath<'_> {
                 return;
             }
             let ends = [self.at(segment, 0.0), self.at(segment, u_end)];
-            if self.halve(segment, [0.0, u_end], ends, 0, &mut visit) {
+            if self.halve(segment, [0.0, u_end], ends, 0, bounds, &mut visit) {
                 return;
             }
         }
@@ -95,16 +128,22 @@ impl BentPath<'_> {
         u: [f64; 2],
         ends: [DVec3; 2],
         halvings: u32,
+        bounds: &Bounds,
         visit: &mut impl FnMut(&Chord) -> bool,
     ) -> bool {
         let chord = Chord { segment, u, ends, bend: self.bend(segment, u) };
-        if chord.error() <= CHORD_ERROR * chord.length() || halvings == MAX_HALVINGS {
+        if bounds.misses(&chord) {
+            return false;
+        }
+        let error = chord.error();
+        let is_fine = error <= CHORD_ERROR * chord.length() && error <= ERROR_IN_SCENE * bounds.size();
+        if is_fine || halvings == MAX_HALVINGS {
             return visit(&chord);
         }
         let middle = f64::midpoint(u[0], u[1]);
         let at_middle = self.at(segment, middle);
-        self.halve(segment, [u[0], middle], [ends[0], at_middle], halvings + 1, visit)
-            || self.halve(segment, [middle, u[1]], [at_middle, ends[1]], halvings + 1, visit)
+        self.halve(segment, [u[0], middle], [ends[0], at_middle], halvings + 1, bounds, visit)
+            || self.halve(segment, [middle, u[1]], [at_middle, ends[1]], halvings + 1, bounds, visit)
     }
 
     /// Bound of `|C''|` over a piece, by u, in world lengths.
@@ -176,5 +215,124 @@ impl Twist {
         let change =
             turn.omega * turn.omega * (1.0 + 1.0 / (sine * sine)) + (turn.change + tau * turn.omega) / sine;
         Self { tau, change }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bendy::BendyLight;
+    use scene::{Material, Mesh, Node, Primitive, Scene};
+
+    use super::*;
+    use crate::hierarchy::Thick;
+
+    /// A wavy field of 2 n^2 triangles, 10 units wide.
+    fn field(n: u32) -> Scene {
+        let corner = |k: u32| {
+            let (x, z) = ((k % (n + 1)) as f32 / n as f32, (k / (n + 1)) as f32 / n as f32);
+            glam::Vec3::new(10.0 * x - 5.0, (7.0 * x * z).sin(), 10.0 * z - 5.0)
+        };
+        let positions: Vec<_> = (0..(n + 1) * (n + 1)).map(corner).collect();
+        let quad = |k: u32| {
+            let a = k / n * (n + 1) + k % n;
+            [a, a + n + 1, a + 1, a + 1, a + n + 1, a + n + 2]
+        };
+        let primitive = Primitive {
+            normals: vec![glam::Vec3::Y; positions.len()],
+            indices: (0..n * n).flat_map(quad).collect(),
+            positions,
+            ..Primitive::default()
+        };
+        let node = Node {
+            name: "field".into(),
+            parent: None,
+            parent_from_local: glam::DAffine3::IDENTITY,
+            mesh: Some(0),
+        };
+        Scene {
+            nodes: vec![node],
+            meshes: vec![Mesh { name: String::new(), primitives: vec![primitive] }],
+            materials: vec![Material::default()],
+            ..Scene::default()
+        }
+    }
+
+    /// A light `size` units long that bends by a right angle in the middle of the field, 3 units wide there.
+    fn light_of(size: f64) -> Tube<f64> {
+        let direction = DVec3::new(0.6, -0.64, 0.48);
+        let aside = direction.any_orthonormal_vector();
+        let points = [DVec3::ZERO, direction * 0.5, (direction + aside) * 0.5].map(|point| point * size);
+        let mut light = BendyLight::new(points.into(), vec![3.0; 3]);
+        let middle = Tube::<f64>::new(&light).expect("a light").segments[0].position(0.5);
+        light.transform.translation = -middle;
+        Tube::new(&light).expect("a light")
+    }
+
+    /// Triangles that a path's chords touch the boxes of, the mean over paths all over the light.
+    fn asked_a_path(posed: &PosedScene, tube: &Tube<f64>, bounds: &Bounds) -> f64 {
+        let mut asked = 0;
+        for k in 0..64 {
+            let (v, w) = (f64::from(k % 8) / 8.0 - 0.4, f64::from(k / 8) / 8.0 - 0.4);
+            posed.path(tube, v, w).for_each_chord(1.0, bounds, |chord| {
+                let [from, to] = chord.ends;
+                posed.hierarchy.along(Thick { from, to, radius: chord.error() }, |_| {
+                    asked += 1;
+                    1.0
+                });
+                false
+            });
+        }
+        f64::from(asked) / 64.0
+    }
+
+    /// What a light asks of a scene depends on how the light passes it, not on how long the light is.
+    #[test]
+    fn a_long_light_asks_few_triangles() {
+        let scene = field(64);
+        let posed = PosedScene::new(&scene);
+        let bounds = posed.hierarchy.bounds().expect("a box");
+        let ordinary = asked_a_path(&posed, &light_of(30.0), &bounds);
+        for size in [1e3, 1e4, 1e6, 1e9] {
+            let tube = light_of(size);
+            let asked = asked_a_path(&posed, &tube, &bounds);
+            // The planted fault: chords that are cut by their own length alone.
+            let uncut = asked_a_path(&posed, &tube, &Bounds::ENDLESS);
+            println!(
+                "{size:e} units: {asked:.0} triangles a path, cut by length alone {uncut:.0}; 30 units: {ordinary:.0}"
+            );
+            // Halving takes a quarter off the error, so of two lights one may have chords four times as thick.
+            assert!(asked <= 4.0 * ordinary, "{size:e}: {asked} triangles a path");
+            assert!(size < 1e4 || uncut > 8.0 * asked, "{size:e}: {uncut}");
+        }
+    }
+
+    /// No hit depends on how a path was cut.
+    #[test]
+    fn hits_do_not_depend_on_the_cut() {
+        let scene = field(16);
+        let posed = PosedScene::new(&scene);
+        let mut hits = 0;
+        for size in [30.0, 1e3, 1e6] {
+            let tube = light_of(size);
+            for k in 0..64 {
+                let path = posed.path(&tube, f64::from(k % 8) / 4.5 - 0.7, f64::from(k / 8) / 4.5 - 0.7);
+                let first = |bounds: &Bounds| {
+                    posed
+                        .first_bent_hit_in(&path, 1.0, bounds, |_| true)
+                        .map(|hit| (hit.triangle, hit.position))
+                };
+                let (cut, whole) =
+                    (first(&posed.hierarchy.bounds().expect("a box")), first(&Bounds::ENDLESS));
+                hits += usize::from(cut.is_some());
+                match (cut, whole) {
+                    (None, None) => {}
+                    // Positions round by some ulps of the light's size, and grazing paths leave them far along.
+                    (Some((a, at)), Some((b, there)))
+                        if a == b && at.distance(there) < 1e-9 + 1e-13 * size => {}
+                    _ => panic!("{size:e} {k}: {cut:?} {whole:?}"),
+                }
+            }
+        }
+        assert!(hits > 50, "{hits}");
     }
 }

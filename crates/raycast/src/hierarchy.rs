@@ -11,7 +11,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams};
 
-use crate::Triangle;
+use crate::{Bounds, Triangle};
 
 pub(crate) struct Hierarchy(Bvh2);
 
@@ -43,6 +43,12 @@ impl Hierarchy {
         // It also reports how long it took; nobody asks.
         let mut took = <_>::default();
         Self(build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut took))
+    }
+
+    /// The box around everything; `None` where there is nothing.
+    pub fn bounds(&self) -> Option<Bounds> {
+        let Aabb { min, max } = self.0.nodes.first()?.aabb();
+        Some(Bounds { min: min.as_dvec3(), max: max.as_dvec3() })
     }
 
     /// A distance from `point` that nothing lies beyond.

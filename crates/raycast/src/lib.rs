@@ -16,7 +16,7 @@ mod straight;
 mod triangle;
 
 pub use bent_hit::BentHit;
-pub use bent_path::{BentPath, Chord};
+pub use bent_path::{BentPath, Bounds, Chord};
 pub use posed::PosedScene;
 pub use straight::Hit;
 pub use triangle::Triangle;

@@ -3,7 +3,7 @@
 use bendy::{BendyLight, Direction, EndMode, Frame, SpotLight, Transform, Tube};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 use proptest::prelude::*;
-use raycast::{BentHit, BentPath, PosedScene};
+use raycast::{BentHit, BentPath, Bounds, PosedScene};
 use scene::{Material, Mesh, Node, Primitive, Scene};
 
 /// Loose triangles in the world.
@@ -59,7 +59,7 @@ fn worst_stray(tube: &Tube<f64>, (v, w): (f64, f64)) -> f64 {
     let scene = Scene::default();
     let path = PosedScene::new(&scene).path(tube, v, w);
     let mut worst = 0.0_f64;
-    path.for_each_chord(tube.n as f64, |chord| {
+    path.for_each_chord(tube.n as f64, &Bounds::ENDLESS, |chord| {
         let [from, to] = chord.ends;
         for k in 1..8 {
             let share = f64::from(k) / 8.0;
