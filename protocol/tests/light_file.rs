@@ -135,7 +135,7 @@ proptest! {
         prop_assume!(point.iter().all(|x| x.is_finite()));
         let text = serde_json::to_string(&[point]).expect("numbers");
         let back = point_file::parse(&text).expect("a point file");
-        prop_assert_eq!(back[0].to_array().map(f64::to_bits), bits);
+        prop_assert_eq!(back[0].position.to_array().map(f64::to_bits), bits);
     }
 
     /// Whatever the text, there is an answer and no panic; and what is read can be written and read again.

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use bendy::{Location, Tube};
 use clap::ValueEnum;
 use glam::DVec3;
+use protocol::point_file::WrittenPoint;
 use protocol::{Evaluation, Visibility};
 use reference::Reference;
 use render::Gpu;
-use scene::LightKind;
+use scene::{LightKind, Reach, Scene};
 
 use crate::error::Error;
 use crate::render::open_scene;
@@ -29,6 +30,12 @@ With --scene also:
   occluder   name of the first node on the light's way that is, from its source; else null
 Outside there are only inside and roots.
 
+A point that was read off a surface and rounded lies a little above or below it. So what is in the way is asked of the
+nearest surface within the point's precision, where there is one: how far rounding may have moved a point whose
+coordinates were typed with as many decimals ([1.25, 0.5, 2] has two: 0.0087), at most a hundredth of the scene's
+size. Type zeros (0.50000) for a point that is finer than it looks; give --precision where decimals do not tell, as
+for positions from a depth picture. With --precision 0 each point is taken for exact.
+
 Examples:
   echo '{\"type\": \"bendy\", \"points\": [[0,0,0],[0,0,-1],[1,0,-2]], \"radii\": [0.1,0.4,0.8]}' > light.json
   echo '[[0, 0, -1], [5, 0, 0]]' | bendylights eval light.json
@@ -43,6 +50,9 @@ pub struct Args {
     /// Scene whose objects may be in the way: a glTF file, or `demo:NAME`. Light is followed along its curve
     #[arg(long, value_name = "SCENE")]
     scene: Option<String>,
+    /// How far points may lie from the surface they were read from, world units [default: by their decimals]
+    #[arg(long, value_name = "LENGTH", requires = "scene", value_parser = length)]
+    precision: Option<f64>,
     /// What computes the answer; shadows are always found in double precision
     #[arg(long, value_enum, default_value = "f64")]
     on: On,
@@ -66,7 +76,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let LightKind::Bendy(light) = files::read_one_light(&args.light)?.kind else {
         return Err(Error::EvalOfSpot { file });
     };
-    let points = files::read_points(&args.points)?;
+    let written = files::read_points(&args.points)?;
+    let points: Vec<DVec3> = written.iter().map(|point| point.position).collect();
     let tube = Tube::<f64>::new(&light).map_err(|reason| Error::BadLight { file, reason })?;
     let locations: Vec<Location> = match args.on {
         On::F64 => points.iter().map(|&point| tube.locate(point)).collect(),
@@ -77,12 +88,12 @@ pub fn run(args: &Args) -> Result<(), Error> {
         On::Gpu => render::locate(&Gpu::new()?, &light, &points)?,
     };
     let scene = args.scene.as_deref().map(open_scene).transpose()?.map(|loaded| loaded.scene);
-    let reference = scene.as_ref().map(Reference::new);
+    let shadows = scene.as_ref().map(|scene| Shadows::new(scene, args.precision));
     let objects: Vec<String> = locations
         .iter()
-        .zip(&points)
-        .map(|(location, &point)| {
-            let visibility = reference.as_ref().and_then(|scene| visibility(scene, &tube, location, point));
+        .zip(&written)
+        .map(|(location, point)| {
+            let visibility = shadows.as_ref().and_then(|shadows| shadows.visibility(&tube, location, point));
             let evaluation = Evaluation::new(location, visibility);
             serde_json::to_string(&evaluation).expect("finite numbers and string keys")
         })
@@ -90,14 +101,50 @@ pub fn run(args: &Args) -> Result<(), Error> {
     answer(&format!("[{}]", objects.join(",\n ")))
 }
 
-/// Whether light gets to a point through the scene; `None` outside the light.
-fn visibility(
-    reference: &Reference,
-    tube: &Tube<f64>,
-    location: &Location,
-    point_in_world: DVec3,
-) -> Option<Visibility> {
-    let node = reference.occluder(tube, location.point.as_ref()?, point_in_world);
-    let occluder = node.map(|node| reference.scene.nodes[node].name.clone());
-    Some(Visibility { visible: occluder.is_none(), occluder })
+/// A length on the command line.
+fn length(text: &str) -> Result<f64, String> {
+    let length = text.parse().ok().filter(|length| (0.0..f64::INFINITY).contains(length));
+    length.ok_or("write it as a number of world units, 0 or more".into())
+}
+
+/// What a scene shadows, and how finely its points are known.
+struct Shadows<'a> {
+    reference: Reference<'a>,
+    /// Of every point, where it is given.
+    precision: Option<f64>,
+    /// The most that is taken from a point's decimals: coarser ones were typed, not read.
+    coarsest: f64,
+}
+
+/// Share of the scene's size that a precision taken from decimals may have.
+const COARSEST: f64 = 0.01;
+
+impl<'a> Shadows<'a> {
+    fn new(scene: &'a Scene, precision: Option<f64>) -> Self {
+        let coarsest = COARSEST * 2.0 * Reach::of(scene).half_extent.length();
+        Self { reference: Reference::new(scene), precision, coarsest }
+    }
+
+    /// How far `point` may lie from the surface that it was read from: half a unit of the last digit along each axis.
+    fn precision(&self, point: &WrittenPoint) -> f64 {
+        let rounding = 3.0_f64.sqrt() * point.last_digit / 2.0;
+        self.precision.unwrap_or(rounding.min(self.coarsest))
+    }
+
+    /// Whether light gets to a point through the scene; `None` outside the light.
+    fn visibility(
+        &self,
+        tube: &Tube<f64>,
+        location: &Location,
+        written: &WrittenPoint,
+    ) -> Option<Visibility> {
+        let inside = location.point.as_ref()?;
+        let surface = self.reference.surface_near(written.position, self.precision(written));
+        let point = surface.unwrap_or(written.position);
+        // Always in double precision. At the light's rim the surface may lie just outside.
+        let place = tube.locate(point).point;
+        let node = self.reference.occluder(tube, place.as_ref().unwrap_or(inside), point);
+        let occluder = node.map(|node| self.reference.scene.nodes[node].name.clone());
+        Some(Visibility { visible: occluder.is_none(), occluder })
+    }
 }

@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
-use glam::DVec3;
 use indicatif::{ProgressBar, ProgressStyle};
+use protocol::point_file::WrittenPoint;
 use protocol::{FileError, light_file, point_file};
 use scene::Light;
 
@@ -38,7 +38,7 @@ pub fn read_one_light(path: &Path) -> Result<Light, Error> {
 }
 
 /// The world positions of a point file, or of standard input where `path` is `-`.
-pub fn read_points(path: &Path) -> Result<Vec<DVec3>, Error> {
+pub fn read_points(path: &Path) -> Result<Vec<WrittenPoint>, Error> {
     if path.as_os_str() == STDIN {
         return parsed("standard input".into(), read_limited(io::stdin().lock()), point_file::parse);
     }

@@ -59,6 +59,29 @@ impl Hierarchy {
         })
     }
 
+    /// Calls `meet` with every triangle whose box comes as near to `point` as `meet` returned last, `within` at
+    /// first.
+    pub fn near(&self, point: DVec3, within: f64, mut meet: impl FnMut(usize) -> f64) {
+        let Self(bvh) = self;
+        let mut within = within;
+        let mut stack: Vec<u32> = if bvh.nodes.is_empty() { Vec::new() } else { vec![0] };
+        while let Some(index) = stack.pop() {
+            let node = &bvh.nodes[index as usize];
+            let Aabb { min, max } = node.aabb();
+            if point.clamp(min.as_dvec3(), max.as_dvec3()).distance(point) > within {
+                continue;
+            }
+            let first = node.first_index as usize;
+            if node.is_leaf() {
+                for &triangle in &bvh.primitive_indices[first..first + node.prim_count as usize] {
+                    within = meet(triangle as usize);
+                }
+            } else {
+                stack.extend([node.first_index, node.first_index + 1]);
+            }
+        }
+    }
+
     /// Calls `meet` with every triangle whose box the line may touch before the share of its way that `meet`
     /// returned last: nearer boxes first.
     pub fn along(&self, line: Thick, mut meet: impl FnMut(usize) -> f64) {

@@ -11,12 +11,14 @@
 mod bent_hit;
 mod bent_path;
 mod hierarchy;
+mod nearest;
 mod posed;
 mod straight;
 mod triangle;
 
 pub use bent_hit::BentHit;
 pub use bent_path::{BentPath, Bounds, Chord};
+pub use nearest::SurfacePoint;
 pub use posed::PosedScene;
 pub use straight::Hit;
 pub use triangle::Triangle;

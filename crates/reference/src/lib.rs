@@ -18,6 +18,7 @@ mod brdf;
 mod camera;
 mod error;
 mod frame;
+mod nearest;
 mod source;
 mod surface;
 mod texture;

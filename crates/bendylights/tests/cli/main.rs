@@ -7,4 +7,5 @@ mod eval_fixture;
 mod help;
 mod hostile;
 mod logs;
+mod precision;
 mod program;

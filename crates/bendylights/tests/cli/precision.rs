@@ -1,0 +1,134 @@
+//! `eval --scene` of points that were read off surfaces and rounded.
+
+use bendy::Tube;
+use glam::DVec3;
+use protocol::light_file;
+use reference::Reference;
+use scene::{LightKind, Scene};
+use serde_json::Value;
+
+use crate::program::{Folder, TRIANGLE, run};
+
+/// Whether light arrives at each point of a list as it is typed, `None` outside the light.
+fn visible(folder: &Folder, scene: &str, light: &str, points: &[String], more: &[&str]) -> Vec<Option<bool>> {
+    let points = folder.file("points.json", format!("[{}]", points.join(",")));
+    let done = run(&[&["eval", light, &points, "--scene", scene], more].concat());
+    assert_eq!((done.code, done.stderr.as_str()), (0, ""));
+    let answers: Vec<Value> = serde_json::from_str(&done.stdout).expect("JSON");
+    answers.iter().map(|answer| answer["visible"].as_bool()).collect()
+}
+
+/// Numbers from 0 to 1, the same every time.
+fn random(seed: &mut u64) -> f64 {
+    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*seed >> 11) as f64 * 2.0_f64.powi(-53)
+}
+
+/// The demo, its light, and points all over its surfaces.
+struct Demo<'a> {
+    reference: Reference<'a>,
+    tube: Tube<f64>,
+    points: Vec<DVec3>,
+}
+
+impl<'a> Demo<'a> {
+    fn new(scene: &'a Scene) -> Self {
+        let LightKind::Bendy(light) = &scene.lights[0].kind else { panic!("the demo's light is bent") };
+        let reference = Reference::new(scene);
+        let triangles = &reference.posed.triangles;
+        let mut seed = 1;
+        let points = (0..600).map(|_| {
+            let triangle = &triangles[(random(&mut seed) * triangles.len() as f64) as usize];
+            let (a, b) = (random(&mut seed).sqrt(), random(&mut seed));
+            triangle.at(DVec3::new(1.0 - a, a * (1.0 - b), a * b)) + reference.posed.origin_in_world
+        });
+        let points = points.collect();
+        Self { reference, tube: Tube::new(light).expect("a light"), points }
+    }
+
+    fn visible(&self, point: DVec3) -> Option<bool> {
+        let place = self.tube.locate(point).point?;
+        Some(self.reference.occluder(&self.tube, &place, point).is_none())
+    }
+
+    /// Whether surface points within `distance` of `point` have different answers: a shadow's edge, or the light's.
+    fn is_at_edge(&self, point: DVec3, distance: f64) -> bool {
+        let mut seed = 7;
+        let expected = self.visible(point);
+        (0..400).any(|_| {
+            let mut around = || DVec3::from_array([0; 3].map(|_| 2.0 * random(&mut seed) - 1.0)) * distance;
+            let surface = self.reference.surface_near(point + around(), distance);
+            surface.is_some_and(|near| self.visible(near) != expected)
+        })
+    }
+}
+
+fn typed(point: DVec3, decimals: usize) -> String {
+    format!("[{:.decimals$}, {:.decimals$}, {:.decimals$}]", point.x, point.y, point.z)
+}
+
+/// A point with few decimals has the answer of the surface that it was read from.
+#[test]
+fn rounded_points_have_the_answers_of_their_surface() {
+    let scene = assets::demo("vases").expect("the demo");
+    let demo = Demo::new(&scene);
+    let folder = Folder::new();
+    let light = folder.file("light.json", light_file::to_json(&scene.lights[0]));
+    let exact: Vec<_> = demo.points.iter().map(|&point| demo.visible(point)).collect();
+    let lit = exact.iter().filter(|visible| **visible == Some(true)).count();
+    assert!(lit > 100, "{lit} lit points");
+    for decimals in [3, 4, 5] {
+        let points: Vec<_> = demo.points.iter().map(|&point| typed(point, decimals)).collect();
+        let wrong = |more: &[&str]| {
+            let found = visible(&folder, "demo:vases", &light, &points, more);
+            let differ = (0..points.len()).filter(|&i| found[i] != exact[i]);
+            // A rounded point and the surface nearest to it are each within the precision.
+            let precision = 3.0_f64.sqrt() * 0.5 * 0.1_f64.powi(decimals as i32);
+            differ.filter(|&i| !demo.is_at_edge(demo.points[i], 2.0 * precision)).count()
+        };
+        assert_eq!(wrong(&[]), 0, "{decimals} decimals");
+        // The planted fault: each point for exact, within a billionth of the light's size.
+        let planted = wrong(&["--precision", "0"]);
+        println!("{decimals} decimals: {planted} of {lit} lit points wrong where they are taken for exact");
+        assert!(planted > lit / 4, "{decimals} decimals: {planted} of {lit}");
+    }
+}
+
+/// What stands in the way farther off than the precision still does, however near.
+#[test]
+fn a_thin_thing_before_the_point_shadows_it() {
+    let folder = Folder::new();
+    let scene = folder.file("scene.gltf", TRIANGLE);
+    let light = r#"{"type": "bendy", "points": [[0,0,0],[0,0,-1],[0,0,-2]], "radii": [0.5,0.5,0.5],
+        "transform": {"translation": [0, 0, 1]}}"#;
+    let light = folder.file("light.json", light);
+    // The triangle lies in z = 0, the light comes from +Z. Three decimals are precise to 0.00087.
+    let cases = [
+        ("[0, 0, 0]", true),
+        ("[0, 0, -0.0004]", false),
+        ("[0, 0, -0.000]", true),
+        ("[0.001, 0, -0.0008]", false),
+        ("[0.001, 0, -0.001]", false),
+        ("[0.001, 0, 0.001]", true),
+        ("[0, 0, -0.002]", false),
+    ];
+    let points = cases.map(|(point, _)| point.to_owned());
+    let found = visible(&folder, &scene, &light, &points, &[]);
+    assert_eq!(found, cases.map(|(_, visible)| Some(visible)));
+    let within = |precision: &str| {
+        visible(&folder, &scene, &light, &["[0, 0, -0.0004]".into()], &["--precision", precision])
+    };
+    assert_eq!((within("0.0005"), within("0.0003")), (vec![Some(true)], vec![Some(false)]));
+}
+
+#[test]
+fn a_precision_is_a_length() {
+    let said = |more: &[&str]| run(&[&["eval", "light.json", "--precision"], more].concat()).stderr;
+    for bad in ["-1", "inf", "NaN", "fine"] {
+        let precision = format!("--precision={bad}");
+        let done = run(&["eval", "light.json", &precision, "--scene", "demo:vases"]);
+        assert_eq!(done.code, 2);
+        assert!(done.stderr.contains("0 or more"), "{}", done.stderr);
+    }
+    assert!(said(&["1"]).contains("--scene"), "without a scene nothing is in the way");
+}

@@ -1,0 +1,42 @@
+//! The surface nearest to a point.
+
+use glam::DVec3;
+
+use crate::PosedScene;
+
+/// A point of a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// Index in [`PosedScene::triangles`].
+    pub triangle: usize,
+    /// Position in scene space.
+    pub position: DVec3,
+    /// Weights of the triangle's corners there.
+    pub weights: DVec3,
+}
+
+impl PosedScene<'_> {
+    /// The point of the scene's surfaces nearest to `point`, a position in scene space, that lies at most `within`
+    /// from it and that `accept` takes; of two at the same distance the one of the lower index.
+    pub fn nearest(
+        &self,
+        point: DVec3,
+        within: f64,
+        accept: impl Fn(&SurfacePoint) -> bool,
+    ) -> Option<SurfacePoint> {
+        let mut best: Option<(f64, SurfacePoint)> = None;
+        self.hierarchy.near(point, within, |index| {
+            let triangle = &self.triangles[index];
+            if let Some(weights) = triangle.nearest_weights(point) {
+                let found = SurfacePoint { triangle: index, position: triangle.at(weights), weights };
+                let distance = found.position.distance(point);
+                let nearer = best.is_none_or(|(least, best)| (distance, index) < (least, best.triangle));
+                if distance <= within && nearer && accept(&found) {
+                    best = Some((distance, found));
+                }
+            }
+            best.map_or(within, |(distance, _)| distance)
+        });
+        best.map(|(_, found)| found)
+    }
+}
