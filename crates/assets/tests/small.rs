@@ -174,6 +174,29 @@ fn sparse_elements_replace_those_of_the_view_or_zeros() {
     }
 }
 
+/// glTF 2.0, section 3.6.2.3: what replaces an element twice, or is out of order, is not sparse.
+#[test]
+fn sparse_indices_increase() {
+    let loaded = |indices: [u8; 2]| {
+        let mut file = File::default();
+        let at = file.accessor(r#""componentType":5121,"type":"SCALAR","count":2"#, &indices);
+        let to = file.floats(&[[7.0_f32, 8.0, 9.0], [1.0, 2.0, 3.0]]);
+        file.accessors.push(format!(
+            r#"{{"componentType":5126,"type":"VEC3","count":3,"sparse":{{"count":2,
+            "indices":{{"bufferView":{at},"componentType":5121}},"values":{{"bufferView":{to}}}}}}}"#
+        ));
+        let positions = file.accessors.len() - 1;
+        file.with(one(&format!(r#""attributes":{{"POSITION":{positions}}}"#))).load()
+    };
+    let sound = loaded([0, 2]).unwrap();
+    assert_eq!(only_primitive(&sound).positions[2], Vec3::new(1.0, 2.0, 3.0));
+    for indices in [[2, 0], [1, 1]] {
+        let said = loaded(indices).unwrap_err().to_string();
+        assert!(said.contains("the indices of a sparse accessor do not strictly increase"), "{said}");
+        assert_eq!(said.lines().count(), 1);
+    }
+}
+
 #[test]
 fn nodes_compose_from_matrix_and_parts() {
     let mut file = File::default();
@@ -318,6 +341,59 @@ fn required_extensions_are_refused_by_name() {
             .ends_with("scene.gltf: VENDOR_magic is required but not supported: export the scene without it"),
         "{error}"
     );
+}
+
+/// What only changes looks is left out with a note, required or not; what changes how geometry is read is refused.
+#[test]
+fn required_extensions_that_change_only_looks_are_noted() {
+    for name in
+        ["KHR_materials_clearcoat", "KHR_materials_transmission", "KHR_materials_pbrSpecularGlossiness"]
+    {
+        let listed = format!(r#""extensionsUsed":["{name}"],"extensionsRequired":["{name}"]"#);
+        let loaded = File::default().with(listed).load().unwrap();
+        let note = format!("extensions that are not drawn: {name}");
+        assert_eq!(loaded.notes.concat(), note);
+        let only_required = format!(r#""extensionsRequired":["{name}"]"#);
+        assert_eq!(File::default().with(only_required).load().unwrap().notes.concat(), note);
+    }
+    let decoding = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_basisu"];
+    for name in decoding.into_iter().chain(["KHR_node_visibility", "KHR_materials_clearcoat2"]) {
+        let required = format!(r#""extensionsRequired":["KHR_materials_clearcoat","{name}"]"#);
+        let error = File::default().with(required).load().unwrap_err().to_string();
+        assert!(
+            error.ends_with(&format!("{name} is required but not supported: export the scene without it")),
+            "{error}"
+        );
+    }
+}
+
+/// glTF 2.0, section 3.11: a channel without a target node is ignored. One whose node does not exist is broken.
+#[test]
+fn animation_channels_may_have_no_node() {
+    let animated = |targets: &[&str]| {
+        let mut file = File::default();
+        let positions = file.floats(&QUAD[..3]);
+        let times = file.accessor(r#""componentType":5126,"type":"SCALAR","count":1"#, &0_f32.to_le_bytes());
+        let places = file.floats(&[[0.0_f32, 1.0, 0.0]]);
+        let channels: Vec<_> =
+            targets.iter().map(|target| format!(r#"{{"sampler":0,"target":{target}}}"#)).collect();
+        file.with(one(&format!(r#""attributes":{{"POSITION":{positions}}}"#)))
+            .with(format!(
+                r#""animations":[{{"samplers":[{{"input":{times},"output":{places}}}],"channels":[{}]}}]"#,
+                channels.join(",")
+            ))
+            .load()
+    };
+    let targetless = r#"{"path":"translation"}"#;
+    let pointer = r#"{"path":"pointer","extensions":{"KHR_animation_pointer":{"pointer":"/materials/0"}}}"#;
+    for targets in [&[targetless][..], &[r#"{"node":0,"path":"translation"}"#, targetless], &[pointer]] {
+        let loaded = animated(targets).unwrap();
+        assert_eq!(loaded.notes, ["animations are not played, everything is at rest: 1 of them"]);
+        assert_eq!(only_primitive(&loaded).positions.len(), 3);
+    }
+    let broken = animated(&[targetless, r#"{"node":1,"path":"translation"}"#]).unwrap_err().to_string();
+    assert!(broken.contains("node 1"), "{broken}");
+    assert!(animated(&["7"]).is_err() && animated(&[r#"{"node":0}"#]).is_err());
 }
 
 #[test]

@@ -160,6 +160,9 @@ impl Source<'_> {
             && let Checked::Valid(kind) = sparse.indices.component_type
         {
             let places = self.slices(indices).map(|bytes| unsigned_at(bytes, kind.0) as usize);
+            if !places.clone().is_sorted_by(|a, b| a < b) {
+                return Err(broken("the indices of a sparse accessor do not strictly increase"));
+            }
             for (place, bytes) in places.zip(self.slices(replacements)) {
                 let value = values.get_mut(place);
                 *value.ok_or_else(|| broken("a sparse accessor replaces an element it does not have"))? =
@@ -170,7 +173,7 @@ impl Source<'_> {
     }
 
     /// The elements' bytes. [`check`] has shown that they are there, but an empty answer is safe too.
-    fn slices<'s>(&'s self, span: &'s Span) -> impl Iterator<Item = &'s [u8]> {
+    fn slices<'s>(&'s self, span: &'s Span) -> impl Iterator<Item = &'s [u8]> + Clone {
         let bytes = self.buffers.get(span.buffer).and_then(|buffer| buffer.get(span.bytes.clone()));
         bytes.unwrap_or_default().chunks(span.stride).map(|chunk| &chunk[..span.element])
     }

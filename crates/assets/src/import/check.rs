@@ -1,6 +1,8 @@
 //! Everything about the JSON that must hold before any of it is used: versions, extensions, indices, the
 //! node tree, and that every accessor lies inside its buffer.
 
+use std::collections::BTreeSet;
+
 use gltf::json::validation::{Error, Validate};
 use gltf::json::{Path, Root};
 
@@ -18,6 +20,27 @@ const SUPPORTED: [&str; 6] = [
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+];
+
+/// Extensions that change looks, or what does not move here anyway, and nothing else: a file may require them, and is
+/// drawn without them. Any other that is required changes what the file's geometry is or how it is read.
+const IGNORABLE: [&str; 16] = [
+    "KHR_animation_pointer",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_variants",
+    "KHR_materials_volume",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
 ];
 
 /// Checks the whole document, used parts or not.
@@ -47,10 +70,14 @@ fn version(root: &Root) -> Result<(), Fault> {
 
 fn extensions(root: &Root, notes: &mut Notes) -> Result<(), Fault> {
     let supported = |name: &&String| SUPPORTED.contains(&name.as_str());
-    if let Some(name) = root.extensions_required.iter().find(|name| !supported(name)) {
+    let ignorable = |name: &String| IGNORABLE.contains(&name.as_str());
+    let mut needed = root.extensions_required.iter().filter(|name| !supported(name));
+    if let Some(name) = needed.find(|name| !ignorable(name)) {
         return Err(Fault::RequiredExtension(excerpt(name, MAX_MESSAGE_CHARS)));
     }
-    for name in root.extensions_used.iter().filter(|name| !supported(name)) {
+    // What is required is to be listed as used too, but not every file does.
+    let named: BTreeSet<_> = root.extensions_used.iter().chain(&root.extensions_required).collect();
+    for name in named.into_iter().filter(|name| !supported(name)) {
         notes.add("extensions that are not drawn", excerpt(name, MAX_MESSAGE_CHARS));
     }
     Ok(())

@@ -1,10 +1,18 @@
 //! From bytes to the JSON's types: the GLB container, and the bounds on JSON before it is parsed.
 
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
 use gltf::json::Root;
+use serde_json::Value;
+use serde_json::value::{RawValue, to_raw_value};
 
 use crate::fault::{broken, excerpt};
 use crate::limits::MAX_MESSAGE_CHARS;
 use crate::{Fault, Limit};
+
+/// A JSON object whose members are left as they were written, in the order of their names.
+pub type Members = BTreeMap<String, Box<RawValue>>;
 
 /// The parts of a scene file.
 #[derive(Debug)]
@@ -68,7 +76,30 @@ fn u32_at(bytes: &[u8], at: usize) -> Option<usize> {
 /// Parses the JSON, once its depth and number of values are known to be small.
 pub fn parse(json: &[u8]) -> Result<Root, Fault> {
     bound(json)?;
-    Root::from_slice(json).map_err(|error| broken(excerpt(&error.to_string(), 2 * MAX_MESSAGE_CHARS)))
+    let parsed = without_idle_channels(json).and_then(|json| Root::from_slice(&json));
+    parsed.map_err(|error| broken(excerpt(&error.to_string(), 2 * MAX_MESSAGE_CHARS)))
+}
+
+/// The JSON without the animation channels that target no node, which the `gltf` crate does not parse: glTF 2.0 says
+/// that they are to be ignored (section 3.11), and extensions use them.
+fn without_idle_channels(json: &[u8]) -> serde_json::Result<Cow<'_, [u8]>> {
+    let mut document: Members = serde_json::from_slice(json)?;
+    let Some(raw) = document.get_mut("animations") else { return Ok(Cow::Borrowed(json)) };
+    let mut animations: Value = serde_json::from_str(raw.get())?;
+    let mut dropped = false;
+    for animation in animations.as_array_mut().into_iter().flatten() {
+        let channels = animation.get_mut("channels").and_then(Value::as_array_mut);
+        if let Some(channels) = channels {
+            let before = channels.len();
+            channels.retain(|channel| channel["target"].as_object().is_none_or(|to| to.contains_key("node")));
+            dropped |= channels.len() < before;
+        }
+    }
+    if !dropped {
+        return Ok(Cow::Borrowed(json));
+    }
+    *raw = to_raw_value(&animations)?;
+    serde_json::to_vec(&document).map(Cow::Owned)
 }
 
 /// Counts brackets and commas outside strings: at most one value follows each.

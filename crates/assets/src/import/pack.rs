@@ -1,22 +1,19 @@
 //! A scene of several files as one.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use gltf::json::Root;
-use serde_json::value::{RawValue, to_raw_value};
+use serde_json::value::to_raw_value;
 
-use super::{Ledger, addresses, check, container};
+use super::container::{self, Members};
+use super::{Ledger, addresses, check};
 use crate::fault::broken;
 use crate::{Fault, Limit};
 
 /// The type of bytes about which no more is known.
 const ANY_BYTES: &str = "application/octet-stream";
-
-/// A JSON object whose members are left as they were written, in the order of their names.
-type Members = BTreeMap<String, Box<RawValue>>;
 
 /// The bytes of one file that holds all of the scene at `path`.
 pub fn pack(path: &Path) -> Result<Vec<u8>, Fault> {
