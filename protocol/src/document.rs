@@ -75,12 +75,15 @@ pub struct Camera {
 
 /// [`scene::Projection`] in JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase", deny_unknown_fields)]
+#[serde(rename_all = "camelCase", rename_all_fields = "camelCase", deny_unknown_fields)]
 pub enum Projection {
     /// Perspective.
     Perspective {
         /// Full vertical angle of view, radians.
         yfov: f64,
+        /// Width over height of what it frames, all of which is in the picture; the picture's own by default.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        aspect_ratio: Option<f64>,
         /// Distance of the near plane, more than 0.
         znear: f64,
         /// Distance of the far plane; endless by default.
@@ -91,6 +94,9 @@ pub enum Projection {
     Orthographic {
         /// Half the height of the view.
         ymag: f64,
+        /// Width over height of what it frames, all of which is in the picture; the picture's own by default.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        aspect_ratio: Option<f64>,
         /// Distance of the near plane, 0 or more.
         znear: f64,
         /// Distance of the far plane.
@@ -199,8 +205,12 @@ impl From<Camera> for scene::Camera {
 impl From<scene::Projection> for Projection {
     fn from(projection: scene::Projection) -> Self {
         match projection {
-            scene::Projection::Perspective { yfov, znear, zfar } => Self::Perspective { yfov, znear, zfar },
-            scene::Projection::Orthographic { ymag, znear, zfar } => Self::Orthographic { ymag, znear, zfar },
+            scene::Projection::Perspective { yfov, aspect_ratio, znear, zfar } => {
+                Self::Perspective { yfov, aspect_ratio, znear, zfar }
+            }
+            scene::Projection::Orthographic { ymag, aspect_ratio, znear, zfar } => {
+                Self::Orthographic { ymag, aspect_ratio, znear, zfar }
+            }
         }
     }
 }
@@ -208,8 +218,12 @@ impl From<scene::Projection> for Projection {
 impl From<Projection> for scene::Projection {
     fn from(wire: Projection) -> Self {
         match wire {
-            Projection::Perspective { yfov, znear, zfar } => Self::Perspective { yfov, znear, zfar },
-            Projection::Orthographic { ymag, znear, zfar } => Self::Orthographic { ymag, znear, zfar },
+            Projection::Perspective { yfov, aspect_ratio, znear, zfar } => {
+                Self::Perspective { yfov, aspect_ratio, znear, zfar }
+            }
+            Projection::Orthographic { ymag, aspect_ratio, znear, zfar } => {
+                Self::Orthographic { ymag, aspect_ratio, znear, zfar }
+            }
         }
     }
 }

@@ -47,7 +47,7 @@ fn spot() -> scene::Light {
 }
 
 fn eye() -> Camera {
-    let projection = Projection::Perspective { yfov: 0.75, znear: 0.125, zfar: None };
+    let projection = Projection::Perspective { yfov: 0.75, aspect_ratio: None, znear: 0.125, zfar: None };
     let (translation, rotation) = (DVec3::new(0.0, 1.0, 5.0), DQuat::IDENTITY);
     Camera { name: "eye".into(), translation, rotation, projection }
 }
@@ -102,7 +102,8 @@ fn commands() -> Vec<(&'static str, Command)> {
     let set_point = |parameter| Command::SetPoint { light: BENDY, point: 1, parameter };
     let set_camera = |parameter| Command::SetCamera { camera: EYE, parameter };
     let (position, radius, color, intensity) = (None, None, None, None);
-    let orthographic = Projection::Orthographic { ymag: 2.0, znear: 0.5, zfar: 10.0 };
+    let orthographic =
+        Projection::Orthographic { ymag: 2.0, aspect_ratio: Some(1.5), znear: 0.5, zfar: 10.0 };
     let (translation, scale) = (Some(vector), Some(2.0));
     vec![
         ("a scene", Command::LoadScene { asset: ROOM, name: "room".into() }),

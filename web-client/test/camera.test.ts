@@ -9,6 +9,8 @@ import { difference, seeded, someVector } from "./examples";
 const PROJECTIONS: Projection[] = [
   { perspective: { yfov: 0.7, znear: 0.1 } },
   { orthographic: { ymag: 2, znear: 0, zfar: 100 } },
+  { perspective: { yfov: 0.7, aspectRatio: 3, znear: 0.1 } },
+  { orthographic: { ymag: 2, aspectRatio: 2.5, znear: 0, zfar: 100 } },
 ];
 const BOUNDS = { min: [-2, 0, -2], max: [2, 2, 2] } as {
   min: [number, number, number];
@@ -22,7 +24,7 @@ function cameras(): Camera[] {
     name: "",
     translation: someVector(next, 5),
     rotation: unitQuat([next() - 0.5, next() - 0.5, next() - 0.5, next() - 0.5]),
-    projection: PROJECTIONS[k % 2] as Projection,
+    projection: PROJECTIONS[k % PROJECTIONS.length] as Projection,
   }));
 }
 
@@ -123,5 +125,45 @@ test("angles in degrees and back are the same rotation", () => {
     const back = fromEulerDegrees(toEulerDegrees(rotation));
     // asin loses half of the digits near 90 degrees: sqrt(2^-52) = 1.5e-8.
     expect(difference(rotate(back, [1, 2, 3]), rotate(rotation, [1, 2, 3]))).toBeLessThan(1e-6);
+  }
+});
+
+// The same numbers as in render's and reference's camera.rs: a camera that frames 2 by 1.
+test("all that a camera frames is in the picture", () => {
+  const projections: Projection[] = [
+    { perspective: { yfov: 2 * Math.atan(0.5), aspectRatio: 2, znear: 0.1 } },
+    { orthographic: { ymag: 0.5, aspectRatio: 2, znear: 0, zfar: 9 } },
+  ];
+  const pictures = [
+    { width: 100, height: 100, x: 75, y: 37.5 },
+    { width: 400, height: 100, x: 250, y: 25 },
+    { width: 200, height: 100, x: 150, y: 25 },
+  ];
+  for (const projection of projections) {
+    for (const { width, height, x, y } of pictures) {
+      const camera: Camera = { name: "", translation: [0, 0, 0], rotation: [0, 0, 0, 1], projection };
+      const pixel = project({ camera, width, height }, [0.5, 0.25, -1]);
+      expect(Math.hypot((pixel?.x ?? 0) - x, (pixel?.y ?? 0) - y)).toBeLessThan(PIXEL_ROUNDING);
+    }
+  }
+});
+
+test("a framed ball fits a camera that keeps its width", () => {
+  for (const projection of PROJECTIONS) {
+    const camera: Camera = { name: "", translation: [0, 0, 9], rotation: [0, 0, 0, 1], projection };
+    for (const [width, height] of [
+      [400, 100],
+      [100, 400],
+    ] as const) {
+      const framed = frameBall(orbitFrom(camera, BOUNDS), [0, 0, 0], 1, width / height).camera;
+      const view = { camera: framed, width, height };
+      // Its outermost tangent, or its side: at the border of the picture's shorter side, and not beyond.
+      const distance = framed.translation[2];
+      const sine = "perspective" in projection ? 1 / distance : 0;
+      const rim = add([0, 0, 0], [Math.sqrt(1 - sine * sine), 0, sine]);
+      const seen = project(view, rim);
+      const reach = ((seen?.x ?? 0) - width / 2) / (Math.min(width, height) / 2);
+      expect(reach).toBeCloseTo(1, 9);
+    }
   }
 });

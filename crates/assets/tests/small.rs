@@ -286,9 +286,32 @@ fn lights_and_cameras_stand_rigid_in_the_world() {
     assert!((looks_along - DVec3::NEG_X).length() < 1e-6, "{looks_along}");
     let Projection::Perspective { yfov, .. } = scene.cameras[0].projection else { panic!("perspective") };
     assert!((yfov - FRAC_PI_3).abs() < 1e-7);
-    assert_eq!(scene.cameras[1].projection, Projection::Orthographic { ymag: 1.0, znear: 0.0, zfar: 5.0 });
+    assert_eq!(
+        scene.cameras[1].projection,
+        Projection::Orthographic { ymag: 1.0, aspect_ratio: Some(2.0), znear: 0.0, zfar: 5.0 }
+    );
     let notes = loaded.notes.join("; ");
     assert!(notes.contains("point lights are not drawn") && notes.contains("make no light"), "{notes}");
+}
+
+#[test]
+fn cameras_keep_their_shape() {
+    let read = |camera: &str| {
+        let file = File::default().with(format!(r#""cameras":[{camera}],"nodes":[{{"camera":0}}]"#));
+        let loaded = file.load().unwrap();
+        (loaded.scene.cameras[0].projection.aspect_ratio(), loaded.notes.len())
+    };
+    let perspective =
+        |more: &str| format!(r#"{{"type":"perspective","perspective":{{"yfov":1,"znear":0.1{more}}}}}"#);
+    assert_eq!(read(&perspective(r#","aspectRatio":1.5"#)), (Some(1.5), 0));
+    assert_eq!(read(&perspective("")), (None, 0), "the picture's own");
+    let orthographic = |xmag: f64| {
+        format!(r#"{{"type":"orthographic","orthographic":{{"xmag":{xmag},"ymag":4,"znear":0,"zfar":5}}}}"#)
+    };
+    assert_eq!(read(&orthographic(2.0)), (Some(0.5), 0));
+    for bad in [perspective(r#","aspectRatio":0"#), perspective(r#","aspectRatio":-2"#), orthographic(-1.0)] {
+        assert_eq!(read(&bad), (None, 1), "a note: {bad}");
+    }
 }
 
 #[test]

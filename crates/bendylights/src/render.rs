@@ -48,9 +48,9 @@ pub struct Args {
     /// Camera by its name or its index from 0 [default: the first, or one that frames the scene]
     #[arg(long, value_name = "NAME|INDEX")]
     camera: Option<String>,
-    /// Width and height in pixels, each at most 8192
-    #[arg(long, default_value = "686x382", value_name = "WxH")]
-    size: Size,
+    /// Width and height in pixels, each at most 8192 [default: 686x382, or as many pixels in the camera's own shape]
+    #[arg(long, value_name = "WxH")]
+    size: Option<Size>,
     /// Samples a pixel, for beauty and visibility; 1 takes each pixel's centre, 16 or more smooth the edges
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     samples: u32,
@@ -96,6 +96,18 @@ pub struct Size {
 /// The largest side of a picture: the largest texture that every GPU of WebGPU's default limits holds.
 const MAX_SIDE: u32 = 8192;
 
+/// Of a picture for which none is asked.
+const DEFAULT_SIZE: Size = Size { width: 686, height: 382 };
+
+impl Size {
+    /// About as many pixels as by default, in a shape of `aspect` wide by 1 high.
+    fn of_shape(aspect: f64) -> Self {
+        let pixels = f64::from(DEFAULT_SIZE.width * DEFAULT_SIZE.height);
+        let side = |length: f64| (length.round() as u32).clamp(1, MAX_SIDE);
+        Self { width: side((pixels * aspect).sqrt()), height: side((pixels / aspect).sqrt()) }
+    }
+}
+
 impl FromStr for Size {
     type Err = String;
 
@@ -137,10 +149,12 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if matches!(args.backend, Backend::Gpu) {
         notes.extend(left_out(&Reach::of(&scene), &lights));
     }
+    let camera = choose_camera(args, &scene)?;
+    let size = args.size.or(camera.projection.aspect_ratio().map(Size::of_shape)).unwrap_or(DEFAULT_SIZE);
     let view = View {
-        camera: choose_camera(args, &scene)?,
-        width: args.size.width,
-        height: args.size.height,
+        camera,
+        width: size.width,
+        height: size.height,
         samples: args.samples,
         aov: args.aov,
         light: choose_light(args, &lights)?,
@@ -229,7 +243,8 @@ pub fn open_scene(name: &str) -> Result<Loaded, Error> {
 
 fn choose_camera(args: &Args, scene: &Scene) -> Result<Camera, Error> {
     let Some(wanted) = &args.camera else {
-        let aspect = f64::from(args.size.width) / f64::from(args.size.height);
+        let Size { width, height } = args.size.unwrap_or(DEFAULT_SIZE);
+        let aspect = f64::from(width) / f64::from(height);
         return Ok(scene.cameras.first().cloned().unwrap_or_else(|| framing_camera(scene, aspect)));
     };
     let named = scene.cameras.iter().find(|camera| camera.name == *wanted);

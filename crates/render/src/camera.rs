@@ -24,12 +24,17 @@ impl Raster {
         if view.samples == 0 {
             return invalid("it has no samples; give it at least 1 a pixel");
         }
-        let sound = match view.camera.projection {
-            Projection::Perspective { yfov, znear, zfar } => {
-                yfov > 0.0 && yfov < std::f64::consts::PI && znear > 0.0 && zfar.is_none_or(|f| f > znear)
-            }
-            Projection::Orthographic { ymag, znear, zfar } => ymag > 0.0 && znear >= 0.0 && zfar > znear,
-        };
+        let aspect_ratio = view.camera.projection.aspect_ratio();
+        let sound = aspect_ratio.is_none_or(|aspect| aspect > 0.0 && aspect.is_finite());
+        let sound = sound
+            && match view.camera.projection {
+                Projection::Perspective { yfov, znear, zfar, .. } => {
+                    yfov > 0.0 && yfov < std::f64::consts::PI && znear > 0.0 && zfar.is_none_or(|f| f > znear)
+                }
+                Projection::Orthographic { ymag, znear, zfar, .. } => {
+                    ymag > 0.0 && znear >= 0.0 && zfar > znear
+                }
+            };
         let (world_from_camera, projection) = (view.camera.world_from_camera(), view.camera.projection);
         if !sound || !world_from_camera.is_finite() {
             return invalid("its camera has numbers outside their domains; correct the camera");
@@ -44,6 +49,8 @@ impl Raster {
             Projection::Perspective { yfov, .. } => (yfov / 2.0).tan(),
             Projection::Orthographic { ymag, .. } => ymag,
         };
+        // Narrower than what the camera frames: its width is kept.
+        let y = y * self.projection.aspect_ratio().map_or(1.0, |framed| (framed / aspect).max(1.0));
         DVec2::new(y * aspect, y)
     }
 
@@ -195,9 +202,11 @@ mod tests {
             translation: DVec3::new(4.0, 5.0, 6.0),
         };
         let projections = [
-            Projection::Perspective { yfov: 0.8, znear: 0.1, zfar: None },
-            Projection::Perspective { yfov: 1.6, znear: 0.5, zfar: Some(40.0) },
-            Projection::Orthographic { ymag: 3.0, znear: 0.0, zfar: 30.0 },
+            Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.1, zfar: None },
+            Projection::Perspective { yfov: 0.8, aspect_ratio: Some(2.0), znear: 0.1, zfar: None },
+            Projection::Perspective { yfov: 1.6, aspect_ratio: None, znear: 0.5, zfar: Some(40.0) },
+            Projection::Orthographic { ymag: 3.0, aspect_ratio: None, znear: 0.0, zfar: 30.0 },
+            Projection::Orthographic { ymag: 3.0, aspect_ratio: Some(2.0), znear: 0.0, zfar: 30.0 },
         ];
         for projection in projections {
             let raster = Raster { world_from_camera, projection, width: 7, height: 5 };
@@ -228,9 +237,32 @@ mod tests {
         }
     }
 
+    /// The same numbers as in reference's camera.rs and the page's camera.test.ts: a camera that frames 2 by 1.
+    #[test]
+    fn all_that_a_camera_frames_is_in_the_picture() {
+        let yfov = 2.0 * 0.5_f64.atan();
+        let perspective = Projection::Perspective { yfov, aspect_ratio: Some(2.0), znear: 0.1, zfar: None };
+        let orthographic =
+            Projection::Orthographic { ymag: 0.5, aspect_ratio: Some(2.0), znear: 0.0, zfar: 9.0 };
+        for (width, height, x, y) in
+            [(100, 100, 75.0, 37.5), (400, 100, 250.0, 25.0), (200, 100, 150.0, 25.0)]
+        {
+            for projection in [perspective, orthographic] {
+                let raster = Raster { world_from_camera: DAffine3::IDENTITY, projection, width, height };
+                let clip = raster.clip_from_world() * DVec4::new(0.5, 0.25, -1.0, 1.0);
+                let pixel = (DVec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5)
+                    * DVec2::new(width.into(), height.into());
+                assert!(
+                    pixel.abs_diff_eq(DVec2::new(x, y), 1e-12),
+                    "{width}x{height} {projection:?}: {pixel}"
+                );
+            }
+        }
+    }
+
     #[test]
     fn bounds_hold_what_they_are_of() {
-        let projection = Projection::Perspective { yfov: 1.0, znear: 0.1, zfar: None };
+        let projection = Projection::Perspective { yfov: 1.0, aspect_ratio: None, znear: 0.1, zfar: None };
         let raster = Raster { world_from_camera: DAffine3::IDENTITY, projection, width: 100, height: 100 };
         let pixels_a_unit = 50.0 / 0.5_f64.tan();
         let [x, y, width, height] =

@@ -64,7 +64,7 @@ fn view() -> View {
         name: String::new(),
         translation: DVec3::Y * 3.0,
         rotation: downwards(),
-        projection: Projection::Perspective { yfov: 0.8, znear: 0.1, zfar: None },
+        projection: Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.1, zfar: None },
     };
     let (aov, slot) = (Aov::Beauty, ViewSlot::default());
     View { camera, width: 42, height: 22, samples: 1, aov, light: 0, slot }

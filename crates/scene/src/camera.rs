@@ -26,16 +26,19 @@ impl Camera {
     /// Whether its numbers make a picture; the error ends the sentence "the camera's".
     pub fn check(&self) -> Result<(), &'static str> {
         let projected = match self.projection {
-            Projection::Perspective { yfov, znear, zfar } => {
+            Projection::Perspective { yfov, znear, zfar, .. } => {
                 let far = zfar.is_none_or(|zfar| znear < zfar && zfar.is_finite());
                 0.0 < yfov && yfov < std::f64::consts::PI && 0.0 < znear && znear.is_finite() && far
             }
-            Projection::Orthographic { ymag, znear, zfar } => {
+            Projection::Orthographic { ymag, znear, zfar, .. } => {
                 0.0 < ymag && ymag.is_finite() && 0.0 <= znear && znear < zfar && zfar.is_finite()
             }
         };
         if !projected {
             return Err("angle, size or planes make no picture");
+        }
+        if self.projection.aspect_ratio().is_some_and(|aspect| !(0.0 < aspect && aspect.is_finite())) {
+            return Err("aspect ratio is not a number above 0");
         }
         // Rounding may leave a unit quaternion a little off; what is far off was meant as something else.
         let unit = (self.rotation.length_squared() - 1.0).abs() < 1e-3;
@@ -46,13 +49,19 @@ impl Camera {
     }
 }
 
-/// glTF's two projections. The picture's own aspect ratio decides the width.
+/// glTF's two projections.
+///
+/// Where a camera has an aspect ratio, all that it frames is in the picture: a narrower picture keeps its width and shows
+/// more above and below, a wider one keeps its height and shows more at the sides. Without one the picture keeps
+/// the height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
     /// Perspective.
     Perspective {
         /// Full vertical angle of view in radians, more than 0 and less than pi.
         yfov: f64,
+        /// Width over height of what it frames, more than 0; the picture's own where `None`.
+        aspect_ratio: Option<f64>,
         /// Distance of the near plane, more than 0.
         znear: f64,
         /// Distance of the far plane, more than `znear`; endless where `None`.
@@ -62,11 +71,21 @@ pub enum Projection {
     Orthographic {
         /// Half the height of the view, more than 0.
         ymag: f64,
+        /// Width over height of what it frames, more than 0; the picture's own where `None`.
+        aspect_ratio: Option<f64>,
         /// Distance of the near plane, 0 or more.
         znear: f64,
         /// Distance of the far plane, more than `znear`.
         zfar: f64,
     },
+}
+
+impl Projection {
+    /// Width over height of what the camera frames, where it says so.
+    pub fn aspect_ratio(&self) -> Option<f64> {
+        let (Self::Perspective { aspect_ratio, .. } | Self::Orthographic { aspect_ratio, .. }) = *self;
+        aspect_ratio
+    }
 }
 
 /// A camera that sees all of `scene` from a little above and to the side, for a picture `aspect` wide by 1
@@ -82,7 +101,7 @@ pub fn framing_camera(scene: &Scene, aspect: f64) -> Camera {
     let back = DVec3::new(0.45, 0.42, 1.0).normalize();
     let right = DVec3::Y.cross(back).normalize();
     let rotation = DMat3::from_cols(right, back.cross(right), back);
-    let projection = Projection::Perspective { yfov, znear: distance * 0.01, zfar: None };
+    let projection = Projection::Perspective { yfov, aspect_ratio: None, znear: distance * 0.01, zfar: None };
     let translation = center + back * distance;
     Camera { name: "framing".into(), translation, rotation: DQuat::from_mat3(&rotation), projection }
 }

@@ -191,15 +191,17 @@ impl Walk {
         self.text(name);
         self.vector(*translation);
         self.rotation(*rotation);
+        // A camera without an aspect ratio has the hash that it had before there were any.
         match *projection {
-            Projection::Perspective { yfov, znear, zfar } => {
-                self.tag(0);
-                self.real(yfov);
-                self.real(znear);
+            Projection::Perspective { yfov, aspect_ratio, znear, zfar } => {
+                self.tag(if aspect_ratio.is_some() { 2 } else { 0 });
+                self.each(aspect_ratio);
+                self.each([yfov, znear]);
                 self.option(zfar);
             }
-            Projection::Orthographic { ymag, znear, zfar } => {
-                self.tag(1);
+            Projection::Orthographic { ymag, aspect_ratio, znear, zfar } => {
+                self.tag(if aspect_ratio.is_some() { 3 } else { 1 });
+                self.each(aspect_ratio);
                 self.each([ymag, znear, zfar]);
             }
         }

@@ -47,7 +47,9 @@ fn the_framing_camera_sees_everything() {
     let (min, max) = world_bounds(&scene).expect("it has a triangle");
     for aspect in [0.25, 1.0, 686.0 / 382.0, 4.0] {
         let camera = framing_camera(&scene, aspect);
-        let Projection::Perspective { yfov, znear, .. } = camera.projection else { panic!("perspective") };
+        let Projection::Perspective { yfov, aspect_ratio: None, znear, .. } = camera.projection else {
+            panic!("perspective")
+        };
         let camera_from_world = camera.world_from_camera().inverse();
         let half = (yfov / 2.0).tan();
         for k in 0..8 {

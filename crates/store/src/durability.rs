@@ -80,7 +80,7 @@ fn next_record(session: &mut Session) -> edit::Record {
     let next = session.seq() + 1;
     let translation = glam::DVec3::splat(next as f64);
     let command = if next == 1 {
-        let projection = Projection::Perspective { yfov: 0.7, znear: 0.1, zfar: None };
+        let projection = Projection::Perspective { yfov: 0.7, aspect_ratio: None, znear: 0.1, zfar: None };
         let rotation = glam::DQuat::IDENTITY;
         scene::Command::AddCamera(Camera { name: "eye".into(), translation, rotation, projection })
     } else {

@@ -15,11 +15,21 @@ export interface Pixel {
   y: number;
 }
 
+/** Width over height of what the camera frames, where it says so. */
+export const aspectOf = ({ projection }: Camera): number | undefined =>
+  "perspective" in projection ? projection.perspective.aspectRatio : projection.orthographic.aspectRatio;
+
+/** How many times as high the view is as what the camera frames, in a picture `aspect` wide by 1 high: all of its
+ * width is in the picture. */
+export const tallerBy = (camera: Camera, aspect: number): number =>
+  Math.max(1, (aspectOf(camera) ?? 0) / aspect);
+
 /** Height of the view at distance 1 (perspective), or everywhere (orthographic), halved. */
-function halfHeight(camera: Camera): { perspective: boolean; size: number } {
+function halfHeight({ camera, width, height }: View): { perspective: boolean; size: number } {
+  const taller = tallerBy(camera, width / height);
   return "perspective" in camera.projection
-    ? { perspective: true, size: Math.tan(camera.projection.perspective.yfov / 2) }
-    : { perspective: false, size: camera.projection.orthographic.ymag };
+    ? { perspective: true, size: Math.tan(camera.projection.perspective.yfov / 2) * taller }
+    : { perspective: false, size: camera.projection.orthographic.ymag * taller };
 }
 
 function nearOf(camera: Camera): number {
@@ -41,14 +51,14 @@ export function project(view: View, point: Vec3): Pixel | null {
   const local = rotate(inverse(camera.rotation), sub(point, camera.translation));
   const depth = -local[2];
   if (depth < nearOf(camera)) return null;
-  const { perspective, size } = halfHeight(camera);
+  const { perspective, size } = halfHeight(view);
   const pixels = height / 2 / (size * (perspective ? depth : 1));
   return { x: width / 2 + local[0] * pixels, y: height / 2 - local[1] * pixels };
 }
 
 /** World units a pixel at `point`. */
 export function worldPerPixel(view: View, point: Vec3): number {
-  const { perspective, size } = halfHeight(view.camera);
+  const { perspective, size } = halfHeight(view);
   const depth = Math.max(depthOf(view.camera, point), nearOf(view.camera));
   return (2 * size * (perspective ? depth : 1)) / view.height;
 }

@@ -1,6 +1,6 @@
 // Orbit, pan and zoom: a viewer's own camera turned about a pivot that it looks at.
 
-import { forwardOf, type Pixel, type View, worldPerPixel } from "./camera";
+import { forwardOf, type Pixel, tallerBy, type View, worldPerPixel } from "./camera";
 import type { Bounds, Camera, Projection } from "./protocol";
 import { aboutAxis, add, compose, dot, length, mix, rotate, scale, sub, unitQuat, type Vec3 } from "./vector";
 
@@ -68,7 +68,7 @@ export const diagonal = (bounds: Bounds): number => Math.max(length(sub(bounds.m
 /** Sees all of the ball from where `from` looks, in a picture `aspect` wide by 1 high. */
 export function frameBall(from: Orbit, centre: Vec3, radius: number, aspect: number): Orbit {
   const { projection } = from.camera;
-  const narrower = Math.min(1, aspect);
+  const narrower = Math.min(1, aspect) * tallerBy(from.camera, aspect);
   const facing = (distance: number, camera: Camera): Orbit => ({
     camera: { ...camera, translation: sub(centre, scale(forwardOf(camera), distance)) },
     distance,

@@ -178,6 +178,10 @@ export type Projection =
   | {
       perspective: {
         /**
+         * Width over height of what it frames, all of which is in the picture; the picture's own by default.
+         */
+        aspectRatio?: number;
+        /**
          * Full vertical angle of view, radians.
          */
         yfov: number;
@@ -193,6 +197,10 @@ export type Projection =
     }
   | {
       orthographic: {
+        /**
+         * Width over height of what it frames, all of which is in the picture; the picture's own by default.
+         */
+        aspectRatio?: number;
         /**
          * Half the height of the view.
          */

@@ -2,6 +2,7 @@
 
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 
+import { aspectOf } from "./camera";
 import type { Host } from "./connection";
 import type { FrameHeader } from "./frame";
 import type { ClientId } from "./ids";
@@ -58,8 +59,10 @@ export function viewer({ host, send, bounds, latency }: ViewerParts): Viewer {
     sentCameras.delete(revision.value - REMEMBERED_CAMERAS);
   }
 
-  /** `camera` with all of its width in sight: a narrower picture gains height instead of losing its sides. */
+  /** `camera` with all of its width in sight: a narrower picture gains height instead of losing its sides. One that
+   * says how wide it is does so by itself. */
   function fitted(camera: Camera): Camera {
+    if (aspectOf(camera) !== undefined) return camera;
     const factor = Math.max(1, (COMPOSED_FOR_ASPECT * size.height) / size.width);
     const { projection } = camera;
     if ("orthographic" in projection) {

@@ -70,7 +70,12 @@ fn camera() -> Camera {
         name: "camera".into(),
         translation,
         rotation: look_at(translation, DVec3::new(0.24, 0.37, 0.0)),
-        projection: Projection::Perspective { yfov: 24.0_f64.to_radians(), znear: 0.1, zfar: None },
+        projection: Projection::Perspective {
+            yfov: 24.0_f64.to_radians(),
+            aspect_ratio: None,
+            znear: 0.1,
+            zfar: None,
+        },
     }
 }
 

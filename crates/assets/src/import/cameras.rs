@@ -18,6 +18,9 @@ pub fn read(source: &Source, places: &[Place], notes: &mut Notes) -> Vec<scene::
         let name = name_or(node.name.as_deref().or(camera.name.as_deref()), "camera", cameras.len());
         match projection(camera) {
             Some(projection) => {
+                if shape(camera).is_some_and(|aspect| !is_aspect(aspect)) {
+                    notes.add("camera widths that are not more than 0 are ignored", name.clone());
+                }
                 let placed = rigid(&place.world_from_local);
                 let rotation = DQuat::from_mat3(&placed.matrix3);
                 cameras.push(scene::Camera { name, translation: placed.translation, rotation, projection });
@@ -30,19 +33,33 @@ pub fn read(source: &Source, places: &[Place], notes: &mut Notes) -> Vec<scene::
 
 /// The projection, or `None` where a number is outside its documented domain.
 fn projection(camera: &Camera) -> Option<Projection> {
+    let aspect_ratio = shape(camera).filter(|&aspect| is_aspect(aspect));
     match (&camera.type_, &camera.perspective, &camera.orthographic) {
         (Checked::Valid(Type::Perspective), Some(p), _) => {
             let (yfov, znear, zfar) = (f64::from(p.yfov), f64::from(p.znear), p.zfar.map(f64::from));
             let sound = 0.0 < yfov && yfov < std::f64::consts::PI && 0.0 < znear && planes(znear, zfar);
-            sound.then_some(Projection::Perspective { yfov, znear, zfar })
+            sound.then_some(Projection::Perspective { yfov, aspect_ratio, znear, zfar })
         }
         (Checked::Valid(Type::Orthographic), _, Some(o)) => {
             let (ymag, znear, zfar) = (f64::from(o.ymag), f64::from(o.znear), f64::from(o.zfar));
             let sound = 0.0 < ymag && ymag.is_finite() && 0.0 <= znear && planes(znear, Some(zfar));
-            sound.then_some(Projection::Orthographic { ymag, znear, zfar })
+            sound.then_some(Projection::Orthographic { ymag, aspect_ratio, znear, zfar })
         }
         _ => None,
     }
+}
+
+/// Width over height of what the camera frames, as the file has it.
+fn shape(camera: &Camera) -> Option<f64> {
+    match (&camera.type_, &camera.perspective, &camera.orthographic) {
+        (Checked::Valid(Type::Perspective), Some(p), _) => p.aspect_ratio.map(f64::from),
+        (Checked::Valid(Type::Orthographic), _, Some(o)) => Some(f64::from(o.xmag) / f64::from(o.ymag)),
+        _ => None,
+    }
+}
+
+fn is_aspect(aspect: f64) -> bool {
+    0.0 < aspect && aspect.is_finite()
 }
 
 fn planes(znear: f64, zfar: Option<f64>) -> bool {

@@ -39,13 +39,13 @@ pub fn assert_sound(scene: &Scene, what: &str) {
         let axes = camera.world_from_camera().matrix3;
         assert!((axes.determinant() - 1.0).abs() < 1e-9 && axes.is_finite(), "{what}: {camera:?} is rigid");
         let sound = match camera.projection {
-            Projection::Perspective { yfov, znear, zfar } => {
+            Projection::Perspective { yfov, znear, zfar, .. } => {
                 0.0 < yfov
                     && yfov < std::f64::consts::PI
                     && 0.0 < znear
                     && zfar.is_none_or(|zfar| znear < zfar)
             }
-            Projection::Orthographic { ymag, znear, zfar } => 0.0 < ymag && 0.0 <= znear && znear < zfar,
+            Projection::Orthographic { ymag, znear, zfar, .. } => 0.0 < ymag && 0.0 <= znear && znear < zfar,
         };
         assert!(sound, "{what}: {camera:?}");
     }

@@ -136,6 +136,9 @@ impl Expected<'_> {
             Projection::Perspective { yfov, .. } => -p.z * (yfov / 2.0).tan(),
             Projection::Orthographic { ymag, .. } => ymag,
         };
+        let taller =
+            view.camera.projection.aspect_ratio().map_or(1.0, |framed| (framed * height / width).max(1.0));
+        let half_height = half_height * taller;
         let from_centre = DVec2::new(p.x, -p.y) / half_height * (height / 2.0);
         (half_height > 0.0).then(|| from_centre + DVec2::new(width, height) / 2.0)
     }

@@ -28,7 +28,7 @@ fn view(width: u32, height: u32) -> View {
         name: "above".into(),
         translation: eye,
         rotation: DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back)),
-        projection: Projection::Perspective { yfov: 0.4, znear: 0.1, zfar: None },
+        projection: Projection::Perspective { yfov: 0.4, aspect_ratio: None, znear: 0.1, zfar: None },
     };
     View { camera, width, height, samples: 1, aov: Aov::Beauty, light: 0, slot: ViewSlot::default() }
 }

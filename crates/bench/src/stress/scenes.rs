@@ -72,7 +72,7 @@ impl Shot {
             name: String::new(),
             translation: transform.world_from_local(eye),
             rotation: transform.rotation.normalize() * DQuat::from_mat3(&axes),
-            projection: Projection::Perspective { yfov: YFOV, znear: near, zfar: None },
+            projection: Projection::Perspective { yfov: YFOV, aspect_ratio: None, znear: near, zfar: None },
         };
         let (aov, slot) = (Aov::Beauty, ViewSlot::default());
         View { camera, width: WIDTH, height: HEIGHT, samples: 1, aov, light: 0, slot }

@@ -134,6 +134,37 @@ fn render_writes_png_for_people() {
     assert_eq!(again.get_pixel(32, 26).0[..3], [255; 3], "written over: nothing stands before the triangle");
 }
 
+/// All that the camera frames is in the picture, by both backends; without a size the picture has its shape.
+#[test]
+fn render_keeps_what_the_camera_frames() {
+    let folder = Folder::new();
+    // Frames 2.4 by 0.8 around the triangle, 2 wide and 2 high: its sides are in sight, its top and bottom are not.
+    let yfov = 2.0 * 0.1_f64.atan();
+    let framed = format!(r#"{{"yfov": {yfov}, "aspectRatio": 3, "znear": 0.1}}"#);
+    let scene = TRIANGLE.replace(r#"{"yfov": 0.8, "znear": 0.1}"#, &framed);
+    let scene = folder.file("scene.gltf", scene);
+    let covered = |args: &[&str]| {
+        let picture = folder.path("out.exr");
+        let done = run(&[&["render", &scene, "--aov", "depth", "-o", &picture], args].concat());
+        assert_eq!(done.code, 0, "{}", done.stderr);
+        let picture = image::open(&picture).expect("a picture").into_rgba32f();
+        let count = |row: u32| (0..picture.width()).filter(|&x| picture.get_pixel(x, row)[3] > 0.0).count();
+        let columns = |x: u32| (0..picture.height()).filter(|&y| picture.get_pixel(x, y)[3] > 0.0).count();
+        let [width, height] = [picture.width(), picture.height()];
+        (picture.dimensions(), count(height / 2), columns(width / 2))
+    };
+    // At half its height the triangle is 1 wide: 1 / 2.4 of the width. In a square picture it is seen whole, 2 high in 2.4,
+    // but for its tip, which lies half a pixel beside the middle column.
+    for backend in ["gpu", "reference"] {
+        let square = covered(&["--size", "240x240", "--backend", backend]);
+        assert_eq!(square, ((240, 240), 100, 199), "{backend}");
+        let wide = covered(&["--size", "480x80", "--backend", backend]);
+        assert_eq!(wide, ((480, 80), 100, 80), "{backend}: its height is kept");
+        // As many pixels as by default, 686 x 382, three times as wide as high.
+        assert_eq!(covered(&["--backend", backend]).0, (887, 296), "{backend}");
+    }
+}
+
 #[test]
 fn render_takes_shadow_settings() {
     let folder = Folder::new();

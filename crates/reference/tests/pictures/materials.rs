@@ -28,7 +28,8 @@ fn linear(shade: u8) -> f64 {
 /// What the middle of a picture from straight above, one unit high, shows of `scene` at `x`, `z`.
 fn base_color_at(scene: &Scene, x: f64, z: f64) -> f64 {
     let mut view = view(DVec3::new(x, 1.0, z), DVec3::new(x, 0.0, z), Aov::Beauty);
-    view.camera.projection = Projection::Perspective { yfov: 1e-4, znear: 0.01, zfar: None };
+    view.camera.projection =
+        Projection::Perspective { yfov: 1e-4, aspect_ratio: None, znear: 0.01, zfar: None };
     let middle = DVec2::new(f64::from(view.width), f64::from(view.height)) / 2.0;
     Reference::new(scene).surface(&view, middle).expect("the square is there").base_color.x
 }
@@ -113,7 +114,8 @@ fn back_faces_are_seen_where_the_material_says_so() {
 fn orthographic_cameras_see_parallel() {
     let mut scene = scene_of([floor(1.0)]);
     let mut above = view(DVec3::Y * 3.0, DVec3::ZERO, Aov::Depth);
-    above.camera.projection = Projection::Orthographic { ymag: 2.0, znear: 0.0, zfar: 10.0 };
+    above.camera.projection =
+        Projection::Orthographic { ymag: 2.0, aspect_ratio: None, znear: 0.0, zfar: 10.0 };
     let frame = render(&scene, &above, &[]);
     // Two of four units are covered in each direction: half of 32 rows, and of the 48 columns the same pixels.
     let seen: Vec<_> = frame.pixels.iter().filter(|pixel| pixel[3] == 1.0).collect();

@@ -65,7 +65,7 @@ pub fn view(eye: DVec3, target: DVec3, aov: Aov) -> View {
         name: String::new(),
         translation: eye,
         rotation: looking(eye, target),
-        projection: Projection::Perspective { yfov: 0.8, znear: 0.05, zfar: None },
+        projection: Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.05, zfar: None },
     };
     View { camera, width: 48, height: 32, samples: 1, aov, light: 0, slot: ViewSlot::default() }
 }

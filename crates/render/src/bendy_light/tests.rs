@@ -74,7 +74,7 @@ pub(crate) fn view(aov: Aov) -> View {
         name: String::new(),
         translation: eye,
         rotation: glam::DQuat::from_mat3(&matrix3),
-        projection: Projection::Perspective { yfov: 0.7, znear: 0.1, zfar: None },
+        projection: Projection::Perspective { yfov: 0.7, aspect_ratio: None, znear: 0.1, zfar: None },
     };
     View { camera, width: 240, height: 160, samples: 1, aov, light: 0, slot: ViewSlot::default() }
 }

@@ -94,7 +94,8 @@ fn tiny_and_huge_scenes_are_seen_like_others() {
             node.parent_from_local = DAffine3::from_scale(DVec3::splat(scale)) * node.parent_from_local;
         }
         let mut view = view(DVec3::new(2.0, 3.0, 4.0) * scale, DVec3::ZERO, [41, 31], Aov::Visibility);
-        view.camera.projection = Projection::Perspective { yfov: 0.8, znear: 0.05 * scale, zfar: None };
+        view.camera.projection =
+            Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.05 * scale, zfar: None };
         let light = spot(DVec3::new(1.0, 3.0, 0.5) * scale, DVec3::ZERO);
         let lit = picture(&scene, &view, &[named(light)]);
         let (inside, dark) = lit
@@ -139,10 +140,22 @@ fn impossible_views_are_refused_with_a_sentence() {
         with(|v| v.samples = 0),
         with(|v| v.camera.translation.x = f64::NAN),
         with(|v| v.camera.translation.x = 1e60),
-        with(|v| v.camera.projection = Projection::Perspective { yfov: 4.0, znear: 0.1, zfar: None }),
-        with(|v| v.camera.projection = Projection::Perspective { yfov: 1.0, znear: 0.0, zfar: None }),
-        with(|v| v.camera.projection = Projection::Perspective { yfov: 1.0, znear: 1.0, zfar: Some(1.0) }),
-        with(|v| v.camera.projection = Projection::Orthographic { ymag: 0.0, znear: 0.0, zfar: 1.0 }),
+        with(|v| {
+            v.camera.projection =
+                Projection::Perspective { yfov: 4.0, aspect_ratio: None, znear: 0.1, zfar: None }
+        }),
+        with(|v| {
+            v.camera.projection =
+                Projection::Perspective { yfov: 1.0, aspect_ratio: None, znear: 0.0, zfar: None }
+        }),
+        with(|v| {
+            v.camera.projection =
+                Projection::Perspective { yfov: 1.0, aspect_ratio: None, znear: 1.0, zfar: Some(1.0) }
+        }),
+        with(|v| {
+            v.camera.projection =
+                Projection::Orthographic { ymag: 0.0, aspect_ratio: None, znear: 0.0, zfar: 1.0 }
+        }),
     ];
     for error in invalid {
         assert!(matches!(error, RenderError::InvalidView(_)), "{error}");

@@ -61,7 +61,8 @@ fn a_bare_plane_never_shadows_itself() {
             let light = SpotLight { cone_angle: 60.0, ..spot(DVec3::new(-1.5, height, 0.4), DVec3::X) };
             let scene = scene_of([floor(50.0, 0.0)], vec![Material::default()]);
             let mut view = view(DVec3::new(0.4, 0.7, 3.0), DVec3::ZERO, [173, 127], Aov::Visibility);
-            view.camera.projection = Projection::Perspective { yfov: 0.8, znear, zfar: None };
+            view.camera.projection =
+                Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear, zfar: None };
             let lit = picture(&scene, &view, &[named(light)]);
             let inside = lit.pixels.iter().filter(|p| p[3] == 1.0).count();
             let dark = lit.pixels.iter().filter(|p| p[3] == 1.0 && p[0] < 1.0).count();

@@ -84,7 +84,7 @@ pub fn view(eye: DVec3, target: DVec3, size: [u32; 2], aov: Aov) -> View {
         name: String::new(),
         translation: eye,
         rotation: DQuat::from_mat3(&looking(eye, target)),
-        projection: Projection::Perspective { yfov: 0.8, znear: 0.05, zfar: None },
+        projection: Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.05, zfar: None },
     };
     View { camera, width: size[0], height: size[1], samples: 1, aov, light: 0, slot: ViewSlot::default() }
 }

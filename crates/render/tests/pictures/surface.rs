@@ -36,9 +36,9 @@ fn depth_error(depths: &Picture, view: &View, center: DVec3, normal: DVec3) -> (
 #[test]
 fn depth_is_where_the_ray_meets_the_plane() {
     let projections = [
-        Projection::Perspective { yfov: 0.8, znear: 0.05, zfar: None },
-        Projection::Perspective { yfov: 0.8, znear: 1e-3, zfar: Some(100.0) },
-        Projection::Orthographic { ymag: 2.0, znear: 0.0, zfar: 50.0 },
+        Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.05, zfar: None },
+        Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 1e-3, zfar: Some(100.0) },
+        Projection::Orthographic { ymag: 2.0, aspect_ratio: None, znear: 0.0, zfar: 50.0 },
     ];
     for projection in projections {
         let (scene, normal) = tilted(DVec3::ZERO);

@@ -36,7 +36,7 @@ fn cameras_come_and_go_and_are_placed() {
 fn every_parameter_of_a_camera_can_be_set() {
     let mut document = edited();
     let (translation, rotation) = (DVec3::new(4.0, 5.0, 6.0), DQuat::from_rotation_y(0.25));
-    let projection = Projection::Orthographic { ymag: 1.0, znear: 0.5, zfar: 2.0 };
+    let projection = Projection::Orthographic { ymag: 1.0, aspect_ratio: None, znear: 0.5, zfar: 2.0 };
     for parameter in [
         CameraParameter::Name("side".into()),
         CameraParameter::Translation(translation),
@@ -54,8 +54,8 @@ fn every_parameter_of_a_camera_can_be_set() {
 #[test]
 fn cameras_that_make_no_picture_are_refused() {
     let document = edited();
-    let perspective = |yfov, znear, zfar| Projection::Perspective { yfov, znear, zfar };
-    let orthographic = |ymag, znear, zfar| Projection::Orthographic { ymag, znear, zfar };
+    let perspective = |yfov, znear, zfar| Projection::Perspective { yfov, aspect_ratio: None, znear, zfar };
+    let orthographic = |ymag, znear, zfar| Projection::Orthographic { ymag, aspect_ratio: None, znear, zfar };
     for projection in [
         perspective(0.0, 0.1, None),
         perspective(4.0, 0.1, None),
@@ -66,6 +66,8 @@ fn cameras_that_make_no_picture_are_refused() {
         orthographic(1.0, -0.1, 1.0),
         orthographic(1.0, 2.0, 1.0),
         orthographic(f64::NAN, 0.0, 1.0),
+        Projection::Perspective { yfov: 0.5, aspect_ratio: Some(0.0), znear: 0.1, zfar: None },
+        Projection::Orthographic { ymag: 1.0, aspect_ratio: Some(f64::INFINITY), znear: 0.0, zfar: 1.0 },
     ] {
         let error = refused(&document, &set(CameraParameter::Projection(projection)));
         assert!(matches!(error, EditError::InvalidCamera(_)), "{projection:?}: {error}");

@@ -54,8 +54,8 @@ fn light_edits() -> Vec<Command> {
 
 /// A command for each field of a camera, and for what comes and goes.
 fn other_edits() -> Vec<Command> {
-    let perspective = |yfov, znear, zfar| Projection::Perspective { yfov, znear, zfar };
-    let orthographic = |ymag, znear, zfar| Projection::Orthographic { ymag, znear, zfar };
+    let perspective = |yfov, znear, zfar| Projection::Perspective { yfov, aspect_ratio: None, znear, zfar };
+    let orthographic = |ymag, znear, zfar| Projection::Orthographic { ymag, aspect_ratio: None, znear, zfar };
     let mut edits: Vec<Command> = [
         (EYE, perspective(0.5, 0.125, None)),
         (EYE, perspective(0.75, 0.25, None)),
@@ -64,6 +64,9 @@ fn other_edits() -> Vec<Command> {
         (PLAN, orthographic(3.0, 0.0, 10.0)),
         (PLAN, orthographic(2.0, 1.0, 10.0)),
         (PLAN, orthographic(2.0, 0.0, 11.0)),
+        (EYE, Projection::Perspective { yfov: 0.75, aspect_ratio: Some(1.5), znear: 0.125, zfar: None }),
+        (EYE, Projection::Perspective { yfov: 0.75, aspect_ratio: Some(2.0), znear: 0.125, zfar: None }),
+        (PLAN, Projection::Orthographic { ymag: 2.0, aspect_ratio: Some(1.5), znear: 0.0, zfar: 10.0 }),
     ]
     .map(|(camera, projection)| {
         let parameter = CameraParameter::Projection(projection);

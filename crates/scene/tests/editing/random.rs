@@ -150,15 +150,11 @@ fn point_parameter() -> impl Strategy<Value = PointParameter> {
 
 fn projection() -> impl Strategy<Value = Projection> {
     prop_oneof![
-        (0.1..3.0, 0.1..1.0, option(1.0..9.0)).prop_map(|(yfov, znear, zfar)| Projection::Perspective {
-            yfov,
-            znear,
-            zfar
-        }),
-        (0.1..3.0, 0.0..1.0, 0.5..9.0).prop_map(|(ymag, znear, zfar)| Projection::Orthographic {
-            ymag,
-            znear,
-            zfar
+        (0.1..3.0, option(0.1..9.0), 0.1..1.0, option(1.0..9.0)).prop_map(
+            |(yfov, aspect_ratio, znear, zfar)| Projection::Perspective { yfov, aspect_ratio, znear, zfar }
+        ),
+        (0.1..3.0, option(0.1..9.0), 0.0..1.0, 0.5..9.0).prop_map(|(ymag, aspect_ratio, znear, zfar)| {
+            Projection::Orthographic { ymag, aspect_ratio, znear, zfar }
         }),
     ]
 }

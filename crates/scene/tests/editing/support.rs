@@ -55,13 +55,13 @@ pub fn spot() -> Light {
 }
 
 pub fn eye() -> Camera {
-    let projection = Projection::Perspective { yfov: 0.75, znear: 0.125, zfar: None };
+    let projection = Projection::Perspective { yfov: 0.75, aspect_ratio: None, znear: 0.125, zfar: None };
     let (translation, rotation) = (DVec3::new(0.0, 1.0, 5.0), DQuat::IDENTITY);
     Camera { name: "eye".into(), translation, rotation, projection }
 }
 
 pub fn plan() -> Camera {
-    let projection = Projection::Orthographic { ymag: 2.0, znear: 0.0, zfar: 10.0 };
+    let projection = Projection::Orthographic { ymag: 2.0, aspect_ratio: None, znear: 0.0, zfar: 10.0 };
     Camera { name: "plan".into(), projection, ..eye() }
 }
 
