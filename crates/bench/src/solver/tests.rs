@@ -7,7 +7,7 @@ use super::found::Found;
 use super::judge::{Bars, Tally};
 use super::truth::Truth;
 use super::width::Width;
-use super::{FAMILIES, Family, METHODS, Method, Options, chart, run};
+use super::{Accuracy, FAMILIES, Family, METHODS, Measured, Method, Options, Precision, Report, chart, run};
 
 /// The tally of a method's answers, each passed through `alter` first.
 fn tally<F: Width>(
@@ -143,6 +143,38 @@ fn eight_are_as_one() {
     assert!(differ > 500, "{differ}");
 }
 
+/// What the README says: over all families ours alone is never wrong, and the most accurate; but far from the origin
+/// some others are never wrong either, and in f32 more accurate.
+fn says_what_the_readme_says(report: &Report) {
+    let failures = |a: &Accuracy| a.missed + a.spurious + a.inaccurate + a.nan;
+    for precision in [Precision::F32, Precision::F64] {
+        let (ours, others): (Vec<_>, Vec<_>) = report
+            .methods
+            .iter()
+            .filter(|measured| measured.precision == precision)
+            .partition(|measured| measured.method == Method::Ours);
+        assert_eq!(failures(&ours[0].accuracy), 0);
+        for other in others {
+            assert!(failures(&other.accuracy) > 0, "{:?} {precision:?}", other.method);
+            assert!(other.error() > ours[0].error(), "{:?} {precision:?}", other.method);
+        }
+    }
+    let far_offset = |measured: &Measured| {
+        let of_family = measured.families.iter().find(|f| f.family == Family::FarOffset);
+        of_family.expect("every family").accuracy
+    };
+    let in_f32 = |method: Method| {
+        let of_width = report.methods.iter().filter(|measured| measured.precision == Precision::F32);
+        let measured = of_width.into_iter().find(|measured| measured.method == method);
+        far_offset(measured.expect("every method"))
+    };
+    let ours = in_f32(Method::Ours).error_eps_cond.p999;
+    for better in [Method::Blinn, Method::Yuksel] {
+        let accuracy = in_f32(better);
+        assert!(failures(&accuracy) == 0 && accuracy.error_eps_cond.p999 < ours, "{better:?}");
+    }
+}
+
 /// The whole question, small: processor and adapter are never wrong, and ours is beaten by nothing in both respects.
 #[test]
 fn whole_run() {
@@ -163,6 +195,7 @@ fn whole_run() {
         assert_eq!((verdict.wrong, verdict.nan), (0, 0), "{who}: {:?}", verdict.first_wrong);
     }
     assert!(adapter.solves_per_second > 0.0 && report.eight_wide.solves_per_second > 0.0);
+    says_what_the_readme_says(&report);
     let svg = chart(&report).expect("a chart");
     assert!(svg.contains("Cardano") && svg.contains("Ours"), "{svg}");
 }
