@@ -22,6 +22,7 @@ mod bend;
 mod build;
 mod error;
 mod light;
+mod part;
 mod real;
 mod segment;
 mod slab;
@@ -38,6 +39,7 @@ pub use light::{
     BendyLight, DEFAULT_CONE_ANGLE, DEFAULT_CONE_SOFTNESS, Decay, Direction, EndMode, Frame, SpotLight,
     Transform,
 };
+pub use part::Part;
 pub use real::Real;
 pub use segment::{Segment, TubeBox};
 pub use slab::{Slab, slabs};

@@ -32,6 +32,9 @@ pub struct Tube<F: Real> {
     pub decay: Decay,
     /// Falls from 1 to 0 across the tube.
     pub profile: Profile<F>,
+    /// Square of the distance within which light falls off no further, in tube units: a point on the source itself
+    /// would be infinitely bright. A millionth of the light's length.
+    pub least_distance2: F,
 }
 
 /// One way to reach a point from the curve, inside the tube. Lengths in tube space.
@@ -137,6 +140,7 @@ impl Tube<f64> {
             direction: light.direction,
             decay: light.decay,
             profile: Profile::new(light.cone_angle, light.cone_softness),
+            least_distance2: 1e-12,
         })
     }
 
@@ -162,6 +166,7 @@ impl From<&Tube<f64>> for Tube<f32> {
                 cos_outer: cos_outer as f32,
                 inv_cos_range: inv_cos_range as f32,
             },
+            least_distance2: tube.least_distance2 as f32,
         }
     }
 }
@@ -300,9 +305,7 @@ impl<F: Real> Tube<F> {
         let along = s.arc_start + arc::length(s, root.u);
         let s2 = along * along + F::dot(root.r, root.r);
         let world = F::of(self.placement.world_per_tube);
-        // A point on the source itself would be infinitely bright; a millionth of the light's length stops
-        // that.
-        let s2 = s2.most(F::of(1e-12)) * (world * world);
+        let s2 = s2.most(self.least_distance2) * (world * world);
         F::of(1.0) / if self.decay == Decay::Linear { s2.sqrt() } else { s2 }
     }
 

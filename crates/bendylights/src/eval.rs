@@ -82,8 +82,10 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let locations: Vec<Location> = match args.on {
         On::F64 => points.iter().map(|&point| tube.locate(point)).collect(),
         On::F32 => {
-            let tube = Tube::<f32>::from(&tube);
-            points.iter().map(|&point| tube.locate(point)).collect()
+            // As the renderer does, single precision is given the part of the light in which the points lie.
+            let part = tube.part_near_points(&points);
+            let tube = Tube::<f32>::from(&part.tube);
+            points.iter().map(|&point| part.in_whole(&tube.locate(point))).collect()
         }
         On::Gpu => render::locate(&Gpu::new()?, &light, &points)?,
     };

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, LazyLock};
 
+use bendy::BendyLight;
 use glam::DVec3;
 use render::{Gpu, Renderer, ShadowSettings};
 
@@ -71,6 +72,31 @@ fn an_object_in_another_place_is_seen() {
     moved.scene.nodes[1].parent_from_local.translation.x += 0.02;
     let found = EXPECTED.compare(&drawn(&moved));
     assert!(!passes(&found) && found.silhouettes > found.pixels / 500, "{}", json(&found));
+}
+
+/// A light so many times as long as the scene, that comes down on its middle, bent, in a tube 4 units wide.
+fn long_light(scenes: f64) -> BendyLight {
+    // The floor is 12 units wide.
+    let along = DVec3::new(0.5, -0.8, -0.3).normalize() * 12.0 * scenes;
+    let aside = along.any_orthogonal_vector() * 0.2;
+    // P(1/2) = (b0 + 2 b1 + b2) / 4 = 0.
+    let [b0, b1, b2] = [aside - along / 2.0, -aside, aside + along / 2.0];
+    let mut light = BendyLight::new(vec![DVec3::ZERO, b1 - b0, b2 - b0], vec![2.0; 3]);
+    light.transform.translation = DVec3::new(0.9, 0.5, 0.1) + b0;
+    light.intensities.fill(3.0);
+    light
+}
+
+/// A scene that is a small part of its light is drawn as well as one of the light's size.
+#[test]
+fn a_light_far_longer_than_the_scene_is_right() {
+    for scenes in [100.0, 1e4, 1e6] {
+        let subject = Subject { light: long_light(scenes), ..SUBJECT.clone() };
+        let found = Expected::new(&subject, || {}).expect("valid").compare(&drawn(&subject));
+        println!("{scenes:e} scenes long: {}", json(&found));
+        assert!(passes(&found), "{scenes:e}: {}", json(&found));
+        assert!(found.in_light > 1500 && found.displacement_pixels.count > 100, "{}", json(&found));
+    }
 }
 
 #[test]

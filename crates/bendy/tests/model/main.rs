@@ -6,6 +6,7 @@ mod bending;
 mod directions;
 mod frames;
 mod lights;
+mod parts;
 mod refusals;
 mod slab_cover;
 mod solver;

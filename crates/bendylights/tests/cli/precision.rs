@@ -77,13 +77,13 @@ fn rounded_points_have_the_answers_of_their_surface() {
     let exact: Vec<_> = demo.points.iter().map(|&point| demo.visible(point)).collect();
     let lit = exact.iter().filter(|visible| **visible == Some(true)).count();
     assert!(lit > 100, "{lit} lit points");
-    for decimals in [3, 4, 5] {
+    for (decimals, last_digit) in [(3, 1e-3), (4, 1e-4), (5, 1e-5)] {
         let points: Vec<_> = demo.points.iter().map(|&point| typed(point, decimals)).collect();
         let wrong = |more: &[&str]| {
             let found = visible(&folder, "demo:vases", &light, &points, more);
             let differ = (0..points.len()).filter(|&i| found[i] != exact[i]);
             // A rounded point and the surface nearest to it are each within the precision.
-            let precision = 3.0_f64.sqrt() * 0.5 * 0.1_f64.powi(decimals as i32);
+            let precision = 3.0_f64.sqrt() * 0.5 * last_digit;
             differ.filter(|&i| !demo.is_at_edge(demo.points[i], 2.0 * precision)).count()
         };
         assert_eq!(wrong(&[]), 0, "{decimals} decimals");
@@ -119,6 +119,42 @@ fn a_thin_thing_before_the_point_shadows_it() {
         visible(&folder, &scene, &light, &["[0, 0, -0.0004]".into()], &["--precision", precision])
     };
     assert_eq!((within("0.0005"), within("0.0003")), (vec![Some(true)], vec![Some(false)]));
+}
+
+/// Single precision, on both machines, holds places in a scene that is a ten-thousandth of its light.
+#[test]
+fn points_of_a_small_scene_under_a_long_light_keep_their_digits() {
+    let folder = Folder::new();
+    // Comes down on the origin at t = 1/2, 20,000 units long, bent, in a tube of radius 1.2.
+    let light = r#"{"type": "bendy", "transform": {"translation": [4500, 9000, 4000]}, "radii": [1.2, 1.2, 1.2],
+        "points": [[0, 0, 0], [-4000, -10000, -4000], [-10000, -16000, -8000]]}"#;
+    let light = folder.file("light.json", light);
+    let mut points: Vec<_> =
+        (0..125).map(|k| [k % 5, k / 5 % 5, k / 25].map(|x| f64::from(x) * 0.4 - 0.8)).collect();
+    let located = |points: &[[f64; 3]], on: &str| -> Vec<Value> {
+        let points = folder.file("points.json", serde_json::to_string(points).expect("numbers"));
+        let done = run(&["eval", &light, &points, "--on", on]);
+        assert_eq!((done.code, done.stderr.as_str()), (0, ""));
+        serde_json::from_str(&done.stdout).expect("JSON")
+    };
+    // In units of the world: across by the radius, along by the light's length.
+    let worst = |points: &[[f64; 3]], on: &str| {
+        let (found, exact) = (located(points, on), located(points, "f64"));
+        let off = |i: usize, field: &str| Some(found[i][field].as_f64()? - exact[i][field].as_f64()?);
+        let apart =
+            (0..125).filter_map(|i| Some(off(i, "v")?.hypot(off(i, "w")?) * 1.2 + off(i, "t")?.abs() * 2e4));
+        apart.reduce(f64::max).expect("points in the light")
+    };
+    let near = ["f32", "gpu"].map(|on| worst(&points, on));
+    // The planted fault: with a point at the light's source, all of the light is taken.
+    points.push([4500.0, 9000.0, 4000.0]);
+    let whole = ["f32", "gpu"].map(|on| worst(&points, on));
+    println!("of a scene of 1.6 units: off by {near:?}, in all of the light {whole:?}");
+    for (near, whole) in near.into_iter().zip(whole) {
+        // Sixteen roundings of some five units: the scene's and the radius's.
+        assert!(near <= 16.0 * 5.0 * 2.0_f64.powi(-24), "{near:e}");
+        assert!(whole > 50.0 * near, "{near:e} {whole:e}");
+    }
 }
 
 #[test]

@@ -75,6 +75,10 @@ gpu_struct! {
         cos_outer: f32,
         inv_cos_range: f32,
         mesh_error: f32,
+        t_start: f32,
+        t_span: f32,
+        least_distance2: f32,
+        pad0: f32,
     }
 }
 
@@ -169,6 +173,8 @@ gpu_struct! {
     Wireframe {
         clip_per_vw: [f32; 2],
         t_max: f32,
+        t_start: f32,
+        t_span: f32,
         pad0: f32,
     }
 }

@@ -1,6 +1,6 @@
 //! Points located in a light by the adapter: what the picture's own shaders find, for `eval` and for tests.
 
-use bendy::{BendyLight, EndMode, Location, Tube, TubePoint};
+use bendy::{BendyLight, EndMode, Location, Part, Tube, TubePoint};
 use glam::{DVec3, Vec3};
 use wgpu::BufferUsages;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
@@ -16,18 +16,20 @@ const ROOTS_A_DISPATCH: usize = (16 << 20) / size_of::<LocatedRoot>();
 
 /// Where `points_in_world` lie in `light`, found in f32 by the same shader code that lights pictures.
 ///
-/// Points are taken to tube space in f64 and rounded there. Accuracy as of [`bendy::Tube`] with eps = 2^-24.
+/// Points are taken to tube space in f64 and rounded there: to that of the part of the light that they lie in, as a
+/// scene's are (see [`bendy::Part`]). Accuracy as of [`bendy::Tube`] with eps = 2^-24.
 pub fn locate(
     gpu: &Gpu,
     light: &BendyLight,
     points_in_world: &[DVec3],
 ) -> Result<Vec<Location>, RenderError> {
-    let tube = Tube::new(light)?;
+    let part = Tube::new(light)?.part_near_points(points_in_world);
+    let tube = &part.tube;
     gpu.checked(|| {
-        let pipeline = pipeline(gpu, Baked::of(&tube, ShadowFilter::default()));
+        let pipeline = pipeline(gpu, Baked::of(tube, ShadowFilter::default()));
         let mut locations = Vec::with_capacity(points_in_world.len());
-        for points in points_in_world.chunks(ROOTS_A_DISPATCH / roots_a_point(&tube)) {
-            locations.extend(dispatch(gpu, &pipeline, &tube, points)?);
+        for points in points_in_world.chunks(ROOTS_A_DISPATCH / roots_a_point(tube)) {
+            locations.extend(dispatch(gpu, &pipeline, &part, points)?);
         }
         Ok(locations)
     })
@@ -52,9 +54,10 @@ fn pipeline(gpu: &Gpu, baked: Baked) -> wgpu::ComputePipeline {
 fn dispatch(
     gpu: &Gpu,
     pipeline: &wgpu::ComputePipeline,
-    tube: &Tube<f64>,
+    part: &Part,
     points_in_world: &[DVec3],
 ) -> Result<Vec<Location>, RenderError> {
+    let tube = &part.tube;
     let stride = roots_a_point(tube);
     let points: Vec<[f32; 4]> = points_in_world
         .iter()
@@ -66,7 +69,7 @@ fn dispatch(
     let results = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
     let light = init(
         "light",
-        bytemuck::bytes_of(&uniform(tube, DVec3::ZERO, 1.0, &ShadowSettings::default())),
+        bytemuck::bytes_of(&uniform(part, DVec3::ZERO, 1.0, &ShadowSettings::default())),
         BufferUsages::UNIFORM,
     );
     let segments = init("segments", bytemuck::cast_slice(&segments(tube)), BufferUsages::UNIFORM);
@@ -93,7 +96,10 @@ fn dispatch(
     let roots = readback::buffer::<LocatedRoot>(gpu, &roots)?;
     let found = counts.iter().zip(roots.chunks(stride));
     found
-        .map(|(&count, roots)| Ok(location(tube, roots.get(..count as usize).ok_or_else(unwritten)?)))
+        .map(|(&count, roots)| {
+            let roots = roots.get(..count as usize).ok_or_else(unwritten)?;
+            Ok(part.in_whole(&location(tube, roots)))
+        })
         .collect()
 }
 

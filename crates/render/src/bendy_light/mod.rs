@@ -13,7 +13,7 @@ pub(crate) mod tests;
 pub(crate) mod walk;
 mod wireframe;
 
-use bendy::{Decay, Direction, EndMode, Frame, Segment, Tube};
+use bendy::{Decay, Direction, EndMode, Frame, Part, Segment, Tube};
 use glam::{DMat3, DMat4, DVec3};
 use scene::MAX_EXTENT;
 
@@ -221,11 +221,12 @@ pub(crate) fn segments(tube: &Tube<f64>) -> Vec<layout::Segment> {
 
 /// The light's uniform for `tube.wgsl`.
 pub(crate) fn uniform(
-    tube: &Tube<f64>,
+    part: &Part,
     scene_origin: DVec3,
     t_max: f64,
     shadows: &ShadowSettings,
 ) -> layout::BendyLight {
+    let tube = &part.tube;
     let rotation = tube.placement.rotation.as_mat3();
     let f32_tube = Tube::<f32>::from(tube);
     layout::BendyLight {
@@ -243,5 +244,9 @@ pub(crate) fn uniform(
         inv_cos_range: f32_tube.profile.inv_cos_range,
         // Farther than the scene reaches is as good as any farther.
         mesh_error: (shadows.mesh_error / tube.placement.world_per_tube).min(MAX_EXTENT) as f32,
+        t_start: part.t_start as f32,
+        t_span: part.t_span as f32,
+        least_distance2: f32_tube.least_distance2,
+        pad0: 0.0,
     }
 }

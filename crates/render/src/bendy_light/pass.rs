@@ -139,21 +139,23 @@ impl BendyPass {
         {
             return Ok((placed.clone(), false));
         }
-        let tube = Tube::new(light)?;
-        let t_max = t_max(&tube, scene.origin, scene.half_extent);
+        // What lies in the scene: of a light far longer than that, f32 could not hold the whole and the part.
+        let part = Tube::new(light)?.part_near(scene.origin, scene.half_extent);
+        let tube = &part.tube;
+        let t_max = t_max(tube, scene.origin, scene.half_extent);
         let key = Some((scene.revision, Shape::of(light)));
         let stale = slot.map_key != key;
         if stale {
-            let (onto, tube) = (Onto::Map(&slot.depth), &tube);
+            let onto = Onto::Map(&slot.depth);
             self.shadow.render(gpu, work, &MapRequest { scene, tube, t_max, onto, shadows })?;
             slot.map_key = key;
         }
         let init = |label, contents: &[u8], usage| {
             gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
         };
-        let uniform = uniform(&tube, scene.origin, t_max, shadows);
+        let uniform = uniform(&part, scene.origin, t_max, shadows);
         let uniform = init("bendy", bytemuck::bytes_of(&uniform), BufferUsages::UNIFORM);
-        let segments = init("segments", bytemuck::cast_slice(&segments(&tube)), BufferUsages::UNIFORM);
+        let segments = init("segments", bytemuck::cast_slice(&segments(tube)), BufferUsages::UNIFORM);
         let resources = [
             uniform.as_entire_binding(),
             segments.as_entire_binding(),
@@ -161,8 +163,8 @@ impl BendyPass {
             BindingResource::Sampler(&self.sampler),
         ];
         let group = gpu.group("bendy", &self.layouts[2], &resources);
-        let corners_in_world = hull_in_world(&tube, t_max);
-        let placed = PlacedBendy { baked: Baked::of(&tube, shadows.filter), group, corners_in_world };
+        let corners_in_world = hull_in_world(tube, t_max);
+        let placed = PlacedBendy { baked: Baked::of(tube, shadows.filter), group, corners_in_world };
         slot.placed = Some(Box::new((scene.revision, light.clone(), placed.clone())));
         Ok((placed, stale))
     }
@@ -176,12 +178,14 @@ impl BendyPass {
         scene: &StagedScene,
         (color, size): (&TextureView, [u32; 2]),
     ) -> Result<(), RenderError> {
-        let tube = &Tube::new(light)?;
+        let part = Tube::new(light)?.part_near(scene.origin, scene.half_extent);
+        let tube = &part.tube;
         let t_max = t_max(tube, scene.origin, scene.half_extent);
         let depth = gpu.target("wireframe", size[0], size[1], DEPTH_FORMAT);
         let depth = &depth.create_view(&wgpu::TextureViewDescriptor::default());
         let pass = self.wireframe.get_or_init(|| WireframePass::new(gpu));
-        let onto = Onto::Wireframe(Drawing { pass, color, depth, size });
+        let onto =
+            Onto::Wireframe(Drawing { pass, color, depth, size, t_of_light: [part.t_start, part.t_span] });
         self.shadow.render(gpu, work, &MapRequest { scene, tube, t_max, onto, shadows })
     }
 }

@@ -24,6 +24,8 @@ pub(crate) struct Drawing<'a> {
     pub depth: &'a TextureView,
     /// Pixels.
     pub size: [u32; 2],
+    /// The light's t at 0 of the part's that is drawn, and per t of that.
+    pub t_of_light: [f64; 2],
 }
 
 impl WireframePass {
@@ -80,6 +82,8 @@ impl Drawing<'_> {
             contents: bytemuck::bytes_of(&Wireframe {
                 clip_per_vw: [shorter / width, shorter / height],
                 t_max: t_max as f32,
+                t_start: self.t_of_light[0] as f32,
+                t_span: self.t_of_light[1] as f32,
                 pad0: 0.0,
             }),
             usage: wgpu::BufferUsages::UNIFORM,

@@ -12,7 +12,7 @@ fn sample_light(surface: Surface) -> LightSample {
     let root = root_at(place, q);
     var result: LightSample;
     result.inside = true;
-    result.t = root_t(root);
+    result.t = light.t_start + light.t_span * root_t(root);
     result.vw = root.vw_len / select(1.0, root.radius, root.radius > 0.0);
     result.to_light = normalize(light.world_from_tube * direction_at(root));
     result.irradiance = irradiance(root);

@@ -30,6 +30,11 @@ struct BendyLight {
     inv_cos_range: f32,
     // How far what casts shadows may stray from the surface, in tube space.
     mesh_error: f32,
+    // These segments are a part of the light: its own t is t_start + t_span t.
+    t_start: f32,
+    t_span: f32,
+    // Square of the distance within which light falls off no further, in tube space.
+    least_distance2: f32,
 }
 
 // What does not change while a light is bent is compiled into the shader: a software driver runs both sides
@@ -306,7 +311,7 @@ fn decay_at(root: Root) -> f32 {
     if DECAY == DECAY_NONE {
         return 1.0;
     }
-    let in_tube = max(root.travelled * root.travelled + dot(root.r, root.r), 1e-12);
+    let in_tube = max(root.travelled * root.travelled + dot(root.r, root.r), light.least_distance2);
     let s2 = in_tube * light.world_per_tube * light.world_per_tube;
     if DECAY == DECAY_LINEAR {
         return min(inverseSqrt(max(s2, 1e-30)), MAX_DECAY);

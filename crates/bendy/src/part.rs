@@ -1,0 +1,228 @@
+//! The part of a light that passes a place, as a light of its own.
+//!
+//! Single precision holds a place in a light to some 1e-7 of the light's length. Where a light is 10,000 times as long as
+//! the scene that it lights, that is a thousandth of the scene: shadows and profile turn to noise. So what single
+//! precision is given is only the part of the light that can matter to the scene, cut out in double precision by
+//! blossoming, with tube space moved to the scene and its unit to the part's length.
+
+use glam::DVec3;
+
+use crate::build::Placement;
+use crate::{Location, Segment, Tube, TubePoint, arc};
+
+/// Largest span of t of a part's segment: a light is left whole where four bits or fewer would be won.
+const WIDEST_SPAN: f64 = 1.0 / 16.0;
+/// A part is found to within this share of the box.
+const LEAF: f64 = 0.25;
+/// Halvings of a segment after which what is left is as good as a point.
+const MAX_HALVINGS: u32 = 40;
+/// What is left after them.
+const LEAST_SPAN: f64 = 1.0 / (1_u64 << MAX_HALVINGS) as f64;
+/// What boxes are enlarged by: far more than single precision loses.
+const MARGIN: f64 = 0.01;
+
+/// A part of a light, or all of it: its segments are equal spans of the light's t.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// The part. Ends where it was cut, and has no extension.
+    pub tube: Tube<f64>,
+    /// The light's t where the part's is 0.
+    pub t_start: f64,
+    /// The light's t per t of the part: a power of two.
+    pub t_span: f64,
+    /// Index of the light's last segment, the extension included.
+    last: usize,
+}
+
+/// A box of any orientation in tube space.
+struct Region {
+    center: DVec3,
+    half_axes: [DVec3; 3],
+}
+
+impl Tube<f64> {
+    /// The part of the light that any point within `half_extent` of a world position can lie in.
+    ///
+    /// For each such point it has the same roots as the light, with the same radius, frame, colour and decay. All of the
+    /// light where it is not much longer than the box, or does not reach it.
+    pub fn part_near(&self, center_in_world: DVec3, half_extent: DVec3) -> Part {
+        let region = Region::new(&self.placement, center_in_world, half_extent);
+        let range = self.range_near(&region).filter(|(start, end)| end - start <= WIDEST_SPAN);
+        let last = self.segments.len() - 1;
+        let Some((start, end)) = range else {
+            return Part { tube: self.clone(), t_start: 0.0, t_span: 1.0, last };
+        };
+        // A power of two, and whole multiples of it: what two segments share at a joint stays equal to the last bit.
+        let span = power_of_two_above((end - start).max(LEAST_SPAN));
+        let (first, past) = ((start / span).floor(), (end / span).ceil().max((start / span).floor() + 1.0));
+        let pieces: Vec<_> =
+            (0..(past - first) as usize).map(|k| self.piece_at((first + k as f64) * span, span)).collect();
+        let length = pieces.iter().map(|piece| piece.d0.length() + piece.d1.length()).fold(0.0, f64::max);
+        let unit = power_of_two_above(length.max(f64::MIN_POSITIVE));
+        let segments: Vec<_> = pieces.iter().map(|piece| rebased(piece, region.center, unit)).collect();
+        let placement = Placement {
+            translation: center_in_world,
+            rotation: self.placement.rotation,
+            world_per_tube: self.placement.world_per_tube * unit,
+        };
+        let least_distance2 = self.least_distance2 / (unit * unit);
+        let tube = Self { n: segments.len(), segments, placement, least_distance2, ..self.clone() };
+        Part { tube, t_start: first * span, t_span: span, last }
+    }
+
+    /// [`Self::part_near`] for the box around some world positions.
+    pub fn part_near_points(&self, points_in_world: &[DVec3]) -> Part {
+        let (low, high) =
+            points_in_world.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &point| {
+                (low.min(point), high.max(point))
+            });
+        self.part_near(low / 2.0 + high / 2.0, high / 2.0 - low / 2.0)
+    }
+
+    /// The smallest and largest t that a root of a point of the region can have, or nothing where there is none.
+    fn range_near(&self, region: &Region) -> Option<(f64, f64)> {
+        let ranges = self.segments.iter().enumerate().filter_map(|(i, segment)| {
+            let t = |u: f64| i as f64 + u;
+            let range = if i == self.n {
+                region.on_extension(segment)
+            } else {
+                region.on(segment, (0.0, 1.0), MAX_HALVINGS)
+            };
+            range.map(|(start, end)| (t(start), t(end)))
+        });
+        ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+
+    /// The piece of `span` that starts at `t`, whole in one segment, with all that a segment has.
+    fn piece_at(&self, t: f64, span: f64) -> Segment<f64> {
+        let index = (t.floor() as usize).min(self.segments.len() - 1);
+        let whole = &self.segments[index];
+        let (start, end) = (t - index as f64, t + span - index as f64);
+        let mut piece = whole.piece(start, end);
+        // What both sides of a joint have is theirs to the last bit.
+        if end == 1.0 && index < self.n {
+            piece.b2 = whole.b2;
+        }
+        piece.color = blossomed(whole.color, start, end);
+        piece.intensity = blossomed(whole.intensity, start, end);
+        piece.arc_start = whole.arc_start + arc::length(whole, start);
+        piece
+    }
+}
+
+impl Part {
+    /// What the light has where the part has `location`.
+    pub fn in_whole(&self, location: &Location) -> Location {
+        let point = location.point.as_ref().map(|point| {
+            let start = self.t_start + self.t_span * point.segment as f64;
+            let segment = (start.floor() as usize).min(self.last);
+            let u = start - segment as f64 + self.t_span * point.u;
+            TubePoint { segment, u, t: segment as f64 + u, ..*point }
+        });
+        Location { point, roots: location.roots.iter().map(|t| self.t_start + self.t_span * t).collect() }
+    }
+}
+
+impl Region {
+    fn new(placement: &Placement, center_in_world: DVec3, half_extent: DVec3) -> Self {
+        // A box without extent still has the rounding of its place.
+        let least = 1e-12 * (center_in_world - placement.translation).length();
+        let half = half_extent * (1.0 + MARGIN) + least;
+        let axis = |axis: DVec3| placement.rotation.transpose() * axis / placement.world_per_tube;
+        Self {
+            center: placement.tube_from_world(center_in_world),
+            half_axes: [DVec3::X * half.x, DVec3::Y * half.y, DVec3::Z * half.z].map(axis),
+        }
+    }
+
+    fn size(&self) -> f64 {
+        self.half_axes.iter().map(|axis| axis.length()).sum()
+    }
+
+    /// How far the region reaches from its centre along `axis`, times the axis's length.
+    fn reach(&self, axis: DVec3) -> f64 {
+        self.half_axes.iter().map(|half| half.dot(axis).abs()).sum()
+    }
+
+    /// The range of u that roots can have on a part of a segment.
+    fn on(&self, segment: &Segment<f64>, (start, end): (f64, f64), halvings: u32) -> Option<(f64, f64)> {
+        let piece = segment.piece(start, end);
+        if !self.may_be_square_to(&piece) || !self.meets_tube(&piece) {
+            return None;
+        }
+        if halvings == 0 || piece.d0.length() + piece.d1.length() <= LEAF * self.size() {
+            return Some((start, end));
+        }
+        let middle = f64::midpoint(start, end);
+        let halves = [(start, middle), (middle, end)].map(|half| self.on(segment, half, halvings - 1));
+        match halves {
+            [Some((start, _)), Some((_, end))] => Some((start, end)),
+            [one, other] => one.or(other),
+        }
+    }
+
+    /// Whether `f(u) = -(q - P(u)) . d(u)` can be zero on the piece for any point q of the region: its four Bernstein
+    /// coefficients, each linear in q, bound it.
+    fn may_be_square_to(&self, piece: &Segment<f64>) -> bool {
+        let (from_start, from_end) = (self.center - piece.b0, self.center - piece.b2);
+        let (d0, d1, a) = (piece.d0, piece.d1, piece.a);
+        let (f0, f1) = (-from_start.dot(d0), -from_end.dot(d1));
+        // The derivatives at the ends, 2 d . d - (q - P) . a, give the inner ones.
+        let slope0 = 2.0 * d0.length_squared() - from_start.dot(a);
+        let slope1 = 2.0 * d1.length_squared() - from_end.dot(a);
+        let coefficients =
+            [(f0, d0), (f0 + slope0 / 3.0, d0 + a / 3.0), (f1 - slope1 / 3.0, d1 - a / 3.0), (f1, d1)];
+        let above = coefficients.iter().all(|&(f, d)| f > self.reach(d));
+        let below = coefficients.iter().all(|&(f, d)| f < -self.reach(d));
+        !above && !below
+    }
+
+    fn meets_tube(&self, piece: &Segment<f64>) -> bool {
+        let bounds = &piece.bounds;
+        let between = self.center - bounds.center;
+        (0..3).all(|k| between.dot(bounds.axes[k]).abs() <= bounds.half[k] + self.reach(bounds.axes[k]))
+    }
+
+    /// The same on the extension, which is straight and has no end.
+    fn on_extension(&self, extension: &Segment<f64>) -> Option<(f64, f64)> {
+        let d = extension.d0;
+        let along = (self.center - extension.b0).dot(d);
+        let u = |along: f64| along / (2.0 * d.length_squared());
+        let (start, end) = (u(along - self.reach(d)), u(along + self.reach(d)));
+        (end > 0.0).then_some((start.max(0.0), end))
+    }
+}
+
+/// The control values over `[start, end]` of a quadratic with the control values `c` over `[0, 1]`.
+fn blossomed<T>(c: [T; 3], start: f64, end: f64) -> [T; 3]
+where
+    T: Copy + std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>,
+{
+    let at = |s: f64, e: f64| {
+        c[0] * ((1.0 - s) * (1.0 - e)) + c[1] * (s * (1.0 - e) + e * (1.0 - s)) + c[2] * (s * e)
+    };
+    [at(start, start), at(start, end), at(end, end)]
+}
+
+/// A segment in a tube space with another origin and unit; the unit is a power of two.
+fn rebased(segment: &Segment<f64>, origin: DVec3, unit: f64) -> Segment<f64> {
+    let mut moved = Segment {
+        b0: (segment.b0 - origin) / unit,
+        b2: (segment.b2 - origin) / unit,
+        d0: segment.d0 / unit,
+        d1: segment.d1 / unit,
+        a: segment.a / unit,
+        r0: segment.r0 / unit,
+        e0: segment.e0 / unit,
+        ar: segment.ar / unit,
+        arc_start: segment.arc_start / unit,
+        ..*segment
+    };
+    moved.bounds = moved.tube_box();
+    moved
+}
+
+/// The least power of two that is `x` or more.
+fn power_of_two_above(x: f64) -> f64 {
+    2.0_f64.powi(libm::ceil(libm::log2(x)) as i32)
+}
