@@ -41,7 +41,7 @@ pub use light::{
 };
 pub use part::Part;
 pub use real::Real;
-pub use segment::{Segment, TubeBox};
+pub use segment::{Segment, TubeBox, quadratic_range};
 pub use slab::{Slab, slabs};
 pub use solve::{Roots, increasing_roots};
 pub use tube::{Location, Profile, Root, Tube, TubePoint};

@@ -113,6 +113,9 @@ gpu_struct! {
     }
 }
 
+/// Length of the array of faces in `spot.wgsl`.
+pub(crate) const SPOT_FACES: usize = 5;
+
 gpu_struct! {
     /// See `spot.wgsl`.
     Spot {
@@ -124,8 +127,9 @@ gpu_struct! {
         versine_outer: f32,
         inverse_versine_span: f32,
         shadow_near: f32,
-        shadow_tan: f32,
         mesh_error: f32,
+        least_distance: f32,
         pad0: [f32; 3],
+        fits: [[f32; 4]; SPOT_FACES],
     }
 }

@@ -12,6 +12,7 @@
 mod bendy_light;
 mod camera;
 mod casters;
+mod clusters;
 mod device;
 mod display;
 mod error;
@@ -33,6 +34,7 @@ mod shaders;
 mod shadow;
 mod shadow_settings;
 mod spot;
+mod spot_faces;
 mod staged;
 mod targets;
 mod tile;

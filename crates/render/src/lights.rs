@@ -3,13 +3,14 @@
 use scene::{Light, LightKind, ViewSlot};
 use wgpu::{BindGroup, CommandEncoder, TextureView};
 
-use crate::bendy_light::{Baked, BendyPass, BendySlot, BentWork};
+use crate::bendy_light::{self, Baked, BendyPass, BendySlot, BentWork};
 use crate::camera::Raster;
 use crate::ledger::{Entry, Kept, MemoryKind};
 use crate::passes::Passes;
-use crate::spot::SpotSlot;
+use crate::shadow_settings::MapSize;
+use crate::spot::{self, BakedSpot, SpotSlot};
 use crate::staged::StagedScene;
-use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings};
+use crate::{Gpu, RenderError, ShadowSettings};
 
 /// The shadow maps of one scene's lights, whoever needs them.
 #[derive(Debug)]
@@ -44,7 +45,7 @@ enum LightSlot {
 /// Which lighting pass draws a light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum LightingKind {
-    Spot(ShadowFilter),
+    Spot(BakedSpot),
     Bendy(Baked),
 }
 
@@ -63,11 +64,13 @@ pub(crate) struct ReadyLight {
 }
 
 impl LightSlot {
-    fn of_kind(&self, light: &Light) -> bool {
-        matches!(
-            (self, &light.kind),
-            (Self::Spot(_), LightKind::Spot(_)) | (Self::Bendy(_), LightKind::Bendy(_))
-        )
+    /// Whether a map of `light`, which has that size, can be drawn here.
+    fn fits(&self, light: &Light, size: MapSize) -> bool {
+        match (self, &light.kind) {
+            (Self::Spot(slot), LightKind::Spot(_)) => slot.size() == size,
+            (Self::Bendy(slot), LightKind::Bendy(_)) => slot.size() == size,
+            _ => false,
+        }
     }
 
     /// Whether its map is that of `light` over the scene of that revision.
@@ -185,21 +188,27 @@ impl ShadowMaps {
         if known.is_none() {
             scene.reach().check(light)?;
         }
+        let size = self.size_of(light);
         let free = || {
-            let fits = |map: &KeptMap| map.slot.peek(|slot| slot.of_kind(light)).unwrap_or(false);
+            let fits = |map: &KeptMap| map.slot.peek(|slot| slot.fits(light, size)).unwrap_or(false);
             self.maps.iter().position(|map| !map.needed && fits(map))
         };
         let index = known.or_else(free);
         let mut slot = match index.and_then(|index| self.maps[index].slot.take()) {
             Some(slot) => slot,
-            None => self.new_slot(gpu, passes, light),
+            None => Self::new_slot(gpu, passes, light, size),
         };
         let shadows = &self.shadows;
         let (kind, group, corners_in_world, shadow_drawn) = match (&mut slot, &light.kind) {
             (LightSlot::Spot(slot), LightKind::Spot(spot)) => {
                 let (placed, group, drawn) =
                     passes.spot.prepare(gpu, encoder, slot, spot, (scene, shadows))?;
-                (LightingKind::Spot(shadows.filter), group, placed.corners_in_world.to_vec(), drawn)
+                (
+                    LightingKind::Spot(BakedSpot::of(spot, shadows.filter)),
+                    group,
+                    placed.corners_in_world.to_vec(),
+                    drawn,
+                )
             }
             (LightSlot::Bendy(slot), LightKind::Bendy(bendy)) => {
                 let work = (&mut self.bent_work, shadows);
@@ -208,28 +217,35 @@ impl ShadowMaps {
             }
             _ => unreachable!("the slot was chosen or made for this kind of light"),
         };
-        let passing = self.keep(gpu, index, slot);
+        let passing = self.keep(gpu, index, slot, size);
         let pixels = raster.bounds_of(&corners_in_world);
         Ok(ReadyLight { kind, group, pixels, shadow_drawn, passing })
     }
 
-    fn new_slot(&self, gpu: &Gpu, passes: &Passes, light: &Light) -> LightSlot {
+    fn size_of(&self, light: &Light) -> MapSize {
+        match &light.kind {
+            LightKind::Spot(spot) => spot::map_size(spot, &self.shadows),
+            LightKind::Bendy(bendy) => bendy_light::map_size(bendy, &self.shadows),
+        }
+    }
+
+    fn new_slot(gpu: &Gpu, passes: &Passes, light: &Light, size: MapSize) -> LightSlot {
         match light.kind {
-            LightKind::Spot(_) => LightSlot::Spot(passes.spot.slot(gpu, &self.shadows)),
-            LightKind::Bendy(_) => LightSlot::Bendy(BendyPass::slot(gpu, &self.shadows)),
+            LightKind::Spot(_) => LightSlot::Spot(passes.spot.slot(gpu, size)),
+            LightKind::Bendy(_) => LightSlot::Bendy(BendyPass::slot(gpu, size)),
         }
     }
 
     /// Puts a map back, or keeps a new one where there is room. Where there is none, the line that counts it until
     /// it is dropped.
-    fn keep(&mut self, gpu: &Gpu, index: Option<usize>, slot: LightSlot) -> Option<Entry> {
+    fn keep(&mut self, gpu: &Gpu, index: Option<usize>, slot: LightSlot, size: MapSize) -> Option<Entry> {
         if let Some(map) = index.and_then(|index| self.maps.get_mut(index)) {
             map.needed = true;
             map.slot.set_needed(true);
             map.slot.put(slot);
             return None;
         }
-        let bytes = 4 * u64::from(self.shadows.resolution).pow(2);
+        let bytes = size.bytes();
         if !gpu.make_room(bytes) {
             return Some(gpu.ledger.enter(MemoryKind::ShadowMaps, bytes));
         }

@@ -7,6 +7,7 @@ use wgpu::{
 };
 
 use crate::Gpu;
+use crate::shadow_settings::MapSize;
 
 /// What a pass may bind, in the order of the bindings.
 pub(crate) const UNIFORM: BindingType = buffer(BufferBindingType::Uniform);
@@ -17,12 +18,28 @@ pub(crate) const COLOR_TEXTURE: BindingType = texture(TextureSampleType::Float {
 /// A texture that is only loaded or gathered. Depth is bound so as well: the GL backend cannot load depth
 /// textures.
 pub(crate) const RAW_TEXTURE: BindingType = texture(TextureSampleType::Float { filterable: false });
+/// The same with layers.
+pub(crate) const RAW_TEXTURE_LAYERS: BindingType = BindingType::Texture {
+    sample_type: TextureSampleType::Float { filterable: false },
+    view_dimension: TextureViewDimension::D2Array,
+    multisampled: false,
+};
 /// A texture of integers.
 pub(crate) const UINT_TEXTURE: BindingType = texture(TextureSampleType::Uint);
 /// A sampler that blends.
 pub(crate) const FILTERING: BindingType = BindingType::Sampler(SamplerBindingType::Filtering);
 /// A sampler that does not.
 pub(crate) const NON_FILTERING: BindingType = BindingType::Sampler(SamplerBindingType::NonFiltering);
+
+/// A shadow map's texture.
+#[derive(Debug)]
+pub(crate) struct MapTarget {
+    pub size: MapSize,
+    /// To be read.
+    pub all: wgpu::TextureView,
+    /// To be drawn to.
+    pub layers: Vec<wgpu::TextureView>,
+}
 
 /// Depth of the G-buffer and of shadow maps.
 pub(crate) const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
@@ -137,9 +154,33 @@ impl Gpu {
         height: u32,
         format: TextureFormat,
     ) -> wgpu::Texture {
+        self.layered_target(label, wgpu::Extent3d { width, height, depth_or_array_layers: 1 }, format)
+    }
+
+    /// The layers of a shadow map: all of them to be read, and each to be drawn to.
+    pub(crate) fn map_target(&self, label: &str, size: MapSize) -> MapTarget {
+        let extent =
+            wgpu::Extent3d { width: size.side, height: size.side, depth_or_array_layers: size.layers };
+        let texture = self.layered_target(label, extent, DEPTH_FORMAT);
+        let view = |dimension, base_array_layer, count| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(dimension),
+                base_array_layer,
+                array_layer_count: Some(count),
+                ..Default::default()
+            })
+        };
+        MapTarget {
+            size,
+            all: view(TextureViewDimension::D2Array, 0, size.layers),
+            layers: (0..size.layers).map(|layer| view(TextureViewDimension::D2, layer, 1)).collect(),
+        }
+    }
+
+    fn layered_target(&self, label: &str, size: wgpu::Extent3d, format: TextureFormat) -> wgpu::Texture {
         self.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            size,
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,

@@ -18,8 +18,18 @@ pub(crate) const SHADOW: &str = wgsl!("shadow");
 /// Draws shadow casters with an alpha test.
 pub(crate) const SHADOW_MASKED: &str = wgsl!("shadow", "material", "shadow_masked");
 /// Adds a spotlight.
-pub(crate) const SPOT: &str =
-    wgsl!("view", "encoding", "surface", "fullscreen", "brdf", "lighting", "nearby", "shadow_filter", "spot");
+pub(crate) const SPOT: &str = wgsl!(
+    "view",
+    "encoding",
+    "surface",
+    "fullscreen",
+    "brdf",
+    "lighting",
+    "nearby",
+    "shadow_filter",
+    "spot_faces",
+    "spot"
+);
 /// Adds a BendyLight.
 pub(crate) const BENDY: &str = wgsl!(
     "view",
@@ -32,6 +42,7 @@ pub(crate) const BENDY: &str = wgsl!(
     "shadow_filter",
     "curve",
     "tube",
+    "bent_lookup",
     "bendy"
 );
 /// Locates points in a BendyLight.
@@ -76,7 +87,7 @@ fn all() -> Vec<(&'static str, String)> {
     ];
     let baked = crate::bendy_light::Baked::samples().into_iter();
     let baked = baked.flat_map(|b| [("bendy", b.into_wgsl(BENDY)), ("locate", b.into_wgsl(LOCATE))]);
-    let spots = crate::ShadowFilter::ALL.map(|filter| ("spot", filter.into_wgsl(SPOT)));
+    let spots = crate::spot::BakedSpot::all().map(|baked| ("spot", baked.into_wgsl(SPOT)));
     fixed.map(|(name, wgsl)| (name, wgsl.to_owned())).into_iter().chain(spots).chain(baked).collect()
 }
 

@@ -1,8 +1,9 @@
 //! Shadow maps by ordinary rasterisation, for lights whose rays are straight.
 
-use wgpu::{BindGroupLayout, Buffer, CommandEncoder, RenderPipeline, TextureView};
+use wgpu::{BindGroupLayout, Buffer, CommandEncoder, RenderPipeline};
 
-use crate::pipeline::{DEPTH_FORMAT, UNIFORM, cleared_depth, nearer_wins, vertex_buffers};
+use crate::pipeline::{MapTarget, UNIFORM, cleared_depth, nearer_wins, vertex_buffers};
+use crate::shadow_settings::MapSize;
 use crate::staged::StagedScene;
 use crate::{Gpu, layout, shaders};
 
@@ -17,9 +18,9 @@ pub(crate) struct ShadowPass {
 /// A light's own map.
 #[derive(Debug)]
 pub(crate) struct ShadowMap {
-    pub depth: TextureView,
-    uniform: Buffer,
-    group: wgpu::BindGroup,
+    pub target: MapTarget,
+    /// One a layer: its view, and the group that binds it.
+    views: Vec<(Buffer, wgpu::BindGroup)>,
 }
 
 impl ShadowPass {
@@ -62,29 +63,39 @@ impl ShadowPass {
         Self { opaque, masked, layout }
     }
 
-    /// `side` is in texels.
-    pub fn map(&self, gpu: &Gpu, side: u32) -> ShadowMap {
-        let texture = gpu.target("shadow map", side, side, DEPTH_FORMAT);
-        let uniform = gpu.uniform_buffer::<layout::ShadowView>("shadow view");
-        let group = gpu.group("shadow view", &self.layout, &[uniform.as_entire_binding()]);
-        ShadowMap { depth: texture.create_view(&wgpu::TextureViewDescriptor::default()), uniform, group }
+    pub fn map(&self, gpu: &Gpu, size: MapSize) -> ShadowMap {
+        let view = |_| {
+            let uniform = gpu.uniform_buffer::<layout::ShadowView>("shadow view");
+            let group = gpu.group("shadow view", &self.layout, &[uniform.as_entire_binding()]);
+            (uniform, group)
+        };
+        ShadowMap { target: gpu.map_target("shadow map", size), views: (0..size.layers).map(view).collect() }
     }
 
+    /// Draws each layer by its view; those without one are empty.
     pub fn draw(
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         into: &ShadowMap,
-        view: &layout::ShadowView,
+        views: &[Option<layout::ShadowView>],
         scene: &StagedScene,
     ) {
-        gpu.queue.write_buffer(&into.uniform, 0, bytemuck::bytes_of(view));
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("shadow"),
-            depth_stencil_attachment: Some(cleared_depth(&into.depth)),
-            ..Default::default()
-        });
-        pass.set_bind_group(0, &into.group, &[]);
+        for ((layer, (uniform, group)), view) in into.target.layers.iter().zip(&into.views).zip(views) {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("shadow"),
+                depth_stencil_attachment: Some(cleared_depth(layer)),
+                ..Default::default()
+            });
+            if let Some(view) = view {
+                gpu.queue.write_buffer(uniform, 0, bytemuck::bytes_of(view));
+                pass.set_bind_group(0, group, &[]);
+                self.draw_casters(&mut pass, scene);
+            }
+        }
+    }
+
+    fn draw_casters(&self, pass: &mut wgpu::RenderPass, scene: &StagedScene) {
         let StagedScene { casters, geometry, draws, .. } = scene;
         if casters.opaque_indices > 0 {
             pass.set_pipeline(&self.opaque);

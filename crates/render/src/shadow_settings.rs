@@ -35,7 +35,30 @@ pub enum ShadowFilter {
     Pcf3x3,
 }
 
+/// How large a light's map is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct MapSize {
+    /// Texels along each side of a face.
+    pub side: u32,
+    /// Faces, one a layer.
+    pub layers: u32,
+}
+
+impl MapSize {
+    /// Bytes that it takes.
+    pub fn bytes(self) -> u64 {
+        4 * u64::from(self.side).pow(2) * u64::from(self.layers)
+    }
+}
+
 impl ShadowSettings {
+    /// The size of a map of so many faces. One of several, a quarter turn wide, has half the texels a side: they are
+    /// then as wide as those of one face of 60 degrees to each side, 0.11 degrees.
+    pub(crate) fn map_size(&self, faces: usize) -> MapSize {
+        let side = if faces == 1 { self.resolution } else { (self.resolution / 2).max(Self::MIN_RESOLUTION) };
+        MapSize { side, layers: faces as u32 }
+    }
+
     /// Coarsest map: the margin around a spotlight's cone needs a few texels.
     pub const MIN_RESOLUTION: u32 = 16;
 

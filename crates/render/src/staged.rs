@@ -6,6 +6,7 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages};
 
 use crate::casters::Casters;
+use crate::clusters::Clusters;
 use crate::geometry::{Geometry, Posed};
 use crate::ledger::{Entry, MemoryKind};
 use crate::material::{MaterialDraw, material_draws};
@@ -25,6 +26,8 @@ pub(crate) struct StagedScene {
     pub surface: Casters,
     /// What casts shadows.
     pub casters: Casters,
+    /// Boxes around the surface.
+    pub clusters: Clusters,
     pub draws: Vec<MaterialDraw>,
     /// Group 0 of the passes that have a camera; see `view.wgsl`.
     pub view: BindGroup,
@@ -93,6 +96,7 @@ impl StagedScene {
             geometry,
             surface,
             casters,
+            clusters: Clusters::new(&posed.positions, &posed.indices),
             draws,
             view,
             fill: gpu.group("fill", &layouts.fill, &[fill_uniform.as_entire_binding()]),

@@ -183,7 +183,7 @@ impl Targets {
         }
         for light in lights {
             let lighting = match light.kind {
-                LightingKind::Spot(filter) => passes.spot.lighting(gpu, filter),
+                LightingKind::Spot(baked) => passes.spot.lighting(gpu, baked),
                 LightingKind::Bendy(baked) => passes.bendy.lighting(gpu, baked),
             };
             lighting.draw(gpu, &mut pass, aov, Some(&light.group), tile.cut(light.pixels));

@@ -1,8 +1,12 @@
 //! The structs of the bent passes, as WGSL lays them out.
 
+use super::faces::MOST_FACES;
 #[cfg(test)]
 use crate::layout::StructLayout;
 use crate::layout::{Mat4, gpu_struct};
+
+/// Columns of a 3 x 3 matrix, each with a gap behind it.
+pub(crate) type Mat3 = [[f32; 4]; 3];
 
 /// Every struct of this file; the layout test walks it.
 #[cfg(test)]
@@ -64,11 +68,14 @@ gpu_struct! {
     /// See `tube.wgsl`.
     BendyLight {
         tube_from_scene: Mat4,
-        world_from_tube: [[f32; 4]; 3],
+        world_from_tube: Mat3,
         up: [f32; 3],
         segment_count: u32,
         world_per_tube: f32,
-        t_max: f32,
+        map_t_base: f32,
+        map_t_span: f32,
+        map_t_last: f32,
+        slope: f32,
         shadow_resolution: f32,
         shadow_tolerance_texels: f32,
         tan2_outer: f32,
@@ -78,7 +85,8 @@ gpu_struct! {
         t_start: f32,
         t_span: f32,
         least_distance2: f32,
-        pad0: f32,
+        pad0: [f32; 2],
+        fits: [[f32; 4]; MOST_FACES],
     }
 }
 
@@ -107,12 +115,14 @@ gpu_struct! {
         box_max: [f32; 3],
         vertex_count: u32,
         triangle_count: u32,
-        shadow_resolution: f32,
+        face_count: u32,
         work_capacity: u32,
         patch_capacity: u32,
         split_capacity: u32,
         tolerance_texels: f32,
-        pad0: [f32; 2],
+        texels_per_vw: f32,
+        cube_slope: f32,
+        faces: [Mat3; MOST_FACES],
     }
 }
 
@@ -164,7 +174,10 @@ pub(crate) const STAGES: usize = 12;
 gpu_struct! {
     /// See `bent_shadow.wgsl`.
     BentShadow {
-        t_max: f32,
+        clip_from_mapped: Mat3,
+        row: [f32; 2],
+        depth_per_t: f32,
+        pad0: f32,
     }
 }
 
@@ -172,9 +185,9 @@ gpu_struct! {
     /// See `wireframe.wgsl`.
     Wireframe {
         clip_per_vw: [f32; 2],
-        t_max: f32,
         t_start: f32,
         t_span: f32,
-        pad0: f32,
+        map_t_base: f32,
+        map_t_span: f32,
     }
 }

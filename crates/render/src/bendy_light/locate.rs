@@ -7,7 +7,7 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use super::layout::LocatedRoot;
 use super::{Baked, segments, uniform};
-use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, readback, shaders};
+use crate::{Gpu, RenderError, ShadowFilter, readback, shaders};
 
 /// Threads of a workgroup, as in the shader.
 const WORKGROUP: usize = 64;
@@ -26,7 +26,7 @@ pub fn locate(
     let part = Tube::new(light)?.part_near_points(points_in_world);
     let tube = &part.tube;
     gpu.checked(|| {
-        let pipeline = pipeline(gpu, Baked::of(tube, ShadowFilter::default()));
+        let pipeline = pipeline(gpu, Baked::of(tube, false, ShadowFilter::default()));
         let mut locations = Vec::with_capacity(points_in_world.len());
         for points in points_in_world.chunks(ROOTS_A_DISPATCH / roots_a_point(tube)) {
             locations.extend(dispatch(gpu, &pipeline, &part, points)?);
@@ -67,11 +67,7 @@ fn dispatch(
         gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
     };
     let results = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-    let light = init(
-        "light",
-        bytemuck::bytes_of(&uniform(part, DVec3::ZERO, 1.0, &ShadowSettings::default())),
-        BufferUsages::UNIFORM,
-    );
+    let light = init("light", bytemuck::bytes_of(&uniform(part, DVec3::ZERO)), BufferUsages::UNIFORM);
     let segments = init("segments", bytemuck::cast_slice(&segments(tube)), BufferUsages::UNIFORM);
     let points = init("points", bytemuck::cast_slice(&points), BufferUsages::STORAGE);
     // Filled so that a point that was not written cannot pass for one without roots.

@@ -31,7 +31,8 @@ pub fn map_points(
     let origin = min / 2.0 + max / 2.0;
     let positions: Vec<[f32; 3]> =
         points_in_world.iter().map(|&p| (p - origin).as_vec3().to_array()).collect();
-    let slabs = slabs(&tube, t_max(&tube, origin, max / 2.0 - min / 2.0), 1.0, 1.0);
+    let last = t_max(&tube, origin, max / 2.0 - min / 2.0);
+    let slabs = slabs(&tube, (0.0, [0.0, last]), 1.0, 1.0);
     gpu.checked(|| {
         let mut mapped = vec![None; positions.len()];
         for turn in slabs.chunks(SLABS_A_TURN) {

@@ -1,7 +1,10 @@
 //! A BendyLight on the GPU: its tube as buffers, its bent shadow map, and points located in it.
 
+mod faces;
+mod fit;
 pub(crate) mod layout;
 mod locate;
+mod map_shape;
 mod mapped;
 mod pass;
 mod shadow;
@@ -17,9 +20,11 @@ use bendy::{Decay, Direction, EndMode, Frame, Part, Segment, Tube};
 use glam::{DMat3, DMat4, DVec3};
 use scene::MAX_EXTENT;
 
+use self::map_shape::MapShape;
 use crate::layout::Mat4;
 use crate::{ShadowFilter, ShadowSettings};
 
+pub(crate) use faces::map_size;
 pub use locate::locate;
 pub use mapped::map_points;
 pub(crate) use pass::{BendyPass, BendySlot};
@@ -114,6 +119,8 @@ pub(crate) struct Baked {
     frame: Frame,
     direction: Direction,
     decay: Decay,
+    /// Whether the shadow map has the faces of a cube.
+    cube: bool,
     filter: ShadowFilter,
 }
 
@@ -122,24 +129,30 @@ impl Baked {
     const MOST_SEGMENTS: usize = 6;
 
     /// How many values there are.
-    pub const COUNT: usize = (Self::MOST_SEGMENTS + 1) * 2 * 2 * 2 * 3 * 3;
+    pub const COUNT: usize = (Self::MOST_SEGMENTS + 1) * 2 * 2 * 2 * 3 * 2 * 3;
 
     /// Numbers the values from 0.
     pub fn index(self) -> usize {
-        let Self { segments, end_mode, frame, direction, decay, filter } = self;
-        ((((segments * 2 + end_mode as usize) * 2 + frame as usize) * 2 + direction as usize) * 3
-            + decay as usize)
-            * 3
-            + filter as usize
+        let Self { segments, end_mode, frame, direction, decay, cube, filter } = self;
+        let digits = [
+            (2, end_mode as usize),
+            (2, frame as usize),
+            (2, direction as usize),
+            (3, decay as usize),
+            (2, usize::from(cube)),
+            (3, filter as usize),
+        ];
+        digits.into_iter().fold(segments, |index, (values, value)| index * values + value)
     }
 
-    pub fn of(tube: &Tube<f64>, filter: ShadowFilter) -> Self {
+    pub fn of(tube: &Tube<f64>, cube: bool, filter: ShadowFilter) -> Self {
         Self {
             segments: if tube.n <= Self::MOST_SEGMENTS { tube.n } else { 0 },
             end_mode: tube.end_mode(),
             frame: tube.frame,
             direction: tube.direction,
             decay: tube.decay,
+            cube,
             filter,
         }
     }
@@ -147,12 +160,13 @@ impl Baked {
     /// Each value of each field at least once.
     #[cfg(test)]
     pub fn samples() -> [Self; 3] {
-        let one = |segments, end_mode, frame, direction, decay, filter| Self {
+        let one = |segments, end_mode, frame, direction, decay, cube, filter| Self {
             segments,
             end_mode,
             frame,
             direction,
             decay,
+            cube,
             filter,
         };
         [
@@ -162,15 +176,25 @@ impl Baked {
                 Frame::RotationMinimizing,
                 Direction::Tube,
                 Decay::None,
+                false,
                 ShadowFilter::Nearest,
             ),
-            one(6, EndMode::Extend, Frame::Up, Direction::Path, Decay::InverseSquare, ShadowFilter::Bilinear),
+            one(
+                6,
+                EndMode::Extend,
+                Frame::Up,
+                Direction::Path,
+                Decay::InverseSquare,
+                true,
+                ShadowFilter::Bilinear,
+            ),
             one(
                 0,
                 EndMode::Extend,
                 Frame::RotationMinimizing,
                 Direction::Tube,
                 Decay::Linear,
+                true,
                 ShadowFilter::Pcf3x3,
             ),
         ]
@@ -178,7 +202,7 @@ impl Baked {
 
     /// `wgsl` with the constants that `tube.wgsl` asks for.
     pub fn into_wgsl(self, wgsl: &str) -> String {
-        let Self { segments, end_mode, frame, direction, decay, filter } = self;
+        let Self { segments, end_mode, frame, direction, decay, cube, filter } = self;
         let decay = match decay {
             Decay::None => 0,
             Decay::Linear => 1,
@@ -186,7 +210,7 @@ impl Baked {
         };
         let constants = format!(
             "const BAKED_SEGMENTS = {segments}u;\nconst EXTENDED = {};\nconst FRAME_UP = {};\nconst DIRECTION_PATH = {};\n\
-             const DECAY = {decay}u;\n",
+             const DECAY = {decay}u;\nconst SHADOW_CUBE = {cube};\n",
             end_mode == EndMode::Extend,
             frame == Frame::Up,
             direction == Direction::Path,
@@ -219,13 +243,8 @@ pub(crate) fn segments(tube: &Tube<f64>) -> Vec<layout::Segment> {
     segments
 }
 
-/// The light's uniform for `tube.wgsl`.
-pub(crate) fn uniform(
-    part: &Part,
-    scene_origin: DVec3,
-    t_max: f64,
-    shadows: &ShadowSettings,
-) -> layout::BendyLight {
+/// The light's uniform for `tube.wgsl`, but for what says of its shadow map.
+pub(crate) fn uniform(part: &Part, scene_origin: DVec3) -> layout::BendyLight {
     let tube = &part.tube;
     let rotation = tube.placement.rotation.as_mat3();
     let f32_tube = Tube::<f32>::from(tube);
@@ -236,17 +255,33 @@ pub(crate) fn uniform(
         up: f32_tube.up.to_array(),
         segment_count: tube.n as u32,
         world_per_tube: tube.placement.world_per_tube as f32,
-        t_max: t_max as f32,
-        shadow_resolution: shadows.resolution as f32,
-        shadow_tolerance_texels: shadows.bent_tolerance_texels(),
         tan2_outer: f32_tube.profile.tan2_outer,
         cos_outer: f32_tube.profile.cos_outer,
         inv_cos_range: f32_tube.profile.inv_cos_range,
-        // Farther than the scene reaches is as good as any farther.
-        mesh_error: (shadows.mesh_error / tube.placement.world_per_tube).min(MAX_EXTENT) as f32,
         t_start: part.t_start as f32,
         t_span: part.t_span as f32,
         least_distance2: f32_tube.least_distance2,
-        pad0: 0.0,
+        ..layout::BendyLight::default()
+    }
+}
+
+/// The same with its shadow map.
+pub(crate) fn uniform_with_map(
+    part: &Part,
+    scene_origin: DVec3,
+    map: &MapShape,
+    shadows: &ShadowSettings,
+) -> layout::BendyLight {
+    layout::BendyLight {
+        map_t_base: map.t_base() as f32,
+        map_t_span: map.t_span() as f32,
+        map_t_last: map.t_last() as f32,
+        slope: map.slope() as f32,
+        shadow_resolution: map.side() as f32,
+        shadow_tolerance_texels: shadows.bent_tolerance_texels(),
+        // Farther than the scene reaches is as good as any farther.
+        mesh_error: (shadows.mesh_error / part.tube.placement.world_per_tube).min(MAX_EXTENT) as f32,
+        fits: map.fits(),
+        ..uniform(part, scene_origin)
     }
 }

@@ -7,16 +7,20 @@ use glam::DVec3;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, Sampler, TextureView};
 
+use super::faces::Faces;
+use super::fit::Fit;
+use super::map_shape::MapShape;
 use super::shadow::{BentShadowPass, BentWork, MapRequest, Onto};
 use super::wireframe::{Drawing, WireframePass};
-use super::{Baked, hull_in_world, segments, t_max, uniform};
+use super::{Baked, hull_in_world, segments, t_max, uniform_with_map};
 use crate::lighting::LightingPass;
-use crate::pipeline::{DEPTH_FORMAT, NON_FILTERING, RAW_TEXTURE, UNIFORM};
+use crate::pipeline::{DEPTH_FORMAT, MapTarget, NON_FILTERING, RAW_TEXTURE_LAYERS, UNIFORM};
+use crate::shadow_settings::MapSize;
 use crate::staged::StagedScene;
 use crate::{Gpu, RenderError, ShadowSettings, shaders};
 
 /// Group 2 of a BendyLight's lighting pass; see `tube.wgsl` and `bendy.wgsl`.
-const BINDINGS: [BindingType; 4] = [UNIFORM, UNIFORM, RAW_TEXTURE, NON_FILTERING];
+const BINDINGS: [BindingType; 4] = [UNIFORM, UNIFORM, RAW_TEXTURE_LAYERS, NON_FILTERING];
 
 /// What a bent shadow map depends on, besides the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,9 +68,9 @@ pub(crate) struct BendyPass {
 /// What is kept of one BendyLight from picture to picture.
 #[derive(Debug)]
 pub(crate) struct BendySlot {
-    depth: TextureView,
-    /// What the map shows: a scene's revision and the light's shape.
-    map_key: Option<(u64, Shape)>,
+    target: MapTarget,
+    /// What the map shows: a scene's revision and the light's shape, fitted to that scene.
+    map_key: Option<Box<(u64, Shape, MapShape)>>,
     /// The light in place, and of which scene's revision and which light.
     placed: Option<Box<(u64, BendyLight, PlacedBendy)>>,
 }
@@ -90,8 +94,19 @@ impl BendySlot {
 
     /// Whether its map is that of `light` over the scene of that revision.
     pub fn shows(&self, light: &BendyLight, revision: u64) -> bool {
-        self.map_key.as_ref().is_some_and(|(r, shape)| *r == revision && shape.is_of(light))
+        self.map_key.as_deref().is_some_and(|(r, shape, _)| *r == revision && shape.is_of(light))
     }
+
+    /// How large its map is.
+    pub fn size(&self) -> MapSize {
+        self.target.size
+    }
+}
+
+/// A map of a light over `scene`; where that is extended, up to `t_max`.
+fn map_shape(light: (&Tube<f64>, Faces, f64), scene: &StagedScene, shadows: &ShadowSettings) -> MapShape {
+    let fit = Fit::new(light, scene.origin, (&scene.clusters, shadows.mesh_error));
+    MapShape::new(fit, shadows.map_size(light.1.count()).side)
 }
 
 impl BendyPass {
@@ -117,11 +132,8 @@ impl BendyPass {
         })
     }
 
-    pub fn slot(gpu: &Gpu, shadows: &ShadowSettings) -> BendySlot {
-        let side = shadows.resolution;
-        let texture = gpu.target("bent shadow map", side, side, DEPTH_FORMAT);
-        let depth = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        BendySlot { depth, map_key: None, placed: None }
+    pub fn slot(gpu: &Gpu, size: MapSize) -> BendySlot {
+        BendySlot { target: gpu.map_target("bent shadow map", size), map_key: None, placed: None }
     }
 
     /// Brings `slot` up to date with `light` over `scene`. Returns the light in place and whether its map was
@@ -143,28 +155,33 @@ impl BendyPass {
         let part = Tube::new(light)?.part_near(scene.origin, scene.half_extent);
         let tube = &part.tube;
         let t_max = t_max(tube, scene.origin, scene.half_extent);
-        let key = Some((scene.revision, Shape::of(light)));
-        let stale = slot.map_key != key;
-        if stale {
-            let onto = Onto::Map(&slot.depth);
-            self.shadow.render(gpu, work, &MapRequest { scene, tube, t_max, onto, shadows })?;
-            slot.map_key = key;
-        }
+        let kept = slot.map_key.take().filter(|kept| kept.0 == scene.revision && kept.1.is_of(light));
+        let stale = kept.is_none();
+        let map = if let Some(kept) = &kept {
+            kept.2
+        } else {
+            let map = map_shape((tube, Faces::of(light), t_max), scene, shadows);
+            let (onto, map) = (Onto::Map(&slot.target), &map);
+            self.shadow.render(gpu, work, &MapRequest { scene, tube, map, onto, shadows })?;
+            *map
+        };
+        slot.map_key = kept.or_else(|| Some(Box::new((scene.revision, Shape::of(light), map))));
         let init = |label, contents: &[u8], usage| {
             gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
         };
-        let uniform = uniform(&part, scene.origin, t_max, shadows);
+        let uniform = uniform_with_map(&part, scene.origin, &map, shadows);
         let uniform = init("bendy", bytemuck::bytes_of(&uniform), BufferUsages::UNIFORM);
         let segments = init("segments", bytemuck::cast_slice(&segments(tube)), BufferUsages::UNIFORM);
         let resources = [
             uniform.as_entire_binding(),
             segments.as_entire_binding(),
-            BindingResource::TextureView(&slot.depth),
+            BindingResource::TextureView(&slot.target.all),
             BindingResource::Sampler(&self.sampler),
         ];
         let group = gpu.group("bendy", &self.layouts[2], &resources);
         let corners_in_world = hull_in_world(tube, t_max);
-        let placed = PlacedBendy { baked: Baked::of(tube, shadows.filter), group, corners_in_world };
+        let placed =
+            PlacedBendy { baked: Baked::of(tube, map.is_cube(), shadows.filter), group, corners_in_world };
         slot.placed = Some(Box::new((scene.revision, light.clone(), placed.clone())));
         Ok((placed, stale))
     }
@@ -181,11 +198,14 @@ impl BendyPass {
         let part = Tube::new(light)?.part_near(scene.origin, scene.half_extent);
         let tube = &part.tube;
         let t_max = t_max(tube, scene.origin, scene.half_extent);
+        // All that the light meets, what need not be in its map too.
+        let faces = Faces::of(light);
+        let map = &MapShape::new(Fit::whole(faces, t_max), shadows.map_size(faces.count()).side);
         let depth = gpu.target("wireframe", size[0], size[1], DEPTH_FORMAT);
         let depth = &depth.create_view(&wgpu::TextureViewDescriptor::default());
         let pass = self.wireframe.get_or_init(|| WireframePass::new(gpu));
-        let onto =
-            Onto::Wireframe(Drawing { pass, color, depth, size, t_of_light: [part.t_start, part.t_span] });
-        self.shadow.render(gpu, work, &MapRequest { scene, tube, t_max, onto, shadows })
+        let t_of_light = [part.t_start, part.t_span];
+        let onto = Onto::Wireframe(Drawing { pass, color, depth, size, t_of_light });
+        self.shadow.render(gpu, work, &MapRequest { scene, tube, map, onto, shadows })
     }
 }

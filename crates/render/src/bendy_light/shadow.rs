@@ -8,14 +8,16 @@
 
 use bendy::{Frame, Tube};
 use glam::DVec3;
-use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, RenderPipeline, TextureView};
+use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, RenderPipeline};
 
+use super::faces::MOST_FACES;
 use super::layout::{BentCounts, BentMap, BentShadow, Patch, STAGES, Slab};
+use super::map_shape::MapShape;
 use super::slab::{self, SLABS_A_TURN};
 use super::tube_from_scene;
 use super::wireframe::Drawing;
 use crate::ledger::{Kept, MemoryKind};
-use crate::pipeline::DEPTH_FORMAT;
+use crate::pipeline::{DEPTH_FORMAT, MapTarget};
 use crate::staged::StagedScene;
 use crate::{Gpu, RenderError, ShadowSettings, readback, shaders};
 
@@ -57,8 +59,7 @@ pub(crate) struct Room {
 pub(crate) struct MapRequest<'a> {
     pub scene: &'a StagedScene,
     pub tube: &'a Tube<f64>,
-    /// What stands for the depth 1; see [`super::t_max`].
-    pub t_max: f64,
+    pub map: &'a MapShape,
     pub onto: Onto<'a>,
     pub shadows: &'a ShadowSettings,
 }
@@ -66,7 +67,7 @@ pub(crate) struct MapRequest<'a> {
 /// What it is drawn onto.
 pub(crate) enum Onto<'a> {
     /// The map itself.
-    Map(&'a TextureView),
+    Map(&'a MapTarget),
     /// A picture of its triangles.
     Wireframe(Drawing<'a>),
 }
@@ -78,7 +79,8 @@ pub(super) struct Buffers {
     size: (u32, u32, Room),
     slabs: Buffer,
     uniform: Buffer,
-    shadow_uniform: Buffer,
+    /// One a face of any map.
+    faces: [Buffer; MOST_FACES],
     pub mapped: Buffer,
     vertex_slab: Buffer,
     pub whole_indices: Buffer,
@@ -113,12 +115,17 @@ impl BentShadowPass {
 
     /// Draws a map, in turns of as many slabs as a uniform holds.
     pub fn render(&self, gpu: &Gpu, work: &mut BentWork, request: &MapRequest) -> Result<(), RenderError> {
-        let &MapRequest { tube, t_max, shadows, .. } = request;
+        let &MapRequest { tube, map, shadows, .. } = request;
         let split_above_texels = f64::from(shadows.split_above_texels());
-        let slabs = slab::slabs(tube, t_max, f64::from(shadows.resolution), split_above_texels);
+        // The tube is 2 wide in v and w.
+        let resolution = 2.0 * map.texels_per_vw();
+        let slabs = |t_range| slab::slabs(tube, (map.t_base(), t_range), resolution, split_above_texels);
+        let slabs = map.t_range().map_or_else(Vec::new, slabs);
+        // Where nothing casts shadows, one turn of no slabs empties the map.
+        let turns = || slabs.chunks(SLABS_A_TURN).chain(slabs.is_empty().then_some(&slabs[..]));
         // What a turn without room has drawn is not to be kept, so all turns start again.
         'all: loop {
-            for (index, turn) in slabs.chunks(SLABS_A_TURN).enumerate() {
+            for (index, turn) in turns().enumerate() {
                 if !self.render_turn(gpu, work, request, turn, index == 0)? {
                     continue 'all;
                 }
@@ -146,12 +153,14 @@ impl BentShadowPass {
         };
         let mut table: Vec<Slab> = slabs.iter().map(|slab| slab.0).collect();
         table.resize(SLABS_A_TURN, Slab::default());
-        buffers.write(gpu, &table, &map, request.t_max);
+        buffers.write(gpu, &table, &map, request.map);
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.map(gpu, &mut encoder, request.scene, &buffers, &map);
+        if !slabs.is_empty() {
+            self.map(gpu, &mut encoder, request.scene, &buffers, &map);
+        }
         match &request.onto {
-            Onto::Map(depth) => self.draw(gpu, &mut encoder, &buffers, depth, first),
-            Onto::Wireframe(drawing) => drawing.draw(gpu, &mut encoder, &buffers, request.t_max, first),
+            Onto::Map(target) => self.draw(gpu, &mut encoder, &buffers, (target, request.map), first),
+            Onto::Wireframe(drawing) => drawing.draw(gpu, &mut encoder, &buffers, request.map, first),
         }
         gpu.queue.submit([encoder.finish()]);
         let counts = readback::buffer::<BentCounts>(gpu, &buffers.counts)?[0];
@@ -216,28 +225,37 @@ impl BentShadowPass {
         }
     }
 
+    /// Draws what was mapped onto each face.
     fn draw(
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         buffers: &Buffers,
-        depth: &TextureView,
+        (target, map): (&MapTarget, &MapShape),
         clear: bool,
     ) {
-        let uniform = buffers.shadow_uniform.as_entire_binding();
-        let group = gpu.group("bent shadow", &self.draw.get_bind_group_layout(0), &[uniform]);
         let load = if clear { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("bent shadow"),
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: depth,
-                depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
+        for (index, (layer, face)) in target.layers.iter().zip(&buffers.faces).enumerate() {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("bent shadow"),
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: layer,
+                    depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
+                    stencil_ops: None,
+                }),
+                ..Default::default()
+            });
+            let group =
+                gpu.group("bent shadow", &self.draw.get_bind_group_layout(0), &[face.as_entire_binding()]);
+            if map.casts(index) {
+                pass.set_bind_group(0, &group, &[]);
+                self.draw_casters(&mut pass, buffers);
+            }
+        }
+    }
+
+    fn draw_casters(&self, pass: &mut wgpu::RenderPass, buffers: &Buffers) {
         pass.set_pipeline(&self.draw);
-        pass.set_bind_group(0, &group, &[]);
         pass.set_vertex_buffer(0, buffers.mapped.slice(..));
         pass.set_index_buffer(buffers.whole_indices.slice(..), wgpu::IndexFormat::Uint32);
         pass.draw_indexed_indirect(&buffers.counts, 0);
@@ -254,11 +272,14 @@ impl BentWork {
 
     /// The uniform of a turn.
     fn map(&self, request: &MapRequest, slabs: &[(Slab, [DVec3; 8])]) -> BentMap {
-        let &MapRequest { scene, tube, shadows, .. } = request;
+        let &MapRequest { scene, tube, map, shadows, .. } = request;
         BentMap {
+            face_count: map.face_count() as u32,
+            texels_per_vw: map.texels_per_vw() as f32,
+            cube_slope: if map.is_cube() { map.slope() as f32 } else { 0.0 },
+            faces: map.clips_from_mapped(),
             vertex_count: scene.casters.vertex_count,
             triangle_count: scene.casters.triangle_count,
-            shadow_resolution: shadows.resolution as f32,
             work_capacity: self.room.work,
             patch_capacity: self.room.patches,
             split_capacity: self.room.split_vertices,
@@ -340,7 +361,7 @@ impl Buffers {
             size: Self::size_for(map),
             slabs: buffer("slabs", (size_of::<Slab>() * SLABS_A_TURN) as u64, uniform),
             uniform: buffer("bent map", size_of::<BentMap>() as u64, uniform),
-            shadow_uniform: buffer("bent shadow", size_of::<BentShadow>() as u64, uniform),
+            faces: std::array::from_fn(|_| buffer("bent shadow", size_of::<BentShadow>() as u64, uniform)),
             mapped: storage("mapped vertices", vertices * VERTEX_BYTES, BufferUsages::VERTEX),
             vertex_slab: storage("slab of each vertex", vertices * 4, none),
             whole_indices: storage("whole triangles", triangles * 12, BufferUsages::INDEX),
@@ -368,7 +389,7 @@ impl Buffers {
         self.size == Self::size_for(map)
     }
 
-    fn write(&self, gpu: &Gpu, slabs: &[Slab], map: &BentMap, t_max: f64) {
+    fn write(&self, gpu: &Gpu, slabs: &[Slab], map: &BentMap, shape: &MapShape) {
         // Stage -1: the first `next_stage` makes it 0.
         let counts = BentCounts {
             whole_instance_count: 1,
@@ -376,10 +397,11 @@ impl Buffers {
             stage: u32::MAX,
             ..BentCounts::default()
         };
-        let shadow = BentShadow { t_max: t_max as f32 };
         gpu.queue.write_buffer(&self.slabs, 0, bytemuck::cast_slice(slabs));
         gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(map));
-        gpu.queue.write_buffer(&self.shadow_uniform, 0, bytemuck::bytes_of(&shadow));
+        for (face, buffer) in self.faces.iter().enumerate().take(shape.face_count()) {
+            gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&shape.shadow(face)));
+        }
         gpu.queue.write_buffer(&self.counts, 0, bytemuck::bytes_of(&counts));
     }
 }

@@ -15,25 +15,32 @@ const OVERLAP: f64 = 5e-4;
 /// The bend is sampled on a grid over the slab; between samples it may be this much larger.
 const SAMPLING_MARGIN: f64 = 2.0;
 
-/// The slabs of `tube` up to `t_max`, each with the corners of its box in tube space.
+/// The slabs of `tube` from t = `first` to `last`, each with the corners of its box in tube space. Their t is counted
+/// from `t_base`.
 pub(crate) fn slabs(
     tube: &Tube<f64>,
-    t_max: f64,
+    (t_base, [first, last]): (f64, [f64; 2]),
     resolution: f64,
     tolerance_texels: f64,
 ) -> Vec<(Slab, [DVec3; 8])> {
-    bendy::slabs(tube, t_max, OVERLAP)
+    bendy::slabs(tube, last, OVERLAP)
         .iter()
-        .map(|slab| {
-            let piece = &slab.piece;
+        .filter_map(|slab| {
+            let share = |t: f64| ((t - slab.t_start) / slab.t_span).clamp(0.0, 1.0);
+            let (start, end) = (share(first), share(last));
+            if start >= end {
+                return None;
+            }
+            let piece = slab.piece.piece(start, end);
+            let (t_start, t_span) = (slab.t_start + slab.t_span * start, slab.t_span * (end - start));
+            let bend = bend_a_texel2(tube, &piece, resolution);
             let gpu = Slab {
-                curve: curve(&piece.to_f32(), slab.t_start, slab.t_span),
-                planes: planes(piece),
-                safe_texels: (tolerance_texels / bend_a_texel2(tube, piece, resolution)).sqrt().min(1e6)
-                    as f32,
+                curve: curve(&piece.to_f32(), t_start - t_base, t_span),
+                planes: planes(&piece),
+                safe_texels: (tolerance_texels / bend).sqrt().min(1e6) as f32,
                 pad0: [0.0; 3],
             };
-            (gpu, piece.bounds.corners())
+            Some((gpu, piece.bounds.corners()))
         })
         .collect()
 }

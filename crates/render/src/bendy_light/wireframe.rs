@@ -6,6 +6,7 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, CommandEncoder, RenderPipeline, TextureView};
 
 use super::layout::{BentCounts, Wireframe};
+use super::map_shape::MapShape;
 use super::shadow::Buffers;
 use crate::pipeline::{DEPTH_FORMAT, color_attachment};
 use crate::{Gpu, lighting, shaders};
@@ -72,7 +73,7 @@ impl Drawing<'_> {
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         mapped: &Buffers,
-        t_max: f64,
+        shape: &MapShape,
         clear: bool,
     ) {
         let [width, height] = self.size.map(|side| side as f32);
@@ -81,10 +82,10 @@ impl Drawing<'_> {
             label: Some("wireframe"),
             contents: bytemuck::bytes_of(&Wireframe {
                 clip_per_vw: [shorter / width, shorter / height],
-                t_max: t_max as f32,
                 t_start: self.t_of_light[0] as f32,
                 t_span: self.t_of_light[1] as f32,
-                pad0: 0.0,
+                map_t_base: shape.t_base() as f32,
+                map_t_span: shape.t_span() as f32,
             }),
             usage: wgpu::BufferUsages::UNIFORM,
         });

@@ -1,6 +1,6 @@
-// A BendyLight's share of the picture. Follows tube.wgsl, lighting.wgsl, shadow_filter.wgsl and nearby.wgsl.
+// A BendyLight's share of the picture. Follows bent_lookup.wgsl, lighting.wgsl, shadow_filter.wgsl and nearby.wgsl.
 
-@group(2) @binding(2) var shadow_map: texture_2d<f32>;
+@group(2) @binding(2) var shadow_map: texture_2d_array<f32>;
 @group(2) @binding(3) var shadow_sampler: sampler;
 
 fn sample_light(surface: Surface) -> LightSample {
@@ -27,16 +27,40 @@ fn path_tangent(root: Root, vw: vec2f, across: mat2x3f) -> vec3f {
         + cross(root.u_hat, root.r) * twist(root, turn);
 }
 
+// The speed by which a map's error along the light is measured, of a path at (v, w): on a wide cone far from that of the
+// centre. The twin of the one in bent_map.wgsl.
+fn map_speed(center_speed: f32, radius_derivative: f32, vw: vec2f) -> f32 {
+    if !SHADOW_CUBE {
+        return center_speed;
+    }
+    return length(vec2f(center_speed, radius_derivative * length(vw)));
+}
+
 // A receiver's place on the map, and what its own plane looks like there.
 struct Receiver {
+    face: u32,
     texel: vec2f,
-    t: f32,
-    // How t changes along the receiver's plane from texel to texel.
+    // As the face stores it, and how it changes along the receiver's plane from texel to texel.
+    depth: f32,
     step: vec2f,
-    // How much later in t than the map says it may lie and be lit: by all that the map can tell, and if what is near is
+    // How much deeper than the map says it may lie and be lit: by all that the map can tell, and if what is near is
     // left to the scene.
     tolerance: f32,
     reach: f32,
+    // The depth that 1 stands for.
+    far: f32,
+}
+
+// How wide the steps of (v, w) from texel to texel are for a path with that tangent.
+fn texel_width(place: MapPlace, radius: f32, across: mat2x3f, tangent: vec3f) -> f32 {
+    if !SHADOW_CUBE {
+        return radius * max(length(place.right), length(place.down));
+    }
+    // Far off the axis of a wide cone, what is across the tube is almost along the path.
+    let along = normalize(tangent);
+    let right = across * place.right;
+    let down = across * place.down;
+    return radius * max(length(right - along * dot(right, along)), length(down - along * dot(down, along)));
 }
 
 // Lengths along the light, in a texel's widths. From texel to texel the receiver's plane runs along the light so far:
@@ -63,40 +87,43 @@ fn bent_visibility(root: Root, vw: vec2f, surface: Surface) -> f32 {
     }
 
     // The shadow position lies a little beside the surface's: grad t = u_hat / sigma, grad V = v_hat, grad W = w_hat.
-    let centre_speed = 2.0 * length(root.d);
+    let center_speed = 2.0 * length(root.d);
     let lift = surface.terminator_offset / light.world_per_tube * (surface.normal * light.world_from_tube);
-    let sigma = max(centre_speed - dot(root.r, turn_at(root)), 0.1 * centre_speed);
+    let sigma = max(center_speed - dot(root.r, turn_at(root)), 0.1 * center_speed);
     let lift_t = dot(lift, root.u_hat) / max(sigma, 1e-20);
+    let t = root_t(root) + lift_t;
     let radius = max(root.radius + root.radius_derivative * lift_t, 0.0);
-    let lifted_vw = (root.vw_len + lift * across) / select(1.0, radius, radius > 0.0);
+    let place = map_place(root.vw_len + lift * across, radius);
 
     // A facet that faces away lies behind the plane of the smooth surface.
     let faces_light = dot(surface.geometric_normal, arriving) > 0.0;
     let normal = select(surface.normal, surface.geometric_normal, faces_light) * light.world_from_tube;
     let leaning = normal * across;
-    let texel_width = 2.0 * radius / light.shadow_resolution;
-    // One texel's width in the scene, as a step in t; at most that along the centre, in which the map's own
-    // error is measured.
-    let speed = max(min(length(tangent), centre_speed), 1e-20);
-    let footprint = texel_width / speed;
+    // One texel's width in the scene, as a step in t; at most that by the speed in which the map's own error is
+    // measured.
+    let speed = max(min(length(tangent), map_speed(center_speed, root.radius_derivative, vw)), 1e-20);
+    let footprint = texel_width(place, radius, across, tangent) / speed;
 
     var receiver: Receiver;
-    receiver.texel = (lifted_vw * vec2f(0.5, -0.5) + 0.5) * light.shadow_resolution - 0.5;
-    receiver.t = root_t(root) + lift_t;
+    receiver.face = place.face;
+    receiver.texel = place.texel;
+    receiver.depth = (t - light.map_t_base) * place.gain;
+    receiver.far = place.far;
     // Seen edge on, the plane runs off along the light within a texel: the way it leans.
     let facing = max(-dot(normal, tangent), length(leaning) * speed / STEEPEST);
-    receiver.step = texel_width / facing * vec2f(leaning.x, -leaning.y);
-    let slope = min(length(receiver.step), STEEP * footprint);
-    // The depth is rounded to some ulps of 1. And the receiver's own caster may stray by e towards the light: a plane
-    // moved so far along its normal is met e / (n . T) earlier.
-    receiver.tolerance = light.shadow_tolerance_texels * (footprint + slope)
-        + 0x1p-22 * light.t_max + light.mesh_error / facing;
-    receiver.reach = max(receiver.tolerance, REACH * footprint);
+    let step_t = radius / facing * vec2f(dot(leaning, place.right), dot(leaning, place.down));
+    receiver.step = step_t * place.gain + vec2f(0.0, (t - light.map_t_base) * place.gain_down);
+    // The depth is rounded to some ulps of the largest. And the receiver's own caster may stray by e towards the light: a
+    // plane moved so far along its normal is met e / (n . T) earlier.
+    let width = footprint * place.gain;
+    receiver.tolerance = light.shadow_tolerance_texels * (width + min(length(receiver.step), STEEP * width))
+        + (0x1p-22 * light.map_t_last + light.mesh_error / facing) * place.gain;
+    receiver.reach = max(receiver.tolerance, REACH * width);
 
     // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach, along
     // the chord of the path, whose tangent turns with the centre's.
-    let grazes = !faces_light || length(receiver.step) > GRAZING * footprint;
-    let back = 2.0 * receiver.reach + length(receiver.step);
+    let grazes = !faces_light || length(receiver.step) > GRAZING * width;
+    let back = (2.0 * receiver.reach + length(receiver.step)) / place.gain;
     let way = turn_at(root) * (0.5 * sigma * back * back) - tangent * back;
     return decided(surface, filtered(receiver), grazes, light.world_from_tube * way * light.world_per_tube);
 }
@@ -106,10 +133,11 @@ fn lit_texels(receiver: Receiver, corner: vec2f) -> mat2x4f {
     // The tube's rim touches the map's: what lies beyond is looked up a texel further in.
     let first = clamp(corner, vec2f(0.0), vec2f(light.shadow_resolution - 2.0));
     let step = receiver.step;
-    let expected = receiver.t + dot(step, first - receiver.texel) + vec4f(step.y, step.x + step.y, step.x, 0.0);
-    // A texel that nothing was drawn to holds t_max, and a plane may run on past the light's end.
-    let latest = vec4f(light.t_max * (1.0 - 0x1p-22));
-    let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / light.shadow_resolution) * light.t_max;
+    let expected = receiver.depth + dot(step, first - receiver.texel) + vec4f(step.y, step.x + step.y, step.x, 0.0);
+    // A texel that nothing was drawn to holds the last depth, and a plane may run on past it.
+    let latest = vec4f(receiver.far * (1.0 - 0x1p-22));
+    let place = (first + 1.0) / light.shadow_resolution;
+    let stored = textureGather(0, shadow_map, shadow_sampler, place, receiver.face) * receiver.far;
     return mat2x4f(
         select(vec4f(0.0), vec4f(1.0), stored >= min(expected - receiver.tolerance, latest)),
         select(vec4f(0.0), vec4f(1.0), stored >= min(expected - receiver.reach, latest)),

@@ -24,12 +24,18 @@ struct BentMap {
     box_max: vec3f,
     vertex_count: u32,
     triangle_count: u32,
-    shadow_resolution: f32,
+    face_count: u32,
     work_capacity: u32,
     patch_capacity: u32,
     split_capacity: u32,
     // Largest distance, in texels, between an edge's image and the straight line drawn for it.
     tolerance_texels: f32,
+    // Where they are finest.
+    texels_per_vw: f32,
+    // Radius over the depth of the map's cube; 0 where there is none.
+    cube_slope: f32,
+    // Clip positions (X, Y, Z) on each face from (V, W, R).
+    faces: array<mat3x3f, 5>,
 }
 
 @group(0) @binding(0) var<uniform> bent: BentMap;
@@ -132,14 +138,41 @@ fn bow(mapped: vec4f, straight: vec4f) -> f32 {
     return length(mapped.xy - straight.xy) + abs(mapped.z - straight.z);
 }
 
-// Whether a triangle's image lies beyond one side of the map's square. Between its edges it strays by at most 4/3 of
-// what the middles of its edges do, were it quadratic: twice leaves room for more.
+// Whether a triangle's image lies beyond one side of what is drawn of each face. Between its edges it strays by at most
+// 4/3 of what the middles of its edges do, were it quadratic: twice leaves room for more.
 fn off_map(a: vec4f, b: vec4f, c: vec4f, ab: Middle, bc: Middle, ca: Middle) -> bool {
-    let margin = 2.0 * max(ab.bow, max(bc.bow, ca.bow));
-    let outer = vec3f(a.z, b.z, c.z) + margin;
-    let v = vec3f(a.x, b.x, c.x);
-    let w = vec3f(a.y, b.y, c.y);
-    return all(v > outer) || all(v < -outer) || all(w > outer) || all(w < -outer);
+    let bow = 2.0 * max(ab.bow, max(bc.bow, ca.bow));
+    var off = true;
+    // No bound of uniforms alone: see branches.rs.
+    let end = select(bent.face_count, 0u, bow < 0.0);
+    for (var face = 0u; face < end; face++) {
+        off = off && off_face(bent.faces[face], a.xyz, b.xyz, c.xyz, bow);
+    }
+    return off;
+}
+
+fn off_face(clip_from_mapped: mat3x3f, a: vec3f, b: vec3f, c: vec3f, bow: f32) -> bool {
+    let clip_a = clip_from_mapped * a;
+    let clip_b = clip_from_mapped * b;
+    let clip_c = clip_from_mapped * c;
+    let margin = bow * (abs(clip_from_mapped[0]) + abs(clip_from_mapped[1]) + abs(clip_from_mapped[2]));
+    let x = vec3f(clip_a.x, clip_b.x, clip_c.x);
+    let y = vec3f(clip_a.y, clip_b.y, clip_c.y);
+    let outer = vec3f(clip_a.z, clip_b.z, clip_c.z) + margin.z;
+    let outer_x = outer + margin.x;
+    let outer_y = outer + margin.y;
+    return all(x > outer_x) || all(x < -outer_x) || all(y > outer_y) || all(y < -outer_y) || all(outer < vec3f(0.0));
+}
+
+// Texels per unit of v and w at a point. On a cube they are as wide as angles, so fewer far off its axis.
+fn texels_at(vw: vec2f) -> f32 {
+    return bent.texels_per_vw / max(1.0, bent.cube_slope * max(abs(vw.x), abs(vw.y)));
+}
+
+// How much faster than the centre a path at (v, w) runs on a cube; 1 else. The twin of map_speed in bendy.wgsl.
+fn stretch_at(c: Curve, vw: vec2f) -> f32 {
+    let spread = curve_radius_derivative(c, 0.5) * min(length(vw), 1.5) / max(2.0 * length(curve_d(c, 0.5)), 1e-20);
+    return select(1.0, length(vec2f(1.0, spread)), bent.cube_slope > 0.0);
 }
 
 // Whether a point's image lies too far from where the straight edge has it, in texels: across the map, and along
@@ -148,16 +181,18 @@ fn strays(c: Curve, q: vec3f, mapped: vec4f, straight: vec4f) -> bool {
     if min(mapped.z, straight.z) <= 0.0 {
         return false;
     }
-    let scale = 0.5 * bent.shadow_resolution;
-    let across = (mapped.xy / mapped.z - straight.xy / straight.z) * scale;
-    let along = (mapped.w - straight.w) / c.t_span * 2.0 * length(curve_d(c, 0.5)) * scale / straight.z;
+    let vw = straight.xy / straight.z;
+    let scale = texels_at(vw);
+    let stretch = stretch_at(c, vw);
+    let across = (mapped.xy / mapped.z - vw) * scale;
+    let along = (mapped.w - straight.w) / c.t_span * 2.0 * length(curve_d(c, 0.5)) * stretch * scale / straight.z;
     // In a very thin tube a texel is less than the rounding of a position: what bends there is noise, and splitting
     // for it would not end.
-    let rounding = POSITION_ROUNDING * (1.0 + length(q)) * scale / straight.z;
+    let rounding = POSITION_ROUNDING * (1.0 + length(q)) * stretch * scale / straight.z;
     return max(length(across), abs(along)) > max(bent.tolerance_texels, rounding);
 }
 
 // Whether the edge is so short that no bend of this slab shows in it.
 fn edge_is_safe(slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> bool {
-    return length(qb - qa) * 0.5 * bent.shadow_resolution <= slabs[slab].safe_texels * min(a.z, b.z);
+    return length(qb - qa) * bent.texels_per_vw <= slabs[slab].safe_texels * min(a.z, b.z);
 }

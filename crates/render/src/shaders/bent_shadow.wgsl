@@ -1,9 +1,12 @@
-// Draws mapped triangles into the shadow map. Clip position (V, W, R/2, R): a straight cone is an ordinary
-// perspective spotlight without tessellation, a constant radius an orthographic one. Depth is t / t_max; t is
-// not linear on the map, so the fragment writes it.
+// Draws mapped triangles onto a face of the shadow map. Clip position (X, Y, Z/2, Z), all linear in (V, W, R): a straight
+// cone is an ordinary perspective spotlight without tessellation, a constant radius an orthographic one. Depth is t, on
+// the sides of a cube over y / depth; neither is linear on the map, so the fragment writes it.
 
 struct BentShadow {
-    t_max: f32,
+    clip_from_mapped: mat3x3f,
+    // y / depth of a row of texels: the first plus the second for each; on the front 1.
+    row: vec2f,
+    depth_per_t: f32,
 }
 
 @group(0) @binding(0) var<uniform> bent_shadow: BentShadow;
@@ -15,10 +18,11 @@ struct Fragment {
 
 @vertex
 fn vs_bent_shadow(@location(0) mapped: vec4f) -> Fragment {
-    return Fragment(vec4f(mapped.xy, 0.5 * mapped.z, mapped.z), mapped.w);
+    let clip = bent_shadow.clip_from_mapped * mapped.xyz;
+    return Fragment(vec4f(clip.xy, 0.5 * clip.z, clip.z), mapped.w);
 }
 
 @fragment
 fn fs_bent_shadow(in: Fragment) -> @builtin(frag_depth) f32 {
-    return in.t / bent_shadow.t_max;
+    return in.t * bent_shadow.depth_per_t / (bent_shadow.row.x + bent_shadow.row.y * in.position.y);
 }

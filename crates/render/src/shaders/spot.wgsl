@@ -13,15 +13,18 @@ struct Spot {
     // 1 - cos of the outer angle, and 1 over its excess over that of the inner angle; 0 for a hard edge.
     versine_outer: f32,
     inverse_versine_span: f32,
-    // Near plane and half width at depth 1 of the shadow map.
+    // Near plane of the shadow map.
     shadow_near: f32,
-    shadow_tan: f32,
     // How far what casts shadows may stray from the surface.
     mesh_error: f32,
+    // Light is no brighter nearer to the source.
+    least_distance: f32,
+    // See fit_of.
+    fits: array<vec4f, 5>,
 }
 
 @group(2) @binding(0) var<uniform> spot: Spot;
-@group(2) @binding(1) var shadow_map: texture_2d<f32>;
+@group(2) @binding(1) var shadow_map: texture_2d_array<f32>;
 @group(2) @binding(2) var shadow_sampler: sampler;
 
 // Largest factor of decay: the source itself has none that is finite.
@@ -37,7 +40,7 @@ fn sample_light(surface: Surface) -> LightSample {
     if !(depth > 0.0 && tan2 <= spot.tan_outer * spot.tan_outer && in_range) {
         return LightSample();
     }
-    let distance = max(length(position), spot.shadow_near);
+    let distance = max(length(position), spot.least_distance);
     let decay = min(1.0 / dot(spot.decay, vec3f(1.0, distance, distance * distance)), MAX_DECAY);
 
     var light: LightSample;
@@ -62,6 +65,7 @@ fn cone_profile(tan2: f32) -> f32 {
 
 // A receiver's place on the map, and what its own plane looks like there.
 struct Receiver {
+    face: u32,
     texel: vec2f,
     // 1 / depth, and how it changes along the receiver's plane from texel to texel.
     inverse_depth: f32,
@@ -80,22 +84,26 @@ fn shadow_visibility(surface: Surface, to_light: vec3f, rotation: mat3x3f) -> f3
     }
     // A facet that faces away lies behind the plane of the smooth surface.
     let faces_light = dot(surface.geometric_normal, to_light) > 0.0;
-    let normal = rotation * select(surface.normal, surface.geometric_normal, faces_light);
-    let position = (spot.light_from_scene * vec4f(shadow_position(surface), 1.0)).xyz;
-    let depth = max(-position.z, 1e-30);
+    let world_normal = select(surface.normal, surface.geometric_normal, faces_light);
+    let position_in_light = (spot.light_from_scene * vec4f(shadow_position(surface), 1.0)).xyz;
+    let face = face_of(position_in_light);
+    let position = on_face(face, position_in_light);
+    let normal = on_face(face, rotation * world_normal);
+    let depth = max(position.z, 1e-30);
     let resolution = vec2f(textureDimensions(shadow_map));
-    let slope = position.xy / depth;
+    let fit = fit_of(face);
 
-    // On the ray (x, y, -1) the plane through `position` has 1 / depth = n.(x, y, -1) / n.position: linear in
-    // (x, y).
-    let texel_slope = 2.0 * spot.shadow_tan / resolution.x;
+    // On the ray (x, y, 1) the plane through `position` has 1 / depth = n.(x, y, 1) / n.position: linear in (x, y).
+    let texel_slopes = 2.0 / (fit.zw * resolution);
+    let texel_slope = max(texel_slopes.x, texel_slopes.y);
     let plane_distance = min(dot(normal, position), -1e-30);
     let across = normal.xy / plane_distance;
 
     var receiver: Receiver;
-    receiver.texel = (slope * vec2f(0.5, -0.5) / spot.shadow_tan + 0.5) * resolution - 0.5;
+    receiver.face = face;
+    receiver.texel = ((position.xy / depth - fit.xy) * fit.zw * vec2f(0.5, -0.5) + 0.5) * resolution - 0.5;
     receiver.inverse_depth = 1.0 / depth;
-    receiver.step = across * vec2f(texel_slope, -texel_slope);
+    receiver.step = across * texel_slopes * vec2f(1.0, -1.0);
     // A neighbouring facet that rises out of this plane by 0.25 rad is not an occluder: that many texels of
     // depth, more where light grazes. And the map's depth, linear across a triangle, is off by some ulps of
     // its largest value, 1.
@@ -120,7 +128,7 @@ fn lit_texels(receiver: Receiver, first: vec2f) -> mat2x4f {
     let bounds = vec2f(0.5, 2.0) * receiver.inverse_depth;
     let expected = clamp(plane_at, vec4f(bounds.x), vec4f(bounds.y)) * spot.shadow_near;
     let resolution = vec2f(textureDimensions(shadow_map));
-    let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / resolution);
+    let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / resolution, receiver.face);
     let lit = select(vec4f(0.0), vec4f(1.0), stored <= expected + receiver.tolerance);
     return mat2x4f(lit, lit);
 }

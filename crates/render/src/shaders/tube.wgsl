@@ -21,8 +21,13 @@ struct BendyLight {
     // Number of quadratic segments; one more follows where the light is extended.
     segment_count: u32,
     world_per_tube: f32,
-    // The shadow map's depth is t / t_max.
-    t_max: f32,
+    // The shadow map's depth is (t - map_t_base) / map_t_span; nothing casts shadows beyond map_t_last.
+    map_t_base: f32,
+    map_t_span: f32,
+    map_t_last: f32,
+    // Radius over the depth of the map's cube; 1 where the map is even in v and w.
+    slope: f32,
+    // Texels a side of each face.
     shadow_resolution: f32,
     shadow_tolerance_texels: f32,
     tan2_outer: f32,
@@ -35,6 +40,8 @@ struct BendyLight {
     t_span: f32,
     // Square of the distance within which light falls off no further, in tube space.
     least_distance2: f32,
+    // See fit_of.
+    fits: array<vec4f, 5>,
 }
 
 // What does not change while a light is bent is compiled into the shader: a software driver runs both sides

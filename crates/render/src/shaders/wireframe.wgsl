@@ -1,13 +1,15 @@
 // A bent shadow map as a drawing: the triangles that it is made of, with their edges. Their clip position is that of
-// bent_shadow.wgsl but for the picture's shape.
+// bent_shadow.wgsl on one face, but for the picture's shape.
 
 struct Wireframe {
     // Clip units per unit of v and w: the map's square is as large as the picture's shorter side.
     clip_per_vw: vec2f,
-    t_max: f32,
     // The segments are a part of the light: its own t is t_start + t_span t.
     t_start: f32,
     t_span: f32,
+    // What is mapped has t from map_t_base on, over map_t_span.
+    map_t_base: f32,
+    map_t_span: f32,
 }
 
 @group(0) @binding(0) var<uniform> wireframe: Wireframe;
@@ -48,6 +50,6 @@ fn fs_wireframe(in: Fragment) -> Drawn {
     // Distance to each edge in pixels; a line fades over half a pixel to each side.
     let pixels = in.weights / max(fwidth(in.weights), vec3f(1e-30));
     let edge = saturate(1.0 - 2.0 * min(pixels.x, min(pixels.y, pixels.z)));
-    let t = wireframe.t_start + wireframe.t_span * in.t;
-    return Drawn(vec4f(t, edge, 0.0, 1.0), in.t / wireframe.t_max);
+    let t = wireframe.t_start + wireframe.t_span * (in.t + wireframe.map_t_base);
+    return Drawn(vec4f(t, edge, 0.0, 1.0), in.t / wireframe.map_t_span);
 }

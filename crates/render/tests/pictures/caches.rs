@@ -77,6 +77,43 @@ fn only_what_changed_is_drawn_again() {
     assert_eq!(runs(one_light), LIT);
 }
 
+/// Maps are fitted to the scene, whatever the camera sees of it: where only that moves, near to where little is to be
+/// seen and back, no map is drawn again, and a picture is that of a renderer that has seen nothing else.
+#[test]
+fn a_moved_camera_draws_no_map() {
+    let wide = SpotLight { cone_angle: 85.0, ..key() };
+    let bent = |spot: &SpotLight| Light {
+        name: "bent".into(),
+        kind: LightKind::Bendy(bendy::bend(&SpotLight { range: Some(5.0), ..spot.clone() }, 2).unwrap()),
+    };
+    let lights = [named(key()), bent(&key()), bent(&wide), named(wide)];
+    let mut kept = renderer(&tables());
+    let eyes = [DVec3::new(2.0, 3.0, 4.0), DVec3::new(0.1, 1.2, 0.1), DVec3::new(-9.0, 4.0, 2.0)];
+    for (k, eye) in eyes.into_iter().enumerate() {
+        let view = view(eye, DVec3::new(0.3, 0.0, 0.2), [33, 21], Aov::Beauty);
+        let drawn = kept.render(&view, &lights).unwrap();
+        assert_eq!(kept.counts().shadow, 4, "camera {k}");
+        assert_eq!(drawn, picture(&tables(), &view, &lights));
+    }
+    // The planted fault: a scene that changes has maps of its own.
+    kept.set_scene(&scene_of([floor(3.0, 0.0)], vec![Material::default()])).unwrap();
+    kept.render(&view(eyes[0], DVec3::ZERO, [33, 21], Aov::Beauty), &lights).unwrap();
+    assert_eq!(kept.counts().shadow, 8);
+}
+
+/// A light with nothing in it lights nothing and shades nothing, and one whose scene is empty is drawn all the same.
+#[test]
+fn a_light_with_nothing_in_it_has_an_empty_map() {
+    let up = spot(DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.1, 9.0, 0.0));
+    let bent = Light { name: "bent".into(), kind: LightKind::Bendy(bendy::bend(&up, 2).unwrap()) };
+    let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
+    for light in [named(up), bent] {
+        let dark = picture(&tables(), &view, std::slice::from_ref(&light));
+        assert!(dark.pixels.iter().all(|pixel| pixel[..3] == [0.0; 3]));
+        assert!(picture(&Scene::default(), &view, &[light]).pixels.iter().all(|pixel| *pixel == [0.0; 4]));
+    }
+}
+
 /// What each picture makes run, in a renderer that has drawn nothing before.
 fn steps<'a>(pictures: impl IntoIterator<Item = (&'a View, &'a [Light])>) -> Vec<PassCounts> {
     let mut renderer = renderer(&tables());

@@ -82,6 +82,29 @@ fn little_memory_makes_the_same_pictures() {
     assert!(poor.render(&camera(1), &other).unwrap() != whole);
 }
 
+/// A very wide light's map has five faces of half the size, and no other light's room will do for it.
+#[test]
+fn wide_lights_are_counted_by_their_faces() {
+    let (mut renderer, ledger) = renderer(1 << 30);
+    let maps = |angles: &[f64], renderer: &mut Renderer| {
+        let spots =
+            angles.iter().map(|&cone_angle| SpotLight { cone_angle, ..spot(DVec3::Y * 3.0, DVec3::ZERO) });
+        let bent = |spot: &SpotLight| {
+            let kind =
+                LightKind::Bendy(bendy::bend(&SpotLight { range: Some(6.0), ..spot.clone() }, 2).unwrap());
+            Light { name: "bent".into(), kind }
+        };
+        let lights: Vec<_> = spots.flat_map(|spot| [bent(&spot), named(spot)]).collect();
+        renderer.render(&camera(1), &lights).unwrap();
+        ledger.bytes(MemoryKind::ShadowMaps)
+    };
+    assert_eq!(maps(&[25.0], &mut renderer), 2 * MAP);
+    assert_eq!(maps(&[25.0, 85.0], &mut renderer), 2 * MAP + 2 * 5 * MAP / 4);
+    // In the place of the one is no room for the other.
+    assert_eq!(maps(&[70.0], &mut renderer), 2 * MAP + 2 * 5 * MAP / 4);
+    assert_eq!(renderer.counts().shadow, 6);
+}
+
 /// One device for the tests of what is given back.
 fn shared() -> &'static Arc<Gpu> {
     static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();

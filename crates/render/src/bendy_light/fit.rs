@@ -1,0 +1,380 @@
+//! What of a bent map is drawn: on each face, and along the light, where something may cast shadows.
+//!
+//! Each piece of the tube is compared with boxes around the scene's triangles. In a piece the curve lies in a plane: a
+//! point's distance N from that plane is linear, its distance M from the curve within the plane follows from its
+//! distance to the tangent at the piece's middle, and V and W are N and M turned about the tangent.
+
+use bendy::{Frame, Segment, Slab, Tube, quadratic_range};
+use glam::{DMat3, DVec3};
+
+use super::faces::{Faces, MOST_FACES};
+use crate::clusters::{Cluster, Clusters, Side};
+
+/// Pieces that a slab of at most 15 degrees is cut into.
+const PIECES: u32 = 4;
+/// Bounds grow by this share of the light's size: rounding here and on the GPU.
+const ROUNDING: f64 = 1e-6;
+/// Texels around what may cast shadows, so that the filter reaches no texel that is left out.
+const MARGIN_TEXELS: f64 = 2.0;
+/// A face is fitted to no less than this share of it, and neither way to less than a quarter of the other way: finer
+/// texels than that are lost in the rounding of positions.
+const SMALLEST_SHARE: f64 = 1.0 / 128.0;
+const SMALLEST_RATIO: f64 = 0.25;
+
+/// The least and the greatest value of something.
+type Range = [f64; 2];
+
+/// Where in a light something may cast shadows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fit {
+    pub faces: Faces,
+    /// x / depth and y / depth on each face; `None` where nothing is.
+    pub bounds: [Option<[Range; 2]>; MOST_FACES],
+    /// Along the light; `None` where nothing is in it.
+    pub t: Option<Range>,
+}
+
+/// What of a face is drawn.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Drawn {
+    pub center: [f64; 2],
+    /// Half the size.
+    pub half: [f64; 2],
+}
+
+impl Fit {
+    /// Fits a map to `clusters`, boxes in scene space grown by `mesh_error` in the world; an extended tube ends at
+    /// `t_max`.
+    pub fn new(
+        (tube, faces, t_max): (&Tube<f64>, Faces, f64),
+        scene_origin: DVec3,
+        (clusters, mesh_error): (&Clusters, f64),
+    ) -> Self {
+        let pieces = pieces(tube, t_max, scene_origin);
+        let comes_in = |side: &Side| comes_in(&pieces, tube, side, scene_origin);
+        let mut fit = Self { faces, bounds: [None; MOST_FACES], t: None };
+        let trees: Vec<_> = clusters.casting(mesh_error, comes_in).collect();
+        for (piece, tree) in pieces.iter().flat_map(|piece| trees.iter().map(move |tree| (piece, tree))) {
+            tree.walk(mesh_error, |cluster, has_more| {
+                let Some(here) = piece.bounds_of(cluster) else { return false };
+                let here = Self::of(faces, &here);
+                if !has_more {
+                    fit.extend(&here);
+                }
+                has_more && !fit.holds(&here)
+            });
+        }
+        fit
+    }
+
+    /// All of a light up to `t_max`.
+    pub fn whole(faces: Faces, t_max: f64) -> Self {
+        Self { faces, bounds: [None; MOST_FACES], t: Some([0.0, t_max]) }
+    }
+
+    fn of(faces: Faces, place: &Place) -> Self {
+        let depth = place.radius.map(|r| r / faces.slope());
+        let mut fit = Self { faces, bounds: [None; MOST_FACES], t: Some(place.t) };
+        for (face, bounds) in fit.bounds.iter_mut().enumerate().take(faces.count()) {
+            let opposite = |[low, high]: Range| [-high, -low];
+            let [x, y, ahead] = match face {
+                0 => [place.v, place.w, depth],
+                1 => [place.w, depth, place.v],
+                2 => [place.w, depth, opposite(place.v)],
+                3 => [place.v, depth, place.w],
+                _ => [place.v, depth, opposite(place.w)],
+            };
+            *bounds = slopes([x, y], ahead, faces.limits(face));
+        }
+        fit
+    }
+
+    fn extend(&mut self, other: &Self) {
+        let union = |[a, b]: Range, [c, d]: Range| [a.min(c), b.max(d)];
+        for (own, other) in self.bounds.iter_mut().zip(other.bounds) {
+            *own = match (*own, other) {
+                (Some(a), Some(b)) => Some([union(a[0], b[0]), union(a[1], b[1])]),
+                (a, b) => a.or(b),
+            };
+        }
+        self.t = match (self.t, other.t) {
+            (Some(a), Some(b)) => Some(union(a, b)),
+            (a, b) => a.or(b),
+        };
+    }
+
+    fn holds(&self, other: &Self) -> bool {
+        let within = |outer: Range, inner: Range| outer[0] <= inner[0] && inner[1] <= outer[1];
+        let mut faces = self.bounds.iter().zip(other.bounds);
+        let held = faces.all(|(own, other)| match (own, other) {
+            (Some(a), Some(b)) => within(a[0], b[0]) && within(a[1], b[1]),
+            (None, Some(_)) => false,
+            (_, None) => true,
+        });
+        held && matches!((self.t, other.t), (Some(a), Some(b)) if within(a, b))
+    }
+
+    /// What is drawn of a face of so many texels a side. No more than lies in the tube, whose rim is the map's; beyond
+    /// the edge of another face as far as the filter reaches.
+    pub fn drawn(&self, face: usize, side: f64) -> Drawn {
+        let limits = self.faces.limits(face);
+        let grown = side / (side - 2.0 * MARGIN_TEXELS);
+        let bounds = self.bounds[face].unwrap_or(limits);
+        let size = [0, 1].map(|axis| bounds[axis][1] - bounds[axis][0]);
+        let least = size[0].max(size[1]) * SMALLEST_RATIO;
+        let mut drawn = Drawn { center: [0.0; 2], half: [0.0; 2] };
+        for axis in 0..2 {
+            let [low, high] = limits[axis];
+            let rim = |slope: f64| !self.faces.is_cube() || slope.abs() < 1.0;
+            let reach = (high - low) / 2.0 * (grown - 1.0);
+            let [low, high] =
+                [if rim(low) { low } else { low - reach }, if rim(high) { high } else { high + reach }];
+            let half = size[axis].max(least).max((high - low) * SMALLEST_SHARE) / 2.0 * grown;
+            let half = half.min((high - low) / 2.0);
+            let middle = f64::midpoint(bounds[axis][0], bounds[axis][1]);
+            (drawn.center[axis], drawn.half[axis]) =
+                (middle.clamp(low + half, (high - half).max(low + half)), half);
+        }
+        drawn
+    }
+}
+
+fn pieces(tube: &Tube<f64>, t_max: f64, scene_origin: DVec3) -> Vec<Piece> {
+    let share = |k: u32| f64::from(k) / f64::from(PIECES);
+    bendy::slabs(tube, t_max, ROUNDING)
+        .iter()
+        .flat_map(|slab| (0..PIECES).map(|k| Piece::new(tube, slab, [share(k), share(k + 1)], scene_origin)))
+        .collect()
+}
+
+/// Whether light may come in through a side: it does not where it goes nowhere but out.
+fn comes_in(pieces: &[Piece], tube: &Tube<f64>, side: &Side, scene_origin: DVec3) -> bool {
+    !pieces.iter().all(|piece| piece.leaves(tube, side, scene_origin))
+}
+
+/// x / depth and y / depth within `limits`; `None` where there are none.
+fn slopes(aside: [Range; 2], depth: Range, limits: [Range; 2]) -> Option<[Range; 2]> {
+    // What lies on the face is as far ahead as it lies aside.
+    let nearest = aside
+        .iter()
+        .zip(limits)
+        .map(|([low, high], [least, most])| low.max(-high).max(0.0) / least.abs().max(most.abs()));
+    let [near, far] = [nearest.fold(depth[0].max(0.0), f64::max), depth[1]];
+    if !(far > 0.0 && near <= far) {
+        return None;
+    }
+    let mut slopes = limits;
+    for (slope, [low, high]) in slopes.iter_mut().zip(aside) {
+        // At a depth of 0 any slope is possible.
+        let over = |x: f64, depth: f64| if depth > 0.0 { x / depth } else { x * f64::INFINITY };
+        let least = if low > 0.0 {
+            low / far
+        } else if low == 0.0 {
+            0.0
+        } else {
+            over(low, near)
+        };
+        let most = if high < 0.0 {
+            high / far
+        } else if high == 0.0 {
+            0.0
+        } else {
+            over(high, near)
+        };
+        *slope = [slope[0].max(least), slope[1].min(most)];
+        if slope[0] > slope[1] {
+            return None;
+        }
+    }
+    Some(slopes)
+}
+
+/// Where a box lies in a piece: all that its points may have.
+struct Place {
+    v: Range,
+    w: Range,
+    radius: Range,
+    t: Range,
+}
+
+/// A short piece of the tube, with what is linear in positions as a normal in scene space and an offset.
+struct Piece {
+    segment: Segment<f64>,
+    t_start: f64,
+    t_span: f64,
+    /// Distance past the plane square to the curve at the start.
+    past_start: (DVec3, f64),
+    /// The same at the end.
+    past_end: (DVec3, f64),
+    /// N.
+    normal: (DVec3, f64),
+    /// Along the tangent in the middle, from the start.
+    along: (DVec3, f64),
+    /// Across it, in the curve's plane.
+    across: (DVec3, f64),
+    /// The curve as (d, a) of `u (2 d + u a)` in those two directions.
+    curve: [(f64, f64); 2],
+    /// Cosine and sine of the tangent's largest turn from the middle.
+    turn: (f64, f64),
+    /// V and W are `(alpha N + beta M, beta N - alpha M)`, turned on by up to so many radians.
+    alpha: f64,
+    beta: f64,
+    twist: f64,
+}
+
+impl Piece {
+    fn new(tube: &Tube<f64>, slab: &Slab, [start, end]: Range, scene_origin: DVec3) -> Self {
+        let segment = slab.piece.piece(start, end);
+        let placement = &tube.placement;
+        let to_tube: DMat3 = placement.rotation.transpose() * (1.0 / placement.world_per_tube);
+        let origin = placement.tube_from_world(scene_origin);
+        let linear =
+            |direction: DVec3, from: DVec3| (to_tube.transpose() * direction, direction.dot(origin - from));
+        let (first, middle, last) = (segment.u_hat(0.0), segment.u_hat(0.5), segment.u_hat(1.0));
+        let m_hat = segment.n_hat.cross(middle).normalize_or_zero();
+        let cos = first.dot(middle).min(last.dot(middle)).clamp(0.0, 1.0);
+        let sin = (1.0 - cos * cos).sqrt();
+        let (v_hat, _) = tube.cross_section(&segment, middle);
+        let twist = if tube.frame == Frame::Up {
+            // The frame turns about the tangent by `cot` of the tangent's angle to "up" for each radian of the bend.
+            let turn = cos.acos();
+            let angle = tube.up.cross(middle).length().atan2(tube.up.dot(middle).abs()) - turn;
+            if angle > 0.0 { turn / angle.tan() } else { f64::INFINITY }
+        } else {
+            0.0
+        };
+        Self {
+            past_start: linear(first, segment.b0),
+            past_end: linear(last, segment.b2),
+            normal: linear(segment.n_hat, segment.b0),
+            along: linear(middle, segment.b0),
+            across: linear(m_hat, segment.b0),
+            curve: [middle, m_hat].map(|axis| (segment.d0.dot(axis), segment.a.dot(axis))),
+            turn: (cos, sin),
+            alpha: v_hat.dot(segment.n_hat),
+            beta: v_hat.dot(m_hat),
+            twist,
+            t_start: slab.t_start + slab.t_span * start,
+            t_span: slab.t_span * (end - start),
+            segment,
+        }
+    }
+
+    /// Where points of the box that lie in the piece may be; `None` where none do.
+    fn bounds_of(&self, cluster: &Cluster) -> Option<Place> {
+        let range = |(normal, offset): (DVec3, f64)| {
+            let [low, high] = cluster.range(normal, offset);
+            let slack = ROUNDING * (1.0 + low.abs().max(high.abs()));
+            [low - slack, high + slack]
+        };
+        if range(self.past_start)[1] < 0.0 || range(self.past_end)[0] > 0.0 {
+            return None;
+        }
+        let largest = self.radius([0.0, 1.0])[1];
+        let normal = range(self.normal);
+        if distance(normal) > largest {
+            return None;
+        }
+        // What lies aside of a tangent that turns lies behind or before the middle's.
+        let (cos, sin) = self.turn;
+        let shift = largest * sin;
+        let [low, high] = range(self.along);
+        let u = [self.parameter(low - shift), self.parameter(high + shift)];
+        let radius = self.radius(u);
+        let sagitta = quadratic_on(0.0, self.curve[1], u);
+        let [low, high] = range(self.across);
+        let grow = |x: f64, outward: bool| if outward { x / cos } else { x };
+        let (low, high) = (low - sagitta[1], high - sagitta[0]);
+        let in_plane = [grow(low, low < 0.0), grow(high, high > 0.0)];
+        if distance(normal).hypot(distance(in_plane)) > radius[1] {
+            return None;
+        }
+        let (alpha, beta) = (self.alpha, self.beta);
+        let (v, w) = (sum(normal, alpha, in_plane, beta), sum(normal, beta, in_plane, -alpha));
+        let (v, w) = turned(v, w, self.twist);
+        let t = u.map(|u| self.t_start + self.t_span * u);
+        Some(Place { v: within(v, radius[1]), w: within(w, radius[1]), radius, t })
+    }
+
+    /// Whether every path of the piece that is not well inside of a side goes outwards there.
+    ///
+    /// A path's tangent is `u_hat (|P'| - r . u_hat') + (r / R) R'`, where the frame does not turn about it.
+    fn leaves(&self, tube: &Tube<f64>, side: &Side, scene_origin: DVec3) -> bool {
+        let in_scene = |corner: DVec3| tube.placement.world_from_tube(corner) - scene_origin;
+        let highest = self.segment.bounds.corners().map(|corner| side.height(in_scene(corner)));
+        if highest.into_iter().fold(f64::NEG_INFINITY, f64::max) < -ROUNDING * (1.0 + side.offset.abs()) {
+            return true;
+        }
+        let outward = tube.placement.rotation.transpose() * side.normal;
+        let (cos, sin) = self.turn;
+        let angle = outward.dot(self.segment.u_hat(0.5)).clamp(-1.0, 1.0).acos() + cos.acos();
+        let (d, a) = self.curve[0];
+        let slowest = d.min(d + a);
+        if tube.frame == Frame::Up || angle >= std::f64::consts::FRAC_PI_2 || slowest <= 0.0 {
+            return false;
+        }
+        let turning = (self.curve[1].1.abs() + a.abs() * sin) / slowest;
+        let speed = 2.0 * slowest - self.radius([0.0, 1.0])[1] * turning;
+        let spread = [0.0, 1.0].map(|u| self.segment.radius_derivative(u).abs());
+        speed * angle.cos() > spread[0].max(spread[1]) * angle.sin()
+    }
+
+    fn radius(&self, u: Range) -> Range {
+        let Segment { r0, e0, ar, .. } = self.segment;
+        let slack = ROUNDING * (r0.abs() + e0.abs());
+        let [low, high] = quadratic_on(r0, (e0, ar), u);
+        [(low - slack).max(0.0), (high + slack).max(0.0)]
+    }
+
+    /// The parameter where the curve has gone so far along the middle's tangent, from 0 to 1.
+    fn parameter(&self, along: f64) -> f64 {
+        let (d, a) = self.curve[0];
+        let root = d * d + a * along;
+        if along <= 0.0 {
+            0.0
+        } else if root < 0.0 || d + root.sqrt() <= 0.0 {
+            1.0
+        } else {
+            (along / (d + root.sqrt())).min(1.0)
+        }
+    }
+}
+
+/// The least absolute value.
+fn distance([low, high]: Range) -> f64 {
+    low.max(-high).max(0.0)
+}
+
+/// The range of `p + u (2 d + u a)` over a range of u.
+fn quadratic_on(p: f64, (d, a): (f64, f64), [start, end]: Range) -> Range {
+    let h = end - start;
+    let (low, high) = quadratic_range(p + start * (2.0 * d + start * a), (d + start * a) * h, a * h * h);
+    [low, high]
+}
+
+/// The range of `a x + b y`.
+fn sum([x_low, x_high]: Range, a: f64, [y_low, y_high]: Range, b: f64) -> Range {
+    let (ax, ay) = ([a * x_low, a * x_high], [b * y_low, b * y_high]);
+    [ax[0].min(ax[1]) + ay[0].min(ay[1]), ax[0].max(ax[1]) + ay[0].max(ay[1])]
+}
+
+/// The ranges of a vector that is turned by up to so many radians either way.
+fn turned(v: Range, w: Range, angle: f64) -> (Range, Range) {
+    if angle == 0.0 {
+        return (v, w);
+    }
+    let size = |[low, high]: Range| low.abs().max(high.abs());
+    // No component moves farther than the whole vector does.
+    let length = size(v).hypot(size(w));
+    let by = length * angle.min(2.0);
+    let moved = |[low, high]: Range| [low - by, high + by];
+    (moved(v), moved(w))
+}
+
+/// What of a range lies within so much of 0.
+fn within([low, high]: Range, most: f64) -> Range {
+    [low.max(-most), high.min(most)]
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,232 @@
+//! Whatever lies in a light lies in its fit.
+
+use bendy::{BendyLight, EndMode, SpotLight};
+use glam::DQuat;
+
+use super::*;
+use crate::bendy_light::walk;
+
+/// Numbers from 0 to 1 that repeat themselves from run to run.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn vector(&mut self) -> DVec3 {
+        DVec3::new(self.next(), self.next(), self.next()) * 2.0 - 1.0
+    }
+}
+
+/// Tubes that bend, taper, twist, go on, and open wide.
+fn lights() -> Vec<BendyLight> {
+    let mut numbers = Numbers(7);
+    let mut lights = Vec::new();
+    for k in 0..120 {
+        let segments = 1 + k % 5;
+        let mut light = if k % 3 == 0 {
+            let spot = SpotLight { cone_angle: 30.0 + 59.9 * numbers.next(), ..SpotLight::default() };
+            let range = (k % 2 == 0).then_some(4.0);
+            bendy::bend(&SpotLight { range, ..spot }, segments).expect("a cone can be bent")
+        } else {
+            let points = (0..segments + 2).map(|i| DVec3::new(0.0, 0.0, i as f64 * -1.2)).collect();
+            BendyLight::new(points, (0..segments + 2).map(|_| 0.1 + 0.6 * numbers.next()).collect())
+        };
+        let reach = if k % 6 == 0 { 0.02 } else { 0.4 * numbers.next() };
+        for point in &mut light.points[1..] {
+            *point += numbers.vector() * reach;
+        }
+        if k % 4 == 1 {
+            (light.frame, light.up) = (Frame::Up, DVec3::Y);
+        }
+        if k % 5 == 2 {
+            light.end_mode = EndMode::Extend;
+        }
+        light.transform.translation = numbers.vector() * 3.0;
+        light.transform.rotation = DQuat::from_scaled_axis(numbers.vector() * 3.0);
+        light.transform.scale = 0.5 + numbers.next();
+        if Tube::new(&light).is_ok() {
+            lights.push(light);
+        }
+    }
+    lights
+}
+
+const ORIGIN: DVec3 = DVec3::new(0.7, -0.4, 0.2);
+
+/// Lumps of small triangles about the tube, now and then some large ones, in scene space.
+fn soup(tube: &Tube<f64>, seed: u64) -> Vec<[f32; 3]> {
+    let mut numbers = Numbers(seed);
+    let mut positions = Vec::new();
+    for lump in 0..=seed % 3 {
+        let segment = &tube.segments[(numbers.next() * tube.n as f64) as usize];
+        let u = numbers.next();
+        let beside = segment.position(u) + numbers.vector() * (1.2 * segment.radius(u));
+        let middle = tube.placement.world_from_tube(beside) - ORIGIN;
+        let (count, size) = if lump == 2 { (2, 3.0) } else { (150, 0.4 * numbers.next()) };
+        for _ in 0..3 * count {
+            positions.push((middle + numbers.vector() * size).as_vec3().to_array());
+        }
+    }
+    positions
+}
+
+/// The places in the tube of points all over the triangles.
+fn places(tube: &Tube<f64>, positions: &[[f32; 3]], numbers: &mut Numbers) -> Vec<[f64; 4]> {
+    let mut found = Vec::new();
+    for corners in positions.as_chunks::<3>().0 {
+        let [a, b, c] = corners.map(|p| ORIGIN + glam::Vec3::from(p).as_dvec3());
+        for k in 0..12 {
+            let (x, y) = (numbers.next(), numbers.next());
+            let (x, y) = if x + y > 1.0 { (1.0 - x, 1.0 - y) } else { (x, y) };
+            // Corners and edges too: what reaches farthest.
+            let (x, y) = match k {
+                0 => (0.0, 0.0),
+                1 => (1.0, 0.0),
+                2 => (0.0, 1.0),
+                3 => (x, 0.0),
+                _ => (x, y),
+            };
+            let q = tube.placement.tube_from_world(a + (b - a) * x + (c - a) * y);
+            tube.for_each_root(q, |root| {
+                found.push([root.v_len, root.w_len, root.radius, root.segment as f64 + root.u]);
+            });
+        }
+    }
+    found
+}
+
+/// The face that holds a place, and x / depth and y / depth there.
+fn on_face(fit: &Fit, [v, w, radius, _]: [f64; 4]) -> (usize, [f64; 2]) {
+    let depth = radius / fit.faces.slope();
+    let face = match () {
+        () if !fit.faces.is_cube() || depth >= v.abs().max(w.abs()) => 0,
+        () if v.abs() >= w.abs() => 1 + usize::from(v < 0.0),
+        () => 3 + usize::from(w < 0.0),
+    };
+    let place = fit.faces.face_from_tube(face) * DVec3::new(v, w, radius);
+    (face, [place.x / place.z, place.y / place.z])
+}
+
+/// Whether a place lies in a fit whose bounds are cut by a share of their size on each side.
+fn holds(fit: &Fit, place: [f64; 4], cut: f64) -> bool {
+    let (face, at) = on_face(fit, place);
+    let inside = |x: f64, [low, high]: Range| {
+        let less = cut * (high - low) - 1e-12;
+        (low + less..=high - less).contains(&x)
+    };
+    let bounds = fit.bounds[face];
+    bounds.is_some_and(|[x, y]| inside(at[0], x) && inside(at[1], y))
+        && fit.t.is_some_and(|range| inside(place[3], range))
+}
+
+/// Whether what is drawn of a face reaches so many of its texels past a place, or to the rim of the tube.
+fn reaches(fit: &Fit, drawn_side: f64, place: [f64; 4], texels: f64) -> bool {
+    let (face, at) = on_face(fit, place);
+    let Drawn { center, half } = fit.drawn(face, drawn_side);
+    (0..2).all(|axis| {
+        let margin = 2.0 * half[axis] * texels / SIDE - 1e-9;
+        [-1.0, 1.0].into_iter().zip(fit.faces.limits(face)[axis]).all(|(sign, limit)| {
+            let edge = center[axis] + sign * half[axis];
+            let rim = !fit.faces.is_cube() || limit.abs() < 1.0;
+            sign * (edge - at[axis]) >= margin || (rim && sign * (limit - edge) <= 1e-9)
+        })
+    })
+}
+
+const SIDE: f64 = 512.0;
+
+/// The filter looks two texels past a place, and finds what is drawn there: at the edges of a fit and across those of
+/// faces.
+#[test]
+fn the_filter_reaches_no_texel_that_is_left_out() {
+    let (mut caught, mut cubes) = (0, 0);
+    for (seed, light) in (0..).zip(lights()) {
+        let tube = Tube::new(&light).expect("checked before");
+        let positions = soup(&tube, seed);
+        let indices: Vec<u32> = (0..positions.len() as u32).collect();
+        let clusters = Clusters::new(&positions, &indices);
+        let light = (&tube, Faces::of(&light), super::super::t_max(&tube, ORIGIN, DVec3::splat(8.0)));
+        let fit = Fit::new(light, ORIGIN, (&clusters, 0.0));
+        // Every direction that a receiver may have on the faces of a cube, and what casts shadows.
+        let all_around = (0..4000).map(|k| {
+            let (radius, angle) = ((f64::from(k) / 4000.0).sqrt(), f64::from(k) * 2.4);
+            [radius * angle.cos(), radius * angle.sin(), 1.0, 0.0]
+        });
+        let whole = Fit { bounds: [None; MOST_FACES], ..fit };
+        let places = places(&tube, &positions, &mut Numbers(seed));
+        let judged = || places.iter().map(|&p| (fit, p)).chain(all_around.clone().map(|p| (whole, p)));
+        for (fit, place) in judged() {
+            assert!(reaches(&fit, SIDE, place, MARGIN_TEXELS), "{place:?} of light {seed} in {fit:?}");
+        }
+        cubes += usize::from(fit.faces.is_cube());
+        // The planted fault: no margin, as on endlessly many texels.
+        caught += usize::from(judged().any(|(fit, place)| !reaches(&fit, 1e9, place, MARGIN_TEXELS)));
+    }
+    assert!(cubes > 5 && caught >= cubes, "a margin of 0 is seen in only {caught} of {cubes} lights");
+}
+
+#[test]
+fn a_fit_holds_all_that_casts_shadows() {
+    let (mut checked, mut empty, mut cubes, mut caught) = (0, 0, 0, 0);
+    for (seed, light) in (0..).zip(lights()) {
+        let tube = Tube::new(&light).expect("checked before");
+        let positions = soup(&tube, seed);
+        let indices: Vec<u32> = (0..positions.len() as u32).collect();
+        let clusters = Clusters::new(&positions, &indices);
+        let t_max = super::super::t_max(&tube, ORIGIN, DVec3::splat(8.0));
+        let faces = Faces::of(&light);
+        let fit = Fit::new((&tube, faces, t_max), ORIGIN, (&clusters, 0.0));
+        let places = places(&tube, &positions, &mut Numbers(seed));
+        for &place in &places {
+            assert!(holds(&fit, place, 0.0), "{place:?} of light {seed} is not in {fit:?}");
+        }
+        checked += places.len();
+        empty += usize::from(fit.t.is_none());
+        cubes += usize::from(faces.is_cube());
+        // The planted fault: bounds that are a little too small.
+        caught += usize::from(places.iter().any(|&place| !holds(&fit, place, 0.05)));
+    }
+    println!("{checked} places, {empty} empty, {cubes} cubes, {caught} caught");
+    assert!(checked > 10_000 && empty > 0 && cubes > 5, "{checked} places, {empty} empty, {cubes} cubes");
+    assert!(caught > 15, "bounds that are too small are seen in only {caught} lights");
+}
+
+/// No path comes back in through a side that light is said not to come in through. Those that do come back in are the
+/// planted fault: a rule that trusted every light would let them.
+#[test]
+fn no_path_comes_in_where_none_is_said_to() {
+    let mut numbers = Numbers(3);
+    let (mut trusted, mut back) = (0, 0);
+    for light in lights() {
+        let tube = Tube::new(&light).expect("checked before");
+        let pieces = pieces(&tube, tube.n as f64 + 1.0, ORIGIN);
+        for axis in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z] {
+            let through = tube.placement.world_from_tube(walk::point_at(
+                &tube,
+                numbers.next() * tube.n as f64,
+                0.0,
+                0.0,
+            ));
+            let side = Side { normal: axis, offset: axis.dot(through - ORIGIN) };
+            let returns = (0..24).any(|k| {
+                let (v, w) = (0.97 * f64::from(k).cos(), 0.97 * f64::from(k).sin());
+                let mut outside = false;
+                (0..=60).any(|step| {
+                    let at = walk::point_at(&tube, tube.n as f64 * f64::from(step) / 60.0, v, w);
+                    let height = side.height(tube.placement.world_from_tube(at) - ORIGIN);
+                    outside |= height > 1e-4;
+                    outside && height < -1e-4
+                })
+            });
+            let comes_in = comes_in(&pieces, &tube, &side, ORIGIN);
+            assert!(comes_in || !returns, "a path comes back in through {side:?} of {light:?}");
+            trusted += usize::from(!comes_in);
+            back += usize::from(returns);
+        }
+    }
+    println!("{trusted} sides are trusted, through {back} light comes back");
+    assert!(trusted > 50 && back > 50, "{trusted} sides are trusted, through {back} light comes back");
+}

@@ -1,0 +1,126 @@
+//! A fitted bent map in the numbers that its passes want.
+
+use glam::{DMat3, DVec3};
+
+use super::faces::MOST_FACES;
+use super::fit::{Drawn, Fit};
+use super::layout::{BentShadow, Mat3};
+
+/// What a map shows of a light: its faces fitted to the scene, each of so many texels a side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MapShape {
+    fit: Fit,
+    side: u32,
+}
+
+impl MapShape {
+    pub(super) fn new(fit: Fit, side: u32) -> Self {
+        Self { fit, side }
+    }
+
+    /// Texels along each side of a face.
+    pub fn side(&self) -> u32 {
+        self.side
+    }
+
+    pub fn face_count(&self) -> usize {
+        self.fit.faces.count()
+    }
+
+    pub fn slope(&self) -> f64 {
+        self.fit.faces.slope()
+    }
+
+    pub fn is_cube(&self) -> bool {
+        self.fit.faces.is_cube()
+    }
+
+    /// Where something casts shadows along the light, with room for rounding; `None` where nothing does.
+    pub fn t_range(&self) -> Option<[f64; 2]> {
+        self.fit.t.map(|[first, last]| {
+            let room = 1e-3 * (last - first) + 1e-6 * (1.0 + last);
+            [(first - room).max(0.0), last + room]
+        })
+    }
+
+    /// Where along the light depths begin. On the sides of a cube they are no differences of t, so there 0.
+    pub fn t_base(&self) -> f64 {
+        if self.is_cube() { 0.0 } else { self.t_range().map_or(0.0, |[first, _]| first) }
+    }
+
+    /// The greatest t of what casts shadows.
+    pub fn t_last(&self) -> f64 {
+        self.t_range().map_or(1.0, |[_, last]| last)
+    }
+
+    /// What depths reach over: 1 stands for its end.
+    pub fn t_span(&self) -> f64 {
+        self.t_last() - self.t_base()
+    }
+
+    fn drawn(&self, face: usize) -> Drawn {
+        self.fit.drawn(face, f64::from(self.side))
+    }
+
+    /// Middle and 1 / half size of each face, for `bent_lookup.wgsl`.
+    pub(super) fn fits(&self) -> [[f32; 4]; MOST_FACES] {
+        std::array::from_fn(|face| {
+            if face >= self.face_count() {
+                return [0.0; 4];
+            }
+            let Drawn { center, half } = self.drawn(face);
+            [center[0], center[1], half[0].recip(), half[1].recip()].map(|x| x as f32)
+        })
+    }
+
+    fn clip_from_mapped(&self, face: usize) -> DMat3 {
+        let Drawn { center, half } = self.drawn(face);
+        let clip_from_face = DMat3::from_cols(
+            DVec3::X / half[0],
+            DVec3::Y / half[1],
+            DVec3::new(-center[0] / half[0], -center[1] / half[1], 1.0),
+        );
+        clip_from_face * self.fit.faces.face_from_tube(face)
+    }
+
+    /// Of each face that there is, for `bent_map.wgsl`.
+    pub(super) fn clips_from_mapped(&self) -> [Mat3; MOST_FACES] {
+        std::array::from_fn(|face| {
+            if face < self.face_count() { columns(&self.clip_from_mapped(face)) } else { [[0.0; 4]; 3] }
+        })
+    }
+
+    /// Whether something may cast shadows on a face.
+    pub fn casts(&self, face: usize) -> bool {
+        self.fit.bounds[face].is_some()
+    }
+
+    /// How a face is drawn.
+    pub(super) fn shadow(&self, face: usize) -> BentShadow {
+        let Drawn { center, half } = self.drawn(face);
+        let (row, most) = if face == 0 {
+            ([1.0, 0.0], 1.0)
+        } else {
+            ([center[1] + half[1], -2.0 * half[1] / f64::from(self.side)], self.slope())
+        };
+        BentShadow {
+            clip_from_mapped: columns(&self.clip_from_mapped(face)),
+            row: row.map(|x| x as f32),
+            depth_per_t: (self.t_span() * most).recip() as f32,
+            pad0: 0.0,
+        }
+    }
+
+    /// Texels per unit of v and w where they are finest.
+    pub fn texels_per_vw(&self) -> f64 {
+        let finest = |face: usize| self.drawn(face).half.map(f64::recip).into_iter().fold(0.0, f64::max);
+        let finest = (0..self.face_count()).map(finest).fold(0.0, f64::max);
+        // A step of v moves a point on a side of the cube along both of its axes.
+        let both = if self.is_cube() { std::f64::consts::SQRT_2 } else { 1.0 };
+        0.5 * f64::from(self.side) * finest * self.slope() * both
+    }
+}
+
+fn columns(matrix: &DMat3) -> Mat3 {
+    matrix.to_cols_array_2d().map(|[x, y, z]| [x as f32, y as f32, z as f32, 0.0])
+}

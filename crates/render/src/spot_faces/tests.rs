@@ -1,0 +1,80 @@
+//! Whatever lies in a light lies on its faces.
+
+use glam::DQuat;
+
+use super::*;
+
+/// Points and lights that repeat themselves from run to run.
+fn vector(k: usize) -> DVec3 {
+    let k = k as f64 + 1.0;
+    DVec3::new(k * 0.754_877_666, k * 0.569_840_29, k * 0.362_3).fract() * 2.0 - 1.0
+}
+
+/// The face that a position in light space belongs to, and x / depth, y / depth and depth there.
+fn place(faces: &[Face], position: DVec3) -> (usize, DVec3) {
+    let on = |face: &Face| face.axes * position;
+    let aside = |p: DVec3| p.x.abs().max(p.y.abs()) / p.z;
+    let ahead = faces.iter().enumerate().filter(|(_, face)| on(face).z > 0.0);
+    let (index, face) = ahead.min_by(|(_, a), (_, b)| aside(on(a)).total_cmp(&aside(on(b)))).expect("a face");
+    let p = on(face);
+    (index, DVec3::new(p.x / p.z, p.y / p.z, p.z))
+}
+
+/// Whether a face, its size times `share`, shows a place with two texels around it.
+fn shows(fitted: &FittedFaces, side: f64, position: DVec3, share: f64) -> bool {
+    let (index, p) = place(&fitted.faces, position);
+    let face = &fitted.faces[index];
+    let margin = face.half * 2.0 * MARGIN_TEXELS / side - 1e-9;
+    face.casts
+        && ((p.truncate() - face.center).abs() + margin).cmple(face.half * share).all()
+        && p.z >= fitted.nearest * (1.0 - 1e-9)
+}
+
+#[test]
+fn faces_show_all_that_casts_shadows() {
+    let (side, mut checked, mut empty, mut caught) = (1024.0, 0, 0, 0);
+    for k in 0..180 {
+        let light = SpotLight { cone_angle: 10.0 + 79.9 * (k as f64 / 180.0), ..SpotLight::default() };
+        let rotation = DQuat::from_scaled_axis(vector(k) * 3.0);
+        let light_from_scene = DAffine3::from_rotation_translation(rotation, vector(k + 100) * 2.0);
+        let scene_from_light = light_from_scene.inverse();
+        // Most of them ahead.
+        let lumps = (0..=k % 3).map(|lump| {
+            (
+                scene_from_light.transform_point3(vector(k + 200 + 17 * lump) * 2.0 - DVec3::Z),
+                0.02 + 0.4 * vector(k + lump).x.abs(),
+            )
+        });
+        let positions: Vec<[f32; 3]> = lumps
+            .flat_map(|(middle, size)| {
+                (0..300).map(move |i| (middle + vector(i) * size).as_vec3().to_array())
+            })
+            .collect();
+        let indices: Vec<u32> = (0..positions.len() as u32).collect();
+        let clusters = Clusters::new(&positions, &indices);
+        let fitted = FittedFaces::new(&light, side, light_from_scene, (&clusters, 0.0));
+        let tan_outer = light.cone_angle.to_radians().tan();
+        let inside = |p: &DVec3| p.truncate().length() <= -p.z * tan_outer && p.z < -1e-9;
+        let in_light: Vec<_> = positions
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .flat_map(|corners| {
+                let [a, b, c] =
+                    corners.map(|p| light_from_scene.transform_point3(glam::Vec3::from(p).as_dvec3()));
+                [a, b, c, (a + b) / 2.0, (a + b + c) / 3.0]
+            })
+            .filter(inside)
+            .collect();
+        for &position in &in_light {
+            assert!(shows(&fitted, side, position, 1.0), "{position} of light {k} is not in {fitted:?}");
+        }
+        checked += in_light.len();
+        empty += usize::from(fitted.nearest == f64::INFINITY);
+        // The planted fault: faces that are a little too small.
+        caught += usize::from(in_light.iter().any(|&position| !shows(&fitted, side, position, 0.9)));
+    }
+    println!("{checked} places, {empty} empty, {caught} caught");
+    assert!(checked > 3000 && empty > 5, "{checked} places, {empty} lights with nothing in them");
+    assert!(caught > 30, "faces that are too small are seen in only {caught} lights");
+}

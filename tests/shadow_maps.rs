@@ -1,0 +1,333 @@
+//! Shadows from maps are where rays say that they are, on lights that one evenly divided map would not hold: very wide
+//! ones, and those that are much wider than what they fall on.
+//!
+//! `BENDYLIGHTS_SHADOW_PICTURES=DIR` keeps the pictures.
+
+use std::path::Path;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use bendy::{BendyLight, Decay, SpotLight, Transform};
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
+use reference::Reference;
+use render::{Gpu, Picture, Renderer};
+use scene::{
+    Aov, Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Scene, View, ViewSlot,
+};
+
+const SIZE: [u32; 2] = [240, 160];
+
+/// A box from -1 to 1.
+fn cube() -> Primitive {
+    let corner = |k: u32| Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32) * 2.0 - 1.0;
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let mut primitive = Primitive::default();
+    for face in faces {
+        let [a, b, c, d] = face.map(corner);
+        let first = primitive.positions.len() as u32;
+        primitive.positions.extend([a, b, c, d]);
+        primitive.normals.extend([(b - a).cross(c - a).normalize(); 4]);
+        primitive.indices.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
+    }
+    primitive
+}
+
+/// Boxes: half their size, their turn about y, and their middle.
+fn boxes(parts: &[([f64; 3], f64, [f64; 3])]) -> Scene {
+    let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
+    for (mesh, (half, turn, middle)) in parts.iter().enumerate() {
+        let parent_from_local = DAffine3::from_scale_rotation_translation(
+            DVec3::from_array(*half),
+            DQuat::from_rotation_y(*turn),
+            DVec3::from_array(*middle),
+        );
+        scene.meshes.push(Mesh { name: String::new(), primitives: vec![cube()] });
+        scene.nodes.push(Node { name: String::new(), parent: None, parent_from_local, mesh: Some(mesh) });
+    }
+    scene.check().expect("sound");
+    scene
+}
+
+/// A floor, three walls, and posts and boards around a lamp at their middle, as high as it and lower.
+fn room() -> Scene {
+    boxes(&[
+        ([5.0, 0.1, 5.0], 0.0, [0.0, -0.1, 0.0]),
+        ([0.1, 2.0, 5.0], 0.0, [-5.0, 2.0, 0.0]),
+        ([0.1, 2.0, 5.0], 0.0, [5.0, 2.0, 0.0]),
+        ([5.0, 2.0, 0.1], 0.0, [0.0, 2.0, -5.0]),
+        ([0.1, 1.5, 0.2], 0.4, [-2.0, 1.5, 0.3]),
+        ([0.15, 1.4, 0.1], 0.9, [1.8, 1.4, -0.9]),
+        ([0.4, 0.03, 0.3], 0.2, [0.4, 1.2, -0.3]),
+        ([0.2, 0.9, 0.1], 0.1, [-0.3, 0.9, -2.1]),
+        ([0.3, 0.2, 0.1], 1.1, [1.6, 1.3, 1.2]),
+        ([0.1, 0.6, 0.1], 0.6, [-1.2, 0.6, 1.4]),
+        ([0.8, 0.05, 0.1], 0.7, [-2.8, 1.4, -2.2]),
+        // Close to the floor, where a coarse map takes them for it.
+        ([0.5, 0.005, 0.3], 0.3, [-0.6, 0.03, 0.7]),
+        ([0.4, 0.005, 0.4], 0.8, [0.9, 0.06, 1.3]),
+        ([0.3, 0.005, 0.4], 0.1, [0.8, 0.12, -0.8]),
+    ])
+}
+
+/// Axes that look from `eye` to `target`, with -z forward.
+fn looking(eye: DVec3, target: DVec3, up: DVec3) -> DQuat {
+    let back = (eye - target).normalize();
+    let right = up.cross(back).normalize();
+    DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back))
+}
+
+fn view(eye: DVec3, target: DVec3) -> View {
+    let camera = Camera {
+        name: String::new(),
+        translation: eye,
+        rotation: looking(eye, target, DVec3::Y),
+        projection: Projection::Perspective { yfov: 0.9, aspect_ratio: None, znear: 0.05, zfar: None },
+    };
+    let [width, height] = SIZE;
+    View { camera, width, height, samples: 1, aov: Aov::Visibility, light: 0, slot: ViewSlot::default() }
+}
+
+/// A spotlight from `eye` to `target`, and what `bend` makes of it.
+fn pair(eye: DVec3, target: DVec3, cone_angle: f64) -> [(&'static str, LightKind); 2] {
+    let spot = SpotLight {
+        transform: Transform { translation: eye, rotation: looking(eye, target, DVec3::X), scale: 1.0 },
+        cone_angle,
+        cone_softness: 0.0,
+        decay: Decay::None,
+        range: Some(9.0),
+        ..SpotLight::default()
+    };
+    let bent = bendy::bend(&spot, 2).expect("it can be bent");
+    [("spot", LightKind::Spot(spot)), ("bent", LightKind::Bendy(bent))]
+}
+
+/// The GPU's picture, by a renderer that all tests share.
+fn drawn(scene: &Scene, view: &View, light: &LightKind) -> Picture {
+    static SHARED: OnceLock<Mutex<Renderer>> = OnceLock::new();
+    let shared = SHARED.get_or_init(|| {
+        let gpu = Arc::new(Gpu::new().expect("tests need a graphics driver"));
+        Mutex::new(Renderer::new(gpu).expect("the device works"))
+    });
+    let mut renderer = shared.lock().unwrap_or_else(PoisonError::into_inner);
+    renderer.set_scene(scene).expect("it fits");
+    renderer.render(view, &[named(light)]).expect("it can be drawn")
+}
+
+fn named(kind: &LightKind) -> Light {
+    Light { name: "key".into(), kind: kind.clone() }
+}
+
+/// The pixels off every edge and whether they are lit, by the reference: those whose 5 x 5 neighbours are as lit and
+/// face the same way. In a corner between two walls the filter blends in what the light meets first on the other one.
+fn off_edges(scene: &Scene, view: &View, light: &LightKind) -> Vec<(usize, bool)> {
+    let reference = Reference::new(scene);
+    let pixels = |aov| {
+        let view = View { aov, ..view.clone() };
+        reference.render(&view, &[named(light)], || {}).expect("it can be followed").pixels
+    };
+    let (visibility, normals) = (pixels(Aov::Visibility), pixels(Aov::Normal));
+    let expected: Vec<_> = visibility
+        .iter()
+        .zip(normals)
+        .map(|(pixel, normal)| {
+            (pixel[3] == 1.0).then_some((pixel[0] == 1.0, normal.map(|x| (x * 1e3).round() as i32)))
+        })
+        .collect();
+    let [width, height] = SIZE.map(|side| side as usize);
+    let mut found = Vec::new();
+    for (y, x) in (2..height - 2).flat_map(|y| (2..width - 2).map(move |x| (y, x))) {
+        let here = expected[y * width + x];
+        let mut around = (y - 2..=y + 2).flat_map(|y| (x - 2..=x + 2).map(move |x| y * width + x));
+        if let Some((lit, _)) = here
+            && around.all(|other| expected[other] == here)
+        {
+            found.push((y * width + x, lit));
+        }
+    }
+    found
+}
+
+/// How many of those pixels a picture has wrong.
+fn wrong(judged: &[(usize, bool)], picture: &Picture) -> Vec<usize> {
+    let differs = |&&(pixel, lit): &&(usize, bool)| picture.pixels[pixel][0] != f32::from(u8::from(lit));
+    judged.iter().filter(differs).map(|judged| judged.0).collect()
+}
+
+fn keep_picture(name: &str, picture: &Picture, marks: &[usize]) {
+    let Ok(folder) = std::env::var("BENDYLIGHTS_SHADOW_PICTURES") else { return };
+    let mut image = image::RgbImage::new(picture.width, picture.height);
+    for (k, (pixel, [value, .., alpha])) in image.pixels_mut().zip(&picture.pixels).enumerate() {
+        let grey = (value * 200.0) as u8 + if *alpha > 0.0 { 30 } else { 0 };
+        *pixel = if marks.contains(&k) { image::Rgb([255, 0, 0]) } else { image::Rgb([grey; 3]) };
+    }
+    image.save(Path::new(&folder).join(format!("{name}.png"))).expect("the picture can be written");
+}
+
+/// Up to 89.9 degrees, which is what glTF's pi / 2 becomes, every pixel off the shadows' edges is right, for a spotlight
+/// and for the BendyLight that equals it.
+#[test]
+fn very_wide_lights_keep_their_shadows() {
+    let scene = room();
+    let view = view(DVec3::new(1.2, 3.6, 4.4), DVec3::new(-0.3, 0.7, -0.8));
+    let mut told = Vec::new();
+    for angle in [50.0, 61.0, 75.0, 85.0, 88.0, 89.9] {
+        for (kind, light) in pair(DVec3::new(0.2, 2.2, 0.1), DVec3::new(0.1, 0.0, 0.25), angle) {
+            let judged = off_edges(&scene, &view, &light);
+            let dark = judged.iter().filter(|(_, lit)| !lit).count();
+            assert!(judged.len() > 5000 && dark > 500, "little to see: {dark} of {}", judged.len());
+            let picture = drawn(&scene, &view, &light);
+            let wrong = wrong(&judged, &picture);
+            keep_picture(&format!("wide-{kind}-{angle}"), &picture, &wrong);
+            told.push((kind, angle, wrong.len(), judged.len()));
+        }
+    }
+    println!("kind, half angle, wrong, of: {told:?}");
+    assert!(told.iter().all(|(.., wrong, _)| *wrong == 0), "{told:?}");
+}
+
+/// A table half a unit wide with a board above it; with what else is in the light.
+fn table(also: &[([f64; 3], f64, [f64; 3])]) -> Scene {
+    let mut parts = vec![
+        ([0.3, 0.01, 0.3], 0.1, [0.0, -0.01, 0.0]),
+        ([0.12, 0.004, 0.08], 0.4, [0.02, 0.1, -0.03]),
+        ([0.01, 0.06, 0.01], 0.2, [-0.14, 0.06, 0.1]),
+    ];
+    parts.extend(also);
+    boxes(&parts)
+}
+
+/// How far shadows' edges are from where the reference has them, in pixels: pixels on the wrong side of an edge for each
+/// pixel at it.
+fn displacement(scene: &Scene, view: &View, light: &LightKind, name: &str) -> f64 {
+    let frame = Reference::new(scene).render(view, &[named(light)], || {}).expect("it can be followed");
+    let picture = drawn(scene, view, light);
+    let lit = |value: f64| value >= 0.5;
+    let wrong: Vec<_> = (0..picture.pixels.len())
+        .filter(|&k| lit(frame.pixels[k][0]) != lit(f64::from(picture.pixels[k][0])))
+        .collect();
+    keep_picture(name, &picture, &wrong);
+    let width = SIZE[0] as usize;
+    let is_edge = |a: [f64; 4], b: [f64; 4]| a[0] != b[0] && a[3] == 1.0 && b[3] == 1.0;
+    let edges = (0..frame.pixels.len() - width)
+        .filter(|&k| [1, width].into_iter().any(|step| is_edge(frame.pixels[k], frame.pixels[k + step])))
+        .count();
+    assert!(edges > 200, "{edges} pixels at edges");
+    wrong.len() as f64 / edges as f64
+}
+
+/// The same on a floor as wide as the light, with nothing below.
+fn on_floor(mut scene: Scene) -> Scene {
+    let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)];
+    let floor = Primitive {
+        positions: corners.map(|(x, z)| Vec3::new(x * 12.0, -0.02, z * 12.0)).into(),
+        normals: vec![Vec3::Y; 4],
+        indices: vec![0, 1, 2, 0, 2, 3],
+        ..Primitive::default()
+    };
+    scene.meshes.push(Mesh { name: String::new(), primitives: vec![floor] });
+    let mesh = Some(scene.meshes.len() - 1);
+    let parent_from_local = DAffine3::IDENTITY;
+    scene.nodes.push(Node { name: String::new(), parent: None, parent_from_local, mesh });
+    scene.check().expect("sound");
+    scene
+}
+
+/// A light forty times as wide as what it falls on throws as fine a shadow as one that fits. The fault to be caught is
+/// made by crumbs at the light's rim: a map that holds them too has texels as wide as one that is not fitted.
+#[test]
+fn a_map_is_as_fine_as_what_is_in_the_light() {
+    let view = view(DVec3::new(0.05, 0.36, 0.17), DVec3::new(-0.01, 0.0, -0.01));
+    // 20 wide at the table, which is half a unit wide.
+    let crumb = |x: f64, z: f64| ([1e-3; 3], 0.0, [x, 0.2, z]);
+    let crumbs = [crumb(9.0, 0.0), crumb(-9.0, 0.0), crumb(0.0, 9.0), crumb(0.0, -9.0)];
+    let source = DVec3::new(0.5, 6.0, 0.3);
+    let [(_, spot), _] = pair(source, DVec3::new(0.5, 0.0, 0.3), 59.0);
+    let points: Vec<_> = [0.0, 2.0, 4.5, 7.0].map(|z| DVec3::new(0.012 * z * z, 0.0, -z)).into();
+    let mut tube = BendyLight::new(points, vec![10.0; 4]);
+    tube.transform =
+        Transform { translation: source, rotation: looking(source, DVec3::ZERO, DVec3::X), scale: 1.0 };
+    for (name, light) in [("spot", spot), ("tube", LightKind::Bendy(tube))] {
+        let fitted = displacement(&table(&[]), &view, &light, &format!("fitted-{name}"));
+        let coarse = displacement(&table(&crumbs), &view, &light, &format!("coarse-{name}"));
+        println!("{name}: edges displaced by {fitted:.3} pixels fitted, {coarse:.3} with crumbs at the rim");
+        assert!(fitted * 4.0 < coarse, "{name}: {fitted} pixels fitted, {coarse} with crumbs at the rim");
+        // Nothing is behind a floor that is the scene's lower side, so it need not be in the map.
+        let floored = displacement(&on_floor(table(&[])), &view, &light, &format!("floored-{name}"));
+        println!("{name}: {floored:.3} pixels over a floor as wide as the light");
+        assert!(
+            floored * 4.0 < coarse,
+            "{name}: {floored} pixels over a floor, {coarse} with crumbs at the rim"
+        );
+    }
+}
+
+/// Stripes of shadow run on across the edges between a wide light's faces, and the floor beside them is evenly lit. A
+/// face that was drawn a little turned is seen.
+#[test]
+fn no_line_shows_where_faces_meet() {
+    // A floor, and bars over it that are turned about the light.
+    let bars = |turn: f64| {
+        let bar = |k: i32| {
+            let x = f64::from(k) * 0.5 - 2.0;
+            ([0.05, 0.02, 2.2], 0.3 + turn, [x * turn.cos(), 0.9, -x * turn.sin()])
+        };
+        boxes(&[vec![([5.0, 0.1, 5.0], 0.0, [0.0, -0.1, 0.0])], (0..9).map(bar).collect()].concat())
+    };
+    let scene = bars(0.0);
+    let view = view(DVec3::new(2.6, 4.0, 2.4), DVec3::new(1.5, 0.0, 1.3));
+    let (source, below) = (DVec3::new(0.0, 2.0, 0.0), DVec3::new(0.02, 0.0, 0.01));
+    let tan = 80.0_f64.to_radians().tan();
+    for (name, light) in pair(source, below, 80.0) {
+        let places = drawn(&scene, &View { aov: Aov::Vw, ..view.clone() }, &light);
+        // Below 1 on the front of the cube.
+        let slope = |pixel: usize| {
+            let [v, w, ..] = places.pixels[pixel].map(|x| f64::from(x) * tan);
+            v.abs().max(w.abs())
+        };
+        let picture = drawn(&scene, &view, &light);
+        let judged = off_edges(&scene, &view, &light);
+        let seam: Vec<_> = judged.iter().copied().filter(|&(k, _)| (slope(k) - 1.0).abs() < 0.03).collect();
+        let dark = seam.iter().filter(|(_, lit)| !lit).count();
+        assert!(dark > 30 && seam.len() - dark > 100, "{name}: {dark} of {} pixels are dark", seam.len());
+        let found = wrong(&judged, &picture);
+        keep_picture(&format!("seam-{name}"), &picture, &found);
+        assert_eq!(found, [0; 0], "{name}: of {}", judged.len());
+
+        // The planted fault: what the front would show were it drawn turned by three degrees.
+        let turned = drawn(&bars(0.05), &view, &light);
+        let mut patched = picture.clone();
+        for (pixel, value) in patched.pixels.iter_mut().enumerate() {
+            if slope(pixel) < 1.0 {
+                *value = turned.pixels[pixel];
+            }
+        }
+        let caught = wrong(&judged, &patched).len();
+        assert!(caught > 100, "{name}: a turned front changes only {caught} of {}", judged.len());
+    }
+}
+
+/// A floor shades what light reaches through it: what lies above it again where the light bends back up, or all of the
+/// scene where the light comes from below.
+#[test]
+fn floors_shade_what_is_behind_them() {
+    let scene = on_floor(boxes(&[
+        ([0.5, 0.5, 0.05], 0.3, [1.5, 0.6, 0.0]),
+        ([0.2, 0.2, 0.2], 0.1, [-1.0, 0.4, 0.2]),
+    ]));
+    let view = view(DVec3::new(-1.0, 1.6, 3.4), DVec3::new(0.4, 0.3, 0.0));
+    // Down through the floor and up again behind it.
+    let points = [[0.0, 0.0, 0.0], [0.4, -1.0, 0.0], [1.2, -1.5, -0.2], [2.2, -0.4, -0.3], [2.6, 1.5, -0.4]];
+    let mut dipping = BendyLight::new(points.map(DVec3::from_array).to_vec(), vec![0.3, 0.35, 0.4, 0.4, 0.5]);
+    dipping.transform.translation = DVec3::new(-1.2, 1.2, 0.3);
+    let [(_, below), (_, bent_below)] = pair(DVec3::new(0.2, -1.5, 0.3), DVec3::new(0.3, 0.5, 0.2), 50.0);
+    for (name, light) in
+        [("dipping", LightKind::Bendy(dipping)), ("below", below), ("bent below", bent_below)]
+    {
+        let judged = off_edges(&scene, &view, &light);
+        let dark = judged.iter().filter(|(_, lit)| !lit).count();
+        assert!(dark > 300, "{name}: {dark} of {} pixels are dark", judged.len());
+        let picture = drawn(&scene, &view, &light);
+        let found = wrong(&judged, &picture);
+        keep_picture(name, &picture, &found);
+        assert_eq!(found, [0; 0], "{name}: of {} pixels, {dark} dark", judged.len());
+    }
+}
