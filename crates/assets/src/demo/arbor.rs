@@ -1,0 +1,235 @@
+//! Vine leaves on a lattice over a terrace, and a pierced lantern: everything that has holes by an alpha test.
+
+use std::f64::consts::TAU;
+
+use bendy::BendyLight;
+use glam::{DAffine3, DQuat, DVec2, DVec3, Vec2, Vec4};
+use scene::{
+    Camera, Fill, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Sampler, Scene, TextureRef,
+    Wrap,
+};
+
+use super::cutouts::{lattice, leaf, pierced};
+use super::lathe::lathe;
+use super::stage::{Cyclorama, look_at};
+
+/// Raised whenever the scene changes: sessions that have it refer to it by this.
+pub const VERSION: u32 = 1;
+
+/// Leaves of both kinds.
+const LEAVES: u32 = 76;
+
+/// The scene `arbor`.
+pub fn arbor() -> Scene {
+    let mut scene = Scene { cameras: vec![camera()], lights: vec![key()], fill: fill(), ..Scene::default() };
+    scene.images = vec![leaf(128), lattice(64), pierced(64)];
+    let [leaf, lattice, pierced] = [0, 1, 2];
+
+    let terrace =
+        Cyclorama { half_width: 7.0, front_z: 6.0, bend_z: -2.2, bend_radius: 1.6, height: 5.0, strips: 20 };
+    stand(&mut scene, "terrace", matte([0.60, 0.56, 0.50]), terrace.surface(), DAffine3::IDENTITY);
+    let clay = matte([0.55, 0.22, 0.11]);
+    stand(&mut scene, "pot", clay, lathe(&pot()), DAffine3::from_translation(DVec3::new(-1.05, 0.0, -0.10)));
+
+    let slats = cut_out([0.50, 0.42, 0.31, 1.0], 0.5, lattice, [Wrap::Repeat; 2]);
+    stand(&mut scene, "lattice", slats, panel(), arbor_from_local());
+    let clamped = [Wrap::ClampToEdge; 2];
+    let vine = cut_out([1.0, 1.0, 0.9, 1.0], 0.5, leaf, clamped);
+    stand(&mut scene, "vine", vine, leaves(|k| k % 4 != 3), arbor_from_local());
+    let autumn = cut_out([1.0, 0.40, 0.22, 0.8], 0.3, leaf, clamped);
+    stand(&mut scene, "autumn leaves", autumn, leaves(|k| k % 4 == 3), arbor_from_local());
+
+    let brass = Material {
+        metallic: 1.0,
+        roughness: 0.45,
+        ..cut_out([0.80, 0.60, 0.30, 1.0], 0.4, pierced, [Wrap::MirroredRepeat; 2])
+    };
+    let at = DAffine3::from_translation(DVec3::new(0.85, 0.0, -0.35));
+    stand(&mut scene, "lantern", brass, lantern(), at);
+    scene
+}
+
+/// The key light: from the upper left front through the lattice, then down onto the terrace and towards the camera.
+///
+/// One row a control point. Positions are in the world; the light's own space starts at the first.
+fn key() -> Light {
+    #[rustfmt::skip]
+    let rows = [
+        //     position                 radius  intensity
+        ([-2.90,  2.60,  2.10],          0.40,   6.0),
+        ([-1.95,  2.10,  0.80],          0.75,   6.0),
+        ([-0.55,  1.40, -0.30],          0.92,   6.0),
+        ([ 0.75,  0.45, -0.35],          1.00,   4.5),
+        ([ 1.90, -1.10,  0.35],          1.20,   3.5),
+    ];
+    let source = DVec3::from_array(rows[0].0);
+    let points = rows.iter().map(|(position, ..)| DVec3::from_array(*position) - source).collect();
+    let mut light = BendyLight::new(points, rows.iter().map(|(_, radius, _)| *radius).collect());
+    light.transform.translation = source;
+    light.colors.fill(DVec3::new(1.0, 0.86, 0.66));
+    light.intensities = rows.iter().map(|(.., intensity)| *intensity).collect();
+    light.cone_softness = 0.3;
+    Light { name: "key".into(), kind: LightKind::Bendy(light) }
+}
+
+/// A cool sky over a warm terrace, weak enough that shadows stay dark.
+fn fill() -> Fill {
+    Fill { sky: DVec3::new(0.12, 0.135, 0.17), ground: DVec3::new(0.08, 0.07, 0.06) }
+}
+
+/// Frames lattice and lantern and the light that they cut out of the terrace.
+fn camera() -> Camera {
+    let translation = DVec3::new(0.40, 1.95, 4.5);
+    Camera {
+        name: "camera".into(),
+        translation,
+        rotation: look_at(translation, DVec3::new(0.06, 0.50, -0.1)),
+        projection: Projection::Perspective { yfov: 26.0_f64.to_radians(), znear: 0.1, zfar: None },
+    }
+}
+
+/// From the lattice's own space, where it stands in the plane z = 0 and its foot is about the origin.
+fn arbor_from_local() -> DAffine3 {
+    DAffine3::from_rotation_translation(DQuat::from_rotation_y(-0.62), DVec3::new(-0.80, 0.0, -0.30))
+}
+
+/// Two triangles, 1.6 wide and 1.4 high, over which the lattice repeats.
+fn panel() -> Primitive {
+    let corners = [[-0.8, 0.0], [0.8, 0.0], [0.8, 1.4], [-0.8, 1.4]];
+    Primitive {
+        positions: corners.map(|[x, y]| DVec3::new(x, y, 0.0).as_vec3()).to_vec(),
+        normals: vec![DVec3::Z.as_vec3(); 4],
+        // Five and a third laths a metre.
+        uvs: corners.map(|[x, y]| (DVec2::new(x, -y) / 0.1875).as_vec2()).to_vec(),
+        indices: vec![0, 1, 2, 0, 2, 3],
+        ..Primitive::default()
+    }
+}
+
+/// Those leaves that are `wanted`, in the space of the lattice they climb: at even spacings that never repeat (the
+/// "R2" sequence), denser towards the top, each turned its own way.
+fn leaves(wanted: impl Fn(u32) -> bool) -> Primitive {
+    const PLASTIC: f64 = 1.324_717_957_244_746;
+    let mut made = Primitive::default();
+    for k in (0..LEAVES).filter(|k| wanted(*k)) {
+        let along = |power: i32| (0.5 + f64::from(k) / PLASTIC.powi(power)).fract();
+        let [x, y, turn, lean] = [along(1), along(2), along(3), along(4)];
+        let at = DVec3::new(1.7 * x - 0.85, 0.2 + 1.3 * libm::sqrt(y), 0.03 + 0.12 * lean);
+        let size = 0.09 + 0.07 * along(5);
+        let rotation = DQuat::from_rotation_z(2.6 + 1.1 * (turn - 0.5))
+            * DQuat::from_rotation_y(1.4 * (lean - 0.5))
+            * DQuat::from_rotation_x(-0.7 * turn);
+        add_leaf(&mut made, DAffine3::from_scale_rotation_translation(DVec3::splat(size), rotation, at));
+    }
+    made
+}
+
+/// A leaf from -1 to 1, folded along its rib. Its tip's alpha is less: that makes the leaf narrower there.
+fn add_leaf(made: &mut Primitive, lattice_from_leaf: DAffine3) {
+    const FOLD: f64 = 0.35;
+    let first = made.positions.len() as u32;
+    for (row, y) in [-1.0, 0.0, 1.0].into_iter().enumerate() {
+        for (column, x) in [-1.0, 0.0, 1.0].into_iter().enumerate() {
+            // The halves rise from the rib; the tip bends down.
+            let point = DVec3::new(x, y, FOLD * x.abs() - 0.2 * y * y);
+            let normal = DVec3::new(-FOLD * x, 0.4 * y, 1.0).normalize();
+            made.positions.push(lattice_from_leaf.transform_point3(point).as_vec3());
+            made.normals.push(lattice_from_leaf.transform_vector3(normal).normalize().as_vec3());
+            made.uvs.push(Vec2::new(column as f32 / 2.0, 1.0 - row as f32 / 2.0));
+            made.colors.push(Vec4::new(1.0, 1.0, 1.0, [1.0, 1.0, 0.75][row]));
+        }
+    }
+    for corner in [0, 1, 3, 4] {
+        let [a, b, c, d] = [corner, corner + 1, corner + 4, corner + 3].map(|k| first + k);
+        made.indices.extend([a, b, c, a, c, d]);
+    }
+}
+
+/// An open cylinder of sheet, 0.46 high, with eight mirrored pictures around it and three up.
+fn lantern() -> Primitive {
+    const AROUND: u32 = 48;
+    const RADIUS: f64 = 0.20;
+    let mut made = Primitive::default();
+    for k in 0..=AROUND {
+        let share = f64::from(k) / f64::from(AROUND);
+        let (sin, cos) = libm::sincos(TAU * share);
+        for y in [0.0, 0.46] {
+            made.positions.push(DVec3::new(RADIUS * sin, y, RADIUS * cos).as_vec3());
+            made.normals.push(DVec3::new(sin, 0.0, cos).as_vec3());
+            made.uvs.push(DVec2::new(8.0 * share, 3.0 * (1.0 - y / 0.46)).as_vec2());
+        }
+    }
+    for k in (0..2 * AROUND).step_by(2) {
+        made.indices.extend([k, k + 2, k + 3, k, k + 3, k + 1]);
+    }
+    made
+}
+
+/// A low pot. Control points of radius and height; see [`lathe`].
+fn pot() -> Vec<DVec2> {
+    let outside =
+        [(0.0, 0.02), (0.10, 0.02), (0.13, 0.0), (0.15, 0.01), (0.18, 0.12), (0.21, 0.24), (0.23, 0.27)];
+    let inside = [(0.23, 0.29), (0.21, 0.29), (0.19, 0.24), (0.16, 0.12), (0.08, 0.08), (0.0, 0.08)];
+    outside.into_iter().chain(inside).map(DVec2::from).collect()
+}
+
+fn matte([r, g, b]: [f32; 3]) -> Material {
+    Material { base_color: Vec4::new(r, g, b, 1.0), roughness: 0.85, ..Material::default() }
+}
+
+/// Seen and met by light from both sides.
+fn cut_out(base_color: [f32; 4], alpha_cutoff: f32, image: usize, [wrap_u, wrap_v]: [Wrap; 2]) -> Material {
+    let sampler = Sampler { wrap_u, wrap_v, nearest: false };
+    Material {
+        base_color: Vec4::from(base_color),
+        roughness: 0.6,
+        base_color_texture: Some(TextureRef { image, sampler }),
+        alpha_cutoff: Some(alpha_cutoff),
+        double_sided: true,
+        ..Material::default()
+    }
+}
+
+/// Adds a node called `name`, with `surface` as its only primitive.
+fn stand(scene: &mut Scene, name: &str, mut material: Material, surface: Primitive, at: DAffine3) {
+    let primitive = Primitive { material: scene.materials.len(), ..surface };
+    material.name = name.into();
+    scene.materials.push(material);
+    let mesh = Some(scene.meshes.len());
+    scene.nodes.push(Node { name: name.into(), parent: None, parent_from_local: at, mesh });
+    scene.meshes.push(Mesh { name: name.into(), primitives: vec![primitive] });
+}
+
+#[cfg(test)]
+mod tests {
+    use bendy::Tube;
+
+    use super::*;
+
+    /// `R kappa < 1` all along (light model, section 3).
+    #[test]
+    fn key_light_does_not_fold() {
+        let LightKind::Bendy(mut light) = key().kind else { panic!("the key is a BendyLight") };
+        assert!(Tube::new(&light).is_ok());
+        light.radii.iter_mut().for_each(|r| *r *= 2.0);
+        assert!(Tube::new(&light).is_err(), "a tube twice as wide folds");
+    }
+
+    /// Every way to wrap, alpha of vertices and of a material, and leaves that are there at all.
+    #[test]
+    fn holes_are_cut_in_every_way() {
+        let scene = arbor();
+        let tested: Vec<_> = scene.materials.iter().filter(|m| m.alpha_cutoff.is_some()).collect();
+        for wrap in [Wrap::Repeat, Wrap::MirroredRepeat, Wrap::ClampToEdge] {
+            assert!(tested.iter().any(|m| m.base_color_texture.is_some_and(|t| t.sampler.wrap_u == wrap)));
+        }
+        assert!(tested.iter().any(|m| m.base_color.w < 1.0));
+        let vertex_alpha = |p: &Primitive| p.colors.iter().any(|color| color.w < 1.0);
+        assert!(scene.meshes.iter().flat_map(|mesh| &mesh.primitives).any(vertex_alpha));
+        for image in &scene.images {
+            let solid = image.rgba8.iter().skip(3).step_by(4).filter(|alpha| **alpha >= 128).count();
+            let share = solid as f64 / f64::from(image.width * image.height);
+            assert!((0.1..0.9).contains(&share), "{share}");
+        }
+    }
+}
