@@ -13,6 +13,7 @@ mod bendy_light;
 mod camera;
 mod casters;
 mod clusters;
+mod coverage;
 mod device;
 mod display;
 mod error;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use scene::{Sampler, Scene, TextureRef, Wrap};
+use scene::{Material, Sampler, Scene, TextureRef, Wrap};
 use wgpu::util::{BufferInitDescriptor, DeviceExt, TextureDataOrder};
 use wgpu::{
     BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, TextureFormat, TextureView,
@@ -50,9 +50,10 @@ pub(crate) fn material_draws(
                 }),
                 usage: BufferUsages::UNIFORM,
             });
-            let (base_view, base_sampler) = textures.get(material.base_color_texture, Encoding::Srgb)?;
+            let (base_view, base_sampler) =
+                textures.get(material.base_color_texture, Encoding::Srgb, texel_cutoff(material))?;
             let (surface_view, surface_sampler) =
-                textures.get(material.metallic_roughness_texture, Encoding::Linear)?;
+                textures.get(material.metallic_roughness_texture, Encoding::Linear, None)?;
             let group = gpu.group(
                 "material",
                 layout,
@@ -75,24 +76,34 @@ pub(crate) fn material_draws(
     Ok((draws, textures.bytes))
 }
 
-/// What has been uploaded so far; each picture once an encoding.
+/// The alpha below which a texel of `material` is a hole wherever its vertices' alpha is 1; `None` where no texel
+/// decides, because all or none of them pass.
+fn texel_cutoff(material: &Material) -> Option<f32> {
+    let cutoff = material.alpha_cutoff? / material.base_color.w;
+    (cutoff > 0.0 && cutoff <= 1.0).then_some(cutoff)
+}
+
+/// What has been uploaded so far; each picture once an encoding and cut-off.
 struct Textures<'a> {
     gpu: &'a Gpu,
     scene: &'a Scene,
-    views: HashMap<(Option<usize>, Encoding), TextureView>,
+    /// By image, encoding and the bits of the cut-off.
+    views: HashMap<(Option<usize>, Encoding, Option<u32>), TextureView>,
     samplers: HashMap<Sampler, wgpu::Sampler>,
     /// Of all that was uploaded.
     bytes: u64,
 }
 
 impl Textures<'_> {
-    /// The picture and sampler of `texture`, or a white texel.
+    /// The picture and sampler of `texture`, or a white texel. With a `cutoff`, mip levels keep the share of the
+    /// picture that passes it.
     fn get(
         &mut self,
         texture: Option<TextureRef>,
         encoding: Encoding,
+        cutoff: Option<f32>,
     ) -> Result<(TextureView, wgpu::Sampler), RenderError> {
-        let key = (texture.map(|t| t.image), encoding);
+        let key = (texture.map(|t| t.image), encoding, cutoff.map(f32::to_bits));
         let view = if let Some(view) = self.views.get(&key) {
             view.clone()
         } else {
@@ -100,7 +111,7 @@ impl Textures<'_> {
                 let image = &self.scene.images[index];
                 (image.width, image.height, &image.rgba8)
             });
-            let view = upload(self.gpu, width, height, rgba8, encoding)?;
+            let view = upload(self.gpu, width, height, rgba8, encoding, cutoff)?;
             // Four bytes a pixel; all smaller levels together have a third as many.
             self.bytes += u64::from(width) * u64::from(height) * 16 / 3;
             self.views.insert(key, view.clone());
@@ -118,6 +129,7 @@ fn upload(
     height: u32,
     rgba8: &[u8],
     encoding: Encoding,
+    cutoff: Option<f32>,
 ) -> Result<TextureView, RenderError> {
     let limit = gpu.device.limits().max_texture_dimension_2d;
     let size = width.max(height);
@@ -125,12 +137,13 @@ fn upload(
         let what = "the width or height of a texture";
         return Err(RenderError::TooLarge { what, size: f64::from(size), limit: f64::from(limit) });
     }
+    let chain = mip_chain(width, height, rgba8, encoding, cutoff);
     let texture = gpu.device.create_texture_with_data(
         &gpu.queue,
         &wgpu::TextureDescriptor {
             label: Some("material texture"),
             size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: size.ilog2() + 1,
+            mip_level_count: chain.levels,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format: match encoding {
@@ -141,7 +154,7 @@ fn upload(
             view_formats: &[],
         },
         TextureDataOrder::MipMajor,
-        &mip_chain(width, height, rgba8, encoding),
+        &chain.rgba8,
     );
     Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
 }
