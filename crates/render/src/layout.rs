@@ -36,6 +36,7 @@ pub(crate) const ALL: &[StructLayout] = {
     &[
         View::LAYOUT,
         Material::LAYOUT,
+        AlphaTest::LAYOUT,
         Fill::LAYOUT,
         ShadowView::LAYOUT,
         Spot::LAYOUT,
@@ -93,6 +94,23 @@ gpu_struct! {
         roughness: f32,
         alpha_cutoff: f32,
         first_triangle: u32,
+    }
+}
+
+gpu_struct! {
+    /// See `alpha_test.wgsl`.
+    AlphaTest {
+        first_triangle: u32,
+        first_index: u32,
+        cutoff: f32,
+        factor: f32,
+        offset: u32,
+        width: u32,
+        height: u32,
+        levels: u32,
+        wrap_u: u32,
+        wrap_v: u32,
+        nearest: u32,
     }
 }
 

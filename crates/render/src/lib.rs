@@ -9,6 +9,7 @@
 //! A picture that nobody waits for with a hand on the mouse is drawn in tiles ([`TiledPicture`]), so that other
 //! pictures can come between.
 
+mod alpha_test;
 mod bendy_light;
 mod camera;
 mod casters;

@@ -9,8 +9,9 @@ use wgpu::{
     BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, TextureFormat, TextureView,
 };
 
+use crate::alpha_test::{AlphaPicture, AlphaTests, alpha_test};
 use crate::geometry::Posed;
-use crate::mipmap::{Encoding, mip_chain};
+use crate::mipmap::{Encoding, MipChain, mip_chain};
 use crate::pipeline::{COLOR_TEXTURE, FILTERING, UNIFORM};
 use crate::{Gpu, RenderError, layout};
 
@@ -26,18 +27,35 @@ pub(crate) struct MaterialDraw {
     pub double_sided: bool,
 }
 
-/// The draws of `posed`, those without an alpha test first, and the bytes of their textures.
-pub(crate) fn material_draws(
-    gpu: &Gpu,
-    layout: &BindGroupLayout,
-    scene: &Scene,
-    posed: &Posed,
-) -> Result<(Vec<MaterialDraw>, u64), RenderError> {
-    let mut textures = Textures { gpu, scene, views: HashMap::new(), samplers: HashMap::new(), bytes: 0 };
-    let draws = posed
-        .draws
-        .iter()
-        .map(|draw| {
+/// The materials of a scene's draws.
+pub(crate) struct Materials {
+    /// Those without an alpha test first.
+    pub draws: Vec<MaterialDraw>,
+    /// `None` where no draw has one.
+    pub alpha_tests: Option<AlphaTests>,
+    /// Bytes of the textures of `draws`.
+    pub texture_bytes: u64,
+}
+
+impl Materials {
+    /// Those of `posed`, uploaded.
+    pub fn new(
+        gpu: &Gpu,
+        layout: &BindGroupLayout,
+        scene: &Scene,
+        posed: &Posed,
+    ) -> Result<Self, RenderError> {
+        let mut textures = Textures {
+            gpu,
+            scene,
+            uploaded: HashMap::new(),
+            samplers: HashMap::new(),
+            texels: Vec::new(),
+            bytes: 0,
+        };
+        let mut draws = Vec::with_capacity(posed.draws.len());
+        let mut tests: Vec<layout::AlphaTest> = Vec::new();
+        for draw in &posed.draws {
             let material = &scene.materials[draw.material];
             let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
                 label: Some("material"),
@@ -50,37 +68,42 @@ pub(crate) fn material_draws(
                 }),
                 usage: BufferUsages::UNIFORM,
             });
-            let (base_view, base_sampler) =
+            let (base, base_sampler) =
                 textures.get(material.base_color_texture, Encoding::Srgb, texel_cutoff(material))?;
-            let (surface_view, surface_sampler) =
+            let (surface, surface_sampler) =
                 textures.get(material.metallic_roughness_texture, Encoding::Linear, None)?;
             let group = gpu.group(
                 "material",
                 layout,
                 &[
                     uniform.as_entire_binding(),
-                    BindingResource::TextureView(&base_view),
+                    BindingResource::TextureView(&base.view),
                     BindingResource::Sampler(&base_sampler),
-                    BindingResource::TextureView(&surface_view),
+                    BindingResource::TextureView(&surface.view),
                     BindingResource::Sampler(&surface_sampler),
                 ],
             );
-            Ok(MaterialDraw {
+            if let Some(picture) = base.alpha {
+                let first_masked = tests.first().map_or(draw.indices.start, |test| test.first_index);
+                tests.push(alpha_test(draw, first_masked, material, picture));
+            }
+            draws.push(MaterialDraw {
                 indices: draw.indices.clone(),
                 material: group,
                 masked: material.alpha_cutoff.is_some(),
                 double_sided: material.double_sided,
-            })
-        })
-        .collect::<Result<_, RenderError>>()?;
-    Ok((draws, textures.bytes))
+            });
+        }
+        let Textures { texels, bytes: texture_bytes, .. } = textures;
+        let alpha_tests = (!tests.is_empty()).then(|| AlphaTests::new(gpu, &tests, texels)).transpose()?;
+        Ok(Self { draws, alpha_tests, texture_bytes })
+    }
 }
 
-/// The alpha below which a texel of `material` is a hole wherever its vertices' alpha is 1; `None` where no texel
-/// decides, because all or none of them pass.
+/// The alpha below which a texel of `material` is a hole where its vertices' alpha is 1. Where it is not from 0 to 1,
+/// all texels pass or none.
 fn texel_cutoff(material: &Material) -> Option<f32> {
-    let cutoff = material.alpha_cutoff? / material.base_color.w;
-    (cutoff > 0.0 && cutoff <= 1.0).then_some(cutoff)
+    Some(material.alpha_cutoff? / material.base_color.w)
 }
 
 /// What has been uploaded so far; each picture once an encoding and cut-off.
@@ -88,10 +111,20 @@ struct Textures<'a> {
     gpu: &'a Gpu,
     scene: &'a Scene,
     /// By image, encoding and the bits of the cut-off.
-    views: HashMap<(Option<usize>, Encoding, Option<u32>), TextureView>,
+    uploaded: HashMap<(Option<usize>, Encoding, Option<u32>), Uploaded>,
     samplers: HashMap<Sampler, wgpu::Sampler>,
-    /// Of all that was uploaded.
+    /// The alpha of what has a cut-off, each picture's levels one after the other.
+    texels: Vec<u8>,
+    /// Of all textures.
     bytes: u64,
+}
+
+/// A picture on the GPU.
+#[derive(Clone, Debug)]
+struct Uploaded {
+    view: TextureView,
+    /// Where it lies among the alpha, if it has a cut-off.
+    alpha: Option<AlphaPicture>,
 }
 
 impl Textures<'_> {
@@ -102,24 +135,29 @@ impl Textures<'_> {
         texture: Option<TextureRef>,
         encoding: Encoding,
         cutoff: Option<f32>,
-    ) -> Result<(TextureView, wgpu::Sampler), RenderError> {
+    ) -> Result<(Uploaded, wgpu::Sampler), RenderError> {
         let key = (texture.map(|t| t.image), encoding, cutoff.map(f32::to_bits));
-        let view = if let Some(view) = self.views.get(&key) {
-            view.clone()
+        let uploaded = if let Some(uploaded) = self.uploaded.get(&key) {
+            uploaded.clone()
         } else {
             let (width, height, rgba8) = key.0.map_or((1, 1, &[255; 4][..]), |index| {
                 let image = &self.scene.images[index];
                 (image.width, image.height, &image.rgba8)
             });
-            let view = upload(self.gpu, width, height, rgba8, encoding, cutoff)?;
-            // Four bytes a pixel; all smaller levels together have a third as many.
-            self.bytes += u64::from(width) * u64::from(height) * 16 / 3;
-            self.views.insert(key, view.clone());
-            view
+            let chain = mip_chain(width, height, rgba8, encoding, cutoff);
+            let alpha = cutoff.map(|_| {
+                let offset = self.texels.len() as u32;
+                self.texels.extend(chain.rgba8.iter().skip(3).step_by(4));
+                AlphaPicture { offset, width, height, levels: chain.levels }
+            });
+            let uploaded = Uploaded { view: upload(self.gpu, width, height, &chain, encoding)?, alpha };
+            self.bytes += chain.rgba8.len() as u64;
+            self.uploaded.insert(key, uploaded.clone());
+            uploaded
         };
         let sampler = texture.map(|t| t.sampler).unwrap_or_default();
         let sampler = self.samplers.entry(sampler).or_insert_with(|| create_sampler(self.gpu, sampler));
-        Ok((view, sampler.clone()))
+        Ok((uploaded, sampler.clone()))
     }
 }
 
@@ -127,9 +165,8 @@ fn upload(
     gpu: &Gpu,
     width: u32,
     height: u32,
-    rgba8: &[u8],
+    chain: &MipChain,
     encoding: Encoding,
-    cutoff: Option<f32>,
 ) -> Result<TextureView, RenderError> {
     let limit = gpu.device.limits().max_texture_dimension_2d;
     let size = width.max(height);
@@ -137,7 +174,6 @@ fn upload(
         let what = "the width or height of a texture";
         return Err(RenderError::TooLarge { what, size: f64::from(size), limit: f64::from(limit) });
     }
-    let chain = mip_chain(width, height, rgba8, encoding, cutoff);
     let texture = gpu.device.create_texture_with_data(
         &gpu.queue,
         &wgpu::TextureDescriptor {

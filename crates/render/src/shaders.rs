@@ -61,6 +61,8 @@ pub(crate) const BENT_MAP_SPLIT: &str = wgsl!("curve", "bent_map", "bent_map_spl
 pub(crate) const BENT_MAP_NEXT: &str = wgsl!("curve", "bent_map", "bent_map_next");
 /// Draws mapped triangles.
 pub(crate) const BENT_SHADOW: &str = wgsl!("bent_shadow");
+/// Draws mapped triangles with an alpha test.
+pub(crate) const BENT_MASKED: &str = wgsl!("bent_shadow", "alpha_test", "bent_masked");
 /// Draws mapped triangles with their edges.
 pub(crate) const WIREFRAME: &str = wgsl!("wireframe");
 /// Tone-maps for a screen.
@@ -82,6 +84,7 @@ fn all() -> Vec<(&'static str, String)> {
         ("bent_map_split", BENT_MAP_SPLIT),
         ("bent_map_next", BENT_MAP_NEXT),
         ("bent_shadow", BENT_SHADOW),
+        ("bent_masked", BENT_MASKED),
         ("wireframe", WIREFRAME),
         ("display", DISPLAY),
     ];

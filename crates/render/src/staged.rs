@@ -5,11 +5,12 @@ use scene::{Reach, Scene};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages};
 
+use crate::alpha_test::AlphaTests;
 use crate::casters::Casters;
 use crate::clusters::Clusters;
 use crate::geometry::{Geometry, Posed};
 use crate::ledger::{Entry, MemoryKind};
-use crate::material::{MaterialDraw, material_draws};
+use crate::material::{MaterialDraw, Materials};
 use crate::{Gpu, RenderError, layout};
 
 /// What is made once a scene.
@@ -29,6 +30,8 @@ pub(crate) struct StagedScene {
     /// Boxes around the surface.
     pub clusters: Clusters,
     pub draws: Vec<MaterialDraw>,
+    /// Those of `draws` that have one; none where no draw has.
+    pub alpha_tests: Option<AlphaTests>,
     /// Group 0 of the passes that have a camera; see `view.wgsl`.
     pub view: BindGroup,
     /// Group 2 of the fill's pass; see `fill.wgsl`.
@@ -79,7 +82,8 @@ impl StagedScene {
             }),
             usage: BufferUsages::UNIFORM,
         });
-        let (draws, texture_bytes) = material_draws(gpu, &layouts.material, scene, &posed)?;
+        let Materials { draws, alpha_tests, texture_bytes } =
+            Materials::new(gpu, &layouts.material, scene, &posed)?;
         let surface = Casters {
             positions: geometry.positions.clone(),
             indices: geometry.indices.clone(),
@@ -88,7 +92,7 @@ impl StagedScene {
             opaque_indices,
         };
         let casters = surface.simplified(gpu, mesh_error)?;
-        let bytes = texture_bytes + geometry.bytes();
+        let bytes = texture_bytes + geometry.bytes() + alpha_tests.as_ref().map_or(0, AlphaTests::bytes);
         Ok(Self {
             revision,
             origin: posed.scene_origin,
@@ -98,6 +102,7 @@ impl StagedScene {
             casters,
             clusters: Clusters::new(&posed.positions, &posed.indices),
             draws,
+            alpha_tests,
             view,
             fill: gpu.group("fill", &layouts.fill, &[fill_uniform.as_entire_binding()]),
             _entry: gpu.ledger.enter(MemoryKind::Scenes, bytes),

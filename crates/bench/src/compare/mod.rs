@@ -132,12 +132,21 @@ impl Drawn {
         subject: &Subject,
         shadows: ShadowSettings,
     ) -> Result<Self, RenderError> {
+        Self::under(renderer, subject, &subject.lights(), shadows)
+    }
+
+    /// The same under `lights`, of which the first should look like the subject's.
+    pub fn under(
+        renderer: &mut Renderer,
+        subject: &Subject,
+        lights: &[Light],
+        shadows: ShadowSettings,
+    ) -> Result<Self, RenderError> {
         renderer.set_shadow_settings(shadows)?;
-        let lights = subject.lights();
         let mut draw = |aov, finer| {
             let View { width, height, .. } = subject.view;
             let view = View { aov, width: width * finer, height: height * finer, ..subject.view.clone() };
-            renderer.render(&view, &lights)
+            renderer.render(&view, lights)
         };
         Ok(Self {
             beauty: draw(Aov::Beauty, 1)?,

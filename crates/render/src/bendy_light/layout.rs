@@ -122,6 +122,8 @@ gpu_struct! {
         tolerance_texels: f32,
         texels_per_vw: f32,
         cube_slope: f32,
+        opaque_triangles: u32,
+        masked_capacity: u32,
         faces: [Mat3; MOST_FACES],
     }
 }
@@ -137,7 +139,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `bent_map.wgsl`. Begins with the arguments of the two indirect draws.
+    /// See `bent_map.wgsl`. Begins with the arguments of the indirect draws.
     BentCounts {
         whole_index_count: u32,
         whole_instance_count: u32,
@@ -148,6 +150,10 @@ gpu_struct! {
         split_instance_count: u32,
         split_first_vertex: u32,
         split_first_instance: u32,
+        masked_vertex_count: u32,
+        masked_instance_count: u32,
+        masked_first_vertex: u32,
+        masked_first_instance: u32,
         stage: u32,
         items: [u32; STAGES],
     }
@@ -159,9 +165,9 @@ gpu_struct! {
         a: [f32; 3],
         slab: u32,
         b: [f32; 3],
-        pad0: f32,
+        masked: u32,
         c: [f32; 3],
-        pad1: f32,
+        pad0: f32,
         mapped_a: [f32; 4],
         mapped_b: [f32; 4],
         mapped_c: [f32; 4],

@@ -6,6 +6,7 @@ pub(crate) mod layout;
 mod locate;
 mod map_shape;
 mod mapped;
+mod masked;
 mod pass;
 mod shadow;
 mod slab;

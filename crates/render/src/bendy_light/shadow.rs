@@ -6,6 +6,8 @@
 //! straight. Buffers for those start small and grow when a scene needs more: the counts are read back after
 //! each map, and a map that did not fit is made again.
 
+use std::sync::OnceLock;
+
 use bendy::{Frame, Tube};
 use glam::DVec3;
 use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, RenderPipeline};
@@ -13,6 +15,7 @@ use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, Ren
 use super::faces::MOST_FACES;
 use super::layout::{BentCounts, BentMap, BentShadow, Patch, STAGES, Slab};
 use super::map_shape::MapShape;
+use super::masked::MaskedDraw;
 use super::slab::{self, SLABS_A_TURN};
 use super::tube_from_scene;
 use super::wireframe::Drawing;
@@ -35,6 +38,8 @@ pub(crate) struct BentShadowPass {
     split: ComputePipeline,
     next: ComputePipeline,
     draw: RenderPipeline,
+    /// Compiled when first wanted: by a scene with an alpha test.
+    masked: OnceLock<MaskedDraw>,
 }
 
 /// What the maps of one scene are made in, one after another.
@@ -53,6 +58,8 @@ pub(crate) struct Room {
     pub patches: u32,
     /// Vertices of what was clipped and split.
     pub split_vertices: u32,
+    /// The same of triangles with an alpha test.
+    pub masked_vertices: u32,
 }
 
 /// A map to be drawn: of what, and where.
@@ -78,7 +85,7 @@ pub(super) struct Buffers {
     /// For how many vertices, triangles, and what room.
     size: (u32, u32, Room),
     slabs: Buffer,
-    uniform: Buffer,
+    pub uniform: Buffer,
     /// One a face of any map.
     faces: [Buffer; MOST_FACES],
     pub mapped: Buffer,
@@ -87,6 +94,9 @@ pub(super) struct Buffers {
     work: Buffer,
     patches: [Buffer; 2],
     pub split_vertices: Buffer,
+    pub masked_vertices: Buffer,
+    /// Where those lie in their triangles: `MaskedPlace` of `bent_map_split.wgsl`.
+    pub masked_places: Buffer,
     pub counts: Buffer,
     workgroups: Buffer,
 }
@@ -110,6 +120,7 @@ impl BentShadowPass {
             split: compute(shaders::BENT_MAP_SPLIT, "split_patches"),
             next: compute(shaders::BENT_MAP_NEXT, "next_stage"),
             draw: draw_pipeline(gpu),
+            masked: OnceLock::new(),
         }
     }
 
@@ -159,7 +170,9 @@ impl BentShadowPass {
             self.map(gpu, &mut encoder, request.scene, &buffers, &map);
         }
         match &request.onto {
-            Onto::Map(target) => self.draw(gpu, &mut encoder, &buffers, (target, request.map), first),
+            Onto::Map(target) => {
+                self.draw(gpu, &mut encoder, request.scene, &buffers, (target, request.map), first);
+            }
             Onto::Wireframe(drawing) => drawing.draw(gpu, &mut encoder, &buffers, request.map, first),
         }
         gpu.queue.submit([encoder.finish()]);
@@ -217,7 +230,8 @@ impl BentShadowPass {
         let clip = [&casters.positions, &casters.indices, &b.work, &b.counts, &b.patches[1]];
         run(&self.clip, &group(&self.clip, &clip), None);
         let [even, odd] = [(0, 1), (1, 0)].map(|(from, to)| {
-            group(&self.split, &[&b.patches[from], &b.patches[to], &b.counts, &b.split_vertices])
+            let lists = [&b.split_vertices, &b.masked_vertices, &b.masked_places];
+            group(&self.split, &[&[&b.patches[from], &b.patches[to], &b.counts], &lists[..]].concat())
         });
         for stage in 1..STAGES {
             run(&self.next, &next, Some(1));
@@ -230,6 +244,7 @@ impl BentShadowPass {
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
+        scene: &StagedScene,
         buffers: &Buffers,
         (target, map): (&MapTarget, &MapShape),
         clear: bool,
@@ -245,11 +260,16 @@ impl BentShadowPass {
                 }),
                 ..Default::default()
             });
+            if !map.casts(index) {
+                continue;
+            }
             let group =
                 gpu.group("bent shadow", &self.draw.get_bind_group_layout(0), &[face.as_entire_binding()]);
-            if map.casts(index) {
-                pass.set_bind_group(0, &group, &[]);
-                self.draw_casters(&mut pass, buffers);
+            pass.set_bind_group(0, &group, &[]);
+            self.draw_casters(&mut pass, buffers);
+            if let Some(tests) = &scene.alpha_tests {
+                let masked = self.masked.get_or_init(|| MaskedDraw::new(gpu));
+                masked.draw(gpu, &mut pass, (&scene.geometry, tests), (buffers, face));
             }
         }
     }
@@ -266,7 +286,7 @@ impl BentShadowPass {
 
 impl BentWork {
     pub fn new() -> Self {
-        let room = Room { work: 1 << 16, patches: 1 << 16, split_vertices: 3 << 16 };
+        let room = Room { work: 1 << 16, patches: 1 << 16, split_vertices: 3 << 16, masked_vertices: 0 };
         Self { room, buffers: None }
     }
 
@@ -283,6 +303,8 @@ impl BentWork {
             work_capacity: self.room.work,
             patch_capacity: self.room.patches,
             split_capacity: self.room.split_vertices,
+            opaque_triangles: scene.casters.opaque_indices / 3,
+            masked_capacity: self.room.masked_vertices,
             tolerance_texels: shadows.split_above_texels(),
             ..bent_map(tube, scene.origin, slabs)
         }
@@ -312,6 +334,7 @@ impl Room {
             work: grow(self.work, counts.items[0]),
             patches: grow(self.patches, patches),
             split_vertices: grow(self.split_vertices, counts.split_vertex_count),
+            masked_vertices: grow(self.masked_vertices, counts.masked_vertex_count),
         }
     }
 
@@ -322,6 +345,7 @@ impl Room {
             u64::from(self.work) * WORK_BYTES,
             u64::from(self.patches) * PATCH_BYTES,
             u64::from(self.split_vertices) * VERTEX_BYTES,
+            u64::from(self.masked_vertices) * VERTEX_BYTES,
         ];
         let size = largest.into_iter().max().unwrap_or(0);
         if size > limit {
@@ -336,8 +360,8 @@ impl Room {
 const WORK_BYTES: u64 = 8;
 /// Bytes of a patch.
 const PATCH_BYTES: u64 = size_of::<Patch>() as u64;
-/// Bytes of a mapped vertex.
-const VERTEX_BYTES: u64 = 16;
+/// Bytes of a mapped vertex, and of its place in a triangle.
+pub(super) const VERTEX_BYTES: u64 = 16;
 
 impl Buffers {
     fn new(gpu: &Gpu, map: &BentMap) -> Self {
@@ -356,6 +380,7 @@ impl Buffers {
         let counted = BufferUsages::INDIRECT | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
         let (vertices, triangles) = (u64::from(map.vertex_count), u64::from(map.triangle_count));
         let patches = || storage("patches", u64::from(map.patch_capacity) * PATCH_BYTES, none);
+        let masked_bytes = u64::from(map.masked_capacity) * VERTEX_BYTES;
         let split_bytes = u64::from(map.split_capacity) * VERTEX_BYTES;
         Self {
             size: Self::size_for(map),
@@ -368,21 +393,28 @@ impl Buffers {
             work: storage("triangles to clip", u64::from(map.work_capacity) * WORK_BYTES, none),
             patches: [patches(), patches()],
             split_vertices: storage("split triangles", split_bytes, BufferUsages::VERTEX),
+            masked_vertices: storage("masked triangles", masked_bytes, BufferUsages::VERTEX),
+            masked_places: storage("masked triangles' places", masked_bytes, BufferUsages::VERTEX),
             counts: storage("bent counts", size_of::<BentCounts>() as u64, counted),
             workgroups: storage("workgroups", 16, BufferUsages::INDIRECT),
         }
     }
 
     fn size_for(map: &BentMap) -> (u32, u32, Room) {
-        let room =
-            Room { work: map.work_capacity, patches: map.patch_capacity, split_vertices: map.split_capacity };
+        let room = Room {
+            work: map.work_capacity,
+            patches: map.patch_capacity,
+            split_vertices: map.split_capacity,
+            masked_vertices: map.masked_capacity,
+        };
         (map.vertex_count, map.triangle_count, room)
     }
 
     fn bytes(&self) -> u64 {
         let [even, odd] = &self.patches;
         let all = [&self.mapped, &self.vertex_slab, &self.whole_indices, &self.work, even, odd];
-        all.into_iter().chain([&self.split_vertices]).map(Buffer::size).sum()
+        let lists = [&self.split_vertices, &self.masked_vertices, &self.masked_places];
+        all.into_iter().chain(lists).map(Buffer::size).sum()
     }
 
     fn fits(&self, map: &BentMap) -> bool {
@@ -394,6 +426,7 @@ impl Buffers {
         let counts = BentCounts {
             whole_instance_count: 1,
             split_instance_count: 1,
+            masked_instance_count: 1,
             stage: u32::MAX,
             ..BentCounts::default()
         };
@@ -420,6 +453,17 @@ fn bind(gpu: &Gpu, pipeline: &ComputePipeline, common: &[&Buffer], rest: &[&Buff
     })
 }
 
+/// Depth grows along the light.
+pub(super) fn nearer_wins() -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: DEPTH_FORMAT,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(wgpu::CompareFunction::Less),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    }
+}
+
 fn draw_pipeline(gpu: &Gpu) -> RenderPipeline {
     let module = gpu.module("bent shadow", shaders::BENT_SHADOW);
     let mapped = wgpu::VertexBufferLayout {
@@ -438,13 +482,7 @@ fn draw_pipeline(gpu: &Gpu) -> RenderPipeline {
         },
         // Both sides cast: what light meets does not depend on which side was modelled.
         primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Less),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
+        depth_stencil: Some(nearer_wins()),
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
             module: &module,

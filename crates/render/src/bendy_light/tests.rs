@@ -320,7 +320,7 @@ fn room_grows_until_a_map_fits() {
     let mut ample = Setup::new();
     let expected = ample.picture(Aov::Visibility);
     let mut cramped = Setup::new();
-    cramped.renderer.bent_work().room = Room { work: 1, patches: 1, split_vertices: 3 };
+    cramped.renderer.bent_work().room = Room { work: 1, patches: 1, split_vertices: 3, masked_vertices: 0 };
     assert_eq!(cramped.picture(Aov::Visibility), expected);
     let room = cramped.renderer.bent_work().room;
     assert!(room.work > 1 && room.patches > 1 && room.split_vertices > 3, "{room:?}");

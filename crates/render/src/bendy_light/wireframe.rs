@@ -94,7 +94,8 @@ impl Drawing<'_> {
             gpu.group("wireframe", &pipeline.get_bind_group_layout(0), &buffers)
         };
         let whole = group(&self.pass.whole, &[&uniform, &mapped.mapped, &mapped.whole_indices]);
-        let split = group(&self.pass.split, &[&uniform, &mapped.split_vertices]);
+        let [split, masked] = [&mapped.split_vertices, &mapped.masked_vertices]
+            .map(|vertices| group(&self.pass.split, &[&uniform, vertices]));
         let load = if clear { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("wireframe"),
@@ -113,5 +114,8 @@ impl Drawing<'_> {
         pass.set_pipeline(&self.pass.split);
         pass.set_bind_group(0, &split, &[]);
         pass.draw_indirect(&mapped.counts, offset_of!(BentCounts, split_vertex_count) as u64);
+        // Holes are not seen: it shows triangles.
+        pass.set_bind_group(0, &masked, &[]);
+        pass.draw_indirect(&mapped.counts, offset_of!(BentCounts, masked_vertex_count) as u64);
     }
 }

@@ -34,6 +34,9 @@ struct BentMap {
     texels_per_vw: f32,
     // Radius over the depth of the map's cube; 0 where there is none.
     cube_slope: f32,
+    // Triangles from this one on have an alpha test.
+    opaque_triangles: u32,
+    masked_capacity: u32,
     // Clip positions (X, Y, Z) on each face from (V, W, R).
     faces: array<mat3x3f, 5>,
 }
@@ -47,10 +50,18 @@ struct Patch {
     a: vec3f,
     slab: u32,
     b: vec3f,
+    // Which triangle of those with an alpha test it is of, or `NOT_MASKED`.
+    masked: u32,
     c: vec3f,
     mapped_a: vec4f,
     mapped_b: vec4f,
     mapped_c: vec4f,
+}
+
+const NOT_MASKED = 0xffffffffu;
+
+fn masked_triangle(triangle: u32) -> u32 {
+    return select(NOT_MASKED, triangle - bent.opaque_triangles, triangle >= bent.opaque_triangles);
 }
 
 struct BentCounts {
@@ -65,6 +76,11 @@ struct BentCounts {
     split_instance_count: u32,
     split_first_vertex: u32,
     split_first_instance: u32,
+    // Arguments of the draw of those with an alpha test.
+    masked_vertex_count: atomic<u32>,
+    masked_instance_count: u32,
+    masked_first_vertex: u32,
+    masked_first_instance: u32,
     // Which of `items` the running pass reads; it appends to the next.
     stage: u32,
     // (triangle, slab) pairs, then patches level by level.

@@ -65,12 +65,13 @@ fn clip_triangles(@builtin(global_invocation_id) id: vec3u) {
     if first + count > bent.patch_capacity {
         return;
     }
+    let masked = masked_triangle(item.x);
     let mapped_first = map_to_slab(c, polygon[0]);
     var mapped_before = map_to_slab(c, polygon[1]);
     for (var k = 0u; k < count; k++) {
         let mapped_next = map_to_slab(c, polygon[k + 2u]);
         patches_out[first + k] = Patch(
-            polygon[0], item.y, polygon[k + 1u], polygon[k + 2u], mapped_first, mapped_before, mapped_next,
+            polygon[0], item.y, polygon[k + 1u], masked, polygon[k + 2u], mapped_first, mapped_before, mapped_next,
         );
         mapped_before = mapped_next;
     }

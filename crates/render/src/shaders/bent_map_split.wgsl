@@ -7,22 +7,48 @@
 @group(0) @binding(4) var<storage, read_write> counts: BentCounts;
 // (V, W, R, t), three a triangle.
 @group(0) @binding(5) var<storage, read_write> split_vertices: array<vec4f>;
+// The same of triangles with an alpha test.
+@group(0) @binding(6) var<storage, read_write> masked_vertices: array<vec4f>;
+@group(0) @binding(7) var<storage, read_write> masked_places: array<MaskedPlace>;
+
+// Where a vertex lies in its triangle.
+struct MaskedPlace {
+    q: vec3f,
+    // Among those with an alpha test.
+    triangle: u32,
+}
 
 // The last entry of `items` that patches are appended to; patches there are drawn as they are.
 const LAST_STAGE = 11u;
 
-fn draw(a: vec4f, b: vec4f, c: vec4f) {
+fn draw(p: Patch) {
+    if p.masked != NOT_MASKED {
+        draw_masked(p);
+        return;
+    }
     let first = atomicAdd(&counts.split_vertex_count, 3u);
     if first + 3u <= bent.split_capacity {
-        split_vertices[first] = a;
-        split_vertices[first + 1u] = b;
-        split_vertices[first + 2u] = c;
+        split_vertices[first] = p.mapped_a;
+        split_vertices[first + 1u] = p.mapped_b;
+        split_vertices[first + 2u] = p.mapped_c;
     }
 }
 
-fn pass_on(slot: u32, slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f, qc: vec3f, c: vec4f) {
+fn draw_masked(p: Patch) {
+    let first = atomicAdd(&counts.masked_vertex_count, 3u);
+    if first + 3u <= bent.masked_capacity {
+        masked_vertices[first] = p.mapped_a;
+        masked_vertices[first + 1u] = p.mapped_b;
+        masked_vertices[first + 2u] = p.mapped_c;
+        masked_places[first] = MaskedPlace(p.a, p.masked);
+        masked_places[first + 1u] = MaskedPlace(p.b, p.masked);
+        masked_places[first + 2u] = MaskedPlace(p.c, p.masked);
+    }
+}
+
+fn pass_on(slot: u32, parent: Patch, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f, qc: vec3f, c: vec4f) {
     if slot < bent.patch_capacity {
-        patches_out[slot] = Patch(qa, slab, qb, qc, a, b, c);
+        patches_out[slot] = Patch(qa, parent.slab, qb, parent.masked, qc, a, b, c);
     }
 }
 
@@ -41,15 +67,15 @@ fn split_patches(@builtin(global_invocation_id) id: vec3u) {
     }
     let splits = u32(ab.split) + u32(bc.split) + u32(ca.split);
     if splits == 0u || stage == LAST_STAGE {
-        draw(p.mapped_a, p.mapped_b, p.mapped_c);
+        draw(p);
         return;
     }
     let slot = atomicAdd(&counts.items[stage + 1u], splits + 1u);
     if splits == 3u {
-        pass_on(slot, p.slab, p.a, p.mapped_a, ab.q, ab.mapped, ca.q, ca.mapped);
-        pass_on(slot + 1u, p.slab, p.b, p.mapped_b, bc.q, bc.mapped, ab.q, ab.mapped);
-        pass_on(slot + 2u, p.slab, p.c, p.mapped_c, ca.q, ca.mapped, bc.q, bc.mapped);
-        pass_on(slot + 3u, p.slab, ab.q, ab.mapped, bc.q, bc.mapped, ca.q, ca.mapped);
+        pass_on(slot, p, p.a, p.mapped_a, ab.q, ab.mapped, ca.q, ca.mapped);
+        pass_on(slot + 1u, p, p.b, p.mapped_b, bc.q, bc.mapped, ab.q, ab.mapped);
+        pass_on(slot + 2u, p, p.c, p.mapped_c, ca.q, ca.mapped, bc.q, bc.mapped);
+        pass_on(slot + 3u, p, ab.q, ab.mapped, bc.q, bc.mapped, ca.q, ca.mapped);
         return;
     }
     // Turn the triangle until a split edge comes first and, of two, the second next.
@@ -67,11 +93,11 @@ fn split_patches(@builtin(global_invocation_id) id: vec3u) {
         first = ca; second = ab;
     }
     if splits == 1u {
-        pass_on(slot, p.slab, qa, ma, first.q, first.mapped, qc, mc);
-        pass_on(slot + 1u, p.slab, first.q, first.mapped, qb, mb, qc, mc);
+        pass_on(slot, p, qa, ma, first.q, first.mapped, qc, mc);
+        pass_on(slot + 1u, p, first.q, first.mapped, qb, mb, qc, mc);
     } else {
-        pass_on(slot, p.slab, first.q, first.mapped, qb, mb, second.q, second.mapped);
-        pass_on(slot + 1u, p.slab, qa, ma, first.q, first.mapped, second.q, second.mapped);
-        pass_on(slot + 2u, p.slab, qa, ma, second.q, second.mapped, qc, mc);
+        pass_on(slot, p, first.q, first.mapped, qb, mb, second.q, second.mapped);
+        pass_on(slot + 1u, p, qa, ma, first.q, first.mapped, second.q, second.mapped);
+        pass_on(slot + 2u, p, qa, ma, second.q, second.mapped, qc, mc);
     }
 }

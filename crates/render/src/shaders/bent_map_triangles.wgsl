@@ -45,10 +45,12 @@ fn map_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
         if off_map(a, b, c, ab, bc, ca) {
             return;
         }
-        if ab.split || bc.split || ca.split {
+        let masked = masked_triangle(triangle);
+        // Patches know their triangle, and by it their holes.
+        if ab.split || bc.split || ca.split || masked != NOT_MASKED {
             let item = atomicAdd(&counts.items[1], 1u);
             if item < bent.patch_capacity {
-                patches_out[item] = Patch(qa, slab, qb, qc, a, b, c);
+                patches_out[item] = Patch(qa, slab, qb, masked, qc, a, b, c);
             }
             return;
         }

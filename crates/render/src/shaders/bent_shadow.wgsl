@@ -16,13 +16,22 @@ struct Fragment {
     @location(0) t: f32,
 }
 
+fn face_position(mapped: vec4f) -> vec4f {
+    let clip = bent_shadow.clip_from_mapped * mapped.xyz;
+    return vec4f(clip.xy, 0.5 * clip.z, clip.z);
+}
+
+// Of a fragment at `y`.
+fn face_depth(t: f32, y: f32) -> f32 {
+    return t * bent_shadow.depth_per_t / (bent_shadow.row.x + bent_shadow.row.y * y);
+}
+
 @vertex
 fn vs_bent_shadow(@location(0) mapped: vec4f) -> Fragment {
-    let clip = bent_shadow.clip_from_mapped * mapped.xyz;
-    return Fragment(vec4f(clip.xy, 0.5 * clip.z, clip.z), mapped.w);
+    return Fragment(face_position(mapped), mapped.w);
 }
 
 @fragment
 fn fs_bent_shadow(in: Fragment) -> @builtin(frag_depth) f32 {
-    return in.t * bent_shadow.depth_per_t / (bent_shadow.row.x + bent_shadow.row.y * in.position.y);
+    return face_depth(in.t, in.position.y);
 }

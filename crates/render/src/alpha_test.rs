@@ -1,0 +1,71 @@
+//! The alpha tests of a scene in one table, for passes that draw triangles of all materials at once.
+
+use scene::{Material, Sampler, Wrap};
+use wgpu::{Buffer, BufferUsages};
+
+use crate::geometry::{Draw, upload};
+use crate::{Gpu, RenderError, layout};
+
+/// See `alpha_test.wgsl`.
+#[derive(Debug)]
+pub(crate) struct AlphaTests {
+    /// One a draw with an alpha test, by their triangles.
+    pub tests: Buffer,
+    /// All their pictures.
+    pub texels: Buffer,
+}
+
+/// Where a picture's alpha lies among the texels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AlphaPicture {
+    pub offset: u32,
+    pub width: u32,
+    pub height: u32,
+    pub levels: u32,
+}
+
+impl AlphaTests {
+    /// `texels` have eight bits each.
+    pub fn new(gpu: &Gpu, tests: &[layout::AlphaTest], mut texels: Vec<u8>) -> Result<Self, RenderError> {
+        texels.resize(texels.len().next_multiple_of(4), 0);
+        let storage = BufferUsages::STORAGE;
+        Ok(Self {
+            tests: upload(gpu, "the scene's alpha tests in bytes", tests, storage)?,
+            texels: upload(gpu, "the alpha of the scene's textures in bytes", &texels, storage)?,
+        })
+    }
+
+    pub fn bytes(&self) -> u64 {
+        self.tests.size() + self.texels.size()
+    }
+}
+
+/// The test of `draw`, where triangles with a test begin with the index `first_masked`.
+pub(crate) fn alpha_test(
+    draw: &Draw,
+    first_masked: u32,
+    material: &Material,
+    picture: AlphaPicture,
+) -> layout::AlphaTest {
+    let wrap = |wrap| match wrap {
+        Wrap::Repeat => 0,
+        Wrap::MirroredRepeat => 1,
+        Wrap::ClampToEdge => 2,
+    };
+    let Sampler { wrap_u, wrap_v, nearest } =
+        material.base_color_texture.map(|texture| texture.sampler).unwrap_or_default();
+    let AlphaPicture { offset, width, height, levels } = picture;
+    layout::AlphaTest {
+        first_triangle: (draw.indices.start - first_masked) / 3,
+        first_index: draw.indices.start,
+        cutoff: material.alpha_cutoff.unwrap_or(0.0),
+        factor: material.base_color.w,
+        offset,
+        width,
+        height,
+        levels,
+        wrap_u: wrap(wrap_u),
+        wrap_v: wrap(wrap_v),
+        nearest: u32::from(nearest),
+    }
+}

@@ -1,0 +1,88 @@
+//! The draw of a bent map's triangles that have an alpha test (see `bent_masked.wgsl`).
+
+use std::mem::offset_of;
+
+use wgpu::{Buffer, BufferBinding, RenderPass, RenderPipeline, VertexBufferLayout, VertexStepMode};
+
+use super::layout::BentCounts;
+use super::shadow::{Buffers, VERTEX_BYTES, nearer_wins};
+use crate::alpha_test::AlphaTests;
+use crate::geometry::Geometry;
+use crate::layout::Mat4;
+use crate::{Gpu, shaders};
+
+#[cfg(test)]
+mod tests;
+
+/// The pipeline, which outlives scenes and lights.
+#[derive(Debug)]
+pub(super) struct MaskedDraw(RenderPipeline);
+
+impl MaskedDraw {
+    pub fn new(gpu: &Gpu) -> Self {
+        let module = gpu.module("bent masked", shaders::BENT_MASKED);
+        let layout = |attributes| {
+            Some(VertexBufferLayout {
+                array_stride: VERTEX_BYTES,
+                step_mode: VertexStepMode::Vertex,
+                attributes,
+            })
+        };
+        let mapped = wgpu::vertex_attr_array![0 => Float32x4];
+        let place = wgpu::vertex_attr_array![1 => Float32x3, 2 => Uint32];
+        Self(gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("bent masked"),
+            layout: None,
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("vs_bent_masked"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[layout(&mapped), layout(&place)],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: Some(nearer_wins()),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("fs_bent_masked"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[],
+            }),
+            multiview_mask: None,
+            cache: None,
+        }))
+    }
+
+    /// Draws what has been mapped of the triangles of `geometry` that `tests` are of, onto the face that a uniform
+    /// tells.
+    pub fn draw(
+        &self,
+        gpu: &Gpu,
+        pass: &mut RenderPass,
+        (geometry, tests): (&Geometry, &AlphaTests),
+        (mapped, face): (&Buffers, &Buffer),
+    ) {
+        // The uniform begins with the matrix.
+        let tube_from_scene = BufferBinding {
+            buffer: &mapped.uniform,
+            offset: 0,
+            size: std::num::NonZeroU64::new(size_of::<Mat4>() as u64),
+        };
+        let triangles = [
+            face.as_entire_binding(),
+            wgpu::BindingResource::Buffer(tube_from_scene),
+            geometry.positions.as_entire_binding(),
+            geometry.attributes.as_entire_binding(),
+            geometry.indices.as_entire_binding(),
+        ];
+        let tests = [tests.tests.as_entire_binding(), tests.texels.as_entire_binding()];
+        let group =
+            |index, bindings: &[_]| gpu.group("bent masked", &self.0.get_bind_group_layout(index), bindings);
+        pass.set_pipeline(&self.0);
+        pass.set_bind_group(0, &group(0, &triangles), &[]);
+        pass.set_bind_group(1, &group(1, &tests), &[]);
+        pass.set_vertex_buffer(0, mapped.masked_vertices.slice(..));
+        pass.set_vertex_buffer(1, mapped.masked_places.slice(..));
+        pass.draw_indirect(&mapped.counts, offset_of!(BentCounts, masked_vertex_count) as u64);
+    }
+}

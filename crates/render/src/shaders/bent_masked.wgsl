@@ -1,0 +1,77 @@
+// Draws mapped triangles with an alpha test into the shadow map. Follows bent_shadow.wgsl and alpha_test.wgsl.
+//
+// A vertex that clipping and splitting made has no uv. Where it lies in its triangle tells that: both are flat in the
+// scene.
+
+@group(0) @binding(1) var<uniform> tube_from_scene: mat4x4f;
+// Of the scene's own vertices and triangles.
+@group(0) @binding(2) var<storage, read> positions: array<f32>;
+// Nine a vertex: normal, uv, colour.
+@group(0) @binding(3) var<storage, read> attributes: array<f32>;
+@group(0) @binding(4) var<storage, read> indices: array<u32>;
+
+struct MaskedFragment {
+    @builtin(position) position: vec4f,
+    @location(0) t: f32,
+    @location(1) uv: vec2f,
+    @location(2) alpha: f32,
+    // Index in `alpha_tests`.
+    @location(3) @interpolate(flat, either) test: u32,
+}
+
+// The last test that begins at or before a triangle.
+fn test_of(triangle: u32) -> u32 {
+    var first = 0u;
+    var end = arrayLength(&alpha_tests);
+    while end - first > 1u {
+        let middle = (first + end) / 2u;
+        if alpha_tests[middle].first_triangle <= triangle {
+            first = middle;
+        } else {
+            end = middle;
+        }
+    }
+    return first;
+}
+
+fn tube_position(vertex: u32) -> vec3f {
+    let p = vec4f(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u], 1.0);
+    return (tube_from_scene * p).xyz;
+}
+
+// uv and alpha.
+fn uv_alpha(vertex: u32) -> vec3f {
+    return vec3f(attributes[9u * vertex + 3u], attributes[9u * vertex + 4u], attributes[9u * vertex + 8u]);
+}
+
+@vertex
+fn vs_bent_masked(
+    @location(0) mapped: vec4f,
+    @location(1) q: vec3f,
+    @location(2) triangle: u32,
+) -> MaskedFragment {
+    let test = test_of(triangle);
+    let index = alpha_tests[test].first_index + 3u * (triangle - alpha_tests[test].first_triangle);
+    let corners = vec3u(indices[index], indices[index + 1u], indices[index + 2u]);
+    let a = tube_position(corners.x);
+    let ab = tube_position(corners.y) - a;
+    let ac = tube_position(corners.z) - a;
+    let normal = cross(ab, ac);
+    let per_area = 1.0 / max(dot(normal, normal), 1e-37);
+    let b_share = dot(cross(q - a, ac), normal) * per_area;
+    let c_share = dot(cross(ab, q - a), normal) * per_area;
+    let at_a = uv_alpha(corners.x);
+    let here = at_a + b_share * (uv_alpha(corners.y) - at_a) + c_share * (uv_alpha(corners.z) - at_a);
+    return MaskedFragment(face_position(mapped), mapped.w, here.xy, here.z, test);
+}
+
+@fragment
+fn fs_bent_masked(in: MaskedFragment) -> @builtin(frag_depth) f32 {
+    let dx = dpdx(in.uv);
+    let dy = dpdy(in.uv);
+    let test = alpha_tests[in.test];
+    if test.factor * in.alpha * texel_alpha(test, in.uv, dx, dy) < test.cutoff {
+        discard;
+    }
+    return face_depth(in.t, in.position.y);
+}
