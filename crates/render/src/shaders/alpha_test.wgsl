@@ -26,44 +26,50 @@ struct AlphaTest {
 // Eight bits a texel, four to a word, the lowest bits first.
 @group(1) @binding(1) var<storage, read> alpha_texels: array<u32>;
 
-fn wrapped(x: i32, size: i32, wrap: u32) -> i32 {
-    if wrap == 2u {
-        return clamp(x, 0, size - 1);
-    }
-    let period = select(size, 2 * size, wrap == 1u);
-    let inside = ((x % period) + period) % period;
-    return min(inside, select(inside, period - 1 - inside, wrap == 1u));
+// What a fragment has to know of a test's picture. Flat, and so a fragment need not look it up.
+struct AlphaPicture {
+    // Offset, width, height, levels.
+    place: vec4u,
+    // wrap_u, wrap_v, nearest.
+    modes: vec3u,
+}
+
+// Texels that indices along one axis stand for. In floats, which are exact here: dividing integers is slow.
+fn wrapped(x: vec2f, size: f32, wrap: u32) -> vec2u {
+    let period = select(size, 2.0 * size, wrap == 1u);
+    let inside = x - period * floor((x + 0.5) / period);
+    let repeated = select(inside, min(inside, period - 1.0 - inside), wrap == 1u);
+    return vec2u(clamp(select(repeated, x, wrap == 2u), vec2f(0.0), vec2f(size - 1.0)));
 }
 
 // A level of a picture.
 struct AlphaLevel {
     offset: u32,
-    size: vec2i,
+    size: vec2u,
 }
 
-fn alpha_level(test: AlphaTest, level: u32) -> AlphaLevel {
-    var found = AlphaLevel(test.offset, vec2i(i32(test.width), i32(test.height)));
+fn alpha_level(place: vec4u, level: u32) -> AlphaLevel {
+    var found = AlphaLevel(place.x, place.yz);
     for (var i = 0u; i < level; i++) {
-        found.offset += u32(found.size.x * found.size.y);
-        found.size = max(found.size / 2, vec2i(1));
+        found.offset += found.size.x * found.size.y;
+        found.size = max(found.size >> vec2u(1u), vec2u(1u));
     }
     return found;
 }
 
-fn alpha_texel(test: AlphaTest, level: AlphaLevel, at: vec2i) -> f32 {
-    let column = wrapped(at.x, level.size.x, test.wrap_u);
-    let row = wrapped(at.y, level.size.y, test.wrap_v);
-    let index = level.offset + u32(row * level.size.x + column);
+fn alpha_texel(index: u32) -> f32 {
     return f32((alpha_texels[index / 4u] >> (8u * (index % 4u))) & 0xffu) / 255.0;
 }
 
-fn alpha_bilinear(test: AlphaTest, level: AlphaLevel, uv: vec2f) -> f32 {
-    let at = uv * vec2f(level.size) - 0.5;
-    let first = vec2i(floor(at));
-    let share = at - floor(at);
-    let top = mix(alpha_texel(test, level, first), alpha_texel(test, level, first + vec2i(1, 0)), share.x);
-    let bottom =
-        mix(alpha_texel(test, level, first + vec2i(0, 1)), alpha_texel(test, level, first + vec2i(1, 1)), share.x);
+fn alpha_bilinear(modes: vec3u, level: AlphaLevel, uv: vec2f) -> f32 {
+    let size = vec2f(level.size);
+    let at = uv * size - 0.5;
+    let first = floor(at);
+    let share = at - first;
+    let columns = wrapped(vec2f(first.x, first.x + 1.0), size.x, modes.x);
+    let rows = level.offset + wrapped(vec2f(first.y, first.y + 1.0), size.y, modes.y) * level.size.x;
+    let top = mix(alpha_texel(rows.x + columns.x), alpha_texel(rows.x + columns.y), share.x);
+    let bottom = mix(alpha_texel(rows.y + columns.x), alpha_texel(rows.y + columns.y), share.x);
     return mix(top, bottom, share.y);
 }
 
@@ -71,18 +77,22 @@ fn alpha_bilinear(test: AlphaTest, level: AlphaLevel, uv: vec2f) -> f32 {
 //
 // The level is that of the shorter way across what a texel of the map covers: by the longer one, as pictures have it, a
 // card that light grazes would lose its holes.
-fn texel_alpha(test: AlphaTest, uv: vec2f, dx: vec2f, dy: vec2f) -> f32 {
-    let size = vec2f(f32(test.width), f32(test.height));
+fn texel_alpha(picture: AlphaPicture, uv: vec2f, dx: vec2f, dy: vec2f) -> f32 {
+    let size = vec2f(picture.place.yz);
     let longer = max(length(dx * size), length(dy * size));
     let area = abs(dx.x * dy.y - dx.y * dy.x) * size.x * size.y;
-    let level = clamp(log2(max(area, 1e-30) / max(longer, 1e-30)), 0.0, f32(test.levels - 1u));
-    let fine = alpha_level(test, u32(level));
-    if level == 0.0 && test.nearest != 0u {
-        return alpha_texel(test, fine, vec2i(floor(uv * size)));
+    let level = clamp(log2(max(area, 1e-30) / max(longer, 1e-30)), 0.0, f32(picture.place.w - 1u));
+    let fine = alpha_level(picture.place, u32(level));
+    if level == 0.0 && picture.modes.z != 0u {
+        let at = floor(uv * size);
+        let column = wrapped(at.xx, size.x, picture.modes.x).x;
+        let row = wrapped(at.yy, size.y, picture.modes.y).x;
+        return alpha_texel(fine.offset + row * fine.size.x + column);
     }
-    let alpha = alpha_bilinear(test, fine, uv);
+    let alpha = alpha_bilinear(picture.modes, fine, uv);
     if fract(level) == 0.0 {
         return alpha;
     }
-    return mix(alpha, alpha_bilinear(test, alpha_level(test, u32(level) + 1u), uv), fract(level));
+    let coarse = alpha_level(picture.place, u32(level) + 1u);
+    return mix(alpha, alpha_bilinear(picture.modes, coarse, uv), fract(level));
 }

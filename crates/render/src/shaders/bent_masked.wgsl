@@ -14,9 +14,12 @@ struct MaskedFragment {
     @builtin(position) position: vec4f,
     @location(0) t: f32,
     @location(1) uv: vec2f,
+    // Of vertex and material.
     @location(2) alpha: f32,
-    // Index in `alpha_tests`.
-    @location(3) @interpolate(flat, either) test: u32,
+    @location(3) @interpolate(flat, either) cutoff: f32,
+    // See `AlphaPicture`.
+    @location(4) @interpolate(flat, either) place: vec4u,
+    @location(5) @interpolate(flat, either) modes: vec3u,
 }
 
 // The last test that begins at or before a triangle.
@@ -50,8 +53,8 @@ fn vs_bent_masked(
     @location(1) q: vec3f,
     @location(2) triangle: u32,
 ) -> MaskedFragment {
-    let test = test_of(triangle);
-    let index = alpha_tests[test].first_index + 3u * (triangle - alpha_tests[test].first_triangle);
+    let test = alpha_tests[test_of(triangle)];
+    let index = test.first_index + 3u * (triangle - test.first_triangle);
     let corners = vec3u(indices[index], indices[index + 1u], indices[index + 2u]);
     let a = tube_position(corners.x);
     let ab = tube_position(corners.y) - a;
@@ -62,15 +65,22 @@ fn vs_bent_masked(
     let c_share = dot(cross(ab, q - a), normal) * per_area;
     let at_a = uv_alpha(corners.x);
     let here = at_a + b_share * (uv_alpha(corners.y) - at_a) + c_share * (uv_alpha(corners.z) - at_a);
-    return MaskedFragment(face_position(mapped), mapped.w, here.xy, here.z, test);
+    var out: MaskedFragment;
+    out.position = face_position(mapped);
+    out.t = mapped.w;
+    out.uv = here.xy;
+    out.alpha = test.factor * here.z;
+    out.cutoff = test.cutoff;
+    out.place = vec4u(test.offset, test.width, test.height, test.levels);
+    out.modes = vec3u(test.wrap_u, test.wrap_v, test.nearest);
+    return out;
 }
 
 @fragment
 fn fs_bent_masked(in: MaskedFragment) -> @builtin(frag_depth) f32 {
     let dx = dpdx(in.uv);
     let dy = dpdy(in.uv);
-    let test = alpha_tests[in.test];
-    if test.factor * in.alpha * texel_alpha(test, in.uv, dx, dy) < test.cutoff {
+    if in.alpha * texel_alpha(AlphaPicture(in.place, in.modes), in.uv, dx, dy) < in.cutoff {
         discard;
     }
     return face_depth(in.t, in.position.y);
