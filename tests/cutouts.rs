@@ -33,7 +33,7 @@ fn camera(eye: [f64; 3], target: [f64; 3], yfov: f64) -> Camera {
         name: String::new(),
         translation: eye,
         rotation: DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back)),
-        projection: Projection::Perspective { yfov, znear: 0.05, zfar: None },
+        projection: Projection::Perspective { yfov, aspect_ratio: None, znear: 0.05, zfar: None },
     }
 }
 

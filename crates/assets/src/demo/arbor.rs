@@ -84,7 +84,12 @@ fn camera() -> Camera {
         name: "camera".into(),
         translation,
         rotation: look_at(translation, DVec3::new(0.06, 0.50, -0.1)),
-        projection: Projection::Perspective { yfov: 26.0_f64.to_radians(), znear: 0.1, zfar: None },
+        projection: Projection::Perspective {
+            yfov: 26.0_f64.to_radians(),
+            aspect_ratio: None,
+            znear: 0.1,
+            zfar: None,
+        },
     }
 }
 
