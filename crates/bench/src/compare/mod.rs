@@ -84,8 +84,8 @@ pub struct Comparison {
     /// Of pixels on the wrong side of a shadow's edge, how many texels of the map they are from it; null is farther
     /// than 8.
     pub displacement_texels: Quantiles,
-    /// Where scan lines cross shadows' edges, how many pixels along the line the picture's edge is from the
-    /// reference's; null is farther than 6.
+    /// Where scan lines cross shadows' edges, how many pixels the picture's edge is from the reference's, square to it;
+    /// null is farther than 6 along the line.
     pub displacement_pixels: Quantiles,
     /// One a pixel.
     #[serde(skip)]

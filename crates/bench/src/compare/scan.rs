@@ -36,14 +36,16 @@ pub(super) struct Crossing {
     line: usize,
     /// Pixels along it.
     at: f64,
+    /// Sine of the angle between the line and the edge.
+    squareness: f64,
     /// Whether the light ends there rather than begins.
     falls: bool,
 }
 
 impl Axis {
     /// The point of the picture that is `along` a line, in pixels.
-    fn point(self, line: usize, along: f64) -> DVec2 {
-        let across = line as f64 + 0.5;
+    fn point(self, line: f64, along: f64) -> DVec2 {
+        let across = line + 0.5;
         match self {
             Self::Row => DVec2::new(along, across),
             Self::Column => DVec2::new(across, along),
@@ -86,17 +88,29 @@ impl Expected<'_> {
         if falls == after.lit()? || !on_one_surface(before, after) || !seen_to_end {
             return None;
         }
-        let (mut low, mut high) = (along as f64 - 0.5, along as f64 + 0.5);
-        for _ in 0..HALVINGS {
-            let middle = f64::midpoint(low, high);
-            let lit = self.seen(axis.point(line, middle))?.lit()?;
-            if lit == falls { low = middle } else { high = middle }
-        }
-        Some(Crossing { axis, line, at: f64::midpoint(low, high), falls })
+        let line_at = line as f64;
+        let at = self.edge_between(axis, line_at, [along as f64 - 0.5, along as f64 + 0.5], falls)?;
+        // The other axis crosses an edge that runs off along this one.
+        let beside = self.edge_between(axis, line_at + 0.25, [at - 1.0, at + 1.0], falls)?;
+        let squareness = 0.25 / (beside - at).hypot(0.25);
+        Some(Crossing { axis, line, at, squareness, falls })
     }
 
-    /// How many pixels each crossing is from the nearest of the picture's on the same line and in the same sense;
-    /// infinity past [`WINDOW`].
+    /// Where between two places on a line the light ends, or begins; `None` where it does not.
+    fn edge_between(&self, axis: Axis, line: f64, [mut low, mut high]: [f64; 2], falls: bool) -> Option<f64> {
+        let lit = |along: f64| self.seen(axis.point(line, along))?.lit();
+        if lit(low)? != falls || lit(high)? == falls {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let middle = f64::midpoint(low, high);
+            if lit(middle)? == falls { low = middle } else { high = middle }
+        }
+        Some(f64::midpoint(low, high))
+    }
+
+    /// How many pixels the edge at each crossing is from the picture's, which the same line crosses in the same sense;
+    /// infinity past [`WINDOW`] along the line.
     pub(super) fn displacements(&self, fine_visibility: &Picture) -> Vec<f64> {
         self.crossings.par_iter().map(|crossing| displacement(crossing, fine_visibility)).collect()
     }
@@ -108,7 +122,7 @@ fn on_one_surface(a: &Seen, b: &Seen) -> bool {
 }
 
 fn displacement(crossing: &Crossing, fine: &Picture) -> f64 {
-    let Crossing { axis, line, at, falls } = *crossing;
+    let Crossing { axis, line, at, squareness, falls } = *crossing;
     let finer = FINER as usize;
     let (width, height) = (fine.width as usize, fine.height as usize);
     let length = if axis == Axis::Row { width } else { height };
@@ -125,5 +139,5 @@ fn displacement(crossing: &Crossing, fine: &Picture) -> f64 {
         found.then(|| (along as f64 - 0.5 + part) / f64::from(FINER))
     };
     let found = (bound(at - WINDOW)..bound(at + WINDOW)).filter_map(crosses);
-    found.map(|found| (found - at).abs()).fold(f64::INFINITY, f64::min)
+    found.map(|found| (found - at).abs() * squareness).fold(f64::INFINITY, f64::min)
 }
