@@ -35,6 +35,15 @@ impl AlphaTests {
         })
     }
 
+    /// One test that no triangle has: a binding may not be empty.
+    pub fn none(gpu: &Gpu) -> Result<Self, RenderError> {
+        Self::new(
+            gpu,
+            &[layout::AlphaTest { first_index: u32::MAX, ..layout::AlphaTest::default() }],
+            vec![0],
+        )
+    }
+
     pub fn bytes(&self) -> u64 {
         self.tests.size() + self.texels.size()
     }

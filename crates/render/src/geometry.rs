@@ -125,7 +125,7 @@ pub(crate) struct Geometry {
     pub indices: Buffer,
     /// `array<vec4f>`, one a triangle.
     pub planes: Buffer,
-    /// [`crate::layout::HierarchyNode`]s over the triangles without an alpha test.
+    /// [`crate::layout::HierarchyNode`]s over all triangles.
     pub hierarchy: Buffer,
     /// Those triangles in the order of its leaves.
     pub hierarchy_triangles: Buffer,
@@ -137,10 +137,8 @@ impl Geometry {
         geometry.into_iter().chain([&self.hierarchy, &self.hierarchy_triangles]).map(Buffer::size).sum()
     }
 
-    /// `opaque_indices` of the indices have no alpha test; they come first.
-    pub fn new(gpu: &Gpu, posed: &Posed, opaque_indices: u32) -> Result<Self, RenderError> {
-        let (opaque, _) = posed.indices[..opaque_indices as usize].as_chunks();
-        let hierarchy = Hierarchy::new(&posed.positions, opaque);
+    pub fn new(gpu: &Gpu, posed: &Posed) -> Result<Self, RenderError> {
+        let hierarchy = Hierarchy::new(&posed.positions, posed.indices.as_chunks().0);
         let geometry = BufferUsages::STORAGE | BufferUsages::VERTEX | BufferUsages::COPY_SRC;
         Ok(Self {
             positions: upload(gpu, "the scene's vertex positions in bytes", &posed.positions, geometry)?,

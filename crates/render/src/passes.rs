@@ -27,7 +27,7 @@ pub(crate) struct Passes {
 impl Passes {
     pub fn new(gpu: &Gpu) -> Self {
         let layouts = SceneLayouts {
-            view: gpu.layout("view", &[&[UNIFORM][..], &[STORAGE; 6]].concat()),
+            view: gpu.layout("view", &[&[UNIFORM][..], &[STORAGE; 8]].concat()),
             material: gpu.layout("material", &material::BINDINGS),
             fill: gpu.layout("fill", &[UNIFORM]),
         };

@@ -67,11 +67,22 @@ impl StagedScene {
         let posed = Posed::new(scene)?;
         let opaque = posed.draws.iter().rfind(|draw| scene.materials[draw.material].alpha_cutoff.is_none());
         let opaque_indices = opaque.map_or(0, |draw| draw.indices.end);
-        let geometry = Geometry::new(gpu, &posed, opaque_indices)?;
+        let geometry = Geometry::new(gpu, &posed)?;
+        let Materials { draws, alpha_tests, texture_bytes } =
+            Materials::new(gpu, &layouts.material, scene, &posed)?;
+        let no_tests = match &alpha_tests {
+            Some(_) => None,
+            None => Some(AlphaTests::none(gpu)?),
+        };
+        let Some(tests) = alpha_tests.as_ref().or(no_tests.as_ref()) else {
+            unreachable!("one of the two is there")
+        };
         let Geometry { positions, attributes, indices, planes, hierarchy, hierarchy_triangles } = &geometry;
-        let view_resources =
-            [view_uniform, planes, positions, indices, attributes, hierarchy, hierarchy_triangles]
-                .map(Buffer::as_entire_binding);
+        let view_resources = [view_uniform, planes, positions, indices, attributes]
+            .into_iter()
+            .chain([hierarchy, hierarchy_triangles, &tests.tests, &tests.texels])
+            .map(Buffer::as_entire_binding)
+            .collect::<Vec<_>>();
         let view = gpu.group("view", &layouts.view, &view_resources);
         let fill_uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
             label: Some("fill"),
@@ -82,8 +93,6 @@ impl StagedScene {
             }),
             usage: BufferUsages::UNIFORM,
         });
-        let Materials { draws, alpha_tests, texture_bytes } =
-            Materials::new(gpu, &layouts.material, scene, &posed)?;
         let surface = Casters {
             positions: geometry.positions.clone(),
             indices: geometry.indices.clone(),

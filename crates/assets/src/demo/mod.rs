@@ -81,8 +81,8 @@ mod tests {
     #[test]
     fn a_version_names_one_scene() {
         let digests = [
-            ("vases", 1, "660af1c3a5c379a95bfd74e99cb7b03cd9718d52e6a849d70879447a7439790a"),
-            ("arbor", 1, "0af42d1bf08884fca95822333f825058b117f0e14adafd3454b228b57607364f"),
+            ("vases", 1, "069e22e855f3048b039a8bee1c16c93fe48849324b5dc120c55f7219b297186a"),
+            ("arbor", 1, "6192323adfc8f0b6bcd9919c3fac28f0566f92ab9d43d380f98a8647d621c1a4"),
         ];
         for ((name, version, expected), (listed, _)) in digests.into_iter().zip(DEMO_NAMES) {
             assert_eq!(name, *listed);

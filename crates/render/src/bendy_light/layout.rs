@@ -124,6 +124,7 @@ gpu_struct! {
         cube_slope: f32,
         opaque_triangles: u32,
         masked_capacity: u32,
+        pad0: [f32; 2],
         faces: [Mat3; MOST_FACES],
     }
 }

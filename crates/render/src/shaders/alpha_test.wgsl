@@ -1,5 +1,7 @@
 // Alpha tests of all materials from one table, for triangles of any material in one draw. What samplers do is done by
-// hand: bilinear in a level, linear between levels.
+// hand: bilinear in a level, linear between levels. Whoever asks brings
+//   alpha_tests   array<AlphaTest>
+//   alpha_texels  array<u32>: eight bits a texel, four to a word, the lowest bits first
 
 struct AlphaTest {
     // Among the scene's triangles with an alpha test.
@@ -22,9 +24,21 @@ struct AlphaTest {
     nearest: u32,
 }
 
-@group(1) @binding(0) var<storage, read> alpha_tests: array<AlphaTest>;
-// Eight bits a texel, four to a word, the lowest bits first.
-@group(1) @binding(1) var<storage, read> alpha_texels: array<u32>;
+
+// The last test that begins at or before a triangle.
+fn test_of(triangle: u32) -> u32 {
+    var first = 0u;
+    var end = arrayLength(&alpha_tests);
+    while end - first > 1u {
+        let middle = (first + end) / 2u;
+        if alpha_tests[middle].first_triangle <= triangle {
+            first = middle;
+        } else {
+            end = middle;
+        }
+    }
+    return first;
+}
 
 // What a fragment has to know of a test's picture. Flat, and so a fragment need not look it up.
 struct AlphaPicture {

@@ -72,6 +72,32 @@ const STEEPEST = 32.0;
 // The farthest of the texels around is a step and a half away, where the plane may lie so much earlier.
 const REACH = 1.5 * STEEPEST;
 
+// Where a point beside a root's lies in the tube, or past its rim.
+struct LiftedPlace {
+    dt: f32,
+    vw_len: vec2f,
+    radius: f32,
+}
+
+// To second order in `lift`, which is short. `sigma` is |P'| - r . u_hat'.
+fn lifted_place(root: Root, lift: vec3f, sigma: f32) -> LiftedPlace {
+    // grad t = u_hat / sigma, and a step of Newton's method on r . P' from there.
+    let rough = dot(lift, root.u_hat) / max(sigma, 1e-20);
+    let d = root.d + root.a * rough;
+    let r = root.r + lift - (2.0 * root.d + root.a * rough) * rough;
+    let slope = 2.0 * dot(d, d) - dot(r, root.a);
+    let dt = rough + select(0.0, dot(r, d) / slope, slope > 0.0);
+    let r_there = root.r + lift - (2.0 * root.d + root.a * dt) * dt;
+    let d_there = root.d + root.a * dt;
+    let u_hat = d_there * inverseSqrt(max(dot(d_there, d_there), 1e-37));
+    // The frame turns with the tangent, and where it leans towards `up` about it.
+    let v_hat = root.v_hat - (root.u_hat + u_hat) * (dot(root.v_hat, u_hat) / (1.0 + dot(root.u_hat, u_hat)));
+    let vw_len = r_there * mat2x3f(v_hat, cross(u_hat, v_hat));
+    let turned = twist(root, turn_at(root)) * dt;
+    let radius = root.radius + (root.radius_derivative + root.ar * dt) * dt;
+    return LiftedPlace(dt, vw_len + turned * vec2f(vw_len.y, -vw_len.x), max(radius, 0.0));
+}
+
 // How much of the arriving light nothing is in the way of.
 //
 // Each texel is compared with the t that the receiver's own plane has at that texel's centre, so that a plane cannot
@@ -86,14 +112,13 @@ fn bent_visibility(root: Root, vw: vec2f, surface: Surface) -> f32 {
         return 0.0;
     }
 
-    // The shadow position lies a little beside the surface's: grad t = u_hat / sigma, grad V = v_hat, grad W = w_hat.
     let center_speed = 2.0 * length(root.d);
-    let lift = surface.terminator_offset / light.world_per_tube * (surface.normal * light.world_from_tube);
     let sigma = max(center_speed - dot(root.r, turn_at(root)), 0.1 * center_speed);
-    let lift_t = dot(lift, root.u_hat) / max(sigma, 1e-20);
-    let t = root_t(root) + lift_t;
-    let radius = max(root.radius + root.radius_derivative * lift_t, 0.0);
-    let place = map_place(root.vw_len + lift * across, radius);
+    let lift = surface.terminator_offset / light.world_per_tube * (surface.normal * light.world_from_tube);
+    let lifted = lifted_place(root, lift, sigma);
+    let t = root_t(root) + lifted.dt;
+    let radius = lifted.radius;
+    let place = map_place(lifted.vw_len, radius);
 
     // A facet that faces away lies behind the plane of the smooth surface.
     let faces_light = dot(surface.geometric_normal, arriving) > 0.0;

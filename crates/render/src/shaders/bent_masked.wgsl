@@ -9,6 +9,9 @@
 // Nine a vertex: normal, uv, colour.
 @group(0) @binding(3) var<storage, read> attributes: array<f32>;
 @group(0) @binding(4) var<storage, read> indices: array<u32>;
+@group(1) @binding(0) var<storage, read> alpha_tests: array<AlphaTest>;
+// Eight bits a texel, four to a word, the lowest bits first.
+@group(1) @binding(1) var<storage, read> alpha_texels: array<u32>;
 
 struct MaskedFragment {
     @builtin(position) position: vec4f,
@@ -20,21 +23,6 @@ struct MaskedFragment {
     // See `AlphaPicture`.
     @location(4) @interpolate(flat, either) place: vec4u,
     @location(5) @interpolate(flat, either) modes: vec3u,
-}
-
-// The last test that begins at or before a triangle.
-fn test_of(triangle: u32) -> u32 {
-    var first = 0u;
-    var end = arrayLength(&alpha_tests);
-    while end - first > 1u {
-        let middle = (first + end) / 2u;
-        if alpha_tests[middle].first_triangle <= triangle {
-            first = middle;
-        } else {
-            end = middle;
-        }
-    }
-    return first;
 }
 
 fn tube_position(vertex: u32) -> vec3f {

@@ -1,5 +1,6 @@
 // The last piece of light's way to a surface, followed through the scene itself. A shadow map cannot tell a caster from
-// its receiver where both lie within its tolerance, and where light grazes that is long. Follows surface.wgsl.
+// its receiver where both lie within its tolerance, and where light grazes that is long. Follows surface.wgsl and
+// alpha_test.wgsl.
 
 // Depth first. Of a node that is passed by, the next to look at is `next`; of others it is the following one.
 struct HierarchyNode {
@@ -12,6 +13,9 @@ struct HierarchyNode {
 
 @group(0) @binding(5) var<storage, read> hierarchy: array<HierarchyNode>;
 @group(0) @binding(6) var<storage, read> hierarchy_triangles: array<u32>;
+// Where no triangle has an alpha test, one that begins past the last.
+@group(0) @binding(7) var<storage, read> alpha_tests: array<AlphaTest>;
+@group(0) @binding(8) var<storage, read> alpha_texels: array<u32>;
 
 // What f32 makes of positions of this size.
 fn rounding(position: vec3f) -> f32 {
@@ -38,7 +42,27 @@ fn is_in_its_own_way(surface: Surface, arriving: vec3f) -> bool {
     return met;
 }
 
-// Whether a triangle that has no holes, other than the surface's own, lies between `start` and `start + way`.
+// Of a vertex: uv and alpha.
+fn uv_alpha_of(vertex: u32) -> vec3f {
+    let first = ATTRIBUTES * vertex;
+    return vec3f(attributes[first + 3u], attributes[first + 4u], attributes[first + 8u]);
+}
+
+// Whether a triangle with an alpha test has a hole at a point: in full detail, since light that passes has no pixels.
+fn has_hole(triangle: u32, weights: vec3f) -> bool {
+    let test = alpha_tests[test_of(triangle - alpha_tests[0].first_index / 3u)];
+    let first = 3u * triangle;
+    let corners =
+        mat3x3f(uv_alpha_of(indices[first]), uv_alpha_of(indices[first + 1u]), uv_alpha_of(indices[first + 2u]));
+    let here = corners * weights;
+    let picture = AlphaPicture(
+        vec4u(test.offset, test.width, test.height, test.levels),
+        vec3u(test.wrap_u, test.wrap_v, test.nearest),
+    );
+    return test.factor * here.z * texel_alpha(picture, here.xy, vec2f(0.0), vec2f(0.0)) < test.cutoff;
+}
+
+// Whether a triangle other than the surface's own lies between `start` and `start + way`, and is there.
 fn is_met(surface: Surface, start: vec3f, way: vec3f) -> bool {
     let end_point = start + way;
     let slack = rounding(start) + 0x1p-21 * surface.depth;
@@ -46,6 +70,7 @@ fn is_met(surface: Surface, start: vec3f, way: vec3f) -> bool {
     let high = max(start, end_point) + slack;
     // The bound, not a branch: a group of pixels with no way to go leaves at once on a software driver.
     let end = select(0u, arrayLength(&hierarchy), any(way != vec3f(0.0)));
+    let first_tested = alpha_tests[0].first_index / 3u;
     var met = false;
     var index = 0u;
     while index < end && !met {
@@ -60,7 +85,13 @@ fn is_met(surface: Surface, start: vec3f, way: vec3f) -> bool {
             let end_height = dot(plane.xyz, end_point) - plane.w;
             if triangle != surface.triangle && abs(start_height) > slack && start_height * end_height < 0.0 {
                 let at = start + way * (start_height / (start_height - end_height));
-                met = met || all(weights_at(corners_of(triangle), at) >= vec3f(-1e-6));
+                let weights = weights_at(corners_of(triangle), at);
+                var is_there = all(weights >= vec3f(-1e-6));
+                let tests = select(0u, 1u, is_there && triangle >= first_tested);
+                for (var test = 0u; test < tests; test++) {
+                    is_there = !has_hole(triangle, weights);
+                }
+                met = met || is_there;
             }
         }
         index = select(index + 1u, node.next, passed_by && !is_leaf);

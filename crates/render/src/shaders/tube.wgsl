@@ -94,6 +94,8 @@ struct Root {
     d: vec3f,
     a: vec3f,
     radius_derivative: f32,
+    // Half the radius's second derivative.
+    ar: f32,
     // Colour times intensity.
     radiance: vec3f,
     // Arc length of the centre curve from the source.
@@ -145,6 +147,7 @@ fn root_at(place: Place, q: vec3f) -> Root {
     root.d = curve_d(c, u);
     root.a = c.a;
     root.radius_derivative = curve_radius_derivative(c, u);
+    root.ar = c.ar;
     root.radiance = source_radiance(s, u);
     if DECAY != DECAY_NONE {
         root.travelled = s.arc_start + arc_length(c, u);
