@@ -10,4 +10,5 @@ mod spot_light;
 mod spot_shadow;
 mod support;
 mod surface;
+mod terminator;
 mod tiles;

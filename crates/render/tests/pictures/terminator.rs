@@ -1,0 +1,75 @@
+//! Where light grazes a smooth mesh of few facets.
+
+use glam::{DAffine3, DVec3, Vec3};
+use render::{Aov, Picture};
+use scene::{Light, LightKind, Material, Primitive, Scene};
+
+use crate::support::{picture, scene_of, spot, view};
+
+/// A ball of radius 1 with its own normals, `n` facets from pole to pole and twice as many around.
+fn ball(n: u32) -> Primitive {
+    let around = 2 * n;
+    let at = |k: u32| {
+        let theta = std::f64::consts::PI * f64::from(k / (around + 1)) / f64::from(n);
+        let phi = std::f64::consts::TAU * f64::from(k % (around + 1)) / f64::from(around);
+        DVec3::new(theta.sin() * phi.cos(), theta.cos(), -theta.sin() * phi.sin()).as_vec3()
+    };
+    let positions: Vec<Vec3> = (0..(n + 1) * (around + 1)).map(at).collect();
+    let quads = (0..n * around).map(|k| k / around * (around + 1) + k % around);
+    let indices =
+        quads.flat_map(|k| [k, k + around + 1, k + 1, k + 1, k + around + 1, k + around + 2]).collect();
+    Primitive { normals: positions.clone(), positions, indices, ..Primitive::default() }
+}
+
+/// Pixels in the light that are lit where their normal faces away from it, or dark where it faces it, by more than a
+/// cosine of `margin`; and all pixels in the light.
+fn wrong(scene: &Scene, light: &Light, margin: f64) -> (usize, usize) {
+    let draw = |aov| -> Picture {
+        let seen = view(DVec3::new(0.5, 1.0, 4.0), DVec3::ZERO, [160, 120], aov);
+        picture(scene, &seen, std::slice::from_ref(light))
+    };
+    let [visibility, normal, direction] = [Aov::Visibility, Aov::Normal, Aov::Direction].map(draw);
+    let in_light: Vec<_> =
+        (0..visibility.pixels.len()).filter(|&pixel| visibility.pixels[pixel][3] == 1.0).collect();
+    let vector = |picture: &Picture, pixel: usize| {
+        let [x, y, z, _] = picture.pixels[pixel].map(f64::from);
+        DVec3::new(x, y, z)
+    };
+    let is_wrong = |pixel: &&usize| {
+        let facing = vector(&normal, **pixel).dot(vector(&direction, **pixel));
+        let share = visibility.pixels[**pixel][0];
+        (facing > margin && share < 1.0) || (facing < -margin && share > 0.0)
+    };
+    (in_light.iter().filter(is_wrong).count(), in_light.len())
+}
+
+#[test]
+fn the_terminator_of_a_coarse_ball_is_smooth() {
+    let key = spot(DVec3::new(5.0, 2.0, 0.5), DVec3::ZERO);
+    let bent = bendy::BendyLight { direction: bendy::Direction::Path, ..bendy::bend(&key, 3).expect("valid") };
+    for facets in [6, 12, 24] {
+        let scene = scene_of([(ball(facets), DAffine3::IDENTITY)], vec![Material::default()]);
+        for kind in [LightKind::Spot(key.clone()), LightKind::Bendy(bent.clone())] {
+            let light = Light { name: "key".into(), kind };
+            // Normals are packed to 2^-15 an axis.
+            let (wrong, in_light) = wrong(&scene, &light, 1e-4);
+            assert!(in_light > 2500);
+            assert_eq!(wrong, 0, "{facets} facets, of {in_light}");
+        }
+        // The planted fault, and how it was: by the facets' own normals.
+        let mut faceted = ball(facets);
+        let corners: Vec<_> = faceted.indices.iter().map(|&k| faceted.positions[k as usize]).collect();
+        let facet = |[a, b, c]: &[Vec3; 3]| [(*b - *a).cross(*c - *a).normalize_or_zero(); 3];
+        faceted.normals = corners.as_chunks::<3>().0.iter().flat_map(facet).collect();
+        faceted.indices = (0..corners.len() as u32).collect();
+        faceted.positions = corners;
+        let faceted = scene_of([(faceted, DAffine3::IDENTITY)], vec![Material::default()]);
+        let lit = |scene: &Scene| {
+            let seen = view(DVec3::new(0.5, 1.0, 4.0), DVec3::ZERO, [160, 120], Aov::Visibility);
+            let light = Light { name: "key".into(), kind: LightKind::Spot(key.clone()) };
+            picture(scene, &seen, &[light]).pixels.iter().map(|pixel| pixel[0] == 1.0).collect::<Vec<_>>()
+        };
+        let differ = lit(&scene).iter().zip(lit(&faceted)).filter(|(a, b)| **a != *b).count();
+        assert!(differ > 600 / facets as usize, "{facets} facets: {differ}");
+    }
+}
