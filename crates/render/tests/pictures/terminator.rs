@@ -46,7 +46,8 @@ fn wrong(scene: &Scene, light: &Light, margin: f64) -> (usize, usize) {
 #[test]
 fn the_terminator_of_a_coarse_ball_is_smooth() {
     let key = spot(DVec3::new(5.0, 2.0, 0.5), DVec3::ZERO);
-    let bent = bendy::BendyLight { direction: bendy::Direction::Path, ..bendy::bend(&key, 3).expect("valid") };
+    let bent =
+        bendy::BendyLight { direction: bendy::Direction::Path, ..bendy::bend(&key, 3).expect("valid") };
     for facets in [6, 12, 24] {
         let scene = scene_of([(ball(facets), DAffine3::IDENTITY)], vec![Material::default()]);
         for kind in [LightKind::Spot(key.clone()), LightKind::Bendy(bent.clone())] {
