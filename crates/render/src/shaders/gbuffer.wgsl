@@ -8,19 +8,12 @@
 
 struct Varyings {
     @builtin(position) clip: vec4f,
-    @location(0) normal: vec3f,
-    @location(1) uv: vec2f,
-    @location(2) color: vec4f,
+    @location(0) uv: vec2f,
 }
 
 @vertex
-fn vs_gbuffer(
-    @location(0) position: vec3f,
-    @location(1) normal: vec3f,
-    @location(2) uv: vec2f,
-    @location(3) color: vec4f,
-) -> Varyings {
-    return Varyings(view.clip_from_scene * vec4f(position, 1.0), normal, uv, color);
+fn vs_gbuffer(@location(0) position: vec3f, @location(2) uv: vec2f) -> Varyings {
+    return Varyings(view.clip_from_scene * vec4f(position, 1.0), uv);
 }
 
 struct Seen {
@@ -28,22 +21,39 @@ struct Seen {
     @location(1) terminator_offset: f32,
 }
 
-// How far along the shading normal shadows are looked for, so that facets do not shadow each other where light grazes:
-// sum b_i |(p_i - P) . (n_i - m)| with m = sum b_i n_i. After Hanika, "Hacking the Shadow Terminator" (Ray Tracing Gems II,
-// chapter 4); why not quite as he has it, see Surface::shadow_position of the reference.
-fn terminator_offset(triangle: u32, position: vec3f) -> f32 {
+// What a triangle's vertices say of a point of it. Interpolated here and not by the rasteriser, which does so from the
+// corner of its target: tiles would differ in the last bits. uv is left to that, since mip levels come with it.
+struct Interpolated {
+    normal: vec3f,
+    color: vec4f,
+    // How far along the shading normal shadows are looked for, so that facets do not shadow each other where light
+    // grazes: sum b_i |(p_i - P) . (n_i - m)| with m = sum b_i n_i. After Hanika, "Hacking the Shadow Terminator" (Ray
+    // Tracing Gems II, chapter 4); why not quite as he has it, see Surface::shadow_position of the reference.
+    terminator_offset: f32,
+}
+
+fn color_of(vertex: u32) -> vec4f {
+    let first = ATTRIBUTES * vertex + 5u;
+    return vec4f(attributes[first], attributes[first + 1u], attributes[first + 2u], attributes[first + 3u]);
+}
+
+fn interpolated(triangle: u32, position: vec3f) -> Interpolated {
+    let vertices = vec3u(indices[3u * triangle], indices[3u * triangle + 1u], indices[3u * triangle + 2u]);
     let corners = corners_of(triangle);
-    let weights = max(weights_at(corners, position), vec3f(0.0));
-    let n_a = normal_of(indices[3u * triangle]);
-    let n_b = normal_of(indices[3u * triangle + 1u]);
-    let n_c = normal_of(indices[3u * triangle + 2u]);
-    let mean = mat3x3f(n_a, n_b, n_c) * weights;
+    let inside = max(weights_at(corners, position), vec3f(0.0));
+    // A triangle that is too small to tell is all one.
+    let weights = select(vec3f(1.0 / 3.0), inside, any(inside > vec3f(0.0)));
+    let n_a = normal_of(vertices.x);
+    let n_b = normal_of(vertices.y);
+    let n_c = normal_of(vertices.z);
+    let normal = mat3x3f(n_a, n_b, n_c) * weights;
+    let color = mat3x4f(color_of(vertices.x), color_of(vertices.y), color_of(vertices.z)) * weights;
     let bulges = vec3f(
-        dot(corners.a - position, n_a - mean),
-        dot(corners.b - position, n_b - mean),
-        dot(corners.c - position, n_c - mean),
+        dot(corners.a - position, n_a - normal),
+        dot(corners.b - position, n_b - normal),
+        dot(corners.c - position, n_c - normal),
     );
-    return dot(weights, abs(bulges));
+    return Interpolated(normal, color, dot(weights, abs(bulges)));
 }
 
 @fragment
@@ -52,21 +62,21 @@ fn fs_gbuffer(
     @builtin(front_facing) front_facing: bool,
     @builtin(primitive_index) primitive: u32,
 ) -> Seen {
-    let base = material.base_color * in.color * textureSample(base_color_texture, base_color_sampler, in.uv);
+    let triangle = material.first_triangle + primitive;
+    let ray = ray_through(vec2u(in.clip.xy));
+    let position = ray.origin + depth_on(planes[triangle], ray, in.clip.z) * ray.direction;
+    let here = interpolated(triangle, position);
+    let base = material.base_color * here.color * textureSample(base_color_texture, base_color_sampler, in.uv);
     let surface = textureSample(metallic_roughness_texture, metallic_roughness_sampler, in.uv);
     if base.a < material.alpha_cutoff {
         discard;
     }
-    let triangle = material.first_triangle + primitive;
     // Vertex normals that cancel leave nothing to interpolate: the face's own normal then.
-    let has_normal = dot(in.normal, in.normal) > 1e-12;
+    let has_normal = dot(here.normal, here.normal) > 1e-12;
     let side = select(-1.0, 1.0, front_facing);
-    let normal = normalize(select(planes[triangle].xyz, in.normal, has_normal)) * side;
+    let normal = normalize(select(planes[triangle].xyz, here.normal, has_normal)) * side;
     let metallic = saturate(material.metallic * surface.b);
     let roughness = saturate(material.roughness * surface.g);
     let factors = material_to_bits(saturate(base.rgb), metallic, roughness);
-    let ray = ray_through(vec2u(in.clip.xy));
-    let position = ray.origin + depth_on(planes[triangle], ray, in.clip.z) * ray.direction;
-    let offset = terminator_offset(triangle, position);
-    return Seen(vec4u(unit_to_bits(normal), triangle + 1u, factors), offset);
+    return Seen(vec4u(unit_to_bits(normal), triangle + 1u, factors), here.terminator_offset);
 }

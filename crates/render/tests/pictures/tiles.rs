@@ -100,19 +100,19 @@ fn raw(renderer: &mut Renderer, view: &View) -> (Picture, usize) {
     (picture, turns)
 }
 
-/// A step of the G-buffer's normals, of 16 bits a coordinate from -1 to 1, moves one by at most twice as much.
-const NORMAL_STEP: f32 = 2.0 * 2.0 / 65_535.0;
+/// A step of the G-buffer's colours, which are stored by their square roots in 13 bits: at 1 one of twice that.
+const COLOR_STEP: f32 = 2.0 / 8191.0;
+/// Radiance of the rough white floor, were all three lights of 10 cd a unit away.
+const BRIGHTEST: f32 = 3.0 * 10.0 / std::f32::consts::PI;
 
-/// The same pixels are covered and every ray is the same to the last bit, so what depends on those alone is, too. What
-/// the rasteriser interpolates over a triangle, it does from another corner of the target: its last bit can differ,
-/// and make the G-buffer round a normal or colour to the neighbouring step, at some of the pixels. A highlight of
-/// roughness 0.3 changes by 1 / 0.09 of that.
+/// The same pixels are covered and every ray is the same to the last bit, so what depends on those alone is, too, normals
+/// and vertex colours among them. Only uv is interpolated by the rasteriser, from another corner of the target: its last bit
+/// can differ, and make the G-buffer round a texture's colour to the neighbouring step, at some of the pixels.
 #[test]
 fn tiles_make_up_the_picture() {
     let mut renderer = renderer(&things());
     let most = |aov| match aov {
-        Aov::Beauty => 2.0 * NORMAL_STEP / 0.09,
-        Aov::Normal => NORMAL_STEP,
+        Aov::Beauty => BRIGHTEST * COLOR_STEP,
         _ => 0.0,
     };
     for aov in [Aov::Beauty, Aov::Depth, Aov::Normal, Aov::T, Aov::Visibility] {
