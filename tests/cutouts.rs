@@ -260,6 +260,8 @@ fn holes_throw_their_shadows() {
             // Where leaves cross, a caster nearer than a texel is taken for the receiver.
             assert!(found.missed <= found.pixels / 10_000, "{told}");
             assert_eq!((found.false_shadow, found.not_finite), (0, 0), "{told}");
+            // Where light grazes nothing is wrong. Shadows of holes may be narrower than the step between pixels.
+            assert!(found.off_edge <= found.pixels / 5_000, "{told}");
             assert!(found.radiance_rmse <= radiance_error, "{told}");
         }
     }

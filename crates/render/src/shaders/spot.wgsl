@@ -70,8 +70,18 @@ struct Receiver {
     // 1 / depth, and how it changes along the receiver's plane from texel to texel.
     inverse_depth: f32,
     step: vec2f,
+    // How much nearer to the source the map may have something, as 1 / depth in its units, for the receiver to be lit: by
+    // all that the map can tell, and if what is near is left to the scene.
     tolerance: f32,
+    reach: f32,
+    // How 1 / depth may change on the receiver's plane over the texels around, as a share.
+    most: f32,
 }
+
+// Lengths along the light, in a texel's widths. Where the receiver's plane runs farther from texel to texel than GRAZING,
+// what the map cannot tell the scene is asked; farther than REACH it is not followed.
+const GRAZING = 1.0;
+const REACH = 48.0;
 
 // How much of the arriving light nothing is in the way of.
 //
@@ -108,7 +118,7 @@ fn shadow_visibility(surface: Surface, to_light: vec3f, rotation: mat3x3f) -> f3
     // depth, more where light grazes. And the map's depth, linear across a triangle, is off by some ulps of
     // its largest value, 1.
     let cosine = plane_distance / length(position);
-    receiver.tolerance = 0.25 * texel_slope / max(cosine * cosine, 0.01) * spot.shadow_near / depth + 0x1p-22;
+    receiver.tolerance = 0.25 * texel_slope / max(cosine * cosine, 0.06) * spot.shadow_near / depth + 0x1p-22;
     // The receiver's own caster may stray by e towards the light. A plane moved so far along its normal has
     // n.position = D + e in place of D < 0, so on the same ray 1 / depth is larger by the share e / (|D| - e): at most
     // by its own size, and light grazes at a cosine of 0.1 at least.
@@ -116,7 +126,14 @@ fn shadow_visibility(surface: Surface, to_light: vec3f, rotation: mat3x3f) -> f3
     let nearer = spot.mesh_error / max(plane_height - spot.mesh_error, spot.mesh_error);
     receiver.tolerance += nearer * spot.shadow_near / depth;
 
-    return filtered(receiver).x;
+    receiver.most = min(REACH * texel_slope, 0.5);
+    receiver.reach = max(receiver.tolerance, receiver.most / (1.0 - receiver.most) * spot.shadow_near / depth);
+
+    // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach, and
+    // as far as the plane runs in the texels around.
+    let grazes = !faces_light || length(receiver.step) * depth > GRAZING * texel_slope;
+    let way = to_light * (length(position) * min(3.0 * receiver.most, 0.9));
+    return decided(surface, filtered(receiver), grazes, way);
 }
 
 // Which of the four texels from `first` on let the light through, in the order of textureGather.
@@ -125,10 +142,12 @@ fn lit_texels(receiver: Receiver, first: vec2f) -> mat2x4f {
     let start = receiver.inverse_depth + dot(step, first - receiver.texel);
     let plane_at = start + vec4f(step.y, step.x + step.y, step.x, 0.0);
     // Seen edge on, the plane runs off to the source or to infinity within a texel.
-    let bounds = vec2f(0.5, 2.0) * receiver.inverse_depth;
+    let bounds = vec2f(1.0 - receiver.most, 1.0 / (1.0 - receiver.most)) * receiver.inverse_depth;
     let expected = clamp(plane_at, vec4f(bounds.x), vec4f(bounds.y)) * spot.shadow_near;
     let resolution = vec2f(textureDimensions(shadow_map));
     let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / resolution, receiver.face);
-    let lit = select(vec4f(0.0), vec4f(1.0), stored <= expected + receiver.tolerance);
-    return mat2x4f(lit, lit);
+    return mat2x4f(
+        select(vec4f(0.0), vec4f(1.0), stored <= expected + receiver.tolerance),
+        select(vec4f(0.0), vec4f(1.0), stored <= expected + receiver.reach),
+    );
 }
