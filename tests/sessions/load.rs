@@ -78,7 +78,7 @@ fn views_that_close_free_their_memory() {
     for client in &mut clients {
         see(client, [1600, 900]);
     }
-    assert_eq!(kept(&server, "views"), 4.0 * 1600.0 * 900.0 * 40.0);
+    assert_eq!(kept(&server, "views"), 4.0 * 1600.0 * 900.0 * 44.0);
     assert!(kept(&server, "shadow_maps") > 0.0);
     let resident_full = resident_bytes(&server);
     drop(clients);
