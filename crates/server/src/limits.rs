@@ -38,7 +38,7 @@ pub const MAX_LABEL_BYTES: usize = 128;
 
 /// Pixels along a side of a picture.
 pub const MAX_VIEW_SIDE: u32 = 4096;
-/// Pixels of a view that is streamed, enough for 3840 x 2160; the renderer keeps 40 bytes for each.
+/// Pixels of a view that is streamed, enough for 3840 x 2160; the renderer keeps 44 bytes for each.
 pub const MAX_VIEW_PIXELS: u32 = 1 << 23;
 /// Samples a pixel of a picture for HTTP.
 pub const MAX_SAMPLES: u32 = 64;
