@@ -16,8 +16,8 @@ const RINGS: [f64; 12] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6
 /// Directions on each ring.
 const DIRECTIONS: u32 = 16;
 /// Longest step along the light, in texels' widths: seen edge on, a plane runs off along it, and every shadow would be
-/// near an edge. Light that meets it at 14 degrees goes that far in a texel.
-const LONGEST_STEP: f64 = 4.0;
+/// near an edge. Light that meets it at 27 degrees goes that far in a texel; `off_edge` judges what is seen more edge on.
+const LONGEST_STEP: f64 = 2.0;
 
 /// One texel's steps over the plane of a surface, in the world: along v and along w.
 struct Texel {

@@ -15,9 +15,10 @@ Renders five scenes by the reference, and by the GPU with the shadow map's resol
 turned one at a time. Prints JSON, for each scene and setting:
   stages               milliseconds for G-buffer, shadow map and lighting, nothing kept from a picture before
   radianceRmse         relative error of radiance where no shadow's edge is near
-  displacementPixels   how far shadows' edges are from where they should be, along rows and columns
+  displacementPixels   how far shadows' edges are from where they should be, square to them
   displacementTexels   of pixels on the wrong side of an edge, how many texels of the map they are from it
   missed, false        pixels lit or shadowed wrongly more than 1.5 texels from an edge
+  offEdge              pixels off by more than a tenth of the light with no edge within two pixels
 
 Example:
   bendylights bench shadow -o shadow.svg --pictures differences")]
