@@ -70,12 +70,12 @@ impl StagedScene {
         let geometry = Geometry::new(gpu, &posed)?;
         let Materials { draws, alpha_tests, texture_bytes } =
             Materials::new(gpu, &layouts.material, scene, &posed)?;
-        let no_tests = match &alpha_tests {
-            Some(_) => None,
-            None => Some(AlphaTests::none(gpu)?),
-        };
-        let Some(tests) = alpha_tests.as_ref().or(no_tests.as_ref()) else {
-            unreachable!("one of the two is there")
+        let no_tests;
+        let tests = if let Some(tests) = &alpha_tests {
+            tests
+        } else {
+            no_tests = AlphaTests::none(gpu)?;
+            &no_tests
         };
         let Geometry { positions, attributes, indices, planes, hierarchy, hierarchy_triangles } = &geometry;
         let view_resources = [view_uniform, planes, positions, indices, attributes]

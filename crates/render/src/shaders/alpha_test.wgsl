@@ -2,6 +2,7 @@
 // hand: bilinear in a level, linear between levels. Whoever asks brings
 //   alpha_tests   array<AlphaTest>
 //   alpha_texels  array<u32>: eight bits a texel, four to a word, the lowest bits first
+//   attributes    array<f32>: nine a vertex: normal, uv, colour
 
 struct AlphaTest {
     // Among the scene's triangles with an alpha test.
@@ -24,7 +25,6 @@ struct AlphaTest {
     nearest: u32,
 }
 
-
 // The last test that begins at or before a triangle.
 fn test_of(triangle: u32) -> u32 {
     var first = 0u;
@@ -46,6 +46,18 @@ struct AlphaPicture {
     place: vec4u,
     // wrap_u, wrap_v, nearest.
     modes: vec3u,
+}
+
+fn picture_of(test: AlphaTest) -> AlphaPicture {
+    return AlphaPicture(
+        vec4u(test.offset, test.width, test.height, test.levels),
+        vec3u(test.wrap_u, test.wrap_v, test.nearest),
+    );
+}
+
+// Of a vertex: uv and alpha.
+fn uv_alpha(vertex: u32) -> vec3f {
+    return vec3f(attributes[9u * vertex + 3u], attributes[9u * vertex + 4u], attributes[9u * vertex + 8u]);
 }
 
 // Texels that indices along one axis stand for. In floats, which are exact here: dividing integers is slow.

@@ -30,11 +30,6 @@ fn tube_position(vertex: u32) -> vec3f {
     return (tube_from_scene * p).xyz;
 }
 
-// uv and alpha.
-fn uv_alpha(vertex: u32) -> vec3f {
-    return vec3f(attributes[9u * vertex + 3u], attributes[9u * vertex + 4u], attributes[9u * vertex + 8u]);
-}
-
 @vertex
 fn vs_bent_masked(
     @location(0) mapped: vec4f,
@@ -59,8 +54,9 @@ fn vs_bent_masked(
     out.uv = here.xy;
     out.alpha = test.factor * here.z;
     out.cutoff = test.cutoff;
-    out.place = vec4u(test.offset, test.width, test.height, test.levels);
-    out.modes = vec3u(test.wrap_u, test.wrap_v, test.nearest);
+    let picture = picture_of(test);
+    out.place = picture.place;
+    out.modes = picture.modes;
     return out;
 }
 

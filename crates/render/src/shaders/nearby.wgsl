@@ -42,24 +42,14 @@ fn is_in_its_own_way(surface: Surface, arriving: vec3f) -> bool {
     return met;
 }
 
-// Of a vertex: uv and alpha.
-fn uv_alpha_of(vertex: u32) -> vec3f {
-    let first = ATTRIBUTES * vertex;
-    return vec3f(attributes[first + 3u], attributes[first + 4u], attributes[first + 8u]);
-}
-
 // Whether a triangle with an alpha test has a hole at a point: in full detail, since light that passes has no pixels.
 fn has_hole(triangle: u32, weights: vec3f) -> bool {
     let test = alpha_tests[test_of(triangle - alpha_tests[0].first_index / 3u)];
     let first = 3u * triangle;
-    let corners =
-        mat3x3f(uv_alpha_of(indices[first]), uv_alpha_of(indices[first + 1u]), uv_alpha_of(indices[first + 2u]));
+    let corners = mat3x3f(uv_alpha(indices[first]), uv_alpha(indices[first + 1u]), uv_alpha(indices[first + 2u]));
     let here = corners * weights;
-    let picture = AlphaPicture(
-        vec4u(test.offset, test.width, test.height, test.levels),
-        vec3u(test.wrap_u, test.wrap_v, test.nearest),
-    );
-    return test.factor * here.z * texel_alpha(picture, here.xy, vec2f(0.0), vec2f(0.0)) < test.cutoff;
+    let texel = texel_alpha(picture_of(test), here.xy, vec2f(0.0), vec2f(0.0));
+    return test.factor * here.z * texel < test.cutoff;
 }
 
 // Whether a triangle other than the surface's own lies between `start` and `start + way`, and is there.
