@@ -35,8 +35,8 @@ pub use log_file::{
     Checkpoint, CheckpointLine, FIRST_PROOF, FindLine, LogHeader, LogLine, LogReader, ReadError, next_proof,
 };
 pub use message::{
-    ClientMessage, EditResult, EditStatus, GestureEnd, GestureState, PROTOCOL, Presence, Resync,
-    ServerMessage, Settings, State, ViewSource, Welcome, parse_body,
+    ClientMessage, EditResult, EditStatus, GestureEnd, GestureState, History, HistoryStep, HistorySteps,
+    PROTOCOL, Presence, Resync, ServerMessage, Settings, State, ViewSource, Welcome, parse_body,
 };
 pub use record::{
     Action, Actor, Change, ControlPoints, FORMAT, MAX_RECORD_BYTES, PlacedLight, Record, Scope,

@@ -119,6 +119,8 @@ pub enum ClientMessage {
         /// A light's id.
         selection: Option<u64>,
     },
+    /// What undo and redo would take back; answered by `history`.
+    History {},
     /// Answered by `pong`.
     Ping {
         /// Comes back as it is.
@@ -163,6 +165,8 @@ pub enum ServerMessage {
         /// In the order in which they came.
         clients: Vec<Presence>,
     },
+    /// The answer to `history`.
+    History(History),
     /// How the view is served from now on.
     ViewConfig {
         /// Pixels.
@@ -301,6 +305,40 @@ pub enum EditStatus {
     /// The disk failed while it was written down: it may be in the log or not. Sent again under the same name it is
     /// carried out at most once.
     Unknown,
+}
+
+/// What undo and redo would take back.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct History {
+    /// The latest record.
+    pub seq: u64,
+    /// By undo.
+    pub undo: HistorySteps,
+    /// By redo.
+    pub redo: HistorySteps,
+}
+
+/// A step for each scope; `null` where there is nothing.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct HistorySteps {
+    /// Of one's own steps.
+    pub mine: Option<HistoryStep>,
+    /// Of everybody's.
+    pub session: Option<HistoryStep>,
+}
+
+/// A step that can be taken back.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct HistoryStep {
+    /// Its record.
+    pub seq: u64,
+    /// Who made it, or undid it.
+    pub actor: Actor,
+    /// What it did, for people: `the radius of control point 2 of “key”`.
+    pub what: String,
 }
 
 /// A drag as all clients see it.

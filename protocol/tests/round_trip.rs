@@ -31,9 +31,9 @@ fn logged(requests: Vec<Result<Command, Scope>>) -> (Session, Vec<edit::Record>)
         };
         let actor = Actor { id: format!("actor {}", index % 2), name: "\u{1f4a1} \"A\"".into() };
         let time_ms = 1_790_000_000_000 + index as u64;
-        let changes =
-            |seq: u64| log.get(seq as usize - 1).map(|record: &edit::Record| record.changes.clone());
-        let sources = Sources { scene: &find_scene, changes: &changes };
+        let record = |seq: u64| log.get(seq as usize - 1).cloned();
+        let Ok(taken_back) = session.taken_back(&request, &actor.id, &record, &find_scene) else { continue };
+        let sources = Sources { scene: &find_scene, taken_back };
         if let Ok(record) = session.request(request, &actor, &index.to_string(), time_ms, sources) {
             log.push(record);
         }

@@ -92,6 +92,37 @@ fn a_fold_leaves_the_last_valid_state() {
     assert!(matches!(&document.lights[0].light, protocol::Light::Bendy(bendy) if bendy.radii[2] == 1.6));
 }
 
+/// Nothing of it was ever to be seen: that is a cancel, and the last reason is the answer.
+///
+/// Rules: GEST-4, GEST-1
+#[test]
+fn a_drag_without_a_valid_state_is_cancelled_with_the_last_reason() {
+    let server = Server::start();
+    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let (light, seq) = (ada.light(), ada.seq);
+    begin(&mut ada, "widen");
+    for (update, radius) in [(1, -1.0), (2, 50.0)] {
+        let parameter = PointParameter::Radius(radius);
+        let command = protocol::Command::SetPoint { light, point: 2, parameter };
+        ada.send(&ClientMessage::GestureUpdate { gesture: "widen".into(), update, command });
+    }
+    ada.send(&ClientMessage::GestureCommit { gesture: "widen".into(), op_id: "commit".into() });
+    let ends = [&mut ada, &mut ben].map(|mirror| state_of(mirror, |state| state.ended.is_some()));
+    let answer = ada.result("commit");
+    assert_eq!((answer.status, answer.code.as_deref()), (EditStatus::Rejected, Some("invalidLight")));
+    let sentence = answer.message.expect("a sentence");
+    let name = match &protocol::Document::from(&ada.document).lights[0].light {
+        protocol::Light::Bendy(bendy) => bendy.name.clone(),
+        protocol::Light::Spot(_) => unreachable!("a BendyLight"),
+    };
+    assert!(sentence.starts_with(&format!("“{name}”: ")) && sentence.contains("folds"), "{sentence}");
+    for ended in ends {
+        assert_eq!((ended.ended, ended.message.as_ref()), (Some(GestureEnd::Cancelled), Some(&sentence)));
+    }
+    assert_eq!(server.state().0, seq);
+    assert_eq!(ben.edited(rename(light, "free")).status, EditStatus::Committed);
+}
+
 /// Rules: GEST-1
 #[test]
 fn a_cancelled_drag_leaves_no_trace() {

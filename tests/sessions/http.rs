@@ -72,7 +72,7 @@ fn programs_edit_undo_and_read_the_log() {
         Some("source"),
         Some("invalidLight"),
         None,
-        None,
+        Some("nothingToUndo"),
         Some("nothingToUndo"),
         None,
     ];

@@ -4,6 +4,7 @@ mod crash;
 mod disk;
 mod frames;
 mod gestures;
+mod history;
 mod http;
 mod load;
 mod picture;

@@ -34,6 +34,9 @@ function sent<T extends ClientMessage["type"]>(type: T): Extract<ClientMessage, 
   return host.socket().sent.filter((m): m is Extract<ClientMessage, { type: T }> => m.type === type);
 }
 
+/** What the page sends when it connects. */
+const JUST_CONNECTED = ["hello", "openView", "presence", "history"];
+
 function radius(point: number): number | undefined {
   const light = lightOf(session.document.value, 1);
   return light?.type === "bendy" ? light.radii[point] : undefined;
@@ -182,6 +185,31 @@ describe("edits", () => {
   });
 });
 
+describe("what undo would take back", () => {
+  const step = { seq: 4, actor: { id: "ada", name: "Ada" }, what: "the radius of “key”" };
+
+  test("is asked for at first, and once after records that come together", () => {
+    welcome();
+    expect([sent("history"), session.history.value]).toEqual([[{ type: "history" }], null]);
+    receive(log(record(4, [radiusChange(1, 0.7)])));
+    receive(log(record(5, [radiusChange(1, 0.8)])));
+    expect(sent("history")).toHaveLength(1);
+    host.pass(1000);
+    expect(sent("history")).toHaveLength(2);
+    const none = { mine: null, session: null };
+    receive({ type: "history", seq: 5, undo: { mine: null, session: step }, redo: none });
+    expect(session.history.value?.undo.session?.what).toBe("the radius of “key”");
+  });
+
+  test("is not known on another connection before it is told", () => {
+    welcome();
+    const none = { mine: null, session: null };
+    receive({ type: "history", seq: 3, undo: none, redo: none });
+    reconnect({ seq: 3, state: { tail: [] } });
+    expect([session.history.value, sent("history").length]).toEqual([null, 1]);
+  });
+});
+
 describe("drags", () => {
   test("send nothing before they move, then at most one update a frame, the latest", () => {
     welcome();
@@ -220,7 +248,7 @@ describe("drags", () => {
   test("that never moved leave no trace", () => {
     welcome();
     session.drag(1).commit();
-    expect(host.socket().sent.map((m) => m.type)).toEqual(["hello", "openView", "presence"]);
+    expect(host.socket().sent.map((m) => m.type)).toEqual(JUST_CONNECTED);
   });
 
   test("that are cancelled leave the light as it was", () => {
@@ -269,7 +297,7 @@ describe("drags", () => {
     drag.update(setRadius(1, 0.5));
     drag.commit();
     host.frame();
-    expect(host.socket().sent.map((m) => m.type)).toEqual(["hello", "openView", "presence"]);
+    expect(host.socket().sent.map((m) => m.type)).toEqual(JUST_CONNECTED);
     expect(radius(1)).toBe(BENDY.radii[1]);
     expect(notices).toHaveLength(1);
   });

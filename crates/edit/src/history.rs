@@ -47,17 +47,19 @@ pub struct PastUndo {
 }
 
 impl History {
-    /// The latest step of that scope.
-    pub fn undo_target(&self, actor_id: &str, scope: Scope) -> Option<u64> {
+    /// The latest step of that scope, of those before record `before` where that is given.
+    pub fn undo_target(&self, actor_id: &str, scope: Scope, before: Option<u64>) -> Option<u64> {
+        let until = ..before.unwrap_or(u64::MAX);
         match scope {
-            Scope::Session => self.steps.last().map(|(seq, _)| *seq),
-            Scope::Mine => self.people.get(actor_id)?.steps.last().copied(),
+            Scope::Session => self.steps.range(until).next_back().map(|(seq, _)| *seq),
+            Scope::Mine => self.people.get(actor_id)?.steps.range(until).next_back().copied(),
         }
     }
 
-    /// The latest undo of that scope.
-    pub fn redo_target(&self, actor_id: &str, scope: Scope) -> Option<u64> {
-        self.undos(actor_id, scope)?.last().map(|(seq, _)| *seq)
+    /// The latest undo of that scope, of those before record `before` where that is given.
+    pub fn redo_target(&self, actor_id: &str, scope: Scope, before: Option<u64>) -> Option<u64> {
+        let until = ..before.unwrap_or(u64::MAX);
+        self.undos(actor_id, scope)?.range(until).next_back().map(|(seq, _)| *seq)
     }
 
     /// Whether what `action` takes back, if it is an undo or a redo, is there for that person to take back.

@@ -11,8 +11,9 @@ mod refusal;
 mod session;
 mod take_back;
 
-pub use gesture::{Gesture, LEASE_MS, MAX_GESTURES};
+pub use gesture::{Gesture, LEASE_MS, MAX_GESTURES, Reason};
 pub use history::{MAX_UNDO_DEPTH, PastUndo};
 pub use record::{Action, Actor, Record, Scope};
 pub use refusal::{Refusal, ReplayError};
 pub use session::{MAX_RECORDS, Past, Request, Session, Sources};
+pub use take_back::{FindRecord, MAX_PASSED, TakenBack};

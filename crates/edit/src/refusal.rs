@@ -1,6 +1,6 @@
 //! Why a request is refused, and why a log cannot be replayed.
 
-use scene::{EditError, LightId};
+use scene::EditError;
 use thiserror::Error;
 
 /// Why a request is refused. Each sentence says what to do.
@@ -10,27 +10,33 @@ pub enum Refusal {
     #[error("{0}")]
     Edit(#[from] EditError),
     /// The light is being dragged.
-    #[error("light {light} is held by {holder}, who is dragging it: wait until it is let go")]
+    #[error("{light} is held by {holder}, who is dragging it: wait until it is let go")]
     Locked {
-        /// Which.
-        light: LightId,
+        /// Which, as [`Document::light_name`](scene::Document::light_name) says it.
+        light: String,
         /// Name of whoever drags it.
         holder: String,
     },
     /// The control points have other numbers than the sender knew.
-    #[error("the control points of light {light} were renumbered in record {seq}: look at the light again")]
+    #[error("the control points of {light} were renumbered in record {seq}: look at the light again")]
     Stale {
-        /// Which.
-        light: LightId,
+        /// Which, as [`Document::light_name`](scene::Document::light_name) says it.
+        light: String,
         /// The record that did it.
         seq: u64,
     },
-    /// No step to take back.
-    #[error("there is nothing to undo")]
-    NothingToUndo,
-    /// No undo to take back.
-    #[error("there is nothing to redo")]
-    NothingToRedo,
+    /// No step of which anything is left to take back.
+    #[error("there is nothing to undo{}", but(passed.as_deref()))]
+    NothingToUndo {
+        /// Why the latest step stays, where there is one.
+        passed: Option<String>,
+    },
+    /// No undo of which anything is left to take back.
+    #[error("there is nothing to redo{}", but(passed.as_deref()))]
+    NothingToRedo {
+        /// Why the latest undo stays, where there is one.
+        passed: Option<String>,
+    },
     /// A step whose record its owner does not find.
     #[error(
         "record {0} cannot be read, and so not be taken back: replay the log to see what is wrong with it"
@@ -42,12 +48,20 @@ pub enum Refusal {
     /// A drag that is committed before its first update.
     #[error("gesture {0} was never updated and has nothing to commit: cancel such a gesture")]
     EmptyGesture(String),
+    /// A drag that is committed and whose updates were all refused.
+    #[error("{sentence}")]
+    NeverValid {
+        /// The last refusal's code.
+        code: &'static str,
+        /// And its sentence.
+        sentence: String,
+    },
     /// A drag of that name is under way.
     #[error("gesture {0} is already under way: choose another name")]
     GestureExists(String),
     /// A drag's command is not of its light.
-    #[error("a gesture on light {0} can only change that light: begin another gesture")]
-    OtherLight(LightId),
+    #[error("a gesture on {0} can only change that light: begin another gesture")]
+    OtherLight(String),
     /// A limit of the session.
     #[error("a session has at most {limit} {what}: {remedy}")]
     TooMany {
@@ -60,6 +74,10 @@ pub enum Refusal {
     },
 }
 
+fn but(passed: Option<&str>) -> String {
+    passed.map_or_else(String::new, |why| format!(": {why}"))
+}
+
 impl Refusal {
     /// The code that programs act on.
     pub fn code(&self) -> &'static str {
@@ -68,7 +86,7 @@ impl Refusal {
                 EditError::NoLight(_) | EditError::NoCamera(_) | EditError::NoPoint { .. } => "notFound",
                 EditError::WrongKind { .. } => "wrongKind",
                 EditError::Source => "source",
-                EditError::InvalidLight(_) | EditError::OutOfReach(_) => "invalidLight",
+                EditError::InvalidLight { .. } | EditError::OutOfReach(_) => "invalidLight",
                 EditError::InvalidCamera(_) => "invalidCamera",
                 EditError::UnknownAsset(_) => "unknownAsset",
                 EditError::TooMany { .. } => "tooMany",
@@ -76,11 +94,12 @@ impl Refusal {
             },
             Self::Locked { .. } => "locked",
             Self::Stale { .. } => "stale",
-            Self::NothingToUndo => "nothingToUndo",
-            Self::NothingToRedo => "nothingToRedo",
+            Self::NothingToUndo { .. } => "nothingToUndo",
+            Self::NothingToRedo { .. } => "nothingToRedo",
             Self::LostRecord(_) => "storage",
             Self::NoGesture(_) => "noGesture",
             Self::EmptyGesture(_) => "emptyGesture",
+            Self::NeverValid { code, .. } => code,
             Self::GestureExists(_) => "exists",
             Self::OtherLight(_) => "otherLight",
             Self::TooMany { .. } => "tooMany",

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use rpds::RedBlackTreeMapSync;
 use scene::{Change, Command, Document, FindScene, LightId, changes_of};
 
-use crate::gesture::{Gesture, LEASE_MS, MAX_GESTURES};
+use crate::gesture::{Gesture, LEASE_MS, MAX_GESTURES, Reason};
 use crate::history::{History, PastUndo};
-use crate::take_back::{TakenBack, take_back};
+use crate::take_back::TakenBack;
 use crate::{Action, Actor, Record, Refusal, ReplayError, Scope};
 
 /// Records that a log has at most.
@@ -32,13 +32,12 @@ pub enum Request {
     Redo(Scope),
 }
 
-/// What a session asks its owner for while it carries out a request.
-#[derive(Clone, Copy)]
+/// What a session needs of its owner to carry out a request.
 pub struct Sources<'a> {
     /// Finds a scene by its bytes' hash.
     pub scene: FindScene<'a>,
-    /// What the record of that sequence changed: of the one that [`Session::target_of`] names, no other is asked for.
-    pub changes: &'a dyn Fn(u64) -> Option<Vec<Change>>,
+    /// What [`Session::taken_back`] says of the request in the session as it is.
+    pub taken_back: Option<TakenBack>,
 }
 
 /// What a session has to know of its past besides the document: with that it goes on from any record as if it had
@@ -106,15 +105,6 @@ impl Session {
         }
     }
 
-    /// The record that `request` of that actor would take back; `None` where it takes back none or there is none.
-    pub fn target_of(&self, request: &Request, actor_id: &str) -> Option<u64> {
-        match request {
-            Request::Undo(scope) => self.history.undo_target(actor_id, *scope),
-            Request::Redo(scope) => self.history.redo_target(actor_id, *scope),
-            Request::Edit { .. } | Request::Commit(_) => None,
-        }
-    }
-
     /// Goes back to the records of `before`, which this session went on from. Gestures stay as they are now, but for
     /// what they would change, which is worked out again.
     pub fn go_back_to(&mut self, before: Self, find_scene: FindScene) {
@@ -170,7 +160,6 @@ impl Session {
             let remedy = "make a new session from its document";
             return Err(Refusal::TooMany { what: "records", limit: MAX_RECORDS, remedy });
         }
-        let target = self.target_of(&request, &actor.id);
         let (action, changes) = match request {
             Request::Edit { base_seq, command } => {
                 let rebased = self.check_base(&command, actor, base_seq)?;
@@ -179,20 +168,23 @@ impl Session {
             }
             Request::Commit(id) => {
                 let gesture = self.end_gesture(&id, actor)?;
-                let Some(command) = gesture.command else { return Err(Refusal::EmptyGesture(id)) };
+                let Some(command) = gesture.command else {
+                    let never_valid = |Reason { code, sentence }| Refusal::NeverValid { code, sentence };
+                    return Err(gesture.refused.map_or(Refusal::EmptyGesture(id), never_valid));
+                };
                 let rebased = self.check_base(&command, actor, Some(gesture.base_seq))?;
                 let changes = changes_of(&self.document, &command, sources.scene)?;
                 (Action::Gesture { command, rebased }, changes)
             }
             Request::Undo(scope) => {
-                let target = target.ok_or(Refusal::NothingToUndo)?;
-                let taken = self.taken_back(target, sources)?;
-                (Action::Undo { scope, target, skipped: taken.skipped }, taken.changes)
+                let TakenBack { target, changes, skipped } =
+                    sources.taken_back.ok_or(Refusal::NothingToUndo { passed: None })?;
+                (Action::Undo { scope, target, skipped }, changes)
             }
             Request::Redo(scope) => {
-                let target = target.ok_or(Refusal::NothingToRedo)?;
-                let taken = self.taken_back(target, sources)?;
-                (Action::Redo { scope, target, skipped: taken.skipped }, taken.changes)
+                let TakenBack { target, changes, skipped } =
+                    sources.taken_back.ok_or(Refusal::NothingToRedo { passed: None })?;
+                (Action::Redo { scope, target, skipped }, changes)
             }
         };
         self.check_locks(&changes, actor)?;
@@ -205,20 +197,34 @@ impl Session {
         Ok(record)
     }
 
-    fn taken_back(&self, target: u64, sources: Sources) -> Result<TakenBack, Refusal> {
-        let changes = (sources.changes)(target).ok_or(Refusal::LostRecord(target))?;
-        Ok(take_back(&self.document, &changes, sources.scene))
+    pub(crate) fn history(&self) -> &History {
+        &self.history
+    }
+
+    /// The latest record of each actor on `light`.
+    pub(crate) fn touches(&self, light: LightId) -> impl Iterator<Item = (&str, u64)> {
+        let from = self.touched.range((light, Arc::from(""))..);
+        from.take_while(move |((id, _), _)| *id == light).map(|((_, by), seq)| (&**by, *seq))
     }
 
     /// Refuses control points by outdated numbers; says whether somebody else came in between.
     fn check_base(&self, command: &Command, actor: &Actor, base_seq: Option<u64>) -> Result<bool, Refusal> {
         let (Some(light), Some(base_seq)) = (command.light(), base_seq) else { return Ok(false) };
         if command.counts_points() {
-            check_numbering(&self.renumbered, light, base_seq)?;
+            self.check_numbering(light, base_seq)?;
         }
-        let mut touches =
-            self.touched.range((light, Arc::from(""))..).take_while(|((id, _), _)| *id == light);
-        Ok(touches.any(|((_, by), &seq)| **by != *actor.id && seq > base_seq))
+        Ok(self.touches(light).any(|(by, seq)| by != actor.id && seq > base_seq))
+    }
+
+    /// Refuses to count the control points of `light` as they were at record `base_seq` where they have since been
+    /// renumbered.
+    fn check_numbering(&self, light: LightId, base_seq: u64) -> Result<(), Refusal> {
+        match self.renumbered.get(&light) {
+            Some(&seq) if seq > base_seq => {
+                Err(Refusal::Stale { light: self.document.light_name(light), seq })
+            }
+            _ => Ok(()),
+        }
     }
 
     fn check_locks(&self, changes: &[Change], actor: &Actor) -> Result<(), Refusal> {
@@ -228,6 +234,7 @@ impl Session {
     fn check_lock(&self, light: LightId, actor: &Actor) -> Result<(), Refusal> {
         match self.gestures.get(&light) {
             Some(held) if held.actor.id != actor.id => {
+                let light = self.document.light_name(light);
                 Err(Refusal::Locked { light, holder: held.actor.name.clone() })
             }
             _ => Ok(()),
@@ -252,7 +259,7 @@ impl Session {
         if !self.document.lights().contains_key(&light) {
             return Err(scene::EditError::NoLight(light).into());
         }
-        check_numbering(&self.renumbered, light, base_seq)?;
+        self.check_numbering(light, base_seq)?;
         self.check_lock(light, actor)?;
         if self.gestures.contains_key(&light)
             || self.gestures().any(|held| held.id == id && held.actor.id == actor.id)
@@ -270,6 +277,7 @@ impl Session {
             light,
             update: 0,
             command: None,
+            refused: None,
             changes: Vec::new(),
             base_seq,
             touched_ms: now_ms,
@@ -287,21 +295,30 @@ impl Session {
         find_scene: FindScene,
     ) -> Result<&Gesture, Refusal> {
         let light = self.gesture_of(id, actor)?;
-        let Some(gesture) = self.gestures.get_mut(&light) else {
-            return Err(Refusal::NoGesture(id.to_owned()));
-        };
+        let no_gesture = || Refusal::NoGesture(id.to_owned());
+        let gesture = self.gestures.get_mut(&light).ok_or_else(no_gesture)?;
         gesture.touched_ms = now_ms;
+        let base_seq = gesture.base_seq;
         let removes = matches!(command, Command::RemoveLight(_));
         if command.light() != Some(light) || removes {
-            return Err(Refusal::OtherLight(light));
+            return Err(Refusal::OtherLight(self.document.light_name(light)));
         }
         if command.counts_points() {
-            check_numbering(&self.renumbered, light, gesture.base_seq)?;
+            self.check_numbering(light, base_seq)?;
         }
-        gesture.changes = changes_of(&self.document, &command, find_scene)?;
-        gesture.command = Some(command);
-        gesture.update = update;
+        let changes = changes_of(&self.document, &command, find_scene)?;
+        let gesture = self.gestures.get_mut(&light).ok_or_else(no_gesture)?;
+        (gesture.changes, gesture.command, gesture.update) = (changes, Some(command), update);
         Ok(gesture)
+    }
+
+    /// Keeps why an update was refused, to say it where none is ever valid.
+    pub fn keep_reason(&mut self, id: &str, actor: &Actor, reason: Reason) {
+        if let Ok(light) = self.gesture_of(id, actor)
+            && let Some(gesture) = self.gestures.get_mut(&light)
+        {
+            gesture.refused = Some(reason);
+        }
     }
 
     /// Ends a gesture without a record.
@@ -337,18 +354,5 @@ impl Session {
             let _ = live.apply(&gesture.changes, find_scene);
         }
         live
-    }
-}
-
-/// Refuses to count the control points of `light` as they were at record `base_seq` where they have since been
-/// renumbered.
-fn check_numbering(
-    renumbered: &RedBlackTreeMapSync<LightId, u64>,
-    light: LightId,
-    base_seq: u64,
-) -> Result<(), Refusal> {
-    match renumbered.get(&light) {
-        Some(&seq) if seq > base_seq => Err(Refusal::Stale { light, seq }),
-        _ => Ok(()),
     }
 }

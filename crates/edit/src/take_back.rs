@@ -1,35 +1,122 @@
-//! Taking back changes where later ones may stand in the way.
+//! What undo and redo take back, where later changes may stand in the way.
 
-use scene::{Change, Document, FindScene};
+use scene::{Change, Document, EditError, FindScene};
 
-/// What taking back comes to.
-pub(crate) struct TakenBack {
-    /// The changes to make.
+use crate::{Record, Refusal, Request, Session};
+
+/// Steps of which nothing is left to take back that undo and redo look past at most.
+pub const MAX_PASSED: usize = 1_000;
+/// Sentences about what stays, of the steps that are passed over.
+const MAX_SAID: usize = 8;
+/// Properties of a step for which is said who has changed them since.
+const MAX_NAMED: usize = 8;
+/// Who that was is looked for in the latest records of so many people.
+const MAX_ASKED: usize = 8;
+
+/// Finds a record of the past by its sequence.
+pub type FindRecord<'a> = &'a dyn Fn(u64) -> Option<Record>;
+
+/// What undo or redo comes to in a session as it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TakenBack {
+    /// The record that is taken back. Of those after it that could have been, nothing is left.
+    pub target: u64,
+    /// The changes to make; there is one at least.
     pub changes: Vec<Change>,
     /// What stays, and why, a sentence each.
     pub skipped: Vec<String>,
+}
+
+impl Session {
+    /// What `request` of that actor takes back; `None` where it is no undo or redo.
+    ///
+    /// It is the latest step of which something is left: a step whose every property has been changed since, or cannot
+    /// go back, is passed over and stays in effect, as it can be taken back once what stands in its way is. At most
+    /// [`MAX_PASSED`] are passed over.
+    pub fn taken_back(
+        &self,
+        request: &Request,
+        actor_id: &str,
+        find_record: FindRecord,
+        find_scene: FindScene,
+    ) -> Result<Option<TakenBack>, Refusal> {
+        let (Request::Undo(scope) | Request::Redo(scope)) = *request else { return Ok(None) };
+        let undoes = matches!(request, Request::Undo(_));
+        let mut passed = Vec::new();
+        let mut target = None;
+        for _ in 0..=MAX_PASSED {
+            target = match undoes {
+                true => self.history().undo_target(actor_id, scope, target),
+                false => self.history().redo_target(actor_id, scope, target),
+            };
+            let Some(target) = target else { break };
+            let record = find_record(target).ok_or(Refusal::LostRecord(target))?;
+            let Parts { changes, changed_since, stays } =
+                take_back(self.document(), &record.changes, find_scene);
+            let since = |(n, change): (usize, &Change)| {
+                let by = (n < MAX_NAMED).then(|| self.who_changed(change, target, find_record)).flatten();
+                let by = by.map_or_else(String::new, |name| format!(" by {name}"));
+                format!("{} has been changed since{by}", change.subject(self.document()))
+            };
+            if !changes.is_empty() {
+                let since = changed_since.iter().enumerate().map(since);
+                let skipped = passed.into_iter().chain(since).chain(stays).collect();
+                return Ok(Some(TakenBack { target, changes, skipped }));
+            }
+            let room = MAX_SAID.saturating_sub(passed.len());
+            passed.extend(changed_since.iter().enumerate().map(since).chain(stays).take(room));
+        }
+        let passed = passed.into_iter().next();
+        Err(if undoes { Refusal::NothingToUndo { passed } } else { Refusal::NothingToRedo { passed } })
+    }
+
+    /// Name of the one who gave the property of `change` its value after record `target`, where that can be told from
+    /// the latest records on its light.
+    fn who_changed(&self, change: &Change, target: u64, find_record: FindRecord) -> Option<String> {
+        let light = change.light()?;
+        let mut seqs: Vec<u64> =
+            self.touches(light).map(|(_, seq)| seq).filter(|seq| *seq > target).collect();
+        seqs.sort_unstable_by(|a, b| b.cmp(a));
+        let records = seqs.into_iter().take(MAX_ASKED).filter_map(find_record);
+        let mut by = records.filter(|record| record.changes.iter().any(|later| later.overrides(change)));
+        by.next().map(|record| record.actor.name)
+    }
+}
+
+/// What taking back changes comes to.
+struct Parts {
+    /// The changes to make.
+    changes: Vec<Change>,
+    /// What has another value by now.
+    changed_since: Vec<Change>,
+    /// What would leave something invalid, a sentence each.
+    stays: Vec<String>,
 }
 
 /// The changes that take back `changes` in `document` as it is now.
 ///
 /// A property that no longer has the value it was given stays: somebody has changed it since. What is left of a
 /// light is taken back as a whole or, where that would leave a light that cannot be evaluated, not at all.
-pub(crate) fn take_back(document: &Document, changes: &[Change], find_scene: FindScene) -> TakenBack {
+fn take_back(document: &Document, changes: &[Change], find_scene: FindScene) -> Parts {
     let mut after = document.clone();
-    let mut taken = TakenBack { changes: Vec::new(), skipped: Vec::new() };
+    let mut parts = Parts { changes: Vec::new(), changed_since: Vec::new(), stays: Vec::new() };
     let inverses: Vec<Change> = changes.iter().rev().map(Change::inverse).collect();
     for group in inverses.chunk_by(|a, b| a.light().is_some() && a.light() == b.light()) {
         let (held, changed): (Vec<_>, Vec<_>) =
             group.iter().cloned().partition(|change| after.holds_old_of(change));
-        let since = |change: &Change| format!("{} has been changed since", change.subject());
-        taken.skipped.extend(changed.iter().map(since));
+        parts.changed_since.extend(changed);
         match after.apply(&held, find_scene) {
-            Ok(()) => taken.changes.extend(held),
+            Ok(()) => parts.changes.extend(held),
             Err(error) => {
-                let why = |change: &Change| format!("{} stays: {error}", change.subject());
-                taken.skipped.extend(held.iter().map(why));
+                // The subject names the light already.
+                let reason = match &error {
+                    EditError::InvalidLight { reason, .. } => reason.to_string(),
+                    other => other.to_string(),
+                };
+                let why = |change: &Change| format!("{} stays: {reason}", change.subject(document));
+                parts.stays.extend(held.iter().map(why));
             }
         }
     }
-    taken
+    parts
 }

@@ -39,24 +39,26 @@ pub fn changes_of(
             vec![Change::Light { light: *id, old: Some(Box::new(light(document, *id)?.clone())), new: None }]
         }
         Command::PlaceLight { light: id, translation, rotation, scale } => {
-            let now = light(document, *id)?;
+            light(document, *id)?;
             let parameters = [
                 translation.map(LightParameter::Translation),
                 rotation.map(LightParameter::Rotation),
                 scale.map(LightParameter::Scale),
             ];
-            let changes = parameters.into_iter().flatten().map(|p| parameter_change(*id, &now.light, p));
+            let changes = parameters.into_iter().flatten().map(|p| parameter_change(document, *id, p));
             changes.collect::<Result<_, _>>()?
         }
         Command::SetLight { light: id, parameter } => {
-            vec![parameter_change(*id, &light(document, *id)?.light, parameter.clone())?]
+            vec![parameter_change(document, *id, parameter.clone())?]
         }
         Command::SetPoint { light: id, point, parameter } => {
             let (placed, bendy) = bendy(document, *id)?;
             if *point == 0 && matches!(parameter, PointParameter::Position(_)) {
                 return Err(EditError::Source);
             }
-            let old = point_parameter(*id, bendy, *point, parameter)?;
+            let count = bendy.points.len();
+            let no_point = || EditError::NoPoint { light: document.light_name(*id), point: *point, count };
+            let old = point_parameter(bendy, *point, parameter).ok_or_else(no_point)?;
             vec![Change::Point { light: *id, layout: placed.layout, point: *point, old, new: *parameter }]
         }
         Command::InsertPoint { light, .. } | Command::RemovePoint { light, .. } => {
@@ -132,7 +134,7 @@ impl Document {
             }
             Change::Point { light, layout, point, old, .. } => match self.lights().get(light) {
                 Some(PlacedLight { layout: now, light: Light { kind: LightKind::Bendy(bendy), .. } }) => {
-                    now == layout && point_parameter(*light, bendy, *point, old) == Ok(*old)
+                    now == layout && point_parameter(bendy, *point, old) == Some(*old)
                 }
                 _ => false,
             },
@@ -147,9 +149,9 @@ impl Document {
     }
 
     fn make(&mut self, change: &Change, find_scene: FindScene) -> Result<(), EditError> {
-        let conflict = || EditError::Conflict(change.subject());
+        let conflict = |document: &Self| EditError::Conflict(change.subject(document));
         if !self.holds_old_of(change) || !change.is_of_one_property() || change.number() > MAX_NUMBER {
-            return Err(conflict());
+            return Err(conflict(self));
         }
         match change {
             Change::Scene { new, .. } => {
@@ -164,17 +166,19 @@ impl Document {
                 self.lights_mut().remove(light);
             }
             Change::LightParameter { light, new, .. } => {
-                let placed = self.lights_mut().get_mut(light).ok_or_else(conflict)?;
+                let Some(placed) = self.lights_mut().get_mut(light) else { return Err(conflict(self)) };
                 set_light(&mut placed.light, new);
             }
             Change::Point { light, point, new, .. } => {
-                set_point(self.bendy_mut(*light).ok_or_else(conflict)?, *point, *new);
+                let Some(bendy) = self.bendy_mut(*light) else { return Err(conflict(self)) };
+                set_point(bendy, *point, *new);
             }
             Change::ControlPoints { light, new, .. } => {
-                let bendy = self.bendy_mut(*light).ok_or_else(conflict)?;
+                let Some(placed) = self.lights_mut().get_mut(light) else { return Err(conflict(self)) };
+                let LightKind::Bendy(bendy) = &mut placed.light.kind else { return Err(conflict(self)) };
                 (bendy.points, bendy.radii) = (new.points.clone(), new.radii.clone());
                 (bendy.colors, bendy.intensities) = (new.colors.clone(), new.intensities.clone());
-                self.lights_mut().get_mut(light).ok_or_else(conflict)?.layout = new.layout;
+                placed.layout = new.layout;
             }
             Change::Camera { camera, new: Some(new), .. } => {
                 self.cameras_mut().insert(*camera, new.clone());
@@ -183,7 +187,8 @@ impl Document {
                 self.cameras_mut().remove(camera);
             }
             Change::CameraParameter { camera, new, .. } => {
-                set_camera(self.cameras_mut().get_mut(camera).ok_or_else(conflict)?, new);
+                let Some(camera) = self.cameras_mut().get_mut(camera) else { return Err(conflict(self)) };
+                set_camera(camera, new);
             }
         }
         self.take_number(change.number());
@@ -209,9 +214,12 @@ impl Document {
         if let Change::Scene { new: Some(scene), .. } = change {
             check_name(&scene.name)?;
         }
-        if let Some(placed) = change.light().and_then(|id| self.lights().get(&id)) {
+        if let Some(id) = change.light()
+            && let Some(placed) = self.lights().get(&id)
+        {
             check_name(&placed.light.name)?;
-            check_light(&placed.light)?;
+            let invalid = |reason| EditError::InvalidLight { light: self.light_name(id), reason };
+            check_light(&placed.light).map_err(invalid)?;
         }
         if let Change::Camera { camera, .. } | Change::CameraParameter { camera, .. } = change
             && let Some(camera) = self.cameras().get(camera)
@@ -248,7 +256,8 @@ fn bendy(document: &Document, id: LightId) -> Result<(&PlacedLight, &BendyLight)
     match &placed.light.kind {
         LightKind::Bendy(bendy) => Ok((placed, bendy)),
         LightKind::Spot(_) => {
-            Err(EditError::WrongKind { light: id, kind: "spotlight", what: "control points" })
+            let light = document.light_name(id);
+            Err(EditError::WrongKind { light, kind: "spotlight", what: "control points" })
         }
     }
 }
@@ -288,13 +297,14 @@ fn load_scene(
     Ok(changes)
 }
 
-fn parameter_change(id: LightId, now: &Light, new: LightParameter) -> Result<Change, EditError> {
+fn parameter_change(document: &Document, id: LightId, new: LightParameter) -> Result<Change, EditError> {
+    let now = &light(document, id)?.light;
     let kind = match now.kind {
         LightKind::Bendy(_) => "BendyLight",
         LightKind::Spot(_) => "spotlight",
     };
-    let missing = EditError::WrongKind { light: id, kind, what: new.name() };
-    let old = light_parameter(now, &new).ok_or(missing)?;
+    let missing = || EditError::WrongKind { light: document.light_name(id), kind, what: new.name() };
+    let old = light_parameter(now, &new).ok_or_else(missing)?;
     Ok(Change::LightParameter { light: id, old, new })
 }
 

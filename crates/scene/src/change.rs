@@ -91,20 +91,20 @@ pub enum EditError {
     #[error("there is no camera {0}: choose one of the document's cameras")]
     NoCamera(CameraId),
     /// No such control point.
-    #[error("light {light} has {count} control points and none with index {point}: choose 0 to {}", count - 1)]
+    #[error("{light} has {count} control points and none with index {point}: choose 0 to {}", count - 1)]
     NoPoint {
-        /// Of which light.
-        light: LightId,
+        /// Of which light, as [`Document::light_name`](crate::Document::light_name) says it.
+        light: String,
         /// The index.
         point: usize,
         /// How many it has.
         count: usize,
     },
     /// The light has no such property, being of the other kind.
-    #[error("light {light} is a {kind} and has no {what}: choose a light of the other kind")]
+    #[error("{light} is a {kind} and has no {what}: choose a light of the other kind")]
     WrongKind {
-        /// Which.
-        light: LightId,
+        /// Which, as [`Document::light_name`](crate::Document::light_name) says it.
+        light: String,
         /// What it is.
         kind: &'static str,
         /// What it does not have.
@@ -114,8 +114,13 @@ pub enum EditError {
     #[error("control point 0 is the light's source: place the whole light instead")]
     Source,
     /// The light could not be evaluated.
-    #[error("{0}")]
-    InvalidLight(#[from] LightError),
+    #[error("{light}: {reason}")]
+    InvalidLight {
+        /// Which, as [`Document::light_name`](crate::Document::light_name) says it.
+        light: String,
+        /// What is wrong with it.
+        reason: LightError,
+    },
     /// No picture could show the light.
     #[error("{0}")]
     OutOfReach(#[from] OutOfReach),
@@ -190,27 +195,28 @@ impl Change {
         }
     }
 
+    /// Whether it gives a new value to what `earlier`, a change of a light, is of.
+    pub fn overrides(&self, earlier: &Self) -> bool {
+        let is_of_points = |change: &Self| matches!(change, Self::Point { .. } | Self::ControlPoints { .. });
+        let same_parameter = match (self, earlier) {
+            (Self::Light { .. }, _) | (_, Self::Light { .. }) => true,
+            (Self::LightParameter { new: a, .. }, Self::LightParameter { new: b, .. }) => {
+                discriminant(a) == discriminant(b)
+            }
+            (Self::Point { point: p, new: a, .. }, Self::Point { point: q, new: b, .. }) => {
+                p == q && discriminant(a) == discriminant(b)
+            }
+            _ => is_of_points(self) && is_of_points(earlier),
+        };
+        same_parameter && self.light().is_some() && self.light() == earlier.light()
+    }
+
     /// Whether a picture can show it. A name or a camera object never shows: views have cameras of their own.
     pub fn changes_picture(&self) -> bool {
         match self {
             Self::LightParameter { new, .. } => !matches!(new, LightParameter::Name(_)),
             Self::Camera { .. } | Self::CameraParameter { .. } => false,
             Self::Scene { .. } | Self::Light { .. } | Self::Point { .. } | Self::ControlPoints { .. } => true,
-        }
-    }
-
-    /// What changes, for people: `light 3's control point 2`.
-    pub fn subject(&self) -> String {
-        match self {
-            Self::Scene { .. } => "the scene".into(),
-            Self::Light { light, .. } => format!("light {light}"),
-            Self::LightParameter { light, new, .. } => format!("light {light}'s {}", new.name()),
-            Self::Point { light, point, new, .. } => {
-                format!("light {light}'s {} at control point {point}", new.name())
-            }
-            Self::ControlPoints { light, .. } => format!("light {light}'s control points"),
-            Self::Camera { camera, .. } => format!("camera {camera}"),
-            Self::CameraParameter { camera, new, .. } => format!("camera {camera}'s {}", new.name()),
         }
     }
 }

@@ -12,6 +12,7 @@ mod change;
 mod command;
 mod document;
 mod hash;
+mod naming;
 mod points;
 mod pose;
 mod property;
@@ -27,6 +28,7 @@ pub use document::{
     AssetHash, CameraId, ControlPoints, Document, Layout, LightId, NotAnAssetHash, PlacedLight, SceneRef,
 };
 pub use hash::DocumentHash;
+pub use naming::deed;
 pub use pose::{PosedPrimitive, pose};
 pub use reach::{MAX_EXTENT, OutOfReach, Reach};
 pub use scene::{

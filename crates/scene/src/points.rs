@@ -15,7 +15,7 @@ pub fn renumbered(
     let count = bendy.points.len();
     let Some(old) = ControlPoints::of(placed) else { return Err(EditError::NoLight(id)) };
     let mut new = ControlPoints { layout: Layout(document.next_number()), ..old.clone() };
-    let no_point = |point| EditError::NoPoint { light: id, point, count };
+    let no_point = |point| EditError::NoPoint { light: document.light_name(id), point, count };
     match *command {
         Command::InsertPoint { point: 0, .. } | Command::RemovePoint { point: 0, .. } => {
             return Err(EditError::Source);

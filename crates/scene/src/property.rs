@@ -2,7 +2,7 @@
 
 use bendy::{BendyLight, SpotLight};
 
-use crate::{Camera, CameraParameter, EditError, Light, LightId, LightKind, LightParameter, PointParameter};
+use crate::{Camera, CameraParameter, Light, LightKind, LightParameter, PointParameter};
 
 /// The value that `light` has of the same parameter as `like`; `None` where its kind has no such parameter.
 pub fn light_parameter(light: &Light, like: &LightParameter) -> Option<LightParameter> {
@@ -77,22 +77,13 @@ fn set_spot(spot: &mut SpotLight, parameter: &LightParameter) {
     }
 }
 
-/// The value that control point `point` has of the same parameter as `like`.
-pub fn point_parameter(
-    id: LightId,
-    bendy: &BendyLight,
-    point: usize,
-    like: &PointParameter,
-) -> Result<PointParameter, EditError> {
-    let count = bendy.points.len();
-    if point >= count {
-        return Err(EditError::NoPoint { light: id, point, count });
-    }
-    Ok(match like {
-        PointParameter::Position(_) => PointParameter::Position(bendy.points[point]),
-        PointParameter::Radius(_) => PointParameter::Radius(bendy.radii[point]),
-        PointParameter::Color(_) => PointParameter::Color(bendy.colors[point]),
-        PointParameter::Intensity(_) => PointParameter::Intensity(bendy.intensities[point]),
+/// The value that control point `point` has of the same parameter as `like`; `None` where there is no such point.
+pub fn point_parameter(bendy: &BendyLight, point: usize, like: &PointParameter) -> Option<PointParameter> {
+    Some(match like {
+        PointParameter::Position(_) => PointParameter::Position(*bendy.points.get(point)?),
+        PointParameter::Radius(_) => PointParameter::Radius(*bendy.radii.get(point)?),
+        PointParameter::Color(_) => PointParameter::Color(*bendy.colors.get(point)?),
+        PointParameter::Intensity(_) => PointParameter::Intensity(*bendy.intensities.get(point)?),
     })
 }
 

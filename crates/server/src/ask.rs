@@ -44,6 +44,7 @@ async fn asked(message: ClientMessage, scenes: &Scenes) -> Result<Ask, ServerErr
         }
         ClientMessage::GestureCancel { gesture } => Ask::CancelGesture(label(gesture)?),
         ClientMessage::Presence { selection } => Ask::Select(selection),
+        ClientMessage::History {} => Ask::History,
         ClientMessage::Ping { sent } => Ask::Ping(sent),
     })
 }

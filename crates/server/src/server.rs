@@ -182,7 +182,7 @@ fn ensure_session(store: &mut Store, config: &Config) -> Result<(), ServerError>
     let command = Command::LoadScene { asset, name: scene_label(&config.scene) };
     let request = Request::Edit { base_seq: None, command };
     let mut session = edit::Session::default();
-    let sources = Sources { scene: &|_| Some(Arc::clone(&scene)), changes: &|_| None };
+    let sources = Sources { scene: &|_| Some(Arc::clone(&scene)), taken_back: None };
     let record = session.request(request, &actor, "first-scene", time_ms(), sources)?;
     let (records, hash) = (&[record], session.document().hash());
     let first = Batch { session: name, records, rejections: &[], hash };

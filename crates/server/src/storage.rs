@@ -126,7 +126,7 @@ impl Storage {
                 }
             };
             let answer = question(store, &find_scene);
-            answer.map_err(|error| failed.into_inner().unwrap_or(ServerError::Unread(error)))
+            failed.into_inner().map_or_else(|| answer.map_err(ServerError::Unread), Err)
         })
         .await
     }

@@ -89,7 +89,7 @@ fn next_record(session: &mut Session) -> edit::Record {
     };
     let actor = Actor { id: "a".into(), name: "Ada".into() };
     let request = Request::Edit { base_seq: None, command };
-    let sources = Sources { scene: &|_| None, changes: &|_| None };
+    let sources = Sources { scene: &|_| None, taken_back: None };
     session.request(request, &actor, &next.to_string(), 0, sources).expect("a valid edit")
 }
 

@@ -99,6 +99,12 @@ export function changesPicture(change: Change): boolean {
 export const lightOf = (document: Document, id: LightId | null): Light | undefined =>
   document.lights.find((placed) => placed.id === id)?.light;
 
+/** What sentences call a light: its name in quotes, or its number. */
+export function lightName(document: Document, id: LightId): string {
+  const name = lightOf(document, id)?.name ?? "";
+  return name === "" ? `Light ${id}` : `“${name}”`;
+}
+
 function onLight(
   document: Document,
   id: LightId,

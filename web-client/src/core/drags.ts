@@ -37,6 +37,8 @@ export interface DragParts {
   notify(message: string): void;
   latency: LatencyMeter;
   baseSeq(): number;
+  /** What sentences call a light. */
+  lightName(light: LightId): string;
   /** Asks for the record; `edit` says the same on a later connection, where the gesture is gone. */
   commit(edit: ClientMessage & { type: "edit" }, commit: ClientMessage): void;
 }
@@ -51,13 +53,14 @@ interface Gesture {
   waiting: Command | null;
 }
 
+/** After the light's name. */
 const ENDINGS = {
-  cancelled: "The drag was cancelled.",
-  expired: "The drag was held still for too long and has ended: drag again.",
-  rejected: "The server refused the drag.",
+  cancelled: "the drag was cancelled.",
+  expired: "the drag was held still for too long and has ended. Drag again.",
+  rejected: "the server refused the drag.",
 } as const;
 
-export function dragging({ host, send, notify, latency, baseSeq, commit }: DragParts): Dragging {
+export function dragging({ host, send, notify, latency, baseSeq, lightName, commit }: DragParts): Dragging {
   const own = signal<OwnDrag | null>(null);
   let gesture: Gesture | null = null;
 
@@ -121,7 +124,9 @@ export function dragging({ host, send, notify, latency, baseSeq, commit }: DragP
     answered(state) {
       if (gesture === null || gesture.id !== state.gesture) return;
       if (state.ended !== undefined) {
-        if (state.ended !== "committed") notify(state.message ?? ENDINGS[state.ended]);
+        if (state.ended !== "committed") {
+          notify(state.message ?? `${lightName(gesture.light)}: ${ENDINGS[state.ended]}`);
+        }
         end();
         return;
       }
@@ -132,7 +137,9 @@ export function dragging({ host, send, notify, latency, baseSeq, commit }: DragP
       if (own.value !== null) own.value = { ...own.value, refusal: state.message ?? null };
     },
     lost() {
-      if (own.value !== null) notify("The connection was lost, and the drag with it.");
+      if (own.value !== null) {
+        notify(`${lightName(own.value.light)}: the connection was lost, and the drag with it.`);
+      }
       end();
     },
   };

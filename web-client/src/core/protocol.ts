@@ -155,6 +155,9 @@ export type ClientMessage =
       type: "presence";
     }
   | {
+      type: "history";
+    }
+  | {
       /**
        * Comes back as it is.
        */
@@ -544,6 +547,9 @@ export type ServerMessage =
       clients: Presence[];
       type: "presence";
     }
+  | (History & {
+      type: "history";
+    })
   | {
       /**
        * Pixels.
@@ -1124,6 +1130,44 @@ export interface EditResult {
    */
   skipped?: string[];
   status: EditStatus;
+}
+/**
+ * What undo and redo would take back.
+ */
+export interface History {
+  redo: HistorySteps;
+  /**
+   * The latest record.
+   */
+  seq: number;
+  undo: HistorySteps;
+}
+/**
+ * A step for each scope; `null` where there is nothing.
+ */
+export interface HistorySteps {
+  /**
+   * Of one's own steps.
+   */
+  mine: HistoryStep | null;
+  /**
+   * Of everybody's.
+   */
+  session: HistoryStep | null;
+}
+/**
+ * A step that can be taken back.
+ */
+export interface HistoryStep {
+  actor: Actor;
+  /**
+   * Its record.
+   */
+  seq: number;
+  /**
+   * What it did, for people: `the radius of control point 2 of “key”`.
+   */
+  what: string;
 }
 /**
  * The first line of a log file.

@@ -3,7 +3,7 @@
 import { batch, computed, type ReadonlySignal, signal } from "@preact/signals-core";
 
 import { connect, type Connection, type ConnectionState, type Host } from "./connection";
-import { applyChange, predict } from "./document";
+import { applyChange, lightName, predict } from "./document";
 import { display, type Screen, type Statistics } from "./display";
 import { type Drag, dragging, type OwnDrag } from "./drags";
 import type { FrameHeader } from "./frame";
@@ -18,6 +18,7 @@ import type {
   Command,
   Document,
   GestureState,
+  History,
   Presence,
   Record,
   Resync,
@@ -41,6 +42,8 @@ export interface Session {
   /** Drags by others. */
   gestures: ReadonlySignal<readonly GestureState[]>;
   ownDrag: ReadonlySignal<OwnDrag | null>;
+  /** What undo and redo would take back; `null` before the server has said so. */
+  history: ReadonlySignal<History | null>;
   /** The picture on the screen. */
   frame: ReadonlySignal<FrameHeader | null>;
   statistics: ReadonlySignal<Statistics>;
@@ -71,6 +74,8 @@ export interface SessionOptions<T> {
 
 /** The version of the protocol that this page speaks. */
 const PROTOCOL = 1;
+/** After a record, so that several that come together are asked about once. */
+const ASK_HISTORY_AFTER_MS = 100;
 const UNIT_BOX: Bounds = { min: [-1, -1, -1], max: [1, 1, 1] };
 
 /** Connects to `session` and stays connected. */
@@ -83,8 +88,10 @@ export function startSession<T>(options: SessionOptions<T>): Session {
   const actor = signal<Actor>(options.actor);
   const people = signal<readonly Presence[]>([]);
   const gestures = signal<readonly GestureState[]>([]);
+  const history = signal<History | null>(null);
   const latency = latencyMeter();
   let selection: LightId | null = null;
+  let cancelAsking = () => {};
 
   const send = (message: ClientMessage): boolean => link.send(message);
   const asked = operations({ host, send, notify, latency });
@@ -94,6 +101,7 @@ export function startSession<T>(options: SessionOptions<T>): Session {
     notify,
     latency,
     baseSeq: () => mirror.value.seq,
+    lightName: (light) => lightName(mirror.value.document, light),
     commit: asked.start,
   });
   const view = viewer({ host, send, bounds: () => bounds.value, latency });
@@ -117,6 +125,8 @@ export function startSession<T>(options: SessionOptions<T>): Session {
     setOthers(welcome);
     view.open(welcome.camera);
     send({ type: "presence", selection });
+    history.value = null;
+    send({ type: "history" });
     asked.resend();
   }
 
@@ -124,6 +134,12 @@ export function startSession<T>(options: SessionOptions<T>): Session {
   function resynced(resync: Resync): void {
     mirror.value = snapshotOf(mirror.value.epoch, resync.seq, resync.hash, resync.document);
     setOthers(resync);
+    askHistory();
+  }
+
+  function askHistory(): void {
+    cancelAsking();
+    cancelAsking = host.after(ASK_HISTORY_AFTER_MS, () => void send({ type: "history" }));
   }
 
   /** Takes a record into the mirror. One that is missing before it can only come with a new welcome. */
@@ -132,6 +148,7 @@ export function startSession<T>(options: SessionOptions<T>): Session {
     if (next !== null) {
       mirror.value = next;
       asked.logged(record);
+      askHistory();
     } else if (record.seq > mirror.value.seq) {
       link.restart();
     }
@@ -170,6 +187,9 @@ export function startSession<T>(options: SessionOptions<T>): Session {
         return asked.answered(message, mirror.value.seq);
       case "gestureState":
         return gestureChanged(message);
+      case "history":
+        history.value = message;
+        return;
       case "presence":
         return setPeople(message.clients);
       case "error":
@@ -208,6 +228,7 @@ export function startSession<T>(options: SessionOptions<T>): Session {
     people,
     gestures,
     ownDrag: drags.own,
+    history,
     frame,
     statistics,
     viewer: view,

@@ -3,7 +3,7 @@
 import { useState } from "preact/hooks";
 
 import type { ConnectionState } from "../core/connection";
-import type { Presence, Scope } from "../core/protocol";
+import type { HistoryStep, Presence, Scope } from "../core/protocol";
 import { TextField } from "./fields";
 import { Icon } from "./icons";
 import { canEdit, usePage } from "./page";
@@ -35,29 +35,22 @@ const SCOPES: { [S in Scope]: { label: string; title: string } } = {
 };
 
 function UndoButtons() {
-  const page = usePage();
-  const { session, scope } = page;
-  const disabled = !canEdit(page);
+  const { session, scope } = usePage();
+  const history = session.history.value;
   return (
     <div class="undo" role="group" aria-label="Undo and redo">
-      <button
-        class="quiet"
-        title="Undo (Ctrl+Z)"
-        aria-label="Undo"
-        disabled={disabled}
-        onClick={() => session.undo(scope.value)}
-      >
-        <Icon name="undo" />
-      </button>
-      <button
-        class="quiet"
-        title="Redo (Ctrl+Shift+Z)"
-        aria-label="Redo"
-        disabled={disabled}
-        onClick={() => session.redo(scope.value)}
-      >
-        <Icon name="redo" />
-      </button>
+      <StepButton
+        kind="undo"
+        keys="Ctrl+Z"
+        step={history?.undo[scope.value]}
+        press={() => session.undo(scope.value)}
+      />
+      <StepButton
+        kind="redo"
+        keys="Ctrl+Shift+Z"
+        step={history?.redo[scope.value]}
+        press={() => session.redo(scope.value)}
+      />
       <div class="toggle" role="group" aria-label="Whose steps">
         {(Object.keys(SCOPES) as Scope[]).map((choice) => (
           <button
@@ -71,6 +64,35 @@ function UndoButtons() {
         ))}
       </div>
     </div>
+  );
+}
+
+interface StepButtonProps {
+  kind: "undo" | "redo";
+  keys: string;
+  /** What it takes back; `null` for nothing, `undefined` where that is not known yet. */
+  step: HistoryStep | null | undefined;
+  press(): void;
+}
+
+/** Says what it will take back, and of whom; grey where there is nothing. */
+function StepButton({ kind, keys, step, press }: StepButtonProps) {
+  const page = usePage();
+  const verb = kind === "undo" ? "Undo" : "Redo";
+  const isOwn = step?.actor.id === page.session.actor.value.id;
+  const by = step === null || step === undefined || isOwn ? "" : `, by ${step.actor.name}`;
+  const label = step === null ? `Nothing to ${kind}` : `${verb} ${step?.what ?? "the last step"}${by}`;
+  return (
+    <button
+      class="quiet"
+      title={step === null ? label : `${label} (${keys})`}
+      aria-label={label}
+      data-step={kind}
+      disabled={step === null || !canEdit(page)}
+      onClick={press}
+    >
+      <Icon name={kind} />
+    </button>
   );
 }
 

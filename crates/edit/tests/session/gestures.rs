@@ -1,6 +1,6 @@
 //! Drags under way.
 
-use edit::{Action, Gesture, LEASE_MS, MAX_GESTURES, Refusal, Request, Scope};
+use edit::{Action, Gesture, LEASE_MS, MAX_GESTURES, Reason, Refusal, Request, Scope};
 use scene::{Command, LightId};
 
 use crate::support::{KEY, Studio, actor, angle, bent_light, find_scene, insert, position, radius, softness};
@@ -62,7 +62,7 @@ fn a_held_light_is_locked_for_others() {
     let mut studio = Studio::new();
     studio.edit("ben", softness(0.5));
     studio.begin("ada", "g").expect("nobody holds the light");
-    let locked = Refusal::Locked { light: KEY, holder: "ADA".into() };
+    let locked = Refusal::Locked { light: "“key”".into(), holder: "ADA".into() };
     assert_eq!(locked.code(), "locked");
     let before = studio.hash();
     for request in [
@@ -140,7 +140,7 @@ fn a_drag_keeps_to_its_light_and_its_holder() {
     studio.begin("ada", "g").expect("nobody holds the light");
     let elsewhere = Command::RemovePoint { light: LightId(2), point: 1 };
     for command in [elsewhere, Command::RemoveLight(KEY), Command::AddLight(Box::new(bent_light()))] {
-        assert_eq!(studio.update("ada", "g", 1, command), Err(Refusal::OtherLight(KEY)));
+        assert_eq!(studio.update("ada", "g", 1, command), Err(Refusal::OtherLight("“key”".into())));
     }
     assert_eq!(studio.update("ben", "g", 1, angle(40.0)), Err(Refusal::NoGesture("g".into())));
     let commit =
@@ -150,6 +150,23 @@ fn a_drag_keeps_to_its_light_and_its_holder() {
     assert_eq!(commit(&mut studio, "ada"), Refusal::EmptyGesture("g".into()), "nothing to commit");
     let nowhere = studio.session.begin_gesture("g", LightId(9), 0, (7, &actor("ada")), 0).cloned();
     assert_eq!(nowhere.expect_err("no such light").code(), "notFound");
+}
+
+/// Rules: GEST-4, GEST-1
+#[test]
+fn a_drag_without_a_valid_state_says_why_when_it_is_committed() {
+    let mut studio = Studio::new();
+    studio.begin("ada", "g").expect("nobody holds the light");
+    for (update, command) in [(1, softness(2.0)), (2, angle(90.0))] {
+        let refused = studio.update("ada", "g", update, command).expect_err("no such light");
+        let reason = Reason { code: refused.code(), sentence: refused.to_string() };
+        studio.session.keep_reason("g", &actor("ada"), reason);
+    }
+    let before = studio.hash();
+    let refused = studio.ask("ada", Request::Commit("g".into())).expect_err("nothing to commit");
+    assert_eq!(refused.code(), "invalidLight");
+    assert!(refused.to_string().starts_with("“key”: ") && refused.to_string().contains("90"), "{refused}");
+    assert_eq!((studio.session.gestures().count(), studio.hash()), (0, before), "the drag is over");
 }
 
 /// Her own undo can renumber the points under her hand; the drag must not move another point then.

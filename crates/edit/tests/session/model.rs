@@ -1,10 +1,13 @@
 //! Which step undo and redo take, against the rules read out over the whole log: slow, and plain to see.
 
+use std::collections::BTreeSet;
+
 use edit::{Action, Record, Refusal, Scope};
 use proptest::prelude::*;
+use scene::{Change, Document};
 
 use crate::properties::{Step, play, request};
-use crate::support::{Studio, angle};
+use crate::support::{Studio, angle, find_scene};
 
 fn is_edit(record: &Record) -> bool {
     matches!(record.action, Action::Edit { .. } | Action::Gesture { .. })
@@ -27,28 +30,45 @@ fn is_seen(record: &Record, who: &str, scope: Scope) -> bool {
     scope == Scope::Session || record.actor.id == who
 }
 
-/// UNDO-1: the latest step in effect, of the actor or of anybody.
-fn undo_target(log: &[Record], who: &str, scope: Scope) -> Option<u64> {
-    let steps = log.iter().rev().filter(|record| is_edit(record) && is_seen(record, who, scope));
-    steps.map(|record| (record.seq, is_in_effect(log, record))).find(|step| step.1).map(|step| step.0)
+/// UNDO-7: whether a change of the record's, or those of one light, can be taken back in the document as it is.
+fn leaves_something(document: &Document, record: &Record) -> bool {
+    let inverses: Vec<_> = record.changes.iter().rev().map(Change::inverse).collect();
+    let lights: BTreeSet<_> = inverses.iter().filter_map(Change::light).collect();
+    let of_light = |light| inverses.iter().filter(move |change| change.light() == Some(light));
+    let single = inverses.iter().filter(|change| change.light().is_none()).map(|change| vec![change.clone()]);
+    let held = |change: &&Change| document.holds_old_of(change);
+    let together = lights.into_iter().map(|light| of_light(light).filter(held).cloned().collect());
+    single
+        .chain(together)
+        .any(|changes| !changes.is_empty() && document.clone().apply(&changes, &find_scene).is_ok())
 }
 
-/// UNDO-3: the latest undo of that scope in effect, with no edit since by the actor or by anybody.
-fn redo_target(log: &[Record], who: &str, scope: Scope) -> Option<u64> {
+/// UNDO-1: the latest step in effect, of the actor or of anybody, of which something is left.
+fn undo_target(log: &[Record], document: &Document, who: &str, scope: Scope) -> Option<u64> {
+    let steps = log.iter().rev().filter(|record| is_edit(record) && is_seen(record, who, scope));
+    let mut left = steps.filter(|record| is_in_effect(log, record) && leaves_something(document, record));
+    left.next().map(|record| record.seq)
+}
+
+/// UNDO-3: the latest undo of that scope in effect, with no edit since by the actor or by anybody, of which something
+/// is left.
+fn redo_target(log: &[Record], document: &Document, who: &str, scope: Scope) -> Option<u64> {
     let of_scope =
         |record: &&Record| matches!(record.action, Action::Undo { scope: its, .. } if its == scope);
     let undos = log.iter().rev().filter(of_scope).filter(|record| is_seen(record, who, scope));
     let is_ended = |undo: &Record| {
         log.iter().any(|later| later.seq > undo.seq && is_edit(later) && is_seen(later, who, scope))
     };
-    undos.filter(|undo| is_in_effect(log, undo) && !is_ended(undo)).map(|undo| undo.seq).next()
+    let mut left =
+        undos.filter(|undo| is_in_effect(log, undo) && !is_ended(undo) && leaves_something(document, undo));
+    left.next().map(|undo| undo.seq)
 }
 
 /// The target that the session chose.
 fn chosen(answer: Result<Record, Refusal>) -> Option<u64> {
     match answer {
         Ok(record) => target(&record),
-        Err(Refusal::NothingToUndo | Refusal::NothingToRedo) => None,
+        Err(Refusal::NothingToUndo { .. } | Refusal::NothingToRedo { .. }) => None,
         other => panic!("{other:?}"),
     }
 }
@@ -62,8 +82,8 @@ proptest! {
         let mut studio = Studio::new();
         for (who, step) in play {
             let expected = match step {
-                Step::Undo(scope) => undo_target(&studio.log, who, scope),
-                Step::Redo(scope) => redo_target(&studio.log, who, scope),
+                Step::Undo(scope) => undo_target(&studio.log, studio.session.document(), who, scope),
+                Step::Redo(scope) => redo_target(&studio.log, studio.session.document(), who, scope),
                 Step::Edit(_) => {
                     let _ = studio.ask(who, request(step, &studio));
                     continue;
@@ -83,7 +103,10 @@ fn the_model_sees_who_did_what() {
     studio.edit("ada", angle(30.0));
     studio.edit("ben", angle(40.0));
     studio.undo("ben");
-    let model = |log: &[Record]| (undo_target(log, "ada", Scope::Mine), redo_target(log, "ben", Scope::Mine));
+    let document = studio.session.document();
+    let model = |log: &[Record]| {
+        (undo_target(log, document, "ada", Scope::Mine), redo_target(log, document, "ben", Scope::Mine))
+    };
     assert_eq!(model(&studio.log), (Some(2), Some(4)));
     let mut planted = studio.log.clone();
     planted[1].actor.id = "ben".into();

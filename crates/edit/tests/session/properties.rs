@@ -83,7 +83,7 @@ proptest! {
     fn undoing_everything_leaves_nothing(commands in vec((proptest::sample::select(THREE), command(SCENES)), 1..30)) {
         let steps = commands.into_iter().map(|(who, command)| (who, Step::Edit(Box::new(command))));
         let mut studio = played(steps.collect());
-        let steps = studio.log.len();
+        let steps = studio.log.iter().filter(|record| !record.changes.is_empty()).count();
         prop_assert_eq!(repeat(&mut studio, "cyd", &Request::Undo(Scope::Session), steps + 1), steps);
         prop_assert_eq!(studio.hash(), Session::default().document().hash());
     }

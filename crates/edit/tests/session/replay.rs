@@ -69,7 +69,7 @@ fn values_that_do_not_follow_are_refused() {
     );
     let invalid = with(|log| log[8].changes = parameter(40.0, 90.0));
     assert!(
-        matches!(invalid, ReplayError::Record { seq: 9, reason: EditError::InvalidLight(_) }),
+        matches!(invalid, ReplayError::Record { seq: 9, reason: EditError::InvalidLight { .. } }),
         "{invalid}"
     );
 }

@@ -11,7 +11,7 @@ fn points_counted_before_a_renumbering_are_stale() {
     let mut studio = Studio::new();
     let known = studio.session.seq();
     let renumbering = studio.edit("ben", insert(2)).seq;
-    let stale = Refusal::Stale { light: KEY, seq: renumbering };
+    let stale = Refusal::Stale { light: "“key”".into(), seq: renumbering };
     for command in [radius(1, 0.3), insert(1), Command::RemovePoint { light: KEY, point: 1 }] {
         let refused = studio.ask("ada", based(known, command.clone())).expect_err("outdated");
         assert_eq!((refused.code(), &refused), ("stale", &stale));

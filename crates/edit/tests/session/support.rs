@@ -51,8 +51,9 @@ impl Studio {
     /// What comes of a request under a name of its own.
     pub fn ask(&mut self, who: &str, request: Request) -> Result<Record, Refusal> {
         let op_id = format!("op {}", self.session.seq() + 1);
-        let changes = |seq: u64| self.log.get(seq as usize - 1).map(|record| record.changes.clone());
-        let sources = Sources { scene: &find_scene, changes: &changes };
+        let record = |seq: u64| self.log.get(seq as usize - 1).cloned();
+        let taken_back = self.session.taken_back(&request, who, &record, &find_scene)?;
+        let sources = Sources { scene: &find_scene, taken_back };
         let record = self.session.request(request, &actor(who), &op_id, 0, sources)?;
         self.log.push(record.clone());
         Ok(record)

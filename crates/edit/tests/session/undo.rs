@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use edit::{Action, MAX_UNDO_DEPTH, Refusal, Request, Scope};
+use edit::{Action, MAX_PASSED, MAX_UNDO_DEPTH, Refusal, Request, Scope};
 use glam::{DQuat, DVec3};
 use scene::{Command, LightParameter};
 
@@ -30,7 +30,7 @@ fn mine_passes_over_the_steps_of_others() {
     studio.undo("ada");
     assert_eq!((studio.light().cone_angle, studio.light().cone_softness), (25.0, 0.5), "theirs stays");
     let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("nothing of hers is left");
-    assert_eq!((refused.code(), refused), ("nothingToUndo", Refusal::NothingToUndo));
+    assert_eq!((refused.code(), refused), ("nothingToUndo", Refusal::NothingToUndo { passed: None }));
 }
 
 /// Rules: UNDO-1
@@ -65,32 +65,129 @@ fn what_somebody_else_changed_since_is_skipped_and_named() {
     let parameter = LightParameter::Translation(DVec3::Y);
     studio.edit("ben", Command::SetLight { light: KEY, parameter });
     let undo = studio.undo("ada");
-    assert_eq!(undo.action.skipped(), ["light 1's translation has been changed since"]);
+    assert_eq!(undo.action.skipped(), ["the translation of “key” has been changed since by BEN"]);
     let transform = studio.light().transform;
     assert_eq!((transform.translation, transform.rotation), (DVec3::Y, DQuat::IDENTITY));
+}
 
+/// Rules: UNDO-7, UNDO-5
+#[test]
+fn a_step_of_which_nothing_is_left_is_passed_over() {
+    let mut studio = Studio::new();
+    let first = studio.edit("ada", softness(0.5));
     studio.edit("ada", radius(1, 0.3));
     studio.edit("ben", radius(1, 0.35));
-    let all_skipped = studio.undo("ada");
-    assert_eq!(all_skipped.changes, []);
-    assert_eq!(all_skipped.action.skipped().len(), 1);
-    assert_eq!(studio.light().radii[1], 0.35);
-    let redo = studio.redo("ada");
+    let undo = studio.undo("ada");
+    let gone = "the radius of control point 1 of “key” has been changed since by BEN";
     assert_eq!(
-        (redo.changes.len(), redo.action.skipped().len()),
-        (0, 0),
-        "nothing was done, nothing comes back"
+        undo.action,
+        Action::Undo { scope: Scope::Mine, target: first.seq, skipped: vec![gone.into()] }
     );
+    assert_eq!((studio.light().cone_softness, studio.light().radii[1]), (0.2, 0.35));
+
+    let seq = studio.session.seq();
+    let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("nothing of hers is left");
+    assert_eq!(
+        (refused.code(), refused.to_string()),
+        ("nothingToUndo", format!("there is nothing to undo: {gone}"))
+    );
+    assert_eq!(studio.session.seq(), seq, "it is no step");
+
+    studio.undo("ben");
+    let undo = studio.undo("ada");
+    assert!(matches!(undo.action, Action::Undo { target: 3, .. }), "what stood in its way is gone");
+    assert_eq!(studio.light().radii[1], 0.4);
+    for _ in 0..2 {
+        assert!(studio.redo("ada").action.skipped().is_empty());
+    }
+    assert_eq!((studio.light().cone_softness, studio.light().radii[1]), (0.5, 0.3));
+}
+
+/// Rules: UNDO-7
+#[test]
+fn a_redo_of_which_nothing_is_left_is_no_step() {
+    let mut studio = Studio::new();
+    studio.edit("ada", radius(1, 0.3));
+    studio.undo("ada");
+    studio.edit("ben", radius(1, 0.35));
+    let refused = studio.ask("ada", Request::Redo(Scope::Mine)).expect_err("nothing to bring back");
+    assert_eq!(
+        (refused.code(), refused.to_string()),
+        (
+            "nothingToRedo",
+            "there is nothing to redo: the radius of control point 1 of “key” has been changed since by BEN"
+                .into()
+        )
+    );
+}
+
+/// Whoever else touched the light is not blamed; where nobody is found nobody is.
+///
+/// Rules: UNDO-2
+#[test]
+fn who_changed_it_since_is_the_one_who_did() {
+    let mut studio = Studio::new();
+    studio.edit("ada", radius(1, 0.3));
+    studio.edit("ben", radius(1, 0.35));
+    studio.edit("cyd", softness(0.6));
+    let why = |studio: &Studio| {
+        let refused = studio.clone().ask("ada", Request::Undo(Scope::Mine)).expect_err("changed since");
+        refused.to_string()
+    };
+    assert!(why(&studio).ends_with("has been changed since by BEN"), "{}", why(&studio));
+    studio.edit("ben", softness(0.7));
+    assert!(why(&studio).ends_with("has been changed since"), "{}", why(&studio));
+    studio.edit("cyd", Command::RemoveLight(KEY));
+    assert!(why(&studio).ends_with("has been changed since by CYD"), "{}", why(&studio));
+}
+
+/// A command that changes nothing is a record all the same, and undo takes what is before it.
+///
+/// Rules: UNDO-7, CMD-4
+#[test]
+fn a_step_that_changed_nothing_is_passed_over() {
+    let mut studio = Studio::new();
+    let edit = studio.edit("ada", angle(40.0));
+    studio.edit("ada", angle(40.0));
+    let undo = studio.undo("ada");
+    assert_eq!(undo.action, Action::Undo { scope: Scope::Mine, target: edit.seq, skipped: Vec::new() });
+    assert_eq!(studio.light().cone_angle, 25.0);
+}
+
+/// The search has an end, however many steps have been overtaken.
+///
+/// Rules: UNDO-7
+#[test]
+fn so_many_steps_are_passed_over() {
+    let mut studio = Studio::new();
+    studio.edit("ada", softness(0.5));
+    for step in 0..MAX_PASSED {
+        studio.edit("ada", angle(20.0 + (step % 50) as f64));
+    }
+    studio.edit("ben", angle(80.0));
+    let undo = studio.clone().undo("ada");
+    assert!(matches!(undo.action, Action::Undo { target: 2, .. }), "{:?}", undo.action);
+    assert_eq!(undo.action.skipped().len(), 8, "the latest are named");
+    let mut one_more = studio.clone();
+    one_more.undo("ben");
+    one_more.edit("ada", angle(81.0));
+    one_more.edit("ben", angle(80.0));
+    let refused = one_more.ask("ada", Request::Undo(Scope::Mine)).expect_err("too many");
+    assert_eq!(refused.code(), "nothingToUndo");
 }
 
 /// Rules: UNDO-2, DOC-2
 #[test]
 fn a_point_of_an_outdated_numbering_is_skipped() {
     let mut studio = Studio::new();
+    studio.edit("ada", softness(0.5));
     studio.edit("ada", radius(2, 0.5));
     studio.edit("ben", insert(1));
     let undo = studio.undo("ada");
-    assert_eq!(undo.action.skipped(), ["light 1's radius at control point 2 has been changed since"]);
+    assert_eq!(
+        undo.action.skipped(),
+        ["the radius of control point 2 of “key” has been changed since by BEN"]
+    );
     assert_eq!(studio.light().radii.len(), 5);
     studio.done("ben", Request::Undo(Scope::Mine));
     assert_eq!((studio.light().radii.len(), studio.light().radii[2]), (4, 0.5), "the old numbering is back");
@@ -106,10 +203,12 @@ fn what_would_leave_a_fold_is_skipped() {
     // A bend that the thin tube can make and the wide one cannot.
     studio.edit("ben", position(2, 1.2, -2.0));
     let before = studio.hash();
-    let undo = studio.undo("ada");
-    let [why] = undo.action.skipped() else { panic!("{:?}", undo.action) };
-    assert!(why.starts_with("light 1's radius at control point 2 stays: ") && why.contains("folds"), "{why}");
-    assert_eq!((studio.hash(), undo.changes), (before, Vec::new()));
+    // Of her two steps the later one would leave the fold, and so would the other one then.
+    let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("a fold");
+    let why = refused.to_string();
+    let stays = "there is nothing to undo: the radius of control point 2 of “key” stays: ";
+    assert!(why.starts_with(stays) && why.contains("folds"), "{why}");
+    assert_eq!(studio.hash(), before);
 }
 
 /// Rules: UNDO-2, CMD-3
@@ -118,8 +217,11 @@ fn what_is_gone_is_skipped() {
     let mut studio = Studio::new();
     studio.edit("ada", angle(40.0));
     studio.edit("ben", Command::RemoveLight(KEY));
-    let undo = studio.undo("ada");
-    assert_eq!((undo.changes.len(), undo.action.skipped().len()), (0, 1));
+    let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("the light is gone");
+    assert_eq!(
+        refused.to_string(),
+        "there is nothing to undo: the cone angle of light 1 has been changed since by BEN"
+    );
     studio.undo("ben");
     assert_eq!(studio.light().cone_angle, 40.0, "as it was when it went");
 }

@@ -57,7 +57,7 @@ pub async fn create(State(shared): State<Arc<Shared>>, body: Bytes) -> Answer {
             }
             _ => None,
         };
-        let sources = Sources { scene: &|_| scene.clone(), changes: &|_| None };
+        let sources = Sources { scene: &|_| scene.clone(), taken_back: None };
         records.push(session.request(load, &program(), &new_op_id()?, time_ms(), sources)?);
     }
     let hash = session.document().hash();

@@ -110,6 +110,8 @@ pub enum Ask {
     CancelGesture(String),
     /// The light that the client looks at.
     Select(Option<u64>),
+    /// What undo and redo would take back.
+    History,
     /// A sign of life; the number comes back.
     Ping(f64),
     /// What could not be read or is not allowed: why.

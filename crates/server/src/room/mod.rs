@@ -8,6 +8,7 @@ mod clients;
 mod directory;
 mod gestures;
 mod message;
+mod past;
 mod pictures;
 mod steps;
 mod tick;

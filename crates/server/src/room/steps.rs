@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use edit::{Actor, Record, Request, Sources};
+use edit::{Actor, Record, Request, Sources, TakenBack};
 use protocol::{EditResult, EditStatus, GestureEnd, Problem, ServerMessage, SessionCheckpoint};
 use scene::{AssetHash, Change, Command, Scene};
 use store::{Outcome, Rejection, StoreError};
@@ -45,8 +45,7 @@ impl Answer {
 #[derive(Default)]
 struct Found {
     scenes: Vec<(AssetHash, Arc<Scene>)>,
-    /// The record that it takes back, and what that changed.
-    target: Option<(u64, Vec<Change>)>,
+    taken_back: Option<TakenBack>,
 }
 
 impl Room {
@@ -120,9 +119,11 @@ impl Room {
             Request::Edit { .. } | Request::Undo(_) | Request::Redo(_) => None,
         };
         tick.before.get_or_insert_with(|| Box::new((self.session.clone(), self.surroundings.clone())));
-        let scene = |asset: &AssetHash| found.scene(asset);
-        let changes = |seq| found.changes(seq);
-        let sources = Sources { scene: &scene, changes: &changes };
+        let Found { scenes, taken_back } = found;
+        let scene = |asset: &AssetHash| {
+            scenes.iter().find(|(known, _)| known == asset).map(|(_, scene)| Arc::clone(scene))
+        };
+        let sources = Sources { scene: &scene, taken_back };
         let committed = self.session.request(request, actor, op_id, time_ms(), sources);
         // A gesture whose commit is refused has ended all the same.
         let ended = held.filter(|held| self.gesture_of(&held.id, actor).is_none());
@@ -133,6 +134,8 @@ impl Room {
         if let Some(gesture) = ended {
             let (end, problem) = match &committed {
                 Ok(_) => (GestureEnd::Committed, None),
+                // There was never anything to see of it, so nothing is refused.
+                Err(error) if gesture.command.is_none() => (GestureEnd::Cancelled, Some(error.problem())),
                 Err(error) => (GestureEnd::Rejected, Some(error.problem())),
             };
             self.end_gesture(gesture, end, problem, tick);
@@ -154,36 +157,24 @@ impl Room {
         }
         tick.shows |= record.changes.iter().any(Change::changes_picture);
         tick.say(Say::Log(ServerMessage::Log { record: Box::new(record.into()), hash, bounds }));
-        tick.records.push(record.clone());
+        tick.records.push(Arc::new(record.clone()));
     }
 
     /// The scenes that a request loads, decoded, and the record that it takes back.
     async fn find_for(&self, request: &Request, actor_id: &str, tick: &Tick) -> Result<Found, ServerError> {
         let mut found = Found::default();
-        if let Some(target) = self.session.target_of(request, actor_id) {
-            let changes = self.changes_of(target, tick).await?;
-            for change in &changes {
-                if let Change::Scene { old: Some(scene), .. } = change {
+        if matches!(request, Request::Undo(_) | Request::Redo(_)) {
+            found.taken_back = self.taken_back(request, actor_id, &tick.records).await?;
+            for change in found.taken_back.iter().flat_map(|taken| &taken.changes) {
+                if let Change::Scene { new: Some(scene), .. } = change {
                     found.scenes.push((scene.asset, self.backend.scenes.load(scene.asset).await?));
                 }
             }
-            found.target = Some((target, changes));
         }
         if let Request::Edit { command: Command::LoadScene { asset, .. }, .. } = request {
             found.scenes.push((*asset, self.backend.scenes.load(*asset).await?));
         }
         Ok(found)
-    }
-
-    /// What a record changed, of this tick or in the store.
-    async fn changes_of(&self, seq: u64, tick: &Tick) -> Result<Vec<Change>, ServerError> {
-        if let Some(record) = tick.records.iter().find(|record| record.seq == seq) {
-            return Ok(record.changes.clone());
-        }
-        let name = Arc::clone(&self.name);
-        let read = self.backend.storage.read(move |store| store.records(&name, seq, 1)).await?;
-        let record = read.into_iter().next().ok_or(edit::Refusal::LostRecord(seq))?;
-        Ok(edit::Record::try_from(record)?.changes)
     }
 
     /// Writes a checkpoint down once so much has come since the last one that opening the session would take long.
@@ -203,16 +194,6 @@ impl Room {
             Ok(bytes) => self.checkpoint_bytes = bytes,
             Err(error) => tracing::warn!("session {} has no new checkpoint: {error}", self.name),
         }
-    }
-}
-
-impl Found {
-    fn scene(&self, asset: &AssetHash) -> Option<Arc<Scene>> {
-        self.scenes.iter().find(|(known, _)| known == asset).map(|(_, scene)| Arc::clone(scene))
-    }
-
-    fn changes(&self, seq: u64) -> Option<Vec<Change>> {
-        self.target.as_ref().filter(|(target, _)| *target == seq).map(|(_, changes)| changes.clone())
     }
 }
 

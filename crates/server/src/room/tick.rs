@@ -1,6 +1,6 @@
 //! What came in together is carried out and committed together; then it is told.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 use std::vec;
@@ -21,13 +21,15 @@ use crate::limits::{MAX_TICK, MAX_TICK_CHANGES};
 pub(super) struct Tick {
     /// The state before the first request for a record, to go back to.
     pub before: Option<Box<(edit::Session, Surroundings)>>,
-    pub records: Vec<Record>,
+    pub records: Vec<Arc<Record>>,
     pub rejections: Vec<Rejection>,
     /// What became of this tick's operations in an earlier one, as the store knows it.
     pub earlier: Outcomes,
     /// What became of operations in this one.
     pub answers: HashMap<OperationKey, EditResult>,
     says: Vec<Say>,
+    /// Who wants to know what undo and redo would take back.
+    pub histories: BTreeSet<ClientId>,
     /// Whether a picture can show any of it.
     pub shows: bool,
 }
@@ -96,7 +98,11 @@ impl Room {
             }
         }
         self.work_off(&mut tick).await;
+        let histories = std::mem::take(&mut tick.histories);
         self.commit(tick).await;
+        for client in histories {
+            self.tell_history(client).await;
+        }
         for message in afterwards {
             match message {
                 Message::Join(join) => self.join(*join).await,
@@ -172,6 +178,7 @@ impl Room {
                     self.presence_changed = true;
                 }
             }
+            Ask::History => drop(tick.histories.insert(client)),
             Ask::Ping(sent) => {
                 let server_time_us = self.backend.started.elapsed().as_micros() as u64;
                 self.say_to(client, &ServerMessage::Pong { sent, server_time_us });
@@ -182,7 +189,9 @@ impl Room {
 
     /// Writes down what the tick came to and tells what it has to tell; or takes it back.
     pub(super) async fn commit(&mut self, mut tick: Tick) {
-        let (records, rejections) = (std::mem::take(&mut tick.records), std::mem::take(&mut tick.rejections));
+        let records: Vec<_> =
+            std::mem::take(&mut tick.records).into_iter().map(Arc::unwrap_or_clone).collect();
+        let rejections = std::mem::take(&mut tick.rejections);
         if !(records.is_empty() && rejections.is_empty()) {
             let hash = self.session.document().hash();
             let name = Arc::clone(&self.name);

@@ -99,8 +99,9 @@ impl Log {
     fn take(&mut self, request: Request) {
         let actor = Actor { id: "a".into(), name: "Ada".into() };
         let op_id = format!("op {}", self.session.seq() + 1);
-        let changes = |seq: u64| self.records.get(seq as usize - 1).map(|record| record.changes.clone());
-        let sources = Sources { scene: &find_scene, changes: &changes };
+        let record = |seq: u64| self.records.get(seq as usize - 1).cloned();
+        let taken_back = self.session.taken_back(&request, &actor.id, &record, &find_scene);
+        let sources = Sources { scene: &find_scene, taken_back: taken_back.expect("something to take back") };
         let record = self.session.request(request, &actor, &op_id, 1_790_000_000_000, sources);
         self.records.push(record.expect("a valid request"));
     }

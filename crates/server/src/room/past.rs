@@ -1,0 +1,89 @@
+//! What undo and redo take back. That is in the store, and looking there takes a thread that may wait for the disk.
+
+use std::cell::RefCell;
+use std::sync::Arc;
+
+use edit::{FindRecord, Record, Request, Scope, Session, TakenBack};
+use protocol::{History, HistoryStep, HistorySteps, ServerMessage};
+use scene::{Change, FindScene, deed};
+
+use super::Room;
+use super::message::ClientId;
+use crate::ServerError;
+
+impl Room {
+    /// What `request` of that actor takes back; `new` are the records that are not in the store yet.
+    pub(super) async fn taken_back(
+        &self,
+        request: &Request,
+        actor_id: &str,
+        new: &[Arc<Record>],
+    ) -> Result<Option<TakenBack>, ServerError> {
+        let (request, actor_id) = (request.clone(), actor_id.to_owned());
+        let found = self.look_back(new.to_vec(), move |session, find_record, find_scene| {
+            session.taken_back(&request, &actor_id, find_record, find_scene)
+        });
+        Ok(found.await??)
+    }
+
+    /// Tells a client what its undo and redo would take back. All that was done before is committed.
+    pub(super) async fn tell_history(&mut self, id: ClientId) {
+        let Some(actor_id) = self.clients.get(&id).map(|client| client.actor.id.clone()) else { return };
+        let looked = self.look_back(Vec::new(), move |session, find_record, find_scene| {
+            let step = |request| step(session, &request, &actor_id, find_record, find_scene);
+            let both = |of: fn(Scope) -> Request| HistorySteps {
+                mine: step(of(Scope::Mine)),
+                session: step(of(Scope::Session)),
+            };
+            History { seq: session.seq(), undo: both(Request::Undo), redo: both(Request::Redo) }
+        });
+        match looked.await {
+            Ok(history) => self.say_to(id, &ServerMessage::History(history)),
+            Err(error) => self.complain_to(id, &error),
+        }
+    }
+
+    /// Asks something that needs records of the past. Where one, or a scene, cannot be had, that is what is wrong.
+    async fn look_back<T: Send + 'static>(
+        &self,
+        new: Vec<Arc<Record>>,
+        question: impl FnOnce(&Session, FindRecord, FindScene) -> T + Send + 'static,
+    ) -> Result<T, ServerError> {
+        let (session, name) = (self.session.clone(), Arc::clone(&self.name));
+        let answer = self.backend.storage.read_with_scenes(&self.backend.scenes, move |store, find_scene| {
+            let failed = RefCell::new(None);
+            let find_record = |seq| {
+                if let Some(record) = new.iter().find(|record| record.seq == seq) {
+                    return Some(Record::clone(record));
+                }
+                match store.records(&name, seq, 1) {
+                    Ok(records) => records.into_iter().next().and_then(|record| record.try_into().ok()),
+                    Err(error) => {
+                        failed.borrow_mut().get_or_insert(error);
+                        None
+                    }
+                }
+            };
+            let answer = question(&session, &find_record, find_scene);
+            failed.into_inner().map_or(Ok(answer), Err)
+        });
+        answer.await
+    }
+}
+
+fn step(
+    session: &Session,
+    request: &Request,
+    actor_id: &str,
+    find_record: FindRecord,
+    find_scene: FindScene,
+) -> Option<HistoryStep> {
+    let TakenBack { target, changes, .. } =
+        session.taken_back(request, actor_id, find_record, find_scene).ok().flatten()?;
+    let done: Vec<Change> = match request {
+        Request::Undo(_) => changes.iter().rev().map(Change::inverse).collect(),
+        _ => changes,
+    };
+    let by = find_record(target)?.actor;
+    Some(HistoryStep { seq: target, actor: (&by).into(), what: deed(&done, session.document()) })
+}

@@ -1,0 +1,89 @@
+//! What undo and redo would take back, told before it is asked for.
+
+use protocol::{
+    ClientMessage, Command, EditStatus, History, LightParameter, PointParameter, Scope, ServerMessage,
+};
+
+use crate::support::{Mirror, Server, rename};
+
+fn history(mirror: &mut Mirror) -> History {
+    mirror.send(&ClientMessage::History {});
+    mirror.wait_for("a history", |message| match message {
+        ServerMessage::History(history) => Some(history.clone()),
+        _ => None,
+    })
+}
+
+fn undo(mirror: &mut Mirror, scope: Scope) -> protocol::EditResult {
+    let op_id = format!("undo after {}", mirror.seq);
+    mirror.send(&ClientMessage::Undo { op_id: op_id.clone(), scope });
+    mirror.result(&op_id)
+}
+
+/// The record that the latest record takes back.
+fn target(server: &Server, seq: u64) -> u64 {
+    let log = server.process.get(&format!("/sessions/main/log?from={seq}&limit=1")).expect("answered");
+    let record: serde_json::Value = serde_json::from_str(&log.text()).expect("a record");
+    record["action"]["target"].as_u64().expect("an undo's or a redo's target")
+}
+
+/// Rules: UNDO-8
+#[test]
+fn what_is_told_names_the_step_the_light_and_the_person() {
+    let server = Server::start();
+    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let light = ada.light();
+    let at_first = history(&mut ada);
+    assert_eq!((at_first.undo.mine, at_first.redo.mine, at_first.redo.session), (None, None, None));
+    let first = at_first.undo.session.expect("the scene was loaded");
+    assert_eq!(first.what, "loading “demo:vases”");
+
+    ada.edited(rename(light, "sun"));
+    ben.edited(Command::SetPoint { light, point: 2, parameter: PointParameter::Radius(1.5) });
+    ada.catch_up(ben.seq);
+    let both = history(&mut ada);
+    assert_eq!(both.seq, ada.seq);
+    let (mine, all) = (both.undo.mine.expect("hers"), both.undo.session.expect("his"));
+    assert_eq!((mine.what.as_str(), mine.actor.id.as_str()), ("the name of “sun”", "ada"));
+    assert_eq!((all.what.as_str(), all.actor.id.as_str()), ("the radius of control point 2 of “sun”", "ben"));
+
+    undo(&mut ada, Scope::Session);
+    let undone = history(&mut ada);
+    let redo = undone.redo.session.expect("it can be redone");
+    assert_eq!((redo.what, redo.actor.id.as_str()), (all.what, "ada"));
+    assert_eq!((undone.redo.mine, undone.undo.session), (None, Some(mine)));
+}
+
+/// Told is what is then done, to the end and over a restart; steps that others have overtaken are not told.
+///
+/// Rules: UNDO-8, UNDO-7, UNDO-5
+#[test]
+fn what_is_told_is_what_undo_then_takes() {
+    let server = Server::start();
+    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let light = ada.light();
+    let angle = |degrees| Command::SetLight { light, parameter: LightParameter::ConeAngle(degrees) };
+    let softness = |share| Command::SetLight { light, parameter: LightParameter::ConeSoftness(share) };
+    for command in [angle(31.0), softness(0.4), angle(32.0), rename(light, "sun"), angle(33.0), softness(0.5)]
+    {
+        ada.edited(command);
+    }
+    ben.catch_up(ada.seq);
+    ben.edited(angle(20.0));
+    let server = server.restart();
+    let mut ada = server.connect("ada");
+    let mut told = Vec::new();
+    while let Some(step) = history(&mut ada).undo.mine {
+        let done = undo(&mut ada, Scope::Mine);
+        assert_eq!(done.status, EditStatus::Committed);
+        assert_eq!(target(&server, done.seq.expect("a record")), step.seq);
+        told.push(step.what);
+    }
+    assert_eq!(told, ["the cone softness of “sun”", "the name of “sun”", "the cone softness of “key”"]);
+    let seq = ada.seq;
+    let refused = undo(&mut ada, Scope::Mine);
+    assert_eq!((refused.status, refused.code.as_deref()), (EditStatus::Rejected, Some("nothingToUndo")));
+    let gone = "there is nothing to undo: the cone angle of “key” has been changed since by ben";
+    assert_eq!(refused.message.as_deref(), Some(gone));
+    assert_eq!(server.state().0, seq, "it is no step");
+}
