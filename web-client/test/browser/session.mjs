@@ -21,6 +21,7 @@ await runBrowserTest(async ({ open, picture }) => {
   const bob = await open("Bob", { width: 1024, height: 640 });
   const before = { ada: await pixels(ada), bob: await pixels(bob), seq: await seqOf(ada) };
   await picture(ada, "1-before");
+  await undoIs(ada, "Nothing to undo");
 
   await aDragIsSeenLive(ada, bob, picture);
   expect((await seqOf(ada)) === before.seq, "A drag that is under way must not be in the log.");
@@ -30,6 +31,11 @@ await runBrowserTest(async ({ open, picture }) => {
   expect((await pixels(ada)) !== before.ada, "The picture must change when a control point is dragged.");
   expect((await pixels(bob)) !== before.bob, "The other page's picture must change with the drag.");
   await theSameDocument(ada, bob);
+  await undoIs(ada, "Undo the position of control point 2 of “key”");
+  await undoIs(bob, "Nothing to undo");
+  await bob.getByRole("button", { name: "All" }).click();
+  await undoIs(bob, "Undo the position of control point 2 of “key”, by Ada");
+  await bob.getByRole("button", { name: "Mine" }).click();
 
   await ada.keyboard.press("Control+z");
   for (const page of [ada, bob]) await settled(page, before.seq + 2);
@@ -72,6 +78,13 @@ async function aDragIsSeenLive(ada, bob, picture) {
   );
   const said = await bob.getByText("is held by Ada").count();
   expect(said > 0, "The other page must say who holds the light.");
+}
+
+/** Waits until the undo button says so; it is grey where it would do nothing. */
+async function undoIs(page, label) {
+  await page.locator(`[data-step="undo"][aria-label="${label}"]`).waitFor();
+  const isGrey = await page.locator('[data-step="undo"]').isDisabled();
+  expect(isGrey === label.startsWith("Nothing"), `"${label}" must be grey only where it does nothing.`);
 }
 
 async function theSameDocument(a, b) {
