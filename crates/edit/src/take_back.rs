@@ -98,9 +98,14 @@ struct Parts {
 /// A property that no longer has the value it was given stays: somebody has changed it since. What is left of a
 /// light is taken back as a whole or, where that would leave a light that cannot be evaluated, not at all.
 fn take_back(document: &Document, changes: &[Change], find_scene: FindScene) -> Parts {
-    let mut after = document.clone();
-    let mut parts = Parts { changes: Vec::new(), changed_since: Vec::new(), stays: Vec::new() };
     let inverses: Vec<Change> = changes.iter().rev().map(Change::inverse).collect();
+    let mut parts = Parts { changes: Vec::new(), changed_since: Vec::new(), stays: Vec::new() };
+    // Then none can be made, and none after it: many such are passed over without a copy of the document.
+    if !inverses.iter().any(|change| document.holds_old_of(change)) {
+        parts.changed_since = inverses;
+        return parts;
+    }
+    let mut after = document.clone();
     for group in inverses.chunk_by(|a, b| a.light().is_some() && a.light() == b.light()) {
         let (held, changed): (Vec<_>, Vec<_>) =
             group.iter().cloned().partition(|change| after.holds_old_of(change));
