@@ -2,21 +2,12 @@
 
 use scene::{Change, Command, LightId};
 
-use crate::Actor;
+use crate::{Actor, Refusal};
 
 /// How long a gesture is held without an update, in milliseconds.
 pub const LEASE_MS: u64 = 30_000;
 /// Gestures that a session has under way at most.
 pub const MAX_GESTURES: usize = 64;
-
-/// Why an update of a drag was refused.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Reason {
-    /// For programs.
-    pub code: &'static str,
-    /// For people.
-    pub sentence: String,
-}
 
 /// One drag under way.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,8 +24,8 @@ pub struct Gesture {
     pub update: u64,
     /// The latest valid command.
     pub command: Option<Command>,
-    /// Why the latest refused update was refused.
-    pub refused: Option<Reason>,
+    /// Why the latest update was refused, if it was.
+    pub refused: Option<Refusal>,
     /// What that would change in the document now.
     pub changes: Vec<Change>,
     /// The latest record that its holder knew when it began; control points are counted as they were then.

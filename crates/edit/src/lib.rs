@@ -11,7 +11,7 @@ mod refusal;
 mod session;
 mod take_back;
 
-pub use gesture::{Gesture, LEASE_MS, MAX_GESTURES, Reason};
+pub use gesture::{Gesture, LEASE_MS, MAX_GESTURES};
 pub use history::{MAX_UNDO_DEPTH, PastUndo};
 pub use record::{Action, Actor, Record, Scope};
 pub use refusal::{Refusal, ReplayError};

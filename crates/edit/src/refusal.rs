@@ -48,14 +48,6 @@ pub enum Refusal {
     /// A drag that is committed before its first update.
     #[error("gesture {0} was never updated and has nothing to commit: cancel such a gesture")]
     EmptyGesture(String),
-    /// A drag that is committed and whose updates were all refused.
-    #[error("{sentence}")]
-    NeverValid {
-        /// The last refusal's code.
-        code: &'static str,
-        /// And its sentence.
-        sentence: String,
-    },
     /// A drag of that name is under way.
     #[error("gesture {0} is already under way: choose another name")]
     GestureExists(String),
@@ -99,7 +91,6 @@ impl Refusal {
             Self::LostRecord(_) => "storage",
             Self::NoGesture(_) => "noGesture",
             Self::EmptyGesture(_) => "emptyGesture",
-            Self::NeverValid { code, .. } => code,
             Self::GestureExists(_) => "exists",
             Self::OtherLight(_) => "otherLight",
             Self::TooMany { .. } => "tooMany",

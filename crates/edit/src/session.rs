@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rpds::RedBlackTreeMapSync;
 use scene::{Change, Command, Document, FindScene, LightId, changes_of};
 
-use crate::gesture::{Gesture, LEASE_MS, MAX_GESTURES, Reason};
+use crate::gesture::{Gesture, LEASE_MS, MAX_GESTURES};
 use crate::history::{History, PastUndo};
 use crate::take_back::TakenBack;
 use crate::{Action, Actor, Record, Refusal, ReplayError, Scope};
@@ -169,8 +169,7 @@ impl Session {
             Request::Commit(id) => {
                 let gesture = self.end_gesture(&id, actor)?;
                 let Some(command) = gesture.command else {
-                    let never_valid = |Reason { code, sentence }| Refusal::NeverValid { code, sentence };
-                    return Err(gesture.refused.map_or(Refusal::EmptyGesture(id), never_valid));
+                    return Err(gesture.refused.unwrap_or(Refusal::EmptyGesture(id)));
                 };
                 let rebased = self.check_base(&command, actor, Some(gesture.base_seq))?;
                 let changes = changes_of(&self.document, &command, sources.scene)?;
@@ -296,9 +295,23 @@ impl Session {
     ) -> Result<&Gesture, Refusal> {
         let light = self.gesture_of(id, actor)?;
         let no_gesture = || Refusal::NoGesture(id.to_owned());
+        let base_seq = self.gestures.get(&light).ok_or_else(no_gesture)?.base_seq;
+        let changes = self.dragged(light, base_seq, &command, find_scene);
         let gesture = self.gestures.get_mut(&light).ok_or_else(no_gesture)?;
         gesture.touched_ms = now_ms;
-        let base_seq = gesture.base_seq;
+        gesture.refused = changes.as_ref().err().cloned();
+        (gesture.changes, gesture.command, gesture.update) = (changes?, Some(command), update);
+        Ok(gesture)
+    }
+
+    /// What `command` changes, as the state of a drag of `light` that began at record `base_seq`.
+    fn dragged(
+        &self,
+        light: LightId,
+        base_seq: u64,
+        command: &Command,
+        find_scene: FindScene,
+    ) -> Result<Vec<Change>, Refusal> {
         let removes = matches!(command, Command::RemoveLight(_));
         if command.light() != Some(light) || removes {
             return Err(Refusal::OtherLight(self.document.light_name(light)));
@@ -306,19 +319,7 @@ impl Session {
         if command.counts_points() {
             self.check_numbering(light, base_seq)?;
         }
-        let changes = changes_of(&self.document, &command, find_scene)?;
-        let gesture = self.gestures.get_mut(&light).ok_or_else(no_gesture)?;
-        (gesture.changes, gesture.command, gesture.update) = (changes, Some(command), update);
-        Ok(gesture)
-    }
-
-    /// Keeps why an update was refused, to say it where none is ever valid.
-    pub fn keep_reason(&mut self, id: &str, actor: &Actor, reason: Reason) {
-        if let Ok(light) = self.gesture_of(id, actor)
-            && let Some(gesture) = self.gestures.get_mut(&light)
-        {
-            gesture.refused = Some(reason);
-        }
+        Ok(changes_of(&self.document, command, find_scene)?)
     }
 
     /// Ends a gesture without a record.

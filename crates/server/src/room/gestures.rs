@@ -1,6 +1,6 @@
 //! Drags: live for everybody, in the log only once they are committed.
 
-use edit::{Actor, Gesture, Reason, Refusal};
+use edit::{Actor, Gesture, Refusal};
 use protocol::{GestureEnd, GestureState, Problem, ServerMessage};
 use scene::{Change, Command, LightId};
 
@@ -50,8 +50,6 @@ impl Room {
             }
             Err(error) => {
                 let Problem { code, message } = error.problem();
-                let reason = Reason { code: error.code(), sentence: message.clone() };
-                self.session.keep_reason(id, actor, reason);
                 let state = self.gesture_state(&before);
                 let state = GestureState { code: Some(code), message: Some(message), ..state };
                 tick.say(Say::To(client, ServerMessage::GestureState(state)));
