@@ -147,6 +147,8 @@ fn a_drag_keeps_to_its_light_and_its_holder() {
         |studio: &mut Studio, who| studio.ask(who, Request::Commit("g".into())).expect_err("refused");
     assert_eq!(commit(&mut studio, "ben"), Refusal::NoGesture("g".into()));
     assert_eq!(studio.begin("ada", "h"), Err(Refusal::GestureExists("h".into())), "one a light");
+    assert_eq!(commit(&mut studio, "ada"), Refusal::OtherLight("“key”".into()), "the last reason");
+    studio.begin("ada", "g").expect("nobody holds the light");
     assert_eq!(commit(&mut studio, "ada"), Refusal::EmptyGesture("g".into()), "nothing to commit");
     let nowhere = studio.session.begin_gesture("g", LightId(9), 0, (7, &actor("ada")), 0).cloned();
     assert_eq!(nowhere.expect_err("no such light").code(), "notFound");
