@@ -6,7 +6,7 @@ use crate::{Record, Refusal, Request, Session};
 
 /// Steps of which nothing is left to take back that undo and redo look past at most.
 pub const MAX_PASSED: usize = 1_000;
-/// Sentences about what stays, of the steps that are passed over.
+/// Sentences about what stays, of the steps that are passed over, each once.
 const MAX_SAID: usize = 8;
 /// Properties of a step for which is said who has changed them since.
 const MAX_NAMED: usize = 8;
@@ -42,7 +42,7 @@ impl Session {
     ) -> Result<Option<TakenBack>, Refusal> {
         let (Request::Undo(scope) | Request::Redo(scope)) = *request else { return Ok(None) };
         let undoes = matches!(request, Request::Undo(_));
-        let mut passed = Vec::new();
+        let mut passed: Vec<String> = Vec::new();
         let mut target = None;
         for _ in 0..=MAX_PASSED {
             target = match undoes {
@@ -64,7 +64,11 @@ impl Session {
                 return Ok(Some(TakenBack { target, changes, skipped }));
             }
             let room = MAX_SAID.saturating_sub(passed.len());
-            passed.extend(changed_since.iter().enumerate().map(since).chain(stays).take(room));
+            for why in changed_since.iter().enumerate().map(since).chain(stays).take(room) {
+                if !passed.contains(&why) {
+                    passed.push(why);
+                }
+            }
         }
         let passed = passed.into_iter().next();
         Err(if undoes { Refusal::NothingToUndo { passed } } else { Refusal::NothingToRedo { passed } })
