@@ -16,6 +16,28 @@ use crate::program::program;
 /// Rules: SOCK-3, FRAME-1, FRAME-2, FRAME-4, UNDO-1
 #[test]
 fn a_drag_in_one_page_shows_in_both_and_undo_restores_the_pixels() {
+    in_a_browser("session.mjs");
+}
+
+/// Opens the page a dozen times, with its size or its socket late, and compares its pictures with `render`'s: the whole
+/// shot is there each time, and the film gate holds what `render` writes on every shape of stage, of every camera.
+///
+/// Rules: DOC-3, HTTP-8
+#[test]
+fn the_page_shows_the_shot_and_its_gate_is_what_render_writes() {
+    in_a_browser("gate.mjs");
+}
+
+/// Walks every control on six screens, from a phone to a page at 200 %, and moves view and light with fingers.
+///
+/// Rules: SOCK-7
+#[test]
+fn the_page_fits_every_screen_and_fingers() {
+    in_a_browser("layouts.mjs");
+}
+
+/// Runs a script of the page's browser tests on a server of its own.
+fn in_a_browser(script: &str) {
     let client = Path::new(env!("CARGO_MANIFEST_DIR")).join("../web-client");
     if !client.join("node_modules/playwright-core").is_dir() || !client.join("dist/index.html").is_file() {
         let must_run = std::env::var("CI").is_ok_and(|ci| ci == "true");
@@ -28,7 +50,7 @@ fn a_drag_in_one_page_shows_in_both_and_undo_restores_the_pixels() {
     server.wait_until_ready().expect("ready");
     let pictures = tempfile::tempdir().expect("a folder");
     let address = format!("http://{}/#token={}&session=main", server.address.host, server.address.token);
-    let script = client.join("test/browser/session.mjs");
+    let script = client.join("test/browser").join(script);
     let status =
         Command::new("node").arg(script).arg(address).arg(pictures.path()).status().expect("node runs");
     assert!(status.success(), "the page does not do what it should");

@@ -88,7 +88,8 @@ pub fn openapi() -> Value {
         "/sessions/{session}/render": {
             "get": operation("A picture of the document.", &[session,
                 query("camera", "Id or name of a camera; the first by default.", &json!({"type": "string"})),
-                query("size", "Width and height in pixels.", &json!({"type": "string", "pattern": "^[0-9]+x[0-9]+$", "default": "686x382"})),
+                query("size", "Width and height in pixels; by default 640x360, or about as many pixels in the camera's own shape.",
+                    &json!({"type": "string", "pattern": "^[0-9]+x[0-9]+$"})),
                 query("aov", "What the picture shows.", &json!({"enum": Aov::NAMES, "default": "beauty"})),
                 query("samples", "Samples a pixel.", &json!({"type": "integer", "minimum": 1, "maximum": 64, "default": 1})),
                 query("light", "Id or name of the light that t, vw, direction, visibility and wireframe are of; the first by default.", &json!({"type": "string"})),

@@ -1,7 +1,16 @@
 import { expect, test } from "vitest";
 
-import { depthOf, inPlaneOf, project, type View, worldPerPixel } from "../src/core/camera";
-import { frameBall, orbit, orbitFrom, pan, pivotOf, zoom } from "../src/core/navigation";
+import {
+  depthOf,
+  gateOf,
+  inPlaneOf,
+  project,
+  seeTheSame,
+  type View,
+  withShape,
+  worldPerPixel,
+} from "../src/core/camera";
+import { frameBall, type Fingers, orbit, orbitFrom, pan, pinch, pivotOf, zoom } from "../src/core/navigation";
 import type { Camera, Projection } from "../src/core/protocol";
 import { add, fromEulerDegrees, length, rotate, sub, toEulerDegrees, unitQuat } from "../src/core/vector";
 import { difference, seeded, someVector } from "./examples";
@@ -28,7 +37,8 @@ function cameras(): Camera[] {
   }));
 }
 
-const view = (camera: Camera): View => ({ camera, width: 640, height: 360 });
+const SIZE = { width: 640, height: 360 };
+const view = (camera: Camera): View => ({ camera, ...SIZE });
 
 // Some dozen operations on numbers up to 1e3 (pixels): rounding stays below 1e3 * 2^-52 * 100 = 2.2e-11.
 const PIXEL_ROUNDING = 1e-9;
@@ -83,7 +93,7 @@ test("panning takes the pivot along with the pointer", () => {
   for (const camera of cameras()) {
     const from = orbitFrom(camera, BOUNDS);
     const before = project(view(from.camera), pivotOf(from));
-    const after = project(view(pan(from, view(camera), { x: 30, y: -12 }).camera), pivotOf(from));
+    const after = project(view(pan(from, SIZE, { x: 30, y: -12 }).camera), pivotOf(from));
     const moved = [(after?.x ?? NaN) - (before?.x ?? NaN), (after?.y ?? NaN) - (before?.y ?? NaN)];
     expect(difference(moved, [30, -12])).toBeLessThan(PIXEL_ROUNDING);
   }
@@ -165,5 +175,68 @@ test("a framed ball fits a camera that keeps its width", () => {
       const reach = ((seen?.x ?? 0) - width / 2) / (Math.min(width, height) / 2);
       expect(reach).toBeCloseTo(1, 9);
     }
+  }
+});
+
+test("the gate of a view is the picture that render writes, whatever the view's shape", () => {
+  for (const bare of cameras()) {
+    const camera = withShape(bare);
+    for (const [width, height] of [
+      [640, 200],
+      [200, 640],
+      [333, 333],
+    ] as const) {
+      const view = { camera, width, height };
+      const gate = gateOf(view);
+      const written = { ...view, width: gate.width, height: gate.height };
+      const through = add(camera.translation, rotate(camera.rotation, [0, 0, -3]));
+      for (const corner of [
+        { x: 0, y: 0 },
+        { x: gate.width, y: gate.height },
+      ]) {
+        const point = inPlaneOf(written, corner, through);
+        const seen = project(view, point);
+        expect(seen).not.toBeNull();
+        const off = Math.hypot((seen?.x ?? NaN) - gate.x - corner.x, (seen?.y ?? NaN) - gate.y - corner.y);
+        expect(off).toBeLessThan(PIXEL_ROUNDING);
+      }
+      expect(Math.min(gate.x, gate.y)).toBeGreaterThanOrEqual(-PIXEL_ROUNDING);
+      const wider = gateOf({ ...view, width: width * 1.1, height: height * 1.1 });
+      expect(wider.width - gate.width).toBeGreaterThan(PIXEL_ROUNDING);
+    }
+  }
+});
+
+test("a camera without a shape is written 16:9 with its height, in sight or not", () => {
+  const camera = { ...(cameras()[0] as Camera), projection: PROJECTIONS[0] as Projection };
+  expect(gateOf({ camera, width: 90, height: 90 })).toEqual({ x: -35, y: 0, width: 160, height: 90 });
+  const whole = gateOf({ camera: withShape(camera), width: 160, height: 100 });
+  expect([whole.x, whole.width]).toEqual([expect.closeTo(0, 9), expect.closeTo(160, 9)]);
+  expect([whole.y, whole.height]).toEqual([expect.closeTo(5, 9), expect.closeTo(90, 9)]);
+});
+
+test("cameras see the same where all but their names is the same", () => {
+  const [first, second] = cameras() as [Camera, Camera];
+  expect(seeTheSame(first, { ...withShape(first), name: "another" })).toBe(true);
+  expect(seeTheSame(first, second)).toBe(false);
+  expect(seeTheSame(first, { ...first, projection: PROJECTIONS[2] as Projection })).toBe(false);
+});
+
+test("two fingers take the pivot along with their middle, and bring it nearer as they part", () => {
+  const fingers = (x: number, y: number, span: number): Fingers => [
+    { x: x - span / 2, y },
+    { x: x + span / 2, y },
+  ];
+  for (const camera of cameras()) {
+    const from = orbitFrom(camera, BOUNDS);
+    const moved = pinch(from, SIZE, fingers(100, 100, 80), fingers(130, 88, 80), BOUNDS);
+    const panned = pan(from, SIZE, { x: 30, y: -12 });
+    expect(difference(moved.camera.translation, panned.camera.translation)).toBeLessThan(WORLD_ROUNDING);
+    expect(moved.camera.rotation).toEqual(from.camera.rotation);
+    const nearer = pinch(from, SIZE, fingers(100, 100, 80), fingers(100, 100, 160), BOUNDS);
+    const [was, is] = [from, nearer].map((o) => worldPerPixel(view(o.camera), pivotOf(from)));
+    expect((was ?? NaN) / (is ?? NaN)).toBeCloseTo(2, 9);
+    const touching = pinch(from, SIZE, fingers(100, 100, 1), fingers(100, 100, 2), BOUNDS);
+    expect(difference(touching.camera.translation, from.camera.translation)).toBeLessThan(WORLD_ROUNDING);
   }
 });

@@ -1,5 +1,6 @@
 import { beforeEach, describe, expect, test } from "vitest";
 
+import { aspectOf } from "../src/core/camera";
 import { lightOf } from "../src/core/document";
 import type { ClientMessage, Command, ServerMessage, Welcome } from "../src/core/protocol";
 import { type Session, startSession } from "../src/core/session";
@@ -21,6 +22,7 @@ beforeEach(() => {
     screen: { decode: () => Promise.resolve(null), show: () => {} },
     notify: (message) => notices.push(message),
   });
+  session.viewer.resize(640, 360);
 });
 
 const receive = (message: ServerMessage) => host.socket().receive(message);
@@ -354,6 +356,26 @@ describe("views", () => {
     }
     host.frame();
     expect(sent("setCamera")).toMatchObject([{ camera: { name: "moved 3" }, cameraRevision: 2 }]);
+  });
+
+  test("are asked for once the stage has a size, and keep all of the shot when it changes", () => {
+    session = startSession({
+      host,
+      token: "secret",
+      session: "main",
+      actor: { id: "me", name: "Me" },
+      screen: { decode: () => Promise.resolve(null), show: () => {} },
+      notify: () => {},
+    });
+    welcome();
+    expect(sent("openView")).toEqual([]);
+    session.viewer.resize(400, 700);
+    session.viewer.resize(700, 400);
+    const aspects = sent("openView").map(({ source }) => "own" in source && aspectOf(source.own));
+    expect(aspects).toEqual([16 / 9]);
+    expect(sent("openView")[0]).toMatchObject({ width: 400, height: 700 });
+    expect(sent("viewport")).toMatchObject([{ width: 700, height: 400 }]);
+    expect(sent("setCamera")).toEqual([]);
   });
 
   test("stay where they are over a reconnection", () => {

@@ -12,7 +12,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressStyle};
 use reference::Reference;
 use render::{Aov, Gpu, Picture, PictureFormat, Renderer, ShadowSettings, View, ViewSlot};
-use scene::{Camera, Light, LightKind, Reach, Scene, framing_camera};
+use scene::{Camera, DEFAULT_ASPECT, Light, LightKind, Reach, Scene, framing_camera};
 
 use crate::error::Error;
 use crate::output::{self, Output};
@@ -48,7 +48,7 @@ pub struct Args {
     /// Camera by its name or its index from 0 [default: the first, or one that frames the scene]
     #[arg(long, value_name = "NAME|INDEX")]
     camera: Option<String>,
-    /// Width and height in pixels, each at most 8192 [default: 686x382, or as many pixels in the camera's own shape]
+    /// Width and height in pixels, each at most 8192 [default: 640x360, or as many pixels in the camera's own shape]
     #[arg(long, value_name = "WxH")]
     size: Option<Size>,
     /// Samples a pixel, for beauty and visibility; 1 takes each pixel's centre, 16 or more smooth the edges
@@ -94,19 +94,7 @@ pub struct Size {
 }
 
 /// The largest side of a picture: the largest texture that every GPU of WebGPU's default limits holds.
-const MAX_SIDE: u32 = 8192;
-
-/// Of a picture for which none is asked.
-const DEFAULT_SIZE: Size = Size { width: 686, height: 382 };
-
-impl Size {
-    /// About as many pixels as by default, in a shape of `aspect` wide by 1 high.
-    fn of_shape(aspect: f64) -> Self {
-        let pixels = f64::from(DEFAULT_SIZE.width * DEFAULT_SIZE.height);
-        let side = |length: f64| (length.round() as u32).clamp(1, MAX_SIDE);
-        Self { width: side((pixels * aspect).sqrt()), height: side((pixels / aspect).sqrt()) }
-    }
-}
+pub const MAX_SIDE: u32 = 8192;
 
 impl FromStr for Size {
     type Err = String;
@@ -150,11 +138,13 @@ pub fn run(args: &Args) -> Result<(), Error> {
         notes.extend(left_out(&Reach::of(&scene), &lights));
     }
     let camera = choose_camera(args, &scene)?;
-    let size = args.size.or(camera.projection.aspect_ratio().map(Size::of_shape)).unwrap_or(DEFAULT_SIZE);
+    let [width, height] = args
+        .size
+        .map_or_else(|| camera.projection.default_size(MAX_SIDE), |Size { width, height }| [width, height]);
     let view = View {
         camera,
-        width: size.width,
-        height: size.height,
+        width,
+        height,
         samples: args.samples,
         aov: args.aov,
         light: choose_light(args, &lights)?,
@@ -243,8 +233,7 @@ pub fn open_scene(name: &str) -> Result<Loaded, Error> {
 
 fn choose_camera(args: &Args, scene: &Scene) -> Result<Camera, Error> {
     let Some(wanted) = &args.camera else {
-        let Size { width, height } = args.size.unwrap_or(DEFAULT_SIZE);
-        let aspect = f64::from(width) / f64::from(height);
+        let aspect = args.size.map_or(DEFAULT_ASPECT, |size| f64::from(size.width) / f64::from(size.height));
         return Ok(scene.cameras.first().cloned().unwrap_or_else(|| framing_camera(scene, aspect)));
     };
     let named = scene.cameras.iter().find(|camera| camera.name == *wanted);

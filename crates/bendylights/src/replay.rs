@@ -6,13 +6,13 @@ use std::time::Instant;
 
 use edit::ReplayError;
 use render::{Aov, Gpu, PictureFormat, Renderer, View, ViewSlot};
-use scene::{Document, EditError, Light, framing_camera};
+use scene::{DEFAULT_ASPECT, Document, EditError, Light, framing_camera};
 use store::{Store, StoreError, replay_log};
 
 use crate::error::Error;
 use crate::known_scenes::KnownScenes;
 use crate::output::{self, Output};
-use crate::render::left_out;
+use crate::render::{MAX_SIDE, left_out};
 use crate::{answer, files, headless};
 
 #[derive(clap::Args)]
@@ -35,15 +35,10 @@ pub struct Args {
     /// Last record to replay [default: the last there is]
     #[arg(long, value_name = "N")]
     to: Option<u64>,
-    /// Picture to draw of the document, 686x382 from its first camera, as PNG or EXR by its ending
+    /// Picture to draw of the document, 640x360 or in the shape of its first camera, from which it looks, as PNG or EXR by its ending
     #[arg(long, value_name = "OUT.png|OUT.exr")]
     render: Option<PathBuf>,
 }
-
-/// Width of the picture in pixels.
-const WIDTH: u32 = 686;
-/// Height of the picture in pixels.
-const HEIGHT: u32 = 382;
 
 pub fn run(args: &Args) -> Result<(), Error> {
     if args.render.is_some() {
@@ -93,17 +88,11 @@ fn picture_file(path: &Path) -> Result<(PictureFormat, Output), Error> {
 
 /// The document from its first camera, or from one that frames its scene.
 fn drawn(document: &Document, format: PictureFormat) -> Result<Vec<u8>, Error> {
-    let aspect = f64::from(WIDTH) / f64::from(HEIGHT);
     let camera = document.cameras().values().next().cloned();
-    let view = View {
-        camera: camera.unwrap_or_else(|| framing_camera(document.scene(), aspect)),
-        width: WIDTH,
-        height: HEIGHT,
-        samples: 1,
-        aov: Aov::Beauty,
-        light: 0,
-        slot: ViewSlot::default(),
-    };
+    let camera = camera.unwrap_or_else(|| framing_camera(document.scene(), DEFAULT_ASPECT));
+    let [width, height] = camera.projection.default_size(MAX_SIDE);
+    let view =
+        View { camera, width, height, samples: 1, aov: Aov::Beauty, light: 0, slot: ViewSlot::default() };
     let lights: Vec<Light> = document.lights().values().map(|placed| placed.light.clone()).collect();
     for note in left_out(&document.reach(), &lights) {
         crate::say(&format!("note: {note}"));

@@ -4,6 +4,9 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use crate::{Scene, pose};
 
+/// Width over height of the picture of a camera that does not say what it frames.
+pub const DEFAULT_ASPECT: f64 = 16.0 / 9.0;
+
 /// A camera placed in the world; looks along its local -Z with +Y up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
@@ -81,6 +84,15 @@ pub enum Projection {
 }
 
 impl Projection {
+    /// Width and height in pixels of a picture for which no size is asked: 640 by 360, or about as many pixels in the
+    /// shape that the camera frames, with no side longer than `max_side`.
+    pub fn default_size(&self, max_side: u32) -> [u32; 2] {
+        const PIXELS: f64 = 640.0 * 360.0;
+        let aspect = self.aspect_ratio().unwrap_or(DEFAULT_ASPECT);
+        let side = |length: f64| (length.round() as u32).clamp(1, max_side);
+        [side((PIXELS * aspect).sqrt()), side((PIXELS / aspect).sqrt())]
+    }
+
     /// Width over height of what the camera frames, where it says so.
     pub fn aspect_ratio(&self) -> Option<f64> {
         let (Self::Perspective { aspect_ratio, .. } | Self::Orthographic { aspect_ratio, .. }) = *self;

@@ -21,7 +21,7 @@ mod scene;
 mod view;
 
 pub use apply::{FindScene, MAX_CAMERAS, MAX_LIGHTS, MAX_NAME_BYTES, changes_of};
-pub use camera::{Camera, Projection, framing_camera, world_bounds};
+pub use camera::{Camera, DEFAULT_ASPECT, Projection, framing_camera, world_bounds};
 pub use change::{Change, EditError};
 pub use command::{CameraParameter, Command, LightParameter, PointParameter};
 pub use document::{

@@ -3,11 +3,15 @@
 import type { Camera } from "./protocol";
 import { add, dot, inverse, rotate, scale, sub, unit, type Vec3 } from "./vector";
 
-/** A camera and the size of its picture. Pixels count from the picture's upper left corner, y down. */
-export interface View {
-  camera: Camera;
+/** Pixels. */
+export interface Size {
   width: number;
   height: number;
+}
+
+/** A camera and the size of its picture. Pixels count from the picture's upper left corner, y down. */
+export interface View extends Size {
+  camera: Camera;
 }
 
 export interface Pixel {
@@ -15,9 +19,51 @@ export interface Pixel {
   y: number;
 }
 
+/** A rectangle by its upper left corner and its size. */
+export interface Box extends Pixel, Size {}
+
+/** Width over height of a picture of a camera that does not say what it frames; the server's default too. */
+const DEFAULT_ASPECT = 16 / 9;
+
 /** Width over height of what the camera frames, where it says so. */
 export const aspectOf = ({ projection }: Camera): number | undefined =>
   "perspective" in projection ? projection.perspective.aspectRatio : projection.orthographic.aspectRatio;
+
+/** Width over height of what `render` writes of the camera. */
+export const shotAspect = (camera: Camera): number => aspectOf(camera) ?? DEFAULT_ASPECT;
+
+/** `camera` with a shape of its own: all of its shot is in a picture of any shape (SPEC, DOC-3), also when that
+ * changes. */
+export function withShape(camera: Camera): Camera {
+  const { projection } = camera;
+  const aspectRatio = shotAspect(camera);
+  return "perspective" in projection
+    ? { ...camera, projection: { perspective: { ...projection.perspective, aspectRatio } } }
+    : { ...camera, projection: { orthographic: { ...projection.orthographic, aspectRatio } } };
+}
+
+/** Where in the view's picture that is which `render` writes: the film gate. It is in the middle, and may reach beyond
+ * the sides of the picture of a camera without a shape. */
+export function gateOf({ camera, width, height }: View): Box {
+  const gateHeight = height / tallerBy(camera, width / height);
+  const gateWidth = gateHeight * shotAspect(camera);
+  return { x: (width - gateWidth) / 2, y: (height - gateHeight) / 2, width: gateWidth, height: gateHeight };
+}
+
+/** Whether both see the same in pictures of every size, whatever they are called. */
+export function seeTheSame(a: Camera, b: Camera): boolean {
+  const [first, second] = [numbersOf(a), numbersOf(b)];
+  return first.length === second.length && first.every((number, k) => number === second[k]);
+}
+
+function numbersOf(camera: Camera): (number | undefined)[] {
+  const { projection } = camera;
+  const lens =
+    "perspective" in projection
+      ? [projection.perspective.yfov, projection.perspective.znear, projection.perspective.zfar]
+      : [0, projection.orthographic.ymag, projection.orthographic.znear, projection.orthographic.zfar];
+  return [...camera.translation, ...camera.rotation, shotAspect(camera), ...lens];
+}
 
 /** How many times as high the view is as what the camera frames, in a picture `aspect` wide by 1 high: all of its
  * width is in the picture. */

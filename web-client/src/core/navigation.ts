@@ -1,10 +1,10 @@
 // Orbit, pan and zoom: a viewer's own camera turned about a pivot that it looks at.
 
-import { forwardOf, type Pixel, tallerBy, type View, worldPerPixel } from "./camera";
+import { forwardOf, type Pixel, type Size, tallerBy, withShape, worldPerPixel } from "./camera";
 import type { Bounds, Camera, Projection } from "./protocol";
 import { aboutAxis, add, compose, dot, length, mix, rotate, scale, sub, unitQuat, type Vec3 } from "./vector";
 
-/** A camera and how far in front of it the pivot lies, world units. */
+/** A camera with a shape of its own, and how far in front of it the pivot lies, world units. */
 export interface Orbit {
   camera: Camera;
   distance: number;
@@ -19,10 +19,10 @@ const FARTHEST = 100;
 export const pivotOf = ({ camera, distance }: Orbit): Vec3 =>
   add(camera.translation, scale(forwardOf(camera), distance));
 
-/** Starts from `camera`: the pivot is where it looks nearest to the middle of the scene. */
+/** Starts from what `camera` frames: the pivot is where it looks nearest to the middle of the scene. */
 export function orbitFrom(camera: Camera, bounds: Bounds): Orbit {
   const along = dot(sub(mix(bounds.min, bounds.max, 0.5), camera.translation), forwardOf(camera));
-  return { camera, distance: Math.max(along, 0.05 * diagonal(bounds)) };
+  return { camera: withShape(camera), distance: Math.max(along, 0.05 * diagonal(bounds)) };
 }
 
 /** Turns by `yaw` about the world's y and by `pitch` about the camera's x, radians, about the pivot. */
@@ -40,9 +40,9 @@ export function orbit(from: Orbit, yaw: number, pitch: number): Orbit {
   };
 }
 
-/** Moves camera and pivot so that the pivot follows the pointer by `pixels`. */
-export function pan(from: Orbit, view: View, pixels: Pixel): Orbit {
-  const perPixel = worldPerPixel(view, pivotOf(from));
+/** Moves camera and pivot so that the pivot follows the pointer by `pixels` in a picture of `size`. */
+export function pan(from: Orbit, size: Size, pixels: Pixel): Orbit {
+  const perPixel = worldPerPixel({ camera: from.camera, ...size }, pivotOf(from));
   const shift = rotate(from.camera.rotation, [-pixels.x * perPixel, pixels.y * perPixel, 0]);
   return { ...from, camera: { ...from.camera, translation: add(from.camera.translation, shift) } };
 }
@@ -60,6 +60,21 @@ export function zoom(from: Orbit, factor: number, bounds: Bounds): Orbit {
   const distance = clamp(from.distance * factor);
   const translation = sub(pivotOf(from), scale(forwardOf(from.camera), distance));
   return { camera: { ...from.camera, translation }, distance };
+}
+
+/** Two fingers. */
+export type Fingers = readonly [Pixel, Pixel];
+/** Fingers nearer to each other than this, in pixels, count as this far apart: there their distance says nothing. */
+const LEAST_SPAN_PX = 20;
+
+/** Two fingers went from `before` to `after` in a picture of `size`: the view goes with their middle, and nearer as they
+ * part. */
+export function pinch(from: Orbit, size: Size, before: Fingers, after: Fingers, bounds: Bounds): Orbit {
+  const span = ([a, b]: Fingers) => Math.max(Math.hypot(a.x - b.x, a.y - b.y), LEAST_SPAN_PX);
+  const middle = ([a, b]: Fingers): Pixel => ({ x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 });
+  const [was, is] = [middle(before), middle(after)];
+  const panned = pan(from, size, { x: is.x - was.x, y: is.y - was.y });
+  return zoom(panned, span(before) / span(after), bounds);
 }
 
 /** Length of the box's diagonal. */

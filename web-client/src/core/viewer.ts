@@ -2,7 +2,7 @@
 
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 
-import { aspectOf } from "./camera";
+import type { Size } from "./camera";
 import type { Host } from "./connection";
 import type { FrameHeader } from "./frame";
 import type { ClientId } from "./ids";
@@ -12,27 +12,26 @@ import type { Bounds, Camera, ClientMessage, Presence, ViewSource } from "./prot
 
 /** Cameras of frames that may still arrive. */
 const REMEMBERED_CAMERAS = 256;
-const FIRST_SIZE = { width: 640, height: 360 };
-/** Cameras of scenes are composed for wide pictures. */
-const COMPOSED_FOR_ASPECT = 16 / 9;
 
 export interface Viewer {
   /** One's own camera; `null` before the first welcome. */
   own: ReadonlySignal<Orbit | null>;
   following: ReadonlySignal<ClientId | null>;
+  /** Of one's own pictures; `null` before the stage has one. */
+  size: ReadonlySignal<Size | null>;
   /** Numbers one's own cameras; pictures from the latest carry it. */
   revision: ReadonlySignal<number>;
   /** Moves one's own view, from where the page looks now; ends following. */
   move(change: (from: Orbit) => Orbit): void;
-  /** Looks from `camera`. */
+  /** Looks from `camera`: all of its shot is in sight, however the picture's size changes. */
   jump(camera: Camera): void;
   /** Shows another client's view, or with `null` one's own. */
   follow(client: ClientId | null): void;
-  /** The picture's size in pixels. */
+  /** Asks for pictures of this size, in pixels. */
   resize(width: number, height: number): void;
   /** The camera that the picture with this header was taken from. */
   cameraOf(header: FrameHeader | null): Camera | null;
-  /** After each welcome: asks for frames. */
+  /** After each welcome: asks for frames, as soon as their size is known. */
   open(camera: Camera): void;
   /** After each presence: a view whose owner has left is followed no longer. */
   people(present: readonly Presence[]): void;
@@ -51,7 +50,7 @@ export function viewer({ host, send, bounds, latency }: ViewerParts): Viewer {
   const present = signal<readonly Presence[]>([]);
   const sentCameras = new Map<number, Camera>();
   const revision = signal(0);
-  let size = FIRST_SIZE;
+  const size = signal<Size | null>(null);
   let moved = false;
 
   function remember(camera: Camera): void {
@@ -59,33 +58,18 @@ export function viewer({ host, send, bounds, latency }: ViewerParts): Viewer {
     sentCameras.delete(revision.value - REMEMBERED_CAMERAS);
   }
 
-  /** `camera` with all of its width in sight: a narrower picture gains height instead of losing its sides. One that
-   * says how wide it is does so by itself. */
-  function fitted(camera: Camera): Camera {
-    if (aspectOf(camera) !== undefined) return camera;
-    const factor = Math.max(1, (COMPOSED_FOR_ASPECT * size.height) / size.width);
-    const { projection } = camera;
-    if ("orthographic" in projection) {
-      const { ymag, ...planes } = projection.orthographic;
-      return { ...camera, projection: { orthographic: { ...planes, ymag: ymag * factor } } };
-    }
-    const { yfov, ...planes } = projection.perspective;
-    const wider = 2 * Math.atan(Math.tan(yfov / 2) * factor);
-    return { ...camera, projection: { perspective: { ...planes, yfov: wider } } };
-  }
-
   function openView(): void {
     const orbit = own.value;
-    if (orbit === null) return;
+    if (orbit === null || size.value === null) return;
     const source: ViewSource = following.value === null ? { own: orbit.camera } : { follow: following.value };
     revision.value += 1;
     remember(orbit.camera);
-    send({ type: "openView", source, ...size, cameraRevision: revision.value });
+    send({ type: "openView", source, ...size.value, cameraRevision: revision.value });
   }
 
   function sendCamera(): void {
     moved = false;
-    if (own.value === null || following.value !== null) return;
+    if (own.value === null || size.value === null || following.value !== null) return;
     remember(own.value.camera);
     if (send({ type: "setCamera", camera: own.value.camera, cameraRevision: revision.value })) {
       latency.expect("cameraRevision", revision.value, host.nowMs());
@@ -127,9 +111,10 @@ export function viewer({ host, send, bounds, latency }: ViewerParts): Viewer {
   return {
     own,
     following,
+    size,
     revision,
     move,
-    jump: (camera) => move(() => orbitFrom(fitted(camera), bounds())),
+    jump: (camera) => move(() => orbitFrom(camera, bounds())),
     follow(client) {
       if (client === null) leave();
       following.value = client;
@@ -137,16 +122,18 @@ export function viewer({ host, send, bounds, latency }: ViewerParts): Viewer {
       openView();
     },
     resize(width, height) {
-      if (width === size.width && height === size.height) return;
-      size = { width, height };
-      send({ type: "viewport", ...size });
+      const before = size.value;
+      if (width === before?.width && height === before.height) return;
+      size.value = { width, height };
+      if (before === null) openView();
+      else send({ type: "viewport", width, height });
     },
     cameraOf(header) {
       if (following.value !== null) return cameraOfFollowed();
       return sentCameras.get(header?.cameraRevision ?? -1) ?? own.value?.camera ?? null;
     },
     open(camera) {
-      own.value ??= orbitFrom(fitted(camera), bounds());
+      own.value ??= orbitFrom(camera, bounds());
       openView();
     },
     people(everybody) {

@@ -1,5 +1,6 @@
 // The document's cameras: places to look from that everybody shares.
 
+import { seeTheSame } from "../core/camera";
 import type { Camera, DocumentCamera } from "../core/protocol";
 import { Icon } from "./icons";
 import { canEdit, usePage } from "./page";
@@ -41,8 +42,10 @@ export function CameraList() {
 
 function CameraRow({ placed: { id, camera }, disabled }: { placed: DocumentCamera; disabled: boolean }) {
   const { session } = usePage();
+  const { own, following } = session.viewer;
+  const isSeen = own.value !== null && following.value === null && seeTheSame(own.value.camera, camera);
   return (
-    <li class="item" data-camera={id}>
+    <li class="item" data-camera={id} aria-current={isSeen}>
       <button class="item-name" title="Look from here" onClick={() => session.viewer.jump(camera)}>
         <Icon name="camera" />
         <span class="clipped">{camera.name === "" ? `camera ${id}` : camera.name}</span>

@@ -1,8 +1,10 @@
 // Views that show all of something.
 
+import { shotAspect } from "../core/camera";
 import { lightOf } from "../core/document";
 import { diagonal, frameBall } from "../core/navigation";
 import { tubeOf } from "../core/outline";
+import type { Camera } from "../core/protocol";
 import { length, mix, sub, type Vec3 } from "../core/vector";
 import type { Page } from "./page";
 
@@ -14,25 +16,31 @@ const MARGIN = 1.15;
 
 export const coneReach = (page: Page): number => CONE_REACH * diagonal(page.session.bounds.value);
 
+/** Within the film gate, where that is shown. */
 export function frameScene(page: Page): void {
   const { min, max } = page.session.bounds.value;
-  frame(page, [min, max]);
+  frame(page, [min, max], page.showGate.value ? shotAspect : () => stageAspect(page));
 }
 
-/** The selected light with its control points; the scene where none is selected. */
+/** The selected light with its control points, which need not be in the shot; the scene where none is selected. */
 export function frameLight(page: Page): void {
   const light = lightOf(page.session.document.value, page.selectedLight.value);
   if (light === undefined) frameScene(page);
-  else frame(page, tubeOf(light, coneReach(page)).points);
+  else frame(page, tubeOf(light, coneReach(page)).points, () => stageAspect(page));
 }
 
-function frame({ session }: Page, points: readonly Vec3[]): void {
+function stageAspect({ session }: Page): number {
+  const { width, height } = session.viewer.size.value ?? { width: 1, height: 1 };
+  return width / height;
+}
+
+/** Frames the points in a picture of the shape that `aspectOf` gives for the camera. */
+function frame({ session }: Page, points: readonly Vec3[], aspectOf: (camera: Camera) => number): void {
   const corner = (pick: (...values: number[]) => number): Vec3 => {
     const along = (axis: 0 | 1 | 2) => pick(...points.map((point) => point[axis]));
     return [along(0), along(1), along(2)];
   };
   const [min, max] = [corner(Math.min), corner(Math.max)];
-  const { width, height } = session.frame.value ?? { width: 16, height: 9 };
   const radius = Math.max((MARGIN * length(sub(max, min))) / 2, 1e-3);
-  session.viewer.move((from) => frameBall(from, mix(min, max, 0.5), radius, width / height));
+  session.viewer.move((from) => frameBall(from, mix(min, max, 0.5), radius, aspectOf(from.camera)));
 }

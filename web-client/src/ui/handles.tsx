@@ -26,7 +26,7 @@ interface HandlesProps {
 
 const AXES: readonly Axis[] = [0, 1, 2];
 /** How far around a handle the pointer still grabs it, pixels. */
-const REACH_PX = 11;
+export const REACH_PX = 12;
 
 export function Handles({ drawn, locked }: HandlesProps) {
   const page = usePage();

@@ -19,7 +19,7 @@ export function bindKeys(page: Page): void {
 }
 
 function taskFor(page: Page, event: KeyboardEvent): (() => void) | null {
-  const { session, scope, showHandles } = page;
+  const { session, scope, showHandles, showGate } = page;
   const key = event.key.toLowerCase();
   if (event.ctrlKey || event.metaKey) {
     if (!canEdit(page)) return null;
@@ -32,6 +32,8 @@ function taskFor(page: Page, event: KeyboardEvent): (() => void) | null {
       return () => frameScene(page);
     case "f":
       return () => frameLight(page);
+    case "g":
+      return () => (showGate.value = !showGate.value);
     case "h":
       return () => (showHandles.value = !showHandles.value);
     default:

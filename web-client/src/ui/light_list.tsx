@@ -1,5 +1,7 @@
 // The lights of the document, and who has selected which.
 
+import { useEffect, useRef } from "preact/hooks";
+
 import type { DocumentLight } from "../core/protocol";
 import { Icon } from "./icons";
 import { addLight } from "./new_lights";
@@ -51,8 +53,13 @@ function LightRow({ placed, disabled }: { placed: DocumentLight; disabled: boole
   const { id, light } = placed;
   const others = session.people.value.filter((p) => p.selection === id && p.client !== session.client.value);
   const held = session.gestures.value.some((gesture) => gesture.light === id);
+  const selected = selectedLight.value === id;
+  const row = useRef<HTMLLIElement>(null);
+  useEffect(() => {
+    if (selected) row.current?.scrollIntoView({ block: "nearest" });
+  }, [selected]);
   return (
-    <li class="item" data-light={id} aria-current={selectedLight.value === id}>
+    <li class="item" ref={row} data-light={id} aria-current={selected}>
       <button class="item-name" onClick={() => selectLight(page, id)}>
         <Icon name={light.type} />
         <span class="clipped">{light.name === "" ? `${light.type} ${id}` : light.name}</span>

@@ -6,7 +6,7 @@ import type { Drawn } from "../core/handles";
 import { centreLine, ringAt, silhouette, tubeOf } from "../core/outline";
 import type { DocumentLight } from "../core/protocol";
 import { coneReach } from "./framing";
-import { Handles } from "./handles";
+import { Handles, REACH_PX } from "./handles";
 import { Line } from "./lines";
 import { selectLight, usePage } from "./page";
 import { colorOf, nameOf } from "./person";
@@ -69,19 +69,19 @@ function LightOverlay({ placed: { id, light }, view, selected }: LightOverlayPro
       )}
       {selected && <Handles drawn={drawn} locked={holder !== undefined} />}
       {source !== null && !selected && (
-        <circle
+        <g
           class="handle source"
           data-handle={`light-${id}`}
-          cx={source.x}
-          cy={source.y}
-          r={6}
+          transform={`translate(${source.x} ${source.y})`}
           onPointerDown={(event) => {
             event.stopPropagation();
             selectLight(page, id);
           }}
         >
           <title>{light.name}</title>
-        </circle>
+          <circle class="reach" r={REACH_PX} />
+          <circle class="mark" r={6} />
+        </g>
       )}
     </g>
   );

@@ -23,6 +23,8 @@ export interface Page {
   selectedPoint: Signal<number | null>;
   scope: Signal<Scope>;
   showHandles: Signal<boolean>;
+  /** Whether what `render` would not write is darkened. */
+  showGate: Signal<boolean>;
   toasts: Signal<readonly Toast[]>;
 }
 
@@ -59,6 +61,7 @@ export function startPage(session: Session, screen: Screen, name: string, toasts
     selectedPoint: signal(null),
     scope: signal<Scope>("mine"),
     showHandles: signal(true),
+    showGate: signal(true),
     toasts: toasts.list,
   };
   effect(() => session.select(selectedLight.value));

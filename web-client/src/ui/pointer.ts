@@ -6,7 +6,7 @@ export interface PointerDrag {
   /** The pointer is at `at`, `by` from where it last was; CSS pixels of the page. */
   move(at: Pixel, by: Pixel): void;
   end?(): void;
-  /** Escape, or the pointer was taken away. */
+  /** Escape, a second finger, or the pointer was taken away. */
   cancel?(): void;
 }
 
@@ -33,5 +33,10 @@ export function followPointer(down: PointerEvent, drag: PointerDrag): void {
   });
   on("pointerup", () => stop(drag.end));
   on("pointercancel", () => stop(drag.cancel));
+  const second = (other: PointerEvent) => other.pointerType === "touch" && other.pointerId !== down.pointerId;
+  window.addEventListener("pointerdown", (other) => second(other) && stop(drag.cancel), {
+    signal,
+    capture: true,
+  });
   window.addEventListener("keydown", (key) => key.key === "Escape" && stop(drag.cancel), { signal });
 }

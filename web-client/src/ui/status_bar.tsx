@@ -32,7 +32,9 @@ export function StatusBar() {
       </span>
       <span>{frame === null || frame.settle ? "at rest" : `${framesPerSecond} fps`}</span>
       <span class="spring" />
-      <span class="keys">drag orbit · shift-drag pan · wheel zoom · A scene · F light · H handles</span>
+      <span class="keys">
+        drag orbit · shift-drag pan · wheel zoom · A scene · F light · H handles · G gate
+      </span>
       <span title="The latest record of the edit log">#{session.mirror.value.seq}</span>
     </footer>
   );

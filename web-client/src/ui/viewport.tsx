@@ -1,10 +1,12 @@
 // The picture, the lights drawn over it, and the viewer's own view.
 
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
-import type { View } from "../core/camera";
-import { orbit, pan, zoom } from "../core/navigation";
+import type { Box, Size, View } from "../core/camera";
+import { orbit, pan, pinch, zoom } from "../core/navigation";
+import { twoFingers } from "./fingers";
 import { frameLight, frameScene } from "./framing";
+import { FilmGate } from "./gate";
 import { Icon } from "./icons";
 import { Overlay } from "./overlay";
 import { type Page, usePage } from "./page";
@@ -16,11 +18,6 @@ const RADIANS_PER_PIXEL = 0.006;
 const ZOOM_PER_WHEEL_PIXEL = 0.0012;
 /** A press that moves less is a click. */
 const CLICK_PX = 4;
-
-interface Size {
-  width: number;
-  height: number;
-}
 
 export function Viewport() {
   const page = usePage();
@@ -38,7 +35,13 @@ export function Viewport() {
   const camera = session.viewer.cameraOf(frame);
   const view: View | null =
     camera === null || size.width === 0 ? null : { camera, width: picture.width, height: picture.height };
-  const navigate = (event: PointerEvent) => startNavigation(event, page, view);
+  const fingers = useMemo(
+    () =>
+      twoFingers((before, after) =>
+        session.viewer.move((from) => pinch(from, size, before, after, session.bounds.value)),
+      ),
+    [session, size],
+  );
   return (
     <main class="viewport">
       <ViewTools />
@@ -46,7 +49,8 @@ export function Viewport() {
         class="stage"
         ref={stage}
         data-stale={!connected && frame !== null}
-        onPointerDown={navigate}
+        onPointerDown={(event) => startNavigation(event, page, size)}
+        {...fingers}
         onContextMenu={(event) => event.preventDefault()}
         onWheel={(event) => {
           event.preventDefault();
@@ -64,6 +68,7 @@ export function Viewport() {
             height: `${picture.height}px`,
           }}
         />
+        {view !== null && page.showGate.value && <FilmGate view={view} at={picture} />}
         {view !== null && page.showHandles.value && <Overlay view={view} at={picture} size={size} />}
         <Following />
         <Staleness />
@@ -75,7 +80,7 @@ export function Viewport() {
 
 function ViewTools() {
   const page = usePage();
-  const { showHandles } = page;
+  const { showHandles, showGate } = page;
   return (
     <div class="view-tools" role="toolbar" aria-label="View">
       <button
@@ -102,6 +107,15 @@ function ViewTools() {
         onClick={() => (showHandles.value = !showHandles.value)}
       >
         <Icon name="handles" /> Handles
+      </button>
+      <button
+        class="quiet"
+        title="Darken what render will not write (G)"
+        aria-label="Show the film gate"
+        aria-pressed={showGate.value}
+        onClick={() => (showGate.value = !showGate.value)}
+      >
+        <Icon name="gate" /> Gate
       </button>
     </div>
   );
@@ -151,8 +165,8 @@ function DragRefusal() {
 }
 
 /** Alt with the left button or the left button on nothing orbits; shift or the middle button pans. */
-function startNavigation(down: PointerEvent, page: Page, view: View | null): void {
-  if (view === null || down.button === 2) return;
+function startNavigation(down: PointerEvent, page: Page, size: Size): void {
+  if (down.button === 2) return;
   const { viewer } = page.session;
   const pans = down.button === 1 || down.shiftKey;
   let way = 0;
@@ -163,7 +177,7 @@ function startNavigation(down: PointerEvent, page: Page, view: View | null): voi
       way += Math.hypot(by.x, by.y);
       if (way < CLICK_PX) return;
       viewer.move((from) =>
-        pans ? pan(from, view, by) : orbit(from, -by.x * RADIANS_PER_PIXEL, -by.y * RADIANS_PER_PIXEL),
+        pans ? pan(from, size, by) : orbit(from, -by.x * RADIANS_PER_PIXEL, -by.y * RADIANS_PER_PIXEL),
       );
     },
     end() {
@@ -186,7 +200,7 @@ export function pictureSize(stage: Size, pixelRatio: number): Size | null {
 }
 
 /** The largest rectangle of `inner`'s shape in the middle of `outer`. */
-function contain(outer: Size, inner: Size): Size & { x: number; y: number } {
+function contain(outer: Size, inner: Size): Box {
   const scale = Math.min(outer.width / inner.width, outer.height / inner.height) || 0;
   const [width, height] = [inner.width * scale, inner.height * scale];
   return { width, height, x: (outer.width - width) / 2, y: (outer.height - height) / 2 };

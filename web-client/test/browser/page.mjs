@@ -22,8 +22,8 @@ const CHROMIUM = {
 };
 
 /**
- * Runs `test` in a new session of the demo scene. `open(name)` opens a page for a person called so,
- * `picture(page, name)` takes a screenshot. The command line is `ADDRESS FOLDER`, the address as the server
+ * Runs `test` in a new session of the demo scene. `open(name)` opens a page for a person called so (see openPage),
+ * `picture(page, name)` takes a screenshot, `http(path, body)` asks the server about the session. The command line is `ADDRESS FOLDER`, the address as the server
  * printed it; a failure is one sentence on standard error and exit code 1.
  */
 export async function runBrowserTest(test) {
@@ -38,12 +38,12 @@ export async function runBrowserTest(test) {
   const pages = [];
   try {
     const session = await newSession(address);
-    const open = async (name, viewport = { width: 1280, height: 760 }) => {
-      const page = await openPage(browser, session, name, viewport);
+    const open = async (name, viewport = { width: 1280, height: 760 }, options = {}) => {
+      const page = await openPage(browser, session, name, viewport, options);
       pages.push(page);
       return page;
     };
-    await test({ open, picture });
+    await test({ open, picture, http: (path, body) => ask(session, path, body) });
   } catch (error) {
     for (const [k, page] of pages.entries()) await picture(page, `failed-${k}`).catch(() => {});
     console.error(error instanceof Error ? error.message : String(error));
@@ -67,9 +67,23 @@ async function newSession(address) {
   return `${origin}/#token=${token}&session=${name}`;
 }
 
-/** A page of the session for a person of its own, called `name`, once it shows a settled picture. */
-async function openPage(browser, address, name, viewport) {
-  const context = await browser.newContext({ viewport });
+/** The server's answer to a GET of `/sessions/S` and `path`, or with a body to a POST. */
+async function ask(session, path, body) {
+  const { origin, hash } = new URL(session);
+  const { token, session: name } = Object.fromEntries(new URLSearchParams(hash.slice(1)));
+  const headers = { authorization: `Bearer ${token}`, "content-type": "application/json" };
+  const request = body === undefined ? {} : { method: "POST", body: JSON.stringify(body) };
+  const answer = await fetch(`${origin}/sessions/${name}${path}`, { headers, ...request });
+  expect(answer.ok, `The server refuses ${path}: ${answer.status} ${await answer.clone().text()}`);
+  return answer;
+}
+
+/**
+ * A page of the session for a person of its own, called `name`, once it shows a settled picture. `context` is told to the
+ * browser (touch, pixels), `prepare` sees the page before it loads anything, and `shows` waits for what is wanted of it.
+ */
+async function openPage(browser, address, name, viewport, { context: wanted, prepare, shows = settled }) {
+  const context = await browser.newContext({ viewport, ...wanted });
   await context.addInitScript(
     (actor) => {
       if (localStorage.getItem("bendylights.actor") === null)
@@ -80,8 +94,9 @@ async function openPage(browser, address, name, viewport) {
   const page = await context.newPage();
   page.setDefaultTimeout(PATIENCE_MS);
   page.on("pageerror", (error) => console.error(`The page of ${name} failed: ${error.message}`));
+  await prepare?.(page);
   await page.goto(address);
-  await settled(page);
+  await shows(page);
   return page;
 }
 

@@ -160,9 +160,11 @@ fn render_keeps_what_the_camera_frames() {
         assert_eq!(square, ((240, 240), 100, 199), "{backend}");
         let wide = covered(&["--size", "480x80", "--backend", backend]);
         assert_eq!(wide, ((480, 80), 100, 80), "{backend}: its height is kept");
-        // As many pixels as by default, 686 x 382, three times as wide as high.
-        assert_eq!(covered(&["--backend", backend]).0, (887, 296), "{backend}");
+        // As many pixels as by default, 640 x 360, three times as wide as high.
+        assert_eq!(covered(&["--backend", backend]).0, (831, 277), "{backend}");
     }
+    folder.file("scene.gltf", TRIANGLE);
+    assert_eq!(covered(&[]).0, (640, 360), "a camera that does not say: 16:9, to the pixel");
 }
 
 #[test]

@@ -145,11 +145,11 @@ fn replay_draws_the_document() {
         image::open(picture).expect("a picture").into_rgb8()
     };
     let (first, last) = (drawn("1"), drawn("43"));
-    assert_eq!(first.dimensions(), (686, 382));
+    assert_eq!(first.dimensions(), (640, 360));
     assert_ne!(first, last, "the edits show");
     assert_ne!(
-        first.view(0, 0, 686, 191).to_image(),
-        first.view(0, 191, 686, 191).to_image(),
+        first.view(0, 0, 640, 180).to_image(),
+        first.view(0, 180, 640, 180).to_image(),
         "it shows something"
     );
     let (said, printed) = refused(&["replay", &log, "--render", &folder.path("out.jpg")]);

@@ -6,7 +6,7 @@ use axum::extract::State;
 use axum::http::{HeaderName, HeaderValue, Uri, header};
 use axum::response::IntoResponse;
 use render::{Aov, PictureFormat, View};
-use scene::{Camera, Document, Light, OutOfReach, framing_camera};
+use scene::{Camera, DEFAULT_ASPECT, Document, Light, OutOfReach, framing_camera};
 use serde::Deserialize;
 use tokio::task::spawn_blocking;
 
@@ -19,9 +19,6 @@ use crate::server::Shared;
 
 /// The header that tells what a picture lacks.
 const NOTE: HeaderName = HeaderName::from_static("x-bendylights-note");
-
-/// Width and height where none is asked for, as of `bendylights render`.
-const DEFAULT_SIZE: [u32; 2] = [686, 382];
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -99,7 +96,7 @@ async fn request(
     document: Document,
     (session, viewer): (Arc<Lease>, Arc<Lease>),
 ) -> Result<Request, ServerError> {
-    let [width, height] = query.size.as_deref().map_or(Ok(DEFAULT_SIZE), size)?;
+    let asked = query.size.as_deref().map(size).transpose()?;
     let samples = query.samples.unwrap_or(1);
     if samples == 0 {
         return Err(ServerError::BadMessage(
@@ -114,8 +111,9 @@ async fn request(
     let light = query.light.as_deref().map_or(Ok(0), |wanted| choose_light(&document, wanted))?;
     let camera = match query.camera {
         Some(wanted) => choose_camera(&document, &wanted)?,
-        None => default_camera(&document, f64::from(width) / f64::from(height)).await?,
+        None => default_camera(&document, asked).await?,
     };
+    let [width, height] = asked.unwrap_or_else(|| camera.projection.default_size(MAX_VIEW_SIDE));
     Ok(Request {
         scene: Arc::clone(document.scene()),
         view: View { camera, width, height, samples, aov, light, slot: viewer.slot() },
@@ -159,11 +157,12 @@ fn choose_camera(document: &Document, wanted: &str) -> Result<Camera, ServerErro
     by_id.or_else(by_name).cloned().ok_or_else(|| not_found("camera", wanted))
 }
 
-/// The first camera, or one that sees everything.
-async fn default_camera(document: &Document, aspect: f64) -> Result<Camera, ServerError> {
+/// The first camera, or one that sees everything in a picture of the size that is asked for.
+async fn default_camera(document: &Document, asked: Option<[u32; 2]>) -> Result<Camera, ServerError> {
     if let Some(first) = document.cameras().values().next() {
         return Ok(first.clone());
     }
+    let aspect = asked.map_or(DEFAULT_ASPECT, |[width, height]| f64::from(width) / f64::from(height));
     let scene = Arc::clone(document.scene());
     spawn_blocking(move || framing_camera(&scene, aspect)).await.map_err(|_| ServerError::Fault)
 }

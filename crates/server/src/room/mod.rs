@@ -84,9 +84,6 @@ struct Surroundings {
     framing: Camera,
 }
 
-/// Aspect ratio of a picture of which nothing is known yet.
-const COMMON_ASPECT: f64 = 16.0 / 9.0;
-
 /// Opens a session, says in `opening` how that went, and serves it until its inbox is closed. `before` is the task
 /// that had the session before.
 async fn run(
@@ -241,7 +238,7 @@ impl Surroundings {
         let scene = Arc::clone(scene);
         let looked = spawn_blocking(move || Self {
             bounds: Bounds::of(&scene),
-            framing: scene::framing_camera(&scene, COMMON_ASPECT),
+            framing: scene::framing_camera(&scene, scene::DEFAULT_ASPECT),
         });
         looked.await.map_err(|_| ServerError::Fault)
     }

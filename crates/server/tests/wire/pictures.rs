@@ -27,6 +27,18 @@ fn a_picture_shows_the_document_as_it_is_or_was() {
     assert_eq!(picture("&at=1&camera=camera&light=key"), before);
     assert_ne!(picture("&at=1&aov=visibility&light=key"), before);
 
+    // Without a size: 16:9, or what the camera frames, which a film gate shows.
+    let size = |query: &str| {
+        let png = get(&SHARED, &format!("/sessions/pictured/render?{query}")).body;
+        let side = |at: usize| u32::from_be_bytes([png[at], png[at + 1], png[at + 2], png[at + 3]]);
+        [side(16), side(20)]
+    };
+    let wide = json!({"name": "wide", "translation": [0, 2, 5], "rotation": [0, 0, 0, 1],
+        "projection": {"perspective": {"yfov": 0.4, "aspectRatio": 2.5, "znear": 0.1}}});
+    let add = json!({"edits": [{"command": {"type": "addCamera", "camera": wide}}]});
+    post(&SHARED, "/sessions/pictured/edits", &add.to_string());
+    assert_eq!([size(""), size("camera=wide")], [[640, 360], [759, 304]]);
+
     let exr = get(&SHARED, "/sessions/pictured/render?size=64x36&aov=depth&format=exr");
     assert_eq!((exr.kind.as_str(), &exr.body[..4]), ("image/x-exr", &[0x76, 0x2f, 0x31, 0x01][..]));
     for query in ["at=99", "camera=nobody", "light=nothing"] {
