@@ -6,7 +6,7 @@
 
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
-.PHONY: build page demo test packages test-packages
+.PHONY: build page demo test packages test-packages openapi-tools
 
 DATA := demo-data
 export CARGO_TERM_COLOR ?= auto
@@ -22,7 +22,7 @@ page: packages
 demo: build
 	target/release/bendylights serve --data $(DATA) --scene demo:vases
 
-test: packages test-packages page
+test: packages test-packages page openapi-tools
 	cd web-client && npm run --silent check && npm test
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
@@ -31,9 +31,9 @@ test: packages test-packages page
 
 # Compilers of C and C++ and a linker, a Vulkan driver that needs no GPU (Mesa's lavapipe) and its loader.
 PACKAGES := gcc g++ libc6-dev libvulkan1 mesa-vulkan-drivers
-# A browser for the page, strace to see that what is acknowledged is on disk, curl for the README's commands, and systemd-analyze
-# for the units in deploy/.
-TEST_PACKAGES := chromium strace curl systemd
+# A browser for the page, strace to see that what is acknowledged is on disk, curl for the README's commands, systemd-analyze
+# for the units in deploy/, and Python for the tools that check openapi.json.
+TEST_PACKAGES := chromium strace curl systemd python3 python3-venv
 
 packages:
 	@command -v cargo > /dev/null || { echo "Rust is missing: install it from your distribution or rustup.rs"; exit 1; }
@@ -43,6 +43,13 @@ packages:
 
 test-packages: packages
 	@$(call install,$(TEST_PACKAGES))
+
+openapi-tools: target/openapi-tools/installed
+
+target/openapi-tools/installed: tests/openapi/requirements.txt | test-packages
+	python3 -m venv --clear target/openapi-tools
+	target/openapi-tools/bin/pip install --quiet --disable-pip-version-check --requirement $<
+	touch $@
 
 define install
 if ! command -v dpkg-query > /dev/null; then \

@@ -36,6 +36,14 @@ fn the_page_fits_every_screen_and_fingers() {
     in_a_browser("layouts.mjs");
 }
 
+/// Sends a scene, loads it, and reads its name and its notes on the page, by keyboard and after a reload.
+///
+/// Rules: HTTP-10, SOCK-11
+#[test]
+fn a_scene_has_its_name_on_the_page_and_says_what_is_not_drawn() {
+    in_a_browser("scene.mjs");
+}
+
 /// Runs a script of the page's browser tests on a server of its own.
 fn in_a_browser(script: &str) {
     let client = Path::new(env!("CARGO_MANIFEST_DIR")).join("../web-client");

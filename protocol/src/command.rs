@@ -18,7 +18,7 @@ pub enum Command {
     LoadScene {
         /// `"demo:NAME"` or `"sha256:HEX"`.
         scene: String,
-        /// What people call it; by default the same.
+        /// What people call it; by default what it was uploaded as, or what its file calls it.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         name: Option<String>,
     },

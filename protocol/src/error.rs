@@ -5,6 +5,8 @@ use scene::{EditError, NotAnAssetHash};
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
+use crate::ErrorCode;
+
 /// Why a light file or a point file is refused. The caller knows the file's name and puts it in front.
 #[derive(Debug, Error)]
 pub enum FileError {
@@ -60,12 +62,12 @@ pub enum Refused {
 
 impl Refused {
     /// The code that programs act on.
-    pub fn code(&self) -> &'static str {
+    pub fn code(&self) -> ErrorCode {
         match self {
-            Self::Light(_) => "invalidLight",
-            Self::Asset(_) => "badMessage",
-            Self::Edit(_) => "unknownAsset",
-            Self::Format { .. } => "format",
+            Self::Light(_) => ErrorCode::InvalidLight,
+            Self::Asset(_) => ErrorCode::BadMessage,
+            Self::Edit(error) => error.into(),
+            Self::Format { .. } => ErrorCode::Format,
         }
     }
 }

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Actor, Command, Document, EditResult, Scope};
+use crate::{Actor, Command, Document, EditResult, ErrorCode, Scope};
 
 /// `POST /sessions`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -50,6 +50,8 @@ pub struct SessionState {
     pub hash: String,
     /// The document.
     pub document: Document,
+    /// What of its scene's file is not drawn or was changed, a sentence each.
+    pub notes: Vec<String>,
 }
 
 /// `POST /sessions/S/edits`.
@@ -102,6 +104,10 @@ pub struct EditResults {
 pub struct Asset {
     /// `sha256:` and 64 hexadecimal digits.
     pub asset: String,
+    /// What people call the scene, and documents that load it from now on.
+    pub name: String,
+    /// What of the file is not drawn or was changed, a sentence each.
+    pub notes: Vec<String>,
 }
 
 /// Every refused request's answer.
@@ -117,7 +123,7 @@ pub struct ErrorBody {
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Problem {
     /// For programs.
-    pub code: String,
+    pub code: ErrorCode,
     /// For people: what to do.
     pub message: String,
 }

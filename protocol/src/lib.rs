@@ -5,6 +5,7 @@
 //! can be evaluated. Numbers keep every bit both ways.
 
 mod checkpoint;
+mod code;
 mod command;
 mod document;
 mod error;
@@ -15,11 +16,14 @@ mod light;
 pub mod light_file;
 mod log_file;
 mod message;
+mod openapi;
 pub mod point_file;
 mod record;
 mod schema;
+mod variants;
 
 pub use checkpoint::{LightTouch, PastUndo, Renumbering, SessionCheckpoint};
+pub use code::ErrorCode;
 pub use command::{CameraParameter, Command, LightParameter, PointParameter};
 pub use document::{
     Bounds, Camera, Document, DocumentCamera, DocumentLight, Projection, Quat, SceneRef, Vec3,
@@ -38,7 +42,8 @@ pub use message::{
     ClientMessage, EditResult, EditStatus, GestureEnd, GestureState, History, HistoryStep, HistorySteps,
     PROTOCOL, Presence, Resync, ServerMessage, Settings, State, ViewSource, Welcome, parse_body,
 };
+pub use openapi::openapi;
 pub use record::{
     Action, Actor, Change, ControlPoints, FORMAT, MAX_RECORD_BYTES, PlacedLight, Record, Scope,
 };
-pub use schema::{Face, json_schema, openapi};
+pub use schema::{Face, json_schema};

@@ -22,6 +22,7 @@ pub enum Light {
 /// The `type` of a [`Bendy`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
+#[schemars(inline)]
 pub enum BendyType {
     /// The only one.
     #[default]
@@ -31,6 +32,7 @@ pub enum BendyType {
 /// The `type` of a [`Spot`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
+#[schemars(inline)]
 pub enum SpotType {
     /// The only one.
     #[default]

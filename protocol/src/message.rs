@@ -5,7 +5,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::error::from_json;
-use crate::{Actor, Bounds, Camera, Change, Command, Document, FileError, Record, Scope};
+use crate::{Actor, Bounds, Camera, Change, Command, Document, ErrorCode, FileError, Record, Scope};
 
 /// The version of the protocol that `hello` and `welcome` name.
 pub const PROTOCOL: u32 = 1;
@@ -153,6 +153,9 @@ pub enum ServerMessage {
         /// Of the scene, where the record loads one.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         bounds: Option<Bounds>,
+        /// What of the scene's file is not drawn or was changed, a sentence each, where the record loads one.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        notes: Option<Vec<String>>,
     },
     /// All that the session is, for a client that took its messages slower than they came.
     Resync(Box<Resync>),
@@ -191,7 +194,7 @@ pub enum ServerMessage {
     /// Something that no other answer says.
     Error {
         /// For programs.
-        code: String,
+        code: ErrorCode,
         /// For people.
         message: String,
         /// Whether the connection ends.
@@ -219,6 +222,8 @@ pub struct Welcome {
     pub state: State,
     /// Of the scene.
     pub bounds: Bounds,
+    /// What of the scene's file is not drawn or was changed, a sentence each.
+    pub notes: Vec<String>,
     /// Where a new view may start.
     pub camera: Camera,
     /// Everybody who is here, this client included.
@@ -242,6 +247,8 @@ pub struct Resync {
     pub document: Document,
     /// Of the scene.
     pub bounds: Bounds,
+    /// What of the scene's file is not drawn or was changed, a sentence each.
+    pub notes: Vec<String>,
     /// Everybody who is here, this client included.
     pub clients: Vec<Presence>,
     /// The drags under way.
@@ -286,7 +293,7 @@ pub struct EditResult {
     pub skipped: Vec<String>,
     /// Why it was rejected or is unknown, for programs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub code: Option<String>,
+    pub code: Option<ErrorCode>,
     /// Why it was rejected or is unknown, for people.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
@@ -362,7 +369,7 @@ pub struct GestureState {
     pub ended: Option<GestureEnd>,
     /// Why an update or a commit was refused, for programs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub code: Option<String>,
+    pub code: Option<ErrorCode>,
     /// Why an update or a commit was refused, for people.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,

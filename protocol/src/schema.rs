@@ -1,15 +1,10 @@
-//! JSON Schema and OpenAPI, made from the wire types themselves.
+//! JSON Schema, made from the wire types themselves.
 
-use std::slice;
-
-use scene::Aov;
 use schemars::generate::{Contract, SchemaGenerator, SchemaSettings};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
-use crate::{
-    Asset, ClientMessage, Document, EditResults, Edits, ErrorBody, LogHeader, NewSession, PROTOCOL, Record,
-    ServerMessage, SessionList, SessionState,
-};
+use crate::variants::name_variants;
+use crate::{ClientMessage, LogHeader, PROTOCOL, Record, ServerMessage};
 
 /// Which of a type's two faces a schema describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,11 +29,19 @@ pub fn json_schema(face: Face) -> Value {
         "title": format!("BendyLights protocol {PROTOCOL}"),
         "description": "Messages of the socket and lines of a log file; SPEC.md says what they mean.",
         "anyOf": messages.into_iter().chain(lines).collect::<Vec<_>>(),
-        "$defs": generator.take_definitions(true),
+        "$defs": definitions(generator, "#/$defs"),
     })
 }
 
-fn generator(face: Face, definitions: &'static str) -> SchemaGenerator {
+/// What `generator` has defined: every variant of a union by a name of its own, `place` being where they will stand.
+pub(crate) fn definitions(mut generator: SchemaGenerator, place: &str) -> Map<String, Value> {
+    let mut definitions = generator.take_definitions(true);
+    definitions.values_mut().for_each(plain);
+    name_variants(&mut definitions, place);
+    definitions
+}
+
+pub(crate) fn generator(face: Face, definitions: &'static str) -> SchemaGenerator {
     let contract = match face {
         Face::Read => Contract::Deserialize,
         Face::Written => Contract::Serialize,
@@ -51,109 +54,53 @@ fn generator(face: Face, definitions: &'static str) -> SchemaGenerator {
 }
 
 /// A reference to `T`, which the generator then defines.
-fn name<T: schemars::JsonSchema>(generator: &mut SchemaGenerator) -> Value {
+pub(crate) fn name<T: schemars::JsonSchema>(generator: &mut SchemaGenerator) -> Value {
     generator.subschema_for::<T>().to_value()
 }
 
-/// OpenAPI 3.1 of the HTTP interface (SPEC, section 9).
-pub fn openapi() -> Value {
-    let mut generator = generator(Face::Read, "/components/schemas");
-    let g = &mut generator;
-    let problem = name::<ErrorBody>(g);
-    let state = name::<SessionState>(g);
-    let session = json!({"name": "session", "in": "path", "required": true, "schema": {"type": "string"},
-        "description": "Name of the session."});
-    // Light documents and records stand in the log and in session states; the socket's messages are in schema.json.
-    name::<Document>(g);
-    let paths = json!({
-        "/sessions": {
-            "get": operation("List the sessions.", &[], None, 200, &json_content(&name::<SessionList>(g)), &problem),
-            "post": operation("Make a session.", &[], Some(json_content(&name::<NewSession>(g))), 201,
-                &json_content(&state), &problem),
-        },
-        "/sessions/{session}": {
-            "get": operation("The session's document, sequence and hash.", slice::from_ref(&session), None, 200,
-                &json_content(&state), &problem),
-        },
-        "/sessions/{session}/edits": {
-            "post": operation("Carry out edits, undos and redos, in order.", slice::from_ref(&session),
-                Some(json_content(&name::<Edits>(g))), 200, &json_content(&name::<EditResults>(g)), &problem),
-        },
-        "/sessions/{session}/log": {
-            "get": operation("Records, a line each.", &[session.clone(),
-                query("from", "First record.", &json!({"type": "integer", "minimum": 1, "default": 1})),
-                query("limit", "Records at most.", &json!({"type": "integer", "minimum": 1, "maximum": 10_000, "default": 10_000})),
-            ], None, 200, &json!({"application/jsonl": {"schema": name::<Record>(g)}}), &problem),
-        },
-        "/sessions/{session}/render": {
-            "get": operation("A picture of the document.", &[session,
-                query("camera", "Id or name of a camera; the first by default.", &json!({"type": "string"})),
-                query("size", "Width and height in pixels; by default 640x360, or about as many pixels in the camera's own shape.",
-                    &json!({"type": "string", "pattern": "^[0-9]+x[0-9]+$"})),
-                query("aov", "What the picture shows.", &json!({"enum": Aov::NAMES, "default": "beauty"})),
-                query("samples", "Samples a pixel.", &json!({"type": "integer", "minimum": 1, "maximum": 64, "default": 1})),
-                query("light", "Id or name of the light that t, vw, direction, visibility and wireframe are of; the first by default.", &json!({"type": "string"})),
-                query("at", "The document as it was after this record; the latest by default.", &json!({"type": "integer", "minimum": 0})),
-                query("format", "PNG for people, EXR for linear values.", &json!({"enum": ["png", "exr"], "default": "png"})),
-            ], None, 200, &json!({"image/png": {}, "image/x-exr": {}}), &problem),
-        },
-        "/assets": {
-            "post": operation("Make a scene known, for `loadScene`.", &[],
-                Some(json!({"model/gltf-binary": {}, "model/gltf+json": {}, "application/octet-stream": {}})), 201,
-                &json_content(&name::<Asset>(g)), &problem),
-        },
-        "/healthz": {"get": operation("Whether the process runs.", &[], None, 200, &text(), &problem)},
-        "/readyz": {"get": operation("Whether every pipeline has drawn once; 503 before and while draining.", &[], None, 200, &text(), &problem)},
-        "/metrics": {"get": operation("Counts, in Prometheus' text format.", &[], None, 200, &text(), &problem)},
-        "/openapi.json": {"get": operation("This document.", &[], None, 200, &json!({"application/json": {}}), &problem)},
-    });
-    json!({
-        "openapi": "3.1.0",
-        "info": {"title": "BendyLights", "version": env!("CARGO_PKG_VERSION"),
-            "description": "Edit and render lighting sessions. SPEC.md has the rules."},
-        "security": [{"token": []}],
-        "paths": paths,
-        "components": {
-            "securitySchemes": {"token": {"type": "http", "scheme": "bearer",
-                "description": "The part after `#token=` of the address that the server prints."}},
-            "schemas": generator.take_definitions(true),
-        },
-    })
-}
-
-fn json_content(schema: &Value) -> Value {
-    json!({"application/json": {"schema": schema}})
-}
-
-fn text() -> Value {
-    json!({"text/plain": {"schema": {"type": "string"}}})
-}
-
-fn query(name: &str, description: &str, schema: &Value) -> Value {
-    json!({"name": name, "in": "query", "description": description, "schema": schema})
-}
-
-fn operation(
-    summary: &str,
-    parameters: &[Value],
-    body: Option<Value>,
-    status: u16,
-    content: &Value,
-    problem: &Value,
-) -> Value {
-    let mut operation = json!({
-        "summary": summary,
-        "responses": {
-            status.to_string(): {"description": "Done.", "content": content},
-            "default": {"description": "Refused; the message says what to do.",
-                "content": {"application/json": {"schema": problem}}},
-        },
-    });
-    if !parameters.is_empty() {
-        operation["parameters"] = parameters.into();
+/// Takes out of a schema what is Rust's: choices among strings become one `enum` or `const`, defaults of null go, which say no
+/// more than that a field may be left out and are wrong where its type has no null, and descriptions lose their links.
+fn plain(schema: &mut Value) {
+    match schema {
+        Value::Object(fields) => {
+            fields.values_mut().for_each(plain);
+            if fields.get("default").is_some_and(Value::is_null) {
+                fields.remove("default");
+            }
+            if let Some(Value::String(description)) = fields.get_mut("description") {
+                *description = description.replace("[`", "`").replace("`]", "`");
+            }
+            plain_choice(fields);
+        }
+        Value::Array(items) => items.iter_mut().for_each(plain),
+        _ => {}
     }
-    if let Some(content) = body {
-        operation["requestBody"] = json!({"required": true, "content": content});
+}
+
+/// Makes one `enum`, or one `const`, of what is a choice among strings, each with a description.
+fn plain_choice(fields: &mut Map<String, Value>) {
+    let Some(options) = fields.get("oneOf").and_then(Value::as_array) else { return };
+    let names: Option<Vec<Value>> = options.iter().map(|option| option.get("const").cloned()).collect();
+    let Some(names) = names.filter(|names| names.iter().all(Value::is_string)) else { return };
+    let described = described(fields, options);
+    fields.remove("oneOf");
+    fields.insert("type".into(), "string".into());
+    if let [only] = &names[..] {
+        fields.insert("const".into(), only.clone());
+        fields.insert("default".into(), only.clone());
+    } else {
+        fields.insert("enum".into(), names.into());
+        fields.insert("description".into(), described.into());
     }
-    operation
+}
+
+/// The description of a choice, with those of its options below.
+fn described(choice: &Map<String, Value>, options: &[Value]) -> String {
+    let whole = choice.get("description").and_then(Value::as_str).unwrap_or_default();
+    let lines = options.iter().filter_map(|option| {
+        let meaning = option["description"].as_str()?.replace('\n', " ");
+        Some(format!("\n- `{}`: {meaning}", option["const"].as_str()?))
+    });
+    let lines: String = lines.collect();
+    if lines.is_empty() { whole.into() } else { format!("{whole}\n{lines}") }
 }

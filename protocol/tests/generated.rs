@@ -1,8 +1,9 @@
 //! The generated documents are those of the types. Run with `BENDYLIGHTS_BLESS=1` to write them anew.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
-use protocol::{Face, json_schema, openapi};
+use protocol::{ErrorCode, Face, json_schema, openapi};
 use serde_json::Value;
 
 fn agrees(name: &str, value: &Value) {
@@ -46,5 +47,58 @@ fn every_reference_leads_somewhere() {
         assert!(!dangling(&document));
         document["planted"] = serde_json::json!({"$ref": "#/$defs/Nothing"});
         assert!(dangling(&document), "a planted dangling reference is caught");
+    }
+}
+
+/// Names of definitions that choose among objects without names.
+fn unnamed_variants(definitions: &Value) -> Vec<&str> {
+    let is_object = |variant: &&Value| variant.get("properties").is_some();
+    let definitions = definitions.as_object().expect("definitions").iter();
+    let unnamed = definitions.filter(|(_, definition)| {
+        let variants = ["oneOf", "anyOf"].iter().filter_map(|choice| definition.get(*choice)?.as_array());
+        variants.flatten().any(|variant| is_object(&variant))
+    });
+    unnamed.map(|(name, _)| name.as_str()).collect()
+}
+
+/// So that what is generated from them has classes `SetPoint` and `AddLight`, not `CommandType5` and `CommandType1`.
+#[test]
+fn every_variant_of_a_union_has_a_name() {
+    for (mut document, place) in [
+        (json_schema(Face::Read), "/$defs"),
+        (json_schema(Face::Written), "/$defs"),
+        (openapi(), "/components/schemas"),
+    ] {
+        let definitions = document.pointer_mut(place).expect("definitions");
+        assert_eq!(unnamed_variants(definitions), Vec::<&str>::new());
+        let union = definitions["Command"]["oneOf"].as_array().expect("variants").clone();
+        assert!(union.iter().any(|variant| variant["$ref"].as_str() == Some(&format!("#{place}/SetPoint"))));
+        assert_eq!(definitions["SetPoint"]["properties"]["type"]["const"], "setPoint");
+        definitions["Command"]["oneOf"][0] = definitions["SetPoint"].clone();
+        assert_eq!(unnamed_variants(definitions), ["Command"], "a planted variant without a name is caught");
+    }
+}
+
+/// Every operation of the HTTP interface.
+fn operations(document: &Value) -> impl Iterator<Item = &Value> {
+    let paths = document["paths"].as_object().expect("paths").values();
+    paths.flat_map(|path| path.as_object().expect("operations").values())
+}
+
+#[test]
+fn operations_have_names_and_say_why_they_can_be_refused() {
+    let document = openapi();
+    let names: Vec<&str> = operations(&document).filter_map(|o| o["operationId"].as_str()).collect();
+    let distinct: BTreeSet<&str> = names.iter().copied().collect();
+    assert_eq!((distinct.len(), names.len()), (names.len(), operations(&document).count()));
+    for operation in operations(&document) {
+        for (status, response) in operation["responses"].as_object().expect("responses") {
+            let schema = &response["content"]["application/json"]["schema"];
+            let codes = schema.pointer("/properties/error/properties/code/enum").and_then(Value::as_array);
+            let codes: Vec<_> = codes.into_iter().flatten().filter_map(Value::as_str).collect();
+            let statuses = codes.iter().map(|code| ErrorCode::named(code).expect("a code").http_status());
+            assert!(statuses.clone().all(|of_code| of_code.to_string() == *status), "{status}: {codes:?}");
+            assert_eq!(statuses.len() == 0, status.starts_with('2'), "{status}: {codes:?}");
+        }
     }
 }

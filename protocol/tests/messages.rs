@@ -95,6 +95,7 @@ fn from_the_server() -> Vec<Value> {
     let hash = "0".repeat(64);
     let actor = json!({"id": "a", "name": "Ada"});
     let bounds = json!({"min": [-1.0, 0.0, -1.0], "max": [1.0, 2.0, 1.0]});
+    let notes = ["points and lines are not drawn: fence"];
     let presence =
         json!({"client": 1, "actor": actor, "selection": null, "following": 2, "camera": camera()});
     let gesture =
@@ -104,8 +105,8 @@ fn from_the_server() -> Vec<Value> {
     let settings = json!({"ackWindow": 3, "leaseMs": 30_000, "maxViewSide": 4096});
     let welcome = |state: Value| {
         json!({"type": "welcome", "protocol": 1, "session": "main", "client": 1, "epoch": "e", "seq": 1, "hash": hash,
-            "state": state, "bounds": bounds, "camera": camera(), "clients": [presence], "gestures": [gesture],
-            "settings": settings})
+            "state": state, "bounds": bounds, "notes": notes, "camera": camera(), "clients": [presence],
+            "gestures": [gesture], "settings": settings})
     };
     let mut ended = gesture.clone();
     for (field, value) in
@@ -117,7 +118,7 @@ fn from_the_server() -> Vec<Value> {
         welcome(json!({"snapshot": {"scene": null, "lights": [], "cameras": []}})),
         welcome(json!({"tail": [record]})),
         json!({"type": "log", "record": record, "hash": hash}),
-        json!({"type": "log", "record": record, "hash": hash, "bounds": bounds}),
+        json!({"type": "log", "record": record, "hash": hash, "bounds": bounds, "notes": notes}),
         json!({"type": "editResult", "opId": "x", "status": "committed", "seq": 1}),
         json!({"type": "editResult", "opId": "x", "status": "rebased", "seq": 1, "skipped": ["s"]}),
         json!({"type": "editResult", "opId": "x", "status": "rejected", "code": "stale", "message": "m"}),

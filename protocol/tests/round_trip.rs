@@ -5,7 +5,7 @@ use std::sync::Arc;
 use edit::{Actor, Request, Scope, Session, Sources};
 use proptest::collection::vec;
 use proptest::prelude::*;
-use protocol::{Document, LogLine, LogReader, Record, Refused, SessionCheckpoint};
+use protocol::{Document, ErrorCode, LogLine, LogReader, Record, Refused, SessionCheckpoint};
 use scene::{AssetHash, CameraId, CameraParameter, Command, Scene};
 
 #[path = "../../crates/scene/tests/editing/random.rs"]
@@ -141,7 +141,7 @@ fn what_has_no_meaning_is_refused_on_the_way_in() {
         Command::try_from(wire)
     };
     let fold = r#"{"type": "addLight", "light": {"type": "bendy", "points": [[0,0,0],[0,0,-1],[1,0,-1]], "radii": [5,5,5]}}"#;
-    assert_eq!(command(fold).expect_err("it folds").code(), "invalidLight");
+    assert_eq!(command(fold).expect_err("it folds").code(), ErrorCode::InvalidLight);
     let unnamed = command(r#"{"type": "loadScene", "scene": "vases"}"#).expect_err("no hash");
     assert!(matches!(unnamed, Refused::Asset(_)), "{unnamed}");
     let missing = format!(
@@ -149,7 +149,7 @@ fn what_has_no_meaning_is_refused_on_the_way_in() {
         AssetHash([9; 32])
     );
     let wire: Document = protocol::parse_body(&missing).expect("the right shape");
-    assert_eq!(wire.into_domain(0, &find_scene).expect_err("not here").code(), "unknownAsset");
+    assert_eq!(wire.into_domain(0, &find_scene).expect_err("not here").code(), ErrorCode::UnknownAsset);
 }
 
 /// Rules: REC-5

@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 
-use protocol::{ClientMessage, EditResult, EditStatus};
+use protocol::{ClientMessage, EditResult, EditStatus, ErrorCode};
 
 use crate::support::{Mirror, Server, rename};
 
@@ -75,7 +75,7 @@ fn an_outcome_that_is_not_known_is_said_to_be_so_and_settled_by_sending_it_again
         return;
     };
     let (op_id, unknown) = edit_until(&mut ada, light, EditStatus::Unknown);
-    assert_eq!((unknown.code.as_deref(), unknown.seq), (Some("unknownOutcome"), None));
+    assert_eq!((unknown.code.map(ErrorCode::name), unknown.seq), (Some("unknownOutcome"), None));
     disk.mend();
 
     let again =

@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use protocol::{ClientMessage, EditStatus, GestureEnd, GestureState, PointParameter, ServerMessage};
+use protocol::{
+    ClientMessage, EditStatus, ErrorCode, GestureEnd, GestureState, PointParameter, ServerMessage,
+};
 
 use crate::support::{Mirror, Server, move_point, moved, rename};
 
@@ -39,11 +41,14 @@ fn a_drag_is_live_for_all_and_one_record() {
 
     // Somebody else's hands are kept off, and told whose it is.
     let refused = ben.edited(rename(light, "mine now"));
-    assert_eq!((refused.status, refused.code.as_deref()), (EditStatus::Rejected, Some("locked")));
+    assert_eq!((refused.status, refused.code.map(ErrorCode::name)), (EditStatus::Rejected, Some("locked")));
     assert!(refused.message.expect("a sentence").contains("ada"));
     begin(&mut ben, "second");
     let refused = state_of(&mut ben, |state| state.gesture == "second");
-    assert_eq!((refused.ended, refused.code.as_deref()), (Some(GestureEnd::Rejected), Some("locked")));
+    assert_eq!(
+        (refused.ended, refused.code.map(ErrorCode::name)),
+        (Some(GestureEnd::Rejected), Some("locked"))
+    );
 
     ada.send(&ClientMessage::GestureCommit { gesture: "drag".into(), op_id: "commit".into() });
     assert_eq!(ada.result("commit").seq, Some(seq + 1), "ten updates are one record");
@@ -84,7 +89,7 @@ fn a_fold_leaves_the_last_valid_state() {
     };
     assert_eq!(radius(1, 1.6).code, None);
     let folded = radius(2, 50.0);
-    assert_eq!((folded.code.as_deref(), folded.update), (Some("invalidLight"), 1));
+    assert_eq!((folded.code.map(ErrorCode::name), folded.update), (Some("invalidLight"), 1));
     assert!(folded.message.expect("a sentence").contains("folds"));
     ada.send(&ClientMessage::GestureCommit { gesture: "widen".into(), op_id: "commit".into() });
     assert_eq!(ada.result("commit").status, EditStatus::Committed);
@@ -109,7 +114,7 @@ fn a_drag_without_a_valid_state_is_cancelled_with_the_last_reason() {
     ada.send(&ClientMessage::GestureCommit { gesture: "widen".into(), op_id: "commit".into() });
     let ends = [&mut ada, &mut ben].map(|mirror| state_of(mirror, |state| state.ended.is_some()));
     let answer = ada.result("commit");
-    assert_eq!((answer.status, answer.code.as_deref()), (EditStatus::Rejected, Some("invalidLight")));
+    assert_eq!((answer.status, answer.code), (EditStatus::Rejected, Some(ErrorCode::InvalidLight)));
     let sentence = answer.message.expect("a sentence");
     let name = match &protocol::Document::from(&ada.document).lights[0].light {
         protocol::Light::Bendy(bendy) => bendy.name.clone(),

@@ -1,7 +1,8 @@
 //! What undo and redo would take back, told before it is asked for.
 
 use protocol::{
-    ClientMessage, Command, EditStatus, History, LightParameter, PointParameter, Scope, ServerMessage,
+    ClientMessage, Command, EditStatus, ErrorCode, History, LightParameter, PointParameter, Scope,
+    ServerMessage,
 };
 
 use crate::support::{Mirror, Server, rename};
@@ -82,7 +83,7 @@ fn what_is_told_is_what_undo_then_takes() {
     assert_eq!(told, ["the cone softness of “sun”", "the name of “sun”", "the cone softness of “key”"]);
     let seq = ada.seq;
     let refused = undo(&mut ada, Scope::Mine);
-    assert_eq!((refused.status, refused.code.as_deref()), (EditStatus::Rejected, Some("nothingToUndo")));
+    assert_eq!((refused.status, refused.code), (EditStatus::Rejected, Some(ErrorCode::NothingToUndo)));
     let gone = "there is nothing to undo: the cone angle of “key” has been changed since by ben";
     assert_eq!(refused.message.as_deref(), Some(gone));
     assert_eq!(server.state().0, seq, "it is no step");

@@ -1,6 +1,8 @@
 //! Sessions by HTTP alone.
 
-use protocol::{Asset, EditResults, EditStatus, ErrorBody, Record, SessionList, SessionState, parse_body};
+use protocol::{
+    Asset, EditResults, EditStatus, ErrorBody, ErrorCode, Record, SessionList, SessionState, parse_body,
+};
 use serde_json::json;
 
 use crate::support::{Server, pixels};
@@ -10,7 +12,7 @@ fn post(server: &Server, path: &str, body: &serde_json::Value) -> bench::Respons
 }
 
 fn code(response: &bench::Response) -> String {
-    parse_body::<ErrorBody>(&response.text()).expect("an error").error.code
+    parse_body::<ErrorBody>(&response.text()).expect("an error").error.code.name().into()
 }
 
 /// Rules: HTTP-4, HTTP-5, DOC-1, DOC-5, CMD-6
@@ -64,7 +66,7 @@ fn programs_edit_undo_and_read_the_log() {
     let answer = post(&server, "/sessions/main/edits", &edits);
     assert_eq!(answer.status, 200, "{}", answer.text());
     let answer: EditResults = parse_body(&answer.text()).expect("results");
-    let codes: Vec<_> = answer.results.iter().map(|result| result.code.as_deref()).collect();
+    let codes: Vec<_> = answer.results.iter().map(|result| result.code.map(ErrorCode::name)).collect();
     let expected = [
         None,
         None,
@@ -135,6 +137,9 @@ fn scenes_are_uploaded_by_their_bytes() {
     let session = post(&server, "/sessions", &json!({"name": "mine", "scene": asset.asset}));
     let session: SessionState = parse_body(&session.text()).expect("a session");
     assert_eq!(session.document.cameras[0].camera.name, "eye");
+    let name = session.document.scene.expect("a scene").name;
+    assert_eq!(name, format!("scene {}", &asset.asset["sha256:".len()..][..8]), "not all of the hash");
+    assert_eq!(name, asset.name);
 
     let refused = server.process.post("/assets", b"not a scene").expect("answered");
     assert_eq!(refused.status, 400, "{}", refused.text());

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use bench::{Client, Incoming, ServerProcess};
-use protocol::{ClientMessage, LogLine, LogReader, ServerMessage, ViewSource};
+use protocol::{ClientMessage, ErrorCode, LogLine, LogReader, ServerMessage, ViewSource};
 
 use crate::program::program;
 use crate::support::Server;
@@ -19,7 +19,7 @@ fn a_light_out_of_reach_is_refused_and_pictures_go_on() {
         let translation = Some([x, 0.0, 0.0]);
         let result =
             ada.edited(protocol::Command::PlaceLight { light, translation, rotation: None, scale: None });
-        assert_eq!(result.code.as_deref(), Some("invalidLight"));
+        assert_eq!(result.code.map(ErrorCode::name), Some("invalidLight"));
         let message = result.message.expect("a sentence");
         assert!(message.contains("1e15") && message.contains('`'), "{message}");
     }

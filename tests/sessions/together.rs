@@ -1,6 +1,8 @@
 //! Several people in one session.
 
-use protocol::{ClientMessage, Command, EditStatus, LightParameter, PointParameter, Scope, ServerMessage};
+use protocol::{
+    ClientMessage, Command, EditStatus, ErrorCode, LightParameter, PointParameter, Scope, ServerMessage,
+};
 
 use crate::support::{Mirror, Server, move_point, moved, rename};
 
@@ -51,7 +53,7 @@ fn edits_of_what_others_changed_are_rebased_and_outdated_numbers_rejected() {
         ben.result(&op_id)
     };
     let stale = from_before(move_point(light, 2, [0.0, 0.0, -1.0]));
-    assert_eq!((stale.status, stale.code.as_deref()), (EditStatus::Rejected, Some("stale")));
+    assert_eq!((stale.status, stale.code.map(ErrorCode::name)), (EditStatus::Rejected, Some("stale")));
     assert_eq!(from_before(rename(light, "still fine")).status, EditStatus::Rebased);
     let own = from_before(rename(light, "mine since"));
     assert_eq!(own.status, EditStatus::Rebased, "Ada's insertion is still unknown to the sender");

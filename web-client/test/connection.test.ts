@@ -77,7 +77,7 @@ test("a refusal is not tried again by itself, but by the person", () => {
   expect(host.sockets).toHaveLength(2);
 });
 
-test.each(["helloTooLate", "draining"])("an error of the moment, %s, is tried again", (code) => {
+test.each(["helloTooLate", "draining"] as const)("an error of the moment, %s, is tried again", (code) => {
   const { host, welcome } = start();
   welcome();
   host.socket().receive({ type: "error", code, message: "Not now.", fatal: true });

@@ -1,6 +1,6 @@
 // A session's beginnings for tests, and numbers that look random and are the same every time.
 
-import type { Bendy, Camera, Change, Document, Record, ServerMessage, Welcome } from "../src/core/protocol";
+import type { Bendy, Camera, Change, Document, Record, ServerLog, Welcome } from "../src/core/protocol";
 import type { Vec3 } from "../src/core/vector";
 
 export const CAMERA: Camera = {
@@ -52,6 +52,7 @@ export const WELCOME: Welcome = {
   hash: "hash-3",
   state: { snapshot: DOCUMENT },
   bounds: { min: [-2, 0, -2], max: [2, 2, 2] },
+  notes: [],
   camera: CAMERA,
   clients: [],
   gestures: [],
@@ -79,7 +80,7 @@ export function record(seq: number, changes: Change[], opId = `other-${seq}`): R
   };
 }
 
-export const log = (entry: Record): ServerMessage => ({
+export const log = (entry: Record): ServerLog => ({
   type: "log",
   record: entry,
   hash: `hash-${entry.seq}`,

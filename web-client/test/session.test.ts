@@ -99,15 +99,34 @@ describe("the mirror", () => {
       hash: "hash-2004",
       document: session.document.value,
       bounds: { min: [0, 0, 0], max: [9, 9, 9] },
+      notes: ["skins are not posed: hero"],
       clients: [person],
       gestures: [],
     });
     expect(session.mirror.value).toMatchObject({ seq: 2004, hash: "hash-2004", epoch: "first" });
     expect([session.bounds.value.max, session.people.value]).toEqual([[9, 9, 9], [person]]);
+    expect(session.notes.value).toEqual(["skins are not posed: hero"]);
     receive({ type: "editResult", opId, status: "committed", seq: 2000 });
     receive(log(record(2005, [radiusChange(1, 0.3)])));
     expect(radius(1)).toBe(0.3);
     expect(host.sockets).toHaveLength(1);
+  });
+
+  // Rules: SOCK-11
+  test("knows the notes of the scene that is there, and of the next", () => {
+    const notes = ["points and lines are not drawn: fence"];
+    const scene = { asset: "sha256:01", name: "room" };
+    welcome({ notes });
+    expect(session.notes.value).toEqual(notes);
+    receive(log(record(4, [radiusChange(1, 0.7)])));
+    expect(session.notes.value).toEqual(notes);
+    receive({
+      ...log(record(5, [{ type: "scene", old: null, new: scene }])),
+      bounds: WELCOME.bounds,
+      notes: [],
+    });
+    expect(session.notes.value).toEqual([]);
+    expect(session.document.value.scene?.name).toBe("room");
   });
 
   test("forgets what it knows where the history is another", () => {
@@ -270,8 +289,7 @@ describe("drags", () => {
     host.frame();
     const gesture = sent("gestureBegin")[0]?.gesture ?? "";
     const state = { gesture, client: 7, light: 1, liveRevision: 1, changes: [] };
-    const refusal = { code: "invalidLight", message: "It folds." };
-    receive({ type: "gestureState", ...state, update: 1, ...refusal });
+    receive({ type: "gestureState", ...state, update: 1, code: "invalidLight", message: "It folds." });
     expect(session.ownDrag.value?.refusal).toBe("It folds.");
     drag.update(setRadius(1, 0.2));
     host.frame();

@@ -23,6 +23,9 @@ use scene::Scene;
 pub struct Loaded {
     /// The scene; [`Scene::check`] has passed.
     pub scene: Scene,
+    /// What the file itself calls it, within [`scene::MAX_NAME_BYTES`], where that says more than "Scene"; `demo:NAME` for a
+    /// demo.
+    pub name: Option<String>,
     /// What a person should know that was left out or changed, one sentence each.
     pub notes: Vec<String>,
 }
@@ -38,7 +41,9 @@ pub fn load(path: &Path) -> Result<Loaded, AssetError> {
 /// file, or of [`demo_bytes`]. No file is read.
 pub fn load_bytes(bytes: &[u8]) -> Result<Loaded, AssetError> {
     let loaded = match demo::named_by(bytes) {
-        Some(scene) => scene.map(|scene| Loaded { scene, notes: Vec::new() }),
+        Some(demo) => {
+            demo.map(|(name, scene)| Loaded { scene, name: Some(format!("demo:{name}")), notes: Vec::new() })
+        }
         None => import::bytes(bytes),
     };
     loaded.map_err(|fault| AssetError { file: "the scene".into(), fault })

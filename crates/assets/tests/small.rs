@@ -426,3 +426,31 @@ fn what_is_no_file_is_refused_at_once() {
         assert!(error.starts_with(path), "{error}");
     }
 }
+
+#[test]
+fn a_scene_is_called_what_its_file_calls_the_one_that_is_drawn() {
+    let name = |member: &str| File::default().with(member).load().unwrap().name;
+    assert_eq!(
+        name(r#""scenes":[{"nodes":[],"name":"Kitchen"},{"nodes":[],"name":"Attic"}]"#).as_deref(),
+        Some("Kitchen")
+    );
+    assert_eq!(
+        name(r#""scene":1,"scenes":[{"nodes":[],"name":"Kitchen"},{"nodes":[],"name":" Attic "}]"#)
+            .as_deref(),
+        Some("Attic")
+    );
+    let long = format!(r#""scenes":[{{"nodes":[],"name":"{}"}}]"#, "x".repeat(scene::MAX_NAME_BYTES + 1));
+    // No name, one that no document takes, and what exporters call every scene.
+    for nameless in [
+        r#""nodes":[]"#,
+        r#""scenes":[{"nodes":[]}]"#,
+        r#""scenes":[{"nodes":[],"name":" "}]"#,
+        r#""scenes":[{"nodes":[],"name":"a\nb"}]"#,
+        &long,
+    ] {
+        assert_eq!(name(nameless), None, "{nameless}");
+    }
+    assert_eq!(name(r#""scenes":[{"nodes":[],"name":"Scene"}]"#), None);
+    let demo = assets::load_bytes(&assets::demo_bytes("arbor").unwrap()).unwrap();
+    assert_eq!(demo.name.as_deref(), Some("demo:arbor"));
+}

@@ -114,7 +114,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let shadows = shadow_settings(args)?;
     let format = output::picture_format(&args.output)?;
     let output = Output::create(&args.output)?;
-    let Loaded { scene, mut notes } = open_scene(&args.scene)?;
+    let Loaded { scene, mut notes, .. } = open_scene(&args.scene)?;
     let lights = match &args.lights {
         Some(file) => files::read_lights(file)?,
         None => scene.lights.clone(),
@@ -228,7 +228,7 @@ pub fn open_scene(name: &str) -> Result<Loaded, Error> {
         name: demo.into(),
         choices: choices(assets::DEMO_NAMES.iter().map(|(name, _)| *name)),
     };
-    Ok(Loaded { scene: assets::demo(demo).ok_or_else(no_such)?, notes: Vec::new() })
+    Ok(Loaded { scene: assets::demo(demo).ok_or_else(no_such)?, name: None, notes: Vec::new() })
 }
 
 fn choose_camera(args: &Args, scene: &Scene) -> Result<Camera, Error> {

@@ -70,34 +70,6 @@ fn but(passed: Option<&str>) -> String {
     passed.map_or_else(String::new, |why| format!(": {why}"))
 }
 
-impl Refusal {
-    /// The code that programs act on.
-    pub fn code(&self) -> &'static str {
-        match self {
-            Self::Edit(error) => match error {
-                EditError::NoLight(_) | EditError::NoCamera(_) | EditError::NoPoint { .. } => "notFound",
-                EditError::WrongKind { .. } => "wrongKind",
-                EditError::Source => "source",
-                EditError::InvalidLight { .. } | EditError::OutOfReach(_) => "invalidLight",
-                EditError::InvalidCamera(_) => "invalidCamera",
-                EditError::UnknownAsset(_) => "unknownAsset",
-                EditError::TooMany { .. } => "tooMany",
-                EditError::Conflict(_) => "conflict",
-            },
-            Self::Locked { .. } => "locked",
-            Self::Stale { .. } => "stale",
-            Self::NothingToUndo { .. } => "nothingToUndo",
-            Self::NothingToRedo { .. } => "nothingToRedo",
-            Self::LostRecord(_) => "storage",
-            Self::NoGesture(_) => "noGesture",
-            Self::EmptyGesture(_) => "emptyGesture",
-            Self::GestureExists(_) => "exists",
-            Self::OtherLight(_) => "otherLight",
-            Self::TooMany { .. } => "tooMany",
-        }
-    }
-}
-
 /// Why a record does not go on from where a log stands.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ReplayError {

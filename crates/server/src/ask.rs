@@ -54,16 +54,17 @@ pub fn step(op_id: String, request: Result<Request, ServerError>) -> Result<Step
     Ok(Step { op_id: label(op_id)?, request })
 }
 
-/// The request for a command. A scene that it loads is decoded here, outside of the session's task, and a demo's
-/// name becomes that of its bytes.
+/// The request for a command. A scene that it loads is decoded here, outside of the session's task, a demo's
+/// name becomes that of its bytes, and what it is called is looked up where the command does not say.
 pub async fn edit_request(
     mut command: protocol::Command,
     base_seq: Option<u64>,
     scenes: &Scenes,
 ) -> Result<Request, ServerError> {
     if let protocol::Command::LoadScene { scene, name } = &mut command {
-        let asset = scenes.resolve(scene).await?.to_string();
-        name.get_or_insert(std::mem::replace(scene, asset));
+        let (asset, called) = scenes.resolve(scene).await?;
+        *scene = asset.to_string();
+        name.get_or_insert(called);
     }
     Ok(Request::Edit { base_seq, command: command.try_into()? })
 }

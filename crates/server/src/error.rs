@@ -4,9 +4,8 @@ use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use axum::http::StatusCode;
 use edit::Refusal;
-use protocol::{FileError, PROTOCOL, Problem, Refused};
+use protocol::{ErrorCode, FileError, PROTOCOL, Problem, Refused};
 use render::RenderError;
 use store::StoreError;
 use thiserror::Error;
@@ -100,9 +99,23 @@ pub enum ServerError {
         /// What to do.
         remedy: &'static str,
     },
-    /// No such page or method.
+    /// No such page.
     #[error("{0} is not an address of this server: /openapi.json lists them")]
     NoRoute(String),
+    /// An address that takes other methods.
+    #[error("{path} does not take {method}: the header `Allow` of this answer says what it takes")]
+    MethodNotAllowed {
+        /// The address.
+        path: String,
+        /// What came.
+        method: String,
+    },
+    /// A body that is something else than JSON.
+    #[error(
+        "the body is `{0}` by its Content-Type, and JSON is needed here: send it with `Content-Type: application/json` \
+         (curl: --json in place of -d)"
+    )]
+    NotJson(String),
     /// A size over its limit.
     #[error("{what} may have at most {limit} {unit}: make it smaller")]
     TooLarge {
@@ -143,53 +156,38 @@ pub enum ServerError {
 
 impl ServerError {
     /// The code that programs act on.
-    pub fn code(&self) -> &'static str {
+    pub fn code(&self) -> ErrorCode {
         match self {
-            Self::Data { .. } | Self::Locked(_) | Self::BadToken(_) => "storage",
-            Self::Listen(_) | Self::Fault => "fault",
-            Self::Scene(_) => "badScene",
-            Self::NoDemo(_) => "unknownAsset",
-            Self::Render(_) | Self::Aov(_) | Self::Encode(_) => "render",
+            Self::Data { .. } | Self::Locked(_) | Self::BadToken(_) => ErrorCode::Storage,
+            Self::Listen(_) | Self::Fault => ErrorCode::Fault,
+            Self::Scene(_) => ErrorCode::BadScene,
+            Self::NoDemo(_) => ErrorCode::UnknownAsset,
+            Self::Render(_) | Self::Aov(_) | Self::Encode(_) => ErrorCode::Render,
             Self::Store(error) | Self::Unread(error) => error.code(),
             Self::Opening(error) => error.code(),
-            Self::Unauthorized => "unauthorized",
-            Self::ForeignOrigin(_) => "foreignOrigin",
-            Self::ForeignHost(_) => "foreignHost",
-            Self::Protocol(_) | Self::Hello => "protocol",
-            Self::HelloTooLate => "helloTooLate",
-            Self::BadMessage(_) | Self::CutOff => "badMessage",
+            Self::Unauthorized => ErrorCode::Unauthorized,
+            Self::ForeignOrigin(_) => ErrorCode::ForeignOrigin,
+            Self::ForeignHost(_) => ErrorCode::ForeignHost,
+            Self::Protocol(_) | Self::Hello => ErrorCode::Protocol,
+            Self::HelloTooLate => ErrorCode::HelloTooLate,
+            Self::BadMessage(_) | Self::CutOff => ErrorCode::BadMessage,
             Self::BadCommand(refused) => refused.code(),
-            Self::Refused(refusal) => refusal.code(),
-            Self::NotFound { .. } | Self::NoRoute(_) => "notFound",
-            Self::TooLarge { .. } => "tooLarge",
-            Self::TooMany { .. } => "tooMany",
-            Self::Stalled => "stalled",
-            Self::WarmingUp => "warmingUp",
-            Self::Cold(_) => "notReady",
-            Self::Draining => "draining",
+            Self::Refused(refusal) => refusal.into(),
+            Self::NotFound { .. } | Self::NoRoute(_) => ErrorCode::NotFound,
+            Self::MethodNotAllowed { .. } => ErrorCode::MethodNotAllowed,
+            Self::NotJson(_) => ErrorCode::UnsupportedMediaType,
+            Self::TooLarge { .. } => ErrorCode::TooLarge,
+            Self::TooMany { .. } => ErrorCode::TooMany,
+            Self::Stalled => ErrorCode::Stalled,
+            Self::WarmingUp => ErrorCode::WarmingUp,
+            Self::Cold(_) => ErrorCode::NotReady,
+            Self::Draining => ErrorCode::Draining,
         }
     }
 
-    /// The HTTP status of a refused request.
-    pub fn status(&self) -> StatusCode {
-        match self.code() {
-            "unauthorized" => StatusCode::UNAUTHORIZED,
-            "stalled" => StatusCode::REQUEST_TIMEOUT,
-            "foreignOrigin" | "foreignHost" => StatusCode::FORBIDDEN,
-            "notFound" | "unknownAsset" => StatusCode::NOT_FOUND,
-            "exists" => StatusCode::CONFLICT,
-            "tooLarge" => StatusCode::PAYLOAD_TOO_LARGE,
-            "tooMany" => StatusCode::TOO_MANY_REQUESTS,
-            "warmingUp" | "notReady" | "draining" => StatusCode::SERVICE_UNAVAILABLE,
-            "storage" | "unknownOutcome" | "damagedAsset" | "fault" => StatusCode::INTERNAL_SERVER_ERROR,
-            _ => StatusCode::BAD_REQUEST,
-        }
-    }
-
-    /// Whether another try may go otherwise: such a refusal is no answer to an operation for good (SPEC, REC-4).
+    /// Whether another try may go otherwise (SPEC, REC-4).
     pub fn is_of_the_moment(&self) -> bool {
-        let codes = ["storage", "unknownOutcome", "damagedAsset", "fault", "tooMany", "tooLarge", "draining"];
-        codes.contains(&self.code())
+        self.code().is_of_the_moment()
     }
 
     /// Whether what was asked for may have been done all the same.
@@ -200,17 +198,19 @@ impl ServerError {
     /// What a user is told. The disk's own words name folders of this machine: those go to the log only.
     pub fn problem(&self) -> Problem {
         let code = self.code();
-        if matches!(code, "storage" | "unknownOutcome") {
+        if matches!(code, ErrorCode::Storage | ErrorCode::UnknownOutcome) {
             tracing::error!("the store failed: {self}");
         }
         let message = match (code, self) {
-            ("storage", Self::Unread(_)) => READ_FAILED.into(),
-            ("storage", Self::Opening(error)) if matches!(**error, Self::Unread(_)) => READ_FAILED.into(),
-            ("storage", _) => WRITE_FAILED.into(),
-            ("unknownOutcome", _) => OUTCOME_UNKNOWN.into(),
+            (ErrorCode::Storage, Self::Unread(_)) => READ_FAILED.into(),
+            (ErrorCode::Storage, Self::Opening(error)) if matches!(**error, Self::Unread(_)) => {
+                READ_FAILED.into()
+            }
+            (ErrorCode::Storage, _) => WRITE_FAILED.into(),
+            (ErrorCode::UnknownOutcome, _) => OUTCOME_UNKNOWN.into(),
             _ => self.to_string(),
         };
-        Problem { code: code.into(), message }
+        Problem { code, message }
     }
 }
 

@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{self, Read, Seek};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use assets::Loaded;
+use protocol::Asset;
 use scene::{AssetHash, Scene};
 use store::Store;
 use tokio::sync::Semaphore;
@@ -15,13 +17,26 @@ use crate::storage::Storage;
 
 /// How a demo scene is named.
 pub const DEMO: &str = "demo:";
+/// Digits of its hash that tell a scene without a name from others.
+const DIGITS_OF_UNNAMED: usize = 8;
+
+/// A scene as its bytes have it.
+#[derive(Clone, Debug)]
+pub struct Decoded {
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// What of the file is not drawn or was changed, a sentence each.
+    pub notes: Arc<[String]>,
+    /// What the file itself calls it.
+    own_name: Option<String>,
+}
 
 /// Decodes scenes, one at a time as each may take gigabytes, and keeps the latest.
 #[derive(Debug)]
 pub struct Scenes {
     storage: Storage,
     /// The latest used at the end. Never held while a scene is decoded.
-    kept: Mutex<Vec<(AssetHash, Arc<Scene>)>>,
+    kept: Mutex<Vec<(AssetHash, Decoded)>>,
     decoding: Semaphore,
 }
 
@@ -31,37 +46,48 @@ impl Scenes {
         Self { storage, kept: Mutex::default(), decoding: Semaphore::new(1) }
     }
 
-    /// The asset that `name` means, known to decode: `demo:NAME` or `sha256:HEX`.
-    pub async fn resolve(&self, name: &str) -> Result<AssetHash, ServerError> {
-        let asset = match name.strip_prefix(DEMO) {
+    /// The asset that `wanted` means, `demo:NAME` or `sha256:HEX`, known to decode, and what people call it.
+    pub async fn resolve(&self, wanted: &str) -> Result<(AssetHash, String), ServerError> {
+        let asset = match wanted.strip_prefix(DEMO) {
             Some(demo) => {
                 let no_demo = || ServerError::NoDemo(demo.chars().take(64).collect());
                 self.storage.put_asset(assets::demo_bytes(demo).ok_or_else(no_demo)?).await?
             }
-            None => name.parse().map_err(protocol::Refused::from)?,
+            None => wanted.parse().map_err(protocol::Refused::from)?,
         };
-        self.load(asset).await?;
-        Ok(asset)
+        let decoded = self.load(asset).await?;
+        Ok((asset, self.name_of(asset, &decoded).await?))
     }
 
-    /// Keeps a scene's file once it is known to decode.
-    pub async fn add(&self, file: File) -> Result<AssetHash, ServerError> {
+    /// Keeps a scene's file once it is known to decode, under `name` where there is one.
+    pub async fn add(&self, file: File, name: Option<String>) -> Result<Asset, ServerError> {
         let turn = self.decoding.acquire().await.map_err(|_| ServerError::Fault)?;
         let folder = self.storage.folder().to_owned();
         let decoded = spawn_blocking(move || {
             let bytes = read_all(file).map_err(|reason| ServerError::Data { path: folder, reason })?;
-            let loaded = assets::load_bytes(&bytes)?;
-            Ok::<_, ServerError>((bytes, loaded.scene))
+            let decoded = Decoded::of(&bytes)?;
+            Ok::<_, ServerError>((bytes, decoded))
         });
-        let (bytes, scene) = decoded.await.map_err(|_| ServerError::Fault)??;
+        let (bytes, decoded) = decoded.await.map_err(|_| ServerError::Fault)??;
         drop(turn);
         let asset = self.storage.put_asset(bytes).await?;
-        self.keep(asset, &Arc::new(scene));
-        Ok(asset)
+        if let Some(name) = name {
+            self.storage.name_asset(asset, name).await?;
+        }
+        self.keep(asset, &decoded);
+        let name = self.name_of(asset, &decoded).await?;
+        Ok(Asset { asset: asset.to_string(), name, notes: decoded.notes.to_vec() })
+    }
+
+    /// What people call a scene: what somebody named it, else what its file calls it, else the start of its hash.
+    async fn name_of(&self, asset: AssetHash, decoded: &Decoded) -> Result<String, ServerError> {
+        let named = self.storage.read(move |store| store.asset_name(&asset)).await?;
+        let own = || decoded.own_name.clone();
+        Ok(named.or_else(own).unwrap_or_else(|| format!("scene {}", &asset.hex()[..DIGITS_OF_UNNAMED])))
     }
 
     /// The scene of those bytes.
-    pub async fn load(&self, asset: AssetHash) -> Result<Arc<Scene>, ServerError> {
+    pub async fn load(&self, asset: AssetHash) -> Result<Decoded, ServerError> {
         if let Some(scene) = self.kept(&asset) {
             return Ok(scene);
         }
@@ -72,38 +98,46 @@ impl Scenes {
         }
         let storage = self.storage.clone();
         let decoded = spawn_blocking(move || decode(&storage.open().map_err(ServerError::Unread)?, &asset));
-        let scene = decoded.await.map_err(|_| ServerError::Fault)??;
-        self.keep(asset, &scene);
-        Ok(scene)
+        let decoded = decoded.await.map_err(|_| ServerError::Fault)??;
+        self.keep(asset, &decoded);
+        Ok(decoded)
     }
 
     /// As [`Self::load`], for threads that may block.
-    pub fn find(&self, asset: &AssetHash) -> Result<Arc<Scene>, ServerError> {
+    pub fn find(&self, asset: &AssetHash) -> Result<Decoded, ServerError> {
         if let Some(scene) = self.kept(asset) {
             return Ok(scene);
         }
         let store = self.storage.open().map_err(ServerError::Unread)?;
-        let scene = decode(&store, asset)?;
-        self.keep(*asset, &scene);
-        Ok(scene)
+        let decoded = decode(&store, asset)?;
+        self.keep(*asset, &decoded);
+        Ok(decoded)
     }
 
-    fn kept(&self, asset: &AssetHash) -> Option<Arc<Scene>> {
+    fn kept(&self, asset: &AssetHash) -> Option<Decoded> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         let index = kept.iter().position(|(known, _)| known == asset)?;
         let found = kept.remove(index);
-        let scene = Arc::clone(&found.1);
+        let decoded = found.1.clone();
         kept.push(found);
-        Some(scene)
+        Some(decoded)
     }
 
-    fn keep(&self, asset: AssetHash, scene: &Arc<Scene>) {
+    fn keep(&self, asset: AssetHash, decoded: &Decoded) {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         kept.retain(|(known, _)| *known != asset);
         if kept.len() == MAX_SCENES_KEPT {
             kept.remove(0);
         }
-        kept.push((asset, Arc::clone(scene)));
+        kept.push((asset, decoded.clone()));
+    }
+}
+
+impl Decoded {
+    /// Decodes a scene's file.
+    fn of(bytes: &[u8]) -> Result<Self, ServerError> {
+        let Loaded { scene, name, notes } = assets::load_bytes(bytes)?;
+        Ok(Self { scene: Arc::new(scene), notes: notes.into(), own_name: name })
     }
 }
 
@@ -115,12 +149,8 @@ fn read_all(mut file: File) -> io::Result<Vec<u8>> {
 }
 
 /// Reads and decodes a stored scene. Blocks.
-fn decode(store: &Store, asset: &AssetHash) -> Result<Arc<Scene>, ServerError> {
+fn decode(store: &Store, asset: &AssetHash) -> Result<Decoded, ServerError> {
     let unknown = || edit::Refusal::Edit(scene::EditError::UnknownAsset(*asset));
     let bytes = store.asset(asset).map_err(ServerError::Unread)?.ok_or_else(unknown)?;
-    let loaded = assets::load_bytes(&bytes)?;
-    for note in loaded.notes {
-        tracing::info!("{asset}: {note}");
-    }
-    Ok(Arc::new(loaded.scene))
+    Decoded::of(&bytes)
 }

@@ -200,14 +200,20 @@ fn first_scene(store: &Store, name: &str) -> Result<(AssetHash, Arc<scene::Scene
     };
     let loaded =
         assets::load_bytes(&bytes).map_err(|error| assets::AssetError { file: name.into(), ..error })?;
-    Ok((store.put_asset(&bytes)?, Arc::new(loaded.scene)))
+    let asset = store.put_asset(&bytes)?;
+    if loaded.name.as_deref() != Some(name) {
+        store.name_asset(&asset, &scene_label(name))?;
+    }
+    Ok((asset, Arc::new(loaded.scene)))
 }
 
-/// What people call a scene: a demo by its name, a file by its last part.
+/// What people call a scene: a demo by its name, a file by its last part, as far as that is fit to be a name.
 fn scene_label(name: &str) -> String {
     let label = Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name);
     let fits = label.char_indices().take_while(|(at, c)| at + c.len_utf8() <= scene::MAX_NAME_BYTES);
-    fits.map(|(_, c)| c).collect()
+    let label: String = fits.map(|(_, c)| c).filter(|c| !c.is_control()).collect();
+    let label = label.trim();
+    if label.is_empty() { "scene".into() } else { label.into() }
 }
 
 /// Tests that kill a first start at every write and every sync. They stand here to start no renderer.
@@ -289,5 +295,21 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         Store::create(folder.path()).expect("a store").create_session("main").expect("a session");
         assert!(is_whole(folder.path()));
+    }
+
+    /// Rules: HTTP-10
+    #[test]
+    fn the_first_scene_is_called_as_its_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (file, name) in [("room.gltf", "room.gltf"), (" ro\nom.gltf ", "room.gltf"), ("\u{1}", "scene")] {
+            let scene = folder.path().join(file);
+            let bytes = format!(r#"{{"asset": {{"version": "2.0", "generator": "{}"}}}}"#, file.len());
+            std::fs::write(&scene, &bytes).expect("a scene's file");
+            let data = tempfile::tempdir().expect("a folder");
+            let config = Config { scene: scene.display().to_string(), ..config(data.path()) };
+            let store = Data::open(&config).expect("a start").store;
+            let asset = AssetHash::of(bytes.as_bytes());
+            assert_eq!(store.asset_name(&asset).expect("no error").as_deref(), Some(name), "{file:?}");
+        }
     }
 }

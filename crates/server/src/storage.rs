@@ -101,6 +101,11 @@ impl Storage {
         self.ask(move |store| store.put_asset(bytes.as_ref()).map_err(ServerError::Store)).await
     }
 
+    /// Keeps what people call an asset; it is on disk when it returns.
+    pub async fn name_asset(&self, asset: AssetHash, name: String) -> Result<(), ServerError> {
+        self.ask(move |store| store.name_asset(&asset, &name).map_err(ServerError::Store)).await
+    }
+
     /// Asks the store on the blocking pool.
     pub async fn read<T: Send + 'static>(
         &self,
@@ -119,7 +124,7 @@ impl Storage {
         self.ask(move |store| {
             let failed = RefCell::new(None);
             let find_scene = |asset: &AssetHash| match scenes.find(asset) {
-                Ok(scene) => Some(scene),
+                Ok(decoded) => Some(decoded.scene),
                 Err(error) => {
                     failed.borrow_mut().get_or_insert(error);
                     None
@@ -186,23 +191,23 @@ fn write_until_closed(mut store: Store, mut inbox: mpsc::Receiver<Write>, metric
         }
         if !commits.is_empty() {
             let started = std::time::Instant::now();
-            commit_all(&mut store, commits);
+            let results = commit_all(&mut store, &commits);
+            // Counted before it is answered: whoever has the answer finds it in the metrics.
             metrics.commit_seconds.observe(started.elapsed().as_secs_f64());
+            for ((_, done), result) in commits.into_iter().zip(results) {
+                let _ = done.send(result);
+            }
         }
     }
 }
 
 /// Commits all together, or where that fails each for itself, so that no session fails for another's sake.
-fn commit_all(store: &mut Store, commits: Vec<(Commit, oneshot::Sender<Result<Tail, StoreError>>)>) {
+fn commit_all<T>(store: &mut Store, commits: &[(Commit, T)]) -> Vec<Result<Tail, StoreError>> {
     let batches: Vec<Batch> = commits.iter().map(|(commit, _)| commit.batch()).collect();
-    let together = if commits.len() > 1 { store.append(&batches).ok() } else { None };
-    let mut together = together.into_iter().flatten();
-    for (commit, done) in commits {
-        let result = match together.next() {
-            Some(tail) => Ok(tail),
-            None => store.append(&[commit.batch()]).map(|tails| tails[0]),
-        };
-        let _ = done.send(result);
+    let together = if batches.len() > 1 { store.append(&batches).ok() } else { None };
+    match together {
+        Some(tails) => tails.into_iter().map(Ok).collect(),
+        None => batches.into_iter().map(|batch| store.append(&[batch]).map(|tails| tails[0])).collect(),
     }
 }
 

@@ -1,10 +1,10 @@
-//! Assets: a file each, named by the hash of its bytes.
+//! Assets: a file each, named by the hash of its bytes, and beside it what people call it.
 
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use scene::AssetHash;
+use scene::{AssetHash, MAX_NAME_BYTES};
 
 use crate::database::sync_folder;
 use crate::{Store, StoreError};
@@ -12,6 +12,8 @@ use crate::{Store, StoreError};
 /// Bytes that an asset has at most. The largest scene that can be read, 512 MiB, with its pictures in base64 takes 683.
 pub const MAX_ASSET_BYTES: u64 = 768 << 20;
 
+/// How the name of the file ends that holds what people call an asset.
+const NAME: &str = ".name";
 /// How the name of a file begins that is not whole yet.
 const LEFTOVER: &str = ".incoming-";
 
@@ -25,8 +27,32 @@ impl Store {
         if let Ok(Some(_)) = self.asset(&asset) {
             return Ok(asset);
         }
-        self.write(&asset, bytes).map_err(|reason| self.failed(&asset, reason))?;
+        let path = self.asset_path(&asset);
+        self.write(&path, bytes).map_err(|reason| StoreError::Io { path, reason })?;
         Ok(asset)
+    }
+
+    /// Keeps what people call an asset, in place of an earlier name. It is on the disk when this returns.
+    pub fn name_asset(&self, asset: &AssetHash, name: &str) -> Result<(), StoreError> {
+        check_scene_name(name)?;
+        if self.asset_name(asset)?.is_some_and(|known| known == name) {
+            return Ok(());
+        }
+        let path = self.name_path(asset);
+        self.write(&path, name.as_bytes()).map_err(|reason| StoreError::Io { path, reason })
+    }
+
+    /// What people call an asset; `None` where nobody has said. A file that holds no name counts for nothing said.
+    pub fn asset_name(&self, asset: &AssetHash) -> Result<Option<String>, StoreError> {
+        let path = self.name_path(asset);
+        let mut bytes = Vec::new();
+        // One byte over the limit, which no name can have then.
+        let most = MAX_NAME_BYTES as u64 + 1;
+        match File::open(&path).and_then(|file| file.take(most).read_to_end(&mut bytes)) {
+            Ok(_) => Ok(String::from_utf8(bytes).ok().filter(|name| check_scene_name(name).is_ok())),
+            Err(reason) if reason.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(reason) => Err(StoreError::Io { path, reason }),
+        }
     }
 
     /// The bytes of that hash; `None` where they are not here.
@@ -34,7 +60,7 @@ impl Store {
         let bytes = match self.read(asset) {
             Ok(bytes) => bytes,
             Err(reason) if reason.kind() == io::ErrorKind::NotFound => return Ok(None),
-            Err(reason) => return Err(self.failed(asset, reason)),
+            Err(reason) => return Err(StoreError::Io { path: self.asset_path(asset), reason }),
         };
         if AssetHash::of(&bytes) == *asset { Ok(Some(bytes)) } else { Err(StoreError::DamagedAsset(*asset)) }
     }
@@ -47,12 +73,12 @@ impl Store {
     }
 
     /// First beside its place, so that a file of that name is always whole.
-    fn write(&self, asset: &AssetHash, bytes: &[u8]) -> io::Result<()> {
+    fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         fs::create_dir_all(&self.assets)?;
         let mut file = tempfile::Builder::new().prefix(LEFTOVER).tempfile_in(&self.assets)?;
         file.write_all(bytes)?;
         file.as_file().sync_all()?;
-        file.persist(self.asset_path(asset))?;
+        file.persist(path)?;
         sync_folder(&self.assets)
     }
 
@@ -74,7 +100,14 @@ impl Store {
         self.assets.join(asset.hex())
     }
 
-    fn failed(&self, asset: &AssetHash, reason: io::Error) -> StoreError {
-        StoreError::Io { path: self.asset_path(asset), reason }
+    fn name_path(&self, asset: &AssetHash) -> PathBuf {
+        self.assets.join(asset.hex() + NAME)
     }
+}
+
+/// Refuses what cannot be what people call a scene: nothing, too much, or what no line of text holds.
+pub fn check_scene_name(name: &str) -> Result<(), StoreError> {
+    let is_name =
+        (1..=MAX_NAME_BYTES).contains(&name.len()) && name.trim() == name && !name.contains(char::is_control);
+    if is_name { Ok(()) } else { Err(StoreError::BadSceneName) }
 }

@@ -4,8 +4,8 @@ use std::io;
 use std::path::PathBuf;
 
 use edit::ReplayError;
-use protocol::{FileError, Refused};
-use scene::{AssetHash, EditError};
+use protocol::{ErrorCode, FileError, Refused};
+use scene::{AssetHash, EditError, MAX_NAME_BYTES};
 use thiserror::Error;
 
 use crate::sessions::{MAX_NAME_CHARS, MAX_SESSIONS};
@@ -52,6 +52,12 @@ pub enum StoreError {
         "`{0}` cannot name a session: take 1 to {MAX_NAME_CHARS} of a-z A-Z 0-9 - _ . and start with a letter or digit"
     )]
     BadName(String),
+    /// Not what people call a scene.
+    #[error(
+        "a scene's name has 1 to {MAX_NAME_BYTES} bytes, begins and ends without a space and has no control characters: \
+         choose another"
+    )]
+    BadSceneName,
     /// The name is taken.
     #[error("there is a session `{0}` already: choose another name")]
     Exists(String),
@@ -169,14 +175,16 @@ pub enum StoreError {
 
 impl StoreError {
     /// The code that programs act on.
-    pub fn code(&self) -> &'static str {
+    pub fn code(&self) -> ErrorCode {
         match self {
-            Self::NoSession(_) | Self::NoRecord { .. } => "notFound",
-            Self::Exists(_) => "exists",
-            Self::BadName(_) => "badName",
-            Self::TooManySessions | Self::TooManyRecords => "tooMany",
-            Self::RecordTooLarge | Self::AssetTooLarge => "tooLarge",
-            Self::Replay(ReplayError::Record { reason: EditError::UnknownAsset(_), .. }) => "unknownAsset",
+            Self::NoSession(_) | Self::NoRecord { .. } => ErrorCode::NotFound,
+            Self::Exists(_) => ErrorCode::Exists,
+            Self::BadName(_) | Self::BadSceneName => ErrorCode::BadName,
+            Self::TooManySessions | Self::TooManyRecords => ErrorCode::TooMany,
+            Self::RecordTooLarge | Self::AssetTooLarge => ErrorCode::TooLarge,
+            Self::Replay(ReplayError::Record { reason: EditError::UnknownAsset(_), .. }) => {
+                ErrorCode::UnknownAsset
+            }
             Self::Line { .. }
             | Self::NotText { .. }
             | Self::Meaningless { .. }
@@ -185,9 +193,9 @@ impl StoreError {
             | Self::Replay(_)
             | Self::Repeated { .. }
             | Self::Unproven { .. }
-            | Self::Differs { .. } => "badLog",
-            Self::Unknown(_) => "unknownOutcome",
-            Self::DamagedAsset(_) => "damagedAsset",
+            | Self::Differs { .. } => ErrorCode::BadLog,
+            Self::Unknown(_) => ErrorCode::UnknownOutcome,
+            Self::DamagedAsset(_) => ErrorCode::DamagedAsset,
             Self::NoData(_)
             | Self::Io { .. }
             | Self::Database(_)
@@ -196,7 +204,7 @@ impl StoreError {
             | Self::OutOfStep(_)
             | Self::DamagedRecord { .. }
             | Self::Unreadable(_)
-            | Self::Unwritable(_) => "storage",
+            | Self::Unwritable(_) => ErrorCode::Storage,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Where edit logs and assets live: a folder with one SQLite database and a file for each asset.
+//! Where edit logs and assets live: a folder with one SQLite database, a file for each asset and one for its name.
 //!
 //! What [`Store::append`] and [`Store::put_asset`] have returned from survives a crash of the program and of the
 //! machine. A log is read in passes and never held in memory as a whole. Calls block; whoever serves many runs them on
@@ -15,7 +15,7 @@ mod operations;
 mod records;
 mod sessions;
 
-pub use assets::MAX_ASSET_BYTES;
+pub use assets::{MAX_ASSET_BYTES, check_scene_name};
 pub use checkpoints::{Opened, Tail};
 pub use database::{DATABASE, FILES, Store};
 pub use error::StoreError;

@@ -1,7 +1,9 @@
 //! What became of operations, for those that come again (SPEC, REC-4).
 
 use edit::Action;
-use rusqlite::{Connection, OptionalExtension, params};
+use protocol::ErrorCode;
+use rusqlite::types::Type;
+use rusqlite::{Connection, OptionalExtension, Row, params};
 
 use crate::sessions::{Found, find};
 use crate::{Store, StoreError};
@@ -19,7 +21,7 @@ pub struct Rejection {
     /// The sender's name for the operation.
     pub op_id: String,
     /// Why, for programs.
-    pub code: String,
+    pub code: ErrorCode,
     /// Why, for people.
     pub message: String,
 }
@@ -39,7 +41,7 @@ pub enum Outcome {
     /// It was refused.
     Rejected {
         /// Why, for programs.
-        code: String,
+        code: ErrorCode,
         /// Why, for people.
         message: String,
     },
@@ -64,7 +66,7 @@ impl Store {
         let select = "SELECT code, message FROM rejection WHERE session = ? AND actor = ? AND op_id = ?";
         let mut statement = self.connection.prepare_cached(select)?;
         let rejected = statement.query_row(operation, |row| {
-            Ok(Outcome::Rejected { code: row.get("code")?, message: row.get("message")? })
+            Ok(Outcome::Rejected { code: code(row)?, message: row.get("message")? })
         });
         Ok(rejected.optional()?)
     }
@@ -78,6 +80,15 @@ impl Store {
     }
 }
 
+/// The code of a kept rejection.
+fn code(row: &Row<'_>) -> rusqlite::Result<ErrorCode> {
+    let name = row.get_ref("code")?.as_str()?;
+    ErrorCode::named(name).ok_or_else(|| {
+        let unknown = format!("`{name}` is no code that this version knows").into();
+        rusqlite::Error::FromSqlConversionFailure(0, Type::Text, unknown)
+    })
+}
+
 /// Keeps a rejection, and lets go of that actor's oldest.
 pub(crate) fn insert_rejection(
     connection: &Connection,
@@ -86,7 +97,7 @@ pub(crate) fn insert_rejection(
 ) -> Result<(), StoreError> {
     let Rejection { actor_id, op_id, code, message } = rejection;
     let insert = "INSERT INTO rejection (session, actor, op_id, code, message) VALUES (?, ?, ?, ?, ?) ON CONFLICT DO NOTHING";
-    connection.prepare_cached(insert)?.execute(params![key, actor_id, op_id, code, message])?;
+    connection.prepare_cached(insert)?.execute(params![key, actor_id, op_id, code.name(), message])?;
     let too_many = "
         DELETE FROM rejection WHERE session = ?1 AND actor = ?2 AND id <= (
             SELECT id FROM rejection WHERE session = ?1 AND actor = ?2 ORDER BY id DESC LIMIT 1 OFFSET ?3)";

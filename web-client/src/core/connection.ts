@@ -1,6 +1,6 @@
 // One socket at a time, opened again for as long as the page lives.
 
-import type { ClientMessage, ServerMessage } from "./protocol";
+import type { ClientMessage, ErrorCode, ServerMessage } from "./protocol";
 
 /** What the page's surroundings provide. Tests bring their own. */
 export interface Host {
@@ -62,7 +62,7 @@ const PING_EVERY_MS = 5_000;
 /** Without an answer for so long the connection is taken for dead, as after a computer's sleep. */
 const SILENCE_MS = 12_000;
 /** Fatal errors after which the same hello may be welcome: they are about a moment, not about who asks. */
-const PASSING_ERRORS: readonly string[] = ["helloTooLate", "draining"];
+const PASSING_ERRORS: readonly ErrorCode[] = ["helloTooLate", "draining"];
 
 /** How long to wait before try `attempt` (from 0): twice as long each time, half of it by chance. */
 export function retryDelayMs(attempt: number, random: number): number {

@@ -8,687 +8,276 @@ export type BendyLightsProtocol1 = ClientMessage | ServerMessage | LogHeader | R
  * What a client sends.
  */
 export type ClientMessage =
-  | {
-      actor: Actor;
-      /**
-       * The history that the client knows.
-       */
-      epoch?: string;
-      /**
-       * The latest record that the client knows.
-       */
-      lastSeq?: number;
-      /**
-       * [`PROTOCOL`].
-       */
-      protocol: number;
-      /**
-       * Name of the session.
-       */
-      session: string;
-      /**
-       * The server's token.
-       */
-      token: string;
-      type: "hello";
-    }
-  | {
-      /**
-       * The client's number for its camera.
-       */
-      cameraRevision: number;
-      /**
-       * Pixels.
-       */
-      height: number;
-      source: ViewSource;
-      type: "openView";
-      /**
-       * Pixels.
-       */
-      width: number;
-    }
-  | {
-      camera: Camera;
-      /**
-       * The client's number for it.
-       */
-      cameraRevision: number;
-      type: "setCamera";
-    }
-  | {
-      /**
-       * Pixels.
-       */
-      height: number;
-      type: "viewport";
-      /**
-       * Pixels.
-       */
-      width: number;
-    }
-  | {
-      /**
-       * Its number.
-       */
-      frame: number;
-      type: "ack";
-    }
-  | {
-      /**
-       * The latest record that the client knew.
-       */
-      baseSeq: number;
-      command: Command;
-      /**
-       * The client's name for it; see REC-4.
-       */
-      opId: string;
-      type: "edit";
-    }
-  | {
-      /**
-       * The latest record that the client knew.
-       */
-      baseSeq: number;
-      /**
-       * The client's name for it.
-       */
-      gesture: string;
-      /**
-       * The light it is on.
-       */
-      light: number;
-      type: "gestureBegin";
-    }
-  | {
-      command: Command;
-      /**
-       * Which.
-       */
-      gesture: string;
-      type: "gestureUpdate";
-      /**
-       * The client's number for this state.
-       */
-      update: number;
-    }
-  | {
-      /**
-       * Which.
-       */
-      gesture: string;
-      /**
-       * The client's name for the record.
-       */
-      opId: string;
-      type: "gestureCommit";
-    }
-  | {
-      /**
-       * Which.
-       */
-      gesture: string;
-      type: "gestureCancel";
-    }
-  | {
-      /**
-       * The client's name for it.
-       */
-      opId: string;
-      scope: Scope;
-      type: "undo";
-    }
-  | {
-      /**
-       * The client's name for it.
-       */
-      opId: string;
-      scope: Scope;
-      type: "redo";
-    }
-  | {
-      /**
-       * A light's id.
-       */
-      selection: number | null;
-      type: "presence";
-    }
-  | {
-      type: "history";
-    }
-  | {
-      /**
-       * Comes back as it is.
-       */
-      sent: number;
-      type: "ping";
-    };
+  | ClientHello
+  | ClientOpenView
+  | ClientSetCamera
+  | ClientViewport
+  | ClientAck
+  | ClientEdit
+  | ClientGestureBegin
+  | ClientGestureUpdate
+  | ClientGestureCommit
+  | ClientGestureCancel
+  | ClientUndo
+  | ClientRedo
+  | ClientPresence
+  | ClientHistory
+  | ClientPing;
 /**
  * Where a view looks from.
  */
-export type ViewSource =
-  | {
-      own: Camera;
-    }
-  | {
-      follow: number;
-    };
+export type ViewSource = OwnView | FollowView;
 /**
- * [`scene::Projection`] in JSON.
+ * `scene::Projection` in JSON.
  */
-export type Projection =
-  | {
-      perspective: {
-        /**
-         * Width over height of what it frames, all of which is in the picture; the picture's own by default.
-         */
-        aspectRatio?: number;
-        /**
-         * Full vertical angle of view, radians.
-         */
-        yfov: number;
-        /**
-         * Distance of the far plane; endless by default.
-         */
-        zfar?: number;
-        /**
-         * Distance of the near plane, more than 0.
-         */
-        znear: number;
-      };
-    }
-  | {
-      orthographic: {
-        /**
-         * Width over height of what it frames, all of which is in the picture; the picture's own by default.
-         */
-        aspectRatio?: number;
-        /**
-         * Half the height of the view.
-         */
-        ymag: number;
-        /**
-         * Distance of the far plane.
-         */
-        zfar: number;
-        /**
-         * Distance of the near plane, 0 or more.
-         */
-        znear: number;
-      };
-    };
+export type Projection = PerspectiveProjection | OrthographicProjection;
 /**
- * [`scene::Command`] in JSON; `type` says which (SPEC, section 2).
+ * `scene::Command` in JSON; `type` says which (SPEC, section 2).
  */
 export type Command =
-  | {
-      /**
-       * What people call it; by default the same.
-       */
-      name?: string;
-      /**
-       * `"demo:NAME"` or `"sha256:HEX"`.
-       */
-      scene: string;
-      type: "loadScene";
-    }
-  | {
-      light: Light;
-      type: "addLight";
-    }
-  | {
-      /**
-       * Its id.
-       */
-      light: number;
-      type: "removeLight";
-    }
-  | {
-      /**
-       * Its id.
-       */
-      light: number;
-      /**
-       * Light-local to world axes; stays by default.
-       *
-       * @minItems 4
-       * @maxItems 4
-       */
-      rotation?: [number, number, number, number];
-      /**
-       * World units per light-local unit; stays by default.
-       */
-      scale?: number;
-      /**
-       * World position of its source; stays by default.
-       *
-       * @minItems 3
-       * @maxItems 3
-       */
-      translation?: [number, number, number];
-      type: "placeLight";
-    }
-  | {
-      /**
-       * Its id.
-       */
-      light: number;
-      parameter: LightParameter;
-      type: "setLight";
-    }
-  | {
-      /**
-       * Its light's id.
-       */
-      light: number;
-      parameter: PointParameter;
-      /**
-       * Its index.
-       */
-      point: number;
-      type: "setPoint";
-    }
-  | {
-      /**
-       * Linear RGB; between its neighbours' by default.
-       *
-       * @minItems 3
-       * @maxItems 3
-       */
-      color?: [number, number, number];
-      /**
-       * Between its neighbours' by default.
-       */
-      intensity?: number;
-      /**
-       * The light's id.
-       */
-      light: number;
-      /**
-       * The index that the new point gets, 1 to the number of points.
-       */
-      point: number;
-      /**
-       * Light-local position. By default the point there becomes two, and the curve stays nearly as it is.
-       *
-       * @minItems 3
-       * @maxItems 3
-       */
-      position?: [number, number, number];
-      /**
-       * Light-local radius; between its neighbours' by default.
-       */
-      radius?: number;
-      type: "insertPoint";
-    }
-  | {
-      /**
-       * The light's id.
-       */
-      light: number;
-      /**
-       * Its index, 1 or more.
-       */
-      point: number;
-      type: "removePoint";
-    }
-  | {
-      camera: Camera;
-      type: "addCamera";
-    }
-  | {
-      /**
-       * Its id.
-       */
-      camera: number;
-      type: "removeCamera";
-    }
-  | {
-      /**
-       * Its id.
-       */
-      camera: number;
-      /**
-       * Camera to world axes; stays by default.
-       *
-       * @minItems 4
-       * @maxItems 4
-       */
-      rotation?: [number, number, number, number];
-      /**
-       * World position of the eye; stays by default.
-       *
-       * @minItems 3
-       * @maxItems 3
-       */
-      translation?: [number, number, number];
-      type: "placeCamera";
-    }
-  | {
-      /**
-       * Its id.
-       */
-      camera: number;
-      parameter: CameraParameter;
-      type: "setCamera";
-    };
+  | LoadScene
+  | AddLight
+  | RemoveLight
+  | PlaceLight
+  | SetLight
+  | SetPoint
+  | InsertPoint
+  | RemovePoint
+  | AddCamera
+  | RemoveCamera
+  | PlaceCamera
+  | SetCamera;
 /**
  * One light. In JSON the field `type` says which.
  */
 export type Light = Bendy | Spot;
 /**
- * [`bendy::Decay`] in JSON.
+ * `bendy::Decay` in JSON.
  */
 export type Decay = "none" | "linear" | "inverseSquare";
 /**
- * [`bendy::Direction`] in JSON.
+ * `bendy::Direction` in JSON.
  */
 export type Direction = "tube" | "path";
 /**
- * [`bendy::EndMode`] in JSON.
+ * `bendy::EndMode` in JSON.
  */
 export type EndMode = "cut" | "extend";
 /**
- * [`bendy::Frame`] in JSON.
+ * `bendy::Frame` in JSON.
  */
 export type Frame = "rotationMinimizing" | "up";
 /**
- * The `type` of a [`Bendy`].
- */
-export type BendyType = "bendy";
-/**
- * The `type` of a [`Spot`].
- */
-export type SpotType = "spot";
-/**
- * [`scene::LightParameter`] in JSON: an object with one field.
+ * `scene::LightParameter` in JSON: an object with one field.
  */
 export type LightParameter =
-  | {
-      name: string;
-    }
-  | {
-      /**
-       * @minItems 3
-       * @maxItems 3
-       */
-      translation: [number, number, number];
-    }
-  | {
-      /**
-       * @minItems 4
-       * @maxItems 4
-       */
-      rotation: [number, number, number, number];
-    }
-  | {
-      scale: number;
-    }
-  | {
-      coneAngle: number;
-    }
-  | {
-      coneSoftness: number;
-    }
-  | {
-      decay: Decay;
-    }
-  | {
-      /**
-       * @minItems 3
-       * @maxItems 3
-       */
-      up: [number, number, number];
-    }
-  | {
-      frame: Frame;
-    }
-  | {
-      direction: Direction;
-    }
-  | {
-      endMode: EndMode;
-    }
-  | {
-      /**
-       * @minItems 3
-       * @maxItems 3
-       */
-      color: [number, number, number];
-    }
-  | {
-      intensity: number;
-    }
-  | {
-      range: number | null;
-    };
+  | LightName
+  | LightTranslation
+  | LightRotation
+  | LightScale
+  | LightConeAngle
+  | LightConeSoftness
+  | LightDecay
+  | LightUp
+  | LightFrame
+  | LightDirection
+  | LightEndMode
+  | LightColor
+  | LightIntensity
+  | LightRange;
 /**
- * [`scene::PointParameter`] in JSON: an object with one field.
+ * `scene::PointParameter` in JSON: an object with one field.
  */
-export type PointParameter =
-  | {
-      /**
-       * @minItems 3
-       * @maxItems 3
-       */
-      position: [number, number, number];
-    }
-  | {
-      radius: number;
-    }
-  | {
-      /**
-       * @minItems 3
-       * @maxItems 3
-       */
-      color: [number, number, number];
-    }
-  | {
-      intensity: number;
-    };
+export type PointParameter = PointPosition | PointRadius | PointColor | PointIntensity;
 /**
- * [`scene::CameraParameter`] in JSON: an object with one field.
+ * `scene::CameraParameter` in JSON: an object with one field.
  */
-export type CameraParameter =
-  | {
-      name: string;
-    }
-  | {
-      /**
-       * @minItems 3
-       * @maxItems 3
-       */
-      translation: [number, number, number];
-    }
-  | {
-      /**
-       * @minItems 4
-       * @maxItems 4
-       */
-      rotation: [number, number, number, number];
-    }
-  | {
-      projection: Projection;
-    };
+export type CameraParameter = CameraName | CameraTranslation | CameraRotation | CameraProjection;
 /**
- * [`edit::Scope`] in JSON.
+ * `edit::Scope` in JSON.
+ *
+ * - `mine`: One's own steps.
+ * - `session`: Everybody's.
  */
 export type Scope = "mine" | "session";
 /**
  * What the server sends.
  */
 export type ServerMessage =
-  | (Welcome & {
-      type: "welcome";
-    })
-  | {
-      bounds?: Bounds;
-      /**
-       * The document's hash after it.
-       */
-      hash: string;
-      record: Record;
-      type: "log";
-    }
-  | (Resync & {
-      type: "resync";
-    })
-  | (EditResult & {
-      type: "editResult";
-    })
-  | (GestureState & {
-      type: "gestureState";
-    })
-  | {
-      /**
-       * In the order in which they came.
-       */
-      clients: Presence[];
-      type: "presence";
-    }
-  | (History & {
-      type: "history";
-    })
-  | {
-      /**
-       * Pixels.
-       */
-      height: number;
-      source: ViewSource;
-      type: "viewConfig";
-      /**
-       * Pixels.
-       */
-      width: number;
-    }
-  | {
-      /**
-       * As it came.
-       */
-      sent: number;
-      /**
-       * The server's clock, in microseconds since it started.
-       */
-      serverTimeUs: number;
-      type: "pong";
-    }
-  | {
-      /**
-       * When to try again.
-       */
-      retryAfterMs: number;
-      type: "draining";
-    }
-  | {
-      /**
-       * For programs.
-       */
-      code: string;
-      /**
-       * Whether the connection ends.
-       */
-      fatal: boolean;
-      /**
-       * For people.
-       */
-      message: string;
-      type: "error";
-    };
+  | ServerWelcome
+  | ServerLog
+  | ServerResync
+  | ServerEditResult
+  | ServerGestureState
+  | ServerPresence
+  | ServerHistory
+  | ServerViewConfig
+  | ServerPong
+  | ServerDraining
+  | ServerError;
+export type ServerWelcome = Welcome & {
+  type: "welcome";
+};
 /**
- * [`scene::Change`] in JSON; `type` says which (SPEC, section 3).
+ * `scene::Change` in JSON; `type` says which (SPEC, section 3).
  */
 export type Change =
-  | {
-      new: SceneRef | null;
-      old: SceneRef | null;
-      type: "scene";
-    }
-  | {
-      light: number;
-      new: PlacedLight | null;
-      old: PlacedLight | null;
-      type: "light";
-    }
-  | {
-      light: number;
-      new: LightParameter;
-      old: LightParameter;
-      type: "lightParameter";
-    }
-  | {
-      layout: number;
-      light: number;
-      new: PointParameter;
-      old: PointParameter;
-      point: number;
-      type: "point";
-    }
-  | {
-      light: number;
-      new: ControlPoints;
-      old: ControlPoints;
-      type: "controlPoints";
-    }
-  | {
-      camera: number;
-      new: Camera | null;
-      old: Camera | null;
-      type: "camera";
-    }
-  | {
-      camera: number;
-      new: CameraParameter;
-      old: CameraParameter;
-      type: "cameraParameter";
-    };
+  | SceneChange
+  | LightChange
+  | LightParameterChange
+  | PointChange
+  | ControlPointsChange
+  | CameraChange
+  | CameraParameterChange;
+/**
+ * Why something is refused, for programs. The sentence beside it is for people.
+ *
+ * - `badMessage`: The message, the body or a parameter cannot be read.
+ * - `badName`: The name cannot name a session or a scene.
+ * - `badScene`: The scene's file cannot be used.
+ * - `badLog`: The log was changed or does not fit together.
+ * - `format`: The record is of a format that this server does not know.
+ * - `render`: The picture cannot be made.
+ * - `invalidLight`: The light could not be evaluated, or would be out of reach.
+ * - `invalidCamera`: The camera makes no picture.
+ * - `wrongKind`: The light has no such parameter.
+ * - `source`: The first control point is the source, which stays where it is.
+ * - `conflict`: The document is not what the change says it was.
+ * - `locked`: Somebody else is dragging the light.
+ * - `stale`: The control points have been renumbered since.
+ * - `nothingToUndo`: No step to take back.
+ * - `nothingToRedo`: No undo to take back.
+ * - `noGesture`: No such drag of the sender's.
+ * - `emptyGesture`: The drag was never updated.
+ * - `otherLight`: The drag's command is not of its light.
+ * - `protocol`: Another version of the protocol, or no `hello` where one belongs.
+ * - `helloTooLate`: No `hello` came in time.
+ * - `unauthorized`: The token is missing or wrong.
+ * - `foreignOrigin`: A page of another place may not use this server.
+ * - `foreignHost`: The server does not go by the name that the request came to.
+ * - `notFound`: What the request names does not exist.
+ * - `unknownAsset`: The server does not have the scene.
+ * - `methodNotAllowed`: The address takes other methods, which the header `Allow` lists.
+ * - `stalled`: The request stopped coming.
+ * - `exists`: The name is taken.
+ * - `tooLarge`: A size over its limit, which the sentence names.
+ * - `unsupportedMediaType`: The body is not JSON by its `Content-Type`.
+ * - `tooMany`: A count over its limit, which the sentence names.
+ * - `storage`: The server's disk failed; nothing was changed.
+ * - `unknownOutcome`: The server's disk failed, and this may have been done or not.
+ * - `damagedAsset`: The stored file of the scene is damaged.
+ * - `fault`: A fault of the server's own.
+ * - `warmingUp`: The renderer is not ready yet.
+ * - `notReady`: The renderer could not be made ready.
+ * - `draining`: The server is stopping.
+ */
+export type ErrorCode =
+  | "badMessage"
+  | "badName"
+  | "badScene"
+  | "badLog"
+  | "format"
+  | "render"
+  | "invalidLight"
+  | "invalidCamera"
+  | "wrongKind"
+  | "source"
+  | "conflict"
+  | "locked"
+  | "stale"
+  | "nothingToUndo"
+  | "nothingToRedo"
+  | "noGesture"
+  | "emptyGesture"
+  | "otherLight"
+  | "protocol"
+  | "helloTooLate"
+  | "unauthorized"
+  | "foreignOrigin"
+  | "foreignHost"
+  | "notFound"
+  | "unknownAsset"
+  | "methodNotAllowed"
+  | "stalled"
+  | "exists"
+  | "tooLarge"
+  | "unsupportedMediaType"
+  | "tooMany"
+  | "storage"
+  | "unknownOutcome"
+  | "damagedAsset"
+  | "fault"
+  | "warmingUp"
+  | "notReady"
+  | "draining";
 /**
  * How a drag ended.
+ *
+ * - `committed`: As a record.
+ * - `cancelled`: By its holder, or with the connection.
+ * - `expired`: Without an update for too long.
+ * - `rejected`: The begin or the commit was refused.
  */
 export type GestureEnd = "committed" | "cancelled" | "expired" | "rejected";
 /**
  * The document, whole or from where the client stands.
  */
-export type State =
-  | {
-      snapshot: Document;
-    }
-  | {
-      tail: Record[];
-    };
+export type State = SnapshotState | TailState;
 /**
- * [`edit::Action`] in JSON; `type` says which.
+ * `edit::Action` in JSON; `type` says which.
  */
-export type Action =
-  | {
-      command: Command;
-      rebased?: boolean;
-      type: "edit";
-    }
-  | {
-      command: Command;
-      rebased?: boolean;
-      type: "gesture";
-    }
-  | {
-      scope: Scope;
-      skipped: string[];
-      target: number;
-      type: "undo";
-    }
-  | {
-      scope: Scope;
-      skipped: string[];
-      target: number;
-      type: "redo";
-    };
+export type Action = EditAction | GestureAction | UndoAction | RedoAction;
+export type ServerResync = Resync & {
+  type: "resync";
+};
+export type ServerEditResult = EditResult & {
+  type: "editResult";
+};
 /**
  * What became of a request.
+ *
+ * - `committed`: In the log.
+ * - `rebased`: In the log, after another's change of the same light that the sender did not know.
+ * - `rejected`: Not carried out, however often it is sent again under this name.
+ * - `unknown`: The disk failed while it was written down: it may be in the log or not. Sent again under the same name it is carried out at most once.
  */
 export type EditStatus = "committed" | "rebased" | "rejected" | "unknown";
+export type ServerGestureState = GestureState & {
+  type: "gestureState";
+};
+export type ServerHistory = History & {
+  type: "history";
+};
 
 /**
- * [`edit::Actor`] in JSON.
+ * The first message.
+ */
+export interface ClientHello {
+  actor: Actor;
+  /**
+   * The history that the client knows.
+   */
+  epoch?: string;
+  /**
+   * The latest record that the client knows.
+   */
+  lastSeq?: number;
+  /**
+   * `PROTOCOL`.
+   */
+  protocol: number;
+  /**
+   * Name of the session.
+   */
+  session: string;
+  /**
+   * The server's token.
+   */
+  token: string;
+  type: "hello";
+}
+/**
+ * `edit::Actor` in JSON.
  */
 export interface Actor {
   /**
@@ -701,7 +290,32 @@ export interface Actor {
   name: string;
 }
 /**
- * [`scene::Camera`] in JSON. Looks along its local -Z with +Y up.
+ * Asks for frames; another one replaces the view before.
+ */
+export interface ClientOpenView {
+  /**
+   * The client's number for its camera.
+   */
+  cameraRevision: number;
+  /**
+   * Pixels.
+   */
+  height: number;
+  source: ViewSource;
+  type: "openView";
+  /**
+   * Pixels.
+   */
+  width: number;
+}
+/**
+ * A camera of one's own.
+ */
+export interface OwnView {
+  own: Camera;
+}
+/**
+ * `scene::Camera` in JSON. Looks along its local -Z with +Y up.
  */
 export interface Camera {
   /**
@@ -725,7 +339,132 @@ export interface Camera {
   translation: [number, number, number];
 }
 /**
- * [`BendyLight`] in JSON. Only `type`, `points` and `radii` are required.
+ * Perspective.
+ */
+export interface PerspectiveProjection {
+  perspective: Perspective;
+}
+export interface Perspective {
+  /**
+   * Width over height of what it frames, all of which is in the picture; the picture's own by default.
+   */
+  aspectRatio?: number;
+  /**
+   * Full vertical angle of view, radians.
+   */
+  yfov: number;
+  /**
+   * Distance of the far plane; endless by default.
+   */
+  zfar?: number;
+  /**
+   * Distance of the near plane, more than 0.
+   */
+  znear: number;
+}
+/**
+ * Orthographic.
+ */
+export interface OrthographicProjection {
+  orthographic: Orthographic;
+}
+export interface Orthographic {
+  /**
+   * Width over height of what it frames, all of which is in the picture; the picture's own by default.
+   */
+  aspectRatio?: number;
+  /**
+   * Half the height of the view.
+   */
+  ymag: number;
+  /**
+   * Distance of the far plane.
+   */
+  zfar: number;
+  /**
+   * Distance of the near plane, 0 or more.
+   */
+  znear: number;
+}
+/**
+ * Another client's view, by the client's number.
+ */
+export interface FollowView {
+  follow: number;
+}
+/**
+ * Moves one's own view; never logged.
+ */
+export interface ClientSetCamera {
+  camera: Camera;
+  /**
+   * The client's number for it.
+   */
+  cameraRevision: number;
+  type: "setCamera";
+}
+/**
+ * The view has another size.
+ */
+export interface ClientViewport {
+  /**
+   * Pixels.
+   */
+  height: number;
+  type: "viewport";
+  /**
+   * Pixels.
+   */
+  width: number;
+}
+/**
+ * A frame has been decoded and shown.
+ */
+export interface ClientAck {
+  /**
+   * Its number.
+   */
+  frame: number;
+  type: "ack";
+}
+/**
+ * One command.
+ */
+export interface ClientEdit {
+  /**
+   * The latest record that the client knew.
+   */
+  baseSeq: number;
+  command: Command;
+  /**
+   * The client's name for it; see REC-4.
+   */
+  opId: string;
+  type: "edit";
+}
+/**
+ * Replaces geometry, cameras and lights by those of a scene.
+ */
+export interface LoadScene {
+  /**
+   * What people call it; by default what it was uploaded as, or what its file calls it.
+   */
+  name?: string;
+  /**
+   * `"demo:NAME"` or `"sha256:HEX"`.
+   */
+  scene: string;
+  type: "loadScene";
+}
+/**
+ * Adds a light.
+ */
+export interface AddLight {
+  light: Light;
+  type: "addLight";
+}
+/**
+ * `BendyLight` in JSON. Only `type`, `points` and `radii` are required.
  */
 export interface Bendy {
   /**
@@ -761,7 +500,10 @@ export interface Bendy {
    */
   radii: number[];
   transform: Transform;
-  type: BendyType;
+  /**
+   * `"bendy"`.
+   */
+  type: "bendy";
   /**
    * Orients the cross-section at the source; `[0, 1, 0]` by default.
    *
@@ -771,7 +513,7 @@ export interface Bendy {
   up: [number, number, number];
 }
 /**
- * [`bendy::Transform`] in JSON.
+ * `bendy::Transform` in JSON.
  */
 export interface Transform {
   /**
@@ -794,7 +536,7 @@ export interface Transform {
   translation: [number, number, number];
 }
 /**
- * [`SpotLight`] in JSON. Only `type` is required; the rest defaults to [`SpotLight::default`].
+ * `SpotLight` in JSON. Only `type` is required; the rest defaults to `SpotLight::default`.
  */
 export interface Spot {
   /**
@@ -826,7 +568,445 @@ export interface Spot {
    */
   range?: number;
   transform: Transform;
-  type: SpotType;
+  /**
+   * `"spot"`.
+   */
+  type: "spot";
+}
+/**
+ * Removes a light.
+ */
+export interface RemoveLight {
+  /**
+   * Its id.
+   */
+  light: number;
+  type: "removeLight";
+}
+/**
+ * Places a whole light.
+ */
+export interface PlaceLight {
+  /**
+   * Its id.
+   */
+  light: number;
+  /**
+   * Light-local to world axes; stays by default.
+   *
+   * @minItems 4
+   * @maxItems 4
+   */
+  rotation?: [number, number, number, number];
+  /**
+   * World units per light-local unit; stays by default.
+   */
+  scale?: number;
+  /**
+   * World position of its source; stays by default.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  translation?: [number, number, number];
+  type: "placeLight";
+}
+/**
+ * Sets one parameter of a light.
+ */
+export interface SetLight {
+  /**
+   * Its id.
+   */
+  light: number;
+  parameter: LightParameter;
+  type: "setLight";
+}
+/**
+ * Name for people.
+ */
+export interface LightName {
+  name: string;
+}
+/**
+ * World position of the source.
+ */
+export interface LightTranslation {
+  /**
+   * @minItems 3
+   * @maxItems 3
+   */
+  translation: [number, number, number];
+}
+/**
+ * Light-local to world axes.
+ */
+export interface LightRotation {
+  /**
+   * @minItems 4
+   * @maxItems 4
+   */
+  rotation: [number, number, number, number];
+}
+/**
+ * World units per light-local unit.
+ */
+export interface LightScale {
+  scale: number;
+}
+/**
+ * Half angle in degrees.
+ */
+export interface LightConeAngle {
+  coneAngle: number;
+}
+/**
+ * Share of the cone angle over which the profile falls to zero.
+ */
+export interface LightConeSoftness {
+  coneSoftness: number;
+}
+/**
+ * Fall-off with distance.
+ */
+export interface LightDecay {
+  decay: Decay;
+}
+/**
+ * Of a bendy light.
+ */
+export interface LightUp {
+  /**
+   * @minItems 3
+   * @maxItems 3
+   */
+  up: [number, number, number];
+}
+/**
+ * Of a bendy light.
+ */
+export interface LightFrame {
+  frame: Frame;
+}
+/**
+ * Of a bendy light.
+ */
+export interface LightDirection {
+  direction: Direction;
+}
+/**
+ * Of a bendy light.
+ */
+export interface LightEndMode {
+  endMode: EndMode;
+}
+/**
+ * Of a spotlight: linear RGB.
+ */
+export interface LightColor {
+  /**
+   * @minItems 3
+   * @maxItems 3
+   */
+  color: [number, number, number];
+}
+/**
+ * Of a spotlight.
+ */
+export interface LightIntensity {
+  intensity: number;
+}
+/**
+ * Of a spotlight; `null` is endless.
+ */
+export interface LightRange {
+  range: number | null;
+}
+/**
+ * Sets one parameter of a control point.
+ */
+export interface SetPoint {
+  /**
+   * Its light's id.
+   */
+  light: number;
+  parameter: PointParameter;
+  /**
+   * Its index.
+   */
+  point: number;
+  type: "setPoint";
+}
+/**
+ * Light-local position.
+ */
+export interface PointPosition {
+  /**
+   * @minItems 3
+   * @maxItems 3
+   */
+  position: [number, number, number];
+}
+/**
+ * Light-local radius.
+ */
+export interface PointRadius {
+  radius: number;
+}
+/**
+ * Linear RGB.
+ */
+export interface PointColor {
+  /**
+   * @minItems 3
+   * @maxItems 3
+   */
+  color: [number, number, number];
+}
+/**
+ * Intensity.
+ */
+export interface PointIntensity {
+  intensity: number;
+}
+/**
+ * Adds a control point.
+ */
+export interface InsertPoint {
+  /**
+   * Linear RGB; between its neighbours' by default.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  color?: [number, number, number];
+  /**
+   * Between its neighbours' by default.
+   */
+  intensity?: number;
+  /**
+   * The light's id.
+   */
+  light: number;
+  /**
+   * The index that the new point gets, 1 to the number of points.
+   */
+  point: number;
+  /**
+   * Light-local position. By default the point there becomes two, and the curve stays nearly as it is.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  position?: [number, number, number];
+  /**
+   * Light-local radius; between its neighbours' by default.
+   */
+  radius?: number;
+  type: "insertPoint";
+}
+/**
+ * Removes a control point.
+ */
+export interface RemovePoint {
+  /**
+   * The light's id.
+   */
+  light: number;
+  /**
+   * Its index, 1 or more.
+   */
+  point: number;
+  type: "removePoint";
+}
+/**
+ * Adds a camera.
+ */
+export interface AddCamera {
+  camera: Camera;
+  type: "addCamera";
+}
+/**
+ * Removes a camera.
+ */
+export interface RemoveCamera {
+  /**
+   * Its id.
+   */
+  camera: number;
+  type: "removeCamera";
+}
+/**
+ * Places a camera.
+ */
+export interface PlaceCamera {
+  /**
+   * Its id.
+   */
+  camera: number;
+  /**
+   * Camera to world axes; stays by default.
+   *
+   * @minItems 4
+   * @maxItems 4
+   */
+  rotation?: [number, number, number, number];
+  /**
+   * World position of the eye; stays by default.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  translation?: [number, number, number];
+  type: "placeCamera";
+}
+/**
+ * Sets one parameter of a camera.
+ */
+export interface SetCamera {
+  /**
+   * Its id.
+   */
+  camera: number;
+  parameter: CameraParameter;
+  type: "setCamera";
+}
+/**
+ * Name for people.
+ */
+export interface CameraName {
+  name: string;
+}
+/**
+ * World position of the eye.
+ */
+export interface CameraTranslation {
+  /**
+   * @minItems 3
+   * @maxItems 3
+   */
+  translation: [number, number, number];
+}
+/**
+ * Camera to world axes.
+ */
+export interface CameraRotation {
+  /**
+   * @minItems 4
+   * @maxItems 4
+   */
+  rotation: [number, number, number, number];
+}
+/**
+ * How it projects.
+ */
+export interface CameraProjection {
+  projection: Projection;
+}
+/**
+ * Begins a drag.
+ */
+export interface ClientGestureBegin {
+  /**
+   * The latest record that the client knew.
+   */
+  baseSeq: number;
+  /**
+   * The client's name for it.
+   */
+  gesture: string;
+  /**
+   * The light it is on.
+   */
+  light: number;
+  type: "gestureBegin";
+}
+/**
+ * The latest state of a drag.
+ */
+export interface ClientGestureUpdate {
+  command: Command;
+  /**
+   * Which.
+   */
+  gesture: string;
+  type: "gestureUpdate";
+  /**
+   * The client's number for this state.
+   */
+  update: number;
+}
+/**
+ * Ends a drag as one record.
+ */
+export interface ClientGestureCommit {
+  /**
+   * Which.
+   */
+  gesture: string;
+  /**
+   * The client's name for the record.
+   */
+  opId: string;
+  type: "gestureCommit";
+}
+/**
+ * Ends a drag without a trace.
+ */
+export interface ClientGestureCancel {
+  /**
+   * Which.
+   */
+  gesture: string;
+  type: "gestureCancel";
+}
+/**
+ * Takes back a step.
+ */
+export interface ClientUndo {
+  /**
+   * The client's name for it.
+   */
+  opId: string;
+  scope: Scope;
+  type: "undo";
+}
+/**
+ * Takes back an undo.
+ */
+export interface ClientRedo {
+  /**
+   * The client's name for it.
+   */
+  opId: string;
+  scope: Scope;
+  type: "redo";
+}
+/**
+ * What this person is looking at.
+ */
+export interface ClientPresence {
+  /**
+   * A light's id.
+   */
+  selection: number | null;
+  type: "presence";
+}
+/**
+ * What undo and redo would take back; answered by `history`.
+ */
+export interface ClientHistory {
+  type: "history";
+}
+/**
+ * Answered by `pong`.
+ */
+export interface ClientPing {
+  /**
+   * Comes back as it is.
+   */
+  sent: number;
+  type: "ping";
 }
 /**
  * The state of the session at a client's arrival.
@@ -855,7 +1035,11 @@ export interface Welcome {
    */
   hash: string;
   /**
-   * [`PROTOCOL`].
+   * What of the scene's file is not drawn or was changed, a sentence each.
+   */
+  notes: string[];
+  /**
+   * `PROTOCOL`.
    */
   protocol: number;
   /**
@@ -922,10 +1106,7 @@ export interface GestureState {
    * Its holder.
    */
   client: number;
-  /**
-   * Why an update or a commit was refused, for programs.
-   */
-  code?: string;
+  code?: ErrorCode;
   ended?: GestureEnd;
   /**
    * Its holder's name for it.
@@ -949,7 +1130,15 @@ export interface GestureState {
   update: number;
 }
 /**
- * [`scene::SceneRef`] in JSON.
+ * Another scene's geometry.
+ */
+export interface SceneChange {
+  new: SceneRef | null;
+  old: SceneRef | null;
+  type: "scene";
+}
+/**
+ * `scene::SceneRef` in JSON.
  */
 export interface SceneRef {
   /**
@@ -962,7 +1151,16 @@ export interface SceneRef {
   name: string;
 }
 /**
- * [`scene::PlacedLight`] in JSON.
+ * A light that comes or goes.
+ */
+export interface LightChange {
+  light: number;
+  new: PlacedLight | null;
+  old: PlacedLight | null;
+  type: "light";
+}
+/**
+ * `scene::PlacedLight` in JSON.
  */
 export interface PlacedLight {
   /**
@@ -972,7 +1170,36 @@ export interface PlacedLight {
   light: Light;
 }
 /**
- * [`scene::ControlPoints`] in JSON; one entry a control point in each list.
+ * A parameter of a light.
+ */
+export interface LightParameterChange {
+  light: number;
+  new: LightParameter;
+  old: LightParameter;
+  type: "lightParameter";
+}
+/**
+ * A parameter of a control point.
+ */
+export interface PointChange {
+  layout: number;
+  light: number;
+  new: PointParameter;
+  old: PointParameter;
+  point: number;
+  type: "point";
+}
+/**
+ * Control points that were renumbered.
+ */
+export interface ControlPointsChange {
+  light: number;
+  new: ControlPoints;
+  old: ControlPoints;
+  type: "controlPoints";
+}
+/**
+ * `scene::ControlPoints` in JSON; one entry a control point in each list.
  */
 export interface ControlPoints {
   /**
@@ -997,6 +1224,24 @@ export interface ControlPoints {
   radii: number[];
 }
 /**
+ * A camera that comes or goes.
+ */
+export interface CameraChange {
+  camera: number;
+  new: Camera | null;
+  old: Camera | null;
+  type: "camera";
+}
+/**
+ * A parameter of a camera.
+ */
+export interface CameraParameterChange {
+  camera: number;
+  new: CameraParameter;
+  old: CameraParameter;
+  type: "cameraParameter";
+}
+/**
  * Numbers that clients need.
  */
 export interface Settings {
@@ -1014,7 +1259,13 @@ export interface Settings {
   maxViewSide: number;
 }
 /**
- * [`scene::Document`] in JSON, lists in the order of ids.
+ * All of it.
+ */
+export interface SnapshotState {
+  snapshot: Document;
+}
+/**
+ * `scene::Document` in JSON, lists in the order of ids.
  */
 export interface Document {
   /**
@@ -1055,7 +1306,13 @@ export interface DocumentLight {
   light: Light;
 }
 /**
- * [`edit::Record`] in JSON.
+ * The records after the client's `lastSeq`.
+ */
+export interface TailState {
+  tail: Record[];
+}
+/**
+ * `edit::Record` in JSON.
  */
 export interface Record {
   action: Action;
@@ -1065,7 +1322,7 @@ export interface Record {
    */
   changes: Change[];
   /**
-   * [`FORMAT`].
+   * `FORMAT`.
    */
   format: number;
   /**
@@ -1080,6 +1337,56 @@ export interface Record {
    * Milliseconds since 1970 UTC.
    */
   timeMs: number;
+}
+/**
+ * A command.
+ */
+export interface EditAction {
+  command: Command;
+  rebased?: boolean;
+  type: "edit";
+}
+/**
+ * The last command of a drag.
+ */
+export interface GestureAction {
+  command: Command;
+  rebased?: boolean;
+  type: "gesture";
+}
+/**
+ * Taking back a step.
+ */
+export interface UndoAction {
+  scope: Scope;
+  skipped: string[];
+  target: number;
+  type: "undo";
+}
+/**
+ * Taking back an undo.
+ */
+export interface RedoAction {
+  scope: Scope;
+  skipped: string[];
+  target: number;
+  type: "redo";
+}
+/**
+ * A committed record.
+ */
+export interface ServerLog {
+  bounds?: Bounds;
+  /**
+   * The document's hash after it.
+   */
+  hash: string;
+  /**
+   * What of the scene's file is not drawn or was changed, a sentence each, where the record loads one.
+   */
+  notes?: string[];
+  record: Record;
+  type: "log";
 }
 /**
  * The state of the session for a client that has missed some of it: in place of all records, gestures and presence
@@ -1101,6 +1408,10 @@ export interface Resync {
    */
   hash: string;
   /**
+   * What of the scene's file is not drawn or was changed, a sentence each.
+   */
+  notes: string[];
+  /**
    * The latest record.
    */
   seq: number;
@@ -1109,10 +1420,7 @@ export interface Resync {
  * The answer to a request that ends in a record.
  */
 export interface EditResult {
-  /**
-   * Why it was rejected or is unknown, for programs.
-   */
-  code?: string;
+  code?: ErrorCode;
   /**
    * Why it was rejected or is unknown, for people.
    */
@@ -1130,6 +1438,16 @@ export interface EditResult {
    */
   skipped?: string[];
   status: EditStatus;
+}
+/**
+ * Everybody who is here.
+ */
+export interface ServerPresence {
+  /**
+   * In the order in which they came.
+   */
+  clients: Presence[];
+  type: "presence";
 }
 /**
  * What undo and redo would take back.
@@ -1170,11 +1488,65 @@ export interface HistoryStep {
   what: string;
 }
 /**
+ * How the view is served from now on.
+ */
+export interface ServerViewConfig {
+  /**
+   * Pixels.
+   */
+  height: number;
+  source: ViewSource;
+  type: "viewConfig";
+  /**
+   * Pixels.
+   */
+  width: number;
+}
+/**
+ * The answer to `ping`.
+ */
+export interface ServerPong {
+  /**
+   * As it came.
+   */
+  sent: number;
+  /**
+   * The server's clock, in microseconds since it started.
+   */
+  serverTimeUs: number;
+  type: "pong";
+}
+/**
+ * The server stops.
+ */
+export interface ServerDraining {
+  /**
+   * When to try again.
+   */
+  retryAfterMs: number;
+  type: "draining";
+}
+/**
+ * Something that no other answer says.
+ */
+export interface ServerError {
+  code: ErrorCode;
+  /**
+   * Whether the connection ends.
+   */
+  fatal: boolean;
+  /**
+   * For people.
+   */
+  message: string;
+  type: "error";
+}
+/**
  * The first line of a log file.
  */
 export interface LogHeader {
   /**
-   * [`crate::FORMAT`] of the program that wrote the file.
+   * `crate::FORMAT` of the program that wrote the file.
    */
   format: number;
   /**
@@ -1197,7 +1569,7 @@ export interface Checkpoint {
    */
   hash: string;
   /**
-   * Of all lines of records up to there ([`next_proof`]), 64 hexadecimal digits. Logs of format 1 have none.
+   * Of all lines of records up to there (`next_proof`), 64 hexadecimal digits. Logs of format 1 have none.
    */
   proof?: string;
   /**

@@ -35,6 +35,8 @@ export interface Session {
   /** The mirror with everybody's drags and this page's own edits under way. */
   document: ReadonlySignal<Document>;
   bounds: ReadonlySignal<Bounds>;
+  /** What of the scene's file is not drawn or was changed, a sentence each. */
+  notes: ReadonlySignal<readonly string[]>;
   /** This client's number. */
   client: ReadonlySignal<ClientId | null>;
   actor: ReadonlySignal<Actor>;
@@ -84,6 +86,7 @@ export function startSession<T>(options: SessionOptions<T>): Session {
   const connection = signal<ConnectionState>({ kind: "connecting" });
   const mirror = signal<Mirror>(NOTHING);
   const bounds = signal<Bounds>(UNIT_BOX);
+  const notes = signal<readonly string[]>([]);
   const client = signal<ClientId | null>(null);
   const actor = signal<Actor>(options.actor);
   const people = signal<readonly Presence[]>([]);
@@ -165,6 +168,7 @@ export function startSession<T>(options: SessionOptions<T>): Session {
 
   function setOthers(there: Welcome | Resync): void {
     bounds.value = there.bounds;
+    notes.value = there.notes;
     gestures.value = there.gestures.filter((gesture) => gesture.client !== client.value);
     setPeople(there.clients);
   }
@@ -180,6 +184,7 @@ export function startSession<T>(options: SessionOptions<T>): Session {
         return welcomed(message);
       case "log":
         if (message.bounds !== undefined) bounds.value = message.bounds;
+        if (message.notes !== undefined) notes.value = message.notes;
         return take(message.record, message.hash);
       case "resync":
         return resynced(message);
@@ -223,6 +228,7 @@ export function startSession<T>(options: SessionOptions<T>): Session {
     mirror,
     document,
     bounds,
+    notes,
     client,
     actor,
     people,

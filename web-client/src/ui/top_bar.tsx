@@ -8,6 +8,7 @@ import { TextField } from "./fields";
 import { Icon } from "./icons";
 import { canEdit, usePage } from "./page";
 import { colorOf } from "./person";
+import { SceneName } from "./scene_name";
 
 export function TopBar() {
   const page = usePage();
@@ -18,9 +19,7 @@ export function TopBar() {
       <span class="session-name" title="Session">
         {name}
       </span>
-      <span class="scene-name" title="Scene">
-        {session.document.value.scene?.name ?? "no scene"}
-      </span>
+      <SceneName />
       <UndoButtons />
       <span class="spring" />
       <People />

@@ -31,13 +31,13 @@ pub fn demo_bytes(name: &str) -> Option<Vec<u8>> {
     versioned(name).map(|(version, _)| format!("{LINE_START}{name} {version}\n").into_bytes())
 }
 
-/// The demo scene that `bytes` stand for, or `None` where they are another kind of file.
-pub fn named_by(bytes: &[u8]) -> Option<Result<Scene, Fault>> {
+/// The demo scene that `bytes` stand for, and its name, or `None` where they are another kind of file.
+pub fn named_by(bytes: &[u8]) -> Option<Result<(&'static str, Scene), Fault>> {
     let named = bytes.strip_prefix(LINE_START.as_bytes())?;
     let found = DEMO_NAMES.iter().find(|(name, _)| demo_bytes(name).as_deref() == Some(bytes));
     let unknown =
         || Fault::UnknownDemo(excerpt(String::from_utf8_lossy(named).trim_end(), MAX_MESSAGE_CHARS));
-    Some(found.and_then(|(name, _)| demo(name)).ok_or_else(unknown))
+    Some(found.and_then(|(name, _)| Some((*name, demo(name)?))).ok_or_else(unknown))
 }
 
 /// How the line that stands for a demo scene begins.

@@ -66,7 +66,17 @@ fn import(bytes: &[u8], file: Option<&Path>, mut ledger: Ledger) -> Result<Loade
     let buffers = addresses::buffers(&root, container.bin, file, &mut ledger.budget)?;
     let scene = build(&Source { root: &root, file, buffers }, &mut ledger)?;
     scene.check()?;
-    Ok(Loaded { scene, notes: ledger.notes.into_sentences() })
+    Ok(Loaded { scene, name: name(&root), notes: ledger.notes.into_sentences() })
+}
+
+/// What the file calls the scene that is drawn; nothing where that is not fit to be a name, or is what exporters call every
+/// scene.
+fn name(root: &Root) -> Option<String> {
+    let drawn = root.scenes.get(root.scene.map_or(0, |scene| scene.value()))?;
+    let name = drawn.name.as_deref()?.trim();
+    let fits = (1..=scene::MAX_NAME_BYTES).contains(&name.len()) && !name.contains(char::is_control);
+    let says_something = !name.eq_ignore_ascii_case("scene");
+    (fits && says_something).then(|| name.to_owned())
 }
 
 fn build(source: &Source, ledger: &mut Ledger) -> Result<Scene, Fault> {

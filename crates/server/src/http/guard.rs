@@ -8,14 +8,11 @@ use axum::http::{HeaderMap, HeaderValue, header};
 use axum::middleware::Next;
 use axum::response::Response;
 
-use super::read_body;
+use super::{excerpt, read_body};
 use crate::ServerError;
 use crate::connections::Connection;
 use crate::limits::{MAX_BODY_BYTES, MAX_REQUESTS};
 use crate::server::Shared;
-
-/// Characters of a refused name that are said again.
-const SAID_AGAIN: usize = 100;
 
 /// Refuses pages of other places, and names that lead here by no doing of ours. They could not know the token, but need
 /// not be let near it.
@@ -27,12 +24,12 @@ pub async fn refuse_strange_pages(
     let headers = request.headers();
     let host = text(headers, header::HOST).unwrap_or_default();
     if !shared.hosts.answers_to(host) {
-        return Err(ServerError::ForeignHost(host.chars().take(SAID_AGAIN).collect()));
+        return Err(ServerError::ForeignHost(excerpt(host)));
     }
     if let Some(origin) = headers.get(header::ORIGIN) {
         let origin = origin.to_str().unwrap_or("an unreadable origin");
         if !shared.hosts.is_own(origin, host) {
-            return Err(ServerError::ForeignOrigin(origin.chars().take(SAID_AGAIN).collect()));
+            return Err(ServerError::ForeignOrigin(excerpt(origin)));
         }
     }
     Ok(next.run(request).await)

@@ -13,7 +13,7 @@ use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::{DefaultBodyLimit, FromRequestParts, Path, Query, State};
 use axum::http::request::Parts;
-use axum::http::{StatusCode, Uri, header};
+use axum::http::{HeaderMap, Method, StatusCode, Uri, header};
 use axum::middleware;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
@@ -31,6 +31,9 @@ use crate::renderer::Warmth;
 use crate::server::Shared;
 use crate::socket;
 
+/// Characters of what came that a refusal says again.
+const SAID_AGAIN: usize = 100;
+
 /// What a handler answers.
 type Answer = Result<Response, ServerError>;
 
@@ -45,6 +48,7 @@ pub fn router(shared: Arc<Shared>) -> Router {
         .route("/metrics", get(metrics))
         .route_layer(middleware::from_fn_with_state(Arc::clone(&shared), guard::limit_requests))
         .route("/assets", post(assets::add))
+        .method_not_allowed_fallback(wrong_method)
         .route_layer(middleware::from_fn_with_state(Arc::clone(&shared), guard::need_token));
     Router::new()
         .merge(needs_token)
@@ -53,11 +57,21 @@ pub fn router(shared: Arc<Shared>) -> Router {
         .route("/readyz", get(ready))
         .route("/openapi.json", get(|| async { json(&protocol::openapi()) }))
         .fallback(page::page)
-        .method_not_allowed_fallback(|uri: Uri| async move { ServerError::NoRoute(uri.path().into()) })
+        .method_not_allowed_fallback(wrong_method)
         .layer(DefaultBodyLimit::disable())
         .layer(middleware::from_fn_with_state(Arc::clone(&shared), guard::refuse_strange_pages))
         .layer(middleware::map_response(guard::believe_no_guesses))
         .with_state(shared)
+}
+
+/// A known address with a method that it does not take. The router adds the header `Allow`.
+async fn wrong_method(method: Method, uri: Uri) -> ServerError {
+    ServerError::MethodNotAllowed { path: excerpt(uri.path()), method: excerpt(method.as_str()) }
+}
+
+/// What is said again of what came.
+fn excerpt(text: &str) -> String {
+    text.chars().take(SAID_AGAIN).collect()
 }
 
 /// `GET /socket`.
@@ -110,7 +124,9 @@ impl<S: Send + Sync> FromRequestParts<S> for SessionName {
 
 impl IntoResponse for ServerError {
     fn into_response(self) -> Response {
-        (self.status(), json(&ErrorBody { error: self.problem() })).into_response()
+        let problem = self.problem();
+        let status = StatusCode::from_u16(problem.code.http_status()).unwrap_or(StatusCode::BAD_REQUEST);
+        (status, json(&ErrorBody { error: problem })).into_response()
     }
 }
 
@@ -120,11 +136,23 @@ fn json(value: &impl Serialize) -> Response {
     ([(header::CONTENT_TYPE, "application/json")], text + "\n").into_response()
 }
 
-/// The JSON of a request.
-fn read_json<T: DeserializeOwned>(body: &[u8]) -> Result<T, ServerError> {
+/// The JSON of a request. Where no header says what the body is, it is taken for JSON.
+fn read_json<T: DeserializeOwned>(headers: &HeaderMap, body: &[u8]) -> Result<T, ServerError> {
+    if let Some(kind) = headers.get(header::CONTENT_TYPE) {
+        let kind = kind.to_str().unwrap_or("unreadable");
+        if !is_json(kind) {
+            return Err(ServerError::NotJson(excerpt(kind)));
+        }
+    }
     let text = std::str::from_utf8(body)
         .map_err(|_| ServerError::BadMessage("the body is not UTF-8: send JSON as UTF-8".into()))?;
     Ok(protocol::parse_body(text)?)
+}
+
+/// Whether a media type is that of JSON, or of a kind of it.
+fn is_json(kind: &str) -> bool {
+    let kind = kind.split(';').next().unwrap_or_default().trim().to_ascii_lowercase();
+    kind == "application/json" || (kind.starts_with("application/") && kind.ends_with("+json"))
 }
 
 /// All of a body, up to a limit.

@@ -4,7 +4,7 @@ use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{Html, IntoResponse, Response};
 use rust_embed::RustEmbed;
 
-use super::Answer;
+use super::{Answer, excerpt};
 use crate::ServerError;
 
 #[derive(RustEmbed)]
@@ -28,8 +28,13 @@ const NOT_BUILT: &str = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\
 pub async fn page(method: Method, uri: Uri) -> Answer {
     let path = uri.path().trim_start_matches('/');
     let path = if path.is_empty() { INDEX } else { path };
-    let reads = method == Method::GET || method == Method::HEAD;
-    match Page::get(path).filter(|_| reads) {
+    let found = Page::get(path);
+    let is_known = found.is_some() || path == INDEX;
+    if is_known && method != Method::GET && method != Method::HEAD {
+        let error = super::wrong_method(method, uri).await;
+        return Ok(([(header::ALLOW, "GET,HEAD")], error).into_response());
+    }
+    match found {
         Some(file) => {
             let cache =
                 if path.starts_with(HASHED) { "public, max-age=31536000, immutable" } else { "no-cache" };
@@ -37,10 +42,8 @@ pub async fn page(method: Method, uri: Uri) -> Answer {
             let headers = [(header::CONTENT_TYPE, kind), (header::CACHE_CONTROL, cache.into())];
             Ok(guarded((headers, file.data).into_response()))
         }
-        None if reads && path == INDEX => {
-            Ok(guarded((StatusCode::SERVICE_UNAVAILABLE, Html(NOT_BUILT)).into_response()))
-        }
-        None => Err(ServerError::NoRoute(uri.path().chars().take(100).collect())),
+        None if is_known => Ok(guarded((StatusCode::SERVICE_UNAVAILABLE, Html(NOT_BUILT)).into_response())),
+        None => Err(ServerError::NoRoute(excerpt(uri.path()))),
     }
 }
 

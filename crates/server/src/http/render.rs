@@ -6,7 +6,7 @@ use axum::extract::State;
 use axum::http::{HeaderName, HeaderValue, Uri, header};
 use axum::response::IntoResponse;
 use render::{Aov, PictureFormat, View};
-use scene::{Camera, DEFAULT_ASPECT, Document, Light, OutOfReach, framing_camera};
+use scene::{Camera, DEFAULT_ASPECT, Document, Light, framing_camera};
 use serde::Deserialize;
 use tokio::task::spawn_blocking;
 
@@ -54,7 +54,7 @@ pub async fn render(State(shared): State<Arc<Shared>>, SessionName(name): Sessio
     let query: Query = read_query(&uri)?;
     let too_many = |_| ServerError::TooMany { what: "pictures", limit: MAX_STILLS };
     let _permit = shared.stills.try_acquire().map_err(too_many)?;
-    let Snapshot { name, mut document, lease: session, .. } =
+    let Snapshot { name, mut document, mut notes, lease: session, .. } =
         shared.rooms.find(&name).await?.ask(Message::Look).await?;
     if let Some(seq) = query.at {
         let replayed =
@@ -62,9 +62,13 @@ pub async fn render(State(shared): State<Arc<Shared>>, SessionName(name): Sessio
                 store.replay(&name, Some(seq), scenes)
             });
         document = replayed.await?.document().clone();
+        notes = match document.scene_ref() {
+            Some(scene) => shared.backend.scenes.load(scene.asset).await?.notes,
+            None => Arc::default(),
+        };
     }
     let format = query.format.unwrap_or_default();
-    let notes = notes(&document);
+    let notes = headers(&document, &notes);
     let request = request(query, document, (session, shared.backend.renders.lease())).await?;
     let (view, lights) = (request.view.clone(), request.lights.clone());
     let picture_format = format.into();
@@ -83,12 +87,13 @@ pub async fn render(State(shared): State<Arc<Shared>>, SessionName(name): Sessio
     Ok(response)
 }
 
-/// What the picture lacks: a sentence for each light that it leaves out.
-fn notes(document: &Document) -> Vec<HeaderValue> {
+/// What the picture lacks: the notes of its scene, and a sentence for each light that it leaves out.
+fn headers(document: &Document, notes: &[String]) -> Vec<HeaderValue> {
     let left_out = document.reach().left_out(document.lights().values().map(|placed| &placed.light));
-    // Names of lights can have any letters; a header's value has those of ASCII.
-    let plain = |why: OutOfReach| why.to_string().replace(|c: char| !matches!(c, ' '..='~'), "?");
-    left_out.into_iter().filter_map(|why| HeaderValue::from_str(&plain(why)).ok()).collect()
+    let sentences = notes.iter().cloned().chain(left_out.into_iter().map(|why| why.to_string()));
+    // Names can have any letters; a header's value has those of ASCII.
+    let plain = |sentence: String| sentence.replace(|c: char| !matches!(c, ' '..='~'), "?");
+    sentences.filter_map(|sentence| HeaderValue::from_str(&plain(sentence)).ok()).collect()
 }
 
 async fn request(

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use axum::body::{Body, Bytes};
 use axum::extract::State;
-use axum::http::{Uri, header};
+use axum::http::{HeaderMap, Uri, header};
 use axum::response::{IntoResponse, Response};
 use edit::{Actor, Request, Session, Sources};
 use futures_util::stream::try_unfold;
@@ -39,8 +39,8 @@ pub async fn list(State(shared): State<Arc<Shared>>) -> Answer {
 }
 
 /// `POST /sessions`.
-pub async fn create(State(shared): State<Arc<Shared>>, body: Bytes) -> Answer {
-    let NewSession { name, scene } = read_json(&body)?;
+pub async fn create(State(shared): State<Arc<Shared>>, headers: HeaderMap, body: Bytes) -> Answer {
+    let NewSession { name, scene } = read_json(&headers, &body)?;
     let load = match scene {
         None => None,
         Some(scene) => {
@@ -49,11 +49,13 @@ pub async fn create(State(shared): State<Arc<Shared>>, body: Bytes) -> Answer {
         }
     };
     let mut session = Session::default();
-    let mut records = Vec::new();
+    let (mut records, mut notes) = (Vec::new(), Vec::new());
     if let Some(load) = load {
         let scene = match &load {
             Request::Edit { command: Command::LoadScene { asset, .. }, .. } => {
-                Some(shared.backend.scenes.load(*asset).await?)
+                let decoded = shared.backend.scenes.load(*asset).await?;
+                notes = decoded.notes.to_vec();
+                Some(decoded.scene)
             }
             _ => None,
         };
@@ -63,7 +65,7 @@ pub async fn create(State(shared): State<Arc<Shared>>, body: Bytes) -> Answer {
     let hash = session.document().hash();
     let epoch = shared.backend.storage.begin_session(&name, records, hash).await?;
     let (seq, document) = (session.seq(), session.document().into());
-    Ok(created(&SessionState { name, epoch, seq, hash: hash.to_string(), document }))
+    Ok(created(&SessionState { name, epoch, seq, hash: hash.to_string(), document, notes }))
 }
 
 /// `GET /sessions/S`.
@@ -79,12 +81,18 @@ fn state(snapshot: &Snapshot) -> SessionState {
         seq: snapshot.seq,
         hash: snapshot.document.hash().to_string(),
         document: (&snapshot.document).into(),
+        notes: snapshot.notes.to_vec(),
     }
 }
 
 /// `POST /sessions/S/edits`.
-pub async fn edit(State(shared): State<Arc<Shared>>, SessionName(name): SessionName, body: Bytes) -> Answer {
-    let Edits { actor: who, edits } = read_json(&body)?;
+pub async fn edit(
+    State(shared): State<Arc<Shared>>,
+    SessionName(name): SessionName,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Answer {
+    let Edits { actor: who, edits } = read_json(&headers, &body)?;
     if edits.len() > MAX_EDITS {
         return Err(ServerError::TooLarge { what: "a request", limit: MAX_EDITS, unit: "edits" });
     }

@@ -78,6 +78,7 @@ impl Room {
             hash: document.hash().to_string(),
             state,
             bounds: self.surroundings.bounds,
+            notes: self.surroundings.notes.to_vec(),
             camera: camera.into(),
             clients: self.presence(),
             gestures: self.session.gestures().map(|gesture| self.gesture_state(gesture)).collect(),
@@ -179,6 +180,7 @@ impl Room {
             hash: document.hash().to_string(),
             document: document.into(),
             bounds: self.surroundings.bounds,
+            notes: self.surroundings.notes.to_vec(),
             clients: self.presence(),
             gestures: self.session.gestures().map(|gesture| self.gesture_state(gesture)).collect(),
         }

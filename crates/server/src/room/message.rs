@@ -138,6 +138,8 @@ pub struct Snapshot {
     pub seq: u64,
     /// The document after it.
     pub document: Document,
+    /// What of its scene's file is not drawn or was changed, a sentence each.
+    pub notes: Arc<[String]>,
     /// Keeps what the renderer has of it.
     pub lease: Arc<Lease>,
 }

@@ -20,7 +20,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use protocol::Bounds;
-use scene::{Camera, Scene};
+use scene::{Camera, Document};
 use store::Opened;
 use tokio::sync::{mpsc, watch};
 use tokio::task::{JoinHandle, JoinSet, spawn_blocking};
@@ -34,6 +34,7 @@ use crate::ServerError;
 use crate::backend::Backend;
 use crate::limits::{IDLE_AT_MOST, LEASE_CHECK_EVERY, PRESENCE_EVERY, RETRY_AFTER, STALLED_CHECK_EVERY};
 use crate::renderer::Lease;
+use crate::scenes::Scenes;
 use clients::Client;
 use directory::Signs;
 use message::Opening;
@@ -76,10 +77,12 @@ struct Room {
     draining: bool,
 }
 
-/// What is derived from a scene by looking at all of its vertices.
+/// What is known of a scene besides the document.
 #[derive(Clone)]
 struct Surroundings {
     bounds: Bounds,
+    /// What of its file is not drawn or was changed, a sentence each.
+    notes: Arc<[String]>,
     /// A camera that sees everything.
     framing: Camera,
 }
@@ -126,6 +129,7 @@ impl Room {
             );
         }
         tracing::info!("session {name} is open at record {}, {} replayed", session.seq(), tail.records);
+        let surroundings = Surroundings::of(session.document(), &scenes).await?;
         let now = Instant::now();
         Ok(Self {
             name: Arc::clone(name),
@@ -133,7 +137,7 @@ impl Room {
             epoch: row.epoch,
             lease: backend.renders.lease(),
             backend,
-            surroundings: Surroundings::of(session.document().scene()).await?,
+            surroundings,
             session,
             tail,
             checkpoint_bytes: 0,
@@ -234,10 +238,16 @@ impl Room {
 }
 
 impl Surroundings {
-    async fn of(scene: &Arc<Scene>) -> Result<Self, ServerError> {
-        let scene = Arc::clone(scene);
+    /// Of a document whose scene has just been decoded, and so is at hand.
+    async fn of(document: &Document, scenes: &Scenes) -> Result<Self, ServerError> {
+        let notes = match document.scene_ref() {
+            Some(scene) => scenes.load(scene.asset).await?.notes,
+            None => Arc::default(),
+        };
+        let scene = Arc::clone(document.scene());
         let looked = spawn_blocking(move || Self {
             bounds: Bounds::of(&scene),
+            notes,
             framing: scene::framing_camera(&scene, scene::DEFAULT_ASPECT),
         });
         looked.await.map_err(|_| ServerError::Fault)

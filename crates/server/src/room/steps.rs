@@ -147,16 +147,17 @@ impl Room {
     async fn log(&mut self, record: &Record, tick: &mut Tick) {
         let document = self.session.document();
         let hash = document.hash().to_string();
-        let mut bounds = None;
+        let (mut bounds, mut notes) = (None, None);
         if record.changes.iter().any(|change| matches!(change, Change::Scene { .. })) {
-            match Surroundings::of(document.scene()).await {
+            match Surroundings::of(document, &self.backend.scenes).await {
                 Ok(surroundings) => self.surroundings = surroundings,
-                Err(error) => tracing::error!("the bounds of a scene are not known: {error}"),
+                Err(error) => tracing::error!("the bounds and notes of a scene are not known: {error}"),
             }
             bounds = Some(self.surroundings.bounds);
+            notes = Some(self.surroundings.notes.to_vec());
         }
         tick.shows |= record.changes.iter().any(Change::changes_picture);
-        tick.say(Say::Log(ServerMessage::Log { record: Box::new(record.into()), hash, bounds }));
+        tick.say(Say::Log(ServerMessage::Log { record: Box::new(record.into()), hash, bounds, notes }));
         tick.records.push(Arc::new(record.clone()));
     }
 
@@ -167,12 +168,12 @@ impl Room {
             found.taken_back = self.taken_back(request, actor_id, &tick.records).await?;
             for change in found.taken_back.iter().flat_map(|taken| &taken.changes) {
                 if let Change::Scene { new: Some(scene), .. } = change {
-                    found.scenes.push((scene.asset, self.backend.scenes.load(scene.asset).await?));
+                    found.scenes.push((scene.asset, self.backend.scenes.load(scene.asset).await?.scene));
                 }
             }
         }
         if let Request::Edit { command: Command::LoadScene { asset, .. }, .. } = request {
-            found.scenes.push((*asset, self.backend.scenes.load(*asset).await?));
+            found.scenes.push((*asset, self.backend.scenes.load(*asset).await?.scene));
         }
         Ok(found)
     }

@@ -6,7 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use std::vec;
 
 use edit::{Actor, Record};
-use protocol::{EditResult, EditResults, GestureEnd, Problem, ServerMessage};
+use protocol::{EditResult, EditResults, ErrorCode, GestureEnd, Problem, ServerMessage};
 use store::Rejection;
 use tokio::sync::mpsc;
 
@@ -279,7 +279,7 @@ impl Room {
     }
 
     fn count(&self, result: &EditResult) {
-        self.backend.metrics.count_edit(result.code.as_deref().unwrap_or("committed"));
+        self.backend.metrics.count_edit(result.code.map_or("committed", ErrorCode::name));
     }
 
     fn snapshot(&self) -> Snapshot {
@@ -288,6 +288,7 @@ impl Room {
             epoch: self.epoch.clone(),
             seq: self.session.seq(),
             document: self.session.document().clone(),
+            notes: Arc::clone(&self.surroundings.notes),
             lease: Arc::clone(&self.lease),
         }
     }

@@ -11,6 +11,7 @@ use tokio_tungstenite::tungstenite::{Error, Message};
 use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, client_async, connect_async};
 use ureq::http::HeaderMap;
 
+use crate::documented::check;
 use crate::server::Door;
 
 /// What came over a socket.
@@ -132,7 +133,7 @@ pub async fn socket_with(door: &Door, headers: &[(&'static str, &str)]) -> Optio
 }
 
 /// An answer over HTTP.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Answer {
     pub status: u16,
     pub kind: String,
@@ -158,31 +159,51 @@ impl Answer {
     }
 }
 
-/// Asks with the headers given and nothing else. `body` makes it a POST.
-pub fn ask_with(door: &Door, path: &str, headers: &[(&str, &str)], body: Option<&[u8]>) -> Answer {
-    let agent: ureq::Agent = ureq::Agent::config_builder().http_status_as_error(false).build().into();
-    let address = format!("http://{}{path}", door.address);
-    let mut response = match body {
-        None => headers.iter().fold(agent.get(address), |r, (name, value)| r.header(*name, *value)).call(),
-        Some(body) => {
-            headers.iter().fold(agent.post(address), |r, (name, value)| r.header(*name, *value)).send(body)
-        }
-    }
-    .unwrap();
+/// Sends a request with the headers given and nothing else; the answer is one that `/openapi.json` names.
+pub fn send(door: &Door, method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Answer {
+    let config = ureq::Agent::config_builder().http_status_as_error(false).allow_non_standard_methods(true);
+    let agent: ureq::Agent = config.build().into();
+    let request = Request::builder().method(method).uri(format!("http://{}{path}", door.address));
+    let request = headers.iter().fold(request, |request, (name, value)| request.header(*name, *value));
+    let response = match body {
+        [] if method != "POST" => agent.run(request.body(()).unwrap()),
+        body => agent.run(request.body(body).unwrap()),
+    };
+    let mut response = response.unwrap();
     let headers = response.headers().clone();
     let kind = headers.get("content-type").map_or("", |kind| kind.to_str().unwrap()).to_owned();
     let body = response.body_mut().with_config().limit(1 << 30).read_to_vec().unwrap();
-    Answer { status: response.status().as_u16(), kind, headers, body }
+    let answer = Answer { status: response.status().as_u16(), kind, headers, body };
+    if let Err(why) = check(method, path, &answer) {
+        panic!("{method} {path}: {why}, by /openapi.json");
+    }
+    answer
+}
+
+/// Asks with the headers given and nothing else. `body` makes it a POST.
+pub fn ask_with(door: &Door, path: &str, headers: &[(&str, &str)], body: Option<&[u8]>) -> Answer {
+    send(door, if body.is_some() { "POST" } else { "GET" }, path, headers, body.unwrap_or_default())
 }
 
 /// Asks with the token.
 pub fn get(door: &Door, path: &str) -> Answer {
-    ask_with(door, path, &[("authorization", &format!("Bearer {}", door.token))], None)
+    ask_with(door, path, &[("authorization", &bearer(door))], None)
 }
 
 /// Sends JSON with the token.
 pub fn post(door: &Door, path: &str, body: &str) -> Answer {
-    ask_with(door, path, &[("authorization", &format!("Bearer {}", door.token))], Some(body.as_bytes()))
+    let headers = [("authorization", bearer(door)), ("content-type", "application/json".into())];
+    ask_with(
+        door,
+        path,
+        &headers.each_ref().map(|(name, value)| (*name, value.as_str())),
+        Some(body.as_bytes()),
+    )
+}
+
+/// The value of the header that shows the token.
+pub fn bearer(door: &Door) -> String {
+    format!("Bearer {}", door.token)
 }
 
 /// A new session of the demo scene, under a name that only its test uses.

@@ -112,7 +112,7 @@ fn every_error_is_json_that_says_what_to_do() {
     assert_eq!(get(&SHARED, "/nowhere").refusal(), code(404, "notFound"));
     assert_eq!(get(&SHARED, "/sessions/nowhere").refusal(), code(404, "notFound"));
     assert_eq!(get(&SHARED, "/sessions/%ff").refusal(), code(400, "badMessage"));
-    assert_eq!(get(&SHARED, "/assets").refusal(), code(404, "notFound"));
+    assert_eq!(get(&SHARED, "/assets").refusal(), code(405, "methodNotAllowed"));
     assert_eq!(get(&SHARED, "/socket").refusal(), code(400, "badMessage"));
     assert_eq!(get(&SHARED, "/sessions/main/log?form=1").refusal(), code(400, "badMessage"));
     assert_eq!(get(&SHARED, "/sessions/main/render?aov=colour").refusal(), code(400, "render"));

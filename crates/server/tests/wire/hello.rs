@@ -12,7 +12,7 @@ async fn fatal(client: &mut Client) -> String {
     };
     assert!(message.len() > 20, "{message}");
     assert!(matches!(client.next().await, Came::End), "the socket stays open");
-    code
+    code.name().into()
 }
 
 /// Rules: SOCK-1
@@ -87,7 +87,9 @@ async fn what_cannot_be_read_is_named_and_the_connection_goes_on() {
 /// The code and the sentence of an error that is not fatal.
 pub fn complaint(came: Came) -> Option<(String, String)> {
     match came {
-        Came::Control(ServerMessage::Error { code, message, fatal: false }) => Some((code, message)),
+        Came::Control(ServerMessage::Error { code, message, fatal: false }) => {
+            Some((code.name().into(), message))
+        }
         _ => None,
     }
 }

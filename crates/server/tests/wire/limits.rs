@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use protocol::{ClientMessage, ServerMessage, ViewSource};
+use protocol::{ClientMessage, ErrorCode, ServerMessage, ViewSource};
 use serde_json::json;
 use tokio::task::spawn_blocking;
 use tokio::time::sleep;
@@ -110,7 +110,7 @@ async fn a_session_has_room_for_so_many_and_says_when_it_is_full() {
     late.say(&hello(&SHARED.token, "crowd", "Late")).await;
     match late.next().await {
         Came::Control(ServerMessage::Error { code, message, fatal: true }) => {
-            assert!(code == "tooMany" && message.contains("64"), "{code}: {message}");
+            assert!(code == ErrorCode::TooMany && message.contains("64"), "{code}: {message}");
         }
         other => panic!("not refused but {other:?}"),
     }

@@ -1,13 +1,16 @@
 //! The server as clients and programs meet it: real sockets, real HTTP, a real store.
 
 mod client;
+mod documented;
 mod drain;
 mod errors;
 mod hello;
 mod limits;
+mod methods;
 mod operations;
 mod patience;
 mod pictures;
+mod scenes;
 mod server;
 mod sessions;
 mod slow;

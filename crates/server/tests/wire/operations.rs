@@ -1,8 +1,8 @@
 //! Operations that come again, undo past a restart, and a disk that takes nothing.
 
 use protocol::{
-    ClientMessage, Command, EditResult, EditStatus, GestureEnd, GestureState, LightParameter, Scope,
-    ServerMessage,
+    ClientMessage, Command, EditResult, EditStatus, ErrorCode, GestureEnd, GestureState, LightParameter,
+    Scope, ServerMessage,
 };
 use rusqlite::{Connection, TransactionBehavior};
 use serde_json::{Value, json};
@@ -54,7 +54,10 @@ async fn an_operation_that_comes_again_gets_its_first_answer() {
     let rebased = edit(&mut ada, "x", known, cone_angle(31.0)).await;
     assert_eq!((rebased.status, rebased.seq), (EditStatus::Rebased, Some(known + 2)), "another actor's x");
     let folded = edit(&mut ada, "y", known, cone_angle(95.0)).await;
-    assert_eq!((folded.status, folded.code.as_deref()), (EditStatus::Rejected, Some("invalidLight")));
+    assert_eq!(
+        (folded.status, folded.code.map(ErrorCode::name)),
+        (EditStatus::Rejected, Some("invalidLight"))
+    );
     ada.say(&ClientMessage::Undo { op_id: "z".into(), scope: Scope::Mine }).await;
     let undone = result(&mut ada, "z").await;
     assert_eq!(undone.seq, Some(known + 3));
@@ -201,10 +204,10 @@ async fn a_drag_that_the_disk_refuses_frees_its_light() {
     ada.say(&ClientMessage::GestureCommit { gesture: gesture(), op_id: "commit".into() }).await;
     for client in [&mut ada, &mut ben] {
         let ended = client.until(state(1, Some(GestureEnd::Rejected))).await;
-        assert_eq!((ended.code.as_deref(), ended.changes), (Some("storage"), Vec::new()));
+        assert_eq!((ended.code.map(ErrorCode::name), ended.changes), (Some("storage"), Vec::new()));
     }
     let refused = result(&mut ada, "commit").await;
-    assert_eq!((refused.status, refused.code.as_deref()), (EditStatus::Rejected, Some("storage")));
+    assert_eq!((refused.status, refused.code.map(ErrorCode::name)), (EditStatus::Rejected, Some("storage")));
     assert!(refused.message.expect("a sentence").contains("cannot write"));
     held.rollback().expect("let go");
 
@@ -230,7 +233,10 @@ async fn an_operation_that_may_have_come_before_is_not_called_refused() {
     };
     rename("rejection", "lost");
     let fresh = edit(&mut ada, "y", welcome.seq + 1, cone_angle(31.0)).await;
-    assert_eq!((fresh.status, fresh.code.as_deref()), (EditStatus::Unknown, Some("unknownOutcome")));
+    assert_eq!(
+        (fresh.status, fresh.code.map(ErrorCode::name)),
+        (EditStatus::Unknown, Some("unknownOutcome"))
+    );
     rename("lost", "rejection");
     let again = edit(&mut ada, "y", welcome.seq + 1, cone_angle(31.0)).await;
     assert_eq!(again.seq, Some(welcome.seq + 2), "and it may be sent again");

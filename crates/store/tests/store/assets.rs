@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use protocol::ErrorCode;
 use store::StoreError;
 
 use crate::support::Folder;
@@ -21,6 +22,35 @@ fn an_asset_comes_back_by_its_hash() {
     assert_eq!(store.asset(&scene::AssetHash([0; 32])).expect("no error"), None);
     let files = fs::read_dir(folder.data().join("assets")).expect("a folder");
     assert_eq!(files.count(), 2, "nothing but the two");
+}
+
+/// Rules: HTTP-10
+#[test]
+fn an_asset_is_called_what_it_was_last_called() {
+    let folder = Folder::new();
+    let store = folder.store();
+    let asset = store.put_asset(b"room").expect("a file");
+    assert_eq!(store.asset_name(&asset).expect("no error"), None);
+    let longest = "ü".repeat(128);
+    for name in ["Kitchen", "../Küche ☕", &longest] {
+        store.name_asset(&asset, name).expect("a file");
+        assert_eq!(folder.store().asset_name(&asset).expect("a name").as_deref(), Some(name));
+    }
+    for name in ["", " room", "room ", "ro\nom", "ro\u{7f}om", &format!("{longest}x")] {
+        let refused = store.name_asset(&asset, name).expect_err("no name");
+        assert_eq!(refused.code(), ErrorCode::BadName, "{name:?}: {refused}");
+    }
+    assert_eq!(
+        store.asset_name(&asset).expect("a name"),
+        Some(longest.clone()),
+        "a refused name changes nothing"
+    );
+    let file = folder.data().join("assets").join(asset.hex() + ".name");
+    for damaged in [&b"\xff"[..], b"", longest.repeat(9).as_bytes()] {
+        fs::write(&file, damaged).expect("a planted fault");
+        assert_eq!(store.asset_name(&asset).expect("no error"), None);
+    }
+    assert_eq!(store.asset(&asset).expect("whole"), Some(b"room".to_vec()));
 }
 
 /// Rules: DOC-5

@@ -1,6 +1,6 @@
 //! Opening from a checkpoint: the same session, for the cost of what came since.
 
-use protocol::SessionCheckpoint;
+use protocol::{ErrorCode, SessionCheckpoint};
 use rusqlite::Connection;
 use scene::Command;
 use store::{Store, Tail};
@@ -95,7 +95,7 @@ fn what_follows_a_checkpoint_is_proven() {
         database.execute_batch(&format!("BEGIN; {fault}")).expect("a change");
         database.execute_batch("COMMIT").expect("a change");
         let error = store.open_session("main", &find_scene).expect_err(was);
-        assert_eq!(error.code(), "badLog", "{was}: {error}");
+        assert_eq!(error.code(), ErrorCode::BadLog, "{was}: {error}");
         let back = format!("UPDATE record SET json = replace(json, '{now}', '{was}') WHERE seq = 61");
         database.execute_batch(&back).expect("a change");
         opened(&store);

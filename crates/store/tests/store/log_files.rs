@@ -1,5 +1,6 @@
 //! Log files: written, read back, and refused where they were changed.
 
+use protocol::ErrorCode;
 use protocol::{FIRST_PROOF, next_proof};
 use store::{Store, StoreError, replay_log};
 
@@ -44,7 +45,7 @@ fn a_log_goes_out_and_comes_in_again() {
     let copy = store.replay("copy", None, &find_scene).expect("a log");
     assert_eq!(copy.document().hash(), log.hash());
     let taken = store.import(text.as_bytes(), None, &find_scene).expect_err("`main` is there");
-    assert_eq!(taken.code(), "exists");
+    assert_eq!(taken.code(), ErrorCode::Exists);
 }
 
 /// Rules: LOG-1
@@ -85,7 +86,7 @@ fn a_changed_log_is_refused_by_line_or_record() {
         change(&mut lines);
         let error = import(&(lines.join("\n") + "\n"), None).expect_err(what);
         assert!(error.to_string().contains(expected), "{what}: {error}");
-        assert_eq!(error.code(), "badLog", "{what}");
+        assert_eq!(error.code(), ErrorCode::BadLog, "{what}");
     };
     // Up to record 10 its index is its sequence; a checkpoint follows each tenth.
     refused("dropped", "record 10 follows record 8", &|l| drop(l.remove(9)));
@@ -148,7 +149,7 @@ fn a_refused_log_leaves_nothing_behind() {
     store.import(latin1, None, &find_scene).expect_err("not UTF-8");
     let endless = std::io::BufReader::new(std::io::repeat(b' '));
     let refused = store.import(endless, None, &find_scene).expect_err("a line without end");
-    assert_eq!(refused.code(), "tooLarge");
+    assert_eq!(refused.code(), ErrorCode::TooLarge);
     assert_eq!(store.sessions().expect("a list"), []);
     store.import(text.as_bytes(), None, &find_scene).expect("the name is free");
 }

@@ -1,6 +1,7 @@
 //! What became of operations.
 
 use edit::Action;
+use protocol::ErrorCode;
 use rusqlite::Connection;
 use scene::{Command, LightId};
 use store::{Batch, MAX_REJECTIONS, Outcome, Rejection, Store, StoreError};
@@ -9,7 +10,7 @@ use crate::support::{Folder, Log, find_scene, stored_log};
 
 fn rejection(actor_id: &str, op_id: &str, message: &str) -> Rejection {
     let (actor_id, op_id) = (actor_id.into(), op_id.into());
-    Rejection { actor_id, op_id, code: "invalidLight".into(), message: message.into() }
+    Rejection { actor_id, op_id, code: ErrorCode::InvalidLight, message: message.into() }
 }
 
 fn reject(store: &mut Store, session: &str, rejections: &[Rejection]) {
@@ -32,7 +33,7 @@ fn an_operation_has_its_first_outcome() {
         |session: &str, actor: &str, op: &str| store.outcome(session, actor, op).expect("an answer");
     let committed = Outcome::Committed { seq: 7, rebased: false, skipped: Vec::new() };
     assert_eq!(outcome("main", "a", "op 7"), Some(committed));
-    let rejected = Outcome::Rejected { code: "invalidLight".into(), message: "it folds".into() };
+    let rejected = Outcome::Rejected { code: ErrorCode::InvalidLight, message: "it folds".into() };
     assert_eq!(outcome("main", "a", "x"), Some(rejected));
     for (session, actor, op) in
         [("main", "c", "x"), ("other", "a", "op 7"), ("other", "a", "x"), ("main", "a", "y")]

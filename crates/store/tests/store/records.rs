@@ -1,6 +1,7 @@
 //! Records: appended as a whole, kept as they are, replayed to what they were.
 
 use edit::{Record, ReplayError};
+use protocol::ErrorCode;
 use rusqlite::Connection;
 use store::{Batch, Store, StoreError};
 
@@ -70,7 +71,7 @@ fn a_record_over_the_limit_is_refused() {
     let mut log = Log::of(0);
     log.records[1].actor.name = "x".repeat(store::MAX_RECORD_BYTES);
     let refused = store.append(&[log.batch("main")]).expect_err("too large");
-    assert_eq!(refused.code(), "tooLarge", "{refused}");
+    assert_eq!(refused.code(), ErrorCode::TooLarge, "{refused}");
     assert_eq!(store.session("main").expect("a session").seq, 0);
 }
 
@@ -148,6 +149,6 @@ fn replay_names_the_record_that_was_tampered_with() {
     let missing = Folder::new();
     stored_log(&mut missing.store(), "main", 1);
     let error = missing.store().replay("main", None, &find_none).expect_err("no scene");
-    assert_eq!(error.code(), "unknownAsset");
+    assert_eq!(error.code(), ErrorCode::UnknownAsset);
     assert!(error.to_string().contains("0707070707"), "it says which: {error}");
 }

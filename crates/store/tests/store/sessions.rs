@@ -1,6 +1,6 @@
 //! Sessions: their names, their epochs, and folders that hold none.
 
-use protocol::{FIRST_PROOF, next_proof};
+use protocol::{ErrorCode, FIRST_PROOF, next_proof};
 use store::{Batch, MAX_NAME_CHARS, Store, StoreError};
 
 use crate::support::{Folder, Log, empty_hash, find_scene};
@@ -32,9 +32,9 @@ fn names_that_are_taken_or_unfit_are_refused() {
     assert!(matches!(store.create_session(&longest), Err(StoreError::Exists(_))));
     for name in ["", ".", "-a", "_a", "a b", "a/b", "../a", "a\n", "ä", &format!("{longest}x")] {
         let refused = store.create_session(name).expect_err(name);
-        assert_eq!(refused.code(), "badName", "{name:?}: {refused}");
+        assert_eq!(refused.code(), ErrorCode::BadName, "{name:?}: {refused}");
     }
-    assert_eq!(store.session("no").expect_err("none").code(), "notFound");
+    assert_eq!(store.session("no").expect_err("none").code(), ErrorCode::NotFound);
     assert_eq!(store.sessions().expect("a list").len(), 1);
 }
 
@@ -108,5 +108,5 @@ fn a_session_begins_whole_or_not_at_all() {
     let mut gap = Log::of(3);
     gap.records.remove(2);
     store.begin_session(&gap.batch("other")).expect_err("a gap");
-    assert_eq!(store.session("other").expect_err("nothing of it").code(), "notFound");
+    assert_eq!(store.session("other").expect_err("nothing of it").code(), ErrorCode::NotFound);
 }

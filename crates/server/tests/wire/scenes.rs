@@ -1,0 +1,165 @@
+//! Scenes that come over HTTP: what they are called, and what of them is not drawn.
+
+use std::fs;
+
+use protocol::{ClientMessage, Command, Scope, ServerMessage};
+use scene::AssetHash;
+use serde_json::{Value, json};
+
+use crate::client::{Answer, Came, Client, ask_with, bearer, get, post};
+use crate::server::{Door, Own, SHARED};
+
+/// A scene's file that no other test sends: `mark` is in it.
+fn file(mark: &str, own_name: Option<&str>) -> Vec<u8> {
+    let scene = own_name.map_or(json!({"nodes": [0]}), |name| json!({"name": name, "nodes": [0]}));
+    let file =
+        json!({"asset": {"version": "2.0", "generator": mark}, "scenes": [scene], "nodes": [{"name": "n"}]});
+    file.to_string().into_bytes()
+}
+
+/// One whose point light and animation are not drawn.
+fn file_with_notes(mark: &str) -> Vec<u8> {
+    let light = json!({"KHR_lights_punctual": {"lights": [{"type": "point", "name": "bulb"}]}});
+    let file = json!({"asset": {"version": "2.0", "generator": mark}, "scenes": [{"nodes": [0]}],
+        "nodes": [{"extensions": {"KHR_lights_punctual": {"light": 0}}}], "animations": [{"channels": [], "samplers": []}],
+        "extensionsUsed": ["KHR_lights_punctual"], "extensions": light});
+    file.to_string().into_bytes()
+}
+
+fn send(door: &Door, query: &str, file: &[u8]) -> Answer {
+    ask_with(door, &format!("/assets{query}"), &[("authorization", &bearer(door))], Some(file))
+}
+
+/// What a document calls the asset that it loads, and the session's notes.
+fn loaded(door: &Door, session: &str, scene: &Value) -> (Value, Value) {
+    let made = post(door, "/sessions", &json!({"name": session, "scene": scene}).to_string());
+    assert_eq!(made.status, 201, "{}", made.text());
+    let shown = get(door, &format!("/sessions/{session}")).json();
+    assert_eq!(shown["document"]["scene"], made.json()["document"]["scene"]);
+    assert_eq!(shown["notes"], made.json()["notes"]);
+    (shown["document"]["scene"]["name"].clone(), shown["notes"].clone())
+}
+
+/// Rules: HTTP-10, CMD-7
+#[test]
+fn a_scene_is_called_what_its_sender_or_its_file_calls_it() {
+    // What a scene without a name of its own is called.
+    let short = |file: &[u8]| format!("scene {}", &AssetHash::of(file).hex()[..8]);
+    let (unnamed, unfit, exported) =
+        (file("unnamed", None), file("unfit", Some(" \n ")), file("exported", Some("Scene")));
+    let cases = [
+        ("", file("own", Some("Küche")), "Küche".to_owned()),
+        ("?name=K%C3%BCche%20%E2%98%95%20%2B1", file("given", Some("Attic")), "Küche ☕ +1".to_owned()),
+        ("?name=..%2F..%2F..%2Fetc%2Fpasswd", file("path", None), "../../../etc/passwd".to_owned()),
+        ("?name=..", file("dots", None), "..".to_owned()),
+        ("", unnamed.clone(), short(&unnamed)),
+        ("", unfit.clone(), short(&unfit)),
+        ("", exported.clone(), short(&exported)),
+    ];
+    for (number, (query, file, name)) in cases.into_iter().enumerate() {
+        let sent = send(&SHARED, query, &file);
+        assert_eq!(sent.status, 201, "{}", sent.text());
+        assert_eq!(sent.json()["name"], name, "{query}");
+        let asset = sent.json()["asset"].clone();
+        assert_eq!(loaded(&SHARED, &format!("called-{number}"), &asset).0, name, "{query}");
+    }
+    // A demo goes by its name whether it is asked for by that or by its hash.
+    let demo = AssetHash::of(&assets::demo_bytes("vases").unwrap()).to_string();
+    assert_eq!(loaded(&SHARED, "called-demo", &json!("demo:vases")).0, "demo:vases");
+    assert_eq!(loaded(&SHARED, "called-by-hash", &json!(demo)).0, "demo:vases");
+}
+
+/// Rules: HTTP-10, CMD-7
+#[test]
+fn a_scene_that_is_sent_again_takes_the_later_name() {
+    let file = file("twice", Some("Scene"));
+    let asset = send(&SHARED, "?name=first", &file).json()["asset"].clone();
+    assert_eq!(loaded(&SHARED, "twice-1", &asset).0, "first");
+    assert_eq!(send(&SHARED, "?name=second", &file).json()["name"], "second");
+    assert_eq!(send(&SHARED, "", &file).json()["name"], "second", "without a name it keeps the one it has");
+    assert_eq!(loaded(&SHARED, "twice-2", &asset).0, "second");
+    let before = get(&SHARED, "/sessions/twice-1").json();
+    assert_eq!(before["document"]["scene"]["name"], "first", "documents keep the name they loaded it under");
+    let edits = json!({"edits": [{"command": {"type": "loadScene", "scene": asset, "name": "mine"}}]});
+    post(&SHARED, "/sessions/twice-1/edits", &edits.to_string());
+    let named = get(&SHARED, "/sessions/twice-1").json();
+    assert_eq!(named["document"]["scene"]["name"], "mine", "a command's own name comes first");
+}
+
+/// Rules: HTTP-10
+#[test]
+fn what_is_no_name_is_refused_with_a_sentence() {
+    let long = format!("?name={}", "x".repeat(257));
+    for query in ["?name=", "?name=%20room", "?name=room%0A", "?name=%00", "?name=%C2%85", &long] {
+        let refused = send(&SHARED, query, &file("refused", None));
+        assert_eq!(refused.refusal(), (400, "badName".into()), "{query}");
+        assert!(refused.text().contains("256"), "{}", refused.text());
+    }
+    assert_eq!(send(&SHARED, "?nmae=room", &file("refused", None)).refusal(), (400, "badMessage".into()));
+    let asset = AssetHash::of(&file("refused", None)).to_string();
+    let unknown = post(&SHARED, "/sessions", &json!({"name": "of-refused", "scene": asset}).to_string());
+    assert_eq!(unknown.refusal(), (404, "unknownAsset".into()), "nothing of it is kept");
+}
+
+/// Rules: HTTP-10
+#[tokio::test(flavor = "multi_thread")]
+async fn names_and_notes_survive_restarts_and_old_folders_have_some() {
+    let own = Own::start().await;
+    let (named, noted) = (file("kept", Some("Scene")), file_with_notes("kept"));
+    let sent = send(&own.door, "?name=Kitchen", &named).json()["asset"].clone();
+    loaded(&own.door, "before", &sent);
+    let with_notes = send(&own.door, "", &noted).json()["asset"].clone();
+    let (_, notes) = loaded(&own.door, "noted", &with_notes);
+    // An asset as a version that knew no names has left it.
+    let old = file("old", Some("Attic"));
+    fs::write(own.folder.path().join("assets").join(AssetHash::of(&old).hex()), &old).unwrap();
+    let (folder, served) = own.stop();
+    served.await.unwrap().unwrap();
+
+    let own = Own::start_in(folder).await;
+    assert_eq!(loaded(&own.door, "after", &sent).0, "Kitchen");
+    assert_eq!(get(&own.door, "/sessions/before").json()["document"]["scene"]["name"], "Kitchen");
+    assert_eq!(get(&own.door, "/sessions/noted").json()["notes"], notes);
+    assert!(!notes.as_array().unwrap().is_empty());
+    assert_eq!(loaded(&own.door, "old", &json!(AssetHash::of(&old).to_string())).0, "Attic");
+}
+
+/// Rules: HTTP-10, HTTP-5, SOCK-11, FRAME-9
+#[tokio::test]
+async fn what_of_a_scene_is_not_drawn_is_told_everywhere() {
+    let sent = send(&SHARED, "", &file_with_notes("told")).json();
+    let expected = [
+        "animations are not played, everything is at rest: 1 of them",
+        "point lights are not drawn, only spotlights and BendyLights are: bulb",
+    ];
+    assert_eq!(sent["notes"], json!(expected));
+    assert_eq!(send(&SHARED, "", &file("without notes", None)).json()["notes"], json!([]));
+
+    let (mut ada, welcome) = Client::join(&SHARED, "main", "Ada").await;
+    assert_eq!(welcome.notes, [""; 0], "the demo is drawn whole");
+    let scene = sent["asset"].as_str().unwrap().to_owned();
+    let command = Command::LoadScene { scene, name: None };
+    ada.say(&ClientMessage::Edit { op_id: "load".into(), base_seq: welcome.seq, command }).await;
+    let logged = |came| match came {
+        Came::Control(ServerMessage::Log { bounds, notes, record, .. }) => {
+            Some((bounds.is_some(), notes, record.seq))
+        }
+        _ => None,
+    };
+    let (has_bounds, notes, seq) = ada.until(logged).await;
+    assert_eq!((has_bounds, notes), (true, Some(expected.map(String::from).to_vec())));
+    let (_ben, welcome) = Client::join(&SHARED, "main", "Ben").await;
+    assert_eq!(welcome.notes, expected);
+
+    let picture = |query: &str| get(&SHARED, &format!("/sessions/main/render?size=16x9{query}"));
+    let headers = |answer: &Answer| {
+        let values = answer.headers.get_all("x-bendylights-note").iter();
+        values.map(|value| value.to_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(headers(&picture("")), expected);
+    assert_eq!(headers(&picture(&format!("&at={}", seq - 1))), [""; 0], "as it was then");
+    ada.say(&ClientMessage::Undo { op_id: "back".into(), scope: Scope::Session }).await;
+    assert_eq!(ada.until(logged).await.1, Some(Vec::new()), "the demo again");
+    assert_eq!(headers(&picture("")), [""; 0]);
+    assert_eq!(headers(&picture(&format!("&at={seq}"))), expected);
+}

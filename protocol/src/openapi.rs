@@ -1,0 +1,348 @@
+//! OpenAPI 3.1 of the HTTP interface (SPEC, section 9).
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use scene::Aov;
+use schemars::SchemaGenerator;
+use serde_json::{Map, Value, json};
+
+use crate::ErrorCode as Code;
+use crate::schema::{Face, definitions, generator, name};
+use crate::{
+    Asset, Document, EditResults, Edits, ErrorBody, NewSession, PROTOCOL, Record, SessionList, SessionState,
+};
+
+/// Where schemas stand.
+const SCHEMAS: &str = "#/components/schemas";
+
+/// Who may ask: all who come to this server's own name.
+const ANYBODY: &[Code] = &[Code::ForeignHost, Code::ForeignOrigin];
+/// What holds for every request that needs the token: it has to be whole and within limits.
+const WITH_TOKEN: &[Code] = &[
+    Code::Unauthorized,
+    Code::BadMessage,
+    Code::Stalled,
+    Code::TooLarge,
+    Code::TooMany,
+    Code::Draining,
+    Code::Fault,
+];
+/// What reading the store comes to.
+const OF_STORE: &[Code] = &[Code::Storage];
+/// What opening a session comes to: its log is replayed, which loads its scenes.
+const OF_SESSION: &[Code] =
+    &[Code::NotFound, Code::Storage, Code::BadLog, Code::UnknownAsset, Code::BadScene, Code::DamagedAsset];
+/// What a body of JSON comes to.
+const OF_JSON: &[Code] = &[Code::UnsupportedMediaType];
+/// What a scene that is loaded into a new session comes to.
+const OF_NEW_SESSION: &[Code] = &[
+    Code::BadName,
+    Code::Exists,
+    Code::UnknownAsset,
+    Code::BadScene,
+    Code::DamagedAsset,
+    Code::InvalidLight,
+    Code::InvalidCamera,
+    Code::Storage,
+    Code::UnknownOutcome,
+];
+/// What a picture comes to.
+const OF_PICTURE: &[Code] = &[Code::Render];
+/// What a scene's file comes to.
+const OF_UPLOAD: &[Code] = &[Code::BadName, Code::BadScene, Code::Storage];
+/// What keeps a server from being ready.
+const OF_READINESS: &[Code] = &[Code::WarmingUp, Code::NotReady, Code::Draining];
+
+/// One operation.
+#[derive(Clone)]
+struct Operation {
+    path: &'static str,
+    method: &'static str,
+    id: &'static str,
+    tag: &'static str,
+    summary: &'static str,
+    parameters: Vec<Value>,
+    /// Content of the request, by media type.
+    body: Option<Value>,
+    /// The status where it is not refused.
+    status: u16,
+    /// Content of the answer, by media type.
+    answer: Value,
+    /// Why it can be refused.
+    codes: &'static [&'static [Code]],
+}
+
+/// The document that a server gives at `/openapi.json`.
+pub fn openapi() -> Value {
+    let mut generator = generator(Face::Read, "/components/schemas");
+    let problem = name::<ErrorBody>(&mut generator);
+    // Records stand in the log; the socket's messages are in schema.json.
+    name::<Document>(&mut generator);
+    name::<Record>(&mut generator);
+    let mut paths: BTreeMap<&str, Map<String, Value>> = BTreeMap::new();
+    let operations =
+        of_sessions(&mut generator).into_iter().chain(of_scenes(&mut generator)).chain(of_service());
+    for operation in operations {
+        let (path, method) = (operation.path, operation.method);
+        paths.entry(path).or_default().insert(method.into(), operation.into_json(&problem));
+    }
+    json!({
+        "openapi": "3.1.0",
+        "info": {"title": "BendyLights", "version": env!("CARGO_PKG_VERSION"),
+            "description": format!("Edit and render lighting sessions; protocol {PROTOCOL}. SPEC.md has the rules.")},
+        "security": [{"token": []}],
+        "paths": paths,
+        "components": {
+            "securitySchemes": {"token": {"type": "http", "scheme": "bearer",
+                "description": "The part after `#token=` of the address that the server prints."}},
+            "schemas": definitions(generator, SCHEMAS),
+        },
+    })
+}
+
+fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
+    let state = json_content(&name::<SessionState>(g));
+    let session = json!({"name": "session", "in": "path", "required": true, "schema": {"type": "string"},
+        "description": "Name of the session."});
+    let of_session = Operation { parameters: vec![session], tag: "sessions", ..Operation::default() };
+    let of_all = Operation { tag: "sessions", ..Operation::default() };
+    vec![
+        Operation {
+            path: "/sessions",
+            id: "listSessions",
+            summary: "List the sessions.",
+            answer: json_content(&name::<SessionList>(g)),
+            codes: &[ANYBODY, WITH_TOKEN, OF_STORE],
+            ..of_all.clone()
+        },
+        Operation {
+            path: "/sessions",
+            method: "post",
+            id: "createSession",
+            summary: "Make a session, with its scene or, on an error, not at all.",
+            body: Some(json_content(&name::<NewSession>(g))),
+            status: 201,
+            answer: state.clone(),
+            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_NEW_SESSION],
+            ..of_all
+        },
+        Operation {
+            path: "/sessions/{session}",
+            id: "getSession",
+            summary: "The session's document, sequence and hash.",
+            answer: state,
+            codes: &[ANYBODY, WITH_TOKEN, OF_SESSION],
+            ..of_session.clone()
+        },
+        Operation {
+            path: "/sessions/{session}/edits",
+            method: "post",
+            id: "editSession",
+            summary: "Carry out edits, undos and redos, in order. What is refused of them stands in the results.",
+            body: Some(json_content(&name::<Edits>(g))),
+            answer: json_content(&name::<EditResults>(g)),
+            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_SESSION],
+            ..of_session.clone()
+        },
+        Operation {
+            path: "/sessions/{session}/log",
+            id: "getLog",
+            summary: "Records in JSON, a line each, as `Record` describes them.",
+            answer: text("application/jsonl"),
+            codes: &[ANYBODY, WITH_TOKEN, OF_STORE, &[Code::NotFound]],
+            ..of_session.clone().with(log_parameters())
+        },
+        Operation {
+            path: "/sessions/{session}/render",
+            id: "renderPicture",
+            summary: "A picture of the document.",
+            answer: json!({"image/png": {"schema": binary()}, "image/x-exr": {"schema": binary()}}),
+            codes: &[ANYBODY, WITH_TOKEN, OF_SESSION, OF_PICTURE],
+            ..of_session.with(picture_parameters())
+        },
+    ]
+}
+
+fn of_scenes(g: &mut SchemaGenerator) -> Vec<Operation> {
+    let name_of_scene = query(
+        "name",
+        "What people call the scene; by default what its file calls it.",
+        &json!({"type": "string", "minLength": 1}),
+    );
+    let upload = Operation {
+        path: "/assets",
+        method: "post",
+        id: "addAsset",
+        tag: "scenes",
+        summary: "Make a scene known, for `loadScene`: the bytes of a .glb or self-contained .gltf file, whatever the \
+            `Content-Type` says.",
+        body: Some(json!({"application/octet-stream": {"schema": binary()}})),
+        status: 201,
+        answer: json_content(&name::<Asset>(g)),
+        codes: &[ANYBODY, WITH_TOKEN, OF_UPLOAD],
+        ..Operation::default()
+    };
+    vec![upload.with(vec![name_of_scene])]
+}
+
+fn of_service() -> Vec<Operation> {
+    let open = Operation { tag: "service", codes: &[ANYBODY], ..Operation::default() };
+    vec![
+        Operation {
+            path: "/metrics",
+            id: "getMetrics",
+            summary: "Counts, in Prometheus' text format.",
+            answer: text("application/openmetrics-text"),
+            codes: &[ANYBODY, WITH_TOKEN],
+            ..open.clone()
+        },
+        Operation {
+            path: "/healthz",
+            id: "getHealth",
+            summary: "Whether the process runs.",
+            answer: text("text/plain"),
+            ..open.clone()
+        },
+        Operation {
+            path: "/readyz",
+            id: "getReadiness",
+            summary: "Whether every pipeline has drawn once; 503 before and while draining.",
+            answer: text("text/plain"),
+            codes: &[ANYBODY, OF_READINESS],
+            ..open.clone()
+        },
+        Operation {
+            path: "/openapi.json",
+            id: "getOpenapi",
+            summary: "This document.",
+            answer: json_content(&json!({})),
+            ..open
+        },
+    ]
+}
+
+impl Default for Operation {
+    /// A GET that nobody is refused.
+    fn default() -> Self {
+        Self {
+            path: "",
+            method: "get",
+            id: "",
+            tag: "",
+            summary: "",
+            parameters: Vec::new(),
+            body: None,
+            status: 200,
+            answer: Value::Null,
+            codes: &[],
+        }
+    }
+}
+
+impl Operation {
+    /// The same with more parameters.
+    fn with(mut self, parameters: Vec<Value>) -> Self {
+        self.parameters.extend(parameters);
+        self
+    }
+
+    fn into_json(self, problem: &Value) -> Value {
+        let codes: BTreeSet<Code> = self.codes.iter().copied().flatten().copied().collect();
+        let mut by_status: BTreeMap<u16, Vec<Code>> = BTreeMap::new();
+        for code in &codes {
+            by_status.entry(code.http_status()).or_default().push(*code);
+        }
+        let mut responses = Map::new();
+        responses.insert(self.status.to_string(), json!({"description": "Done.", "content": self.answer}));
+        for (status, codes) in by_status {
+            responses.insert(status.to_string(), refused(&codes, problem));
+        }
+        let mut json = json!({
+            "operationId": self.id,
+            "tags": [self.tag],
+            "summary": self.summary,
+            "responses": responses,
+        });
+        if !codes.contains(&Code::Unauthorized) {
+            json["security"] = json!([]);
+        }
+        if !self.parameters.is_empty() {
+            json["parameters"] = self.parameters.into();
+        }
+        if let Some(content) = self.body {
+            json["requestBody"] = json!({"required": true, "content": content});
+        }
+        json
+    }
+}
+
+/// A refusal with one of `codes`.
+fn refused(codes: &[Code], problem: &Value) -> Value {
+    let named: Vec<String> = codes.iter().map(|code| format!("`{code}`")).collect();
+    let mut schema = problem.clone();
+    schema["properties"] = json!({"error": {"properties": {"code": {"enum": codes}}}});
+    json!({
+        "description": format!("Refused with {}.", named.join(" or ")),
+        "content": json_content(&schema),
+    })
+}
+
+fn log_parameters() -> Vec<Value> {
+    let limit = json!({"type": "integer", "minimum": 1, "maximum": 10_000, "default": 10_000});
+    vec![
+        query("from", "First record.", &json!({"type": "integer", "minimum": 1, "default": 1})),
+        query("limit", "Records at most.", &limit),
+    ]
+}
+
+fn picture_parameters() -> Vec<Value> {
+    vec![
+        query("camera", "Id or name of a camera; the first by default.", &json!({"type": "string"})),
+        query(
+            "size",
+            "Width and height in pixels; by default 640x360, or about as many pixels in the camera's own shape.",
+            &json!({"type": "string", "pattern": "^[0-9]+x[0-9]+$"}),
+        ),
+        query(
+            "aov",
+            "What the picture shows.",
+            &json!({"type": "string", "enum": Aov::NAMES, "default": "beauty"}),
+        ),
+        query(
+            "samples",
+            "Samples a pixel.",
+            &json!({"type": "integer", "minimum": 1, "maximum": 64, "default": 1}),
+        ),
+        query(
+            "light",
+            "Id or name of the light that t, vw, direction, visibility and wireframe are of; the first by default.",
+            &json!({"type": "string"}),
+        ),
+        query(
+            "at",
+            "The document as it was after this record; the latest by default.",
+            &json!({"type": "integer", "minimum": 0}),
+        ),
+        query(
+            "format",
+            "PNG for people, EXR for linear values.",
+            &json!({"type": "string", "enum": ["png", "exr"], "default": "png"}),
+        ),
+    ]
+}
+
+fn query(name: &str, description: &str, schema: &Value) -> Value {
+    json!({"name": name, "in": "query", "description": description, "schema": schema})
+}
+
+fn json_content(schema: &Value) -> Value {
+    json!({"application/json": {"schema": schema}})
+}
+
+fn text(media_type: &str) -> Value {
+    json!({media_type: {"schema": {"type": "string"}}})
+}
+
+fn binary() -> Value {
+    json!({"type": "string", "format": "binary"})
+}

@@ -1,0 +1,95 @@
+//! Names for the variants of unions, so that code that is generated from a schema has them too.
+
+use serde_json::{Map, Value, json};
+
+/// What stands before and after a variant's own name to make one that says what it is, for each union.
+const UNIONS: &[(&str, [&str; 2])] = &[
+    ("Action", ["", "Action"]),
+    ("CameraParameter", ["Camera", ""]),
+    ("Change", ["", "Change"]),
+    ("ClientMessage", ["Client", ""]),
+    ("Command", ["", ""]),
+    ("Light", ["", ""]),
+    ("LightParameter", ["Light", ""]),
+    ("PointParameter", ["Point", ""]),
+    ("Projection", ["", "Projection"]),
+    ("ServerMessage", ["Server", ""]),
+    ("State", ["", "State"]),
+    ("ViewSource", ["", "View"]),
+];
+
+/// Gives each variant of each union a definition of its own, and each union that `type` tells apart a discriminator.
+/// `place` is where definitions stand.
+pub fn name_variants(definitions: &mut Map<String, Value>, place: &str) {
+    for (union, affixes) in UNIONS {
+        let Some(mut definition) = definitions.remove(*union) else { continue };
+        let Some(variants) = variants_of(&mut definition) else { continue };
+        let (mut named, mut mapping) = (Vec::new(), Map::new());
+        for variant in variants {
+            let reference = match variant.get("$ref").filter(|_| tag(&variant).is_none()) {
+                Some(reference) => reference.clone(),
+                None => define(definitions, variant, *affixes, place),
+            };
+            let name = reference.as_str().and_then(|text| text.rsplit('/').next()).unwrap_or_default();
+            if let Some(tag) = definitions.get(name).and_then(tag) {
+                mapping.insert(tag.to_owned(), reference.clone());
+            }
+            named.push(json!({"$ref": reference}));
+        }
+        if mapping.len() == named.len() {
+            definition["discriminator"] = json!({"propertyName": "type", "mapping": mapping});
+        }
+        definition["oneOf"] = named.into();
+        let before = definitions.insert((*union).into(), definition);
+        assert!(before.is_none(), "{union} is the name of a variant too");
+    }
+}
+
+/// Takes the variants out of a union's definition.
+fn variants_of(definition: &mut Value) -> Option<Vec<Value>> {
+    let fields = definition.as_object_mut()?;
+    match fields.remove("oneOf").or_else(|| fields.remove("anyOf"))? {
+        Value::Array(variants) => Some(variants),
+        _ => None,
+    }
+}
+
+/// Defines a variant, and what its one field holds where that is an object of its own; gives a reference to it.
+fn define(
+    definitions: &mut Map<String, Value>,
+    mut variant: Value,
+    [before, after]: [&str; 2],
+    place: &str,
+) -> Value {
+    let mut define = |name: &str, definition: Value| {
+        let clash = definitions.insert(name.to_owned(), definition);
+        assert!(clash.is_none(), "two definitions are called {name}");
+        json!(format!("{place}/{name}"))
+    };
+    let own = if let Some(tag) = tag(&variant) {
+        pascal_case(tag)
+    } else {
+        let only = variant["properties"].as_object_mut().and_then(|fields| fields.iter_mut().next());
+        let (field, value) = only.expect("a variant without a tag has a field");
+        let own = pascal_case(field);
+        if value["type"] == "object" {
+            *value = json!({"$ref": define(&own, value.take())});
+        }
+        own
+    };
+    // With a default, whoever makes one in code need not say again what its class says.
+    if let Some(kind) = variant.pointer_mut("/properties/type") {
+        kind["default"] = kind["const"].clone();
+    }
+    define(&format!("{before}{own}{after}"), variant)
+}
+
+/// The `type` that tells an object from others.
+fn tag(definition: &Value) -> Option<&str> {
+    definition.pointer("/properties/type/const")?.as_str()
+}
+
+fn pascal_case(camel_case: &str) -> String {
+    let mut letters = camel_case.chars();
+    letters.next().map(|first| first.to_ascii_uppercase()).into_iter().chain(letters).collect()
+}

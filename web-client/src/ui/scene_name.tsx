@@ -1,0 +1,48 @@
+// What the scene is called, and what of its file is not drawn.
+
+import { Icon } from "./icons";
+import { usePage } from "./page";
+
+const LIST = "scene-notes";
+/** How a scene's asset is named; versions before names of scenes called the scene so too. */
+const HASH = /^sha256:([0-9a-f]{8})[0-9a-f]{56}$/;
+
+export function SceneName() {
+  const { session } = usePage();
+  const { scene } = session.document.value;
+  return (
+    <>
+      <span class="scene-name clipped" title={`Scene ${scene?.name ?? ""}`}>
+        {scene?.name.replace(HASH, "scene $1") ?? "no scene"}
+      </span>
+      <Notes notes={session.notes.value} />
+    </>
+  );
+}
+
+/** A button that opens the list of notes. The browser closes it on Escape or a click elsewhere, and gives the focus back. */
+function Notes({ notes }: { notes: readonly string[] }) {
+  if (notes.length === 0) return null;
+  const count = notes.length === 1 ? "1 note" : `${notes.length} notes`;
+  return (
+    <>
+      <button
+        class="quiet"
+        popoverTarget={LIST}
+        title="What of the scene's file is not drawn"
+        aria-label={`${count} on the scene`}
+      >
+        <Icon name="note" />
+        {count}
+      </button>
+      <section id={LIST} class="scene-notes" popover="auto" aria-label="Notes on the scene">
+        <h2>Not drawn, or drawn otherwise</h2>
+        <ul>
+          {notes.map((note) => (
+            <li key={note}>{note}</li>
+          ))}
+        </ul>
+      </section>
+    </>
+  );
+}
