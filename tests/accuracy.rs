@@ -89,8 +89,16 @@ fn demo() -> Subject {
 fn seen_by_its_camera(name: &str, scene: Scene, light: BendyLight) -> Subject {
     let [width, height] = size();
     let camera = scene.cameras[0].clone();
-    let view =
-        View { camera, width, height, samples: 1, aov: Aov::Beauty, light: 0, slot: ViewSlot::default() };
+    let view = View {
+        camera,
+        width,
+        height,
+        samples: 1,
+        aov: Aov::Beauty,
+        light: 0,
+        fill: 1.0,
+        slot: ViewSlot::default(),
+    };
     Subject::new(name, scene, light, view)
 }
 

@@ -38,7 +38,16 @@ fn camera(eye: [f64; 3], target: [f64; 3], yfov: f64) -> Camera {
 }
 
 fn view(camera: Camera, [width, height]: [u32; 2]) -> View {
-    View { camera, width, height, samples: 1, aov: Aov::Beauty, light: 0, slot: ViewSlot::default() }
+    View {
+        camera,
+        width,
+        height,
+        samples: 1,
+        aov: Aov::Beauty,
+        light: 0,
+        fill: 1.0,
+        slot: ViewSlot::default(),
+    }
 }
 
 /// An even sequence of 0 to 1 that never repeats.

@@ -10,13 +10,36 @@ use bench::ServerProcess;
 
 use crate::program::program;
 
-/// Drags a control point in one page while a second one watches, undoes it, and compares pixels. The script says what it
-/// saw, and fails with a sentence.
+/// Drags a control point in one page while a second one watches, undoes it, and compares pixels.
 ///
 /// Rules: SOCK-3, FRAME-1, FRAME-2, FRAME-4, UNDO-1
 #[test]
 fn a_drag_in_one_page_shows_in_both_and_undo_restores_the_pixels() {
     in_a_browser("session.mjs");
+}
+
+/// Every panel: lights, parameters, control points, cameras, views, people.
+///
+/// Rules: SOCK-7, SOCK-8, GEST-1
+#[test]
+fn every_control_does_what_it_says() {
+    in_a_browser("controls.mjs");
+}
+
+/// The view, handles and fields by keys; presses within a second are one record.
+///
+/// Rules: SOCK-7, GEST-1
+#[test]
+fn all_can_be_done_by_keys() {
+    in_a_browser("keyboard.mjs");
+}
+
+/// States that are seldom seen, and planted faults.
+///
+/// Rules: GEST-4
+#[test]
+fn nothing_is_faint_or_nameless_in_any_state() {
+    in_a_browser("accessibility.mjs");
 }
 
 /// Opens the page a dozen times, with its size or its socket late, and compares its pictures with `render`'s: the whole
@@ -44,7 +67,8 @@ fn a_scene_has_its_name_on_the_page_and_says_what_is_not_drawn() {
     in_a_browser("scene.mjs");
 }
 
-/// Runs a script of the page's browser tests on a server of its own.
+/// Runs a script of the page's browser tests on a server of its own. It fails with a sentence, also where one of its pictures
+/// breaks a rule of accessibility.
 fn in_a_browser(script: &str) {
     let client = Path::new(env!("CARGO_MANIFEST_DIR")).join("../web-client");
     if !client.join("node_modules/playwright-core").is_dir() || !client.join("dist/index.html").is_file() {

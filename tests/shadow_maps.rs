@@ -83,7 +83,16 @@ fn view(eye: DVec3, target: DVec3) -> View {
         projection: Projection::Perspective { yfov: 0.9, aspect_ratio: None, znear: 0.05, zfar: None },
     };
     let [width, height] = SIZE;
-    View { camera, width, height, samples: 1, aov: Aov::Visibility, light: 0, slot: ViewSlot::default() }
+    View {
+        camera,
+        width,
+        height,
+        samples: 1,
+        aov: Aov::Visibility,
+        light: 0,
+        fill: 1.0,
+        slot: ViewSlot::default(),
+    }
 }
 
 /// A spotlight from `eye` to `target`, and what `bend` makes of it.

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use scene::Aov;
+use scene::{Aov, View};
 use schemars::SchemaGenerator;
 use serde_json::{Map, Value, json};
 
@@ -317,6 +317,11 @@ fn picture_parameters() -> Vec<Value> {
             "light",
             "Id or name of the light that t, vw, direction, visibility and wireframe are of; the first by default.",
             &json!({"type": "string"}),
+        ),
+        query(
+            "fill",
+            "How much of the scene's fill the beauty has: 0 leaves the lights' own radiance.",
+            &json!({"type": "number", "minimum": View::FILL.start(), "maximum": View::FILL.end(), "default": 1}),
         ),
         query(
             "at",

@@ -106,7 +106,17 @@ fn pictures_come_in_every_form() {
     }
     let exr = picture("format=exr&aov=t");
     assert_eq!(exr.body[..4], [0x76, 0x2f, 0x31, 0x01], "OpenEXR's magic number");
+    // Where the light does not reach, the lights' own radiance is none at all; there is a little of the fill.
+    let black =
+        |picture: &bench::Response| pixels(&picture.body).chunks(3).filter(|pixel| **pixel == [0; 3]).count();
+    let [alone, dim] = ["fill=0", "fill=0.5"].map(picture);
+    assert!(black(&alone) > 64 * 36 / 4 && black(&beauty) == 0, "{} {}", black(&alone), black(&beauty));
+    assert_eq!(pixels(&picture("fill=1").body), pixels(&beauty.body));
+    assert_ne!(pixels(&dim.body), pixels(&beauty.body));
     for wrong in [
+        "fill=-1",
+        "fill=NaN",
+        "fill=all",
         "size=0x9",
         "aov=shade",
         "samples=100000",

@@ -1,6 +1,6 @@
 // A session's beginnings for tests, and numbers that look random and are the same every time.
 
-import type { Bendy, Camera, Change, Document, Record, ServerLog, Welcome } from "../src/core/protocol";
+import type { Bendy, Camera, Change, Document, Record, ServerLog, Spot, Welcome } from "../src/core/protocol";
 import type { Vec3 } from "../src/core/vector";
 
 export const CAMERA: Camera = {
@@ -34,6 +34,17 @@ export const BENDY: Bendy = {
   frame: "rotationMinimizing",
   direction: "tube",
   endMode: "cut",
+  decay: "none",
+};
+
+export const SPOT: Spot = {
+  type: "spot",
+  name: "rim",
+  transform: { translation: [0, 2.5, -3], rotation: [0, Math.SQRT1_2, 0, Math.SQRT1_2], scale: 1 },
+  color: [1, 1, 1],
+  intensity: 1,
+  coneAngle: 20,
+  coneSoftness: 0.2,
   decay: "none",
 };
 

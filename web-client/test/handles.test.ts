@@ -5,23 +5,12 @@ import { abscissa } from "../src/core/curve";
 import { predict } from "../src/core/document";
 import { type Drawn, grab, type Handle, handlesOf, placeOf, turnAxis, turnRadius } from "../src/core/handles";
 import { circle, ringAt, sideways, tubeOf } from "../src/core/outline";
-import type { Light, Spot } from "../src/core/protocol";
+import type { Light } from "../src/core/protocol";
 import { add, cross, dot, perpendicular, rotate, scale, sub } from "../src/core/vector";
-import { BENDY, CAMERA, DOCUMENT } from "./examples";
+import { BENDY, CAMERA, DOCUMENT, SPOT } from "./examples";
 
 const VIEW: View = { camera: CAMERA, width: 900, height: 600 };
 const REACH = 2;
-
-const SPOT: Spot = {
-  type: "spot",
-  name: "rim",
-  transform: { translation: [0, 2.5, -3], rotation: [0, Math.SQRT1_2, 0, Math.SQRT1_2], scale: 1 },
-  color: [1, 1, 1],
-  intensity: 1,
-  coneAngle: 20,
-  coneSoftness: 0.2,
-  decay: "none",
-};
 
 const drawn = (light: Light): Drawn => ({ id: 1, light, tube: tubeOf(light, REACH), view: VIEW });
 

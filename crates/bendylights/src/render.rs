@@ -1,5 +1,6 @@
 //! `bendylights render`: a scene as a picture.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
@@ -9,7 +10,7 @@ use assets::Loaded;
 use bendy::Tube;
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use reference::Reference;
 use render::{Aov, Gpu, Picture, PictureFormat, Renderer, ShadowSettings, View, ViewSlot};
 use scene::{Camera, DEFAULT_ASPECT, Light, LightKind, Reach, Scene, framing_camera};
@@ -21,7 +22,7 @@ use crate::{files, headless, say};
 #[derive(clap::Args)]
 #[command(after_help = "\
 AOVs, what a picture shows:
-  beauty      the lit scene
+  beauty      the lit scene, with a fill that keeps what no light reaches readable; --fill 0 takes it away
   depth       distance from the camera's plane, in world units
   normal      shading normal in the world
   t           place along the light's curve, 0 at its source to the number of segments
@@ -37,6 +38,7 @@ distance from the curve; a wireframe is drawn in white over t's ramp, darker out
 Examples:
   bendylights render demo:vases -o vases.png
   bendylights render room.glb --lights key.json --camera 0 --size 1920x1080 --samples 64 -o room.exr
+  bendylights render room.glb --lights key.json --fill 0 -o key-alone.exr
   bendylights render room.glb --lights key.json --aov visibility --light key -o shadow.png
   bendylights render room.glb --lights key.json --backend reference -o truth.exr")]
 pub struct Args {
@@ -60,6 +62,9 @@ pub struct Args {
     /// The light that t, vw, direction, visibility and wireframe are of [default: the first]
     #[arg(long, value_name = "NAME")]
     light: Option<String>,
+    /// How much of the fill the beauty has: 0 leaves the lights' own radiance, 1 is as the scene has it, at most 1000000
+    #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = fill_factor, allow_negative_numbers = true)]
+    fill: f64,
     /// What draws the picture
     #[arg(long, value_enum, default_value = "gpu")]
     backend: Backend,
@@ -84,6 +89,11 @@ enum Backend {
 
 fn aov_names() -> impl TypedValueParser<Value = Aov> {
     PossibleValuesParser::new(Aov::NAMES).try_map(|name| name.parse::<Aov>())
+}
+
+fn fill_factor(text: &str) -> Result<f64, String> {
+    let factor = text.parse().ok().filter(|factor| View::FILL.contains(factor));
+    factor.ok_or(format!("write it as a number from 0 to {}", View::FILL.end()))
 }
 
 /// Pixels of a picture.
@@ -123,9 +133,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
         return Err(Error::NothingToShow { scene: args.scene.clone(), aov: args.aov.name() });
     }
     if lights.is_empty() {
-        notes.push(
-            "there are no lights, so the picture shows the fill only; --lights names a light file".into(),
-        );
+        let shown = if args.fill == 0.0 { "nothing" } else { "the fill only" };
+        notes.push(format!("there are no lights, so the picture shows {shown}; --lights names a light file"));
     }
     if args.samples > 1 && !args.aov.takes_samples() {
         let aov = args.aov.name();
@@ -148,6 +157,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         samples: args.samples,
         aov: args.aov,
         light: choose_light(args, &lights)?,
+        fill: args.fill,
         slot: ViewSlot::default(),
     };
     for note in &notes {
@@ -189,19 +199,22 @@ fn draw(
     let mut renderer = Renderer::new(Arc::new(Gpu::new()?))?;
     renderer.set_shadow_settings(shadows)?;
     renderer.set_scene(scene)?;
-    let busy = sign_of_life(view.samples);
-    let picture = renderer.render_file(view, lights, format)?;
-    busy.finish_and_clear();
-    Ok(picture)
+    let bar = progress_bar();
+    let picture = renderer.render_file(view, lights, format, |progress| {
+        bar.set_length(progress.of);
+        bar.set_position(progress.done);
+    });
+    bar.finish_and_clear();
+    Ok(picture?)
 }
 
 /// The reference's picture, rounded to what files hold.
 fn trace(scene: &Scene, view: &View, lights: &[Light]) -> Result<Picture, Error> {
-    let style =
-        ProgressStyle::with_template("{bar:30} {pos}/{len} rows, {eta} left").expect("a sound template");
-    let bar = ProgressBar::new(view.height.into()).with_style(style);
-    let frame = Reference::new(scene).render(view, lights, || bar.inc(1))?;
+    let bar = progress_bar();
+    bar.set_length(view.height.into());
+    let frame = Reference::new(scene).render(view, lights, || bar.inc(1));
     bar.finish_and_clear();
+    let frame = frame?;
     let pixels = frame.pixels.iter().map(|pixel| pixel.map(|x| x as f32)).collect();
     Ok(Picture { width: frame.width, height: frame.height, pixels })
 }
@@ -267,15 +280,17 @@ fn choices<'a>(names: impl Iterator<Item = &'a str>) -> String {
     }
 }
 
-/// A line that moves while a long render runs, on a terminal.
-fn sign_of_life(samples: u32) -> ProgressBar {
-    if samples == 1 {
-        return ProgressBar::hidden();
-    }
-    let style =
-        ProgressStyle::with_template("{spinner} rendering {msg}, {elapsed}").expect("a sound template");
-    let line =
-        ProgressBar::new_spinner().with_style(style).with_message(format!("{samples} samples a pixel"));
-    line.enable_steady_tick(Duration::from_millis(200));
-    line
+/// How far a picture is and how long it will take yet, on a terminal.
+fn progress_bar() -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:30} {percent} %{left}").expect("a sound template");
+    // Nothing is known before the first piece is done.
+    let left = |state: &ProgressState, text: &mut dyn fmt::Write| {
+        if state.pos() > 0 {
+            let _ = write!(text, ", {:#} left", HumanDuration(state.eta()));
+        }
+    };
+    let bar = ProgressBar::no_length().with_style(style.with_key("left", left));
+    // Compiling shaders and making shadow maps come before the first piece.
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
 }

@@ -91,13 +91,21 @@ fn drawn(document: &Document, format: PictureFormat) -> Result<Vec<u8>, Error> {
     let camera = document.cameras().values().next().cloned();
     let camera = camera.unwrap_or_else(|| framing_camera(document.scene(), DEFAULT_ASPECT));
     let [width, height] = camera.projection.default_size(MAX_SIDE);
-    let view =
-        View { camera, width, height, samples: 1, aov: Aov::Beauty, light: 0, slot: ViewSlot::default() };
+    let view = View {
+        camera,
+        width,
+        height,
+        samples: 1,
+        aov: Aov::Beauty,
+        light: 0,
+        fill: 1.0,
+        slot: ViewSlot::default(),
+    };
     let lights: Vec<Light> = document.lights().values().map(|placed| placed.light.clone()).collect();
     for note in left_out(&document.reach(), &lights) {
         crate::say(&format!("note: {note}"));
     }
     let mut renderer = Renderer::new(Arc::new(Gpu::new()?))?;
     renderer.set_scene(document.scene())?;
-    Ok(renderer.render_file(&view, &lights, format)?)
+    Ok(renderer.render_file(&view, &lights, format, |_| {})?)
 }

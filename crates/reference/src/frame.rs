@@ -48,6 +48,9 @@ impl<'a> Reference<'a> {
             return Err(ReferenceError::EmptyView);
         }
         view.camera.check().map_err(ReferenceError::Camera)?;
+        if !View::FILL.contains(&view.fill) {
+            return Err(ReferenceError::Fill(view.fill));
+        }
         let sources = wanted(view, lights)?
             .iter()
             .map(|light| Source::new(&light.kind))
@@ -67,7 +70,7 @@ impl<'a> Reference<'a> {
         let mut sum = [0.0; 4];
         for index in 0..samples {
             let at = corner + sample_in_pixel(index, samples);
-            let value = self.surface(view, at).and_then(|surface| self.value(view.aov, sources, &surface));
+            let value = self.surface(view, at).and_then(|surface| self.value(view, sources, &surface));
             for (total, channel) in sum.iter_mut().zip(value.unwrap_or_default()) {
                 *total += channel / f64::from(samples);
             }
@@ -76,10 +79,10 @@ impl<'a> Reference<'a> {
     }
 
     /// What a surface shows; `None` outside the light that is asked for.
-    fn value(&self, aov: Aov, sources: &[Source], surface: &Surface) -> Option<[f64; 4]> {
+    fn value(&self, view: &View, sources: &[Source], surface: &Surface) -> Option<[f64; 4]> {
         let first = || sources.first().and_then(|source| self.sample_unshadowed(source, surface));
-        let value = match aov {
-            Aov::Beauty => self.radiance(sources, surface),
+        let value = match view.aov {
+            Aov::Beauty => self.radiance(sources, view.fill, surface),
             Aov::Depth => DVec3::splat(surface.depth),
             Aov::Normal => surface.normal,
             Aov::T => DVec3::splat(first()?.t),
@@ -94,8 +97,8 @@ impl<'a> Reference<'a> {
         Some(value.extend(1.0).to_array())
     }
 
-    /// Radiance towards the eye under `sources` and the fill, linear RGB.
-    pub fn radiance(&self, sources: &[Source], surface: &Surface) -> DVec3 {
+    /// Radiance towards the eye under `sources` and `fill` times the scene's fill, linear RGB.
+    pub fn radiance(&self, sources: &[Source], fill: f64, surface: &Surface) -> DVec3 {
         let lit: DVec3 = sources
             .iter()
             .map(|source| {
@@ -106,7 +109,7 @@ impl<'a> Reference<'a> {
                 if lit { radiance } else { DVec3::ZERO }
             })
             .sum();
-        lit + self.fill(surface)
+        lit + self.fill(surface) * fill
     }
 
     /// Light from everywhere: a hemisphere that goes from `ground` to `sky` with the height of a direction.

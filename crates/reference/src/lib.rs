@@ -8,7 +8,7 @@
 //! use reference::Reference;
 //! # let scene = scene::Scene::default();
 //! # let (camera, slot) = (scene::framing_camera(&scene, 1.0), scene::ViewSlot::default());
-//! let view = scene::View { camera, width: 4, height: 4, samples: 1, aov: scene::Aov::Depth, light: 0, slot };
+//! let view = scene::View { camera, width: 4, height: 4, samples: 1, aov: scene::Aov::Depth, light: 0, fill: 1.0, slot };
 //! let frame = Reference::new(&scene).render(&view, &[], || {})?;
 //! assert_eq!(frame.pixels[0], [0.0; 4]);
 //! # Ok::<(), reference::ReferenceError>(())

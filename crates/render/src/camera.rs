@@ -24,6 +24,9 @@ impl Raster {
         if view.samples == 0 {
             return invalid("it has no samples; give it at least 1 a pixel");
         }
+        if !View::FILL.contains(&view.fill) {
+            return invalid("its factor of the fill is outside its domain; give one from 0 to 1000000");
+        }
         let aspect_ratio = view.camera.projection.aspect_ratio();
         let sound = aspect_ratio.is_none_or(|aspect| aspect > 0.0 && aspect.is_finite());
         let sound = sound
@@ -78,11 +81,12 @@ impl Raster {
     }
 
     /// What shaders need for the samples that lie `jitter` pixels right of and below the pixels' centres, in a
-    /// target whose first pixel is `tile_origin` of the picture.
+    /// target whose first pixel is `tile_origin` of the picture. `fill_factor` is [`View::fill`].
     pub fn uniform(
         &self,
         jitter: DVec2,
         sample_weight: f32,
+        fill_factor: f64,
         scene_origin: DVec3,
         tile_origin: [u32; 2],
     ) -> Result<layout::View, RenderError> {
@@ -116,6 +120,7 @@ impl Raster {
             ray_origin,
             sample_weight,
             ray_origin_dx,
+            fill_factor: fill_factor as f32,
             ray_origin_dy,
             ray_direction,
             ray_direction_dx,
@@ -211,7 +216,7 @@ mod tests {
         for projection in projections {
             let raster = Raster { world_from_camera, projection, width: 7, height: 5 };
             let scene_origin = DVec3::new(3.0, -2.0, 1.0);
-            let uniform = raster.uniform(DVec2::new(0.3, -0.2), 1.0, scene_origin, [0, 0]).unwrap();
+            let uniform = raster.uniform(DVec2::new(0.3, -0.2), 1.0, 1.0, scene_origin, [0, 0]).unwrap();
             let clip_from_scene = glam::Mat4::from_cols_array_2d(&uniform.clip_from_scene);
             let along = |base: [f32; 3], dx: [f32; 3], dy: [f32; 3], x: f32, y: f32| {
                 glam::Vec3::from(base) + glam::Vec3::from(dx) * x + glam::Vec3::from(dy) * y

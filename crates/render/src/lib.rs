@@ -51,4 +51,4 @@ pub use picture::{Picture, PictureFormat, Pixels};
 pub use renderer::{PassCounts, Renderer, StageTimes};
 pub use scene::{Aov, View, ViewSlot};
 pub use shadow_settings::{ShadowFilter, ShadowSettings};
-pub use tiled::TiledPicture;
+pub use tiled::{Progress, TiledPicture};

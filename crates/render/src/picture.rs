@@ -1,12 +1,11 @@
 //! Pictures as files: raw values for programs, eight bits a channel for people.
 
 use std::io::Cursor;
-use std::time::Duration;
 
 use image::{DynamicImage, ImageFormat, Rgb, RgbImage, Rgba32FImage, RgbaImage};
 use scene::{Light, LightKind};
 
-use crate::{Aov, RenderError, Renderer, TiledPicture, View};
+use crate::{Aov, Progress, RenderError, Renderer, TiledPicture, View};
 
 /// Raw values, linear.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,15 +45,16 @@ pub enum Pixels {
 }
 
 impl Renderer {
-    /// The bytes of a picture file of `view` under `lights`.
+    /// The bytes of a picture file of `view` under `lights`. `sampled` is told how far the picture is, after each sample
+    /// of a part of it and at its end.
     pub fn render_file(
         &mut self,
         view: &View,
         lights: &[Light],
         format: PictureFormat,
+        sampled: impl FnMut(Progress),
     ) -> Result<Vec<u8>, RenderError> {
-        // Nobody waits for anything else: each piece of work is as large as it may be.
-        let pixels = self.render_tiled(TiledPicture::for_file(view, lights, format)?, Duration::MAX)?;
+        let pixels = self.render_tiled(TiledPicture::for_file(view, lights, format)?, sampled)?;
         pixels.into_file(view, lights, format)
     }
 }

@@ -218,7 +218,8 @@ impl Renderer {
             return Ok(true);
         }
         let offset = sample_offset(sample, *samples);
-        let uniform = raster.uniform(offset, 1.0 / *samples as f32, scene.origin, [tile.x, tile.y])?;
+        let weight = 1.0 / *samples as f32;
+        let uniform = raster.uniform(offset, weight, view.fill, scene.origin, [tile.x, tile.y])?;
         gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
         let mut encoder = gpu.encoder();
         let mut base = targets.lights_drawn.is_none();
@@ -295,7 +296,7 @@ impl Renderer {
             let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
             shadow_maps.invalidate();
             shadow_maps.begin(view.slot, lights, scene.revision);
-            let uniform = raster.uniform(DVec2::ZERO, 1.0, scene.origin, [0, 0])?;
+            let uniform = raster.uniform(DVec2::ZERO, 1.0, view.fill, scene.origin, [0, 0])?;
             gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
             gpu.wait()?;
             let ((), gbuffer_ms) = timed(gpu, |encoder| {

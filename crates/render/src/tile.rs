@@ -42,7 +42,6 @@ pub(crate) struct Tiling {
     /// Of the next row's tiles, about.
     side: u32,
     next: Option<Tile>,
-    done_pixels: u64,
 }
 
 impl Tiling {
@@ -50,7 +49,7 @@ impl Tiling {
     /// least so many pixels, where the bounds allow.
     pub fn new(size: [u32; 2], triangle_count: u32) -> Self {
         let min_side = triangle_count.isqrt().clamp(MIN_SIDE, MAX_SIDE);
-        let mut tiling = Self { size, min_side, side: FIRST_SIDE.max(min_side), next: None, done_pixels: 0 };
+        let mut tiling = Self { size, min_side, side: FIRST_SIDE.max(min_side), next: None };
         tiling.next = Some(tiling.row_from(0));
         tiling
     }
@@ -64,7 +63,6 @@ impl Tiling {
     /// take `aim`.
     pub fn advance(&mut self, took: Duration, aim: Duration) {
         let Some(tile) = self.next else { return };
-        self.done_pixels += u64::from(tile.width) * u64::from(tile.height);
         let ratio = aim.as_secs_f64() / took.as_secs_f64().max(1e-6);
         let pixels = f64::from(tile.width) * f64::from(tile.height);
         // At most four times the pixels at once: one measurement is not to be trusted.
@@ -79,11 +77,6 @@ impl Tiling {
         } else {
             None
         };
-    }
-
-    /// Share of the pixels that are done.
-    pub fn progress(&self) -> f64 {
-        self.done_pixels as f64 / (f64::from(self.size[0]) * f64::from(self.size[1]))
     }
 
     /// The first tile of a row.
@@ -110,7 +103,6 @@ mod tests {
             let took = Duration::from_micros(u64::from(tile.width) * u64::from(tile.height));
             tiling.advance(took, Duration::from_millis(aim_ms));
         }
-        assert!((tiling.progress() - 1.0).abs() < 1e-12);
         tiles
     }
 

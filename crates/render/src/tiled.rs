@@ -10,6 +10,15 @@ use crate::targets::{BYTES_A_PIXEL, Targets};
 use crate::tile::{Tile, Tiling};
 use crate::{Aov, Gpu, Picture, PictureFormat, Pixels, RenderError, Renderer, View, readback};
 
+/// How far a picture is, in samples of its pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Samples that are drawn.
+    pub done: u64,
+    /// All of them.
+    pub of: u64,
+}
+
 /// A picture on its way: a tile is drawn with all its samples before the next one is begun, so that it takes the
 /// memory of one tile and of the finished pixels, however large it is and however many samples it has.
 ///
@@ -34,6 +43,9 @@ struct Work {
     _pixels_entry: Entry,
     /// What the longest piece of this tile took that grew with its pixels.
     longest: Duration,
+    /// Samples of pixels: of finished tiles, and of this one.
+    finished: u64,
+    begun: u64,
 }
 
 impl TiledPicture {
@@ -57,9 +69,11 @@ impl TiledPicture {
         Ok(Self { drawing: Drawing::new(view, lights)?, pixels, work: None })
     }
 
-    /// Share of the pixels that are finished.
-    pub fn progress(&self) -> f64 {
-        self.work.as_ref().map_or(0.0, |work| work.tiling.progress())
+    /// How far it is.
+    pub fn progress(&self) -> Progress {
+        let Drawing { view, samples, .. } = &self.drawing;
+        let of = u64::from(*samples) * u64::from(view.width) * u64::from(view.height);
+        Progress { done: self.work.as_ref().map_or(0, |work| work.finished + work.begun), of }
     }
 
     /// What there is of it.
@@ -93,14 +107,23 @@ impl Renderer {
         })
     }
 
-    /// All of a picture.
+    /// All of a picture, each piece of work as large as it may be. `sampled` is told how far it is after each sample of
+    /// a tile.
     pub(crate) fn render_tiled(
         &mut self,
         mut picture: TiledPicture,
-        aim: Duration,
+        mut sampled: impl FnMut(Progress),
     ) -> Result<Pixels, RenderError> {
-        while !self.draw_some(&mut picture, aim)? {}
-        Ok(picture.into_pixels())
+        self.attempt(picture.drawing.view.slot, |renderer, gpu| {
+            gpu.ledger.begin();
+            loop {
+                let finished = renderer.draw_piece(gpu, &mut picture, Duration::MAX, &|| false)?;
+                sampled(picture.progress());
+                if finished {
+                    return Ok(picture.into_pixels());
+                }
+            }
+        })
     }
 
     /// Draws a sample of a tile, or the part of it that is drawn before it is `over`. Returns whether the picture
@@ -136,10 +159,12 @@ impl Renderer {
         if targets.samples_drawn != sampled || done {
             pause(Piece::Pixels);
         }
+        work.begun = u64::from(targets.samples_drawn) * u64::from(tile.width) * u64::from(tile.height);
         if !done {
             return Ok(false);
         }
         self.collect_tile(gpu, targets, tile, pixels)?;
+        work.finished += std::mem::take(&mut work.begun);
         if whole {
             return Ok(true);
         }
@@ -201,6 +226,8 @@ impl Work {
             tile_entry: None,
             _pixels_entry: gpu.ledger.enter(MemoryKind::Tiled, bytes as u64),
             longest: Duration::ZERO,
+            finished: 0,
+            begun: 0,
         }
     }
 

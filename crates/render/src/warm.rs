@@ -67,7 +67,7 @@ fn view() -> View {
         projection: Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.1, zfar: None },
     };
     let (aov, slot) = (Aov::Beauty, ViewSlot::default());
-    View { camera, width: 42, height: 22, samples: 1, aov, light: 0, slot }
+    View { camera, width: 42, height: 22, samples: 1, aov, light: 0, fill: 1.0, slot }
 }
 
 /// A light over the middle of the squares.

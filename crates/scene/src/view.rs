@@ -1,5 +1,6 @@
 //! What a picture is asked to show.
 
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use thiserror::Error;
@@ -22,8 +23,15 @@ pub struct View {
     pub aov: Aov,
     /// Index of the light that the quantities of a light are of.
     pub light: usize,
+    /// How much of the scene's fill the beauty has: a factor from 0, the lights alone, 1, as the scene has it, and more; within [`View::FILL`].
+    pub fill: f64,
     /// Whose picture it is.
     pub slot: ViewSlot,
+}
+
+impl View {
+    /// What [`View::fill`] may be. A million times a scene's fill is far from the largest radiance that f32 holds.
+    pub const FILL: RangeInclusive<f64> = 0.0..=1e6;
 }
 
 /// Names a viewer: for each the renderer keeps what it last drew, so that viewers with cameras of their own
@@ -36,7 +44,7 @@ pub struct ViewSlot(pub u64);
 /// them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Aov {
-    /// Linear radiance under all lights and the fill.
+    /// Linear radiance under all lights and [`View::fill`] times the fill.
     #[default]
     Beauty,
     /// Distance along the view axis, in world units.

@@ -102,6 +102,10 @@ export function project(view: View, point: Vec3): Pixel | null {
   return { x: width / 2 + local[0] * pixels, y: height / 2 - local[1] * pixels };
 }
 
+/** Whether `pixel` lies in the picture. */
+export const isInPicture = ({ width, height }: View, { x, y }: Pixel): boolean =>
+  x >= 0 && x <= width && y >= 0 && y <= height;
+
 /** World units a pixel at `point`. */
 export function worldPerPixel(view: View, point: Vec3): number {
   const { perspective, size } = halfHeight(view);

@@ -95,6 +95,10 @@ export function changesPicture(change: Change): boolean {
   }
 }
 
+/** What stands for the light in lists. */
+export const lightLabel = ({ id, light }: { id: LightId; light: Light }): string =>
+  light.name === "" ? `${light.type} ${id}` : light.name;
+
 /** The light called `id`, if it is still there. */
 export const lightOf = (document: Document, id: LightId | null): Light | undefined =>
   document.lights.find((placed) => placed.id === id)?.light;

@@ -88,54 +88,54 @@ export function placeOf(handle: Handle, { light, tube, view }: Drawn): Vec3 {
   }
 }
 
+/** A handle that is pulled along, rather than turned. */
+export type Pulled = Exclude<Handle, { kind: "turn" }>;
+
 /** Grabs `handle` with the pointer at `from`: the answer says what each later place of the pointer means. */
 export function grab(handle: Handle, drawn: Drawn, from: Pixel): (pointer: Pixel) => Command {
-  const { id, light, tube, view } = drawn;
+  const { light, view } = drawn;
+  if (handle.kind === "turn") {
+    const axis = turnAxis(light, handle.axis);
+    const angle = turning(drawn, axis, from);
+    return (pointer) => turned(drawn, axis, angle(pointer));
+  }
   const place = placeOf(handle, drawn);
   const grabbed = inPlaneOf(view, from, place);
-  const moved = (pointer: Pixel): Vec3 => sub(inPlaneOf(view, pointer, place), grabbed);
+  return (pointer) => pulled(handle, drawn, sub(inPlaneOf(view, pointer, place), grabbed));
+}
+
+/** What it means that `handle` is pulled by `way`, in the world. Of an edge counts how far that is across the tube. */
+export function pulled(handle: Pulled, drawn: Drawn, way: Vec3): Command {
+  const { id, light, tube, view } = drawn;
   switch (handle.kind) {
     case "source":
-      return (pointer) => ({ type: "placeLight", light: id, translation: add(place, moved(pointer)) });
+      return { type: "placeLight", light: id, translation: add(light.transform.translation, way) };
     case "point": {
-      const { point } = handle;
-      const position = (pointer: Pixel) => toLocal(light.transform, add(place, moved(pointer)));
-      return (pointer) => ({
-        type: "setPoint",
-        light: id,
-        point,
-        parameter: { position: position(pointer) },
-      });
+      const position = toLocal(light.transform, add(placeOf(handle, drawn), way));
+      return { type: "setPoint", light: id, point: handle.point, parameter: { position } };
     }
     case "radius": {
       const { point } = handle;
       const t = abscissa(tube.points.length, point);
-      const side = sideways(tube, t, view.camera);
       const weight = weightOf(tube.points.length, point, t);
-      const radius = (pointer: Pixel) => {
-        const wanted = (tube.radii[point] ?? 0) + dot(moved(pointer), side) / weight;
-        return Math.max(0, wanted / light.transform.scale);
-      };
-      return (pointer) => ({ type: "setPoint", light: id, point, parameter: { radius: radius(pointer) } });
-    }
-    case "turn": {
-      const axis = turnAxis(light, handle.axis);
-      const angle = turning(drawn, axis, from);
-      const rotation = (pointer: Pixel) =>
-        unitQuat(compose(aboutAxis(axis, angle(pointer)), light.transform.rotation));
-      return (pointer) => ({ type: "placeLight", light: id, rotation: rotation(pointer) });
+      const wanted = (tube.radii[point] ?? 0) + dot(way, sideways(tube, t, view.camera)) / weight;
+      const radius = Math.max(0, wanted / light.transform.scale);
+      return { type: "setPoint", light: id, point, parameter: { radius } };
     }
     case "cone": {
-      const side = sideways(tube, 1, view.camera);
       const reach = length(sub(positionAt(tube.points, 1), light.transform.translation));
-      const coneAngle = (pointer: Pixel) => {
-        const radius = numberAt(tube.radii, 1) + dot(moved(pointer), side);
-        const degrees = (Math.atan2(radius, reach) * 180) / Math.PI;
-        return Math.min(Math.max(degrees, CONE_ANGLES.least), CONE_ANGLES.most);
-      };
-      return (pointer) => ({ type: "setLight", light: id, parameter: { coneAngle: coneAngle(pointer) } });
+      const radius = numberAt(tube.radii, 1) + dot(way, sideways(tube, 1, view.camera));
+      const degrees = (Math.atan2(radius, reach) * 180) / Math.PI;
+      const coneAngle = Math.min(Math.max(degrees, CONE_ANGLES.least), CONE_ANGLES.most);
+      return { type: "setLight", light: id, parameter: { coneAngle } };
     }
   }
+}
+
+/** Turns the light by `radians` about the unit vector `axis` in the world. */
+export function turned({ id, light }: Drawn, axis: Vec3, radians: number): Command {
+  const rotation = unitQuat(compose(aboutAxis(axis, radians), light.transform.rotation));
+  return { type: "placeLight", light: id, rotation };
 }
 
 /** The light's own axis in the world. */

@@ -1,6 +1,9 @@
 // The page's parts.
 
+import { useEffect, useRef } from "preact/hooks";
+
 import { CameraList } from "./camera_list";
+import { KeyList } from "./key_list";
 import { LightList } from "./light_list";
 import { LightPanel } from "./light_panel";
 import { usePage } from "./page";
@@ -9,21 +12,25 @@ import { TopBar } from "./top_bar";
 import { Viewport } from "./viewport";
 
 export function App() {
+  const refused = usePage().session.connection.value.kind === "refused";
   return (
-    <div class="app">
-      <TopBar />
-      <aside class="left" aria-label="Scene">
-        <LightList />
-        <CameraList />
-      </aside>
-      <Viewport />
-      <aside class="right" aria-label="Parameters">
-        <LightPanel />
-      </aside>
-      <StatusBar />
-      <Toasts />
-      <Refusal />
-    </div>
+    <>
+      <div class="app" inert={refused}>
+        <TopBar />
+        <aside class="left" aria-label="Scene">
+          <LightList />
+          <CameraList />
+        </aside>
+        <Viewport />
+        <aside class="right" aria-label="Parameters">
+          <LightPanel />
+        </aside>
+        <StatusBar />
+        <Toasts />
+        <KeyList />
+      </div>
+      {refused && <Refusal />}
+    </>
   );
 }
 
@@ -45,11 +52,19 @@ function Toasts() {
 function Refusal() {
   const { session } = usePage();
   const state = session.connection.value;
+  const again = useRef<HTMLButtonElement>(null);
+  useEffect(() => again.current?.focus(), []);
   if (state.kind !== "refused") return null;
   return (
-    <div class="refusal" role="alertdialog" aria-label="The server refused the connection">
-      <p>{state.message}</p>
-      <button class="solid" onClick={session.reconnect}>
+    <div
+      class="refusal"
+      role="alertdialog"
+      aria-modal="true"
+      aria-label="The server refused the connection"
+      aria-describedby="refusal"
+    >
+      <p id="refusal">{state.message}</p>
+      <button class="solid" ref={again} onClick={session.reconnect}>
         Try again
       </button>
     </div>
@@ -59,11 +74,12 @@ function Refusal() {
 /** In place of everything: the address lacks the token. */
 export function NoToken() {
   return (
-    <div class="refusal" role="alert">
-      <p>
+    <main class="refusal">
+      <h1>BendyLights</h1>
+      <p role="alert">
         This address has no token. Open the page with the address that <code>bendylights serve</code> printed:
         it ends in <code>#token=…</code>
       </p>
-    </div>
+    </main>
   );
 }

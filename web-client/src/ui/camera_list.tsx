@@ -42,18 +42,19 @@ export function CameraList() {
 
 function CameraRow({ placed: { id, camera }, disabled }: { placed: DocumentCamera; disabled: boolean }) {
   const { session } = usePage();
+  const name = camera.name === "" ? `camera ${id}` : camera.name;
   const { own, following } = session.viewer;
   const isSeen = own.value !== null && following.value === null && seeTheSame(own.value.camera, camera);
   return (
     <li class="item" data-camera={id} aria-current={isSeen}>
       <button class="item-name" title="Look from here" onClick={() => session.viewer.jump(camera)}>
         <Icon name="camera" />
-        <span class="clipped">{camera.name === "" ? `camera ${id}` : camera.name}</span>
+        <span class="clipped">{name}</span>
       </button>
       <button
         class="quiet item-action"
         title="Remove this camera"
-        aria-label={`Remove ${camera.name}`}
+        aria-label={`Remove ${name}`}
         disabled={disabled}
         onClick={() => session.edit({ type: "removeCamera", camera: id })}
       >

@@ -4,7 +4,9 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import type { Vec3 } from "../core/vector";
+import { usePage } from "./page";
 import { followPointer } from "./pointer";
+import { stepsOf } from "./presses";
 import { type Target, through, useLooseDrag } from "./target";
 
 interface FieldProps<V> {
@@ -46,10 +48,12 @@ const clamp = (value: number, { min = -Infinity, max = Infinity }: { min?: numbe
 /** A number to type, to step by arrow keys and, where it has a tag, to scrub by dragging that. */
 export function NumberField({ tag, ...props }: NumberProps & { tag?: string }) {
   const { label, value, target, disabled, step, unit, decimals = 3 } = props;
+  const { presses } = usePage();
   const shown = formatNumber(value, decimals);
   const [draft, setDraft] = useState<string | null>(null);
 
   const finish = () => {
+    presses.commit();
     if (draft === null) return;
     const typed = Number(draft.replace(",", "."));
     setDraft(null);
@@ -69,14 +73,15 @@ export function NumberField({ tag, ...props }: NumberProps & { tag?: string }) {
     const input = event.currentTarget as HTMLInputElement;
     if (event.key === "Enter") input.blur();
     else if (event.key === "Escape") {
+      presses.cancel();
       setDraft(null);
       input.value = shown;
       input.blur();
     } else if (event.key === "ArrowUp" || event.key === "ArrowDown") {
       event.preventDefault();
-      const sign = event.key === "ArrowUp" ? 1 : -1;
+      const by = (event.key === "ArrowUp" ? step : -step) * stepsOf(event);
       setDraft(null);
-      target.set(clamp(value + sign * step * (event.shiftKey ? 10 : 1), props));
+      presses.press(input, value, (from) => clamp(from + by, props), target.drag);
     }
   };
   return (
@@ -91,6 +96,7 @@ export function NumberField({ tag, ...props }: NumberProps & { tag?: string }) {
         inputMode="decimal"
         disabled={disabled}
         value={draft ?? shown}
+        data-typed={draft !== null}
         onFocus={(event) => event.currentTarget.select()}
         onInput={(event) => setDraft(event.currentTarget.value)}
         onKeyDown={keys}
@@ -110,7 +116,10 @@ interface SliderProps extends NumberProps {
 /** A slider with its number. */
 export function Slider({ from, to, ...props }: SliderProps) {
   const { label, value, target, disabled, step } = props;
+  const { presses } = usePage();
   const drag = useLooseDrag(target);
+  /** Whether keys move it, rather than the pointer. */
+  const byKeys = useRef(false);
   const range = useRef({ from, to });
   const dragging = useRef(false);
   // The ends stay where they are under the hand, and make room for the value at rest.
@@ -129,18 +138,29 @@ export function Slider({ from, to, ...props }: SliderProps) {
         value={value}
         style={{ "--share": String(clamp(share, { min: 0, max: 1 })) }}
         onInput={(event) => {
-          dragging.current = true;
-          drag.update(Number(event.currentTarget.value));
+          const input = event.currentTarget;
+          const wanted = Number(input.value);
+          if (byKeys.current) {
+            presses.press(input, value, () => wanted, target.drag);
+          } else {
+            dragging.current = true;
+            drag.update(wanted);
+          }
         }}
         onChange={() => {
           dragging.current = false;
           drag.commit();
         }}
+        onPointerDown={() => (byKeys.current = false)}
         onKeyDown={(event) => {
+          byKeys.current = true;
+          if (event.key === "Enter") presses.commit();
           if (event.key !== "Escape") return;
           dragging.current = false;
+          presses.cancel();
           drag.cancel();
         }}
+        onBlur={presses.commit}
       />
       <NumberField {...props} />
     </Row>

@@ -1,6 +1,8 @@
-// What can be grabbed on the selected light.
+// What can be grabbed on the selected light, by pointer or by keys.
 
-import { depthOf, type Pixel, project, type View } from "../core/camera";
+import type { JSX } from "preact";
+
+import { depthOf, isInPicture, type Pixel, project, type View } from "../core/camera";
 import {
   type Axis,
   type Drawn,
@@ -14,6 +16,8 @@ import {
 } from "../core/handles";
 import { circle } from "../core/outline";
 import type { Vec3 } from "../core/vector";
+import { pressHandle } from "./handle_keys";
+import { described, titleOf } from "./handle_texts";
 import { pathOf } from "./lines";
 import { canEdit, type Page, usePage } from "./page";
 import { followPointer } from "./pointer";
@@ -31,27 +35,45 @@ export const REACH_PX = 12;
 export function Handles({ drawn, locked }: HandlesProps) {
   const page = usePage();
   const disabled = locked || !canEdit(page);
-  const begin = (handle: Handle) => (event: PointerEvent) => startDrag(event, page, handle, drawn, disabled);
+  const operate = (handle: Handle): Operations => ({
+    tabindex: tabIndexAt(drawn.view, placeOf(handle, drawn)),
+    role: "slider",
+    "aria-disabled": disabled,
+    ...described(handle, drawn),
+    onFocus: () => select(page, handle),
+    onBlur: page.presses.commit,
+    onPointerDown: (event) => startDrag(event, page, handle, drawn, disabled),
+    onKeyDown: (event) => disabled || pressHandle(event, page, handle, drawn),
+  });
   return (
     <g data-disabled={disabled}>
       {AXES.map((axis) => (
-        <TurnRing key={axis} axis={axis} drawn={drawn} begin={begin({ kind: "turn", axis })} />
+        <TurnRing key={axis} axis={axis} drawn={drawn} operations={operate({ kind: "turn", axis })} />
       ))}
       {handlesOf(drawn.light).map((handle) => (
-        <PointHandle key={handleName(handle)} handle={handle} drawn={drawn} begin={begin(handle)} />
+        <PointHandle key={handleName(handle)} handle={handle} drawn={drawn} operations={operate(handle)} />
       ))}
-      <PointHandle handle={{ kind: "source" }} drawn={drawn} begin={begin({ kind: "source" })} />
+      <PointHandle handle={{ kind: "source" }} drawn={drawn} operations={operate({ kind: "source" })} />
     </g>
   );
+}
+
+/** Tab passes over what is out of sight. */
+export function tabIndexAt(view: View, place: Vec3): 0 | -1 {
+  const at = project(view, place);
+  return at !== null && isInPicture(view, at) ? 0 : -1;
 }
 
 interface HandleProps<H extends Handle = Handle> {
   handle: H;
   drawn: Drawn;
-  begin(event: PointerEvent): void;
+  operations: Operations;
 }
 
-function PointHandle({ handle, drawn, begin }: HandleProps) {
+/** What a handle is to the keyboard, the pointer and screen readers. */
+type Operations = JSX.IntrinsicElements["g"];
+
+function PointHandle({ handle, drawn, operations }: HandleProps) {
   const { selectedPoint } = usePage();
   const at = project(drawn.view, placeOf(handle, drawn));
   if (at === null) return null;
@@ -62,7 +84,7 @@ function PointHandle({ handle, drawn, begin }: HandleProps) {
       data-handle={handleName(handle)}
       data-current={point !== null && point === selectedPoint.value}
       transform={`translate(${at.x.toFixed(2)} ${at.y.toFixed(2)})`}
-      onPointerDown={begin}
+      {...operations}
     >
       <title>{titleOf(handle)}</title>
       <circle class="reach" r={REACH_PX} />
@@ -94,29 +116,14 @@ function Mark({ handle }: { handle: Handle }) {
   }
 }
 
-function titleOf(handle: Handle): string {
-  switch (handle.kind) {
-    case "source":
-      return "Move the light";
-    case "point":
-      return `Move control point ${handle.point}`;
-    case "radius":
-      return `Radius at control point ${handle.point}`;
-    case "turn":
-      return `Turn about ${"xyz"[handle.axis]}`;
-    case "cone":
-      return "Cone angle";
-  }
-}
-
 /** A ring around the source; the half behind it is faint. */
-function TurnRing({ axis, drawn, begin }: { axis: Axis; drawn: Drawn; begin(event: PointerEvent): void }) {
+function TurnRing({ axis, drawn, operations }: { axis: Axis; drawn: Drawn; operations: Operations }) {
   const { light, view } = drawn;
   const centre = light.transform.translation;
   const ring = circle(centre, turnAxis(light, axis), turnRadius(drawn));
   if (project(view, centre) === null) return null;
   return (
-    <g class={`turn axis-${axis}`} data-handle={handleName({ kind: "turn", axis })} onPointerDown={begin}>
+    <g class={`turn axis-${axis}`} data-handle={handleName({ kind: "turn", axis })} {...operations}>
       <title>{titleOf({ kind: "turn", axis })}</title>
       <path class="reach-line" d={pathOf(view, ring)} />
       <path class="turn-back" d={pathOf(view, ring)} />
@@ -136,14 +143,20 @@ function nearHalf(view: View, ring: readonly Vec3[], centre: Vec3): string {
   return pieces.join("");
 }
 
+/** Selects what `handle` belongs to. */
+function select({ selectedPoint }: Page, handle: Handle): void {
+  if ("point" in handle) selectedPoint.value = handle.point;
+  else if (handle.kind === "source") selectedPoint.value = null;
+}
+
 /** Selects what is grabbed, and drags it until the pointer is let go of. */
 function startDrag(down: PointerEvent, page: Page, handle: Handle, drawn: Drawn, disabled: boolean): void {
   if (down.button !== 0 || down.altKey) return;
   down.stopPropagation();
   down.preventDefault();
-  (document.activeElement as HTMLElement | null)?.blur();
-  page.selectedPoint.value =
-    "point" in handle ? handle.point : handle.kind === "source" ? null : page.selectedPoint.value;
+  // Keys then go on from where the pointer leaves it.
+  (down.currentTarget as SVGElement).focus({ preventScroll: true });
+  select(page, handle);
   if (disabled) return;
   const picture = (down.currentTarget as Element).closest(".stage")?.querySelector("canvas");
   const corner = picture?.getBoundingClientRect() ?? { x: 0, y: 0 };

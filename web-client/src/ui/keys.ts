@@ -1,16 +1,16 @@
-// Keys of the whole page. Fields keep theirs.
+// Keys of the whole page. Fields keep theirs, but for undo where nothing was typed.
 
 import { frameLight, frameScene } from "./framing";
 import { canEdit, type Page } from "./page";
 
+const FIELDS = "input:not([type=range]), select, textarea";
+const TYPED = ".text, [data-typed=true]";
+
 /** Listens for as long as the page lives. */
 export function bindKeys(page: Page): void {
   addEventListener("keydown", (event) => {
-    if (
-      event.target instanceof HTMLElement &&
-      event.target.matches("input:not([type=range]), select, textarea")
-    )
-      return;
+    const own = event.ctrlKey || event.metaKey ? TYPED : FIELDS;
+    if (event.target instanceof HTMLElement && event.target.matches(own)) return;
     const task = taskFor(page, event);
     if (task === null) return;
     event.preventDefault();
@@ -19,7 +19,7 @@ export function bindKeys(page: Page): void {
 }
 
 function taskFor(page: Page, event: KeyboardEvent): (() => void) | null {
-  const { session, scope, showHandles, showGate } = page;
+  const { session, scope, showGate, showHandles, showKeys } = page;
   const key = event.key.toLowerCase();
   if (event.ctrlKey || event.metaKey) {
     if (!canEdit(page)) return null;
@@ -36,6 +36,8 @@ function taskFor(page: Page, event: KeyboardEvent): (() => void) | null {
       return () => (showGate.value = !showGate.value);
     case "h":
       return () => (showHandles.value = !showHandles.value);
+    case "?":
+      return () => (showKeys.value = true);
     default:
       return null;
   }

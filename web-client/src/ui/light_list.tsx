@@ -2,6 +2,7 @@
 
 import { useEffect, useRef } from "preact/hooks";
 
+import { lightLabel } from "../core/document";
 import type { DocumentLight } from "../core/protocol";
 import { Icon } from "./icons";
 import { addLight } from "./new_lights";
@@ -62,13 +63,15 @@ function LightRow({ placed, disabled }: { placed: DocumentLight; disabled: boole
     <li class="item" ref={row} data-light={id} aria-current={selected}>
       <button class="item-name" onClick={() => selectLight(page, id)}>
         <Icon name={light.type} />
-        <span class="clipped">{light.name === "" ? `${light.type} ${id}` : light.name}</span>
+        <span class="clipped">{lightLabel(placed)}</span>
       </button>
       {others.map(({ client, actor }) => (
         <span
           key={client}
           class="dot"
           style={{ background: colorOf(client) }}
+          role="img"
+          aria-label={`${actor.name} has selected this`}
           title={`${actor.name} has selected this`}
         />
       ))}
@@ -76,7 +79,7 @@ function LightRow({ placed, disabled }: { placed: DocumentLight; disabled: boole
       <button
         class="quiet item-action"
         title="Remove this light"
-        aria-label={`Remove ${light.name}`}
+        aria-label={`Remove ${lightLabel(placed)}`}
         disabled={disabled || held}
         onClick={() => session.edit({ type: "removeLight", light: id })}
       >

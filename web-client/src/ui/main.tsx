@@ -29,22 +29,25 @@ if (token === "") {
 
 function start(): void {
   const toasts = startToasts();
+  const host = browserHost();
   const screen = canvasScreen();
   const session = startSession({
-    host: browserHost(),
+    host,
     token,
     session: name,
     actor: readActor(),
     screen,
     notify: toasts.say,
   });
-  const page = startPage(session, screen, name, toasts);
+  const page = startPage({ host, session, screen, name, toasts });
   effect(() => keepActor(session.actor.value));
   effect(() => {
     document.title = `${name} - BendyLights`;
     showState(root);
   });
   bindKeys(page);
+  // A page that goes takes its drags with it, but for what was done.
+  addEventListener("pagehide", page.presses.commit);
   addEventListener("online", session.wake);
   document.addEventListener("visibilitychange", () => document.hidden || session.wake());
   render(

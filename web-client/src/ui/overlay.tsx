@@ -2,11 +2,12 @@
 
 import { type Pixel, project, type View } from "../core/camera";
 import { segmentCount } from "../core/curve";
+import { lightLabel } from "../core/document";
 import type { Drawn } from "../core/handles";
 import { centreLine, ringAt, silhouette, tubeOf } from "../core/outline";
 import type { DocumentLight } from "../core/protocol";
 import { coneReach } from "./framing";
-import { Handles, REACH_PX } from "./handles";
+import { Handles, REACH_PX, tabIndexAt } from "./handles";
 import { Line } from "./lines";
 import { selectLight, usePage } from "./page";
 import { colorOf, nameOf } from "./person";
@@ -27,7 +28,7 @@ export function Overlay({ view, at, size }: OverlayProps) {
   // The selected light is on top.
   const ordered = [...lights.filter((placed) => !isSelected(placed)), ...lights.filter(isSelected)];
   return (
-    <svg class="overlay" width={size.width} height={size.height} aria-label="Lights">
+    <svg class="overlay" width={size.width} height={size.height} role="group" aria-label="Lights">
       <g transform={`translate(${at.x} ${at.y})`}>
         {ordered.map((placed) => (
           <LightOverlay key={placed.id} placed={placed} view={view} selected={isSelected(placed)} />
@@ -73,12 +74,23 @@ function LightOverlay({ placed: { id, light }, view, selected }: LightOverlayPro
           class="handle source"
           data-handle={`light-${id}`}
           transform={`translate(${source.x} ${source.y})`}
+          tabindex={tabIndexAt(view, light.transform.translation)}
+          role="button"
+          aria-label={`Select ${lightLabel({ id, light })}`}
           onPointerDown={(event) => {
             event.stopPropagation();
             selectLight(page, id);
           }}
+          onKeyDown={(event) => {
+            if (event.key !== "Enter" && event.key !== " ") return;
+            event.preventDefault();
+            const stage = event.currentTarget.closest(".stage");
+            selectLight(page, id);
+            // Its handles take this one's place.
+            requestAnimationFrame(() => stage?.querySelector<SVGElement>('[data-handle="source"]')?.focus());
+          }}
         >
-          <title>{light.name}</title>
+          <title>{lightLabel({ id, light })}</title>
           <circle class="reach" r={REACH_PX} />
           <circle class="mark" r={6} />
         </g>

@@ -4,9 +4,11 @@ import { effect, type Signal, signal } from "@preact/signals";
 import { createContext } from "preact";
 import { useContext } from "preact/hooks";
 
+import type { Host } from "../core/connection";
 import type { LightId } from "../core/ids";
 import type { Scope } from "../core/protocol";
 import type { Session } from "../core/session";
+import { committing, type Presses, startPresses } from "./presses";
 import type { Screen } from "./screen";
 
 export interface Toast {
@@ -16,6 +18,8 @@ export interface Toast {
 
 export interface Page {
   session: Session;
+  /** Steps by keys that are not yet a record; what is asked of `session` makes them one first. */
+  presses: Presses;
   screen: Screen;
   name: string;
   selectedLight: Signal<LightId | null>;
@@ -25,6 +29,8 @@ export interface Page {
   showHandles: Signal<boolean>;
   /** Whether what `render` would not write is darkened. */
   showGate: Signal<boolean>;
+  /** Whether the list of keys is shown. */
+  showKeys: Signal<boolean>;
   toasts: Signal<readonly Toast[]>;
 }
 
@@ -51,10 +57,20 @@ export function startToasts(): Toasts {
   };
 }
 
-export function startPage(session: Session, screen: Screen, name: string, toasts: Toasts): Page {
+export interface PageParts {
+  host: Host;
+  session: Session;
+  screen: Screen;
+  name: string;
+  toasts: Toasts;
+}
+
+export function startPage({ host, session, screen, name, toasts }: PageParts): Page {
+  const presses = startPresses(host, session);
   const selectedLight = signal<LightId | null>(null);
   const page: Page = {
-    session,
+    session: committing(session, presses),
+    presses,
     screen,
     name,
     selectedLight,
@@ -62,6 +78,7 @@ export function startPage(session: Session, screen: Screen, name: string, toasts
     scope: signal<Scope>("mine"),
     showHandles: signal(true),
     showGate: signal(true),
+    showKeys: signal(false),
     toasts: toasts.list,
   };
   effect(() => session.select(selectedLight.value));

@@ -11,6 +11,10 @@ import { lightTarget, type Target } from "./target";
 /** The fewest control points that make a curve. */
 const FEWEST_POINTS = 3;
 
+/** Whether the curve can do without control point `point`. */
+export const removablePoint = (light: Bendy, point: number): boolean =>
+  point > 0 && light.points.length > FEWEST_POINTS;
+
 export function PointPanel({ id, light, disabled }: PartProps<Bendy>) {
   const { session, selectedPoint } = usePage();
   const selected = selectedPoint.value;
@@ -36,7 +40,7 @@ export function PointPanel({ id, light, disabled }: PartProps<Bendy>) {
           class="quiet"
           title="Remove this control point"
           aria-label="Remove control point"
-          disabled={disabled || selected === null || selected === 0 || light.points.length <= FEWEST_POINTS}
+          disabled={disabled || selected === null || !removablePoint(light, selected)}
           onClick={() =>
             selected !== null && session.edit({ type: "removePoint", light: id, point: selected })
           }

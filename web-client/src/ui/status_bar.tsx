@@ -32,9 +32,7 @@ export function StatusBar() {
       </span>
       <span>{frame === null || frame.settle ? "at rest" : `${framesPerSecond} fps`}</span>
       <span class="spring" />
-      <span class="keys">
-        drag orbit · shift-drag pan · wheel zoom · A scene · F light · H handles · G gate
-      </span>
+      <span class="keys">drag or arrows orbit · with shift pan · wheel or + − zoom · A scene · F light</span>
       <span title="The latest record of the edit log">#{session.mirror.value.seq}</span>
     </footer>
   );

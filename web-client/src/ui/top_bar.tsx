@@ -151,7 +151,7 @@ function Self() {
         <button
           class="clipped"
           title="You. Change your name"
-          aria-label="Change your name"
+          aria-label={`${name}, you. Change your name`}
           onClick={() => setEditing(true)}
         >
           {name}

@@ -12,6 +12,7 @@ import { Overlay } from "./overlay";
 import { type Page, usePage } from "./page";
 import { colorOf, nameOf } from "./person";
 import { followPointer } from "./pointer";
+import { pressView } from "./view_keys";
 
 const LARGEST_SIDE = 1280;
 const RADIANS_PER_PIXEL = 0.006;
@@ -49,6 +50,10 @@ export function Viewport() {
         class="stage"
         ref={stage}
         data-stale={!connected && frame !== null}
+        role="application"
+        aria-label="View: arrow keys orbit, with Shift they pan, plus and minus zoom"
+        tabIndex={0}
+        onKeyDown={(event) => pressView(event, page, view)}
         onPointerDown={(event) => startNavigation(event, page, size)}
         {...fingers}
         onContextMenu={(event) => event.preventDefault()}
@@ -60,6 +65,7 @@ export function Viewport() {
       >
         <canvas
           ref={page.screen.attach}
+          role="img"
           aria-label="Rendered picture"
           style={{
             left: `${picture.x}px`,
@@ -80,7 +86,7 @@ export function Viewport() {
 
 function ViewTools() {
   const page = usePage();
-  const { showHandles, showGate } = page;
+  const { showHandles, showGate, showKeys } = page;
   return (
     <div class="view-tools" role="toolbar" aria-label="View">
       <button
@@ -117,6 +123,16 @@ function ViewTools() {
       >
         <Icon name="gate" /> Gate
       </button>
+      <span class="spring" />
+      <button
+        class="quiet"
+        title="Keys (?)"
+        aria-label="Keys"
+        aria-haspopup="dialog"
+        onClick={() => (showKeys.value = true)}
+      >
+        ?
+      </button>
     </div>
   );
 }
@@ -127,7 +143,12 @@ function Following() {
   const followed = session.viewer.following.value;
   if (followed === null) return null;
   return (
-    <div class="banner" style={{ borderColor: colorOf(followed) }}>
+    // A press on it is none on the picture, which would keep the pointer to itself.
+    <div
+      class="banner"
+      style={{ borderColor: colorOf(followed) }}
+      onPointerDown={(event) => event.stopPropagation()}
+    >
       <Icon name="view" /> {nameOf(session.people.value, followed)}'s view
       <button class="quiet" onClick={() => session.viewer.follow(null)}>
         Stop following
@@ -147,7 +168,7 @@ function Staleness() {
     draining: "The server is stopping: edits are off until it is back",
   }[kind];
   return (
-    <div class="banner stale" role="status">
+    <div class="banner stale" role="alert">
       {said}
     </div>
   );
@@ -158,7 +179,7 @@ function DragRefusal() {
   const refusal = usePage().session.ownDrag.value?.refusal;
   if (refusal === null || refusal === undefined) return null;
   return (
-    <div class="banner refused-drag" role="status">
+    <div class="banner refused-drag" role="alert">
       <span>{refusal}</span>
     </div>
   );
@@ -171,7 +192,7 @@ function startNavigation(down: PointerEvent, page: Page, size: Size): void {
   const pans = down.button === 1 || down.shiftKey;
   let way = 0;
   down.preventDefault();
-  (document.activeElement as HTMLElement | null)?.blur();
+  (down.currentTarget as HTMLElement).focus({ preventScroll: true });
   followPointer(down, {
     move(_, by) {
       way += Math.hypot(by.x, by.y);

@@ -3,6 +3,7 @@
 import {
   dragHandle,
   expect,
+  field,
   handleAt,
   pixels,
   reached,
@@ -32,10 +33,6 @@ async function makesARecord(page, what, task) {
   await reached(page, seq + 1);
   const made = (await seqOf(page)) - seq;
   expect(made === 1, `${what} must make one record; it made ${made}.`);
-}
-
-function field(page, name) {
-  return page.getByRole("textbox", { name, exact: true });
 }
 
 async function wholeLight(page) {
@@ -166,6 +163,7 @@ async function people(page, bob, picture) {
   await settled(page);
   await picture(page, "4-following");
   await page.locator(".banner").getByRole("button", { name: "Stop following" }).click();
+  await page.getByText("Bob's view").waitFor({ state: "hidden" });
   await bob.getByRole("button", { name: "Change your name" }).click();
   await bob.getByRole("textbox", { name: "Your name" }).fill("Robert");
   await bob.keyboard.press("Enter");

@@ -5,6 +5,8 @@ import { join } from "node:path";
 
 import { chromium } from "playwright-core";
 
+import { findings } from "./accessible.mjs";
+
 /** Software renderers are slow beside a browser; this only ends a test that hangs. */
 const PATIENCE_MS = 120_000;
 
@@ -23,7 +25,8 @@ const CHROMIUM = {
 
 /**
  * Runs `test` in a new session of the demo scene. `open(name)` opens a page for a person called so (see openPage),
- * `picture(page, name)` takes a screenshot, `http(path, body)` asks the server about the session. The command line is `ADDRESS FOLDER`, the address as the server
+ * `visit(fragment)` another address of the server, `picture(page, name)` takes a screenshot and holds what it shows to the
+ * rules of accessibility, `http(path, body)` asks the server about the session. The command line is `ADDRESS FOLDER`, the address as the server
  * printed it; a failure is one sentence on standard error and exit code 1.
  */
 export async function runBrowserTest(test) {
@@ -34,7 +37,12 @@ export async function runBrowserTest(test) {
   }
   mkdirSync(folder, { recursive: true });
   const browser = await chromium.launch(CHROMIUM);
-  const picture = (page, name) => page.screenshot({ path: join(folder, `${name}.png`) });
+  const screenshot = (page, name) => page.screenshot({ path: join(folder, `${name}.png`) });
+  const picture = async (page, name) => {
+    await screenshot(page, name);
+    const found = await findings(page);
+    expect(found.length === 0, `In the state of ${name}.png elements break rules:\n${found.join("\n")}`);
+  };
   const pages = [];
   try {
     const session = await newSession(address);
@@ -43,9 +51,15 @@ export async function runBrowserTest(test) {
       pages.push(page);
       return page;
     };
-    await test({ open, picture, http: (path, body) => ask(session, path, body) });
+    const visit = async (fragment) => {
+      const page = await browser.newPage({ viewport: { width: 1280, height: 760 } });
+      pages.push(page);
+      await page.goto(`${new URL(address).origin}/${fragment}`);
+      return page;
+    };
+    await test({ open, visit, picture, http: (path, body) => ask(session, path, body) });
   } catch (error) {
-    for (const [k, page] of pages.entries()) await picture(page, `failed-${k}`).catch(() => {});
+    for (const [k, page] of pages.entries()) await screenshot(page, `failed-${k}`).catch(() => {});
     console.error(error instanceof Error ? error.message : String(error));
     process.exitCode = 1;
   } finally {
@@ -129,6 +143,11 @@ export async function pixels(page) {
     const digest = new Uint8Array(await crypto.subtle.digest("SHA-256", data));
     return `${width}x${height} ${[...digest].map((b) => b.toString(16).padStart(2, "0")).join("")}`;
   });
+}
+
+/** A field for text or a number. */
+export function field(page, name) {
+  return page.getByRole("textbox", { name, exact: true });
 }
 
 /** The middle of a handle, in pixels of the page. */

@@ -64,7 +64,7 @@ impl Stage {
             .cloned()
             .unwrap_or_else(|| scene::framing_camera(scene, f64::from(width) / f64::from(height)));
         let slot = ViewSlot::default();
-        let view = View { camera, width, height, samples: 1, aov: Aov::Beauty, light: 0, slot };
+        let view = View { camera, width, height, samples: 1, aov: Aov::Beauty, light: 0, fill: 1.0, slot };
         let origin = reference.posed.origin_in_world;
         let rows: Vec<Vec<(Option<Lit>, DVec3)>> = (0..height)
             .into_par_iter()
@@ -77,7 +77,7 @@ impl Stage {
                         let sample = reference.sample(&source, &surface);
                         Lit { surface, root, visible: sample.is_some_and(|sample| sample.visible) }
                     });
-                    (lit, reference.radiance(&[], &surface))
+                    (lit, reference.radiance(&[], 1.0, &surface))
                 };
                 let row = (0..width).map(pixel).collect();
                 row_done();

@@ -30,7 +30,16 @@ fn view(width: u32, height: u32) -> View {
         rotation: DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back)),
         projection: Projection::Perspective { yfov: 0.4, aspect_ratio: None, znear: 0.1, zfar: None },
     };
-    View { camera, width, height, samples: 1, aov: Aov::Beauty, light: 0, slot: ViewSlot::default() }
+    View {
+        camera,
+        width,
+        height,
+        samples: 1,
+        aov: Aov::Beauty,
+        light: 0,
+        fill: 1.0,
+        slot: ViewSlot::default(),
+    }
 }
 
 /// A light through world positions.

@@ -167,6 +167,70 @@ fn render_keeps_what_the_camera_frames() {
     assert_eq!(covered(&[]).0, (640, 360), "a camera that does not say: 16:9, to the pixel");
 }
 
+/// By both backends: `--fill 0` leaves the light's own radiance, and the rest is the fill.
+#[test]
+fn render_takes_the_fill_away() {
+    let folder = Folder::new();
+    let drawn = |backend: &str, fill: &str| {
+        let picture = folder.path("out.exr");
+        let render = ["render", "demo:vases", "--size", "96x54", "-o", &picture];
+        printed(&[&render[..], &["--backend", backend, "--fill", fill]].concat(), "");
+        image::open(&picture).expect("a picture").into_rgba32f()
+    };
+    let [gpu, reference] = ["gpu", "reference"].map(|backend| ["0", "1"].map(|fill| drawn(backend, fill)));
+    let (mut dark, mut differ) = (0, 0);
+    for (x, y, [_, _, _, covered]) in gpu[0].enumerate_pixels().map(|(x, y, pixel)| (x, y, pixel.0)) {
+        let at = |pictures: &[image::Rgba32FImage; 2]| {
+            [0, 1, 2].map(|c| {
+                (
+                    pictures[0].get_pixel(x, y)[c],
+                    pictures[1].get_pixel(x, y)[c] - pictures[0].get_pixel(x, y)[c],
+                )
+            })
+        };
+        let (ours, truth) = (at(&gpu), at(&reference));
+        let is_dark = |pixel: [(f32, f32); 3]| pixel.iter().all(|(alone, _)| *alone == 0.0);
+        dark += u32::from(covered == 1.0 && is_dark(ours) && is_dark(truth));
+        // The fill is at most 0.145 times a colour, which the GPU keeps to a step of its square root in 13 bits, 2.5e-4, with a
+        // normal of 2^-15; the reference rounds once, but to the f32 of a sum with up to 4 of light.
+        let far = ours.iter().zip(&truth).any(|((_, ours), (_, truth))| (ours - truth).abs() > 0.145 * 4e-4);
+        differ += u32::from(far);
+        // The planted fault: the fill is there.
+        assert!(covered == 0.0 || ours.iter().any(|(_, fill)| *fill > 1e-3), "{x} {y}");
+    }
+    // A third of the demo lies outside its light. At silhouettes the two may see different surfaces.
+    assert!(dark > 96 * 54 / 3, "{dark}");
+    assert!(differ <= 96 * 54 / 1000, "{differ}");
+}
+
+/// On a terminal a bar says how far it is and how long it will take; the picture is the same.
+#[test]
+fn render_says_how_far_it_is() {
+    let folder = Folder::new();
+    for backend in ["gpu", "reference"] {
+        let picture = |name: &str| folder.path(&format!("{backend}-{name}.exr"));
+        let render =
+            |out: &str| format!("render demo:vases --size 160x90 --samples 16 --backend {backend} -o {out}");
+        let command = format!("{} {}", binary().display(), render(&picture("seen")));
+        // `script` runs it on a terminal of its own, and writes what that shows.
+        let seen = std::process::Command::new("script")
+            .args(["-qec", &command, "/dev/null"])
+            .output()
+            .expect("script");
+        assert!(seen.status.success());
+        let text = String::from_utf8_lossy(&seen.stdout);
+        let percents: Vec<u32> =
+            text.split(" %").filter_map(|before| before.rsplit(' ').next()?.parse().ok()).collect();
+        assert!(!percents.is_empty() && percents.is_sorted(), "{backend}: {text:?}");
+        assert!(text.contains("s left"), "{backend}: {text:?}");
+
+        let alone = render(&picture("unseen"));
+        assert_eq!(printed(&alone.split(' ').collect::<Vec<_>>(), ""), "", "nothing is written elsewhere");
+        let bytes = |name: &str| std::fs::read(picture(name)).expect("a picture");
+        assert_eq!(bytes("seen"), bytes("unseen"), "{backend}");
+    }
+}
+
 #[test]
 fn render_takes_shadow_settings() {
     let folder = Folder::new();

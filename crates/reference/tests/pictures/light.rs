@@ -184,6 +184,9 @@ fn what_cannot_be_shown_is_refused() {
     let why = |view: &View| reference.render(view, &[], || {}).unwrap_err().to_string();
     assert!(why(&view).contains("there is no light 0"));
     assert!(why(&View { width: 0, ..view.clone() }).contains("no pixels"));
+    for fill in [-0.5, 2e6, f64::NAN] {
+        assert!(why(&View { fill, ..view.clone() }).contains("from 0 to 1000000"), "{fill}");
+    }
     let mut broken = view.clone();
     broken.camera.translation.x = f64::NAN;
     assert!(why(&broken).contains("translation is not finite"));

@@ -23,5 +23,5 @@ fn fs_beauty(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     let diffuse = hemisphere(surface.normal);
     let specular = hemisphere(mix(mirrored, surface.normal, surface.roughness));
     let radiance = surface.base_color * mix(diffuse, specular, surface.metallic);
-    return vec4f(radiance, 1.0) * view.sample_weight;
+    return vec4f(radiance * view.fill_factor, 1.0) * view.sample_weight;
 }

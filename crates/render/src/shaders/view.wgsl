@@ -9,6 +9,8 @@ struct View {
     ray_origin: vec3f,
     sample_weight: f32,
     ray_origin_dx: vec3f,
+    // How much of the scene's fill the beauty has: 0 is none, 1 all of it.
+    fill_factor: f32,
     ray_origin_dy: vec3f,
     ray_direction: vec3f,
     ray_direction_dx: vec3f,

@@ -71,7 +71,7 @@ fn files_hold_the_picture() {
     let mut view = view(DVec3::Y * 2.0, DVec3::ZERO, [4, 3], Aov::Beauty);
     let lights = [named(spot(DVec3::Y * 3.0, DVec3::ZERO))];
     let mut decoded = |view: &View, format| {
-        let file = renderer.render_file(view, &lights, format).unwrap();
+        let file = renderer.render_file(view, &lights, format, |_| {}).unwrap();
         image::load_from_memory(&file).unwrap()
     };
     let (png, exr) = (decoded(&view, PictureFormat::Png), decoded(&view, PictureFormat::Exr));

@@ -4,6 +4,7 @@ mod antialiasing;
 mod bendy_light;
 mod caches;
 mod display;
+mod fill;
 mod memory;
 mod robustness;
 mod spot_light;

@@ -86,7 +86,16 @@ pub fn view(eye: DVec3, target: DVec3, size: [u32; 2], aov: Aov) -> View {
         rotation: DQuat::from_mat3(&looking(eye, target)),
         projection: Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.05, zfar: None },
     };
-    View { camera, width: size[0], height: size[1], samples: 1, aov, light: 0, slot: ViewSlot::default() }
+    View {
+        camera,
+        width: size[0],
+        height: size[1],
+        samples: 1,
+        aov,
+        light: 0,
+        fill: 1.0,
+        slot: ViewSlot::default(),
+    }
 }
 
 /// A spotlight of 10 cd and 25 degrees from `source` to `target`.

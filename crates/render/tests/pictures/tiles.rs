@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use bendy::SpotLight;
 use glam::{DAffine3, DQuat, DVec3, Vec3, Vec4};
-use render::{Aov, Picture, PictureFormat, Pixels, Renderer, TiledPicture, View, ViewSlot};
+use render::{Aov, Picture, PictureFormat, Pixels, Progress, Renderer, TiledPicture, View, ViewSlot};
 use scene::{Image, Light, LightKind, Material, Primitive, Sampler, Scene, TextureRef};
 
 use crate::support::{named, renderer, scene_of, spot, square, view};
@@ -75,15 +75,17 @@ fn camera(size: [u32; 2], aov: Aov, samples: u32) -> View {
 /// In tiles as small as they get; other pictures come between.
 fn tiled(renderer: &mut Renderer, mut picture: TiledPicture, between: &View) -> (Pixels, usize) {
     let mut turns = 1;
-    let mut progress = 0.0;
+    let mut progress = picture.progress();
+    assert_eq!(progress.done, 0);
     while !renderer.draw_some(&mut picture, Duration::ZERO).unwrap() {
         turns += 1;
-        assert!(picture.progress() >= progress);
+        assert!(picture.progress().done >= progress.done && picture.progress().of == progress.of);
         progress = picture.progress();
         if turns % 5 == 0 {
             renderer.render(between, &lights()[1..2]).unwrap();
         }
     }
+    assert_eq!(picture.progress().done, progress.of);
     (picture.into_pixels(), turns)
 }
 
@@ -147,6 +149,36 @@ fn tiles_make_up_the_screen() {
     // The planted fault: rows in another order.
     let turned: Vec<u8> = bytes.chunks(4 * 500).rev().flatten().copied().collect();
     assert!(whole.iter().zip(&turned).any(|(a, b)| a.abs_diff(*b) > 50));
+}
+
+/// A file's picture is drawn as one long turn draws it, and says on the way how much of it is drawn: in samples of pixels,
+/// after every sample of every tile.
+#[test]
+fn a_file_says_how_far_it_is() {
+    let mut renderer = renderer(&things());
+    for (aov, samples, of) in
+        [(Aov::Beauty, 3, 3 * 700 * 410), (Aov::Depth, 3, 700 * 410), (Aov::Wireframe, 1, 700 * 410)]
+    {
+        let view = camera([700, 410], aov, samples);
+        let mut told: Vec<Progress> = Vec::new();
+        let file = renderer
+            .render_file(&view, &lights(), PictureFormat::Exr, |progress| told.push(progress))
+            .unwrap();
+        assert!(told.iter().all(|progress| progress.of == of), "{aov:?}: {told:?}");
+        assert!(told.is_sorted_by(|a, b| a.done < b.done), "{aov:?}: {told:?}");
+        assert_eq!(told.last().map(|last| last.done), Some(of), "{aov:?}");
+        // Tiles begin with 256 pixels a side, so the first row has three.
+        let least = if aov == Aov::Wireframe { 1 } else { 3 * of as usize / (700 * 410) };
+        assert!(told.len() >= least, "{aov:?}: {told:?}");
+
+        let mut whole = TiledPicture::for_file(&view, &lights(), PictureFormat::Exr).unwrap();
+        while !renderer.draw_some(&mut whole, Duration::MAX).unwrap() {}
+        assert_eq!(
+            whole.into_pixels().into_file(&view, &lights(), PictureFormat::Exr).unwrap(),
+            file,
+            "{aov:?}"
+        );
+    }
 }
 
 /// However many turns it takes, each shadow map is made once.

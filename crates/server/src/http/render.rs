@@ -28,6 +28,7 @@ struct Query {
     aov: Option<String>,
     samples: Option<u32>,
     light: Option<String>,
+    fill: Option<f64>,
     at: Option<u64>,
     format: Option<Format>,
 }
@@ -112,6 +113,13 @@ async fn request(
         let (what, limit) = ("a pixel", MAX_SAMPLES as usize);
         return Err(ServerError::TooLarge { what, limit, unit: "samples" });
     }
+    let fill = query.fill.unwrap_or(1.0);
+    if !View::FILL.contains(&fill) {
+        let most = View::FILL.end();
+        return Err(ServerError::BadMessage(format!(
+            "the fill's factor is {fill}: give one from 0 to {most}"
+        )));
+    }
     let aov = query.aov.as_deref().map_or(Ok(Aov::Beauty), str::parse)?;
     let light = query.light.as_deref().map_or(Ok(0), |wanted| choose_light(&document, wanted))?;
     let camera = match query.camera {
@@ -121,7 +129,7 @@ async fn request(
     let [width, height] = asked.unwrap_or_else(|| camera.projection.default_size(MAX_VIEW_SIDE));
     Ok(Request {
         scene: Arc::clone(document.scene()),
-        view: View { camera, width, height, samples, aov, light, slot: viewer.slot() },
+        view: View { camera, width, height, samples, aov, light, fill, slot: viewer.slot() },
         session,
         viewer,
         lights: lights(&document),

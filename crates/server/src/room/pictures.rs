@@ -162,6 +162,7 @@ impl Room {
                 samples: samples(quality),
                 aov: Aov::Beauty,
                 light: 0,
+                fill: 1.0,
                 slot: view.lease.slot(),
             },
             lights: document.lights().values().map(|placed| placed.light.clone()).collect(),

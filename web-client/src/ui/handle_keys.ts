@@ -1,0 +1,63 @@
+// Handles by keys. Arrows move what has the focus, page keys move it away from the eye and back.
+
+import type { Drawn, Handle } from "../core/handles";
+import { NO_STEPS, nudge, type Steps } from "../core/nudge";
+import type { Command } from "../core/protocol";
+import type { Page } from "./page";
+import { removablePoint } from "./point_panel";
+import { stepsOf } from "./presses";
+
+const WAYS: { [key: string]: Steps } = {
+  ArrowRight: { ...NO_STEPS, right: 1 },
+  ArrowLeft: { ...NO_STEPS, right: -1 },
+  ArrowUp: { ...NO_STEPS, up: 1 },
+  ArrowDown: { ...NO_STEPS, up: -1 },
+  PageUp: { ...NO_STEPS, away: 1 },
+  PageDown: { ...NO_STEPS, away: -1 },
+};
+
+/** The same key on two kinds of keyboards. */
+const REMOVERS = ["Delete", "Backspace"];
+
+/** What a key does at `handle`; other keys are the page's. */
+export function pressHandle(event: KeyboardEvent, page: Page, handle: Handle, drawn: Drawn): void {
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.key === "Enter") page.presses.commit();
+  // The pointer's drag ends with Escape too.
+  if (event.key === "Escape") page.presses.cancel();
+  const way = WAYS[event.key];
+  if (way === undefined && !REMOVERS.includes(event.key)) return;
+  event.preventDefault();
+  event.stopPropagation();
+  if (way === undefined) remove(event, page, handle, drawn);
+  else press(event, page, handle, drawn, way);
+}
+
+function press(event: KeyboardEvent, page: Page, handle: Handle, drawn: Drawn, way: Steps): void {
+  const count = stepsOf(event);
+  const further = ({ right, up, away }: Steps): Steps => ({
+    right: right + count * way.right,
+    up: up + count * way.up,
+    away: away + count * way.away,
+  });
+  page.presses.press(event.currentTarget, NO_STEPS, further, () => {
+    const drag = page.session.drag(drawn.id);
+    const command = nudge(handle, drawn);
+    return { ...drag, update: (steps) => drag.update(command(steps)) };
+  });
+}
+
+function remove(event: KeyboardEvent, { session }: Page, handle: Handle, drawn: Drawn): void {
+  const command = removal(handle, drawn);
+  if (command === null) return;
+  // What has the focus goes.
+  (event.currentTarget as Element).closest<HTMLElement>(".stage")?.focus();
+  session.edit(command);
+}
+
+/** Removes the control point, or at its source the light; both can be undone. */
+function removal(handle: Handle, { id, light }: Drawn): Command | null {
+  if (handle.kind === "source") return { type: "removeLight", light: id };
+  if (handle.kind !== "point" || light.type !== "bendy" || !removablePoint(light, handle.point)) return null;
+  return { type: "removePoint", light: id, point: handle.point };
+}

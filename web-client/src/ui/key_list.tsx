@@ -1,0 +1,85 @@
+// What keys and the pointer do, on demand.
+
+import { useEffect, useRef } from "preact/hooks";
+
+import { usePage } from "./page";
+
+const KEYS: readonly [where: string, rows: readonly [keys: string, what: string][]][] = [
+  [
+    "View",
+    [
+      ["Drag, arrows", "Orbit"],
+      ["Shift with either, middle button", "Pan"],
+      ["Wheel, + and −", "Zoom"],
+      ["A", "Frame the scene"],
+      ["F", "Frame the selected light"],
+      ["H", "Show or hide the handles"],
+      ["G", "Show or hide the film gate"],
+    ],
+  ],
+  [
+    "Handle",
+    [
+      ["Tab", "Go to the next one"],
+      ["Drag, arrows", "Move, widen or turn it"],
+      ["Page Up, Page Down", "Move it away from the eye, or back"],
+      ["Shift with keys", "Ten steps at once"],
+      ["Escape", "Take back what is under way"],
+      ["Delete", "Remove the point, at the source the light"],
+    ],
+  ],
+  [
+    "Number",
+    [
+      ["Up, Down", "A step more or less"],
+      ["Shift with either", "Ten steps at once"],
+      ["Enter, Escape", "Take it, leave it"],
+    ],
+  ],
+  [
+    "Everywhere",
+    [
+      ["Ctrl+Z", "Undo"],
+      ["Ctrl+Shift+Z, Ctrl+Y", "Redo"],
+      ["?", "This list"],
+    ],
+  ],
+];
+
+/** The list, while the page shows it. */
+export function KeyList() {
+  const { showKeys } = usePage();
+  const dialog = useRef<HTMLDialogElement>(null);
+  const shown = showKeys.value;
+  useEffect(() => {
+    if (shown) dialog.current?.showModal();
+    else dialog.current?.close();
+  }, [shown]);
+  return (
+    <dialog class="key-list" ref={dialog} aria-labelledby="key-list" onClose={() => (showKeys.value = false)}>
+      {shown && (
+        <>
+          <header>
+            <h2 id="key-list">Keys</h2>
+            <button class="quiet" onClick={() => (showKeys.value = false)}>
+              Close
+            </button>
+          </header>
+          {KEYS.map(([where, rows]) => (
+            <section key={where}>
+              <h3>{where}</h3>
+              <dl>
+                {rows.map(([keys, what]) => (
+                  <div key={keys}>
+                    <dt>{keys}</dt>
+                    <dd>{what}</dd>
+                  </div>
+                ))}
+              </dl>
+            </section>
+          ))}
+        </>
+      )}
+    </dialog>
+  );
+}
