@@ -169,7 +169,7 @@ pub enum ServerMessage {
         clients: Vec<Presence>,
     },
     /// The answer to `history`.
-    History(History),
+    History(Box<History>),
     /// How the view is served from now on.
     ViewConfig {
         /// Pixels.

@@ -10,7 +10,7 @@ use crate::support::{Mirror, Server, rename};
 fn history(mirror: &mut Mirror) -> History {
     mirror.send(&ClientMessage::History {});
     mirror.wait_for("a history", |message| match message {
-        ServerMessage::History(history) => Some(history.clone()),
+        ServerMessage::History(history) => Some(History::clone(history)),
         _ => None,
     })
 }

@@ -45,9 +45,10 @@ impl Session {
         let mut passed: Vec<String> = Vec::new();
         let mut target = None;
         for _ in 0..=MAX_PASSED {
-            target = match undoes {
-                true => self.history().undo_target(actor_id, scope, target),
-                false => self.history().redo_target(actor_id, scope, target),
+            target = if undoes {
+                self.history().undo_target(actor_id, scope, target)
+            } else {
+                self.history().redo_target(actor_id, scope, target)
             };
             let Some(target) = target else { break };
             let record = find_record(target).ok_or(Refusal::LostRecord(target))?;

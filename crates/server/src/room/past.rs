@@ -38,7 +38,7 @@ impl Room {
             History { seq: session.seq(), undo: both(Request::Undo), redo: both(Request::Redo) }
         });
         match looked.await {
-            Ok(history) => self.say_to(id, &ServerMessage::History(history)),
+            Ok(history) => self.say_to(id, &ServerMessage::History(Box::new(history))),
             Err(error) => self.complain_to(id, &error),
         }
     }
