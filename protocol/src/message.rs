@@ -340,9 +340,9 @@ pub struct HistorySteps {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct HistoryStep {
-    /// Its record.
+    /// The record that is taken back: the step's, or of an undo.
     pub seq: u64,
-    /// Who made it, or undid it.
+    /// Who made the step, also where an undo of it is taken back.
     pub actor: Actor,
     /// What it did, for people: `the radius of control point 2 of “key”`.
     pub what: String,

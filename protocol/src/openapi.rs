@@ -68,6 +68,8 @@ struct Operation {
     status: u16,
     /// Content of the answer, by media type.
     answer: Value,
+    /// Headers of the answer by their names, where it has any of its own.
+    headers: Value,
     /// Why it can be refused.
     codes: &'static [&'static [Code]],
 }
@@ -157,6 +159,10 @@ fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
             id: "renderPicture",
             summary: "A picture of the document.",
             answer: json!({"image/png": {"schema": binary()}, "image/x-exr": {"schema": binary()}}),
+            headers: json!({"x-bendylights-note": {
+                "description": "What the picture lacks of its scene, and why a light is left out; one each.",
+                "schema": {"type": "string"},
+            }}),
             codes: &[ANYBODY, WITH_TOKEN, OF_SESSION, OF_PICTURE],
             ..of_session.with(picture_parameters())
         },
@@ -234,6 +240,7 @@ impl Default for Operation {
             body: None,
             status: 200,
             answer: Value::Null,
+            headers: Value::Null,
             codes: &[],
         }
     }
@@ -253,7 +260,11 @@ impl Operation {
             by_status.entry(code.http_status()).or_default().push(*code);
         }
         let mut responses = Map::new();
-        responses.insert(self.status.to_string(), json!({"description": "Done.", "content": self.answer}));
+        let mut done = json!({"description": "Done.", "content": self.answer});
+        if !self.headers.is_null() {
+            done["headers"] = self.headers;
+        }
+        responses.insert(self.status.to_string(), done);
         for (status, codes) in by_status {
             responses.insert(status.to_string(), refused(&codes, problem));
         }
@@ -288,9 +299,9 @@ fn refused(codes: &[Code], problem: &Value) -> Value {
 }
 
 fn log_parameters() -> Vec<Value> {
-    let limit = json!({"type": "integer", "minimum": 1, "maximum": 10_000, "default": 10_000});
+    let limit = json!({"type": "integer", "minimum": 0, "maximum": 10_000, "default": 10_000});
     vec![
-        query("from", "First record.", &json!({"type": "integer", "minimum": 1, "default": 1})),
+        query("from", "First record.", &json!({"type": "integer", "minimum": 0, "default": 1})),
         query("limit", "Records at most.", &limit),
     ]
 }
@@ -300,8 +311,9 @@ fn picture_parameters() -> Vec<Value> {
         query("camera", "Id or name of a camera; the first by default.", &json!({"type": "string"})),
         query(
             "size",
-            "Width and height in pixels; by default 640x360, or about as many pixels in the camera's own shape.",
-            &json!({"type": "string", "pattern": "^[0-9]+x[0-9]+$"}),
+            "Width and height in pixels, at most 4096 each; by default 640x360, or about as many pixels in the camera's \
+                own shape.",
+            &json!({"type": "string", "pattern": "^0*[1-9][0-9]*x0*[1-9][0-9]*$"}),
         ),
         query(
             "aov",

@@ -51,7 +51,7 @@ fn what_is_told_names_the_step_the_light_and_the_person() {
     undo(&mut ada, Scope::Session);
     let undone = history(&mut ada);
     let redo = undone.redo.session.expect("it can be redone");
-    assert_eq!((redo.what, redo.actor.id.as_str()), (all.what, "ada"));
+    assert_eq!((redo.what, redo.actor.id.as_str()), (all.what, "ben"));
     assert_eq!((undone.redo.mine, undone.undo.session), (None, Some(mine)));
 }
 
@@ -84,7 +84,7 @@ fn what_is_told_is_what_undo_then_takes() {
     let seq = ada.seq;
     let refused = undo(&mut ada, Scope::Mine);
     assert_eq!((refused.status, refused.code), (EditStatus::Rejected, Some(ErrorCode::NothingToUndo)));
-    let gone = "there is nothing to undo: the cone angle of “key” has been changed since by ben";
+    let gone = "there is nothing to undo: ben has changed the cone angle of “key” since";
     assert_eq!(refused.message.as_deref(), Some(gone));
     assert_eq!(server.state().0, seq, "it is no step");
 }

@@ -1,10 +1,12 @@
 //! Sessions by HTTP alone.
 
+use bench::ServerProcess;
 use protocol::{
     Asset, EditResults, EditStatus, ErrorBody, ErrorCode, Record, SessionList, SessionState, parse_body,
 };
 use serde_json::json;
 
+use crate::program::program;
 use crate::support::{Server, pixels};
 
 fn post(server: &Server, path: &str, body: &serde_json::Value) -> bench::Response {
@@ -153,4 +155,26 @@ fn scenes_are_uploaded_by_their_bytes() {
 
     let refused = server.process.post("/assets", b"not a scene").expect("answered");
     assert_eq!(refused.status, 400, "{}", refused.text());
+}
+
+/// A log that cannot be written, as on a full disk, is lost; nothing else is.
+///
+/// Rules: HTTP-6
+#[cfg(unix)]
+#[test]
+fn a_server_whose_log_goes_nowhere_serves_on() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let silent = folder.path().join("silent");
+    let script = format!("#!/bin/sh\nexec '{}' \"$@\" 2> /dev/full\n", program().display());
+    std::fs::write(&silent, script).expect("written");
+    std::fs::set_permissions(&silent, std::fs::Permissions::from_mode(0o755)).expect("set");
+    let data = folder.path().join("data");
+    let process = ServerProcess::start(&silent, &data, &["--scene", "demo:vases"]).expect("started");
+    process.wait_until_ready().expect("ready");
+    let undo = json!({"edits": [{"undo": "mine"}]}).to_string();
+    let answer = process.post("/sessions/main/edits", undo.as_bytes()).expect("answered");
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    assert_eq!(process.get("/sessions/main").expect("answered").status, 200);
 }

@@ -45,7 +45,9 @@ pub fn run(args: &Args) -> Result<(), Error> {
     headless::prepare();
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info,wgpu=warn"));
     let colors = io::stderr().is_terminal();
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(io::stderr).with_ansi(colors).init();
+    let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(io::stderr).with_ansi(colors);
+    // Its complaints about a standard error that takes nothing, a full disk or a reader that has gone, are panics.
+    log.log_internal_errors(false).init();
 
     let (listener, address) = listen(&args.listen).map_err(|reason| {
         let address = args.listen.clone();

@@ -44,6 +44,7 @@ impl Session {
         let undoes = matches!(request, Request::Undo(_));
         let mut passed: Vec<String> = Vec::new();
         let mut target = None;
+        let mut seen = 0;
         for _ in 0..=MAX_PASSED {
             target = if undoes {
                 self.history().undo_target(actor_id, scope, target)
@@ -51,13 +52,19 @@ impl Session {
                 self.history().redo_target(actor_id, scope, target)
             };
             let Some(target) = target else { break };
+            seen += 1;
             let record = find_record(target).ok_or(Refusal::LostRecord(target))?;
             let Parts { changes, changed_since, stays } =
                 take_back(self.document(), &record.changes, find_scene);
             let since = |(n, change): (usize, &Change)| {
-                let by = (n < MAX_NAMED).then(|| self.who_changed(change, target, find_record)).flatten();
-                let by = by.map_or_else(String::new, |name| format!(" by {name}"));
-                format!("{} has been changed since{by}", change.subject(self.document()))
+                let later = (n < MAX_NAMED).then(|| self.what_changed(change, target, find_record)).flatten();
+                match &later {
+                    Some((who, removal @ Change::Light { new: None, .. })) => {
+                        format!("{who} has removed {} since", removal.subject(self.document()))
+                    }
+                    Some((who, _)) => format!("{who} has changed {} since", change.subject(self.document())),
+                    None => format!("somebody has changed {} since", change.subject(self.document())),
+                }
             };
             if !changes.is_empty() {
                 let since = changed_since.iter().enumerate().map(since);
@@ -71,20 +78,31 @@ impl Session {
                 }
             }
         }
-        let passed = passed.into_iter().next();
+        let nothing = if seen > MAX_PASSED {
+            Some(format!("nothing is left of the latest {MAX_PASSED} steps"))
+        } else {
+            (seen > 0).then(|| "the latest steps changed nothing".into())
+        };
+        let passed = passed.into_iter().next().or(nothing);
         Err(if undoes { Refusal::NothingToUndo { passed } } else { Refusal::NothingToRedo { passed } })
     }
 
-    /// Name of the one who gave the property of `change` its value after record `target`, where that can be told from
-    /// the latest records on its light.
-    fn who_changed(&self, change: &Change, target: u64, find_record: FindRecord) -> Option<String> {
+    /// What gave the property of `change` its value after record `target`, and the name of who did it, where that can be
+    /// told from the latest records on its light.
+    fn what_changed(
+        &self,
+        change: &Change,
+        target: u64,
+        find_record: FindRecord,
+    ) -> Option<(String, Change)> {
         let light = change.light()?;
         let mut seqs: Vec<u64> =
             self.touches(light).map(|(_, seq)| seq).filter(|seq| *seq > target).collect();
         seqs.sort_unstable_by(|a, b| b.cmp(a));
-        let records = seqs.into_iter().take(MAX_ASKED).filter_map(find_record);
-        let mut by = records.filter(|record| record.changes.iter().any(|later| later.overrides(change)));
-        by.next().map(|record| record.actor.name)
+        seqs.into_iter().take(MAX_ASKED).filter_map(find_record).find_map(|record| {
+            let later = record.changes.into_iter().find(|later| later.overrides(change))?;
+            Some((record.actor.name, later))
+        })
     }
 }
 
@@ -123,7 +141,7 @@ fn take_back(document: &Document, changes: &[Change], find_scene: FindScene) -> 
                     EditError::InvalidLight { reason, .. } => reason.to_string(),
                     other => other.to_string(),
                 };
-                let why = |change: &Change| format!("{} stays: {reason}", change.subject(document));
+                let why = |change: &Change| format!("{} cannot go back: {reason}", change.subject(document));
                 parts.stays.extend(held.iter().map(why));
             }
         }

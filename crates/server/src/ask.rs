@@ -3,6 +3,7 @@
 use edit::{Actor, Request};
 use protocol::{ClientMessage, ViewSource};
 use scene::LightId;
+use store::check_scene_name;
 
 use crate::ServerError;
 use crate::limits::{MAX_LABEL_BYTES, MAX_VIEW_PIXELS, MAX_VIEW_SIDE};
@@ -62,6 +63,7 @@ pub async fn edit_request(
     scenes: &Scenes,
 ) -> Result<Request, ServerError> {
     if let protocol::Command::LoadScene { scene, name } = &mut command {
+        name.as_deref().map_or(Ok(()), check_scene_name)?;
         let (asset, called) = scenes.resolve(scene).await?;
         *scene = asset.to_string();
         name.get_or_insert(called);

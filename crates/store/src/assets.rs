@@ -105,9 +105,10 @@ impl Store {
     }
 }
 
-/// Refuses what cannot be what people call a scene: nothing, too much, or what no line of text holds.
+/// Refuses what cannot be what people call a scene: nothing, too much, what no line of text holds, or what stands for
+/// bytes that were no UTF-8.
 pub fn check_scene_name(name: &str) -> Result<(), StoreError> {
-    let is_name =
-        (1..=MAX_NAME_BYTES).contains(&name.len()) && name.trim() == name && !name.contains(char::is_control);
+    let is_text = !name.contains(|c: char| c.is_control() || c == char::REPLACEMENT_CHARACTER);
+    let is_name = (1..=MAX_NAME_BYTES).contains(&name.len()) && name.trim() == name && is_text;
     if is_name { Ok(()) } else { Err(StoreError::BadSceneName) }
 }

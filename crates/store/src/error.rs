@@ -55,7 +55,7 @@ pub enum StoreError {
     /// Not what people call a scene.
     #[error(
         "a scene's name has 1 to {MAX_NAME_BYTES} bytes, begins and ends without a space and has no control characters: \
-         choose another"
+         choose another, in UTF-8"
     )]
     BadSceneName,
     /// The name is taken.

@@ -1479,7 +1479,7 @@ export interface HistorySteps {
 export interface HistoryStep {
   actor: Actor;
   /**
-   * Its record.
+   * The record that is taken back: the step's, or of an undo.
    */
   seq: number;
   /**

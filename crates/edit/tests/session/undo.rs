@@ -65,7 +65,7 @@ fn what_somebody_else_changed_since_is_skipped_and_named() {
     let parameter = LightParameter::Translation(DVec3::Y);
     studio.edit("ben", Command::SetLight { light: KEY, parameter });
     let undo = studio.undo("ada");
-    assert_eq!(undo.action.skipped(), ["the translation of “key” has been changed since by BEN"]);
+    assert_eq!(undo.action.skipped(), ["BEN has changed the translation of “key” since"]);
     let transform = studio.light().transform;
     assert_eq!((transform.translation, transform.rotation), (DVec3::Y, DQuat::IDENTITY));
 }
@@ -78,7 +78,7 @@ fn a_step_of_which_nothing_is_left_is_passed_over() {
     studio.edit("ada", radius(1, 0.3));
     studio.edit("ben", radius(1, 0.35));
     let undo = studio.undo("ada");
-    let gone = "the radius of control point 1 of “key” has been changed since by BEN";
+    let gone = "BEN has changed the radius of control point 1 of “key” since";
     assert_eq!(
         undo.action,
         Action::Undo { scope: Scope::Mine, target: first.seq, skipped: vec![gone.into()] }
@@ -109,7 +109,7 @@ fn a_redo_of_which_nothing_is_left_is_no_step() {
     studio.undo("ada");
     studio.edit("ben", radius(1, 0.35));
     let refused = studio.ask("ada", Request::Redo(Scope::Mine)).expect_err("nothing to bring back");
-    let gone = "the radius of control point 1 of “key” has been changed since by BEN";
+    let gone = "BEN has changed the radius of control point 1 of “key” since";
     assert_eq!(refused.to_string(), format!("there is nothing to redo: {gone}"));
     assert_eq!(refused, Refusal::NothingToRedo { passed: Some(gone.into()) });
 }
@@ -127,11 +127,19 @@ fn who_changed_it_since_is_the_one_who_did() {
         let refused = studio.clone().ask("ada", Request::Undo(Scope::Mine)).expect_err("changed since");
         refused.to_string()
     };
-    assert!(why(&studio).ends_with("has been changed since by BEN"), "{}", why(&studio));
+    assert!(
+        why(&studio).ends_with("BEN has changed the radius of control point 1 of “key” since"),
+        "{}",
+        why(&studio)
+    );
     studio.edit("ben", softness(0.7));
-    assert!(why(&studio).ends_with("has been changed since"), "{}", why(&studio));
+    assert!(
+        why(&studio).ends_with("somebody has changed the radius of control point 1 of “key” since"),
+        "{}",
+        why(&studio)
+    );
     studio.edit("cyd", Command::RemoveLight(KEY));
-    assert!(why(&studio).ends_with("has been changed since by CYD"), "{}", why(&studio));
+    assert!(why(&studio).ends_with("CYD has removed “key” since"), "{}", why(&studio));
 }
 
 /// A command that changes nothing is a record all the same, and undo takes what is before it.
@@ -145,6 +153,8 @@ fn a_step_that_changed_nothing_is_passed_over() {
     let undo = studio.undo("ada");
     assert_eq!(undo.action, Action::Undo { scope: Scope::Mine, target: edit.seq, skipped: Vec::new() });
     assert_eq!(studio.light().cone_angle, 25.0);
+    let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("nothing is left");
+    assert_eq!(refused.to_string(), "there is nothing to undo: the latest steps changed nothing");
 }
 
 /// The search has an end, however many steps have been overtaken.
@@ -160,7 +170,7 @@ fn so_many_steps_are_passed_over() {
     studio.edit("ben", angle(80.0));
     let undo = studio.clone().undo("ada");
     assert!(matches!(undo.action, Action::Undo { target: 2, .. }), "{:?}", undo.action);
-    assert_eq!(undo.action.skipped(), ["the cone angle of “key” has been changed since by BEN"], "once");
+    assert_eq!(undo.action.skipped(), ["BEN has changed the cone angle of “key” since"], "once");
     let mut one_more = studio.clone();
     one_more.undo("ben");
     one_more.edit("ada", angle(81.0));
@@ -177,10 +187,7 @@ fn a_point_of_an_outdated_numbering_is_skipped() {
     studio.edit("ada", radius(2, 0.5));
     studio.edit("ben", insert(1));
     let undo = studio.undo("ada");
-    assert_eq!(
-        undo.action.skipped(),
-        ["the radius of control point 2 of “key” has been changed since by BEN"]
-    );
+    assert_eq!(undo.action.skipped(), ["BEN has changed the radius of control point 2 of “key” since"]);
     assert_eq!(studio.light().radii.len(), 5);
     studio.done("ben", Request::Undo(Scope::Mine));
     assert_eq!((studio.light().radii.len(), studio.light().radii[2]), (4, 0.5), "the old numbering is back");
@@ -199,7 +206,7 @@ fn what_would_leave_a_fold_is_skipped() {
     // Of her two steps the later one would leave the fold, and so would the other one then.
     let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("a fold");
     let why = refused.to_string();
-    let stays = "there is nothing to undo: the radius of control point 2 of “key” stays: ";
+    let stays = "there is nothing to undo: the radius of control point 2 of “key” cannot go back: ";
     assert!(why.starts_with(stays) && why.contains("folds"), "{why}");
     assert_eq!(studio.hash(), before);
 }
@@ -211,10 +218,7 @@ fn what_is_gone_is_skipped() {
     studio.edit("ada", angle(40.0));
     studio.edit("ben", Command::RemoveLight(KEY));
     let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("the light is gone");
-    assert_eq!(
-        refused.to_string(),
-        "there is nothing to undo: the cone angle of light 1 has been changed since by BEN"
-    );
+    assert_eq!(refused.to_string(), "there is nothing to undo: BEN has removed “key” since");
     studio.undo("ben");
     assert_eq!(studio.light().cone_angle, 40.0, "as it was when it went");
 }

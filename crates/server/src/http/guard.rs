@@ -22,14 +22,16 @@ pub async fn refuse_strange_pages(
     next: Next,
 ) -> Result<Response, ServerError> {
     let headers = request.headers();
-    let host = text(headers, header::HOST).unwrap_or_default();
-    if !shared.hosts.answers_to(host) {
-        return Err(ServerError::ForeignHost(excerpt(host)));
+    let readable = |value: &'_ HeaderValue| value.to_str().unwrap_or("an unreadable name").to_owned();
+    // No browser leaves it out, so nobody's page does.
+    let host = headers.get(header::HOST).map(readable).unwrap_or_default();
+    if !host.is_empty() && !shared.hosts.answers_to(&host) {
+        return Err(ServerError::ForeignHost(excerpt(&host)));
     }
     if let Some(origin) = headers.get(header::ORIGIN) {
-        let origin = origin.to_str().unwrap_or("an unreadable origin");
-        if !shared.hosts.is_own(origin, host) {
-            return Err(ServerError::ForeignOrigin(excerpt(origin)));
+        let origin = readable(origin);
+        if !shared.hosts.is_own(&origin, &host) {
+            return Err(ServerError::ForeignOrigin(excerpt(&origin)));
         }
     }
     Ok(next.run(request).await)

@@ -73,7 +73,10 @@ pub async fn render(State(shared): State<Arc<Shared>>, SessionName(name): Sessio
     let request = request(query, document, (session, shared.backend.renders.lease())).await?;
     let (view, lights) = (request.view.clone(), request.lights.clone());
     let picture_format = format.into();
-    let pixels = shared.backend.renders.draw(request).await?.pixels;
+    let drawn = shared.backend.renders.draw(request).await;
+    // Of a server that stops, the renderer's end is no fault.
+    let stopped = matches!(drawn, Err(ServerError::Fault)) && shared.backend.draining.is_cancelled();
+    let pixels = if stopped { Err(ServerError::Draining) } else { drawn }?.pixels;
     // Compressing takes seconds, in which the renderer can draw for others.
     let file = spawn_blocking(move || pixels.into_file(&view, &lights, picture_format));
     let file = file.await.map_err(|_| ServerError::Fault)??;
@@ -143,7 +146,7 @@ fn lights(document: &Document) -> Vec<Light> {
 }
 
 fn size(text: &str) -> Result<[u32; 2], ServerError> {
-    let side = |text: &str| text.parse().ok().filter(|side: &u32| *side > 0);
+    let side = |text: &str| text.parse().ok().filter(|side: &u32| *side > 0 && !text.starts_with('+'));
     let sides = text.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
     let Some(size) = sides else {
         return Err(ServerError::BadMessage(format!("size is `{text:.20}`: write it as WIDTHxHEIGHT")));

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use edit::{FindRecord, Record, Request, Scope, Session, TakenBack};
+use edit::{Action, FindRecord, Record, Request, Scope, Session, TakenBack};
 use protocol::{History, HistoryStep, HistorySteps, ServerMessage};
 use scene::{Change, FindScene, deed};
 
@@ -84,6 +84,10 @@ fn step(
         Request::Undo(_) => changes.iter().rev().map(Change::inverse).collect(),
         _ => changes,
     };
-    let by = find_record(target)?.actor;
+    let record = find_record(target)?;
+    let by = match record.action {
+        Action::Undo { target: step, .. } => find_record(step)?.actor,
+        _ => record.actor,
+    };
     Some(HistoryStep { seq: target, actor: (&by).into(), what: deed(&done, session.document()) })
 }

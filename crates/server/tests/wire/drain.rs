@@ -6,7 +6,7 @@ use protocol::{ClientMessage, Command, EditStatus, LightParameter, ServerMessage
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::task::spawn_blocking;
-use tokio::time::{Instant, pause};
+use tokio::time::{Instant, pause, sleep};
 
 use crate::client::{Came, Client, get};
 use crate::server::Own;
@@ -75,4 +75,18 @@ async fn connections_that_ask_for_nothing_do_not_hold_up_a_stop() {
     let (_folder, served) = own.stop();
     served.await.unwrap().unwrap();
     assert!(stopped.elapsed() < Duration::from_secs(5), "{:?}", stopped.elapsed());
+}
+
+/// A picture that is not done in time is refused as what comes too late is; it is no fault of the server's.
+///
+/// Rules: SOCK-9, HTTP-9
+#[tokio::test]
+async fn a_picture_that_a_stop_cuts_short_is_refused_as_draining() {
+    let own = Own::start().await;
+    let door = own.door.clone();
+    let picture = spawn_blocking(move || get(&door, "/sessions/main/render?size=4096x4096&samples=64"));
+    sleep(Duration::from_millis(500)).await;
+    let (_folder, served) = own.stop();
+    assert_eq!(picture.await.unwrap().refusal(), (503, "draining".into()));
+    served.await.unwrap().unwrap();
 }
