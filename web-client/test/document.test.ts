@@ -1,6 +1,14 @@
 import { expect, test } from "vitest";
 
-import { applyChange, changesPicture, lightOf, predict } from "../src/core/document";
+import {
+  applyChange,
+  changesPicture,
+  freeName,
+  lightLabel,
+  lightName,
+  lightOf,
+  predict,
+} from "../src/core/document";
 import type { Change, Command, Document } from "../src/core/protocol";
 import { BENDY, CAMERA, DOCUMENT } from "./examples";
 import { vectors } from "./vectors";
@@ -33,6 +41,24 @@ test("a document that is changed stays as it was", () => {
     new: { radius: 1 },
   });
   expect(DOCUMENT).toEqual(before);
+});
+
+test("a free name has the first number that is not taken", () => {
+  expect(freeName("camera", [])).toBe("camera 1");
+  expect(freeName("camera", ["camera 2"])).toBe("camera 1");
+  expect(freeName("camera", ["camera 2", "key", "camera 1"])).toBe("camera 3");
+});
+
+test("a name of blanks is none", () => {
+  for (const [name, label, called] of [
+    ["key", "key", "“key”"],
+    ["", "bendy 1", "Light 1"],
+    [" \t", "bendy 1", "Light 1"],
+  ] as const) {
+    const placed = { id: 1, layout: 1, light: { ...BENDY, name } };
+    expect(lightLabel(placed)).toBe(label);
+    expect(lightName({ ...DOCUMENT, lights: [placed] }, 1)).toBe(called);
+  }
 });
 
 test("lights come and go in the order of their ids", () => {

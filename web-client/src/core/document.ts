@@ -95,9 +95,19 @@ export function changesPicture(change: Change): boolean {
   }
 }
 
+/** Whether a name is none: nothing of it can be read. */
+export const isBlank = (name: string): boolean => name.trim() === "";
+
+/** `stem` with the first number from 1 that none of `names` has, such as "spot 2". */
+export function freeName(stem: string, names: readonly string[]): string {
+  let number = 1;
+  while (names.includes(`${stem} ${number}`)) number += 1;
+  return `${stem} ${number}`;
+}
+
 /** What stands for the light in lists. */
 export const lightLabel = ({ id, light }: { id: LightId; light: Light }): string =>
-  light.name === "" ? `${light.type} ${id}` : light.name;
+  isBlank(light.name) ? `${light.type} ${id}` : light.name;
 
 /** The light called `id`, if it is still there. */
 export const lightOf = (document: Document, id: LightId | null): Light | undefined =>
@@ -106,7 +116,7 @@ export const lightOf = (document: Document, id: LightId | null): Light | undefin
 /** What sentences call a light: its name in quotes, or its number. */
 export function lightName(document: Document, id: LightId): string {
   const name = lightOf(document, id)?.name ?? "";
-  return name === "" ? `Light ${id}` : `“${name}”`;
+  return isBlank(name) ? `Light ${id}` : `“${name}”`;
 }
 
 function onLight(

@@ -7,6 +7,7 @@ import { KeyList } from "./key_list";
 import { LightList } from "./light_list";
 import { LightPanel } from "./light_panel";
 import { usePage } from "./page";
+import { sentence } from "./sentence";
 import { StatusBar } from "./status_bar";
 import { TopBar } from "./top_bar";
 import { Viewport } from "./viewport";
@@ -41,7 +42,7 @@ function Toasts() {
     <div class="toasts" role="log" aria-label="Messages">
       {toasts.value.map(({ key, message }) => (
         <button key={key} class="toast" title="Dismiss" onClick={() => close(key)}>
-          {message}
+          {sentence(message)}
         </button>
       ))}
     </div>
@@ -63,7 +64,7 @@ function Refusal() {
       aria-label="The server refused the connection"
       aria-describedby="refusal"
     >
-      <p id="refusal">{state.message}</p>
+      <p id="refusal">{sentence(state.message)}</p>
       <button class="solid" ref={again} onClick={session.reconnect}>
         Try again
       </button>

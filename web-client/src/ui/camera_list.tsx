@@ -1,6 +1,7 @@
 // The document's cameras: places to look from that everybody shares.
 
 import { seeTheSame } from "../core/camera";
+import { freeName, isBlank } from "../core/document";
 import type { Camera, DocumentCamera } from "../core/protocol";
 import { Icon } from "./icons";
 import { canEdit, usePage } from "./page";
@@ -12,7 +13,8 @@ export function CameraList() {
   const disabled = !canEdit(page);
   const present = session.viewer.own.value?.camera;
   const add = (camera: Camera) => {
-    const name = `camera ${cameras.length + 1}`;
+    const names = cameras.map((placed) => placed.camera.name);
+    const name = freeName("camera", names);
     session.edit({ type: "addCamera", camera: { ...camera, name } });
   };
   return (
@@ -42,7 +44,7 @@ export function CameraList() {
 
 function CameraRow({ placed: { id, camera }, disabled }: { placed: DocumentCamera; disabled: boolean }) {
   const { session } = usePage();
-  const name = camera.name === "" ? `camera ${id}` : camera.name;
+  const name = isBlank(camera.name) ? `camera ${id}` : camera.name;
   const { own, following } = session.viewer;
   const isSeen = own.value !== null && following.value === null && seeTheSame(own.value.camera, camera);
   return (

@@ -7,7 +7,7 @@ import type { Vec3 } from "../core/vector";
 import { usePage } from "./page";
 import { followPointer } from "./pointer";
 import { stepsOf } from "./presses";
-import { type Target, through, useLooseDrag } from "./target";
+import { type Target, through, useLooseDrag, type ValueDrag } from "./target";
 
 interface FieldProps<V> {
   label: string;
@@ -61,12 +61,18 @@ export function NumberField({ tag, ...props }: NumberProps & { tag?: string }) {
   };
   const scrub = (down: PointerEvent) => {
     if (disabled || down.button !== 0) return;
-    const drag = target.drag();
+    let drag: ValueDrag<number> | null = null;
     let wanted = value;
     followPointer(down, {
-      move: (_, by) => drag.update(clamp((wanted += by.x * step), props)),
-      end: drag.commit,
-      cancel: drag.cancel,
+      move(at, by) {
+        wanted = clamp(wanted + by.x * step, props);
+        // A finger that goes up or down is about to scroll the panel.
+        const isSideways = Math.abs(at.x - down.clientX) > Math.abs(at.y - down.clientY);
+        if (isSideways) drag ??= target.drag();
+        drag?.update(wanted);
+      },
+      end: () => drag?.commit(),
+      cancel: () => drag?.cancel(),
     });
   };
   const keys = (event: KeyboardEvent) => {
@@ -118,13 +124,20 @@ export function Slider({ from, to, ...props }: SliderProps) {
   const { label, value, target, disabled, step } = props;
   const { presses } = usePage();
   const drag = useLooseDrag(target);
-  /** Whether keys move it, rather than the pointer. */
-  const byKeys = useRef(false);
-  const range = useRef({ from, to });
+  /** What moves it. Nothing does after Escape, or once the browser takes the touch for scrolling. */
+  const movedBy = useRef<"pointer" | "keys" | "nothing">("pointer");
+  const rest = useRef({ from, to, value });
   const dragging = useRef(false);
   // The ends stay where they are under the hand, and make room for the value at rest.
-  if (!dragging.current) range.current = { from: Math.min(from, value), to: Math.max(to, value) };
-  const ends = range.current;
+  if (!dragging.current) rest.current = { from: Math.min(from, value), to: Math.max(to, value), value };
+  const ends = rest.current;
+  const cancel = (input: HTMLInputElement) => {
+    movedBy.current = "nothing";
+    dragging.current = false;
+    presses.cancel();
+    drag.cancel();
+    input.value = String(rest.current.value);
+  };
   const share = (value - ends.from) / Math.max(ends.to - ends.from, 1e-9);
   return (
     <Row label={label}>
@@ -140,25 +153,25 @@ export function Slider({ from, to, ...props }: SliderProps) {
         onInput={(event) => {
           const input = event.currentTarget;
           const wanted = Number(input.value);
-          if (byKeys.current) {
+          if (movedBy.current === "keys") {
             presses.press(input, value, () => wanted, target.drag);
-          } else {
+          } else if (movedBy.current === "pointer") {
             dragging.current = true;
             drag.update(wanted);
+          } else {
+            input.value = String(value);
           }
         }}
         onChange={() => {
           dragging.current = false;
           drag.commit();
         }}
-        onPointerDown={() => (byKeys.current = false)}
+        onPointerDown={() => (movedBy.current = "pointer")}
+        onPointerCancel={(event) => cancel(event.currentTarget)}
         onKeyDown={(event) => {
-          byKeys.current = true;
+          movedBy.current = "keys";
           if (event.key === "Enter") presses.commit();
-          if (event.key !== "Escape") return;
-          dragging.current = false;
-          presses.cancel();
-          drag.cancel();
+          if (event.key === "Escape") cancel(event.currentTarget);
         }}
         onBlur={presses.commit}
       />

@@ -11,6 +11,8 @@ const KEYS: readonly [where: string, rows: readonly [keys: string, what: string]
       ["Drag, arrows", "Orbit"],
       ["Shift with either, middle button", "Pan"],
       ["Wheel, + and −", "Zoom"],
+      ["One finger", "Orbit"],
+      ["Two fingers", "Pan, zoom"],
       ["A", "Frame the scene"],
       ["F", "Frame the selected light"],
       ["H", "Show or hide the handles"],

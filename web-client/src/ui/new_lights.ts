@@ -1,5 +1,6 @@
 // What the "add" buttons add: lights that shine down on what the page looks at.
 
+import { freeName } from "../core/document";
 import { pivotOf } from "../core/navigation";
 import type { Bendy, Light, Spot, Transform } from "../core/protocol";
 import { add } from "../core/vector";
@@ -19,13 +20,6 @@ function above(page: Page): { transform: Transform; height: number } | null {
   const height = HEIGHT * orbit.distance;
   const translation = add(pivotOf(orbit), [0, height, 0]);
   return { transform: { translation, rotation: DOWNWARD, scale: 1 }, height };
-}
-
-function freeName(page: Page, stem: string): string {
-  const names = new Set(page.session.document.value.lights.map(({ light }) => light.name));
-  let number = 1;
-  while (names.has(`${stem} ${number}`)) number += 1;
-  return `${stem} ${number}`;
 }
 
 function newBendy(name: string, transform: Transform, height: number): Bendy {
@@ -68,7 +62,8 @@ function newSpot(name: string, transform: Transform, height: number): Spot {
 export function addLight(page: Page, type: Light["type"]): void {
   const place = above(page);
   if (place === null) return;
-  const name = freeName(page, type);
+  const names = page.session.document.value.lights.map(({ light }) => light.name);
+  const name = freeName(type, names);
   const make = type === "bendy" ? newBendy : newSpot;
   page.session.edit({ type: "addLight", light: make(name, place.transform, place.height) }, ({ changes }) => {
     const added = changes.find((change) => change.type === "light");

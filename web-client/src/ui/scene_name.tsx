@@ -2,6 +2,7 @@
 
 import { Icon } from "./icons";
 import { usePage } from "./page";
+import { sentence } from "./sentence";
 
 const LIST = "scene-notes";
 /** How a scene's asset is named; versions before names of scenes called the scene so too. */
@@ -39,7 +40,7 @@ function Notes({ notes }: { notes: readonly string[] }) {
         <h2>Not drawn, or drawn otherwise</h2>
         <ul>
           {notes.map((note) => (
-            <li key={note}>{note}</li>
+            <li key={note}>{sentence(note)}</li>
           ))}
         </ul>
       </section>

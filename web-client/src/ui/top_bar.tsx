@@ -41,7 +41,8 @@ function UndoButtons() {
       <StepButton
         kind="undo"
         keys="Ctrl+Z"
-        step={history?.undo[scope.value]}
+        // What is under way becomes a step, and the first to be undone.
+        step={session.ownDrag.value === null ? history?.undo[scope.value] : undefined}
         press={() => session.undo(scope.value)}
       />
       <StepButton

@@ -12,6 +12,7 @@ import { Overlay } from "./overlay";
 import { type Page, usePage } from "./page";
 import { colorOf, nameOf } from "./person";
 import { followPointer } from "./pointer";
+import { sentence } from "./sentence";
 import { pressView } from "./view_keys";
 
 const LARGEST_SIDE = 1280;
@@ -180,7 +181,7 @@ function DragRefusal() {
   if (refusal === null || refusal === undefined) return null;
   return (
     <div class="banner refused-drag" role="alert">
-      <span>{refusal}</span>
+      <span>{sentence(refusal)}</span>
     </div>
   );
 }

@@ -97,6 +97,9 @@ async function aHandle(page, picture) {
   expect((await seqOf(page)) === seq + 1, "What was taken back must not be in the log.");
 
   await press(page, "ArrowLeft", 7);
+  const undo = page.locator('[data-step="undo"]');
+  const offered = await undo.getAttribute("aria-label");
+  expect(offered === "Undo the last step", `Undo must offer presses under way; it says ${offered}.`);
   await page.keyboard.press("Control+z");
   await settled(page, seq + 3);
   const undone = await handleAt(page, "point-2");

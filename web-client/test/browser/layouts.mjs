@@ -1,7 +1,7 @@
 // The page on screens of every size, with a pointer and with fingers: nothing is cut off, covered, too small to hit or
 // there unseen, and fingers do on the picture what they do everywhere.
 
-import { expect, handleAt, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
+import { expect, field, handleAt, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
 
 const FINGERS = { hasTouch: true, isMobile: true };
 const SCREENS = {
@@ -206,6 +206,9 @@ async function fingersOnThePicture(open, picture) {
   await handlesByFinger(page, touch);
   await picture(page, "fingers-2-dragged");
   await rowsByFinger(page);
+  await fieldsByFinger(page, touch);
+  await keyListFits(page);
+  await picture(page, "fingers-3-key-list");
 }
 
 /** A handle goes with the finger, from as far beside it as a target may be small; a second finger lets go of it. */
@@ -262,6 +265,66 @@ async function rowsByFinger(page) {
   await page.touchscreen.tap(x + 0.3 * width, y + height / 2);
   expect((await seqOf(page)) === seq, "A tap on a light's name must only select it.");
   expect((await page.evaluate(() => visualViewport.scale)) === 1, "Two taps must not zoom the page.");
+}
+
+/** A finger that starts on a slider or a number's tag scrolls the panel when it goes up or down, and changes the number
+ * when it goes sideways. */
+async function fieldsByFinger(page, touch) {
+  await page.locator("[data-light]").first().locator(".item-name").tap();
+  const scrolled = () => page.evaluate(() => document.querySelector(".right").scrollTop);
+  const ofLight = page.getByRole("region", { name: "Light", exact: true });
+  const tag = ofLight.locator(".number-tag", { hasText: "X" }).first();
+  for (const [what, control, number] of [
+    ["a slider", page.getByRole("slider", { name: "Softness slider" }), field(page, "Softness")],
+    ["a number's tag", tag, field(ofLight, "Position X")],
+  ]) {
+    await control.evaluate((control) => {
+      const panel = control.closest(".right");
+      panel.scrollTop = 0;
+      const [box, around] = [control, panel].map((e) => e.getBoundingClientRect());
+      // Low enough to go up from, and with more below to scroll to.
+      panel.scrollTop = box.top - around.top - 0.75 * around.height;
+    });
+    const { x, y, width, height } = await control.boundingBox();
+    const start = { x: x + 0.6 * width, y: y + height / 2 };
+    const [seq, value, top] = [await seqOf(page), await number.inputValue(), await scrolled()];
+    const isSame = async () => (await seqOf(page)) === seq && (await number.inputValue()) === value;
+    await touch([[start, { x: start.x, y: start.y - 80 }]]);
+    await settled(page);
+    const way = (await scrolled()) - top;
+    expect(way > 30, `A swipe up from ${what} must scroll the panel; it went ${way} pixels.`);
+    expect(await isSame(), `A swipe up from ${what} must leave ${value}, not ${await number.inputValue()}.`);
+    if (what === "a slider") {
+      const shown = await control.inputValue();
+      expect(Number(shown) === Number(value), `The slider must go back to ${value}; it shows ${shown}.`);
+    }
+    await control.scrollIntoViewIfNeeded();
+    const again = await control.boundingBox();
+    const from = { x: again.x + 0.6 * again.width, y: again.y + again.height / 2 };
+    await touch([[from, { x: from.x + 50, y: from.y }]]);
+    await reached(page, seq + 1);
+    await settled(page, seq + 1);
+    const after = await number.inputValue();
+    expect(after !== value && (await seqOf(page)) === seq + 1, `A swipe along ${what} must be one record.`);
+  }
+}
+
+async function keyListFits(page) {
+  await page.getByRole("button", { name: "Keys" }).tap();
+  const list = page.getByRole("dialog", { name: "Keys" });
+  await list.waitFor();
+  const cut = () =>
+    list.evaluate((list) => {
+      // A column that is narrower than a third breaks its text at nearly every word.
+      const isCut = (e) => e.scrollWidth > e.clientWidth || e.clientWidth < list.clientWidth / 3;
+      return [list, ...list.querySelectorAll("dt, dd")].filter(isCut).map((e) => e.textContent);
+    });
+  const found = await cut();
+  expect(found.length === 0, `The list of keys must fit a phone; cut off are ${found.join("; ")}`);
+  await page.evaluate(dress, ".key-list dl > div { grid-template-columns: 300px 1fr }");
+  expect((await cut()).length > 0, "A row that is cut off must be noticed.");
+  await page.evaluate(dress, "");
+  expect(await list.getByText("Two fingers").isVisible(), "The list must say what fingers do.");
 }
 
 /** Notes the cameras that the page looks from. */

@@ -3,6 +3,8 @@
 import { expect, reached, runBrowserTest, seqOf } from "./page.mjs";
 
 const LIGHTS = "KHR_lights_punctual";
+/** Longer than a line of the notes. */
+const BULB = "bulb over the table by the window, as the director of photography asked for on the second day";
 /** A triangle under a point light, which is not drawn, with an animation, which is not played. */
 const SCENE = {
   asset: { version: "2.0" },
@@ -14,7 +16,7 @@ const SCENE = {
   buffers: [{ byteLength: 36, uri: `data:application/octet-stream;base64,${triangle()}` }],
   animations: [{ channels: [], samplers: [] }],
   extensionsUsed: [LIGHTS],
-  extensions: { [LIGHTS]: { lights: [{ type: "point", name: "bulb" }] } },
+  extensions: { [LIGHTS]: { lights: [{ type: "point", name: BULB }] } },
 };
 
 function triangle() {
@@ -40,6 +42,14 @@ await runBrowserTest(async ({ open, picture }) => {
     said.length === 2 && said.some((note) => note.includes("bulb")),
     `The notes must name what is not drawn: ${said.join("; ")}`,
   );
+  const cut = () =>
+    list.evaluate(
+      (list) => [list, ...list.querySelectorAll("li")].filter((e) => e.scrollWidth > e.clientWidth).length,
+    );
+  expect((await cut()) === 0, "Notes must break into lines that fit their list.");
+  await list.evaluate((list) => (list.style.whiteSpace = "nowrap"));
+  expect((await cut()) > 0, "A note that is cut off must be noticed.");
+  await list.evaluate((list) => (list.style.whiteSpace = ""));
   await picture(page, "2-its-notes");
   await page.keyboard.press("Escape");
   await list.waitFor({ state: "hidden" });
