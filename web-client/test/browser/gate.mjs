@@ -90,10 +90,10 @@ async function theGateIsWhatRenderWrites(open, picture, http) {
   await settled(page);
   await theGateHolds(page, shot, "a view that was turned", false);
   await page.getByRole("button", { name: "Add a camera from this view" }).click();
-  await page.locator("[data-camera][aria-current=true]", { hasText: "camera 2" }).waitFor();
+  await page.locator("[data-camera][aria-current=true]", { hasText: "camera 1" }).waitFor();
   await theGateHolds(
     page,
-    await still(http, "camera=camera 2&size=512x288&samples=4"),
+    await still(http, "camera=camera 1&size=512x288&samples=4"),
     "a camera from a view",
   );
 
