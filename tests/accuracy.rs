@@ -10,7 +10,7 @@ use bench::compare::{Comparison, Drawn, Expected, Subject};
 use bendy::BendyLight;
 use glam::DVec3;
 use render::{Gpu, Renderer, ShadowSettings};
-use scene::{Aov, LightKind, Scene, View, ViewSlot};
+use scene::{LightKind, Scene, View};
 
 /// A scene's file, and control points and radii in the world of a light of three segments that bends strongly.
 struct Setting {
@@ -87,18 +87,7 @@ fn demo() -> Subject {
 }
 
 fn seen_by_its_camera(name: &str, scene: Scene, light: BendyLight) -> Subject {
-    let [width, height] = size();
-    let camera = scene.cameras[0].clone();
-    let view = View {
-        camera,
-        width,
-        height,
-        samples: 1,
-        aov: Aov::Beauty,
-        light: 0,
-        fill: 1.0,
-        slot: ViewSlot::default(),
-    };
+    let view = View::beauty(scene.cameras[0].clone(), size());
     Subject::new(name, scene, light, view)
 }
 

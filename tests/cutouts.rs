@@ -14,7 +14,7 @@ use reference::Reference;
 use render::{Gpu, Renderer, ShadowSettings};
 use scene::{
     Aov, Camera, Image, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Sampler, Scene,
-    TextureRef, View, ViewSlot,
+    TextureRef, View,
 };
 
 static GPU: LazyLock<Arc<Gpu>> = LazyLock::new(|| Arc::new(Gpu::new().expect("a graphics driver")));
@@ -34,19 +34,6 @@ fn camera(eye: [f64; 3], target: [f64; 3], yfov: f64) -> Camera {
         translation: eye,
         rotation: DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back)),
         projection: Projection::Perspective { yfov, aspect_ratio: None, znear: 0.05, zfar: None },
-    }
-}
-
-fn view(camera: Camera, [width, height]: [u32; 2]) -> View {
-    View {
-        camera,
-        width,
-        height,
-        samples: 1,
-        aov: Aov::Beauty,
-        light: 0,
-        fill: 1.0,
-        slot: ViewSlot::default(),
     }
 }
 
@@ -156,7 +143,7 @@ fn coverage(seen: impl Fn(u32, u32) -> f64) -> Vec<f64> {
 
 fn field_view() -> View {
     let camera = camera([0.0; 3], [0.0, 0.0, -1.0], FIELD_YFOV);
-    View { aov: Aov::Depth, ..view(camera, FIELD) }
+    View { aov: Aov::Depth, ..View::beauty(camera, FIELD) }
 }
 
 fn drawn_coverage(scene: &Scene) -> Vec<f64> {
@@ -234,7 +221,7 @@ fn cameras() -> [(&'static str, Camera, f64); 3] {
 }
 
 fn subject(name: &str, scene: Scene, light: BendyLight, camera: Camera) -> Subject {
-    Subject::new(name, scene, light, view(camera, size()))
+    Subject::new(name, scene, light, View::beauty(camera, size()))
 }
 
 /// Compares what `scene` looks like with what `subject` should.
@@ -311,8 +298,10 @@ fn share_of_light(image: Image, light: &LightKind, resolution: u32) -> f64 {
     let shadows = ShadowSettings { resolution, ..ShadowSettings::default() };
     renderer.set_shadow_settings(shadows).expect("they are sound");
     // From below the sheet, onto what the light meets of the floor.
-    let view =
-        View { aov: Aov::Visibility, ..view(camera([0.0, 1.9, 0.1], [0.0, 0.0, 0.0], 0.9), [200, 200]) };
+    let view = View {
+        aov: Aov::Visibility,
+        ..View::beauty(camera([0.0, 1.9, 0.1], [0.0, 0.0, 0.0], 0.9), [200, 200])
+    };
     let lights = [Light { name: "key".into(), kind: light.clone() }];
     let picture = renderer.render(&view, &lights).expect("it can be drawn");
     let inside: Vec<_> = picture.pixels.iter().filter(|pixel| pixel[3] == 1.0).collect();

@@ -2,6 +2,7 @@
 
 import type { Host, SocketEvents } from "../src/core/connection";
 import type { ClientMessage, ServerMessage } from "../src/core/protocol";
+import { type Session, startSession } from "../src/core/session";
 
 export interface FakeSocket {
   events: SocketEvents;
@@ -79,3 +80,14 @@ export function fakeHost(): FakeHost {
     },
   };
 }
+
+/** A session of a person called Me whose pictures go nowhere. */
+export const sessionOn = (host: Host, notify: (message: string) => void = () => {}): Session =>
+  startSession({
+    host,
+    token: "secret",
+    session: "main",
+    actor: { id: "me", name: "Me" },
+    screen: { decode: () => Promise.resolve(null), show: () => {} },
+    notify,
+  });

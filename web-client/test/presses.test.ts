@@ -2,11 +2,11 @@ import { beforeEach, describe, expect, test } from "vitest";
 
 import { lightOf } from "../src/core/document";
 import type { ClientMessage, Command } from "../src/core/protocol";
-import { type Session, startSession } from "../src/core/session";
+import type { Session } from "../src/core/session";
 import { committing, type Presses, startPresses } from "../src/ui/presses";
 import { lightTarget } from "../src/ui/target";
 import { BENDY, WELCOME } from "./examples";
-import { type FakeHost, fakeHost } from "./fake_host";
+import { type FakeHost, fakeHost, sessionOn } from "./fake_host";
 
 let host: FakeHost;
 /** Without the page's order. */
@@ -16,14 +16,7 @@ let presses: Presses;
 
 beforeEach(() => {
   host = fakeHost();
-  bare = startSession({
-    host,
-    token: "secret",
-    session: "main",
-    actor: { id: "me", name: "Me" },
-    screen: { decode: () => Promise.resolve(null), show: () => {} },
-    notify: () => {},
-  });
+  bare = sessionOn(host);
   presses = startPresses(host, bare);
   session = committing(bare, presses);
   host.socket().events.open();

@@ -3,9 +3,9 @@ import { beforeEach, describe, expect, test } from "vitest";
 import { aspectOf } from "../src/core/camera";
 import { lightOf } from "../src/core/document";
 import type { ClientMessage, Command, ServerMessage, Welcome } from "../src/core/protocol";
-import { type Session, startSession } from "../src/core/session";
+import type { Session } from "../src/core/session";
 import { BENDY, CAMERA, log, radiusChange, record, WELCOME } from "./examples";
-import { type FakeHost, fakeHost } from "./fake_host";
+import { type FakeHost, fakeHost, sessionOn } from "./fake_host";
 
 let host: FakeHost;
 let session: Session;
@@ -14,14 +14,7 @@ let notices: string[];
 beforeEach(() => {
   host = fakeHost();
   notices = [];
-  session = startSession({
-    host,
-    token: "secret",
-    session: "main",
-    actor: { id: "me", name: "Me" },
-    screen: { decode: () => Promise.resolve(null), show: () => {} },
-    notify: (message) => notices.push(message),
-  });
+  session = sessionOn(host, (message) => notices.push(message));
   session.viewer.resize(640, 360);
 });
 
@@ -377,14 +370,7 @@ describe("views", () => {
   });
 
   test("are asked for once the stage has a size, and keep all of the shot when it changes", () => {
-    session = startSession({
-      host,
-      token: "secret",
-      session: "main",
-      actor: { id: "me", name: "Me" },
-      screen: { decode: () => Promise.resolve(null), show: () => {} },
-      notify: () => {},
-    });
+    session = sessionOn(host);
     welcome();
     expect(sent("openView")).toEqual([]);
     session.viewer.resize(400, 700);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use edit::ReplayError;
-use render::{Aov, Gpu, PictureFormat, Renderer, View, ViewSlot};
+use render::{Gpu, PictureFormat, Renderer, View};
 use scene::{DEFAULT_ASPECT, Document, EditError, Light, framing_camera};
 use store::{Store, StoreError, replay_log};
 
@@ -90,17 +90,8 @@ fn picture_file(path: &Path) -> Result<(PictureFormat, Output), Error> {
 fn drawn(document: &Document, format: PictureFormat) -> Result<Vec<u8>, Error> {
     let camera = document.cameras().values().next().cloned();
     let camera = camera.unwrap_or_else(|| framing_camera(document.scene(), DEFAULT_ASPECT));
-    let [width, height] = camera.projection.default_size(MAX_SIDE);
-    let view = View {
-        camera,
-        width,
-        height,
-        samples: 1,
-        aov: Aov::Beauty,
-        light: 0,
-        fill: 1.0,
-        slot: ViewSlot::default(),
-    };
+    let size = camera.projection.default_size(MAX_SIDE);
+    let view = View::beauty(camera, size);
     let lights: Vec<Light> = document.lights().values().map(|placed| placed.light.clone()).collect();
     for note in left_out(&document.reach(), &lights) {
         crate::say(&format!("note: {note}"));

@@ -25,7 +25,7 @@ impl Document {
 pub fn quoted(name: &str) -> Option<String> {
     let mut said: String =
         name.trim().chars().take(SAID).map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if said.len() < name.trim().len() {
+    if name.trim().chars().nth(SAID).is_some() {
         said.push('…');
     }
     (!said.is_empty()).then(|| format!("“{said}”"))

@@ -32,6 +32,12 @@ pub struct View {
 impl View {
     /// What [`View::fill`] may be. A million times a scene's fill is far from the largest radiance that f32 holds.
     pub const FILL: RangeInclusive<f64> = 0.0..=1e6;
+
+    /// The lit scene as `camera` sees it in a picture of that width and height, with a sample at each pixel's centre.
+    pub fn beauty(camera: Camera, [width, height]: [u32; 2]) -> Self {
+        let (aov, slot) = (Aov::Beauty, ViewSlot::default());
+        Self { camera, width, height, samples: 1, aov, light: 0, fill: 1.0, slot }
+    }
 }
 
 /// Names a viewer: for each the renderer keeps what it last drew, so that viewers with cameras of their own

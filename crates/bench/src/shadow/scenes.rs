@@ -2,7 +2,7 @@
 
 use bendy::BendyLight;
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3, Vec4};
-use scene::{Aov, Camera, Material, Mesh, Node, Primitive, Projection, Scene, View, ViewSlot};
+use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene, View};
 
 use crate::compare::Subject;
 
@@ -30,16 +30,7 @@ fn view(width: u32, height: u32) -> View {
         rotation: DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back)),
         projection: Projection::Perspective { yfov: 0.4, aspect_ratio: None, znear: 0.1, zfar: None },
     };
-    View {
-        camera,
-        width,
-        height,
-        samples: 1,
-        aov: Aov::Beauty,
-        light: 0,
-        fill: 1.0,
-        slot: ViewSlot::default(),
-    }
+    View::beauty(camera, [width, height])
 }
 
 /// A light through world positions.

@@ -22,7 +22,7 @@ pub async fn refuse_strange_pages(
     next: Next,
 ) -> Result<Response, ServerError> {
     let headers = request.headers();
-    let readable = |value: &'_ HeaderValue| value.to_str().unwrap_or("an unreadable name").to_owned();
+    let readable = |value: &HeaderValue| value.to_str().unwrap_or("an unreadable name").to_owned();
     // No browser leaves it out, so nobody's page does.
     let host = headers.get(header::HOST).map(readable).unwrap_or_default();
     if !host.is_empty() && !shared.hosts.answers_to(&host) {
