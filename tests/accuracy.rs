@@ -7,10 +7,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bench::compare::{Comparison, Drawn, Expected, Subject};
-use bendy::BendyLight;
 use glam::DVec3;
+use light::BendyLight;
+use light::LightKind;
 use render::{Gpu, Renderer, ShadowSettings};
-use scene::{LightKind, Scene, View};
+use scene::{Scene, View};
 
 /// A scene's file, and control points and radii in the world of a light of three segments that bends strongly.
 struct Setting {

@@ -8,13 +8,13 @@ use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
 use bench::compare::{Comparison, Drawn, Expected, Subject};
-use bendy::{BendyLight, Decay, SpotLight};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2, Vec3, Vec4};
+use light::{BendyLight, Decay, SpotLight};
+use light::{Light, LightKind};
 use reference::Reference;
 use render::{Gpu, Renderer, ShadowSettings};
 use scene::{
-    Aov, Camera, Image, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Sampler, Scene,
-    TextureRef, View,
+    Aov, Camera, Image, Material, Mesh, Node, Primitive, Projection, Sampler, Scene, TextureRef, View,
 };
 
 static GPU: LazyLock<Arc<Gpu>> = LazyLock::new(|| Arc::new(Gpu::new().expect("a graphics driver")));
@@ -203,7 +203,7 @@ fn spot() -> (SpotLight, BendyLight) {
         SpotLight { cone_angle: 14.0, range: Some(6.5), decay: Decay::None, ..SpotLight::default() };
     let Camera { translation, rotation, .. } = camera([-2.6, 3.0, 2.2], [0.0, 0.35, -0.5], 1.0);
     (spot.transform.translation, spot.transform.rotation) = (translation, rotation);
-    let bent = bendy::bend(&spot, 3).expect("it has a range");
+    let bent = light::bend(&spot, 3).expect("it has a range");
     (spot, bent)
 }
 
@@ -316,7 +316,7 @@ fn coarse_maps_keep_coverage() {
         SpotLight { cone_angle: 18.0, range: Some(5.0), decay: Decay::None, ..SpotLight::default() };
     let Camera { translation, rotation, .. } = camera([0.0, 4.5, 0.2], [0.0, 0.0, 0.0], 1.0);
     (spot.transform.translation, spot.transform.rotation) = (translation, rotation);
-    let bent = bendy::bend(&spot, 2).expect("it has a range");
+    let bent = light::bend(&spot, 2).expect("it has a range");
     for light in [LightKind::Spot(spot), LightKind::Bendy(bent)] {
         let fine = share_of_light(foliage(), &light, 4096);
         let coarse = share_of_light(foliage(), &light, 128);

@@ -22,47 +22,49 @@ struct Layer {
 const NO_IO: &[&str] = &["tokio", "wgpu", "axum", "serde", "serde_core", "rand", "getrandom"];
 
 const LAYERS: &[Layer] = &[
-    Layer { name: "bendy", uses: &[], never: NO_IO, pure: true },
-    Layer { name: "scene", uses: &["bendy"], never: NO_IO, pure: true },
-    Layer { name: "raycast", uses: &["bendy", "scene"], never: NO_IO, pure: true },
+    Layer { name: "light", uses: &[], never: NO_IO, pure: true },
+    Layer { name: "scene", uses: &["light"], never: NO_IO, pure: true },
+    Layer { name: "document", uses: &["light", "scene"], never: NO_IO, pure: true },
+    Layer { name: "raycast", uses: &["light", "scene"], never: NO_IO, pure: true },
     Layer {
         name: "reference",
-        uses: &["bendy", "scene", "raycast"],
+        uses: &["light", "scene", "raycast"],
         never: &["tokio", "wgpu", "axum", "serde", "render"],
         pure: false,
     },
-    Layer { name: "edit", uses: &["scene"], never: NO_IO, pure: true },
+    Layer { name: "edit", uses: &["light", "scene", "document"], never: NO_IO, pure: true },
     Layer {
         name: "assets",
-        uses: &["bendy", "scene"],
+        uses: &["light", "scene", "document"],
         never: &["tokio", "wgpu", "axum", "protocol"],
         pure: false,
     },
-    Layer { name: "render", uses: &["bendy", "scene"], never: &["tokio", "axum", "protocol"], pure: false },
+    Layer { name: "render", uses: &["light", "scene"], never: &["tokio", "axum", "protocol"], pure: false },
     Layer { name: "stream", uses: &[], never: &["tokio", "wgpu", "axum"], pure: false },
     Layer {
         name: "protocol",
-        uses: &["bendy", "scene", "edit"],
+        uses: &["light", "scene", "document", "edit"],
         never: &["tokio", "wgpu", "axum"],
         pure: false,
     },
     Layer {
         name: "store",
-        uses: &["scene", "edit", "protocol"],
+        uses: &["light", "scene", "document", "edit", "protocol"],
         never: &["tokio", "wgpu", "axum"],
         pure: false,
     },
     Layer {
         name: "server",
-        uses: &["scene", "assets", "edit", "render", "store", "stream", "protocol"],
+        uses: &["light", "scene", "document", "assets", "edit", "render", "store", "stream", "protocol"],
         never: &["clap", "reference"],
         pure: false,
     },
     Layer {
         name: "bendylights",
         uses: &[
-            "bendy",
+            "light",
             "scene",
+            "document",
             "edit",
             "assets",
             "reference",
@@ -77,7 +79,17 @@ const LAYERS: &[Layer] = &[
     },
     Layer {
         name: "bench",
-        uses: &["bendy", "scene", "assets", "raycast", "reference", "render", "protocol", "stream"],
+        uses: &[
+            "light",
+            "scene",
+            "document",
+            "assets",
+            "raycast",
+            "reference",
+            "render",
+            "protocol",
+            "stream",
+        ],
         never: &["tokio", "axum"],
         pure: false,
     },
@@ -173,7 +185,7 @@ fn reach<'a>(start: &'a str, uses: &'a Graph) -> BTreeMap<&'a str, Vec<&'a str>>
 #[test]
 fn the_workspace_keeps_its_layers() {
     let workspace = workspace();
-    assert!(workspace.uses["scene"].contains("bendy"), "the graph has its edges");
+    assert!(workspace.uses["scene"].contains("light"), "the graph has its edges");
     let members: Vec<_> = workspace.members.keys().map(String::as_str).collect();
     let broken = violations(&members, &workspace.uses);
     assert!(broken.is_empty(), "{}", broken.join("\n"));
@@ -192,13 +204,13 @@ fn planted_violations_are_caught() {
         let broken = violations(&members, &uses);
         assert!(broken.iter().any(|sentence| sentence.contains(expected)), "{expected}: {broken:?}");
     };
-    caught(&[], &[("bendy", "serde")], "bendy: must know nothing of serde, but bendy uses serde");
+    caught(&[], &[("light", "serde")], "light: must know nothing of serde, but light uses serde");
     caught(&[], &[("libm", "a"), ("a", "wgpu")], "scene: must know nothing of wgpu");
     caught(&[], &[("wgpu", "tokio")], "render: must know nothing of tokio");
     caught(&[], &[("scene", "render")], "scene: must not use render");
     caught(&[], &[("render", "protocol")], "render: must not use protocol");
-    caught(&["scene-utils"], &[("scene-utils", "bendy")], "scene-utils: the name says nothing");
-    caught(&["gateway"], &[("gateway", "bendy")], "gateway: has no layer");
+    caught(&["scene-utils"], &[("scene-utils", "light")], "scene-utils: the name says nothing");
+    caught(&["gateway"], &[("gateway", "light")], "gateway: has no layer");
 }
 
 /// Lines of `source` that reach outside, tests included: they too must give the same answer every time.

@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use document::AssetHash;
 use protocol::{LogLine, LogReader};
-use scene::{AssetHash, Scene};
+use scene::Scene;
 use serde_json::Value;
 use store::{StoreError, replay_log};
 

@@ -6,13 +6,12 @@
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use bendy::{BendyLight, Decay, SpotLight, Transform};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
+use light::{BendyLight, Decay, SpotLight, Transform};
+use light::{Light, LightKind};
 use reference::Reference;
 use render::{Gpu, Picture, Renderer};
-use scene::{
-    Aov, Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Scene, View, ViewSlot,
-};
+use scene::{Aov, Camera, Material, Mesh, Node, Primitive, Projection, Scene, View, ViewSlot};
 
 const SIZE: [u32; 2] = [240, 160];
 
@@ -105,7 +104,7 @@ fn pair(eye: DVec3, target: DVec3, cone_angle: f64) -> [(&'static str, LightKind
         range: Some(9.0),
         ..SpotLight::default()
     };
-    let bent = bendy::bend(&spot, 2).expect("it can be bent");
+    let bent = light::bend(&spot, 2).expect("it can be bent");
     [("spot", LightKind::Spot(spot)), ("bent", LightKind::Bendy(bent))]
 }
 

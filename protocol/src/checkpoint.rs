@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use document::FindScene;
 use edit::{Past, Session};
-use scene::{FindScene, LightId};
+use light::LightId;
 use serde::{Deserialize, Serialize};
 
 use crate::error::from_json;
@@ -78,7 +79,7 @@ impl SessionCheckpoint {
         crate::log_file::to_line(self)
     }
 
-    /// The session that goes on from here; `find_scene` as in [`scene::Document::apply`].
+    /// The session that goes on from here; `find_scene` as in [`document::Document::apply`].
     pub fn into_domain(self, find_scene: FindScene) -> Result<Session, Refused> {
         let undo = |undo: PastUndo| edit::PastUndo {
             seq: undo.seq,

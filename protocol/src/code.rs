@@ -2,8 +2,8 @@
 
 use std::fmt;
 
+use document::EditError;
 use edit::Refusal;
-use scene::EditError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

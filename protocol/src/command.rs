@@ -1,8 +1,9 @@
 //! Commands and their parameters in JSON.
 
-use bendy::{Decay, Direction, EndMode, Frame};
+use document::CameraId;
 use glam::{DQuat, DVec3};
-use scene::{CameraId, LightId};
+use light::LightId;
+use light::{Decay, Direction, EndMode, Frame};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +11,7 @@ use crate::document::{Quat, Vec3};
 use crate::light::{DecayName, DirectionName, EndModeName, FrameName};
 use crate::{Camera, Light, Projection, Refused};
 
-/// [`scene::Command`] in JSON; `type` says which (SPEC, section 2).
+/// [`document::Command`] in JSON; `type` says which (SPEC, section 2).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "camelCase", rename_all_fields = "camelCase", deny_unknown_fields)]
 pub enum Command {
@@ -118,7 +119,7 @@ pub enum Command {
     },
 }
 
-/// [`scene::LightParameter`] in JSON: an object with one field.
+/// [`document::LightParameter`] in JSON: an object with one field.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum LightParameter {
@@ -168,7 +169,7 @@ pub enum LightParameter {
     Range(Option<f64>),
 }
 
-/// [`scene::PointParameter`] in JSON: an object with one field.
+/// [`document::PointParameter`] in JSON: an object with one field.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum PointParameter {
@@ -182,7 +183,7 @@ pub enum PointParameter {
     Intensity(f64),
 }
 
-/// [`scene::CameraParameter`] in JSON: an object with one field.
+/// [`document::CameraParameter`] in JSON: an object with one field.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum CameraParameter {
@@ -196,7 +197,7 @@ pub enum CameraParameter {
     Projection(Projection),
 }
 
-impl TryFrom<Command> for scene::Command {
+impl TryFrom<Command> for document::Command {
     type Error = Refused;
 
     /// What can be said without a document: lights that are added are valid, and a scene is named by its bytes (the server
@@ -245,9 +246,9 @@ impl TryFrom<Command> for scene::Command {
     }
 }
 
-impl From<&scene::Command> for Command {
-    fn from(command: &scene::Command) -> Self {
-        use scene::Command as C;
+impl From<&document::Command> for Command {
+    fn from(command: &document::Command) -> Self {
+        use document::Command as C;
         let vector = |v: &Option<DVec3>| v.map(|v| v.to_array());
         let rotation = |q: &Option<DQuat>| q.map(|q| q.to_array());
         match command {
@@ -294,7 +295,7 @@ impl From<&scene::Command> for Command {
 /// The two directions of a parameter enum whose variants carry the same in both shapes, up to `$into` and `$from`.
 macro_rules! convert {
     ($name:ident { $($variant:ident: $into:expr, $from:expr;)* }) => {
-        impl From<$name> for scene::$name {
+        impl From<$name> for document::$name {
             fn from(wire: $name) -> Self {
                 match wire {
                     $($name::$variant(value) => Self::$variant($into(value)),)*
@@ -302,10 +303,10 @@ macro_rules! convert {
             }
         }
 
-        impl From<scene::$name> for $name {
-            fn from(parameter: scene::$name) -> Self {
+        impl From<document::$name> for $name {
+            fn from(parameter: document::$name) -> Self {
                 match parameter {
-                    $(scene::$name::$variant(value) => Self::$variant($from(value)),)*
+                    $(document::$name::$variant(value) => Self::$variant($from(value)),)*
                 }
             }
         }

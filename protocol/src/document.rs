@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use document::{AssetHash, CameraId, Layout, NotAnAssetHash};
 use glam::{DQuat, DVec3};
-use scene::{AssetHash, CameraId, Layout, LightId, NotAnAssetHash, Scene};
+use light::LightId;
+use scene::Scene;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +16,7 @@ pub type Vec3 = [f64; 3];
 /// A quaternion: `[x, y, z, w]`.
 pub type Quat = [f64; 4];
 
-/// [`scene::Document`] in JSON, lists in the order of ids.
+/// [`document::Document`] in JSON, lists in the order of ids.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Document {
@@ -26,7 +28,7 @@ pub struct Document {
     pub cameras: Vec<DocumentCamera>,
 }
 
-/// [`scene::SceneRef`] in JSON.
+/// [`document::SceneRef`] in JSON.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct SceneRef {
@@ -122,8 +124,8 @@ impl Bounds {
     }
 }
 
-impl From<&scene::Document> for Document {
-    fn from(document: &scene::Document) -> Self {
+impl From<&document::Document> for Document {
+    fn from(document: &document::Document) -> Self {
         let lights = document.lights().iter().map(|(id, placed)| DocumentLight {
             id: id.0,
             layout: placed.layout.0,
@@ -139,39 +141,39 @@ impl From<&scene::Document> for Document {
 }
 
 impl Document {
-    /// The domain's document; `last_number` as in [`scene::Document::restore`], `find_scene` as in
-    /// [`scene::Document::apply`].
+    /// The domain's document; `last_number` as in [`document::Document::restore`], `find_scene` as in
+    /// [`document::Document::apply`].
     pub fn into_domain(
         self,
         last_number: u64,
-        find_scene: scene::FindScene,
-    ) -> Result<scene::Document, Refused> {
+        find_scene: document::FindScene,
+    ) -> Result<document::Document, Refused> {
         let scene = match self.scene {
             None => None,
             Some(wire) => {
-                let scene_ref = scene::SceneRef::try_from(wire)?;
+                let scene_ref = document::SceneRef::try_from(wire)?;
                 let scene: Arc<Scene> =
-                    find_scene(&scene_ref.asset).ok_or(scene::EditError::UnknownAsset(scene_ref.asset))?;
+                    find_scene(&scene_ref.asset).ok_or(document::EditError::UnknownAsset(scene_ref.asset))?;
                 Some((scene_ref, scene))
             }
         };
         let placed = |wire: DocumentLight| {
-            let light = scene::Light::try_from(wire.light)?;
-            Ok((LightId(wire.id), scene::PlacedLight { layout: Layout(wire.layout), light }))
+            let light = light::Light::try_from(wire.light)?;
+            Ok((LightId(wire.id), document::PlacedLight { layout: Layout(wire.layout), light }))
         };
         let lights = self.lights.into_iter().map(placed).collect::<Result<_, Refused>>()?;
         let cameras = self.cameras.into_iter().map(|wire| (CameraId(wire.id), wire.camera.into())).collect();
-        Ok(scene::Document::restore(scene, lights, cameras, last_number))
+        Ok(document::Document::restore(scene, lights, cameras, last_number))
     }
 }
 
-impl From<&scene::SceneRef> for SceneRef {
-    fn from(scene: &scene::SceneRef) -> Self {
+impl From<&document::SceneRef> for SceneRef {
+    fn from(scene: &document::SceneRef) -> Self {
         Self { asset: scene.asset.to_string(), name: scene.name.clone() }
     }
 }
 
-impl TryFrom<SceneRef> for scene::SceneRef {
+impl TryFrom<SceneRef> for document::SceneRef {
     type Error = NotAnAssetHash;
 
     fn try_from(wire: SceneRef) -> Result<Self, NotAnAssetHash> {

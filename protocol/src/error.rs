@@ -1,7 +1,7 @@
 //! Why a file is refused, and reading JSON so that the reason names the place.
 
-use bendy::LightError;
-use scene::{EditError, NotAnAssetHash};
+use document::{EditError, NotAnAssetHash};
+use light::LightError;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 

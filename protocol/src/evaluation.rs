@@ -1,6 +1,6 @@
 //! Where a point lies in a light, in JSON.
 
-use bendy::Location;
+use light::Location;
 use serde::Serialize;
 
 /// Where one world position lies in a light.
@@ -28,7 +28,7 @@ pub struct Visibility {
     pub occluder: Option<String>,
 }
 
-/// [`bendy::TubePoint`] in JSON.
+/// [`light::TubePoint`] in JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TubePoint {
     /// Index of the segment, from 0.

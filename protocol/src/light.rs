@@ -3,9 +3,9 @@
 //! Field names are the JSON's in camelCase. Unknown fields are refused by name. Lengths are light-local units
 //! (of a [`Bendy`]) or world units (of a [`Spot`]), angles are degrees, colours are linear RGB.
 
-use bendy::{BendyLight, Decay, Direction, EndMode, Frame, LightError, SpotLight, Tube, check_spot};
 use glam::{DQuat, DVec3};
-use scene::LightKind;
+use light::LightKind;
+use light::{BendyLight, Decay, Direction, EndMode, Frame, LightError, SpotLight, Tube, check_spot};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
 
@@ -117,7 +117,7 @@ pub struct Spot {
     pub decay: Decay,
 }
 
-/// [`bendy::Transform`] in JSON.
+/// [`light::Transform`] in JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct Transform {
@@ -129,7 +129,7 @@ pub struct Transform {
     pub scale: f64,
 }
 
-/// [`bendy::Frame`] in JSON.
+/// [`light::Frame`] in JSON.
 #[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(remote = "Frame", rename_all = "camelCase")]
 #[schemars(rename = "Frame")]
@@ -138,7 +138,7 @@ pub(crate) enum FrameName {
     Up,
 }
 
-/// [`bendy::Direction`] in JSON.
+/// [`light::Direction`] in JSON.
 #[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(remote = "Direction", rename_all = "camelCase")]
 #[schemars(rename = "Direction")]
@@ -147,7 +147,7 @@ pub(crate) enum DirectionName {
     Path,
 }
 
-/// [`bendy::EndMode`] in JSON.
+/// [`light::EndMode`] in JSON.
 #[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(remote = "EndMode", rename_all = "camelCase")]
 #[schemars(rename = "EndMode")]
@@ -156,7 +156,7 @@ pub(crate) enum EndModeName {
     Extend,
 }
 
-/// [`bendy::Decay`] in JSON.
+/// [`light::Decay`] in JSON.
 #[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(remote = "Decay", rename_all = "camelCase")]
 #[schemars(rename = "Decay")]
@@ -187,11 +187,11 @@ fn default_up() -> [f64; 3] {
 }
 
 fn default_cone_angle() -> f64 {
-    bendy::DEFAULT_CONE_ANGLE
+    light::DEFAULT_CONE_ANGLE
 }
 
 fn default_cone_softness() -> f64 {
-    bendy::DEFAULT_CONE_SOFTNESS
+    light::DEFAULT_CONE_SOFTNESS
 }
 
 impl Default for Spot {
@@ -202,24 +202,24 @@ impl Default for Spot {
 
 impl Default for Transform {
     fn default() -> Self {
-        Self::from(bendy::Transform::default())
+        Self::from(light::Transform::default())
     }
 }
 
-impl From<bendy::Transform> for Transform {
-    fn from(t: bendy::Transform) -> Self {
+impl From<light::Transform> for Transform {
+    fn from(t: light::Transform) -> Self {
         Self { translation: t.translation.to_array(), rotation: t.rotation.to_array(), scale: t.scale }
     }
 }
 
-impl From<Transform> for bendy::Transform {
+impl From<Transform> for light::Transform {
     fn from(t: Transform) -> Self {
         Self { translation: t.translation.into(), rotation: DQuat::from_array(t.rotation), scale: t.scale }
     }
 }
 
-impl From<&scene::Light> for Light {
-    fn from(light: &scene::Light) -> Self {
+impl From<&light::Light> for Light {
+    fn from(light: &light::Light) -> Self {
         let name = light.name.clone();
         match &light.kind {
             LightKind::Bendy(bendy) => Self::Bendy(Bendy::new(name, bendy)),
@@ -228,7 +228,7 @@ impl From<&scene::Light> for Light {
     }
 }
 
-impl TryFrom<Light> for scene::Light {
+impl TryFrom<Light> for light::Light {
     type Error = LightError;
 
     /// Every light that comes out can be evaluated: the model's own checks run here.

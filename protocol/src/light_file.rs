@@ -9,7 +9,7 @@ use crate::error::from_json;
 use crate::{FileError, Light};
 
 /// Reads a light file's text: one light, or an array of them, each valid. An empty array holds no lights.
-pub fn parse(text: &str) -> Result<Vec<scene::Light>, FileError> {
+pub fn parse(text: &str) -> Result<Vec<light::Light>, FileError> {
     if !text.trim_start().starts_with('[') {
         return Ok(vec![parse_light(text)?]);
     }
@@ -21,7 +21,7 @@ pub fn parse(text: &str) -> Result<Vec<scene::Light>, FileError> {
         .collect()
 }
 
-fn parse_light(text: &str) -> Result<scene::Light, FileError> {
+fn parse_light(text: &str) -> Result<light::Light, FileError> {
     #[derive(Deserialize)]
     #[serde(rename_all = "camelCase")]
     enum Type {
@@ -37,14 +37,14 @@ fn parse_light(text: &str) -> Result<scene::Light, FileError> {
         Type::Bendy => Light::Bendy(from_json(text)?),
         Type::Spot => Light::Spot(from_json(text)?),
     };
-    scene::Light::try_from(light).map_err(|reason| FileError::Model { place: String::new(), reason })
+    light::Light::try_from(light).map_err(|reason| FileError::Model { place: String::new(), reason })
 }
 
 /// A light file's text with one light: a line a field, every field given, ending without a newline.
 ///
 /// [`parse`] gives the same light back, bit for bit. The light's numbers must be finite, as those of every
 /// valid light are.
-pub fn to_json(light: &scene::Light) -> String {
+pub fn to_json(light: &light::Light) -> String {
     let mut text = Vec::new();
     Light::from(light)
         .serialize(&mut serde_json::Serializer::with_formatter(&mut text, LineAField::default()))

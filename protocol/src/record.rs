@@ -1,7 +1,8 @@
 //! Changes and records in JSON, and the lines of a log file.
 
+use document::{CameraId, Layout};
 use glam::DVec3;
-use scene::{CameraId, Layout, LightId};
+use light::LightId;
 use schemars::JsonSchema;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
@@ -20,10 +21,10 @@ pub const FORMAT: u32 = 2;
 /// by another such takes 28 MiB.
 pub const MAX_RECORD_BYTES: usize = 32 << 20;
 
-/// [`scene::Change`] in JSON; `type` says which (SPEC, section 3).
+/// [`document::Change`] in JSON; `type` says which (SPEC, section 3).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "camelCase", deny_unknown_fields)]
-#[expect(missing_docs, reason = "the fields are those of scene::Change, one by one")]
+#[expect(missing_docs, reason = "the fields are those of document::Change, one by one")]
 pub enum Change {
     /// Another scene's geometry.
     Scene { old: Option<SceneRef>, new: Option<SceneRef> },
@@ -41,7 +42,7 @@ pub enum Change {
     CameraParameter { camera: u64, old: CameraParameter, new: CameraParameter },
 }
 
-/// [`scene::PlacedLight`] in JSON.
+/// [`document::PlacedLight`] in JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct PlacedLight {
@@ -51,7 +52,7 @@ pub struct PlacedLight {
     pub light: Light,
 }
 
-/// [`scene::ControlPoints`] in JSON; one entry a control point in each list.
+/// [`document::ControlPoints`] in JSON; one entry a control point in each list.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct ControlPoints {
@@ -174,13 +175,13 @@ pub(crate) fn known_format(found: u32) -> Result<(), Refused> {
     if (1..=FORMAT).contains(&found) { Ok(()) } else { Err(Refused::Format { found }) }
 }
 
-impl From<&scene::PlacedLight> for PlacedLight {
-    fn from(placed: &scene::PlacedLight) -> Self {
+impl From<&document::PlacedLight> for PlacedLight {
+    fn from(placed: &document::PlacedLight) -> Self {
         Self { layout: placed.layout.0, light: Light::from(&placed.light) }
     }
 }
 
-impl TryFrom<PlacedLight> for scene::PlacedLight {
+impl TryFrom<PlacedLight> for document::PlacedLight {
     type Error = Refused;
 
     fn try_from(wire: PlacedLight) -> Result<Self, Refused> {
@@ -188,8 +189,8 @@ impl TryFrom<PlacedLight> for scene::PlacedLight {
     }
 }
 
-impl From<scene::ControlPoints> for ControlPoints {
-    fn from(domain: scene::ControlPoints) -> Self {
+impl From<document::ControlPoints> for ControlPoints {
+    fn from(domain: document::ControlPoints) -> Self {
         Self {
             layout: domain.layout.0,
             points: domain.points.iter().map(DVec3::to_array).collect(),
@@ -200,7 +201,7 @@ impl From<scene::ControlPoints> for ControlPoints {
     }
 }
 
-impl From<ControlPoints> for scene::ControlPoints {
+impl From<ControlPoints> for document::ControlPoints {
     fn from(wire: ControlPoints) -> Self {
         Self {
             layout: Layout(wire.layout),
@@ -212,9 +213,9 @@ impl From<ControlPoints> for scene::ControlPoints {
     }
 }
 
-impl From<&scene::Change> for Change {
-    fn from(change: &scene::Change) -> Self {
-        use scene::Change as C;
+impl From<&document::Change> for Change {
+    fn from(change: &document::Change) -> Self {
+        use document::Change as C;
         match change.clone() {
             C::Scene { old, new } => {
                 Self::Scene { old: old.as_ref().map(Into::into), new: new.as_ref().map(Into::into) }
@@ -245,13 +246,13 @@ impl From<&scene::Change> for Change {
     }
 }
 
-impl TryFrom<Change> for scene::Change {
+impl TryFrom<Change> for document::Change {
     type Error = Refused;
 
     fn try_from(wire: Change) -> Result<Self, Refused> {
-        let scene = |scene: Option<SceneRef>| scene.map(scene::SceneRef::try_from).transpose();
+        let scene = |scene: Option<SceneRef>| scene.map(document::SceneRef::try_from).transpose();
         let placed = |placed: Option<Box<PlacedLight>>| {
-            placed.map(|p| scene::PlacedLight::try_from(*p).map(Box::new)).transpose()
+            placed.map(|p| document::PlacedLight::try_from(*p).map(Box::new)).transpose()
         };
         Ok(match wire {
             Change::Scene { old, new } => Self::Scene { old: scene(old)?, new: scene(new)? },
@@ -360,7 +361,7 @@ impl TryFrom<Record> for edit::Record {
             actor: wire.actor.into(),
             op_id: wire.op_id,
             action,
-            changes: wire.changes.into_iter().map(scene::Change::try_from).collect::<Result<_, _>>()?,
+            changes: wire.changes.into_iter().map(document::Change::try_from).collect::<Result<_, _>>()?,
         })
     }
 }

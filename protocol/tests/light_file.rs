@@ -1,10 +1,10 @@
 //! Light files: what they mean, that they keep every bit, and what is said of bad ones.
 
-use bendy::{BendyLight, Decay, Direction, EndMode, Frame, SpotLight, Transform};
 use glam::{DQuat, DVec3};
+use light::{BendyLight, Decay, Direction, EndMode, Frame, SpotLight, Transform};
+use light::{Light, LightKind};
 use proptest::prelude::*;
 use protocol::{light_file, point_file};
-use scene::{Light, LightKind};
 
 const FULL: &str = r#"{"type": "bendy", "name": "key",
      "transform": {"translation": [0,4,0], "rotation": [0,0,0,1], "scale": 1},

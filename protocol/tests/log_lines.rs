@@ -151,7 +151,7 @@ fn a_line_that_grows_beyond_all_bounds_is_refused() {
         let at = line.len();
         line += &item;
         line.push(',');
-        let hash = scene::AssetHash::of(whole.as_bytes()).hex();
+        let hash = document::AssetHash::of(whole.as_bytes()).hex();
         item = list(&format!(r#"{{"sameAs":{{"record":1,"at":{at},"hash":"{hash}"}}}}"#), 8);
         // Further in reading has stopped, and the hash is of no use.
         whole = if whole.len() < 8 << 20 { list(&whole, 8) } else { whole };

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use document::{AssetHash, CameraId, CameraParameter, Command};
 use edit::{Actor, Request, Scope, Session, Sources};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use protocol::{Document, ErrorCode, LogLine, LogReader, Record, Refused, SessionCheckpoint};
-use scene::{AssetHash, CameraId, CameraParameter, Command, Scene};
+use scene::Scene;
 
-#[path = "../../crates/scene/tests/editing/random.rs"]
+#[path = "../../crates/document/tests/editing/random.rs"]
 mod random;
 
 const SCENES: &[AssetHash] = &[AssetHash([1; 32]), AssetHash([2; 32])];
@@ -155,7 +156,7 @@ fn what_has_no_meaning_is_refused_on_the_way_in() {
 /// Rules: REC-5
 #[test]
 fn a_record_of_a_later_format_is_refused_by_its_number() {
-    let (_, log) = logged(vec![Ok(Command::RemoveLight(scene::LightId(1))), Err(Scope::Mine)]);
+    let (_, log) = logged(vec![Ok(Command::RemoveLight(light::LightId(1))), Err(Scope::Mine)]);
     assert!(log.is_empty(), "nothing to remove");
     let text = r#"{"format":1,"seq":1,"timeMs":0,"actor":{"id":"a","name":""},"opId":"x",
         "action":{"type":"edit","command":{"type":"removeLight","light":1}},"changes":[]}"#;

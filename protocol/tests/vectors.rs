@@ -4,13 +4,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use bendy::{BendyLight, Decay, Direction, EndMode, Frame, SpotLight, Tube};
+use document::{AssetHash, CameraId, CameraParameter, Command, LightParameter, PointParameter, changes_of};
 use glam::{DQuat, DVec3};
+use light::{BendyLight, Decay, Direction, EndMode, Frame, SpotLight, Tube};
+use light::{LightId, LightKind};
 use protocol::{Change, Document, Light};
-use scene::{
-    AssetHash, Camera, CameraId, CameraParameter, Command, LightId, LightKind, LightParameter,
-    PointParameter, Projection, Scene, changes_of,
-};
+use scene::{Camera, Projection, Scene};
 use serde_json::{Value, json};
 use stream::{Codec, Flags, FrameHeader, Tile};
 
@@ -34,16 +33,16 @@ const BENDY: LightId = LightId(1);
 const SPOT: LightId = LightId(2);
 const EYE: CameraId = CameraId(3);
 
-fn bendy() -> scene::Light {
+fn bendy() -> light::Light {
     let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.5, 0.25, -2.0)];
-    scene::Light {
+    light::Light {
         name: "key".into(),
         kind: LightKind::Bendy(BendyLight::new(points, vec![0.125, 0.25, 0.5])),
     }
 }
 
-fn spot() -> scene::Light {
-    scene::Light { name: "lamp".into(), kind: LightKind::Spot(SpotLight::default()) }
+fn spot() -> light::Light {
+    light::Light { name: "lamp".into(), kind: LightKind::Spot(SpotLight::default()) }
 }
 
 fn eye() -> Camera {
@@ -61,14 +60,14 @@ fn find_scene(asset: &AssetHash) -> Option<Arc<Scene>> {
 }
 
 /// What `command` does to `document`, which goes on from there.
-fn done(document: &mut scene::Document, command: &Command) -> Vec<scene::Change> {
+fn done(document: &mut document::Document, command: &Command) -> Vec<document::Change> {
     let changes = changes_of(document, command, &find_scene).expect("a valid command");
     document.apply(&changes, &find_scene).expect("changes just made");
     changes
 }
 
-fn edited() -> scene::Document {
-    let mut document = scene::Document::default();
+fn edited() -> document::Document {
+    let mut document = document::Document::default();
     done(&mut document, &Command::AddLight(Box::new(bendy())));
     done(&mut document, &Command::AddLight(Box::new(spot())));
     done(&mut document, &Command::AddCamera(eye()));
@@ -77,9 +76,9 @@ fn edited() -> scene::Document {
 
 fn change_case(
     name: &str,
-    before: &scene::Document,
-    changes: &[scene::Change],
-    after: &scene::Document,
+    before: &document::Document,
+    changes: &[document::Change],
+    after: &document::Document,
 ) -> Value {
     let changes: Vec<_> = changes.iter().map(Change::from).collect();
     json!({"name": name, "document": Document::from(before), "changes": changes, "after": Document::from(after)})
@@ -90,7 +89,7 @@ fn there_and_back((name, command): &(&str, Command)) -> [Value; 2] {
     let before = edited();
     let mut after = before.clone();
     let changes = done(&mut after, command);
-    let inverses: Vec<_> = changes.iter().rev().map(scene::Change::inverse).collect();
+    let inverses: Vec<_> = changes.iter().rev().map(document::Change::inverse).collect();
     let back = change_case(&format!("{name}, taken back"), &after, &inverses, &before);
     [change_case(name, &before, &changes, &after), back]
 }
@@ -152,7 +151,7 @@ fn changes_do_the_same_on_both_sides() {
 }
 
 /// The curve of `light`, of scale 1, at `t`: light-local position, radius, and P'(t).
-fn curve_case(light: &scene::Light, t: f64) -> Value {
+fn curve_case(light: &light::Light, t: f64) -> Value {
     let LightKind::Bendy(bendy) = &light.kind else { panic!("a BendyLight") };
     let tube = Tube::<f64>::new(bendy).expect("a valid light");
     let local_per_tube = tube.placement.world_per_tube / bendy.transform.scale;
@@ -171,7 +170,7 @@ fn a_curve_is_the_same_on_both_sides() {
     let key = demo.lights.into_iter().find(|light| light.name == "key").expect("its light");
     let points = (0..7).map(|i| DVec3::new(0.25 * f64::from(i * i), 0.5 * f64::from(i), 0.0)).collect();
     let radii = vec![0.0, 0.1, 0.2, 0.15, 0.3, 0.25, 0.4];
-    let long = scene::Light { name: "long".into(), kind: LightKind::Bendy(BendyLight::new(points, radii)) };
+    let long = light::Light { name: "long".into(), kind: LightKind::Bendy(BendyLight::new(points, radii)) };
     let mut cases = Vec::new();
     for light in [bendy(), key, long] {
         let LightKind::Bendy(bendy) = &light.kind else { panic!("a BendyLight") };

@@ -145,7 +145,7 @@ fn scenes_are_uploaded_by_their_bytes() {
     let made = server.process.post("/assets", bytes.as_bytes()).expect("answered");
     assert_eq!(made.status, 201, "{}", made.text());
     let asset: Asset = parse_body(&made.text()).expect("a name");
-    assert_eq!(asset.asset, scene::AssetHash::of(bytes.as_bytes()).to_string(), "what sha256sum says");
+    assert_eq!(asset.asset, document::AssetHash::of(bytes.as_bytes()).to_string(), "what sha256sum says");
     let session = post(&server, "/sessions", &json!({"name": "mine", "scene": asset.asset}));
     let session: SessionState = parse_body(&session.text()).expect("a session");
     assert_eq!(session.document.cameras[0].camera.name, "eye");

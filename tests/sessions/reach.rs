@@ -38,7 +38,7 @@ fn old_log() -> String {
     let record = record.replace('\n', "");
     let Ok(LogLine::Record(parsed)) = LogReader::default().read(&record) else { panic!("a record") };
     let parsed = edit::Record::try_from(*parsed).expect("a valid record");
-    let mut document = scene::Document::default();
+    let mut document = document::Document::default();
     document.apply(&parsed.changes, &|_| None).expect("it applies");
     let hash = document.hash();
     format!(

@@ -4,10 +4,11 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 use bench::{BenchError, Client, Incoming, ServerProcess};
+use document::AssetHash;
 use protocol::{
     ClientMessage, Document, EditResult, Light, LightParameter, PointParameter, ServerMessage, State, Vec3,
 };
-use scene::{AssetHash, Scene};
+use scene::Scene;
 
 use crate::program::program;
 
@@ -68,7 +69,7 @@ pub fn find_scene(asset: &AssetHash) -> Option<Arc<Scene>> {
 /// A client that keeps the document by applying what the server sends.
 pub struct Mirror {
     pub client: Client,
-    pub document: scene::Document,
+    pub document: document::Document,
     pub seq: u64,
     operations: u64,
     actor: String,
@@ -193,7 +194,7 @@ impl Mirror {
 }
 
 /// Follows the session's history by one message.
-fn hear(message: &ServerMessage, document: &mut scene::Document, seq: &mut u64) {
+fn hear(message: &ServerMessage, document: &mut document::Document, seq: &mut u64) {
     let hash = match message {
         ServerMessage::Log { record, hash, .. } => {
             assert_eq!(record.seq, *seq + 1, "records come in order, without gaps");

@@ -23,7 +23,7 @@ use scene::Scene;
 pub struct Loaded {
     /// The scene; [`Scene::check`] has passed.
     pub scene: Scene,
-    /// What the file itself calls it, within [`scene::MAX_NAME_BYTES`], where that says more than "Scene"; `demo:NAME` for a
+    /// What the file itself calls it, within [`document::MAX_NAME_BYTES`], where that says more than "Scene"; `demo:NAME` for a
     /// demo.
     pub name: Option<String>,
     /// What a person should know that was left out or changed, one sentence each.

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use assets::{AssetError, Fault, Limit, Loaded};
 use glam::{DVec3, Vec2, Vec3, Vec4};
-use scene::{LightKind, Primitive, Projection, Sampler, Wrap};
+use light::LightKind;
+use scene::{Primitive, Projection, Sampler, Wrap};
 
 /// A file in the making: JSON members as text, and one buffer.
 #[derive(Default)]
@@ -439,7 +440,7 @@ fn a_scene_is_called_what_its_file_calls_the_one_that_is_drawn() {
             .as_deref(),
         Some("Attic")
     );
-    let long = format!(r#""scenes":[{{"nodes":[],"name":"{}"}}]"#, "x".repeat(scene::MAX_NAME_BYTES + 1));
+    let long = format!(r#""scenes":[{{"nodes":[],"name":"{}"}}]"#, "x".repeat(document::MAX_NAME_BYTES + 1));
     // No name, one that no document takes, and what exporters call every scene.
     for nameless in [
         r#""nodes":[]"#,

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use bendy::LightError;
+use light::LightError;
 use protocol::FileError;
 use render::RenderError;
 use stream::StreamError;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use light::{Light, LightKind};
 use protocol::light_file;
-use scene::{Light, LightKind};
 
 use crate::error::Error;
 use crate::{answer, files};
@@ -29,6 +29,6 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let file = args.light.display().to_string();
     let light = files::read_one_light(&args.light)?;
     let LightKind::Spot(spot) = light.kind else { return Err(Error::BendOfBendy { file }) };
-    let bendy = bendy::bend(&spot, args.segments).map_err(|reason| Error::BadLight { file, reason })?;
+    let bendy = light::bend(&spot, args.segments).map_err(|reason| Error::BadLight { file, reason })?;
     answer(&light_file::to_json(&Light { name: light.name, kind: LightKind::Bendy(bendy) }))
 }

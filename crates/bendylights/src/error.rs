@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use ::bench::BenchError;
 use assets::AssetError;
-use bendy::LightError;
+use document::AssetHash;
+use light::LightError;
 use protocol::FileError;
 use render::RenderError;
-use scene::AssetHash;
 use server::ServerError;
 use store::StoreError;
 use thiserror::Error;

@@ -2,14 +2,15 @@
 
 use std::path::PathBuf;
 
-use bendy::{Location, Tube};
 use clap::ValueEnum;
 use glam::DVec3;
+use light::{LightKind, Reach};
+use light::{Location, Tube};
 use protocol::point_file::WrittenPoint;
 use protocol::{Evaluation, Visibility};
 use reference::Reference;
 use render::Gpu;
-use scene::{LightKind, Reach, Scene};
+use scene::Scene;
 
 use crate::error::Error;
 use crate::render::open_scene;
@@ -123,7 +124,7 @@ const COARSEST: f64 = 0.01;
 
 impl<'a> Shadows<'a> {
     fn new(scene: &'a Scene, precision: Option<f64>) -> Self {
-        let coarsest = COARSEST * 2.0 * Reach::of(scene).half_extent.length();
+        let coarsest = COARSEST * 2.0 * Reach::from(scene).half_extent.length();
         Self { reference: Reference::new(scene), precision, coarsest }
     }
 

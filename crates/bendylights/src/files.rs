@@ -5,9 +5,9 @@ use std::io::{self, BufReader, Read};
 use std::path::Path;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use light::Light;
 use protocol::point_file::WrittenPoint;
 use protocol::{FileError, light_file, point_file};
-use scene::Light;
 
 use crate::error::Error;
 

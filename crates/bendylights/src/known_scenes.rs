@@ -4,7 +4,8 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use scene::{AssetHash, Scene};
+use document::AssetHash;
+use scene::Scene;
 use store::Store;
 
 use crate::say;

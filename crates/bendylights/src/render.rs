@@ -7,13 +7,14 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use assets::Loaded;
-use bendy::Tube;
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
+use light::Tube;
+use light::{Light, LightKind, Reach};
 use reference::Reference;
 use render::{Aov, Gpu, Picture, PictureFormat, Renderer, ShadowSettings, View, ViewSlot};
-use scene::{Camera, DEFAULT_ASPECT, Light, LightKind, Reach, Scene, framing_camera};
+use scene::{Camera, DEFAULT_ASPECT, Scene, framing_camera};
 
 use crate::error::Error;
 use crate::output::{self, Output};
@@ -144,7 +145,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     }
     notes.extend(lights.iter().flat_map(warnings));
     if matches!(args.backend, Backend::Gpu) {
-        notes.extend(left_out(&Reach::of(&scene), &lights));
+        notes.extend(left_out(&Reach::from(&scene), &lights));
     }
     let camera = choose_camera(args, &scene)?;
     let [width, height] = args

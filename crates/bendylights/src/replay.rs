@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use document::{Document, EditError};
 use edit::ReplayError;
+use light::Light;
 use render::{Gpu, PictureFormat, Renderer, View};
-use scene::{DEFAULT_ASPECT, Document, EditError, Light, framing_camera};
+use scene::{DEFAULT_ASPECT, framing_camera};
 use store::{Store, StoreError, replay_log};
 
 use crate::error::Error;

@@ -1,6 +1,7 @@
 //! Drags under way: live for everybody, in no log, and a soft lock on one light each.
 
-use scene::{Change, Command, LightId};
+use document::{Change, Command};
+use light::LightId;
 
 use crate::{Actor, Refusal};
 

@@ -1,6 +1,6 @@
 //! What the log holds.
 
-use scene::{Change, Command};
+use document::{Change, Command};
 
 /// Who did it.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! Why a request is refused, and why a log cannot be replayed.
 
-use scene::EditError;
+use document::EditError;
 use thiserror::Error;
 
 /// Why a request is refused. Each sentence says what to do.
@@ -12,7 +12,7 @@ pub enum Refusal {
     /// The light is being dragged.
     #[error("{light} is held by {holder}, who is dragging it: wait until it is let go")]
     Locked {
-        /// Which, as [`Document::light_name`](scene::Document::light_name) says it.
+        /// Which, as [`Document::light_name`](document::Document::light_name) says it.
         light: String,
         /// Name of whoever drags it.
         holder: String,
@@ -20,7 +20,7 @@ pub enum Refusal {
     /// The control points have other numbers than the sender knew.
     #[error("the control points of {light} were renumbered in record {seq}: look at the light again")]
     Stale {
-        /// Which, as [`Document::light_name`](scene::Document::light_name) says it.
+        /// Which, as [`Document::light_name`](document::Document::light_name) says it.
         light: String,
         /// The record that did it.
         seq: u64,

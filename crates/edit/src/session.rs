@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use document::{Change, Command, Document, FindScene, changes_of};
+use light::LightId;
 use rpds::RedBlackTreeMapSync;
-use scene::{Change, Command, Document, FindScene, LightId, changes_of};
 
 use crate::gesture::{Gesture, LEASE_MS, MAX_GESTURES};
 use crate::history::{History, PastUndo};
@@ -256,7 +257,7 @@ impl Session {
         now_ms: u64,
     ) -> Result<&Gesture, Refusal> {
         if !self.document.lights().contains_key(&light) {
-            return Err(scene::EditError::NoLight(light).into());
+            return Err(document::EditError::NoLight(light).into());
         }
         self.check_numbering(light, base_seq)?;
         self.check_lock(light, actor)?;

@@ -1,6 +1,6 @@
 //! What undo and redo take back, where later changes may stand in the way.
 
-use scene::{Change, Document, EditError, FindScene};
+use document::{Change, Document, EditError, FindScene};
 
 use crate::{Record, Refusal, Request, Session};
 

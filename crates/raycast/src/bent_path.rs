@@ -1,7 +1,7 @@
 //! The way light takes: a curve of constant (v, w), cut into chords.
 
-use bendy::{Frame, Segment, Tube};
 use glam::DVec3;
+use light::{Frame, Segment, Tube};
 
 use crate::PosedScene;
 
@@ -220,7 +220,7 @@ impl Twist {
 
 #[cfg(test)]
 mod tests {
-    use bendy::BendyLight;
+    use light::BendyLight;
     use scene::{Material, Mesh, Node, Primitive, Scene};
 
     use super::*;

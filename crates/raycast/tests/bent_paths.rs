@@ -1,7 +1,7 @@
 //! Bent paths: chords that stay within their bound, and hits that a slow walk finds too.
 
-use bendy::{BendyLight, Direction, EndMode, Frame, SpotLight, Transform, Tube};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
+use light::{BendyLight, Direction, EndMode, Frame, SpotLight, Transform, Tube};
 use proptest::prelude::*;
 use raycast::{BentHit, BentPath, Bounds, PosedScene};
 use scene::{Material, Mesh, Node, Primitive, Scene};
@@ -195,7 +195,7 @@ fn a_straight_cone_has_straight_rays() {
         transform: Transform { translation: DVec3::new(1.0, 2.0, 3.0), ..Transform::default() },
         ..SpotLight::default()
     };
-    let tube = Tube::new(&bendy::bend(&spot, 3).unwrap()).unwrap();
+    let tube = Tube::new(&light::bend(&spot, 3).unwrap()).unwrap();
     let wall = [DVec3::new(-9.0, -9.0, 0.5), DVec3::new(9.0, -9.0, -0.5), DVec3::new(0.0, 20.0, 0.0)];
     let scene = scene_of(&[wall]);
     let posed = PosedScene::new(&scene);

@@ -31,5 +31,5 @@ pub enum ReferenceError {
     NoShadowMap,
     /// A light with numbers outside their domains.
     #[error(transparent)]
-    Light(#[from] bendy::LightError),
+    Light(#[from] light::LightError),
 }

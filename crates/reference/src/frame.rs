@@ -1,9 +1,10 @@
 //! Whole pictures.
 
 use glam::{DVec2, DVec3};
+use light::Light;
 use raycast::PosedScene;
 use rayon::prelude::*;
-use scene::{Aov, Light, Scene, View};
+use scene::{Aov, Scene, View};
 
 use crate::camera::sample_in_pixel;
 use crate::texture::Textures;

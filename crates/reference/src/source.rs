@@ -1,8 +1,8 @@
 //! Lights, and what they do at a point: everything but their shadows.
 
-use bendy::{Decay, LightError, SpotLight, Tube, check_spot};
 use glam::{DMat3, DVec2, DVec3};
-use scene::LightKind;
+use light::LightKind;
+use light::{Decay, LightError, SpotLight, Tube, check_spot};
 
 /// A checked light, ready to be asked.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! Shadows, by following light from its source to the surface.
 
-use bendy::{Tube, TubePoint};
 use glam::DVec3;
+use light::{Tube, TubePoint};
 use raycast::BentHit;
 
 use crate::source::{place_beside, sample_spot, sample_tube};

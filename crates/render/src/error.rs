@@ -29,7 +29,7 @@ pub enum RenderError {
     },
     /// A light that f32 cannot relate to the scene.
     #[error(transparent)]
-    OutOfReach(#[from] scene::OutOfReach),
+    OutOfReach(#[from] light::OutOfReach),
     /// A picture without pixels, without samples, or through an impossible camera.
     #[error("this view cannot be rendered: {0}")]
     InvalidView(&'static str),
@@ -49,5 +49,5 @@ pub enum RenderError {
     Encode(String),
     /// A light with numbers outside their domains.
     #[error(transparent)]
-    Light(#[from] bendy::LightError),
+    Light(#[from] light::LightError),
 }

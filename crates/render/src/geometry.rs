@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
-use scene::{MAX_EXTENT, Material, PosedPrimitive, Reach, Scene};
+use light::{MAX_EXTENT, Reach};
+use scene::{Material, PosedPrimitive, Scene};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 
@@ -46,7 +47,7 @@ pub(crate) struct Draw {
 impl Posed {
     /// Poses `scene`, whose promises hold.
     pub fn new(scene: &Scene) -> Result<Self, RenderError> {
-        let Reach { middle: scene_origin, half_extent } = Reach::of(scene);
+        let Reach { middle: scene_origin, half_extent } = Reach::from(scene);
         let reach = half_extent.max_element();
         if !(reach <= MAX_EXTENT && scene_origin.is_finite()) {
             return Err(RenderError::TooLarge {

@@ -1,6 +1,7 @@
 //! What is kept of each light from picture to picture: above all its shadow map.
 
-use scene::{Light, LightKind, ViewSlot};
+use light::{Light, LightKind};
+use scene::ViewSlot;
 use wgpu::{BindGroup, CommandEncoder, TextureView};
 
 use crate::bendy_light::{self, Baked, BendyPass, BendySlot, BentWork};
@@ -268,7 +269,7 @@ impl ShadowMaps {
         match &light.kind {
             LightKind::Bendy(bendy) => passes.bendy.draw_wireframe(gpu, work, bendy, scene, picture),
             LightKind::Spot(spot) => {
-                passes.bendy.draw_wireframe(gpu, work, &bendy::bend(spot, 1)?, scene, picture)
+                passes.bendy.draw_wireframe(gpu, work, &light::bend(spot, 1)?, scene, picture)
             }
         }
     }

@@ -3,7 +3,7 @@
 use std::io::Cursor;
 
 use image::{DynamicImage, ImageFormat, Rgb, RgbImage, Rgba32FImage, RgbaImage};
-use scene::{Light, LightKind};
+use light::{Light, LightKind};
 
 use crate::{Aov, Progress, RenderError, Renderer, TiledPicture, View};
 

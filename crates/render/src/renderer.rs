@@ -5,7 +5,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::DVec2;
-use scene::{Light, Scene};
+use light::Light;
+use scene::Scene;
 use wgpu::{Buffer, CommandEncoder};
 
 use crate::camera::{Raster, sample_offset};
@@ -43,7 +44,7 @@ pub struct StageTimes {
 
 /// Draws pictures of one scene at a time, for any number of viewers.
 ///
-/// A light that is out of the scene's reach ([`scene::Reach`]) is left out of the beauty; a picture of its own is
+/// A light that is out of the scene's reach ([`light::Reach`]) is left out of the beauty; a picture of its own is
 /// refused.
 ///
 /// What a picture shares with the one before is not drawn again: each light's shadow map, and for each
@@ -231,7 +232,7 @@ impl Renderer {
         let first = wanted.start + targets.lights_drawn.unwrap_or(0);
         for (index, light) in lights.iter().enumerate().take(wanted.end).skip(first) {
             let ready = match shadow_maps.ready(gpu, &mut encoder, (passes, scene, raster), light) {
-                // Others shine all the same; `scene::Reach` tells who asks.
+                // Others shine all the same; `light::Reach` tells who asks.
                 Err(RenderError::OutOfReach(_)) if view.aov == Aov::Beauty => continue,
                 ready => ready?,
             };

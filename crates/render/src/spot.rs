@@ -3,9 +3,9 @@
 
 use std::sync::OnceLock;
 
-use bendy::{Decay, SpotLight};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
-use scene::MAX_EXTENT;
+use light::MAX_EXTENT;
+use light::{Decay, SpotLight};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, CommandEncoder, Sampler};
 
@@ -39,7 +39,7 @@ pub(crate) struct Shape {
 
 impl Shape {
     pub fn of(light: &SpotLight) -> Self {
-        let bendy::Transform { translation, rotation, .. } = light.transform;
+        let light::Transform { translation, rotation, .. } = light.transform;
         Self { translation, rotation, cone_angle: light.cone_angle }
     }
 }
@@ -257,7 +257,7 @@ impl SpotPass {
         light: &SpotLight,
         (scene, shadows): (&StagedScene, &ShadowSettings),
     ) -> Result<(PlacedSpot, BindGroup, bool), RenderError> {
-        bendy::check_spot(light)?;
+        light::check_spot(light)?;
         let key = (scene.revision, Shape::of(light));
         let kept = slot.map_key.take().filter(|(revision, shape, _)| (*revision, *shape) == key);
         let stale = kept.is_none();

@@ -1,7 +1,7 @@
 //! The faces of a spotlight's shadow map: one perspective picture each, fitted to what casts shadows there.
 
-use bendy::SpotLight;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
+use light::SpotLight;
 
 use crate::clusters::{Clusters, Side};
 

@@ -1,7 +1,8 @@
 //! A scene on the GPU.
 
 use glam::DVec3;
-use scene::{Reach, Scene};
+use light::Reach;
+use scene::Scene;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages};
 

@@ -1,7 +1,8 @@
 //! What pictures are drawn into, and what it holds: a viewer's whole picture, or one tile of a larger one.
 
 use glam::{DAffine3, DVec2};
-use scene::{Light, Projection};
+use light::Light;
+use scene::Projection;
 use wgpu::{BindGroup, CommandEncoder, Texture, TextureView, TextureViewDescriptor};
 
 use crate::camera::Raster;

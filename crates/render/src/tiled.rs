@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use scene::Light;
+use light::Light;
 
 use crate::ledger::{Entry, MemoryKind};
 use crate::renderer::{Drawing, Piece};

@@ -1,8 +1,9 @@
 //! The common pipelines drawn once, so that no first picture waits for a compiler.
 
-use bendy::{Decay, SpotLight, Transform};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
-use scene::{Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Scene};
+use light::{Decay, SpotLight, Transform};
+use light::{Light, LightKind};
+use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
 
 use crate::{Aov, RenderError, Renderer, View, ViewSlot};
 
@@ -26,7 +27,7 @@ impl Renderer {
             if !keep_going() {
                 return Ok(());
             }
-            let bent = bendy::bend(&spot, segments)?;
+            let bent = light::bend(&spot, segments)?;
             renderer.render_display(&view(), &[light(LightKind::Bendy(bent))])?;
         }
         Ok(())

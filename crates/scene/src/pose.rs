@@ -1,8 +1,9 @@
 //! Where everything stands in the world.
 
 use glam::{DAffine3, DMat3};
+use light::Reach;
 
-use crate::{Primitive, Scene};
+use crate::{Primitive, Scene, world_bounds};
 
 /// A primitive at its place in the world.
 #[derive(Clone, Copy, Debug)]
@@ -45,4 +46,12 @@ pub fn pose(scene: &Scene) -> impl Iterator<Item = PosedPrimitive<'_>> {
         let primitives = node.mesh.map_or(&[][..], |m| &scene.meshes[m].primitives);
         primitives.iter().map(move |primitive| PosedPrimitive { node: i, primitive, world_from_local })
     })
+}
+
+impl From<&Scene> for Reach {
+    /// Looks at all vertices.
+    fn from(scene: &Scene) -> Self {
+        let (min, max) = world_bounds(scene).unwrap_or_default();
+        Self { middle: min / 2.0 + max / 2.0, half_extent: max / 2.0 - min / 2.0 }
+    }
 }

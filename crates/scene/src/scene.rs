@@ -1,7 +1,7 @@
 //! What importers make: geometry, materials, and the lights and cameras that came with them.
 
-use bendy::{BendyLight, SpotLight};
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
+use light::Light;
 use thiserror::Error;
 
 use crate::Camera;
@@ -149,24 +149,6 @@ impl std::fmt::Debug for Image {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Image({} x {})", self.width, self.height)
     }
-}
-
-/// A light with the name people know it by.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Light {
-    /// Name for people and for `--light`.
-    pub name: String,
-    /// Which light it is.
-    pub kind: LightKind,
-}
-
-/// The closed set of lights.
-#[derive(Clone, Debug, PartialEq)]
-pub enum LightKind {
-    /// Light along a spline.
-    Bendy(BendyLight),
-    /// Light along straight lines.
-    Spot(SpotLight),
 }
 
 /// Hemisphere fill: irradiance over pi from above and below, blended by the normal's height.

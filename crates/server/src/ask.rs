@@ -1,8 +1,8 @@
 //! What clients and programs send, as the session's task understands it.
 
 use edit::{Actor, Request};
+use light::LightId;
 use protocol::{ClientMessage, ViewSource};
-use scene::LightId;
 use store::check_scene_name;
 
 use crate::ServerError;
@@ -40,7 +40,7 @@ async fn asked(message: ClientMessage, scenes: &Scenes) -> Result<Ask, ServerErr
             Ask::BeginGesture { gesture: label(gesture)?, light: LightId(light), base_seq }
         }
         ClientMessage::GestureUpdate { gesture, update, command } => {
-            let command = scene::Command::try_from(command).map_err(ServerError::from);
+            let command = document::Command::try_from(command).map_err(ServerError::from);
             Ask::UpdateGesture { gesture: label(gesture)?, update, command }
         }
         ClientMessage::GestureCancel { gesture } => Ask::CancelGesture(label(gesture)?),
@@ -88,7 +88,7 @@ fn label(text: String) -> Result<String, ServerError> {
 /// A camera that makes a picture.
 fn sound(wire: protocol::Camera) -> Result<scene::Camera, ServerError> {
     let camera = scene::Camera::from(wire);
-    camera.check().map_err(|why| edit::Refusal::from(scene::EditError::InvalidCamera(why)))?;
+    camera.check().map_err(|why| edit::Refusal::from(document::EditError::InvalidCamera(why)))?;
     Ok(camera)
 }
 

@@ -5,8 +5,9 @@ use std::io::{self, Read, Seek};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use assets::Loaded;
+use document::AssetHash;
 use protocol::Asset;
-use scene::{AssetHash, Scene};
+use scene::Scene;
 use store::Store;
 use tokio::sync::Semaphore;
 use tokio::task::spawn_blocking;
@@ -150,7 +151,7 @@ fn read_all(mut file: File) -> io::Result<Vec<u8>> {
 
 /// Reads and decodes a stored scene. Blocks.
 fn decode(store: &Store, asset: &AssetHash) -> Result<Decoded, ServerError> {
-    let unknown = || edit::Refusal::Edit(scene::EditError::UnknownAsset(*asset));
+    let unknown = || edit::Refusal::Edit(document::EditError::UnknownAsset(*asset));
     let bytes = store.asset(asset).map_err(ServerError::Unread)?.ok_or_else(unknown)?;
     Decoded::of(&bytes)
 }

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use document::{AssetHash, Command};
 use edit::{Actor, Request, Sources};
 use render::Ledger;
-use scene::{AssetHash, Command};
 use store::{Batch, Store};
 use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
@@ -210,7 +210,7 @@ fn first_scene(store: &Store, name: &str) -> Result<(AssetHash, Arc<scene::Scene
 /// What people call a scene: a demo by its name, a file by its last part, as far as that is fit to be a name.
 fn scene_label(name: &str) -> String {
     let label = Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name);
-    let fits = label.char_indices().take_while(|(at, c)| at + c.len_utf8() <= scene::MAX_NAME_BYTES);
+    let fits = label.char_indices().take_while(|(at, c)| at + c.len_utf8() <= document::MAX_NAME_BYTES);
     let label: String = fits.map(|(_, c)| c).filter(|c| !c.is_control()).collect();
     let label = label.trim();
     if label.is_empty() { "scene".into() } else { label.into() }

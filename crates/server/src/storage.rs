@@ -5,9 +5,9 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
+use document::{AssetHash, DocumentHash, FindScene};
 use edit::Record;
 use protocol::SessionCheckpoint;
-use scene::{AssetHash, DocumentHash, FindScene};
 use store::{Batch, Rejection, Store, StoreError, Tail};
 use tokio::sync::{mpsc, oneshot};
 use tokio::task::spawn_blocking;

@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-use scene::{AssetHash, MAX_NAME_BYTES};
+use document::{AssetHash, MAX_NAME_BYTES};
 
 use crate::database::sync_folder;
 use crate::{Store, StoreError};

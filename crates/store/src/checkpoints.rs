@@ -1,9 +1,9 @@
 //! Checkpoints: a session as it was after one of its records, so that opening it replays only what came since.
 
+use document::{AssetHash, FindScene};
 use edit::Session;
 use protocol::{LogReader, SessionCheckpoint};
 use rusqlite::{OptionalExtension, params};
-use scene::{AssetHash, FindScene};
 
 use crate::sessions::{Found, find};
 use crate::{SessionRow, Store, StoreError};

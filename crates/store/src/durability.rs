@@ -11,8 +11,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::{env, fs};
 
+use document::{CameraId, CameraParameter};
 use edit::{Actor, Request, Session, Sources};
-use scene::{Camera, CameraId, CameraParameter, Projection};
+use scene::{Camera, Projection};
 use tempfile::TempDir;
 
 use crate::records::insert_batch;
@@ -82,10 +83,10 @@ fn next_record(session: &mut Session) -> edit::Record {
     let command = if next == 1 {
         let projection = Projection::Perspective { yfov: 0.7, aspect_ratio: None, znear: 0.1, zfar: None };
         let rotation = glam::DQuat::IDENTITY;
-        scene::Command::AddCamera(Camera { name: "eye".into(), translation, rotation, projection })
+        document::Command::AddCamera(Camera { name: "eye".into(), translation, rotation, projection })
     } else {
         let parameter = CameraParameter::Translation(translation);
-        scene::Command::SetCamera { camera: CameraId(1), parameter }
+        document::Command::SetCamera { camera: CameraId(1), parameter }
     };
     let actor = Actor { id: "a".into(), name: "Ada".into() };
     let request = Request::Edit { base_seq: None, command };

@@ -3,9 +3,9 @@
 use std::io;
 use std::path::PathBuf;
 
+use document::{AssetHash, EditError, MAX_NAME_BYTES};
 use edit::ReplayError;
 use protocol::{ErrorCode, FileError, Refused};
-use scene::{AssetHash, EditError, MAX_NAME_BYTES};
 use thiserror::Error;
 
 use crate::sessions::{MAX_NAME_CHARS, MAX_SESSIONS};

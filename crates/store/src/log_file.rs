@@ -3,10 +3,10 @@
 use std::collections::HashSet;
 use std::io::{BufRead, Read, Write};
 
+use document::FindScene;
 use edit::Session;
 use protocol::{Checkpoint, FIRST_PROOF, FORMAT, FileError, LogHeader, LogLine, LogReader, Record};
 use rusqlite::params;
-use scene::FindScene;
 
 use crate::records::{RECORDS, Stored, insert_record, note_hash, stored, take_in};
 use crate::sessions::{Found, find, insert_session};

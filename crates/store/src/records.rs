@@ -1,9 +1,9 @@
 //! The records of a log: appended together, read one by one.
 
+use document::{DocumentHash, FindScene};
 use edit::Session;
 use protocol::{FORMAT, LogReader, Place, ReadError, Record, compact, next_proof};
 use rusqlite::{ErrorCode, OptionalExtension, Row, Transaction, params};
-use scene::{DocumentHash, FindScene};
 
 use crate::checkpoints::Tail;
 use crate::operations::{Rejection, insert_rejection};

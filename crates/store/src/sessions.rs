@@ -1,8 +1,8 @@
 //! The sessions of a data folder.
 
+use document::Document;
 use protocol::FIRST_PROOF;
 use rusqlite::{Connection, OptionalExtension, Row, named_params};
-use scene::Document;
 
 use crate::{Store, StoreError};
 

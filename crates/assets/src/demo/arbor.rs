@@ -2,12 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use bendy::BendyLight;
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec2, Vec4};
-use scene::{
-    Camera, Fill, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Sampler, Scene, TextureRef,
-    Wrap,
-};
+use light::BendyLight;
+use light::{Light, LightKind};
+use scene::{Camera, Fill, Material, Mesh, Node, Primitive, Projection, Sampler, Scene, TextureRef, Wrap};
 
 use super::cutouts::{lattice, leaf, pierced};
 use super::lathe::lathe;
@@ -207,7 +205,7 @@ fn stand(scene: &mut Scene, name: &str, mut material: Material, surface: Primiti
 
 #[cfg(test)]
 mod tests {
-    use bendy::Tube;
+    use light::Tube;
 
     use super::*;
 

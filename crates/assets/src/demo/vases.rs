@@ -1,8 +1,9 @@
 //! Two vases on a table: the paper's "Tabletop Vases" (about 15,000 triangles).
 
-use bendy::BendyLight;
 use glam::{DAffine3, DVec2, DVec3, Vec4};
-use scene::{Camera, Fill, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Scene};
+use light::BendyLight;
+use light::{Light, LightKind};
+use scene::{Camera, Fill, Material, Mesh, Node, Primitive, Projection, Scene};
 
 use super::lathe::lathe;
 use super::stage::{Cyclorama, look_at};
@@ -165,7 +166,7 @@ fn stand(scene: &mut Scene, material: Material, surface: Primitive, at: DVec3) {
 
 #[cfg(test)]
 mod tests {
-    use bendy::Tube;
+    use light::Tube;
 
     use super::*;
 

@@ -1,10 +1,10 @@
 //! `KHR_lights_punctual`: its spotlights, placed in the world.
 
-use bendy::{Decay, SpotLight, Transform};
 use glam::{DQuat, DVec3};
 use gltf::json::extensions::scene::khr_lights_punctual::{Light, Type};
 use gltf::json::validation::Checked;
-use scene::LightKind;
+use light::LightKind;
+use light::{Decay, SpotLight, Transform};
 
 use super::nodes::{Place, rigid};
 use super::{Source, name_or};
@@ -14,7 +14,7 @@ use crate::notes::Notes;
 const WIDEST_CONE_ANGLE: f64 = 89.9;
 
 /// Every spotlight of the drawn scene, in node order. Others are left out, with a note.
-pub fn read(source: &Source, places: &[Place], notes: &mut Notes) -> Vec<scene::Light> {
+pub fn read(source: &Source, places: &[Place], notes: &mut Notes) -> Vec<light::Light> {
     let mut lights = Vec::new();
     for place in places {
         let Some(node) = place.node.map(|index| &source.root.nodes[index]) else { continue };
@@ -29,7 +29,7 @@ pub fn read(source: &Source, places: &[Place], notes: &mut Notes) -> Vec<scene::
                 notes.add("directional lights are not drawn, only spotlights and BendyLights are", name);
             }
             Checked::Valid(Type::Spot) | Checked::Invalid => match spot(light, place, &name, notes) {
-                Some(spot) => lights.push(scene::Light { name, kind: LightKind::Spot(spot) }),
+                Some(spot) => lights.push(light::Light { name, kind: LightKind::Spot(spot) }),
                 None => notes.add("spotlights whose numbers make no light are left out", name),
             },
         }
@@ -57,7 +57,7 @@ fn spot(light: &Light, place: &Place, name: &str, notes: &mut Notes) -> Option<S
         decay: Decay::InverseSquare,
     };
     let shines = spot.intensity >= 0.0 && spot.color.min_element() >= 0.0;
-    bendy::check_spot(&spot).ok().filter(|()| shines)?;
+    light::check_spot(&spot).ok().filter(|()| shines)?;
     if outer.to_degrees() > WIDEST_CONE_ANGLE {
         notes.add("cone angles of 90 degrees and more are narrowed", name);
     }

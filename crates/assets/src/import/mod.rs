@@ -74,7 +74,7 @@ fn import(bytes: &[u8], file: Option<&Path>, mut ledger: Ledger) -> Result<Loade
 fn name(root: &Root) -> Option<String> {
     let drawn = root.scenes.get(root.scene.map_or(0, |scene| scene.value()))?;
     let name = drawn.name.as_deref()?.trim();
-    let fits = (1..=scene::MAX_NAME_BYTES).contains(&name.len()) && !name.contains(char::is_control);
+    let fits = (1..=document::MAX_NAME_BYTES).contains(&name.len()) && !name.contains(char::is_control);
     let says_something = !name.eq_ignore_ascii_case("scene");
     (fits && says_something).then(|| name.to_owned())
 }

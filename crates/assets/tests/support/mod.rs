@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use glam::DVec3;
-use scene::{LightKind, Projection, Scene};
+use light::LightKind;
+use scene::{Projection, Scene};
 
 /// The folder of test assets, or `None` after saying that the test is skipped. Fails instead where `CI=true`.
 pub fn assets_folder() -> Option<PathBuf> {
@@ -51,7 +52,7 @@ pub fn assert_sound(scene: &Scene, what: &str) {
     }
     for light in &scene.lights {
         let LightKind::Spot(spot) = &light.kind else { panic!("{what}: glTF has no {light:?}") };
-        bendy::check_spot(spot).unwrap_or_else(|error| panic!("{what}: {error}"));
+        light::check_spot(spot).unwrap_or_else(|error| panic!("{what}: {error}"));
         assert!(spot.color.cmpge(DVec3::ZERO).all(), "{what}: {spot:?}");
         assert!(spot.intensity >= 0.0, "{what}: {spot:?}");
     }

@@ -1,10 +1,11 @@
 //! What each pixel should be.
 
-use bendy::{BendyLight, LightError, Tube};
 use glam::{DVec2, DVec3};
+use light::LightKind;
+use light::{BendyLight, LightError, Tube};
 use rayon::prelude::*;
 use reference::{LightSample, Reference, Source, Surface, reflected};
-use scene::{Fill, LightKind, Scene, View};
+use scene::{Fill, Scene, View};
 
 use super::scan::Crossing;
 use super::{Drawn, Verdict, rgb};

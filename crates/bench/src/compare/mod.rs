@@ -12,9 +12,10 @@ mod scan;
 mod tests;
 
 use glam::DVec3;
+use light::{Light, LightKind};
 use rayon::prelude::*;
 use render::{Picture, RenderError, Renderer, ShadowFilter, ShadowSettings};
-use scene::{Aov, Light, LightKind, View};
+use scene::{Aov, View};
 use serde::Serialize;
 
 use crate::compare::expected::Seen;

@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, LazyLock};
 
-use bendy::BendyLight;
 use glam::DVec3;
+use light::BendyLight;
 use render::{Gpu, Renderer, ShadowSettings};
 
 use super::{Comparison, Drawn, Expected, Subject, Verdict};

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use bendy::{BendyLight, Root, Tube};
 use fastrand::Rng;
 use glam::DVec3;
+use light::{BendyLight, Root, Tube};
 use serde::Serialize;
 
 use super::law::{LAWS, Law};
@@ -63,7 +63,7 @@ fn joint(r_kappa: f64, taper: f64) -> Tube<f64> {
     let second = DVec3::new(cos, sin, 0.0);
     let first = DVec3::X * 0.5;
     let points = vec![DVec3::ZERO, first, first + second, first + second * 1.5];
-    let radii = bendy::greville(2).into_iter().map(|t| radius + taper * (t - 1.0)).collect();
+    let radii = light::greville(2).into_iter().map(|t| radius + taper * (t - 1.0)).collect();
     Tube::new(&BendyLight::new(points, radii)).expect("R kappa below 1")
 }
 

@@ -1,7 +1,7 @@
 //! The ways to say where light comes from.
 
-use bendy::{Real, Root, Tube};
 use glam::DVec3;
+use light::{Real, Root, Tube};
 use serde::Serialize;
 
 /// How the direction of arrival follows from a place in the tube (light model, section 3).

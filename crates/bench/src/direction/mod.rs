@@ -15,9 +15,10 @@ mod tests;
 
 use std::io::Cursor;
 
-use bendy::Tube;
 use image::{ImageFormat, RgbImage};
-use scene::{LightKind, Scene};
+use light::LightKind;
+use light::Tube;
+use scene::Scene;
 use serde::Serialize;
 
 pub use grid::{AtCell, Cell};

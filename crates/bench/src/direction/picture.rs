@@ -1,8 +1,8 @@
 //! The laws in a picture: what each shades, and where its terminator is not the path's.
 
-use bendy::{Root, Tube};
 use glam::{DVec2, DVec3};
 use image::{Rgb, RgbImage};
+use light::{Root, Tube};
 use rayon::prelude::*;
 use reference::{Reference, Source, Surface, reflected};
 use scene::{Aov, Scene, View, ViewSlot};

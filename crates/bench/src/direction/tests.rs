@@ -1,5 +1,5 @@
-use bendy::{BendyLight, Root, Tube};
 use glam::DVec3;
+use light::{BendyLight, Root, Tube};
 
 use super::grid::{at_edge, degrees_between, grid};
 use super::law::{LAWS, Law, WINDOW};
@@ -46,7 +46,7 @@ fn path_is_the_tangent() {
 /// The model's own two are the ones measured here.
 #[test]
 fn laws_are_the_products() {
-    for (direction, law) in [(bendy::Direction::Tube, Law::Tube), (bendy::Direction::Path, Law::Path)] {
+    for (direction, law) in [(light::Direction::Tube, Law::Tube), (light::Direction::Path, Law::Path)] {
         let mut tube = bent();
         tube.direction = direction;
         for k in 0..60 {

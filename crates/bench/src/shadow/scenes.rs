@@ -1,7 +1,7 @@
 //! Scenes that are hard on bent shadow maps, each in its own way.
 
-use bendy::BendyLight;
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3, Vec4};
+use light::BendyLight;
 use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene, View};
 
 use crate::compare::Subject;

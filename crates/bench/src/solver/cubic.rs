@@ -1,6 +1,6 @@
 //! The cubic as every other method needs it: four numbers, and which of its roots are wanted.
 
-use bendy::Segment;
+use light::Segment;
 use num_traits::Float;
 
 use super::found::Found;

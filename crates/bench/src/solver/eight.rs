@@ -4,8 +4,8 @@
 //! taken. A quotient whose guard fails may be infinite or NaN in a lane that is then not taken. All is inlined: a vector
 //! that is handed over in memory costs more than what is done with it.
 
-use bendy::{Real, Segment};
 use glam::Vec3;
+use light::{Real, Segment};
 use wide::f32x8;
 
 use super::family::Case;
@@ -174,7 +174,7 @@ fn polish(cases: &Cases8, from_start: Vec3x8, u: f32x8, low: f32x8, high: f32x8)
     within(u + short.select(n / slope, ZERO), low, high)
 }
 
-/// The increasing roots of eight cases; see [`bendy::increasing_roots`].
+/// The increasing roots of eight cases; see [`light::increasing_roots`].
 pub fn increasing_roots_8(cases: &Cases8) -> Roots8 {
     let Cases8 { b0, b2, d0, d1, a, q } = *cases;
     let (from_start, from_end) = (q.minus(b0), q.minus(b2));

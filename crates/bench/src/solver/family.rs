@@ -1,8 +1,8 @@
 //! The kinds of input that the solvers are compared on: what a light can be bent to, and where points can lie.
 
-use bendy::{Segment, TubeBox};
 use fastrand::Rng;
 use glam::DVec3;
+use light::{Segment, TubeBox};
 use serde::Serialize;
 
 use super::width::Width;

@@ -1,6 +1,6 @@
 //! The solvers that are compared.
 
-use bendy::Segment;
+use light::Segment;
 use serde::{Deserialize, Serialize};
 
 use super::closed_form::RealRoots;
@@ -13,7 +13,7 @@ use super::{blinn, closed_form, iterative};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub enum Method {
-    /// The product's: [`bendy::increasing_roots`].
+    /// The product's: [`light::increasing_roots`].
     Ours,
     /// The general cubic formula.
     Naive,
@@ -47,7 +47,7 @@ pub const METHODS: [Method; 9] = [
 ];
 
 /// A solver: the parameters on the segment at which the distance to the point has a minimum.
-pub type Solve<F> = fn(&Segment<F>, <F as bendy::Real>::Vec3) -> Found<F>;
+pub type Solve<F> = fn(&Segment<F>, <F as light::Real>::Vec3) -> Found<F>;
 
 impl Method {
     /// The solver itself.
@@ -70,7 +70,7 @@ fn ours<F: Width>(segment: &Segment<F>, q: F::Vec3) -> Found<F> {
     let f0 = -F::dot(q - segment.b0, segment.d0);
     let f1 = -F::dot(q - segment.b2, segment.d1);
     let mut found = Found::none();
-    found.extend(bendy::increasing_roots(segment, q, f0, f1).into_iter().flatten());
+    found.extend(light::increasing_roots(segment, q, f0, f1).into_iter().flatten());
     found
 }
 

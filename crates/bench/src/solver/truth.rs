@@ -4,8 +4,8 @@
 //! arithmetic (Dekker, "A floating-point technique for extending the available precision", 1971), so a root is
 //! known to about `1e-30 cond`.
 
-use bendy::{Real, Segment};
 use glam::DVec3;
+use light::{Real, Segment};
 use twofloat::TwoFloat;
 
 /// How far past its ends a segment's roots are looked for. Those count only as what a solver that rounds to the end

@@ -1,6 +1,6 @@
-//! `f32` and `f64`, with what the comparison needs beyond the model's own [`bendy::Real`].
+//! `f32` and `f64`, with what the comparison needs beyond the model's own [`light::Real`].
 
-use bendy::{Real, Segment};
+use light::{Real, Segment};
 use num_traits::Float;
 use serde::Serialize;
 

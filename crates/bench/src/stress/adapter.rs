@@ -3,11 +3,12 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use bendy::{Direction, Root, Tube};
 use glam::{DVec3, Vec4};
+use light::Light;
+use light::{Direction, Root, Tube};
 use proptest::prelude::*;
 use render::{Aov, Gpu, Picture, RenderError, Renderer, ShadowSettings, View};
-use scene::{Light, Scene};
+use scene::Scene;
 
 use super::light::{Lights, lights, placement};
 use super::place::{Bounds, bounds, eps, places, root_at, split};

@@ -1,11 +1,12 @@
 //! Pictures of everything that is legal and unkind hold numbers.
 
-use bendy::{SpotLight, Transform};
 use glam::{DVec3, Vec4};
+use light::{Light, LightKind};
+use light::{SpotLight, Transform};
 use proptest::prelude::*;
 use reference::Reference;
 use render::{Aov, Picture, ShadowSettings, View};
-use scene::{Light, LightKind, Material, Scene};
+use scene::{Material, Scene};
 use serde::Serialize;
 
 use super::adapter::Adapter;

@@ -1,6 +1,6 @@
 //! The cross-section's frame is orthonormal, and goes on over joints.
 
-use bendy::{BendyLight, Frame, Real, Tube};
+use light::{BendyLight, Frame, Real, Tube};
 use proptest::prelude::*;
 use serde::Serialize;
 

@@ -1,6 +1,6 @@
 //! Nothing jumps, gapes or counts twice where segments meet.
 
-use bendy::{BendyLight, Direction, LightWarning, Real, Tube};
+use light::{BendyLight, Direction, LightWarning, Real, Tube};
 use proptest::prelude::*;
 use serde::Serialize;
 

@@ -1,13 +1,13 @@
 //! Lights that are valid and unkind.
 
-use bendy::{BendyLight, Decay, Direction, EndMode, Frame, LightError, Transform, Tube};
 use glam::{DQuat, DVec3};
+use light::{BendyLight, Decay, Direction, EndMode, Frame, LightError, Transform, Tube};
 use proptest::prelude::*;
 use serde::{Serialize, Serializer};
 
 /// Writes a light as a light file has it.
 pub fn as_file<S: Serializer>(light: &BendyLight, serializer: S) -> Result<S::Ok, S::Error> {
-    let light = scene::Light { name: String::new(), kind: scene::LightKind::Bendy(light.clone()) };
+    let light = light::Light { name: String::new(), kind: light::LightKind::Bendy(light.clone()) };
     protocol::Light::from(&light).serialize(serializer)
 }
 

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use bendy::{Frame, Real, Root, Tube};
 use glam::DVec3;
+use light::{Frame, Real, Root, Tube};
 use proptest::prelude::*;
 
 use super::light::unit_cube;

@@ -1,6 +1,6 @@
 //! From (t, v, w) to a point and back.
 
-use bendy::{BendyLight, Real, Tube};
+use light::{BendyLight, Real, Tube};
 use proptest::prelude::*;
 use serde::Serialize;
 

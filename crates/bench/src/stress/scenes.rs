@@ -2,11 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use bendy::{BendyLight, Transform, Tube};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
+use light::{BendyLight, Transform, Tube};
+use light::{Light, LightKind};
 use proptest::prelude::*;
 use render::{Aov, View, ViewSlot};
-use scene::{Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Scene};
+use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
 use serde::Serialize;
 
 use super::light::{Lights, as_file, lights, placement, unit_cube};

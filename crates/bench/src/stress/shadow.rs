@@ -1,7 +1,7 @@
 //! Shadows in pictures against the walk, pixel by pixel.
 
-use bendy::Tube;
 use glam::DVec3;
+use light::Tube;
 use proptest::prelude::*;
 use render::{Aov, Picture, ShadowSettings, View};
 use scene::Material;

@@ -1,7 +1,7 @@
 //! Roots against a search by brute force, on the very numbers that the solver sees.
 
-use bendy::{BendyLight, Real, Segment, Transform, Tube};
 use glam::DVec3;
+use light::{BendyLight, Real, Segment, Transform, Tube};
 use proptest::prelude::*;
 use serde::Serialize;
 

@@ -1,8 +1,8 @@
 //! The oracle of shadows: a walk in f64 along the path of constant (v, w), over every triangle. Slow, and shares
 //! nothing with the renderer.
 
-use bendy::{EndMode, Root, Tube};
 use glam::DVec3;
+use light::{EndMode, Root, Tube};
 
 use super::place::{eps, point_at, point_in};
 

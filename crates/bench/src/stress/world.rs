@@ -1,7 +1,7 @@
 //! A light and its points moved, turned and scaled together stay as they were.
 
-use bendy::{BendyLight, Direction, Transform, Tube};
 use glam::DVec3;
+use light::{BendyLight, Direction, Transform, Tube};
 use proptest::prelude::*;
 use serde::Serialize;
 

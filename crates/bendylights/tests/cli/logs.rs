@@ -1,7 +1,7 @@
 //! `sessions`, `export`, `import` and `replay`, on the log that tests/logs keeps.
 
+use document::AssetHash;
 use image::GenericImageView;
-use scene::AssetHash;
 use serde_json::{Value, json};
 
 use crate::program::{Folder, TRIANGLE, run};

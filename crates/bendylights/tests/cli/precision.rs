@@ -1,10 +1,11 @@
 //! `eval --scene` of points that were read off surfaces and rounded.
 
-use bendy::Tube;
 use glam::DVec3;
+use light::LightKind;
+use light::Tube;
 use protocol::light_file;
 use reference::Reference;
-use scene::{LightKind, Scene};
+use scene::Scene;
 use serde_json::Value;
 
 use crate::program::{Folder, TRIANGLE, run};

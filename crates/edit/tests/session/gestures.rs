@@ -1,7 +1,8 @@
 //! Drags under way.
 
+use document::{Command, EditError};
 use edit::{Action, Gesture, LEASE_MS, MAX_GESTURES, Refusal, Request, Scope};
-use scene::{Command, EditError, LightId};
+use light::LightId;
 
 use crate::support::{KEY, Studio, actor, angle, bent_light, find_scene, insert, position, radius, softness};
 
@@ -21,8 +22,8 @@ impl Studio {
 
     fn live_angle(&self) -> f64 {
         match &self.session.live_document(&find_scene).lights()[&KEY].light.kind {
-            scene::LightKind::Bendy(light) => light.cone_angle,
-            scene::LightKind::Spot(_) => unreachable!("a BendyLight"),
+            light::LightKind::Bendy(light) => light.cone_angle,
+            light::LightKind::Spot(_) => unreachable!("a BendyLight"),
         }
     }
 }

@@ -3,7 +3,7 @@
 mod gestures;
 mod model;
 mod properties;
-#[path = "../../../scene/tests/editing/random.rs"]
+#[path = "../../../document/tests/editing/random.rs"]
 mod random;
 mod replay;
 mod requests;

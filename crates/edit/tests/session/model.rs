@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use document::{Change, Document};
 use edit::{Action, Record, Refusal, Scope};
 use proptest::prelude::*;
-use scene::{Change, Document};
 
 use crate::properties::{Step, play, request};
 use crate::support::{Studio, angle, find_scene};

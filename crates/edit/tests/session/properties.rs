@@ -1,9 +1,9 @@
 //! What holds for every sequence of requests.
 
+use document::Command;
 use edit::{Request, Scope, Session};
 use proptest::collection::vec;
 use proptest::prelude::*;
-use scene::Command;
 
 use crate::random::{aimed, command};
 use crate::support::{SCENES, Studio, find_scene};
@@ -114,7 +114,7 @@ proptest! {
     ) {
         let studio = played(play);
         let cut = cut.index(studio.log.len() + 1);
-        let (mut replayed, mut document) = (Studio::default(), scene::Document::default());
+        let (mut replayed, mut document) = (Studio::default(), document::Document::default());
         for record in &studio.log[..cut] {
             replayed.session.replay(record, &find_scene).expect("a log just made");
         }

@@ -1,7 +1,7 @@
 //! Logs that were changed by hand are refused, and the record is named.
 
+use document::{AssetHash, Change, Command, EditError, LightParameter};
 use edit::{Action, Record, ReplayError, Scope, Session};
-use scene::{AssetHash, Change, Command, EditError, LightParameter};
 
 use crate::support::{SCENES, Studio, angle, find_scene, insert, radius, softness};
 
@@ -49,7 +49,7 @@ fn gaps_and_repetitions_are_refused() {
 fn values_that_do_not_follow_are_refused() {
     let parameter = |old, new| {
         let (old, new) = (LightParameter::ConeAngle(old), LightParameter::ConeAngle(new));
-        vec![Change::LightParameter { light: scene::LightId(1), old, new }]
+        vec![Change::LightParameter { light: light::LightId(1), old, new }]
     };
     let conflict = |error: ReplayError, at: u64| {
         let is_conflict =

@@ -1,7 +1,8 @@
 //! Requests: outdated, rebased, without effect.
 
+use document::{Command, EditError};
 use edit::{Refusal, Request};
-use scene::{Command, EditError, LightId};
+use light::LightId;
 
 use crate::support::{KEY, Studio, angle, based, bent_light, insert, radius, softness};
 
@@ -35,7 +36,7 @@ fn rebased_means_that_another_changed_the_same_light() {
     let known = studio.session.seq();
     studio.edit("ada", angle(30.0));
     assert!(!studio.committed("ada", based(known, angle(31.0))).1, "only herself");
-    studio.edit("ben", Command::RemoveLight(scene::LightId(2)));
+    studio.edit("ben", Command::RemoveLight(light::LightId(2)));
     assert!(!studio.committed("ada", based(known, angle(32.0))).1, "another light");
     let theirs = studio.edit("ben", softness(0.5)).seq;
     assert!(studio.committed("ada", based(known, angle(33.0))).1);

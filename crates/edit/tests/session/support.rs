@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use bendy::BendyLight;
+use document::{AssetHash, Command, DocumentHash, LightParameter, PointParameter};
 use edit::{Actor, Record, Refusal, Request, Scope, Session, Sources};
 use glam::DVec3;
-use scene::{
-    AssetHash, Command, DocumentHash, Light, LightId, LightKind, LightParameter, PointParameter, Scene,
-};
+use light::BendyLight;
+use light::{Light, LightId, LightKind};
+use scene::Scene;
 
 /// Scenes that can be loaded: one with a light, one with nothing.
 pub const SCENES: &[AssetHash] = &[AssetHash([1; 32]), AssetHash([2; 32])];

@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
+use document::{Command, LightParameter};
 use edit::{Action, MAX_PASSED, MAX_UNDO_DEPTH, Refusal, Request, Scope};
 use glam::{DQuat, DVec3};
-use scene::{Command, LightParameter};
 
 use crate::support::{KEY, Studio, angle, bent_light, insert, position, radius, softness};
 

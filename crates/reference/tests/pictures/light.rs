@@ -1,9 +1,10 @@
 //! What the reference says of light and shadow, against closed forms and against itself.
 
-use bendy::{BendyLight, Decay, Direction, SpotLight, Transform};
 use glam::{DAffine3, DQuat, DVec2, DVec3};
+use light::{BendyLight, Decay, Direction, SpotLight, Transform};
+use light::{Light, LightKind};
 use reference::{Frame, Reference, Source, reflected};
-use scene::{Aov, Light, LightKind, Scene, View};
+use scene::{Aov, Scene, View};
 
 use crate::support::{floor, light, render, scene_of, sphere, spot, view};
 
@@ -24,7 +25,7 @@ fn a_plane_under_a_cone_has_the_closed_form() {
     let height = source.y;
     for decay in [Decay::None, Decay::Linear, Decay::InverseSquare] {
         let spot = SpotLight { decay, ..spot(source, DVec3::new(0.3, 0.0, -0.2)) };
-        let bent = bendy::bend(&spot, 3).unwrap();
+        let bent = light::bend(&spot, 3).unwrap();
         let view = view(DVec3::new(1.0, 4.0, 2.0), DVec3::ZERO, Aov::Beauty);
         for kind in [LightKind::Spot(spot.clone()), LightKind::Bendy(bent)] {
             let source_of_light = Source::new(&kind).unwrap();
@@ -63,7 +64,7 @@ fn a_straight_bendy_light_is_the_spotlight() {
     let scene = table();
     let spot = spot(DVec3::new(1.0, 3.0, 0.5), DVec3::new(0.0, 0.4, 0.0));
     for direction in [Direction::Tube, Direction::Path] {
-        let bent = BendyLight { direction, ..bendy::bend(&spot, 3).unwrap() };
+        let bent = BendyLight { direction, ..light::bend(&spot, 3).unwrap() };
         for aov in [Aov::Beauty, Aov::Vw, Aov::Direction, Aov::Visibility] {
             let view = view(DVec3::new(1.0, 3.0, 4.0), DVec3::Y * 0.5, aov);
             let straight = render(&scene, &view, &[light(LightKind::Spot(spot.clone()))]);
@@ -76,7 +77,7 @@ fn a_straight_bendy_light_is_the_spotlight() {
         }
     }
     // The planted fault: a light that is bent by a hundredth is not the spotlight.
-    let mut bent = bendy::bend(&spot, 3).unwrap();
+    let mut bent = light::bend(&spot, 3).unwrap();
     bent.points[3] += DVec3::X * 0.01;
     let view = view(DVec3::new(1.0, 3.0, 4.0), DVec3::Y * 0.5, Aov::Direction);
     let [a, b] =
@@ -90,7 +91,7 @@ fn the_terminator_of_a_sphere_is_where_n_l_is_zero() {
     let scene = scene_of([(sphere(96), DAffine3::IDENTITY)]);
     let source = DVec3::new(5.0, 2.0, 1.0);
     let spot = SpotLight { cone_angle: 20.0, range: Some(9.0), ..spot(source, DVec3::ZERO) };
-    let light_source = Source::new(&LightKind::Bendy(bendy::bend(&spot, 3).unwrap())).unwrap();
+    let light_source = Source::new(&LightKind::Bendy(light::bend(&spot, 3).unwrap())).unwrap();
     let reference = Reference::new(&scene);
     let view = view(DVec3::new(0.0, 0.5, 3.4), DVec3::ZERO, Aov::Beauty);
     let lit = |x: f64, y: f64| {
@@ -198,7 +199,7 @@ fn light_from_behind_meets_the_other_side() {
     let scene = scene_of([floor(3.0)]);
     for (height, lit) in [(2.0, 1.0), (-2.0, 0.0)] {
         let spot = spot(DVec3::new(0.0, height, 0.0), DVec3::new(0.0, 0.0, 0.1));
-        let bent = bendy::bend(&spot, 2).unwrap();
+        let bent = light::bend(&spot, 2).unwrap();
         for kind in [LightKind::Spot(spot), LightKind::Bendy(bent)] {
             let view = view(DVec3::new(0.0, 3.0, 1.0), DVec3::ZERO, Aov::Visibility);
             let frame = render(&scene, &view, &[light(kind)]);

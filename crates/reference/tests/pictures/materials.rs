@@ -1,8 +1,9 @@
 //! What the reference says of materials: textures, holes, sides.
 
 use glam::{DAffine3, DVec2, DVec3, Vec2};
+use light::LightKind;
 use reference::Reference;
-use scene::{Aov, Image, LightKind, Material, Projection, Sampler, Scene, TextureRef, Wrap};
+use scene::{Aov, Image, Material, Projection, Sampler, Scene, TextureRef, Wrap};
 
 use crate::support::{floor, light, render, scene_of, spot, square, view};
 
@@ -86,7 +87,7 @@ fn cut_out(alpha_cutoff: Option<f32>) -> Scene {
 #[test]
 fn light_passes_through_holes() {
     let spot = spot(DVec3::Y * 4.0, DVec3::ZERO);
-    let bent = bendy::bend(&spot, 2).unwrap();
+    let bent = light::bend(&spot, 2).unwrap();
     let below = view(DVec3::new(0.0, 0.8, 2.5), DVec3::ZERO, Aov::Visibility);
     for kind in [LightKind::Spot(spot), LightKind::Bendy(bent)] {
         let shadowed = |cutoff| {

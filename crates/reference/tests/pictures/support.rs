@@ -1,11 +1,10 @@
 //! Scenes small enough to know everything about.
 
-use bendy::{SpotLight, Transform};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
+use light::{Light, LightKind};
+use light::{SpotLight, Transform};
 use reference::{Frame, Reference};
-use scene::{
-    Aov, Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Scene, View, ViewSlot,
-};
+use scene::{Aov, Camera, Material, Mesh, Node, Primitive, Projection, Scene, View, ViewSlot};
 
 /// A square from -1 to 1 in the plane y = 0 that faces up.
 pub fn square() -> Primitive {

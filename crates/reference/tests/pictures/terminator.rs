@@ -1,9 +1,10 @@
 //! Where light grazes a smooth mesh of few facets.
 
-use bendy::{BendyLight, SpotLight};
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3};
+use light::LightKind;
+use light::{BendyLight, SpotLight};
 use reference::{LightSample, Reference, Source, Surface};
-use scene::{Aov, LightKind, Primitive, Scene, View};
+use scene::{Aov, Primitive, Scene, View};
 
 use crate::support::{floor, scene_of, sphere, spot, view};
 
@@ -22,7 +23,7 @@ fn front(target: DVec3) -> View {
 }
 
 fn kinds() -> [LightKind; 2] {
-    let bent = BendyLight { direction: bendy::Direction::Path, ..bendy::bend(&key(), 3).unwrap() };
+    let bent = BendyLight { direction: light::Direction::Path, ..light::bend(&key(), 3).unwrap() };
     [LightKind::Spot(key()), LightKind::Bendy(bent)]
 }
 
@@ -75,7 +76,7 @@ fn light_from_behind_stays_there() {
     };
     let scene = scene_of([(wall, DAffine3::IDENTITY)]);
     let behind = spot(DVec3::new(0.0, 3.0, -0.8), DVec3::ZERO);
-    for kind in [LightKind::Bendy(bendy::bend(&behind, 3).unwrap()), LightKind::Spot(behind)] {
+    for kind in [LightKind::Bendy(light::bend(&behind, 3).unwrap()), LightKind::Spot(behind)] {
         let seen = seen(&scene, &front(DVec3::ZERO), &kind);
         let faced = |(surface, light): &&(Surface, LightSample)| surface.normal.dot(light.along_path) > 0.05;
         assert!(seen.iter().filter(faced).count() > 1000);

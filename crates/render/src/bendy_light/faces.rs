@@ -4,8 +4,8 @@
 //! One face holds the whole width of most tubes, evenly in v and w. A tube that opens wide needs what a straight
 //! spotlight needs: the faces of a cube about its axis, for which (V, W, R / slope) are as good as positions.
 
-use bendy::BendyLight;
 use glam::{DMat3, DVec3};
+use light::BendyLight;
 
 use crate::ShadowSettings;
 use crate::shadow_settings::MapSize;

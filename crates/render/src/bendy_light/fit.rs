@@ -4,8 +4,8 @@
 //! point's distance N from that plane is linear, its distance M from the curve within the plane follows from its
 //! distance to the tangent at the piece's middle, and V and W are N and M turned about the tangent.
 
-use bendy::{Frame, Segment, Slab, Tube, quadratic_range};
 use glam::{DMat3, DVec3};
+use light::{Frame, Segment, Slab, Tube, quadratic_range};
 
 use super::faces::{Faces, MOST_FACES};
 use crate::clusters::{Cluster, Clusters, Side};
@@ -141,7 +141,7 @@ impl Fit {
 
 fn pieces(tube: &Tube<f64>, t_max: f64, scene_origin: DVec3) -> Vec<Piece> {
     let share = |k: u32| f64::from(k) / f64::from(PIECES);
-    bendy::slabs(tube, t_max, ROUNDING)
+    light::slabs(tube, t_max, ROUNDING)
         .iter()
         .flat_map(|slab| (0..PIECES).map(|k| Piece::new(tube, slab, [share(k), share(k + 1)], scene_origin)))
         .collect()

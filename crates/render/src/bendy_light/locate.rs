@@ -1,7 +1,7 @@
 //! Points located in a light by the adapter: what the picture's own shaders find, for `eval` and for tests.
 
-use bendy::{BendyLight, EndMode, Location, Part, Tube, TubePoint};
 use glam::{DVec3, Vec3};
+use light::{BendyLight, EndMode, Location, Part, Tube, TubePoint};
 use wgpu::BufferUsages;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
@@ -17,7 +17,7 @@ const ROOTS_A_DISPATCH: usize = (16 << 20) / size_of::<LocatedRoot>();
 /// Where `points_in_world` lie in `light`, found in f32 by the same shader code that lights pictures.
 ///
 /// Points are taken to tube space in f64 and rounded there: to that of the part of the light that they lie in, as a
-/// scene's are (see [`bendy::Part`]). Accuracy as of [`bendy::Tube`] with eps = 2^-24.
+/// scene's are (see [`light::Part`]). Accuracy as of [`light::Tube`] with eps = 2^-24.
 pub fn locate(
     gpu: &Gpu,
     light: &BendyLight,

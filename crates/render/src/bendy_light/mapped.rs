@@ -1,7 +1,7 @@
 //! Points mapped by the adapter as bent shadow maps do it, for `bendylights bench stress` and for tests.
 
-use bendy::{BendyLight, Tube};
 use glam::{DVec3, Vec4};
+use light::{BendyLight, Tube};
 use wgpu::BufferUsages;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
@@ -18,7 +18,7 @@ const WORKGROUP: usize = 64;
 /// f32 by the map's own shader. `None` for a point in no slab, or in those of distant parts of the tube.
 ///
 /// Points are taken to scene space, about the centre of their bounds, in f64 and rounded there. Accuracy as of
-/// [`bendy::Tube`] with eps = 2^-24, at positions of that size.
+/// [`light::Tube`] with eps = 2^-24, at positions of that size.
 pub fn map_points(
     gpu: &Gpu,
     light: &BendyLight,

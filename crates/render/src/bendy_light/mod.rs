@@ -17,9 +17,9 @@ pub(crate) mod tests;
 pub(crate) mod walk;
 mod wireframe;
 
-use bendy::{Decay, Direction, EndMode, Frame, Part, Segment, Tube};
 use glam::{DMat3, DMat4, DVec3};
-use scene::MAX_EXTENT;
+use light::MAX_EXTENT;
+use light::{Decay, Direction, EndMode, Frame, Part, Segment, Tube};
 
 use self::map_shape::MapShape;
 use crate::layout::Mat4;
@@ -33,7 +33,7 @@ pub(crate) use shadow::BentWork;
 pub use solve::increasing_roots;
 
 /// Length of the array of segments in `tube.wgsl`: all that a light may have, and the extension.
-const SEGMENT_ROOM: usize = bendy::MAX_SEGMENTS + 1;
+const SEGMENT_ROOM: usize = light::MAX_SEGMENTS + 1;
 
 /// Largest colour and intensity: their product is still finite in f32; `tube.wgsl` then keeps it, decay and
 /// the BRDF within f32.
@@ -79,7 +79,7 @@ fn corners(scene_origin: DVec3, half_extent: DVec3) -> impl Iterator<Item = DVec
 
 /// World points around the tube up to `t_max`: the corners of its slabs' boxes.
 pub(crate) fn hull_in_world(tube: &Tube<f64>, t_max: f64) -> Vec<DVec3> {
-    bendy::slabs(tube, t_max, 0.0)
+    light::slabs(tube, t_max, 0.0)
         .iter()
         .flat_map(|slab| slab.piece.bounds.corners())
         .map(|corner| tube.placement.world_from_tube(corner))

@@ -2,8 +2,8 @@
 
 use std::sync::OnceLock;
 
-use bendy::{BendyLight, EndMode, Frame, Transform, Tube};
 use glam::DVec3;
+use light::{BendyLight, EndMode, Frame, Transform, Tube};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, Sampler, TextureView};
 

@@ -8,8 +8,8 @@
 
 use std::sync::OnceLock;
 
-use bendy::{Frame, Tube};
 use glam::DVec3;
+use light::{Frame, Tube};
 use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, RenderPipeline};
 
 use super::faces::MOST_FACES;

@@ -1,8 +1,8 @@
 //! Slabs of the tube as the mapping passes want them: curve, planes around, and how long an edge is surely
 //! straight.
 
-use bendy::{Segment, Tube};
 use glam::DVec3;
+use light::{Segment, Tube};
 
 use super::curve;
 use super::layout::Slab;
@@ -23,7 +23,7 @@ pub(crate) fn slabs(
     resolution: f64,
     tolerance_texels: f64,
 ) -> Vec<(Slab, [DVec3; 8])> {
-    bendy::slabs(tube, last, OVERLAP)
+    light::slabs(tube, last, OVERLAP)
         .iter()
         .filter_map(|slab| {
             let share = |t: f64| ((t - slab.t_start) / slab.t_span).clamp(0.0, 1.0);
@@ -71,7 +71,7 @@ fn planes(piece: &Segment<f64>) -> [[f32; 4]; 6] {
 /// `|e| = 2 R / resolution` is one texel. Infinite where the map is close to folding, and in the "up" frame,
 /// whose twist the formulas leave out.
 fn bend_a_texel2(tube: &Tube<f64>, piece: &Segment<f64>, resolution: f64) -> f64 {
-    if tube.frame == bendy::Frame::Up {
+    if tube.frame == light::Frame::Up {
         return f64::INFINITY;
     }
     // The corner of the slab's box lies at v = w = 1.

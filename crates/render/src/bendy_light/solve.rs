@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use bendy::{Roots, Segment};
 use glam::Vec3;
+use light::{Roots, Segment};
 use wgpu::BufferUsages;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
@@ -13,7 +13,7 @@ use crate::{Gpu, RenderError, readback, shaders};
 /// Threads of a workgroup, as in the shader.
 const WORKGROUP: usize = 64;
 
-/// [`bendy::increasing_roots`] of each segment and point on the adapter, by the shader code that lights pictures.
+/// [`light::increasing_roots`] of each segment and point on the adapter, by the shader code that lights pictures.
 ///
 /// All are solved once, and then `dispatches` times more by the clock, uploads and read-back apart; the duration is
 /// that of solving all once. At most 500 000 cases, which fit into the buffers that every device has.

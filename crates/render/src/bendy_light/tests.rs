@@ -2,9 +2,10 @@
 
 use std::sync::{Arc, OnceLock};
 
-use bendy::{BendyLight, Decay, Direction, SpotLight, Tube};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
-use scene::{Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Scene, pose};
+use light::{BendyLight, Decay, Direction, SpotLight, Tube};
+use light::{Light, LightKind};
+use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene, pose};
 
 use super::shadow::Room;
 use super::walk;
@@ -211,7 +212,7 @@ fn bent_spots() -> Vec<BendyLight> {
     let spot = SpotLight { cone_angle: 22.0, range: Some(11.0), decay: Decay::None, ..SpotLight::default() };
     let mut lights = Vec::new();
     for (segments, amount) in [1, 2, 3, 5, 8].into_iter().flat_map(|n| [0.5, 1.0, 2.0, 3.0].map(|a| (n, a))) {
-        let mut light = bendy::bend(&spot, segments).expect("valid");
+        let mut light = light::bend(&spot, segments).expect("valid");
         let back = (DVec3::new(-3.0, 7.0, 2.0) - DVec3::X).normalize();
         let right = DVec3::Y.cross(back).normalize();
         light.transform.rotation = DQuat::from_mat3(&glam::DMat3::from_cols(right, back.cross(right), back));
@@ -403,7 +404,7 @@ fn a_spotlights_wireframe_is_that_of_its_bendy_light() {
         let lights = [Light { name: String::new(), kind }];
         renderer.render(&view(Aov::Wireframe), &lights).expect("drawn")
     };
-    let bent = bendy::bend(&spot, 1).expect("valid");
+    let bent = light::bend(&spot, 1).expect("valid");
     let expected = picture(LightKind::Bendy(bent));
     assert!(expected.pixels.iter().filter(|pixel| pixel[3] == 1.0).count() > 1000);
     assert_eq!(picture(LightKind::Spot(spot)), expected);
@@ -412,7 +413,7 @@ fn a_spotlights_wireframe_is_that_of_its_bendy_light() {
 /// The numbers that WGSL spells out are Rust's.
 #[test]
 fn constants_are_the_models() {
-    use bendy::{GAUSS_LEGENDRE, Real};
+    use light::{GAUSS_LEGENDRE, Real};
     let curve = include_str!("../shaders/curve.wgsl");
     let tube = include_str!("../shaders/tube.wgsl");
     let split = include_str!("../shaders/bent_map_split.wgsl");

@@ -1,8 +1,8 @@
 //! The oracle of the shadow tests: a walk along the bent path in f64 over every triangle. Slow, and shares
 //! nothing with the GPU's passes.
 
-use bendy::Tube;
 use glam::DVec3;
+use light::Tube;
 
 /// Steps of the polyline that stands for a path. A chord of a path of curvature k strays by `k (length /
 /// steps)^2 / 8`: 1e-7 of the light's length here.

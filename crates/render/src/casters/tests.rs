@@ -2,9 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use bendy::{BendyLight, Decay, EndMode, SpotLight, Tube};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
-use scene::{Light, LightKind, Material, Mesh, Node, Primitive, Scene};
+use light::{BendyLight, Decay, EndMode, SpotLight, Tube};
+use light::{Light, LightKind};
+use scene::{Material, Mesh, Node, Primitive, Scene};
 
 use super::{LARGEST_OVER_MEAN, simplify};
 use crate::bendy_light::tests::{position, renderer, view};
@@ -81,7 +82,7 @@ fn lights() -> [(Light, BendyLight); 3] {
     let mut spot = SpotLight { cone_softness: 0.0, ..spot };
     spot.transform.translation = DVec3::Y * 6.0;
     spot.transform.rotation = DQuat::from_rotation_x(-PI / 2.0);
-    let straight = bendy::bend(&spot, 2).expect("sound");
+    let straight = light::bend(&spot, 2).expect("sound");
     let points = [(0., 0., 0.), (0., 0., -1.5), (0., 0., -3.2), (0.9, 0., -4.9), (1.9, 0., -6.5)];
     let points = points.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec();
     let mut bent = BendyLight::new(points, vec![0.2, 0.8, 1.2, 1.5, 1.8]);

@@ -56,7 +56,7 @@ struct BendyLight {
 //   DECAY           u32   one of the DECAY_ constants
 
 @group(2) @binding(0) var<uniform> light: BendyLight;
-// Uniform rather than storage: far faster on a software driver, and bendy::MAX_SEGMENTS and the extension fit
+// Uniform rather than storage: far faster on a software driver, and light::MAX_SEGMENTS and the extension fit
 // into the size that all have.
 @group(2) @binding(1) var<uniform> segments: array<Segment, 257>;
 
@@ -287,7 +287,7 @@ fn profile(rho2: f32) -> f32 {
     return select(s * s * (3.0 - 2.0 * s), 1.0, light.inv_cos_range == 0.0);
 }
 
-// Abscissae and weights of bendy::GAUSS_LEGENDRE.
+// Abscissae and weights of light::GAUSS_LEGENDRE.
 const GAUSS_LEGENDRE = array<vec2f, 4>(
     vec2f(0.18343464, 0.36268377),
     vec2f(0.5255324, 0.31370664),

@@ -1,10 +1,11 @@
 //! A BendyLight in the picture: equal to the spotlight it was made from, and its quantities those of the
 //! light model in f64.
 
-use bendy::{BendyLight, Decay, SpotLight, Tube, bend};
 use glam::{DAffine3, DQuat, DVec3};
+use light::{BendyLight, Decay, SpotLight, Tube, bend};
+use light::{Light, LightKind};
 use render::{Aov, Picture, RenderError, View};
-use scene::{Light, LightKind, Material, Scene};
+use scene::{Material, Scene};
 
 use crate::support::{EPS, floor, named, picture, ray_in_world, renderer, scene_of, spot, square, view};
 
@@ -149,8 +150,8 @@ fn scene_reach() -> f64 {
 #[test]
 fn aovs_are_the_models() {
     let light = winding();
-    for frame in [bendy::Frame::RotationMinimizing, bendy::Frame::Up] {
-        for direction in [bendy::Direction::Tube, bendy::Direction::Path] {
+    for frame in [light::Frame::RotationMinimizing, light::Frame::Up] {
+        for direction in [light::Direction::Tube, light::Direction::Path] {
             let light = BendyLight { frame, direction, ..light.clone() };
             let (worst, count) = worst_over_bound(&light, &light);
             assert!(count > 1000, "only {count} pixels lie in the light");
@@ -176,7 +177,7 @@ fn unkind_lights_have_no_nan() {
     let dark = BendyLight { intensities: vec![-1.0, 1.0, -1e300, 0.0, 1e-300], ..winding() };
     let thin = BendyLight { radii: vec![0.0; 5], ..winding() };
     let pointed =
-        BendyLight { radii: vec![0.0, 0.3, 0.0, 0.4, 0.0], end_mode: bendy::EndMode::Extend, ..winding() };
+        BendyLight { radii: vec![0.0, 0.3, 0.0, 0.4, 0.0], end_mode: light::EndMode::Extend, ..winding() };
     let mut tiny = winding();
     tiny.transform.scale = 1e-9;
     let mut huge = winding();
@@ -189,7 +190,7 @@ fn unkind_lights_have_no_nan() {
     let many = bend(&spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::ZERO), 250).expect("valid");
     let all = [bright, at_a_surface, dark, thin, pointed, tiny, huge, corner, many];
     for light in all {
-        for frame in [bendy::Frame::RotationMinimizing, bendy::Frame::Up] {
+        for frame in [light::Frame::RotationMinimizing, light::Frame::Up] {
             let light = bendy(BendyLight { frame, ..light.clone() });
             for aov in [Aov::Beauty, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility] {
                 picture(&tilted(), &view(EYE, DVec3::Y * 0.3, [41, 31], aov), &light);
@@ -210,7 +211,7 @@ fn impossible_lights_are_refused() {
     };
     assert!(matches!(refused(|l| l.transform.translation.x = 1e200), RenderError::OutOfReach(_)));
     assert!(matches!(refused(|l| l.transform.scale = 1e-30), RenderError::OutOfReach(_)));
-    assert!(matches!(refused(|l| l.radii[2] = 9.0), RenderError::Light(bendy::LightError::Fold { .. })));
+    assert!(matches!(refused(|l| l.radii[2] = 9.0), RenderError::Light(light::LightError::Fold { .. })));
 }
 
 /// The world moved by a million units, lights and all, gives the same picture: everything is composed in f64.

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use bendy::SpotLight;
 use glam::DVec3;
+use light::SpotLight;
+use light::{Light, LightKind};
 use render::{Aov, Gpu, PassCounts, Picture, RenderError, Renderer, View, ViewSlot};
-use scene::{Light, LightKind, Material, Scene};
+use scene::{Material, Scene};
 
 use crate::support::{floor, named, picture, renderer, scene_of, spot, view};
 
@@ -84,7 +85,7 @@ fn a_moved_camera_draws_no_map() {
     let wide = SpotLight { cone_angle: 85.0, ..key() };
     let bent = |spot: &SpotLight| Light {
         name: "bent".into(),
-        kind: LightKind::Bendy(bendy::bend(&SpotLight { range: Some(5.0), ..spot.clone() }, 2).unwrap()),
+        kind: LightKind::Bendy(light::bend(&SpotLight { range: Some(5.0), ..spot.clone() }, 2).unwrap()),
     };
     let lights = [named(key()), bent(&key()), bent(&wide), named(wide)];
     let mut kept = renderer(&tables());
@@ -105,7 +106,7 @@ fn a_moved_camera_draws_no_map() {
 #[test]
 fn a_light_with_nothing_in_it_has_an_empty_map() {
     let up = spot(DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.1, 9.0, 0.0));
-    let bent = Light { name: "bent".into(), kind: LightKind::Bendy(bendy::bend(&up, 2).unwrap()) };
+    let bent = Light { name: "bent".into(), kind: LightKind::Bendy(light::bend(&up, 2).unwrap()) };
     let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
     for light in [named(up), bent] {
         let dark = picture(&tables(), &view, std::slice::from_ref(&light));
@@ -163,7 +164,7 @@ fn shadow_maps_follow_their_lights() {
     let light = |x: f64| named(spot(DVec3::new(x, 3.0, 0.5), DVec3::ZERO));
     let bent = |x: f64| {
         let spot = spot(DVec3::new(x, 3.0, 0.5), DVec3::ZERO);
-        Light { name: "bent".into(), kind: LightKind::Bendy(bendy::bend(&spot, 2).unwrap()) }
+        Light { name: "bent".into(), kind: LightKind::Bendy(light::bend(&spot, 2).unwrap()) }
     };
     let lists = [
         vec![light(0.0), bent(1.0), light(2.0)],

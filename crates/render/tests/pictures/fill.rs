@@ -1,8 +1,9 @@
 //! How much of the scene's fill a picture has.
 
 use glam::DVec3;
+use light::Light;
 use render::{Aov, Picture, RenderError, Renderer, View};
-use scene::{Fill, Light, Material};
+use scene::{Fill, Material};
 
 use crate::support::{EPS, floor, named, picture, renderer, scene_of, spot, view};
 

@@ -3,12 +3,13 @@
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-use bendy::SpotLight;
 use glam::DVec3;
+use light::SpotLight;
+use light::{Light, LightKind};
 use render::{
     Aov, Gpu, Ledger, MemoryKind, Picture, PictureFormat, Pixels, Renderer, TiledPicture, View, ViewSlot,
 };
-use scene::{Light, LightKind, Material, Scene};
+use scene::{Material, Scene};
 
 use crate::support::{floor, named, scene_of, spot, view};
 
@@ -37,7 +38,7 @@ fn lights(count: usize) -> Vec<Light> {
         if k.is_multiple_of(2) {
             return named(spot);
         }
-        let bent = bendy::bend(&SpotLight { range: Some(6.0), ..spot }, 2).unwrap();
+        let bent = light::bend(&SpotLight { range: Some(6.0), ..spot }, 2).unwrap();
         Light { name: "bent".into(), kind: LightKind::Bendy(bent) }
     };
     (0..count).map(light).collect()
@@ -91,7 +92,7 @@ fn wide_lights_are_counted_by_their_faces() {
             angles.iter().map(|&cone_angle| SpotLight { cone_angle, ..spot(DVec3::Y * 3.0, DVec3::ZERO) });
         let bent = |spot: &SpotLight| {
             let kind =
-                LightKind::Bendy(bendy::bend(&SpotLight { range: Some(6.0), ..spot.clone() }, 2).unwrap());
+                LightKind::Bendy(light::bend(&SpotLight { range: Some(6.0), ..spot.clone() }, 2).unwrap());
             Light { name: "bent".into(), kind }
         };
         let lights: Vec<_> = spots.flat_map(|spot| [bent(&spot), named(spot)]).collect();

@@ -1,9 +1,10 @@
 //! Input that is legal and unkind.
 
-use bendy::{LightError, SpotLight};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
+use light::Light;
+use light::{LightError, SpotLight};
 use render::{Aov, RenderError, View};
-use scene::{Light, Material, Primitive, Projection, Scene};
+use scene::{Material, Primitive, Projection, Scene};
 
 use crate::support::{floor, named, picture, renderer, scene_of, spot, square, view};
 
@@ -179,11 +180,11 @@ fn impossible_lights_are_refused() {
 #[test]
 fn lights_out_of_reach_are_left_out() {
     let near = named(spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO));
-    let bent = bendy::bend(&SpotLight { range: Some(6.0), ..spot(DVec3::Y * 3.0, DVec3::ZERO) }, 2).unwrap();
-    let bent = |change: fn(&mut bendy::BendyLight)| {
+    let bent = light::bend(&SpotLight { range: Some(6.0), ..spot(DVec3::Y * 3.0, DVec3::ZERO) }, 2).unwrap();
+    let bent = |change: fn(&mut light::BendyLight)| {
         let mut light = bent.clone();
         change(&mut light);
-        Light { name: "bent".into(), kind: scene::LightKind::Bendy(light) }
+        Light { name: "bent".into(), kind: light::LightKind::Bendy(light) }
     };
     let far = [
         named(spot(DVec3::new(1e200, 0.0, 0.0), DVec3::ZERO)),
@@ -195,7 +196,7 @@ fn lights_out_of_reach_are_left_out() {
     let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [41, 31], Aov::Beauty);
     let alone = picture(&tables(), &view, std::slice::from_ref(&near));
     for light in far {
-        assert_eq!(scene::Reach::of(&tables()).left_out([&light]).len(), 1, "{light:?}");
+        assert_eq!(light::Reach::from(&tables()).left_out([&light]).len(), 1, "{light:?}");
         assert_eq!(picture(&tables(), &view, &[light, near.clone()]), alone);
     }
     // The planted fault: the near one left out as well.
@@ -209,7 +210,7 @@ fn lights_out_of_reach_are_left_out() {
         bent(|light| light.intensities.fill(3.4e38)),
     ];
     for light in edge {
-        assert_eq!(scene::Reach::of(&tables()).check(&light), Ok(()), "{light:?}");
+        assert_eq!(light::Reach::from(&tables()).check(&light), Ok(()), "{light:?}");
         picture(&tables(), &view, &[light]);
     }
 }

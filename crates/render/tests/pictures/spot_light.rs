@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use bendy::{Decay, SpotLight};
 use glam::{DVec3, Vec4};
+use light::{Decay, SpotLight};
 use render::{Aov, Picture, View};
 use scene::{Material, Scene};
 
@@ -181,7 +181,7 @@ fn a_light_ends_at_its_range() {
 fn lights_add_up() {
     let (a, b) = (named(key()), named(spot(DVec3::new(-1.0, 2.5, 0.0), DVec3::ZERO)));
     let scene = plane(1.0, 0.0, 1.0);
-    let beauty = |lights: &[scene::Light]| picture(&scene, &camera(Aov::Beauty), lights);
+    let beauty = |lights: &[light::Light]| picture(&scene, &camera(Aov::Beauty), lights);
     let (both, one, other) =
         (beauty(&[a.clone(), b.clone()]), beauty(std::slice::from_ref(&a)), beauty(std::slice::from_ref(&b)));
     for ((sum, a), b) in both.pixels.iter().zip(&one.pixels).zip(&other.pixels) {

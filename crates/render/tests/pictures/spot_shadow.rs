@@ -1,7 +1,7 @@
 //! Shadows of a spotlight where similar triangles say.
 
-use bendy::{Decay, SpotLight};
 use glam::{DAffine3, DQuat, DVec3};
+use light::{Decay, SpotLight};
 use render::{Aov, View};
 use scene::{Material, Projection};
 

@@ -2,10 +2,11 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use bendy::{SpotLight, Transform};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
+use light::{Light, LightKind};
+use light::{SpotLight, Transform};
 use render::{Aov, Gpu, Picture, Renderer, View, ViewSlot};
-use scene::{Camera, Light, LightKind, Material, Mesh, Node, Primitive, Projection, Scene};
+use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
 
 /// 2^-24: half an ulp of 1 in f32.
 pub const EPS: f64 = f64::EPSILON * 268_435_456.0;

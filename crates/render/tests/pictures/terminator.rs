@@ -1,8 +1,9 @@
 //! Where light grazes a smooth mesh of few facets.
 
 use glam::{DAffine3, DVec3, Vec3};
+use light::{Light, LightKind};
 use render::{Aov, Picture};
-use scene::{Light, LightKind, Material, Primitive, Scene};
+use scene::{Material, Primitive, Scene};
 
 use crate::support::{picture, scene_of, spot, view};
 
@@ -47,7 +48,7 @@ fn wrong(scene: &Scene, light: &Light, margin: f64) -> (usize, usize) {
 fn the_terminator_of_a_coarse_ball_is_smooth() {
     let key = spot(DVec3::new(5.0, 2.0, 0.5), DVec3::ZERO);
     let bent =
-        bendy::BendyLight { direction: bendy::Direction::Path, ..bendy::bend(&key, 3).expect("valid") };
+        light::BendyLight { direction: light::Direction::Path, ..light::bend(&key, 3).expect("valid") };
     for facets in [6, 12, 24] {
         let scene = scene_of([(ball(facets), DAffine3::IDENTITY)], vec![Material::default()]);
         for kind in [LightKind::Spot(key.clone()), LightKind::Bendy(bent.clone())] {

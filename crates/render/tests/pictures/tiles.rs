@@ -2,10 +2,11 @@
 
 use std::time::Duration;
 
-use bendy::SpotLight;
 use glam::{DAffine3, DQuat, DVec3, Vec3, Vec4};
+use light::SpotLight;
+use light::{Light, LightKind};
 use render::{Aov, Picture, PictureFormat, Pixels, Progress, Renderer, TiledPicture, View, ViewSlot};
-use scene::{Image, Light, LightKind, Material, Primitive, Sampler, Scene, TextureRef};
+use scene::{Image, Material, Primitive, Sampler, Scene, TextureRef};
 
 use crate::support::{named, renderer, scene_of, spot, square, view};
 
@@ -64,7 +65,7 @@ fn ball() -> Primitive {
 fn lights() -> [Light; 3] {
     let key = spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO);
     let low = SpotLight { color: DVec3::new(1.0, 0.3, 0.2), ..spot(DVec3::new(-2.0, 1.0, 2.0), DVec3::ZERO) };
-    let bent = bendy::bend(&SpotLight { range: Some(6.0), ..low.clone() }, 3).unwrap();
+    let bent = light::bend(&SpotLight { range: Some(6.0), ..low.clone() }, 3).unwrap();
     [named(key), named(low), Light { name: "bent".into(), kind: LightKind::Bendy(bent) }]
 }
 

@@ -5,8 +5,10 @@ use std::sync::Arc;
 use axum::extract::State;
 use axum::http::{HeaderName, HeaderValue, Uri, header};
 use axum::response::IntoResponse;
+use document::Document;
+use light::Light;
 use render::{Aov, PictureFormat, View};
-use scene::{Camera, DEFAULT_ASPECT, Document, Light, framing_camera};
+use scene::{Camera, DEFAULT_ASPECT, framing_camera};
 use serde::Deserialize;
 use tokio::task::spawn_blocking;
 

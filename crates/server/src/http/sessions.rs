@@ -6,10 +6,10 @@ use axum::body::{Body, Bytes};
 use axum::extract::State;
 use axum::http::{HeaderMap, Uri, header};
 use axum::response::{IntoResponse, Response};
+use document::Command;
 use edit::{Actor, Request, Session, Sources};
 use futures_util::stream::try_unfold;
 use protocol::{Edit, Edits, NewSession, SessionEntry, SessionList, SessionState};
-use scene::Command;
 use serde::Deserialize;
 use store::{SessionRow, Store};
 

@@ -5,8 +5,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use light::Light;
 use render::{PictureFormat, Pixels, RenderError, View, ViewSlot};
-use scene::{Light, Scene};
+use scene::Scene;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use crate::ServerError;

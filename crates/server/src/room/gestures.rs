@@ -1,8 +1,9 @@
 //! Drags: live for everybody, in the log only once they are committed.
 
+use document::{Change, Command};
 use edit::{Actor, Gesture, Refusal};
+use light::LightId;
 use protocol::{GestureEnd, GestureState, Problem, ServerMessage};
-use scene::{Change, Command, LightId};
 
 use super::Room;
 use super::message::ClientId;

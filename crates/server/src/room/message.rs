@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use document::{Command, Document};
 use edit::{Actor, Request};
+use light::LightId;
 use protocol::EditResults;
-use scene::{Camera, Command, Document, LightId};
+use scene::Camera;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use crate::ServerError;

@@ -19,8 +19,9 @@ use std::future::ready;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
+use document::Document;
 use protocol::Bounds;
-use scene::{Camera, Document};
+use scene::Camera;
 use store::Opened;
 use tokio::sync::{mpsc, watch};
 use tokio::task::{JoinHandle, JoinSet, spawn_blocking};

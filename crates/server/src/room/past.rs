@@ -3,9 +3,9 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
+use document::{Change, FindScene, deed};
 use edit::{Action, FindRecord, Record, Request, Scope, Session, TakenBack};
 use protocol::{History, HistoryStep, HistorySteps, ServerMessage};
-use scene::{Change, FindScene, deed};
 
 use super::Room;
 use super::message::ClientId;

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use document::{AssetHash, Change, Command};
 use edit::{Actor, Record, Request, Sources, TakenBack};
 use protocol::{EditResult, EditStatus, GestureEnd, Problem, ServerMessage, SessionCheckpoint};
-use scene::{AssetHash, Change, Command, Scene};
+use scene::Scene;
 use store::{Outcome, Rejection, StoreError};
 use tokio::task::spawn_blocking;
 

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use light::OutOfReach;
 use protocol::{ServerMessage, ViewSource};
-use scene::{Camera, OutOfReach};
+use scene::Camera;
 use stream::{Content, Pace, Quality};
 use tokio::task::AbortHandle;
 

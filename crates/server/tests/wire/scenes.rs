@@ -2,8 +2,8 @@
 
 use std::fs;
 
+use document::AssetHash;
 use protocol::{ClientMessage, Command, Scope, ServerMessage};
-use scene::AssetHash;
 use serde_json::{Value, json};
 
 use crate::client::{Answer, Came, Client, ask_with, bearer, get, post};

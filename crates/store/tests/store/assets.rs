@@ -19,7 +19,7 @@ fn an_asset_comes_back_by_its_hash() {
     assert_eq!(store.asset(&asset).expect("a file"), Some(b"abc".to_vec()));
     let empty = store.put_asset(b"").expect("a file");
     assert_eq!(store.asset(&empty).expect("a file"), Some(Vec::new()));
-    assert_eq!(store.asset(&scene::AssetHash([0; 32])).expect("no error"), None);
+    assert_eq!(store.asset(&document::AssetHash([0; 32])).expect("no error"), None);
     let files = fs::read_dir(folder.data().join("assets")).expect("a folder");
     assert_eq!(files.count(), 2, "nothing but the two");
 }

@@ -1,8 +1,8 @@
 //! Opening from a checkpoint: the same session, for the cost of what came since.
 
+use document::Command;
 use protocol::{ErrorCode, SessionCheckpoint};
 use rusqlite::Connection;
-use scene::Command;
 use store::{Store, Tail};
 
 use crate::support::{Folder, Log, SCENE, find_scene, stored_log};

@@ -1,9 +1,10 @@
 //! What became of operations.
 
+use document::Command;
 use edit::Action;
+use light::LightId;
 use protocol::ErrorCode;
 use rusqlite::Connection;
-use scene::{Command, LightId};
 use store::{Batch, MAX_REJECTIONS, Outcome, Rejection, Store, StoreError};
 
 use crate::support::{Folder, Log, find_scene, stored_log};

@@ -3,13 +3,12 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use bendy::BendyLight;
+use document::{AssetHash, Command, Document, DocumentHash, LightParameter, PointParameter};
 use edit::{Actor, Record, Request, Scope, Session, Sources};
 use glam::DVec3;
-use scene::{
-    AssetHash, Command, Document, DocumentHash, Light, LightId, LightKind, LightParameter, PointParameter,
-    Scene,
-};
+use light::BendyLight;
+use light::{Light, LightId, LightKind};
+use scene::Scene;
 use store::{Batch, Store};
 use tempfile::TempDir;
 

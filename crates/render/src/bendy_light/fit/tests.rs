@@ -1,7 +1,7 @@
 //! Whatever lies in a light lies in its fit.
 
-use bendy::{BendyLight, EndMode, SpotLight};
 use glam::DQuat;
+use light::{BendyLight, EndMode, SpotLight};
 
 use super::*;
 use crate::bendy_light::walk;
@@ -29,7 +29,7 @@ fn lights() -> Vec<BendyLight> {
         let mut light = if k % 3 == 0 {
             let spot = SpotLight { cone_angle: 30.0 + 59.9 * numbers.next(), ..SpotLight::default() };
             let range = (k % 2 == 0).then_some(4.0);
-            bendy::bend(&SpotLight { range, ..spot }, segments).expect("a cone can be bent")
+            light::bend(&SpotLight { range, ..spot }, segments).expect("a cone can be bent")
         } else {
             let points = (0..segments + 2).map(|i| DVec3::new(0.0, 0.0, i as f64 * -1.2)).collect();
             BendyLight::new(points, (0..segments + 2).map(|_| 0.1 + 0.6 * numbers.next()).collect())

@@ -2,9 +2,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use bendy::{Decay, SpotLight};
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
-use scene::{Image, Light, LightKind, Material, Mesh, Node, Primitive, Sampler, Scene, TextureRef, Wrap};
+use light::{Decay, SpotLight};
+use light::{Light, LightKind};
+use scene::{Image, Material, Mesh, Node, Primitive, Sampler, Scene, TextureRef, Wrap};
 
 use crate::bendy_light::shadow::Room;
 use crate::bendy_light::tests::{renderer, view};
@@ -94,7 +95,7 @@ fn lights() -> [Light; 2] {
         SpotLight { cone_angle: 18.0, range: Some(7.0), decay: Decay::None, ..SpotLight::default() };
     spot.transform.translation = DVec3::Y * 6.0;
     spot.transform.rotation = DQuat::from_rotation_x(-FRAC_PI_2);
-    let bent = bendy::bend(&spot, 2).expect("sound");
+    let bent = light::bend(&spot, 2).expect("sound");
     [LightKind::Spot(spot), LightKind::Bendy(bent)].map(|kind| Light { name: "key".into(), kind })
 }
 

@@ -1,0 +1,270 @@
+//! What a command does: changes, each of one property, with its old and its new value.
+
+use std::mem::discriminant;
+
+use light::LightError;
+use thiserror::Error;
+
+use crate::{
+    AssetHash, CameraId, CameraParameter, ControlPoints, Layout, LightParameter, PlacedLight, PointParameter,
+    SceneRef,
+};
+use light::{LightId, OutOfReach};
+use scene::Camera;
+
+/// One property's old and new value. Per property and not per object, so that taking one person's change back
+/// leaves another's of the same light.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Change {
+    /// Another scene's geometry.
+    Scene {
+        /// Before.
+        old: Option<SceneRef>,
+        /// After.
+        new: Option<SceneRef>,
+    },
+    /// A light that comes (`old` is `None`) or goes (`new` is `None`).
+    Light {
+        /// Which.
+        light: LightId,
+        /// Before.
+        old: Option<Box<PlacedLight>>,
+        /// After.
+        new: Option<Box<PlacedLight>>,
+    },
+    /// A parameter of a light; both values are of the same parameter.
+    LightParameter {
+        /// Of which.
+        light: LightId,
+        /// Before.
+        old: LightParameter,
+        /// After.
+        new: LightParameter,
+    },
+    /// A parameter of a control point; both values are of the same parameter.
+    Point {
+        /// Of which light.
+        light: LightId,
+        /// The numbering that `point` counts in.
+        layout: Layout,
+        /// Its index.
+        point: usize,
+        /// Before.
+        old: PointParameter,
+        /// After.
+        new: PointParameter,
+    },
+    /// Control points that were renumbered.
+    ControlPoints {
+        /// Of which light.
+        light: LightId,
+        /// Before.
+        old: ControlPoints,
+        /// After.
+        new: ControlPoints,
+    },
+    /// A camera that comes or goes.
+    Camera {
+        /// Which.
+        camera: CameraId,
+        /// Before.
+        old: Option<Camera>,
+        /// After.
+        new: Option<Camera>,
+    },
+    /// A parameter of a camera; both values are of the same parameter.
+    CameraParameter {
+        /// Of which.
+        camera: CameraId,
+        /// Before.
+        old: CameraParameter,
+        /// After.
+        new: CameraParameter,
+    },
+}
+
+/// Why a command or a change is refused. Each sentence says what to do.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum EditError {
+    /// No such light.
+    #[error("there is no light {0}: choose one of the document's lights")]
+    NoLight(LightId),
+    /// No such camera.
+    #[error("there is no camera {0}: choose one of the document's cameras")]
+    NoCamera(CameraId),
+    /// No such control point.
+    #[error("{light} has {count} control points and none with index {point}: choose 0 to {}", count - 1)]
+    NoPoint {
+        /// Of which light, as [`Document::light_name`](crate::Document::light_name) says it.
+        light: String,
+        /// The index.
+        point: usize,
+        /// How many it has.
+        count: usize,
+    },
+    /// The light has no such property, being of the other kind.
+    #[error("{light} is a {kind} and has no {what}: choose a light of the other kind")]
+    WrongKind {
+        /// Which, as [`Document::light_name`](crate::Document::light_name) says it.
+        light: String,
+        /// What it is.
+        kind: &'static str,
+        /// What it does not have.
+        what: &'static str,
+    },
+    /// The source cannot be edited as a control point.
+    #[error("control point 0 is the light's source: place the whole light instead")]
+    Source,
+    /// The light could not be evaluated.
+    #[error("{light}: {reason}")]
+    InvalidLight {
+        /// Which, as [`Document::light_name`](crate::Document::light_name) says it.
+        light: String,
+        /// What is wrong with it.
+        reason: LightError,
+    },
+    /// No picture could show the light.
+    #[error("{0}")]
+    OutOfReach(#[from] OutOfReach),
+    /// The camera makes no picture.
+    #[error("the camera's {0}: correct it")]
+    InvalidCamera(&'static str),
+    /// A scene that is not at hand.
+    #[error("the scene {0} is not here: add its file to the assets first")]
+    UnknownAsset(AssetHash),
+    /// The document would hold too much.
+    #[error("a document holds at most {limit} {what}: remove some first")]
+    TooMany {
+        /// Of what.
+        what: &'static str,
+        /// How many it may hold.
+        limit: usize,
+    },
+    /// The document does not hold a change's old value.
+    #[error("the document does not hold what the change of {0} starts from: the log does not belong to it")]
+    Conflict(String),
+}
+
+impl Change {
+    /// The change that takes this one back.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        match self.clone() {
+            Self::Scene { old, new } => Self::Scene { old: new, new: old },
+            Self::Light { light, old, new } => Self::Light { light, old: new, new: old },
+            Self::LightParameter { light, old, new } => Self::LightParameter { light, old: new, new: old },
+            Self::Point { light, layout, point, old, new } => {
+                Self::Point { light, layout, point, old: new, new: old }
+            }
+            Self::ControlPoints { light, old, new } => Self::ControlPoints { light, old: new, new: old },
+            Self::Camera { camera, old, new } => Self::Camera { camera, old: new, new: old },
+            Self::CameraParameter { camera, old, new } => {
+                Self::CameraParameter { camera, old: new, new: old }
+            }
+        }
+    }
+
+    /// Whether both values are of the same parameter, as every change made here is.
+    pub(crate) fn is_of_one_property(&self) -> bool {
+        match self {
+            Self::LightParameter { old, new, .. } => discriminant(old) == discriminant(new),
+            Self::Point { old, new, .. } => discriminant(old) == discriminant(new),
+            Self::CameraParameter { old, new, .. } => discriminant(old) == discriminant(new),
+            Self::Scene { .. } | Self::Light { .. } | Self::ControlPoints { .. } | Self::Camera { .. } => {
+                true
+            }
+        }
+    }
+
+    /// The largest number that it brings into the document as an id or a layout, 0 where it brings none.
+    pub(crate) fn number(&self) -> u64 {
+        match self {
+            Self::Light { light, new: Some(new), .. } => light.0.max(new.layout.0),
+            Self::ControlPoints { new, .. } => new.layout.0,
+            Self::Camera { camera, new: Some(_), .. } => camera.0,
+            _ => 0,
+        }
+    }
+
+    /// The light that it touches.
+    pub fn light(&self) -> Option<LightId> {
+        match *self {
+            Self::Light { light, .. }
+            | Self::LightParameter { light, .. }
+            | Self::Point { light, .. }
+            | Self::ControlPoints { light, .. } => Some(light),
+            Self::Scene { .. } | Self::Camera { .. } | Self::CameraParameter { .. } => None,
+        }
+    }
+
+    /// Whether it gives a new value to what `earlier`, a change of a light, is of.
+    pub fn overrides(&self, earlier: &Self) -> bool {
+        let is_of_points = |change: &Self| matches!(change, Self::Point { .. } | Self::ControlPoints { .. });
+        let same_parameter = match (self, earlier) {
+            (Self::Light { .. }, _) | (_, Self::Light { .. }) => true,
+            (Self::LightParameter { new: a, .. }, Self::LightParameter { new: b, .. }) => {
+                discriminant(a) == discriminant(b)
+            }
+            (Self::Point { point: p, new: a, .. }, Self::Point { point: q, new: b, .. }) => {
+                p == q && discriminant(a) == discriminant(b)
+            }
+            _ => is_of_points(self) && is_of_points(earlier),
+        };
+        same_parameter && self.light().is_some() && self.light() == earlier.light()
+    }
+
+    /// Whether a picture can show it. A name or a camera object never shows: views have cameras of their own.
+    pub fn changes_picture(&self) -> bool {
+        match self {
+            Self::LightParameter { new, .. } => !matches!(new, LightParameter::Name(_)),
+            Self::Camera { .. } | Self::CameraParameter { .. } => false,
+            Self::Scene { .. } | Self::Light { .. } | Self::Point { .. } | Self::ControlPoints { .. } => true,
+        }
+    }
+}
+
+impl LightParameter {
+    /// Its name, as in JSON.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Name(_) => "name",
+            Self::Translation(_) => "translation",
+            Self::Rotation(_) => "rotation",
+            Self::Scale(_) => "scale",
+            Self::ConeAngle(_) => "coneAngle",
+            Self::ConeSoftness(_) => "coneSoftness",
+            Self::Decay(_) => "decay",
+            Self::Up(_) => "up",
+            Self::Frame(_) => "frame",
+            Self::Direction(_) => "direction",
+            Self::EndMode(_) => "endMode",
+            Self::Color(_) => "color",
+            Self::Intensity(_) => "intensity",
+            Self::Range(_) => "range",
+        }
+    }
+}
+
+impl PointParameter {
+    /// Its name, as in JSON.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Position(_) => "position",
+            Self::Radius(_) => "radius",
+            Self::Color(_) => "color",
+            Self::Intensity(_) => "intensity",
+        }
+    }
+}
+
+impl CameraParameter {
+    /// Its name, as in JSON.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Name(_) => "name",
+            Self::Translation(_) => "translation",
+            Self::Rotation(_) => "rotation",
+            Self::Projection(_) => "projection",
+        }
+    }
+}

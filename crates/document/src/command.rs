@@ -1,0 +1,182 @@
+//! What a person or a program can ask of a document: the closed set of commands.
+
+use glam::{DQuat, DVec3};
+use light::{Decay, Direction, EndMode, Frame};
+
+use crate::{AssetHash, CameraId};
+use light::{Light, LightId};
+use scene::{Camera, Projection};
+
+/// One request. [`crate::changes_of`] turns it into changes, or says why not.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// Replaces geometry, cameras and lights by those of a scene.
+    LoadScene {
+        /// Its bytes.
+        asset: AssetHash,
+        /// What people call it.
+        name: String,
+    },
+    /// Adds a light.
+    AddLight(Box<Light>),
+    /// Removes it.
+    RemoveLight(LightId),
+    /// Places the whole light; what is `None` stays.
+    PlaceLight {
+        /// Which.
+        light: LightId,
+        /// World position of its source.
+        translation: Option<DVec3>,
+        /// Rotation from light-local to world axes.
+        rotation: Option<DQuat>,
+        /// World units per light-local unit.
+        scale: Option<f64>,
+    },
+    /// Sets one parameter.
+    SetLight {
+        /// Of which.
+        light: LightId,
+        /// The parameter.
+        parameter: LightParameter,
+    },
+    /// Sets one parameter of a control point.
+    SetPoint {
+        /// Of which light.
+        light: LightId,
+        /// Its index.
+        point: usize,
+        /// The parameter.
+        parameter: PointParameter,
+    },
+    /// Adds a control point that gets the index `point`, 1 to the number of points.
+    ///
+    /// Without a position the control point that had that index (for the last one, the one before it) becomes two, a
+    /// quarter of the way to each neighbour: the curve stays nearly as it is. Where it would
+    /// fold, all points are spread anew along the line through them. Past the last point it goes on as far again. With a
+    /// position nothing else moves, and what is `None` lies halfway between its neighbours.
+    InsertPoint {
+        /// In which light.
+        light: LightId,
+        /// The new point's index.
+        point: usize,
+        /// Light-local position.
+        position: Option<DVec3>,
+        /// Light-local radius.
+        radius: Option<f64>,
+        /// Linear RGB.
+        color: Option<DVec3>,
+        /// Intensity.
+        intensity: Option<f64>,
+    },
+    /// Removes a control point other than the source.
+    RemovePoint {
+        /// From which light.
+        light: LightId,
+        /// Its index.
+        point: usize,
+    },
+    /// Adds a camera.
+    AddCamera(Camera),
+    /// Removes it.
+    RemoveCamera(CameraId),
+    /// Places it; what is `None` stays.
+    PlaceCamera {
+        /// Which.
+        camera: CameraId,
+        /// World position of the eye.
+        translation: Option<DVec3>,
+        /// Rotation from camera to world axes.
+        rotation: Option<DQuat>,
+    },
+    /// Sets one parameter of a camera.
+    SetCamera {
+        /// Of which.
+        camera: CameraId,
+        /// The parameter.
+        parameter: CameraParameter,
+    },
+}
+
+/// A property of a whole light, with its value. Those of [`light::BendyLight`] and [`light::SpotLight`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum LightParameter {
+    /// Name for people.
+    Name(String),
+    /// World position of the source.
+    Translation(DVec3),
+    /// Rotation from light-local to world axes.
+    Rotation(DQuat),
+    /// World units per light-local unit.
+    Scale(f64),
+    /// Half angle in degrees.
+    ConeAngle(f64),
+    /// Share of the cone angle over which the profile falls to zero.
+    ConeSoftness(f64),
+    /// Fall-off with distance.
+    Decay(Decay),
+    /// Of a BendyLight: orients the cross-section at the source.
+    Up(DVec3),
+    /// Of a BendyLight: orientation of the cross-section along the curve.
+    Frame(Frame),
+    /// Of a BendyLight: direction of arrival.
+    Direction(Direction),
+    /// Of a BendyLight: past the last control point.
+    EndMode(EndMode),
+    /// Of a spotlight: linear RGB.
+    Color(DVec3),
+    /// Of a spotlight.
+    Intensity(f64),
+    /// Of a spotlight: world distance at which it ends; endless where `None`.
+    Range(Option<f64>),
+}
+
+/// A property of one control point, with its value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PointParameter {
+    /// Light-local position.
+    Position(DVec3),
+    /// Light-local radius of the tube.
+    Radius(f64),
+    /// Linear RGB.
+    Color(DVec3),
+    /// Intensity.
+    Intensity(f64),
+}
+
+/// A property of a camera, with its value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CameraParameter {
+    /// Name for people.
+    Name(String),
+    /// World position of the eye.
+    Translation(DVec3),
+    /// Rotation from camera to world axes.
+    Rotation(DQuat),
+    /// How it projects.
+    Projection(Projection),
+}
+
+impl Command {
+    /// The light that it changes; `None` for one that is only being added, for cameras and scenes.
+    pub fn light(&self) -> Option<LightId> {
+        match *self {
+            Self::RemoveLight(light)
+            | Self::PlaceLight { light, .. }
+            | Self::SetLight { light, .. }
+            | Self::SetPoint { light, .. }
+            | Self::InsertPoint { light, .. }
+            | Self::RemovePoint { light, .. } => Some(light),
+            Self::LoadScene { .. }
+            | Self::AddLight(_)
+            | Self::AddCamera(_)
+            | Self::RemoveCamera(_)
+            | Self::PlaceCamera { .. }
+            | Self::SetCamera { .. } => None,
+        }
+    }
+
+    /// Whether it refers to a control point by its index, and so to a numbering.
+    pub fn counts_points(&self) -> bool {
+        matches!(self, Self::SetPoint { .. } | Self::InsertPoint { .. } | Self::RemovePoint { .. })
+    }
+}

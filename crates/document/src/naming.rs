@@ -1,0 +1,104 @@
+//! What sentences call lights, cameras and their properties.
+
+use std::fmt::Write;
+
+use crate::{CameraId, Change, Document};
+use light::LightId;
+
+/// Characters of a name that are said.
+const SAID: usize = 40;
+
+impl Document {
+    /// A light by its name, in quotes; by its number where it has none or is not there.
+    pub fn light_name(&self, id: LightId) -> String {
+        let name = self.lights().get(&id).map(|placed| placed.light.name.as_str());
+        quoted(name.unwrap_or_default()).unwrap_or_else(|| format!("light {id}"))
+    }
+
+    /// As [`Self::light_name`], of a camera.
+    pub fn camera_name(&self, id: CameraId) -> String {
+        let name = self.cameras().get(&id).map(|camera| camera.name.as_str());
+        quoted(name.unwrap_or_default()).unwrap_or_else(|| format!("camera {id}"))
+    }
+}
+
+/// A name in quotes, its beginning where it is long; `None` for an empty one.
+pub fn quoted(name: &str) -> Option<String> {
+    let mut said: String =
+        name.trim().chars().take(SAID).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if name.trim().chars().nth(SAID).is_some() {
+        said.push('…');
+    }
+    (!said.is_empty()).then(|| format!("“{said}”"))
+}
+
+impl Change {
+    /// What changes, for people, as `document` names it: `the radius of control point 2 of “key”`.
+    pub fn subject(&self, document: &Document) -> String {
+        let light = |id: &LightId| self.light_name_here().unwrap_or_else(|| document.light_name(*id));
+        match self {
+            Self::Scene { .. } => "the scene".into(),
+            Self::Light { light: id, .. } => light(id),
+            Self::LightParameter { light: id, new, .. } => {
+                format!("the {} of {}", words(new.name()), light(id))
+            }
+            Self::Point { light: id, point, new, .. } => {
+                format!("the {} of control point {point} of {}", words(new.name()), light(id))
+            }
+            Self::ControlPoints { light: id, .. } => format!("the control points of {}", light(id)),
+            Self::Camera { camera, old, new } => {
+                let name = old.as_ref().or(new.as_ref()).and_then(|camera| quoted(&camera.name));
+                name.unwrap_or_else(|| document.camera_name(*camera))
+            }
+            Self::CameraParameter { camera, new, .. } => {
+                format!("the {} of {}", words(new.name()), document.camera_name(*camera))
+            }
+        }
+    }
+
+    /// What was done, for people: `adding “key”`, `the radius of control point 2 of “key”`.
+    fn deed(&self, document: &Document) -> String {
+        let subject = self.subject(document);
+        match self {
+            Self::Scene { new: Some(scene), .. } => {
+                format!("loading {}", quoted(&scene.name).unwrap_or(subject))
+            }
+            Self::Light { old: None, .. } | Self::Camera { old: None, .. } => format!("adding {subject}"),
+            Self::Light { new: None, .. } | Self::Camera { new: None, .. } => format!("removing {subject}"),
+            _ => subject,
+        }
+    }
+
+    /// The light's own name, where the change brings the light or takes it away.
+    fn light_name_here(&self) -> Option<String> {
+        match self {
+            Self::Light { old, new, .. } => {
+                old.as_ref().or(new.as_ref()).and_then(|placed| quoted(&placed.light.name))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// What `changes` did, for people, as `document` names it; the first of several stands for all, a scene for its lights
+/// and cameras.
+pub fn deed(changes: &[Change], document: &Document) -> String {
+    let scene = changes.iter().find(|change| matches!(change, Change::Scene { .. }));
+    let Some(first) = scene.or(changes.first()) else { return "nothing".into() };
+    let mut said = first.deed(document);
+    if scene.is_none() && changes.len() > 1 {
+        let _ = write!(said, " and {} more", changes.len() - 1);
+    }
+    said
+}
+
+/// `cone angle` for `coneAngle`.
+fn words(name: &str) -> String {
+    name.chars().fold(String::new(), |mut words, c| {
+        if c.is_uppercase() {
+            words.push(' ');
+        }
+        words.extend(c.to_lowercase());
+        words
+    })
+}

@@ -1,0 +1,90 @@
+//! Numbers: ids and layouts.
+
+use document::{Change, Command, Document, Layout, PointParameter};
+use glam::DVec3;
+use light::LightId;
+
+use crate::support::{BENDY, bendy, content, done, edited, eye, find_scene};
+
+fn take_back(document: &mut Document, changes: &[Change]) {
+    let inverses: Vec<_> = changes.iter().rev().map(Change::inverse).collect();
+    document.apply(&inverses, &find_scene).expect("what was done can be taken back");
+}
+
+fn insert(point: usize) -> Command {
+    Command::InsertPoint { light: BENDY, point, position: None, radius: None, color: None, intensity: None }
+}
+
+/// Rules: DOC-1
+#[test]
+fn an_id_is_never_used_again() {
+    let mut document = edited();
+    let added = done(&mut document, &Command::AddLight(Box::new(bendy())));
+    take_back(&mut document, &added);
+    done(&mut document, &Command::AddCamera(eye()));
+    done(&mut document, &Command::AddLight(Box::new(bendy())));
+    let lights: Vec<_> = document.lights().keys().map(|id| id.0).collect();
+    let cameras: Vec<_> = document.cameras().keys().map(|id| id.0).collect();
+    assert_eq!((lights, cameras), (vec![1, 2, 7], vec![3, 4, 6]), "5 was used once");
+    assert_eq!(document.last_number(), 7);
+}
+
+/// Rules: DOC-1
+#[test]
+fn a_restored_document_counts_on() {
+    let mut document = edited();
+    done(&mut document, &Command::RemoveLight(LightId(2)));
+    let restored =
+        |last| Document::restore(None, document.lights().clone(), document.cameras().clone(), last);
+    assert_eq!((restored(0).last_number(), restored(9).last_number()), (4, 9));
+    assert_eq!((content(&restored(0)), restored(0).hash()), (content(&document), document.hash()));
+    let mut later = restored(9);
+    done(&mut later, &Command::AddLight(Box::new(bendy())));
+    assert!(later.lights().contains_key(&LightId(10)));
+}
+
+/// Rules: DOC-2
+#[test]
+fn a_layout_changes_with_the_numbering_and_comes_back_with_it() {
+    let mut document = edited();
+    let layout = |document: &Document| document.lights()[&BENDY].layout;
+    let first = layout(&document);
+    let radius = PointParameter::Radius(0.3);
+    done(&mut document, &Command::SetPoint { light: BENDY, point: 1, parameter: radius });
+    done(
+        &mut document,
+        &Command::PlaceLight { light: BENDY, translation: Some(DVec3::ONE), rotation: None, scale: None },
+    );
+    assert_eq!(layout(&document), first, "nothing was renumbered");
+
+    let inserted = done(&mut document, &insert(2));
+    let second = layout(&document);
+    assert_ne!(second, first);
+    take_back(&mut document, &inserted);
+    assert_eq!(layout(&document), first);
+    done(&mut document, &insert(2));
+    let third = layout(&document);
+    assert!(third != first && third != second, "another insertion, another numbering");
+    done(&mut document, &Command::RemovePoint { light: BENDY, point: 2 });
+    assert!(![first, second, third].contains(&layout(&document)), "not by its look the same");
+}
+
+/// A log that was made up could claim the largest number there is; counting on must not overflow.
+///
+/// Rules: DOC-1, REC-3
+#[test]
+fn numbers_past_what_json_keeps_are_refused() {
+    let mut document = edited();
+    let add = |number: u64| {
+        let placed = document::PlacedLight { layout: Layout(number), light: bendy() };
+        Change::Light { light: LightId(number), old: None, new: Some(Box::new(placed)) }
+    };
+    let largest = (1 << 53) - 1;
+    for number in [largest + 1, u64::MAX] {
+        document.apply(&[add(number)], &find_scene).expect_err("too large");
+    }
+    document.apply(&[add(largest)], &find_scene).expect("the largest");
+    document::changes_of(&document, &Command::AddCamera(eye()), &find_scene).expect_err("no number is left");
+    let none_left = Document::restore(None, document.lights().clone(), document.cameras().clone(), u64::MAX);
+    document::changes_of(&none_left, &Command::AddCamera(eye()), &find_scene).expect_err("no number is left");
+}

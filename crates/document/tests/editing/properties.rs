@@ -1,0 +1,107 @@
+//! What holds for every sequence of commands.
+
+use document::{AssetHash, Change, Document, changes_of};
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+use crate::random::{aimed, command};
+use crate::support::{ROOM, YARD, content, edited, find_scene, is_valid};
+
+const SCENES: &[AssetHash] = &[ROOM, YARD];
+
+/// Carries out what is valid of `commands`, and calls `check` with the document before, the changes, and the document
+/// after.
+fn each_step(
+    commands: Vec<document::Command>,
+    mut check: impl FnMut(&Document, &[Change], &Document) -> Result<(), TestCaseError>,
+) -> Result<(), TestCaseError> {
+    let mut document = edited();
+    for command in commands {
+        let command = aimed(command, &document);
+        let Ok(changes) = changes_of(&document, &command, &find_scene) else { continue };
+        prop_assert_eq!(changes_of(&document, &command, &find_scene), Ok(changes.clone()), "a function");
+        let before = document.clone();
+        document.apply(&changes, &find_scene).expect("changes just made");
+        check(&before, &changes, &document)?;
+    }
+    Ok(())
+}
+
+proptest! {
+    /// Rules: CMD-1, CMD-2, CMD-4
+    #[test]
+    fn a_document_stays_valid_and_a_change_is_a_change(commands in vec(command(SCENES), 1..40)) {
+        each_step(commands, |before, changes, after| {
+            prop_assert!(is_valid(after));
+            prop_assert!(changes.iter().all(|change| *change != change.inverse()), "nothing changes to itself");
+            prop_assert_eq!(before.hash() == after.hash(), changes.is_empty());
+            Ok(())
+        })?;
+    }
+
+    /// Rules: REC-2, DOC-2
+    #[test]
+    fn inverses_give_the_document_back(commands in vec(command(SCENES), 1..40)) {
+        each_step(commands, |before, changes, after| {
+            let mut back = after.clone();
+            let inverses: Vec<_> = changes.iter().rev().map(Change::inverse).collect();
+            back.apply(&inverses, &find_scene).expect("what was done can be taken back");
+            prop_assert_eq!(content(&back), content(before));
+            prop_assert_eq!(back.hash(), before.hash());
+            prop_assert!(back.last_number() >= after.last_number(), "numbers stay given out");
+            Ok(())
+        })?;
+    }
+
+    /// Rules: DOC-1, DOC-2
+    #[test]
+    fn numbers_are_new_when_they_appear_and_layouts_change_with_renumbering(
+        commands in vec(command(SCENES), 1..40)
+    ) {
+        each_step(commands, |before, changes, after| {
+            let fresh = |number: u64| number > before.last_number() && number <= after.last_number();
+            for (id, placed) in after.lights() {
+                let Some(earlier) = before.lights().get(id) else {
+                    prop_assert!(fresh(id.0) && fresh(placed.layout.0), "light {}", id);
+                    continue;
+                };
+                let is_renumbered = changes.iter().any(|change| matches!(
+                    change, Change::ControlPoints { light, .. } if light == id
+                ));
+                prop_assert_eq!(placed.layout != earlier.layout, is_renumbered);
+                prop_assert!(!is_renumbered || fresh(placed.layout.0));
+            }
+            for id in after.cameras().keys() {
+                prop_assert!(before.cameras().contains_key(id) || fresh(id.0), "camera {}", id);
+            }
+            Ok(())
+        })?;
+    }
+}
+
+/// The properties above say something: most random commands are carried out, of every type.
+///
+/// Rules: CMD-1
+#[test]
+fn random_commands_are_mostly_valid() {
+    use proptest::strategy::ValueTree;
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let mut kinds = std::collections::BTreeMap::new();
+    let mut document = edited();
+    for _ in 0..4000 {
+        let command = command(SCENES).new_tree(&mut runner).expect("a command").current();
+        let command = aimed(command, &document);
+        let name = format!("{command:?}").split(['(', ' ']).next().unwrap_or_default().to_owned();
+        let count: &mut (u32, u32) = kinds.entry(name).or_default();
+        match changes_of(&document, &command, &find_scene) {
+            Ok(changes) => {
+                document.apply(&changes, &find_scene).expect("changes just made");
+                count.0 += 1;
+            }
+            Err(_) => count.1 += 1,
+        }
+    }
+    assert_eq!(kinds.len(), 12, "every type of command: {kinds:?}");
+    assert!(kinds.values().all(|count| count.0 >= 20), "(done, refused): {kinds:?}");
+    assert!(kinds.values().map(|count| count.1).sum::<u32>() >= 200, "some are refused: {kinds:?}");
+}

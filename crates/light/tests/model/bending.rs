@@ -1,0 +1,86 @@
+//! A spotlight made into a BendyLight stays the same light (light model, sections 1 and 6).
+
+use glam::{DQuat, DVec3};
+use light::{Decay, Profile, SpotLight, Transform, Tube, bend};
+
+/// t is the share of the range, the radius that of the cone, the irradiance the spotlight's, for any number
+/// of segments.
+#[test]
+fn equal_to_its_spotlight() {
+    let transform = Transform {
+        translation: DVec3::new(3.0, -2.0, 5.0),
+        rotation: DQuat::from_xyzw(0.1, 0.7, -0.2, 0.68),
+        scale: 2.5,
+    };
+    let spot =
+        SpotLight { transform, intensity: 60.0, cone_angle: 35.0, range: Some(12.0), ..SpotLight::default() };
+    let slope = 35_f64.to_radians().tan();
+    for segments in [1, 2, 3, 7] {
+        let light = bend(&spot, segments).expect("valid");
+        let tube = Tube::new(&light).expect("valid");
+        for local in [DVec3::new(0.1, 0.3, -1.0), DVec3::new(-1.0, 0.5, -4.0), DVec3::new(0.0, -0.01, -4.7)] {
+            let world = transform.world_from_local(local);
+            let depth = -local.z * transform.scale;
+            let point = tube.locate(world).point.expect("inside");
+            assert!((point.t / segments as f64 - depth / 12.0).abs() < 1e-14);
+            assert!((point.radius - depth * slope).abs() < 1e-13);
+            let root = tube.nearest_root(tube.placement.tube_from_world(world)).expect("inside");
+            let rho = local.truncate().length() / (-local.z * slope);
+            let expected = 60.0 * tube.profile.at(rho) / (local.length() * transform.scale).powi(2);
+            assert!((tube.irradiance(&root).x / expected - 1.0).abs() < 1e-13);
+        }
+        let beyond = transform.world_from_local(DVec3::new(0.0, 0.0, -4.81));
+        assert_eq!(tube.locate(beyond).point, None, "it ends at its range");
+    }
+}
+
+/// Without a range it goes on for ever, still the same cone.
+#[test]
+fn endless_without_range() {
+    let spot = SpotLight { cone_angle: 20.0, decay: Decay::InverseSquare, ..SpotLight::default() };
+    let tube = Tube::new(&bend(&spot, 3).expect("valid")).expect("valid");
+    for depth in [0.5, 1.0, 7.0, 1e6] {
+        let q = DVec3::new(0.1, 0.2, -1.0) * depth;
+        let point = tube.locate(q).point.expect("inside");
+        assert!((point.t / (3.0 * depth) - 1.0).abs() < 1e-14);
+        assert!((point.radius / (depth * 20_f64.to_radians().tan()) - 1.0).abs() < 1e-14);
+        assert!((point.direction - (-q).normalize()).length() < 1e-15);
+        let root = tube.nearest_root(tube.placement.tube_from_world(q)).expect("inside");
+        let rho = (0.1_f64 * 0.1 + 0.2 * 0.2).sqrt() / 20_f64.to_radians().tan();
+        let expected = tube.profile.at(rho) / q.length_squared();
+        assert!((tube.irradiance(&root).x / expected - 1.0).abs() < 1e-13);
+    }
+}
+
+/// The profile is 1 up to the inner angle, 0 at the edge, a step without softness, and never rises outwards.
+#[test]
+fn profile_falls_from_one_to_zero() {
+    use light::Profile;
+    let soft = Profile::new(25.0, 0.2);
+    let inner = 20_f64.to_radians().tan() / 25_f64.to_radians().tan();
+    assert_eq!((soft.at(0.0), soft.at(inner - 1e-9)), (1.0, 1.0));
+    assert!(soft.at(1.0).abs() < 1e-15 && soft.at(0.9) > 0.0);
+    assert!((0..100).all(|k| soft.at(f64::from(k) / 100.0) >= soft.at(f64::from(k + 1) / 100.0)));
+    assert_eq!(Profile::new(25.0, 0.0).at(0.999), 1.0);
+}
+
+/// How far the penumbra is from what `KHR_lights_punctual` recommends, the square of the same share: the figure of the
+/// README's known limits. 2 s^2 (1 - s) is largest at s = 2/3.
+#[test]
+fn the_penumbra_is_brighter_than_gltf_recommends_by_8_27ths_at_most() {
+    for (cone_angle, cone_softness) in [(25.0_f64, 0.2), (60.0, 1.0), (10.0, 0.5)] {
+        let profile = Profile::new(cone_angle, cone_softness);
+        let (outer, inner) = (cone_angle.to_radians(), cone_angle.to_radians() * (1.0 - cone_softness));
+        let mut most = 0.0_f64;
+        for k in 0..=10_000 {
+            let angle = outer * f64::from(k) / 10_000.0;
+            let scale = 1.0 / (inner.cos() - outer.cos());
+            let recommended = (angle.cos() * scale - outer.cos() * scale).clamp(0.0, 1.0).powi(2);
+            let brighter = profile.at(angle.tan() / outer.tan()) - recommended;
+            assert!(brighter >= -1e-12, "{angle}: {brighter}");
+            most = most.max(brighter);
+        }
+        // The maximum is flat: steps of a ten-thousandth miss it by their square.
+        assert!((most - 8.0 / 27.0).abs() < 1e-6, "{cone_angle} {cone_softness}: {most}");
+    }
+}
