@@ -1,6 +1,6 @@
 # make demo   the demo scene in a browser, from a fresh clone
 # make test   everything that must hold
-# make build  the program with its page inside, target/release/bendylights
+# make build  the program with its page inside, target/release/bendylights, and the studies of the light model
 #
 # Needs Rust and Node.js; what else is missing, `make packages` installs on Debian, with sudo only where that is needed.
 
@@ -12,8 +12,8 @@ DATA := demo-data
 export CARGO_TERM_COLOR ?= auto
 
 build: packages page
-	cargo build --release --locked -p bendylights
-	@echo "Built target/release/bendylights; try: target/release/bendylights --help"
+	cargo build --release --locked -p bendylights -p studies
+	@echo "Built target/release/bendylights and bendylights-studies; try: target/release/bendylights --help"
 
 page: packages
 	cd web-client && npm ci --no-audit --no-fund --loglevel=error && npm run --silent build
@@ -28,6 +28,11 @@ test: packages test-packages page openapi-tools
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 	cargo test --workspace --locked
+	@$(if $(SHARED_ASSETS),,echo "../shared/assets is missing: what needs it stays ignored")
+	cargo test --workspace --locked --tests -- --ignored --skip child_that_ $(if $(SHARED_ASSETS),,--skip shared_assets)
+
+# Scenes of other makers, beside the checkout and not part of it. CI promises them: where they are missing its tests fail.
+SHARED_ASSETS := $(or $(wildcard ../shared/assets),$(filter true,$(CI)))
 
 # Compilers of C and C++ and a linker, a Vulkan driver that needs no GPU (Mesa's lavapipe) and its loader.
 PACKAGES := gcc g++ libc6-dev libvulkan1 mesa-vulkan-drivers

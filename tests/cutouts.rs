@@ -4,13 +4,15 @@
 //! `BENDYLIGHTS_ACCURACY_SIZE=686x382` compares full pictures, `BENDYLIGHTS_ACCURACY_PICTURES=DIR` keeps the
 //! differences as pictures.
 
+#![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
+
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
 use bench::compare::{Comparison, Drawn, Expected, Subject};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2, Vec3, Vec4};
-use light::{BendyLight, Decay, SpotLight};
-use light::{Light, LightKind};
+use light::parameters::{CONE_ANGLE, DECAY, RANGE, ROTATION, TRANSLATION};
+use light::{Decay, Light, LightInstance, Owner};
 use reference::Reference;
 use render::{Gpu, Renderer, ShadowSettings};
 use scene::{
@@ -21,7 +23,7 @@ static GPU: LazyLock<Arc<Gpu>> = LazyLock::new(|| Arc::new(Gpu::new().expect("a 
 
 fn renderer(scene: &Scene) -> Renderer {
     let mut renderer = Renderer::new(Arc::clone(&GPU)).expect("a renderer");
-    renderer.set_scene(scene).expect("the scene fits");
+    renderer.set_scene(&scene::pose(scene.clone())).expect("the scene fits");
     renderer
 }
 
@@ -157,7 +159,7 @@ fn drawn_coverage(scene: &Scene) -> Vec<f64> {
 fn foliage_keeps_its_coverage() {
     for test in [(0.5, 1.0), (0.3, 0.6), (0.7, 0.9)] {
         let scene = field(foliage(), test);
-        let reference = Reference::new(&scene);
+        let reference = Reference::new(scene::pose(scene.clone()));
         let view = field_view();
         let expected = coverage(|x, y| {
             let hit = |k: u32| {
@@ -189,20 +191,31 @@ fn size() -> [u32; 2] {
 
 /// The demo with cut-outs of four materials, each wrapped in its own way, two with alpha at their vertices.
 fn arbor() -> Scene {
-    assets::demo("arbor").expect("the demo")
+    assets::demo("arbor").expect("the demo").scene
 }
 
-fn key() -> BendyLight {
-    let LightKind::Bendy(light) = arbor().lights.remove(0).kind else { panic!("the key is a BendyLight") };
+fn key() -> Light {
+    let light = assets::demo("arbor").expect("the demo").contents.lights[0].light().clone();
+    assert_eq!(light.owner(), Owner::Bendy, "the key is a BendyLight");
     light
 }
 
+/// The light alone, as a renderer takes it.
+fn alone(light: &Light) -> Vec<LightInstance> {
+    LightInstance::numbered([light.clone()]).expect("a light")
+}
+
+/// A spotlight where the camera is, straight ahead.
+fn spot_at(camera: &Camera) -> Light {
+    Light::spot().with(TRANSLATION, camera.translation).with(ROTATION, camera.rotation)
+}
+
 /// A spotlight through the arbor, and the BendyLight that is the same light.
-fn spot() -> (SpotLight, BendyLight) {
-    let mut spot =
-        SpotLight { cone_angle: 14.0, range: Some(6.5), decay: Decay::None, ..SpotLight::default() };
-    let Camera { translation, rotation, .. } = camera([-2.6, 3.0, 2.2], [0.0, 0.35, -0.5], 1.0);
-    (spot.transform.translation, spot.transform.rotation) = (translation, rotation);
+fn spot() -> (Light, Light) {
+    let spot = spot_at(&camera([-2.6, 3.0, 2.2], [0.0, 0.35, -0.5], 1.0))
+        .with(CONE_ANGLE, 14.0)
+        .with(RANGE, Some(6.5))
+        .with(DECAY, Decay::None);
     let bent = light::bend(&spot, 3).expect("it has a range");
     (spot, bent)
 }
@@ -220,13 +233,13 @@ fn cameras() -> [(&'static str, Camera, f64); 3] {
     ]
 }
 
-fn subject(name: &str, scene: Scene, light: BendyLight, camera: Camera) -> Subject {
+fn subject(name: &str, scene: Scene, light: Light, camera: Camera) -> Subject {
     Subject::new(name, scene, light, View::beauty(camera, size()))
 }
 
-/// Compares what `scene` looks like with what `subject` should.
-fn compared(subject: &Subject, scene: &Scene, lights: &[Light], shadows: ShadowSettings) -> Comparison {
-    let drawn = Drawn::under(&mut renderer(scene), subject, lights, shadows).expect("it can be drawn");
+/// Compares what `scene` looks like under `drawn` with what `subject` should.
+fn compared(subject: &Subject, scene: &Scene, drawn: &Light, shadows: ShadowSettings) -> Comparison {
+    let drawn = Drawn::under(&mut renderer(scene), subject, &alone(drawn), shadows).expect("it can be drawn");
     let expected = Expected::new(subject, || {}).expect("the light is valid");
     let comparison = expected.compare(&drawn);
     if let Ok(folder) = std::env::var("BENDYLIGHTS_ACCURACY_PICTURES") {
@@ -244,9 +257,8 @@ fn told(subject: &Subject, found: &Comparison) -> String {
 #[test]
 fn holes_throw_their_shadows() {
     let (spot, bent_spot) = spot();
-    let lights = [("bent", key(), LightKind::Bendy(key())), ("spot", bent_spot, LightKind::Spot(spot))];
+    let lights = [("bent", key(), key()), ("spot", bent_spot, spot)];
     for (light, model, drawn) in lights {
-        let drawn = [Light { name: "key".into(), kind: drawn }];
         for (name, camera, radiance_error) in cameras() {
             let subject = subject(&format!("{light}-{name}"), arbor(), model.clone(), camera);
             let found = compared(&subject, &subject.scene, &drawn, ShadowSettings::default());
@@ -270,8 +282,7 @@ fn solid_shadows_are_seen() {
     solid.materials.iter_mut().for_each(|material| material.alpha_cutoff = None);
     let [(_, camera, _), ..] = cameras();
     let subject = subject("solid", arbor(), key(), camera);
-    let lights = [Light { name: "key".into(), kind: LightKind::Bendy(key()) }];
-    let found = compared(&subject, &solid, &lights, ShadowSettings::default());
+    let found = compared(&subject, &solid, &key(), ShadowSettings::default());
     assert!(found.false_shadow > found.pixels / 20, "{}", told(&subject, &found));
 }
 
@@ -289,7 +300,7 @@ fn square(side: f32, height: f32, repeats: f32, material: usize) -> Primitive {
 }
 
 /// The share of the light that falls through a sheet of `image` onto a floor, by maps of `resolution` texels.
-fn share_of_light(image: Image, light: &LightKind, resolution: u32) -> f64 {
+fn share_of_light(image: Image, light: &Light, resolution: u32) -> f64 {
     let mut scene = field(image, (0.5, 1.0));
     scene.materials.push(Material::default());
     // Five or six texels of the picture lie in one of the map's 128.
@@ -302,8 +313,7 @@ fn share_of_light(image: Image, light: &LightKind, resolution: u32) -> f64 {
         aov: Aov::Visibility,
         ..View::beauty(camera([0.0, 1.9, 0.1], [0.0, 0.0, 0.0], 0.9), [200, 200])
     };
-    let lights = [Light { name: "key".into(), kind: light.clone() }];
-    let picture = renderer.render(&view, &lights).expect("it can be drawn");
+    let picture = renderer.render(&view, &alone(light)).expect("it can be drawn");
     let inside: Vec<_> = picture.pixels.iter().filter(|pixel| pixel[3] == 1.0).collect();
     assert!(inside.len() > 20_000, "{}", inside.len());
     inside.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / inside.len() as f64
@@ -312,12 +322,12 @@ fn share_of_light(image: Image, light: &LightKind, resolution: u32) -> f64 {
 /// A map with few texels lets as much light through leaves as one with many.
 #[test]
 fn coarse_maps_keep_coverage() {
-    let mut spot =
-        SpotLight { cone_angle: 18.0, range: Some(5.0), decay: Decay::None, ..SpotLight::default() };
-    let Camera { translation, rotation, .. } = camera([0.0, 4.5, 0.2], [0.0, 0.0, 0.0], 1.0);
-    (spot.transform.translation, spot.transform.rotation) = (translation, rotation);
+    let spot = spot_at(&camera([0.0, 4.5, 0.2], [0.0, 0.0, 0.0], 1.0))
+        .with(CONE_ANGLE, 18.0)
+        .with(RANGE, Some(5.0))
+        .with(DECAY, Decay::None);
     let bent = light::bend(&spot, 2).expect("it has a range");
-    for light in [LightKind::Spot(spot), LightKind::Bendy(bent)] {
+    for light in [spot, bent] {
         let fine = share_of_light(foliage(), &light, 4096);
         let coarse = share_of_light(foliage(), &light, 128);
         // The planted fault: plain averages, at the size that those texels of the map see.

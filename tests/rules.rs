@@ -2,20 +2,18 @@
 //!
 //! A test cites rules in a line of its comment: `Rules: SOCK-1, HTTP-2`.
 
+#[path = "sources.rs"]
+mod sources;
+
 use std::collections::BTreeSet;
-use std::path::Path;
+
+use sources::{Source, sources};
 
 /// Folders whose every test must cite a rule.
 const OF_THE_PROTOCOL: &[&str] = &["crates/edit/tests/", "crates/server/tests/", "tests/sessions/"];
 
 /// Where citations are looked for.
 const SOURCES: &[&str] = &["crates", "protocol", "tests", "web-client/test"];
-
-struct Source {
-    /// Path from the root of the repository.
-    path: String,
-    text: String,
-}
 
 /// The ids that `spec` defines, such as **REC-1**.
 fn rules(spec: &str) -> BTreeSet<&str> {
@@ -79,38 +77,14 @@ fn problems(spec: &str, sources: &[Source]) -> Vec<String> {
     wrong
 }
 
-fn read(root: &Path, folder: &Path, into: &mut Vec<Source>) {
-    let Ok(entries) = std::fs::read_dir(folder) else { return };
-    for path in entries.map(|entry| entry.expect("an entry").path()) {
-        if path.is_dir() {
-            read(root, &path, into);
-        } else if path.extension().is_some_and(|e| e == "rs" || e == "ts" || e == "mjs")
-            && let Ok(text) = std::fs::read_to_string(&path)
-        {
-            let path = path.strip_prefix(root).expect("a path below the root").display().to_string();
-            // This file's own examples are not citations.
-            if path != "tests/rules.rs" {
-                into.push(Source { path, text });
-            }
-        }
-    }
-}
-
-fn repository() -> (String, Vec<Source>) {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the repository");
-    let spec = std::fs::read_to_string(root.join("protocol/SPEC.md")).expect("the rules");
-    let mut sources = Vec::new();
-    for folder in SOURCES {
-        read(root, &root.join(folder), &mut sources);
-    }
-    (spec, sources)
-}
-
 #[test]
 fn every_rule_is_shown_and_every_citation_is_of_a_rule() {
-    let (spec, sources) = repository();
-    assert!(rules(&spec).len() > 50, "the rules are found");
-    let wrong = problems(&spec, &sources);
+    let spec = include_str!("../protocol/SPEC.md");
+    assert!(rules(spec).len() > 50, "the rules are found");
+    let mut sources = sources(SOURCES, &["rs", "ts", "mjs"]);
+    // This file's own examples are not citations.
+    sources.retain(|source| source.path != "tests/rules.rs");
+    let wrong = problems(spec, &sources);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 

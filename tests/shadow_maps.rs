@@ -3,15 +3,17 @@
 //!
 //! `BENDYLIGHTS_SHADOW_PICTURES=DIR` keeps the pictures.
 
+#![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
+
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
-use light::{BendyLight, Decay, SpotLight, Transform};
-use light::{Light, LightKind};
+use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, DECAY, RANGE, TRANSLATION};
+use light::{Decay, Light, LightInstance, Transform};
 use reference::Reference;
 use render::{Gpu, Picture, Renderer};
-use scene::{Aov, Camera, Material, Mesh, Node, Primitive, Projection, Scene, View, ViewSlot};
+use scene::{Aov, Camera, Material, Mesh, Node, PosedScene, Primitive, Projection, Scene, View, ViewSlot};
 
 const SIZE: [u32; 2] = [240, 160];
 
@@ -95,21 +97,20 @@ fn view(eye: DVec3, target: DVec3) -> View {
 }
 
 /// A spotlight from `eye` to `target`, and what `bend` makes of it.
-fn pair(eye: DVec3, target: DVec3, cone_angle: f64) -> [(&'static str, LightKind); 2] {
-    let spot = SpotLight {
-        transform: Transform { translation: eye, rotation: looking(eye, target, DVec3::X), scale: 1.0 },
-        cone_angle,
-        cone_softness: 0.0,
-        decay: Decay::None,
-        range: Some(9.0),
-        ..SpotLight::default()
-    };
+fn pair(eye: DVec3, target: DVec3, cone_angle: f64) -> [(&'static str, Light); 2] {
+    let transform = Transform { translation: eye, rotation: looking(eye, target, DVec3::X), scale: 1.0 };
+    let spot = Light::spot()
+        .placed(transform)
+        .with(CONE_ANGLE, cone_angle)
+        .with(CONE_SOFTNESS, 0.0)
+        .with(DECAY, Decay::None)
+        .with(RANGE, Some(9.0));
     let bent = light::bend(&spot, 2).expect("it can be bent");
-    [("spot", LightKind::Spot(spot)), ("bent", LightKind::Bendy(bent))]
+    [("spot", spot), ("bent", bent)]
 }
 
 /// The GPU's picture, by a renderer that all tests share.
-fn drawn(scene: &Scene, view: &View, light: &LightKind) -> Picture {
+fn drawn(scene: &Arc<PosedScene>, view: &View, light: &Light) -> Picture {
     static SHARED: OnceLock<Mutex<Renderer>> = OnceLock::new();
     let shared = SHARED.get_or_init(|| {
         let gpu = Arc::new(Gpu::new().expect("tests need a graphics driver"));
@@ -117,20 +118,21 @@ fn drawn(scene: &Scene, view: &View, light: &LightKind) -> Picture {
     });
     let mut renderer = shared.lock().unwrap_or_else(PoisonError::into_inner);
     renderer.set_scene(scene).expect("it fits");
-    renderer.render(view, &[named(light)]).expect("it can be drawn")
+    renderer.render(view, &alone(light)).expect("it can be drawn")
 }
 
-fn named(kind: &LightKind) -> Light {
-    Light { name: "key".into(), kind: kind.clone() }
+/// The light alone, as a renderer takes it.
+fn alone(light: &Light) -> Vec<LightInstance> {
+    LightInstance::numbered([light.clone()]).expect("a light")
 }
 
 /// The pixels off every edge and whether they are lit, by the reference: those whose 5 x 5 neighbours are as lit and
 /// face the same way. In a corner between two walls the filter blends in what the light meets first on the other one.
-fn off_edges(scene: &Scene, view: &View, light: &LightKind) -> Vec<(usize, bool)> {
-    let reference = Reference::new(scene);
+fn off_edges(scene: &Arc<PosedScene>, view: &View, light: &Light) -> Vec<(usize, bool)> {
+    let reference = Reference::new(Arc::clone(scene));
     let pixels = |aov| {
         let view = View { aov, ..view.clone() };
-        reference.render(&view, &[named(light)], || {}).expect("it can be followed").pixels
+        reference.render(&view, &alone(light), || {}).expect("it can be followed").pixels
     };
     let (visibility, normals) = (pixels(Aov::Visibility), pixels(Aov::Normal));
     let expected: Vec<_> = visibility
@@ -174,7 +176,7 @@ fn keep_picture(name: &str, picture: &Picture, marks: &[usize]) {
 /// and for the BendyLight that equals it.
 #[test]
 fn very_wide_lights_keep_their_shadows() {
-    let scene = room();
+    let scene = scene::pose(room());
     let view = view(DVec3::new(1.2, 3.6, 4.4), DVec3::new(-0.3, 0.7, -0.8));
     let mut told = Vec::new();
     for angle in [50.0, 61.0, 75.0, 85.0, 88.0, 89.9] {
@@ -205,8 +207,9 @@ fn table(also: &[([f64; 3], f64, [f64; 3])]) -> Scene {
 
 /// How far shadows' edges are from where the reference has them, in pixels: pixels on the wrong side of an edge for each
 /// pixel at it.
-fn displacement(scene: &Scene, view: &View, light: &LightKind, name: &str) -> f64 {
-    let frame = Reference::new(scene).render(view, &[named(light)], || {}).expect("it can be followed");
+fn displacement(scene: &Arc<PosedScene>, view: &View, light: &Light, name: &str) -> f64 {
+    let frame =
+        Reference::new(Arc::clone(scene)).render(view, &alone(light), || {}).expect("it can be followed");
     let picture = drawn(scene, view, light);
     let lit = |value: f64| value >= 0.5;
     let wrong: Vec<_> = (0..picture.pixels.len())
@@ -250,16 +253,17 @@ fn a_map_is_as_fine_as_what_is_in_the_light() {
     let source = DVec3::new(0.5, 6.0, 0.3);
     let [(_, spot), _] = pair(source, DVec3::new(0.5, 0.0, 0.3), 59.0);
     let points: Vec<_> = [0.0, 2.0, 4.5, 7.0].map(|z| DVec3::new(0.012 * z * z, 0.0, -z)).into();
-    let mut tube = BendyLight::new(points, vec![10.0; 4]);
-    tube.transform =
-        Transform { translation: source, rotation: looking(source, DVec3::ZERO, DVec3::X), scale: 1.0 };
-    for (name, light) in [("spot", spot), ("tube", LightKind::Bendy(tube))] {
-        let fitted = displacement(&table(&[]), &view, &light, &format!("fitted-{name}"));
-        let coarse = displacement(&table(&crumbs), &view, &light, &format!("coarse-{name}"));
+    let rotation = looking(source, DVec3::ZERO, DVec3::X);
+    let tube =
+        Light::bendy(points, vec![10.0; 4]).placed(Transform { translation: source, rotation, scale: 1.0 });
+    for (name, light) in [("spot", spot), ("tube", tube)] {
+        let fitted = displacement(&scene::pose(table(&[])), &view, &light, &format!("fitted-{name}"));
+        let coarse = displacement(&scene::pose(table(&crumbs)), &view, &light, &format!("coarse-{name}"));
         println!("{name}: edges displaced by {fitted:.3} pixels fitted, {coarse:.3} with crumbs at the rim");
         assert!(fitted * 4.0 < coarse, "{name}: {fitted} pixels fitted, {coarse} with crumbs at the rim");
         // Nothing is behind a floor that is the scene's lower side, so it need not be in the map.
-        let floored = displacement(&on_floor(table(&[])), &view, &light, &format!("floored-{name}"));
+        let floored =
+            displacement(&scene::pose(on_floor(table(&[]))), &view, &light, &format!("floored-{name}"));
         println!("{name}: {floored:.3} pixels over a floor as wide as the light");
         assert!(
             floored * 4.0 < coarse,
@@ -280,7 +284,7 @@ fn no_line_shows_where_faces_meet() {
         };
         boxes(&[vec![([5.0, 0.1, 5.0], 0.0, [0.0, -0.1, 0.0])], (0..9).map(bar).collect()].concat())
     };
-    let scene = bars(0.0);
+    let scene = scene::pose(bars(0.0));
     let view = view(DVec3::new(2.6, 4.0, 2.4), DVec3::new(1.5, 0.0, 1.3));
     let (source, below) = (DVec3::new(0.0, 2.0, 0.0), DVec3::new(0.02, 0.0, 0.01));
     let tan = 80.0_f64.to_radians().tan();
@@ -301,7 +305,7 @@ fn no_line_shows_where_faces_meet() {
         assert_eq!(found, [0; 0], "{name}: of {}", judged.len());
 
         // The planted fault: what the front would show were it drawn turned by three degrees.
-        let turned = drawn(&bars(0.05), &view, &light);
+        let turned = drawn(&scene::pose(bars(0.05)), &view, &light);
         let mut patched = picture.clone();
         for (pixel, value) in patched.pixels.iter_mut().enumerate() {
             if slope(pixel) < 1.0 {
@@ -317,19 +321,17 @@ fn no_line_shows_where_faces_meet() {
 /// scene where the light comes from below.
 #[test]
 fn floors_shade_what_is_behind_them() {
-    let scene = on_floor(boxes(&[
+    let scene = scene::pose(on_floor(boxes(&[
         ([0.5, 0.5, 0.05], 0.3, [1.5, 0.6, 0.0]),
         ([0.2, 0.2, 0.2], 0.1, [-1.0, 0.4, 0.2]),
-    ]));
+    ])));
     let view = view(DVec3::new(-1.0, 1.6, 3.4), DVec3::new(0.4, 0.3, 0.0));
     // Down through the floor and up again behind it.
     let points = [[0.0, 0.0, 0.0], [0.4, -1.0, 0.0], [1.2, -1.5, -0.2], [2.2, -0.4, -0.3], [2.6, 1.5, -0.4]];
-    let mut dipping = BendyLight::new(points.map(DVec3::from_array).to_vec(), vec![0.3, 0.35, 0.4, 0.4, 0.5]);
-    dipping.transform.translation = DVec3::new(-1.2, 1.2, 0.3);
+    let dipping = Light::bendy(points.map(DVec3::from_array).to_vec(), vec![0.3, 0.35, 0.4, 0.4, 0.5])
+        .with(TRANSLATION, DVec3::new(-1.2, 1.2, 0.3));
     let [(_, below), (_, bent_below)] = pair(DVec3::new(0.2, -1.5, 0.3), DVec3::new(0.3, 0.5, 0.2), 50.0);
-    for (name, light) in
-        [("dipping", LightKind::Bendy(dipping)), ("below", below), ("bent below", bent_below)]
-    {
+    for (name, light) in [("dipping", dipping), ("below", below), ("bent below", bent_below)] {
         let judged = off_edges(&scene, &view, &light);
         let dark = judged.iter().filter(|(_, lit)| !lit).count();
         assert!(dark > 300, "{name}: {dark} of {} pixels are dark", judged.len());
@@ -338,4 +340,22 @@ fn floors_shade_what_is_behind_them() {
         keep_picture(name, &picture, &found);
         assert_eq!(found, [0; 0], "{name}: of {} pixels, {dark} dark", judged.len());
     }
+}
+
+/// The GPU, the reference and picks share one posed scene: none of them poses it again.
+#[test]
+fn a_scene_is_posed_once() {
+    let scene = scene::pose(room());
+    let mut renderer = Renderer::new(Arc::new(Gpu::new().expect("tests need a driver"))).expect("it works");
+    renderer.set_scene(&scene).expect("it fits");
+    let reference = Reference::new(Arc::clone(&scene));
+    assert_eq!(Arc::strong_count(&scene), 3, "one each, and this one");
+    // A pick, by the reference's hierarchy.
+    let above = DVec3::new(0.3, 1.8, 0.2) - scene.origin_in_world;
+    let hit = reference.bvh.first_hit(above, DVec3::NEG_Y, [0.0, 10.0], |_| true).expect("the floor");
+    assert!((hit.distance - 1.8).abs() < 1e-12, "{}", hit.distance);
+    assert!(Arc::ptr_eq(&reference.bvh.posed, &scene));
+    // Another scene lets go of it.
+    renderer.set_scene(&scene::pose(Scene::default())).expect("it fits");
+    assert_eq!(Arc::strong_count(&scene), 2);
 }

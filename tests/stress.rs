@@ -1,10 +1,10 @@
-//! The properties of `bendylights bench stress`, for a little while: some cases that are the same every time, some that
+//! The properties of `bendylights-studies stress`, for a little while: some cases that are the same every time, some that
 //! are new, and planted faults.
 
 use std::collections::hash_map::RandomState;
 use std::hash::{BuildHasher, Hasher};
 
-use bench::stress::{Length, Options, Outcome, Property, run};
+use studies::stress::{Length, Options, Outcome, Property, run};
 
 /// Those that need no adapter are quick.
 const OF_THE_MODEL: [Property; 5] =

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use document::FindScene;
 use edit::{Past, Session};
 use light::LightId;
 use serde::{Deserialize, Serialize};
@@ -15,9 +14,9 @@ use crate::{Document, FileError, Refused};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct SessionCheckpoint {
-    /// The record.
+    /// The record that it stands after.
     pub seq: u64,
-    /// The document after it.
+    /// As it is after that record.
     pub document: Document,
     /// The largest number ever given out as an id or a layout.
     pub last_number: u64,
@@ -35,7 +34,7 @@ pub struct SessionCheckpoint {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct PastUndo {
-    /// Its record.
+    /// Sequence of the undo itself.
     pub seq: u64,
     /// Who can redo it; anybody where it is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -50,9 +49,9 @@ pub struct PastUndo {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct LightTouch {
-    /// The light.
+    /// Id of the light.
     pub light: u64,
-    /// The actor.
+    /// Id of the actor.
     pub actor: String,
     /// That actor's latest record on it.
     pub seq: u64,
@@ -62,9 +61,9 @@ pub struct LightTouch {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Renumbering {
-    /// The light.
+    /// Id of the light.
     pub light: u64,
-    /// The record.
+    /// The record that renumbered them.
     pub seq: u64,
 }
 
@@ -79,8 +78,8 @@ impl SessionCheckpoint {
         crate::log_file::to_line(self)
     }
 
-    /// The session that goes on from here; `find_scene` as in [`document::Document::apply`].
-    pub fn into_domain(self, find_scene: FindScene) -> Result<Session, Refused> {
+    /// The session that goes on from here.
+    pub fn into_domain(self) -> Result<Session, Refused> {
         let undo = |undo: PastUndo| edit::PastUndo {
             seq: undo.seq,
             actor_id: undo.actor,
@@ -97,7 +96,7 @@ impl SessionCheckpoint {
             touched: self.touched.into_iter().map(|t| (LightId(t.light), t.actor, t.seq)).collect(),
             renumbered: self.renumbered.into_iter().map(|r| (LightId(r.light), r.seq)).collect(),
         };
-        let document = self.document.into_domain(self.last_number, find_scene)?;
+        let document = self.document.into_domain(self.last_number)?;
         Ok(Session::restore(document, self.seq, &past))
     }
 }

@@ -1,4 +1,4 @@
-//! Why something is refused, for programs: one closed list of codes, each with its HTTP status.
+//! Why something is refused: one closed list of codes, each with its HTTP status, and a code with its sentence.
 
 use std::fmt;
 
@@ -117,6 +117,16 @@ codes! {
     Draining = "draining", 503;
 }
 
+/// What is wrong with a request.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Problem {
+    /// For programs.
+    pub code: ErrorCode,
+    /// For people: what to do.
+    pub message: String,
+}
+
 impl ErrorCode {
     /// The code of that name.
     pub fn named(name: &str) -> Option<Self> {
@@ -148,7 +158,7 @@ impl From<&EditError> for ErrorCode {
     fn from(error: &EditError) -> Self {
         match error {
             EditError::NoLight(_) | EditError::NoCamera(_) | EditError::NoPoint { .. } => Self::NotFound,
-            EditError::WrongKind { .. } => Self::WrongKind,
+            EditError::WrongKind { .. } | EditError::NoPointParameter(_) => Self::WrongKind,
             EditError::Source => Self::Source,
             EditError::InvalidLight { .. } | EditError::OutOfReach(_) => Self::InvalidLight,
             EditError::InvalidCamera(_) => Self::InvalidCamera,

@@ -1,15 +1,15 @@
 //! Commands and their parameters in JSON.
 
-use document::CameraId;
+use document::{CameraId, Target};
+use std::sync::Arc;
+
 use glam::{DQuat, DVec3};
 use light::LightId;
-use light::{Decay, Direction, EndMode, Frame};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::document::{Quat, Vec3};
-use crate::light::{DecayName, DirectionName, EndModeName, FrameName};
-use crate::{Camera, Light, Projection, Refused};
+use crate::{Camera, Light, LightParameter, PointParameter, Projection, Refused};
 
 /// [`document::Command`] in JSON; `type` says which (SPEC, section 2).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -46,6 +46,13 @@ pub enum Command {
         /// World units per light-local unit; stays by default.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         scale: Option<f64>,
+    },
+    /// Sets what an address names: `/lights/3/coneAngle`, `/lights/3/points/2/position`, `/cameras/1/projection`.
+    Set {
+        /// The address.
+        target: String,
+        /// The value, as the parameter's other commands take it.
+        value: serde_json::Value,
     },
     /// Sets one parameter of a light.
     SetLight {
@@ -119,70 +126,6 @@ pub enum Command {
     },
 }
 
-/// [`document::LightParameter`] in JSON: an object with one field.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-pub enum LightParameter {
-    /// Name for people.
-    Name(String),
-    /// World position of the source.
-    Translation(Vec3),
-    /// Light-local to world axes.
-    Rotation(Quat),
-    /// World units per light-local unit.
-    Scale(f64),
-    /// Half angle in degrees.
-    ConeAngle(f64),
-    /// Share of the cone angle over which the profile falls to zero.
-    ConeSoftness(f64),
-    /// Fall-off with distance.
-    Decay(
-        #[serde(with = "DecayName")]
-        #[schemars(with = "DecayName")]
-        Decay,
-    ),
-    /// Of a bendy light.
-    Up(Vec3),
-    /// Of a bendy light.
-    Frame(
-        #[serde(with = "FrameName")]
-        #[schemars(with = "FrameName")]
-        Frame,
-    ),
-    /// Of a bendy light.
-    Direction(
-        #[serde(with = "DirectionName")]
-        #[schemars(with = "DirectionName")]
-        Direction,
-    ),
-    /// Of a bendy light.
-    EndMode(
-        #[serde(with = "EndModeName")]
-        #[schemars(with = "EndModeName")]
-        EndMode,
-    ),
-    /// Of a spotlight: linear RGB.
-    Color(Vec3),
-    /// Of a spotlight.
-    Intensity(f64),
-    /// Of a spotlight; `null` is endless.
-    Range(Option<f64>),
-}
-
-/// [`document::PointParameter`] in JSON: an object with one field.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-pub enum PointParameter {
-    /// Light-local position.
-    Position(Vec3),
-    /// Light-local radius.
-    Radius(f64),
-    /// Linear RGB.
-    Color(Vec3),
-    /// Intensity.
-    Intensity(f64),
-}
-
 /// [`document::CameraParameter`] in JSON: an object with one field.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
@@ -209,7 +152,7 @@ impl TryFrom<Command> for document::Command {
             Command::LoadScene { scene, name } => {
                 Self::LoadScene { asset: scene.parse()?, name: name.unwrap_or(scene) }
             }
-            Command::AddLight { light } => Self::AddLight(Box::new(light.try_into()?)),
+            Command::AddLight { light } => Self::AddLight(Arc::new(light.try_into()?)),
             Command::RemoveLight { light } => Self::RemoveLight(LightId(light)),
             Command::PlaceLight { light, translation, rotation: r, scale } => Self::PlaceLight {
                 light: LightId(light),
@@ -217,11 +160,12 @@ impl TryFrom<Command> for document::Command {
                 rotation: rotation(r),
                 scale,
             },
+            Command::Set { target, value } => set(&target, &value)?,
             Command::SetLight { light, parameter } => {
-                Self::SetLight { light: LightId(light), parameter: parameter.into() }
+                Self::SetLight { light: LightId(light), setting: parameter.into() }
             }
             Command::SetPoint { light, point, parameter } => {
-                Self::SetPoint { light: LightId(light), point, parameter: parameter.into() }
+                Self::SetPoint { light: LightId(light), point, setting: parameter.into() }
             }
             Command::InsertPoint { light, point, position, radius, color, intensity } => Self::InsertPoint {
                 light: LightId(light),
@@ -246,6 +190,33 @@ impl TryFrom<Command> for document::Command {
     }
 }
 
+/// The command that sets what an address names.
+fn set(address: &str, value: &serde_json::Value) -> Result<document::Command, Refused> {
+    let shown: String = address.chars().take(80).collect();
+    let refused = |why: String| Refused::Address(format!("`{shown}` cannot be set: {why}"));
+    let (target, name) = Target::of_address(address).ok_or_else(|| {
+        refused(
+            "write an address as /lights/ID/NAME, /lights/ID/points/INDEX/NAME or /cameras/ID/NAME".into(),
+        )
+    })?;
+    let named = serde_json::json!({ (name): value });
+    let read = |error: serde_json::Error| refused(error.to_string());
+    Ok(match target {
+        Target::Light(light) => {
+            let parameter: LightParameter = serde_json::from_value(named).map_err(read)?;
+            document::Command::SetLight { light, setting: parameter.into() }
+        }
+        Target::Point(light, point) => {
+            let parameter: PointParameter = serde_json::from_value(named).map_err(read)?;
+            document::Command::SetPoint { light, point, setting: parameter.into() }
+        }
+        Target::Camera(camera) => {
+            let parameter: CameraParameter = serde_json::from_value(named).map_err(read)?;
+            document::Command::SetCamera { camera, parameter: parameter.into() }
+        }
+    })
+}
+
 impl From<&document::Command> for Command {
     fn from(command: &document::Command) -> Self {
         use document::Command as C;
@@ -263,11 +234,11 @@ impl From<&document::Command> for Command {
                 rotation: rotation(r),
                 scale: *scale,
             },
-            C::SetLight { light, parameter } => {
-                Self::SetLight { light: light.0, parameter: parameter.clone().into() }
+            C::SetLight { light, setting } => {
+                Self::SetLight { light: light.0, parameter: setting.clone().into() }
             }
-            C::SetPoint { light, point, parameter } => {
-                Self::SetPoint { light: light.0, point: *point, parameter: (*parameter).into() }
+            C::SetPoint { light, point, setting } => {
+                Self::SetPoint { light: light.0, point: *point, parameter: setting.clone().into() }
             }
             C::InsertPoint { light, point, position, radius, color, intensity } => Self::InsertPoint {
                 light: light.0,
@@ -292,65 +263,25 @@ impl From<&document::Command> for Command {
     }
 }
 
-/// The two directions of a parameter enum whose variants carry the same in both shapes, up to `$into` and `$from`.
-macro_rules! convert {
-    ($name:ident { $($variant:ident: $into:expr, $from:expr;)* }) => {
-        impl From<$name> for document::$name {
-            fn from(wire: $name) -> Self {
-                match wire {
-                    $($name::$variant(value) => Self::$variant($into(value)),)*
-                }
-            }
+impl From<CameraParameter> for document::CameraParameter {
+    fn from(wire: CameraParameter) -> Self {
+        match wire {
+            CameraParameter::Name(name) => Self::Name(name),
+            CameraParameter::Translation(translation) => Self::Translation(translation.into()),
+            CameraParameter::Rotation(rotation) => Self::Rotation(DQuat::from_array(rotation)),
+            CameraParameter::Projection(projection) => Self::Projection(projection.into()),
         }
+    }
+}
 
-        impl From<document::$name> for $name {
-            fn from(parameter: document::$name) -> Self {
-                match parameter {
-                    $(document::$name::$variant(value) => Self::$variant($from(value)),)*
-                }
-            }
+impl From<document::CameraParameter> for CameraParameter {
+    fn from(parameter: document::CameraParameter) -> Self {
+        use document::CameraParameter as P;
+        match parameter {
+            P::Name(name) => Self::Name(name),
+            P::Translation(translation) => Self::Translation(translation.to_array()),
+            P::Rotation(rotation) => Self::Rotation(rotation.to_array()),
+            P::Projection(projection) => Self::Projection(projection.into()),
         }
-    };
+    }
 }
-
-/// Variants whose value is the same in both shapes.
-fn same<T>(value: T) -> T {
-    value
-}
-
-fn array(vector: DVec3) -> Vec3 {
-    vector.to_array()
-}
-
-fn quat(rotation: DQuat) -> Quat {
-    rotation.to_array()
-}
-
-convert!(LightParameter {
-    Name: same, same;
-    Translation: DVec3::from, array;
-    Rotation: DQuat::from_array, quat;
-    Scale: same, same;
-    ConeAngle: same, same;
-    ConeSoftness: same, same;
-    Decay: same, same;
-    Up: DVec3::from, array;
-    Frame: same, same;
-    Direction: same, same;
-    EndMode: same, same;
-    Color: DVec3::from, array;
-    Intensity: same, same;
-    Range: same, same;
-});
-convert!(PointParameter {
-    Position: DVec3::from, array;
-    Radius: same, same;
-    Color: DVec3::from, array;
-    Intensity: same, same;
-});
-convert!(CameraParameter {
-    Name: same, same;
-    Translation: DVec3::from, array;
-    Rotation: DQuat::from_array, quat;
-    Projection: scene::Projection::from, Projection::from;
-});

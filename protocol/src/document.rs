@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use document::{AssetHash, CameraId, Layout, NotAnAssetHash};
 use glam::{DQuat, DVec3};
-use light::LightId;
-use scene::Scene;
+use light::Reach;
+use light::{CheckedLight, LightId};
+use scene::PosedScene;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -118,8 +119,10 @@ pub struct Bounds {
 
 impl Bounds {
     /// Of a scene; a box of side 2 around the origin where it has no geometry.
-    pub fn of(scene: &Scene) -> Self {
-        let (min, max) = scene::world_bounds(scene).unwrap_or((DVec3::NEG_ONE, DVec3::ONE));
+    pub fn of(posed: &PosedScene) -> Self {
+        let Reach { middle, half_extent } = posed.reach();
+        let half = if posed.positions.is_empty() { DVec3::ONE } else { half_extent };
+        let (min, max) = (middle - half, middle + half);
         Self { min: min.to_array(), max: max.to_array() }
     }
 }
@@ -129,11 +132,11 @@ impl From<&document::Document> for Document {
         let lights = document.lights().iter().map(|(id, placed)| DocumentLight {
             id: id.0,
             layout: placed.layout.0,
-            light: Light::from(&placed.light),
+            light: Light::from(&*placed.light),
         });
         let cameras = document.cameras().iter();
         Self {
-            scene: document.scene_ref().map(SceneRef::from),
+            scene: document.scene().map(SceneRef::from),
             lights: lights.collect(),
             cameras: cameras.map(|(id, camera)| DocumentCamera { id: id.0, camera: camera.into() }).collect(),
         }
@@ -141,24 +144,11 @@ impl From<&document::Document> for Document {
 }
 
 impl Document {
-    /// The domain's document; `last_number` as in [`document::Document::restore`], `find_scene` as in
-    /// [`document::Document::apply`].
-    pub fn into_domain(
-        self,
-        last_number: u64,
-        find_scene: document::FindScene,
-    ) -> Result<document::Document, Refused> {
-        let scene = match self.scene {
-            None => None,
-            Some(wire) => {
-                let scene_ref = document::SceneRef::try_from(wire)?;
-                let scene: Arc<Scene> =
-                    find_scene(&scene_ref.asset).ok_or(document::EditError::UnknownAsset(scene_ref.asset))?;
-                Some((scene_ref, scene))
-            }
-        };
+    /// The domain's document; `last_number` as in [`document::Document::restore`].
+    pub fn into_domain(self, last_number: u64) -> Result<document::Document, Refused> {
+        let scene = self.scene.map(document::SceneRef::try_from).transpose()?;
         let placed = |wire: DocumentLight| {
-            let light = light::Light::try_from(wire.light)?;
+            let light = Arc::new(CheckedLight::try_from(wire.light)?);
             Ok((LightId(wire.id), document::PlacedLight { layout: Layout(wire.layout), light }))
         };
         let lights = self.lights.into_iter().map(placed).collect::<Result<_, Refused>>()?;

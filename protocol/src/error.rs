@@ -2,7 +2,9 @@
 
 use document::{EditError, NotAnAssetHash};
 use light::LightError;
-use serde::de::DeserializeOwned;
+use std::marker::PhantomData;
+
+use serde::de::{DeserializeOwned, DeserializeSeed};
 use thiserror::Error;
 
 use crate::ErrorCode;
@@ -49,6 +51,9 @@ pub enum Refused {
     /// Something that the document does not allow.
     #[error("{0}")]
     Edit(#[from] EditError),
+    /// What names no value of a document.
+    #[error("{0}")]
+    Address(String),
     /// A record of a format that this program does not know.
     #[error(
         "format {found} is not known to this program, which knows formats 1 to {}: use a newer program",
@@ -65,7 +70,7 @@ impl Refused {
     pub fn code(&self) -> ErrorCode {
         match self {
             Self::Light(_) => ErrorCode::InvalidLight,
-            Self::Asset(_) => ErrorCode::BadMessage,
+            Self::Asset(_) | Self::Address(_) => ErrorCode::BadMessage,
             Self::Edit(error) => error.into(),
             Self::Format { .. } => ErrorCode::Format,
         }
@@ -86,13 +91,23 @@ impl FileError {
 
 /// Reads a `T` from the text of one JSON value, all of it.
 pub(crate) fn from_json<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
+    seeded_from_json(text, PhantomData)
+}
+
+/// The same of what `seed` reads.
+pub(crate) fn seeded_from_json<'de, S: DeserializeSeed<'de>>(
+    text: &'de str,
+    seed: S,
+) -> Result<S::Value, FileError> {
     let mut json = serde_json::Deserializer::from_str(text);
-    let value = serde_path_to_error::deserialize(&mut json).map_err(|error| {
-        let place = match error.path().to_string() {
+    let mut track = serde_path_to_error::Track::new();
+    let read = seed.deserialize(serde_path_to_error::Deserializer::new(&mut json, &mut track));
+    let value = read.map_err(|error| {
+        let place = match track.path().to_string() {
             root if root == "." => String::new(),
             path => format!("{path}: "),
         };
-        refused(place, error.into_inner())
+        refused(place, error)
     })?;
     json.end().map_err(FileError::Syntax)?;
     Ok(value)

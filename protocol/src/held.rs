@@ -25,7 +25,7 @@ const MARK: &str = r#"{"sameAs":"#;
 /// Where in a log a value stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Place {
-    /// The record.
+    /// Sequence of the record that holds it.
     pub record: u64,
     /// The byte of the record's line at which the value begins.
     pub at: usize,

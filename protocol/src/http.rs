@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Actor, Command, Document, EditResult, ErrorCode, Scope};
+use crate::{Actor, Command, Document, EditResult, Problem, Scope};
 
 /// `POST /sessions`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -20,7 +20,7 @@ pub struct NewSession {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct SessionEntry {
-    /// Its name.
+    /// The session's name.
     pub name: String,
     /// The latest record.
     pub seq: u64,
@@ -40,7 +40,7 @@ pub struct SessionList {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct SessionState {
-    /// Its name.
+    /// The session's name.
     pub name: String,
     /// Names the history that `seq` counts in.
     pub epoch: String,
@@ -48,7 +48,7 @@ pub struct SessionState {
     pub seq: u64,
     /// The document's hash after it.
     pub hash: String,
-    /// The document.
+    /// As it is after that record.
     pub document: Document,
     /// What of its scene's file is not drawn or was changed, a sentence each.
     pub notes: Vec<String>,
@@ -116,14 +116,4 @@ pub struct Asset {
 pub struct ErrorBody {
     /// What is wrong.
     pub error: Problem,
-}
-
-/// What is wrong with a request.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase", deny_unknown_fields)]
-pub struct Problem {
-    /// For programs.
-    pub code: ErrorCode,
-    /// For people: what to do.
-    pub message: String,
 }

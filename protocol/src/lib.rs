@@ -17,14 +17,19 @@ pub mod light_file;
 mod log_file;
 mod message;
 mod openapi;
+mod outcome;
+mod parameter;
+mod parameter_table;
 pub mod point_file;
 mod record;
+mod render_request;
 mod schema;
 mod variants;
 
+pub use self::light::Light;
 pub use checkpoint::{LightTouch, PastUndo, Renumbering, SessionCheckpoint};
-pub use code::ErrorCode;
-pub use command::{CameraParameter, Command, LightParameter, PointParameter};
+pub use code::{ErrorCode, Problem};
+pub use command::{CameraParameter, Command};
 pub use document::{
     Bounds, Camera, Document, DocumentCamera, DocumentLight, Projection, Quat, SceneRef, Vec3,
 };
@@ -32,18 +37,24 @@ pub use error::{FileError, Refused};
 pub use evaluation::{Evaluation, TubePoint, Visibility};
 pub use held::{CompactLine, MIN_HELD_BYTES, Place, compact};
 pub use http::{
-    Asset, Edit, EditResults, Edits, ErrorBody, NewSession, Problem, SessionEntry, SessionList, SessionState,
+    Asset, Edit, EditResults, Edits, ErrorBody, NewSession, SessionEntry, SessionList, SessionState,
 };
-pub use light::{Bendy, BendyType, Light, Spot, SpotType, Transform};
 pub use log_file::{
     Checkpoint, CheckpointLine, FIRST_PROOF, FindLine, LogHeader, LogLine, LogReader, ReadError, next_proof,
 };
 pub use message::{
-    ClientMessage, EditResult, EditStatus, GestureEnd, GestureState, History, HistoryStep, HistorySteps,
-    PROTOCOL, Presence, Resync, ServerMessage, Settings, State, ViewSource, Welcome, parse_body,
+    ClientMessage, History, HistoryStep, HistorySteps, PROTOCOL, Presence, Resync, ServerMessage, Settings,
+    State, ViewSource, Welcome, parse_body,
 };
 pub use openapi::openapi;
+pub use outcome::{EditResult, GestureState, GestureStatus, Outcome};
+pub use parameter::{LightParameter, PointParameter};
+pub use parameter_table::{
+    Parameter, ParameterChoice, ParameterKind, ParameterOwner, ParameterScale, ParameterTable,
+    ParameterTouches, parameter_table,
+};
 pub use record::{
     Action, Actor, Change, ControlPoints, FORMAT, MAX_RECORD_BYTES, PlacedLight, Record, Scope,
 };
+pub use render_request::{RenderFormat, RenderLimits, RenderParameters, RenderRefusal, RenderRequest};
 pub use schema::{Face, json_schema};

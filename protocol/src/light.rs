@@ -1,323 +1,387 @@
 //! A light in JSON, and its conversion from and to the domain.
 //!
-//! Field names are the JSON's in camelCase. Unknown fields are refused by name. Lengths are light-local units
-//! (of a [`Bendy`]) or world units (of a [`Spot`]), angles are degrees, colours are linear RGB.
+//! Fields are the rows of the table, by their paths; of a BendyLight the control points' come as lists. Unknown fields are
+//! refused by name. Lengths are light-local or world units as the rows say, colours are linear RGB.
 
-use glam::{DQuat, DVec3};
-use light::LightKind;
-use light::{BendyLight, Decay, Direction, EndMode, Frame, LightError, SpotLight, Tube, check_spot};
-use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize, de};
+use std::borrow::Cow;
+use std::fmt;
+
+use light::{CheckedLight, ControlPoint, LightError, Owner, Parameter, Setting, Shape, Value};
+use schemars::generate::Contract;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::{Map, json};
+
+use crate::parameter::{ListOf, ValueOf, Written, WrittenList, schema, unknown};
 
 /// One light. In JSON the field `type` says which.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[serde(untagged)]
-pub enum Light {
-    /// `"type": "bendy"`: light along a spline.
-    Bendy(Bendy),
-    /// `"type": "spot"`: light along straight lines.
-    Spot(Spot),
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    owner: Owner,
+    /// Parameters that are given.
+    settings: Vec<Setting>,
+    /// Of a BendyLight: the lists that are given, a value of each control point.
+    lists: Vec<(&'static Parameter, Vec<Value>)>,
 }
 
-/// The `type` of a [`Bendy`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-#[schemars(inline)]
-pub enum BendyType {
-    /// The only one.
-    #[default]
-    Bendy,
+/// The word that `type` has for each shape.
+const TYPES: [(&str, Owner); 2] = [("bendy", Owner::Bendy), ("spot", Owner::Spot)];
+
+fn type_of(owner: Owner) -> &'static str {
+    TYPES.iter().find(|(_, known)| *known == owner).map_or("", |(name, _)| name)
 }
 
-/// The `type` of a [`Spot`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-#[schemars(inline)]
-pub enum SpotType {
-    /// The only one.
-    #[default]
-    Spot,
+/// The shape that `type` names.
+pub(crate) fn owner_of(name: &str) -> Option<Owner> {
+    TYPES.iter().find(|(known, _)| *known == name).map(|(_, owner)| *owner)
 }
 
-/// [`BendyLight`] in JSON. Only `type`, `points` and `radii` are required.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase", deny_unknown_fields)]
-pub struct Bendy {
-    /// `"bendy"`.
-    pub r#type: BendyType,
-    /// Name for people and for `--light`; empty by default.
-    #[serde(default)]
-    pub name: String,
-    /// Placement in the world; the identity by default.
-    #[serde(default)]
-    pub transform: Transform,
-    /// Control points, three or more; the first is the source, `[0, 0, 0]`.
-    pub points: Vec<[f64; 3]>,
-    /// One a control point, zero or more.
-    pub radii: Vec<f64>,
-    /// One a control point; white by default.
-    #[serde(default)]
-    #[schemars(with = "Vec<[f64; 3]>")]
-    pub colors: Option<Vec<[f64; 3]>>,
-    /// One a control point; 1 by default.
-    #[serde(default)]
-    #[schemars(with = "Vec<f64>")]
-    pub intensities: Option<Vec<f64>>,
-    /// Orients the cross-section at the source; `[0, 1, 0]` by default.
-    #[serde(default = "default_up")]
-    pub up: [f64; 3],
-    /// Half angle, `0 < coneAngle < 90`; 25 by default.
-    #[serde(default = "default_cone_angle")]
-    pub cone_angle: f64,
-    /// Share of the cone angle over which the profile falls to zero, 0 to 1; 0.2 by default.
-    #[serde(default = "default_cone_softness")]
-    pub cone_softness: f64,
-    /// `"rotationMinimizing"` (default) or `"up"`.
-    #[serde(default, with = "FrameName")]
-    #[schemars(with = "FrameName")]
-    pub frame: Frame,
-    /// `"tube"` (default) or `"path"`.
-    #[serde(default, with = "DirectionName")]
-    #[schemars(with = "DirectionName")]
-    pub direction: Direction,
-    /// `"cut"` (default) or `"extend"`.
-    #[serde(default, with = "EndModeName")]
-    #[schemars(with = "EndModeName")]
-    pub end_mode: EndMode,
-    /// `"none"` (default), `"linear"` or `"inverseSquare"`.
-    #[serde(default, with = "DecayName")]
-    #[schemars(with = "DecayName")]
-    pub decay: Decay,
+/// A field of a light's object.
+#[derive(Clone, Copy, PartialEq)]
+enum Field {
+    Type,
+    /// An object of parameters whose paths begin with its name.
+    Group(&'static str),
+    Parameter(&'static Parameter),
+    List(&'static Parameter),
 }
 
-/// [`SpotLight`] in JSON. Only `type` is required; the rest defaults to [`SpotLight::default`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase", deny_unknown_fields, default)]
-pub struct Spot {
-    /// `"spot"`.
-    pub r#type: SpotType,
-    /// Name for people and for `--light`; empty by default.
-    pub name: String,
-    /// Placement in the world; the identity by default. The light shines along its local -Z.
-    pub transform: Transform,
-    /// White by default.
-    pub color: [f64; 3],
-    /// 1 by default; candela with inverse-square decay.
-    pub intensity: f64,
-    /// Half angle, `0 < coneAngle < 90`; 25 by default.
-    pub cone_angle: f64,
-    /// Share of the cone angle over which the profile falls to zero, 0 to 1; 0.2 by default.
-    pub cone_softness: f64,
-    /// World distance along the axis at which the light ends; endless by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub range: Option<f64>,
-    /// `"none"`, `"linear"` or `"inverseSquare"` (default).
-    #[serde(with = "DecayName")]
-    #[schemars(with = "DecayName")]
-    pub decay: Decay,
+impl Field {
+    /// The fields of a light, in the order in which they are written.
+    fn all(owner: Owner) -> Vec<Self> {
+        let mut fields = vec![Self::Type];
+        for &row in light::parameters_of(owner) {
+            match row.path.split_once('.') {
+                None => fields.push(Self::Parameter(row)),
+                Some((group, _)) if fields.contains(&Self::Group(group)) => {}
+                Some((group, _)) => {
+                    fields.push(Self::Group(group));
+                    let lists = light::parameters_of(Owner::Point).iter().copied().map(Self::List);
+                    fields.extend(lists.filter(|_| owner == Owner::Bendy));
+                }
+            }
+        }
+        fields
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Type => "type",
+            Self::Group(name) => name,
+            Self::Parameter(row) | Self::List(row) => row.path,
+        }
+    }
 }
 
-/// [`light::Transform`] in JSON.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase", deny_unknown_fields, default)]
-pub struct Transform {
-    /// World position of the light's origin.
-    pub translation: [f64; 3],
-    /// Quaternion `[x, y, z, w]`, light-local to world axes.
-    pub rotation: [f64; 4],
-    /// World units per light-local unit, more than 0.
-    pub scale: f64,
+/// The parameters of a group and the names that they have in it.
+fn group(owner: Owner, name: &str) -> impl Iterator<Item = (&'static Parameter, &'static str)> {
+    let rows = light::parameters_of(owner).iter();
+    rows.filter_map(move |row| row.path.strip_prefix(name)?.strip_prefix('.').map(|field| (*row, field)))
 }
 
-/// [`light::Frame`] in JSON.
-#[derive(Serialize, Deserialize, JsonSchema)]
-#[serde(remote = "Frame", rename_all = "camelCase")]
-#[schemars(rename = "Frame")]
-pub(crate) enum FrameName {
-    RotationMinimizing,
-    Up,
-}
-
-/// [`light::Direction`] in JSON.
-#[derive(Serialize, Deserialize, JsonSchema)]
-#[serde(remote = "Direction", rename_all = "camelCase")]
-#[schemars(rename = "Direction")]
-pub(crate) enum DirectionName {
-    Tube,
-    Path,
-}
-
-/// [`light::EndMode`] in JSON.
-#[derive(Serialize, Deserialize, JsonSchema)]
-#[serde(remote = "EndMode", rename_all = "camelCase")]
-#[schemars(rename = "EndMode")]
-pub(crate) enum EndModeName {
-    Cut,
-    Extend,
-}
-
-/// [`light::Decay`] in JSON.
-#[derive(Serialize, Deserialize, JsonSchema)]
-#[serde(remote = "Decay", rename_all = "camelCase")]
-#[schemars(rename = "Decay")]
-pub(crate) enum DecayName {
-    None,
-    Linear,
-    InverseSquare,
+impl Serialize for Light {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        struct Group<'a>(&'a Light, &'static str);
+        impl Serialize for Group<'_> {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                let mut map = serializer.serialize_map(None)?;
+                for (row, field) in group(self.0.owner, self.1) {
+                    if let Some(value) = self.0.value(row) {
+                        map.serialize_entry(field, &Written(value))?;
+                    }
+                }
+                map.end()
+            }
+        }
+        let mut map = serializer.serialize_map(None)?;
+        for field in Field::all(self.owner) {
+            match field {
+                Field::Type => map.serialize_entry("type", type_of(self.owner))?,
+                Field::Group(name) => map.serialize_entry(name, &Group(self, name))?,
+                Field::Parameter(row) => {
+                    if let Some(value) = self.value(row) {
+                        map.serialize_entry(row.path, &Written(value))?;
+                    }
+                }
+                Field::List(row) => {
+                    if let Some((_, values)) = self.lists.iter().find(|(known, _)| *known == row) {
+                        map.serialize_entry(row.path, &WrittenList(values))?;
+                    }
+                }
+            }
+        }
+        map.end()
+    }
 }
 
 impl<'de> Deserialize<'de> for Light {
     /// By `type`; the reason for a refusal names the field.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let value = serde_json::Value::deserialize(deserializer)?;
-        let refused = |error: serde_path_to_error::Error<serde_json::Error>| match error.path().to_string() {
-            root if root == "." => de::Error::custom(format!("light: {}", error.into_inner())),
-            field => de::Error::custom(format!("light.{field}: {}", error.into_inner())),
+        let Some(owner) = value.get("type").and_then(serde_json::Value::as_str).and_then(owner_of) else {
+            return Err(de::Error::custom("light.type: expected \"bendy\" or \"spot\""));
         };
-        match value.get("type").and_then(serde_json::Value::as_str) {
-            Some("bendy") => serde_path_to_error::deserialize(value).map(Self::Bendy).map_err(refused),
-            Some("spot") => serde_path_to_error::deserialize(value).map(Self::Spot).map_err(refused),
-            _ => Err(de::Error::custom("light.type: expected \"bendy\" or \"spot\"")),
+        let mut track = serde_path_to_error::Track::new();
+        let tracked = serde_path_to_error::Deserializer::new(value, &mut track);
+        LightOf(owner).deserialize(tracked).map_err(|error| match track.path().to_string() {
+            root if root == "." => de::Error::custom(format!("light: {error}")),
+            field => de::Error::custom(format!("light.{field}: {error}")),
+        })
+    }
+}
+
+/// Reads a light of that shape.
+#[derive(Clone, Copy)]
+pub(crate) struct LightOf(pub Owner);
+
+impl<'de> DeserializeSeed<'de> for LightOf {
+    type Value = Light;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Light, D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for LightOf {
+    type Value = Light;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a light")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Light, A::Error> {
+        let fields = Field::all(self.0);
+        let names: Vec<_> = fields.iter().map(|field| field.name()).collect();
+        let mut given = vec![false; fields.len()];
+        let mut light = Light { owner: self.0, settings: Vec::new(), lists: Vec::new() };
+        while let Some(index) = map.next_key_seed(OneOf(&names))? {
+            if std::mem::replace(&mut given[index], true) {
+                return Err(de::Error::duplicate_field(names[index]));
+            }
+            match fields[index] {
+                Field::Type => drop(map.next_value::<IgnoredAny>()?),
+                Field::Group(name) => light.settings.extend(map.next_value_seed(GroupOf(self.0, name))?),
+                Field::Parameter(parameter) => {
+                    let value = map.next_value_seed(ValueOf(parameter))?;
+                    light.settings.push(Setting { parameter, value });
+                }
+                Field::List(row) => light.lists.push((row, map.next_value_seed(ListOf(row))?)),
+            }
         }
+        for (field, given) in fields.iter().zip(given) {
+            let required = match field {
+                Field::Type => true,
+                Field::List(row) => row.default(Owner::Point).is_none(),
+                Field::Group(_) | Field::Parameter(_) => false,
+            };
+            if required && !given {
+                return Err(de::Error::missing_field(field.name()));
+            }
+        }
+        // In the order of the table, so that equal lights are equal, however their fields were ordered.
+        light.settings.retain(|setting| says_something(self.0, setting.parameter, &setting.value));
+        light.settings.sort_by_key(|setting| place(self.0, setting.parameter));
+        light.lists.sort_by_key(|(row, _)| place(Owner::Point, row));
+        Ok(light)
     }
 }
 
-fn default_up() -> [f64; 3] {
-    DVec3::Y.to_array()
+/// Whether a value is written: what is absent unless it is given is not, where it is absent.
+fn says_something(owner: Owner, row: &Parameter, value: &Value) -> bool {
+    *value != Value::Absent || row.default(owner) != Some(Value::Absent)
 }
 
-fn default_cone_angle() -> f64 {
-    light::DEFAULT_CONE_ANGLE
+/// Where a row stands among those of an owner.
+fn place(owner: Owner, row: &Parameter) -> Option<usize> {
+    light::parameters_of(owner).iter().position(|known| **known == *row)
 }
 
-fn default_cone_softness() -> f64 {
-    light::DEFAULT_CONE_SOFTNESS
-}
+/// Reads the settings of a group.
+struct GroupOf(Owner, &'static str);
 
-impl Default for Spot {
-    fn default() -> Self {
-        Self::new(String::new(), &SpotLight::default())
+impl<'de> DeserializeSeed<'de> for GroupOf {
+    type Value = Vec<Setting>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Vec<Setting>, D::Error> {
+        deserializer.deserialize_map(self)
     }
 }
 
-impl Default for Transform {
-    fn default() -> Self {
-        Self::from(light::Transform::default())
+impl<'de> Visitor<'de> for GroupOf {
+    type Value = Vec<Setting>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "an object: a {}", self.1)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Vec<Setting>, A::Error> {
+        let (rows, names): (Vec<_>, Vec<_>) = group(self.0, self.1).unzip();
+        let mut settings: Vec<Setting> = Vec::new();
+        while let Some(index) = map.next_key_seed(OneOf(&names))? {
+            let parameter = rows[index];
+            if settings.iter().any(|setting| setting.parameter == parameter) {
+                return Err(de::Error::duplicate_field(names[index]));
+            }
+            settings.push(Setting { parameter, value: map.next_value_seed(ValueOf(parameter))? });
+        }
+        Ok(settings)
     }
 }
 
-impl From<light::Transform> for Transform {
-    fn from(t: light::Transform) -> Self {
-        Self { translation: t.translation.to_array(), rotation: t.rotation.to_array(), scale: t.scale }
+/// Reads a field's name and gives its index.
+struct OneOf<'a>(&'a [&'static str]);
+
+impl<'de> DeserializeSeed<'de> for OneOf<'_> {
+    type Value = usize;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        let index = self.0.iter().position(|known| *known == name);
+        index.ok_or_else(|| unknown("field", &name, self.0.iter().copied()))
     }
 }
 
-impl From<Transform> for light::Transform {
-    fn from(t: Transform) -> Self {
-        Self { translation: t.translation.into(), rotation: DQuat::from_array(t.rotation), scale: t.scale }
+impl Light {
+    fn value(&self, row: &Parameter) -> Option<&Value> {
+        self.settings.iter().find(|setting| *setting.parameter == *row).map(|setting| &setting.value)
+    }
+
+    /// The control points that the lists come to.
+    fn points(&self) -> Result<Vec<ControlPoint>, LightError> {
+        let given = |row: &Parameter| self.lists.iter().find(|(known, _)| **known == *row);
+        let rows = light::parameters_of(Owner::Point);
+        let count = given(&light::parameters::POSITION).map_or(0, |(_, positions)| positions.len());
+        if count < 3 {
+            return Err(LightError::TooFewPoints(count));
+        }
+        let mut points = vec![ControlPoint::new(glam::DVec3::ZERO, 0.0); count];
+        for (row, values) in rows.iter().filter_map(|row| given(row)) {
+            if values.len() != count {
+                return Err(LightError::LengthMismatch {
+                    field: row.path,
+                    count: values.len(),
+                    points: count,
+                });
+            }
+            for (point, value) in points.iter_mut().zip(values) {
+                point.set(&Setting { parameter: row, value: value.clone() });
+            }
+        }
+        Ok(points)
     }
 }
 
 impl From<&light::Light> for Light {
     fn from(light: &light::Light) -> Self {
-        let name = light.name.clone();
-        match &light.kind {
-            LightKind::Bendy(bendy) => Self::Bendy(Bendy::new(name, bendy)),
-            LightKind::Spot(spot) => Self::Spot(Spot::new(name, spot)),
-        }
+        let owner = light.owner();
+        let given = light.values().filter(|(row, value)| says_something(owner, row, value));
+        let settings = given.map(|(parameter, value)| Setting { parameter, value: value.clone() });
+        let lists = light::parameters_of(Owner::Point).iter().filter(|_| light.owner() == Owner::Bendy);
+        let list = |row: &&'static Parameter| {
+            (*row, light.points().iter().filter_map(|point| point.value(row)).collect())
+        };
+        Self { owner, settings: settings.collect(), lists: lists.map(list).collect() }
     }
 }
 
-impl TryFrom<Light> for light::Light {
+impl From<&CheckedLight> for Light {
+    fn from(light: &CheckedLight) -> Self {
+        light.light().into()
+    }
+}
+
+impl TryFrom<Light> for CheckedLight {
     type Error = LightError;
 
-    /// Every light that comes out can be evaluated: the model's own checks run here.
-    fn try_from(light: Light) -> Result<Self, LightError> {
-        match light {
-            Light::Bendy(wire) => {
-                let name = wire.name.clone();
-                let bendy = BendyLight::from(wire);
-                Tube::<f64>::new(&bendy)?;
-                Ok(Self { name, kind: LightKind::Bendy(bendy) })
+    fn try_from(wire: Light) -> Result<Self, LightError> {
+        let shape = match wire.owner {
+            Owner::Bendy => Shape::Bendy(wire.points()?),
+            _ => Shape::Spot,
+        };
+        let mut light = light::Light::new(shape);
+        wire.settings.into_iter().for_each(|setting| light.set(setting));
+        CheckedLight::new(light)
+    }
+}
+
+/// The names that lights of each shape have in schemas.
+struct BendySchema;
+/// See [`BendySchema`].
+struct SpotSchema;
+
+fn light_schema(owner: Owner, doc: &str, generator: &SchemaGenerator) -> Schema {
+    let written = generator.settings().contract == Contract::Serialize;
+    let with_default = |row: &Parameter, of: Owner| {
+        let mut schema = schema(row);
+        if let Some(default) = row.default(of).filter(|default| *default != Value::Absent)
+            && let Ok(default) = serde_json::to_value(Written(&default))
+        {
+            schema.insert("default".into(), default);
+        }
+        schema
+    };
+    let object = |properties: Map<String, serde_json::Value>, required: Vec<&str>| json!({"type": "object", "properties": properties, "required": required, "additionalProperties": false});
+    let optional = |row: &Parameter| row.default(owner) == Some(Value::Absent);
+    let (mut properties, mut required) = (Map::new(), vec!["type"]);
+    for field in Field::all(owner) {
+        let schema = match field {
+            Field::Type => json!({"type": "string", "const": type_of(owner), "default": type_of(owner)}),
+            Field::Group(name) => {
+                let rows = || group(owner, name);
+                let properties = rows().map(|(row, field)| (field.into(), with_default(row, owner).into()));
+                object(properties.collect(), rows().map(|(_, field)| field).filter(|_| written).collect())
             }
-            Light::Spot(wire) => {
-                let name = wire.name.clone();
-                let spot = SpotLight::from(wire);
-                check_spot(&spot)?;
-                Ok(Self { name, kind: LightKind::Spot(spot) })
+            Field::Parameter(row) => with_default(row, owner).into(),
+            Field::List(row) => {
+                let mut items = schema(row);
+                items.remove("description");
+                json!({"type": "array", "items": items, "description": format!("{} One a control point.", row.doc)})
             }
-        }
+        };
+        let needed = match field {
+            Field::Type => false,
+            Field::Group(_) => written,
+            Field::Parameter(row) => written && !optional(row),
+            Field::List(row) => written || row.default(Owner::Point).is_none(),
+        };
+        required.extend(needed.then_some(field.name()));
+        properties.insert(field.name().into(), schema);
+    }
+    let mut schema = object(properties, required);
+    schema["description"] = doc.into();
+    schema.try_into().unwrap_or_default()
+}
+
+impl JsonSchema for BendySchema {
+    fn schema_name() -> Cow<'static, str> {
+        "Bendy".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let doc = "Light along a spline. Each list has one value a control point, three or more; the first is the source.";
+        light_schema(Owner::Bendy, doc, generator)
     }
 }
 
-impl Bendy {
-    fn new(name: String, light: &BendyLight) -> Self {
-        Self {
-            r#type: BendyType::Bendy,
-            name,
-            transform: light.transform.into(),
-            points: light.points.iter().map(DVec3::to_array).collect(),
-            radii: light.radii.clone(),
-            colors: Some(light.colors.iter().map(DVec3::to_array).collect()),
-            intensities: Some(light.intensities.clone()),
-            up: light.up.to_array(),
-            cone_angle: light.cone_angle,
-            cone_softness: light.cone_softness,
-            frame: light.frame,
-            direction: light.direction,
-            end_mode: light.end_mode,
-            decay: light.decay,
-        }
+impl JsonSchema for SpotSchema {
+    fn schema_name() -> Cow<'static, str> {
+        "Spot".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        light_schema(Owner::Spot, "Light along straight lines.", generator)
     }
 }
 
-impl From<Bendy> for BendyLight {
-    fn from(wire: Bendy) -> Self {
-        let points = wire.points.into_iter().map(DVec3::from).collect();
-        let defaults = Self::new(points, wire.radii);
-        Self {
-            transform: wire.transform.into(),
-            colors: wire.colors.map_or(defaults.colors, |c| c.into_iter().map(DVec3::from).collect()),
-            intensities: wire.intensities.unwrap_or(defaults.intensities),
-            up: wire.up.into(),
-            cone_angle: wire.cone_angle,
-            cone_softness: wire.cone_softness,
-            frame: wire.frame,
-            direction: wire.direction,
-            end_mode: wire.end_mode,
-            decay: wire.decay,
-            points: defaults.points,
-            radii: defaults.radii,
-        }
+impl JsonSchema for Light {
+    fn schema_name() -> Cow<'static, str> {
+        "Light".into()
     }
-}
 
-impl Spot {
-    fn new(name: String, light: &SpotLight) -> Self {
-        Self {
-            r#type: SpotType::Spot,
-            name,
-            transform: light.transform.into(),
-            color: light.color.to_array(),
-            intensity: light.intensity,
-            cone_angle: light.cone_angle,
-            cone_softness: light.cone_softness,
-            range: light.range,
-            decay: light.decay,
-        }
-    }
-}
-
-impl From<Spot> for SpotLight {
-    fn from(wire: Spot) -> Self {
-        Self {
-            transform: wire.transform.into(),
-            color: wire.color.into(),
-            intensity: wire.intensity,
-            cone_angle: wire.cone_angle,
-            cone_softness: wire.cone_softness,
-            range: wire.range,
-            decay: wire.decay,
-        }
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let shapes = [generator.subschema_for::<BendySchema>(), generator.subschema_for::<SpotSchema>()];
+        schemars::json_schema!({"description": "One light. The field `type` says which.", "anyOf": shapes})
     }
 }

@@ -1,15 +1,17 @@
 //! Light files: JSON with one light, or an array of lights.
 
+use light::{CheckedLight, Owner};
 use serde::{Deserialize, Serialize};
 use serde_json::ser::Formatter;
 use serde_json::value::RawValue;
 use std::io::{self, Write};
 
-use crate::error::from_json;
+use crate::error::{from_json, seeded_from_json};
+use crate::light::LightOf;
 use crate::{FileError, Light};
 
 /// Reads a light file's text: one light, or an array of them, each valid. An empty array holds no lights.
-pub fn parse(text: &str) -> Result<Vec<light::Light>, FileError> {
+pub fn parse(text: &str) -> Result<Vec<CheckedLight>, FileError> {
     if !text.trim_start().starts_with('[') {
         return Ok(vec![parse_light(text)?]);
     }
@@ -21,7 +23,7 @@ pub fn parse(text: &str) -> Result<Vec<light::Light>, FileError> {
         .collect()
 }
 
-fn parse_light(text: &str) -> Result<light::Light, FileError> {
+fn parse_light(text: &str) -> Result<CheckedLight, FileError> {
     #[derive(Deserialize)]
     #[serde(rename_all = "camelCase")]
     enum Type {
@@ -33,11 +35,12 @@ fn parse_light(text: &str) -> Result<light::Light, FileError> {
     struct Typed {
         r#type: Type,
     }
-    let light = match from_json::<Typed>(text)?.r#type {
-        Type::Bendy => Light::Bendy(from_json(text)?),
-        Type::Spot => Light::Spot(from_json(text)?),
+    let owner = match from_json::<Typed>(text)?.r#type {
+        Type::Bendy => Owner::Bendy,
+        Type::Spot => Owner::Spot,
     };
-    light::Light::try_from(light).map_err(|reason| FileError::Model { place: String::new(), reason })
+    let light = seeded_from_json(text, LightOf(owner))?;
+    CheckedLight::try_from(light).map_err(|reason| FileError::Model { place: String::new(), reason })
 }
 
 /// A light file's text with one light: a line a field, every field given, ending without a newline.

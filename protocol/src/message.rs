@@ -5,7 +5,9 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::error::from_json;
-use crate::{Actor, Bounds, Camera, Change, Command, Document, ErrorCode, FileError, Record, Scope};
+use crate::{
+    Actor, Bounds, Camera, Command, Document, EditResult, ErrorCode, FileError, GestureState, Record, Scope,
+};
 
 /// The version of the protocol that `hello` and `welcome` name.
 pub const PROTOCOL: u32 = 1;
@@ -58,7 +60,7 @@ pub enum ClientMessage {
     },
     /// A frame has been decoded and shown.
     Ack {
-        /// Its number.
+        /// The number in its header.
         frame: u64,
     },
     /// One command.
@@ -67,7 +69,7 @@ pub enum ClientMessage {
         op_id: String,
         /// The latest record that the client knew.
         base_seq: u64,
-        /// The command.
+        /// What to change.
         command: Command,
     },
     /// Begins a drag.
@@ -81,7 +83,7 @@ pub enum ClientMessage {
     },
     /// The latest state of a drag.
     GestureUpdate {
-        /// Which.
+        /// The name that it was begun under.
         gesture: String,
         /// The client's number for this state.
         update: u64,
@@ -90,28 +92,28 @@ pub enum ClientMessage {
     },
     /// Ends a drag as one record.
     GestureCommit {
-        /// Which.
+        /// The name that it was begun under.
         gesture: String,
         /// The client's name for the record.
         op_id: String,
     },
     /// Ends a drag without a trace.
     GestureCancel {
-        /// Which.
+        /// The name that it was begun under.
         gesture: String,
     },
     /// Takes back a step.
     Undo {
         /// The client's name for it.
         op_id: String,
-        /// Whose.
+        /// One's own steps, or anybody's.
         scope: Scope,
     },
     /// Takes back an undo.
     Redo {
         /// The client's name for it.
         op_id: String,
-        /// Whose.
+        /// One's own steps, or anybody's.
         scope: Scope,
     },
     /// What this person is looking at.
@@ -146,7 +148,7 @@ pub enum ServerMessage {
     Welcome(Box<Welcome>),
     /// A committed record.
     Log {
-        /// The record.
+        /// In full, without references.
         record: Box<Record>,
         /// The document's hash after it.
         hash: String,
@@ -277,43 +279,6 @@ pub struct Settings {
     pub max_view_side: u32,
 }
 
-/// The answer to a request that ends in a record.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct EditResult {
-    /// The sender's name for it.
-    pub op_id: String,
-    /// What became of it.
-    pub status: EditStatus,
-    /// Its record, where it was committed.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub seq: Option<u64>,
-    /// What undo or redo left as it was, a sentence each.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub skipped: Vec<String>,
-    /// Why it was rejected or is unknown, for programs.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub code: Option<ErrorCode>,
-    /// Why it was rejected or is unknown, for people.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub message: Option<String>,
-}
-
-/// What became of a request.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-pub enum EditStatus {
-    /// In the log.
-    Committed,
-    /// In the log, after another's change of the same light that the sender did not know.
-    Rebased,
-    /// Not carried out, however often it is sent again under this name.
-    Rejected,
-    /// The disk failed while it was written down: it may be in the log or not. Sent again under the same name it is
-    /// carried out at most once.
-    Unknown,
-}
-
 /// What undo and redo would take back.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
@@ -348,54 +313,13 @@ pub struct HistoryStep {
     pub what: String,
 }
 
-/// A drag as all clients see it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct GestureState {
-    /// Its holder's name for it.
-    pub gesture: String,
-    /// Its holder.
-    pub client: u64,
-    /// The light it is on.
-    pub light: u64,
-    /// The latest update.
-    pub update: u64,
-    /// The session's count of gesture changes; frames carry it.
-    pub live_revision: u32,
-    /// What it changes in the document now.
-    pub changes: Vec<Change>,
-    /// How it ended; missing while it is under way.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ended: Option<GestureEnd>,
-    /// Why an update or a commit was refused, for programs.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub code: Option<ErrorCode>,
-    /// Why an update or a commit was refused, for people.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub message: Option<String>,
-}
-
-/// How a drag ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-pub enum GestureEnd {
-    /// As a record.
-    Committed,
-    /// By its holder, or with the connection.
-    Cancelled,
-    /// Without an update for too long.
-    Expired,
-    /// The begin or the commit was refused.
-    Rejected,
-}
-
 /// One client of a session.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Presence {
-    /// Its number.
+    /// The number that the server gave it.
     pub client: u64,
-    /// Who.
+    /// Who edits with it.
     pub actor: Actor,
     /// The light that is selected.
     pub selection: Option<u64>,

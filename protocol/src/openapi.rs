@@ -9,7 +9,8 @@ use serde_json::{Map, Value, json};
 use crate::ErrorCode as Code;
 use crate::schema::{Face, definitions, generator, name};
 use crate::{
-    Asset, Document, EditResults, Edits, ErrorBody, NewSession, PROTOCOL, Record, SessionList, SessionState,
+    Asset, Document, EditResults, Edits, ErrorBody, NewSession, PROTOCOL, ParameterTable, Record,
+    RenderLimits, RenderRequest, SessionList, SessionState,
 };
 
 /// Where schemas stand.
@@ -82,8 +83,10 @@ pub fn openapi() -> Value {
     name::<Document>(&mut generator);
     name::<Record>(&mut generator);
     let mut paths: BTreeMap<&str, Map<String, Value>> = BTreeMap::new();
-    let operations =
-        of_sessions(&mut generator).into_iter().chain(of_scenes(&mut generator)).chain(of_service());
+    let operations = of_sessions(&mut generator)
+        .into_iter()
+        .chain(of_scenes(&mut generator))
+        .chain(of_service(&mut generator));
     for operation in operations {
         let (path, method) = (operation.path, operation.method);
         paths.entry(path).or_default().insert(method.into(), operation.into_json(&problem));
@@ -191,9 +194,17 @@ fn of_scenes(g: &mut SchemaGenerator) -> Vec<Operation> {
     vec![upload.with(vec![name_of_scene])]
 }
 
-fn of_service() -> Vec<Operation> {
+fn of_service(g: &mut SchemaGenerator) -> Vec<Operation> {
     let open = Operation { tag: "service", codes: &[ANYBODY], ..Operation::default() };
     vec![
+        Operation {
+            path: "/parameters",
+            id: "getParameters",
+            summary: "All that can be set on lights, control points and cameras: a row each.",
+            answer: json_content(&name::<ParameterTable>(g)),
+            codes: &[ANYBODY, WITH_TOKEN],
+            ..open.clone()
+        },
         Operation {
             path: "/metrics",
             id: "getMetrics",
@@ -307,23 +318,27 @@ fn log_parameters() -> Vec<Value> {
 }
 
 fn picture_parameters() -> Vec<Value> {
+    let RenderLimits { max_side, max_samples } = RenderLimits::HTTP;
+    let RenderRequest { aov, samples, fill, .. } = RenderRequest::default();
     vec![
         query("camera", "Id or name of a camera; the first by default.", &json!({"type": "string"})),
         query(
             "size",
-            "Width and height in pixels, at most 4096 each; by default 640x360, or about as many pixels in the camera's \
-                own shape.",
+            &format!(
+                "Width and height in pixels, at most {max_side} each; by default 640x360, or about as many pixels in the \
+                    camera's own shape."
+            ),
             &json!({"type": "string", "pattern": "^0*[1-9][0-9]*x0*[1-9][0-9]*$"}),
         ),
         query(
             "aov",
             "What the picture shows.",
-            &json!({"type": "string", "enum": Aov::NAMES, "default": "beauty"}),
+            &json!({"type": "string", "enum": Aov::NAMES, "default": aov.name()}),
         ),
         query(
             "samples",
             "Samples a pixel.",
-            &json!({"type": "integer", "minimum": 1, "maximum": 64, "default": 1}),
+            &json!({"type": "integer", "minimum": 1, "maximum": max_samples, "default": samples}),
         ),
         query(
             "light",
@@ -333,7 +348,7 @@ fn picture_parameters() -> Vec<Value> {
         query(
             "fill",
             "How much of the scene's fill the beauty has: 0 leaves the lights' own radiance.",
-            &json!({"type": "number", "minimum": View::FILL.start(), "maximum": View::FILL.end(), "default": 1}),
+            &json!({"type": "number", "minimum": View::FILL.start(), "maximum": View::FILL.end(), "default": fill as u32}),
         ),
         query(
             "at",

@@ -35,7 +35,8 @@ fn last_digit(number: &str) -> f64 {
     let decimals = digits.split_once('.').map_or(0, |(_, decimals)| decimals.len());
     // An exponent too long for i32 is that of a zero, or of what is rounded to one.
     let exponent: i32 = exponent.parse().unwrap_or(0);
-    10_f64.powi(exponent.saturating_sub(i32::try_from(decimals).unwrap_or(i32::MAX)))
+    let exponent = exponent.saturating_sub(i32::try_from(decimals).unwrap_or(i32::MAX));
+    format!("1e{exponent}").parse().expect("a power of ten")
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! Changes and records in JSON, and the lines of a log file.
 
-use document::{CameraId, Layout};
-use glam::DVec3;
-use light::LightId;
+use std::sync::Arc;
+
+use document::{CameraId, EditError, Layout};
+use light::{ControlPoint, LightError, LightId, Setting};
 use schemars::JsonSchema;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
@@ -14,8 +15,8 @@ use crate::{
 };
 
 /// The format of records that this version writes. Earlier ones are upgraded when they are read: 1 knew neither
-/// `rebased` nor references.
-pub const FORMAT: u32 = 2;
+/// `rebased` nor references; up to 2 a document's hash was over the fields that lights had then.
+pub const FORMAT: u32 = 3;
 
 /// Bytes of one record in JSON, in full. One that replaces a document at its limits (256 lights of 258 control points)
 /// by another such takes 28 MiB.
@@ -134,13 +135,20 @@ pub struct Record {
 impl Record {
     /// Reads a record in full, of any format up to [`FORMAT`]. What a later format added has its default in an earlier one.
     pub fn parse(text: &str) -> Result<Self, FileError> {
+        // Before the rest is looked at: a later format may have fields that are not known here.
+        Self::format_of(text)?;
+        from_json(text)
+    }
+
+    /// The format of a record, one that is known.
+    pub fn format_of(text: &str) -> Result<u32, FileError> {
         #[derive(Deserialize)]
         struct Versioned {
             format: u32,
         }
-        // Before the rest is looked at: a later format may have fields that are not known here.
-        known_format(from_json::<Versioned>(text)?.format).map_err(FileError::Format)?;
-        from_json(text)
+        let Versioned { format } = from_json(text)?;
+        known_format(format).map_err(FileError::Format)?;
+        Ok(format)
     }
 
     /// What its sender was told of a record besides its sequence, whether it was rebased and what was skipped: as the
@@ -177,7 +185,7 @@ pub(crate) fn known_format(found: u32) -> Result<(), Refused> {
 
 impl From<&document::PlacedLight> for PlacedLight {
     fn from(placed: &document::PlacedLight) -> Self {
-        Self { layout: placed.layout.0, light: Light::from(&placed.light) }
+        Self { layout: placed.layout.0, light: Light::from(&*placed.light) }
     }
 }
 
@@ -185,32 +193,53 @@ impl TryFrom<PlacedLight> for document::PlacedLight {
     type Error = Refused;
 
     fn try_from(wire: PlacedLight) -> Result<Self, Refused> {
-        Ok(Self { layout: Layout(wire.layout), light: wire.light.try_into()? })
+        Ok(Self { layout: Layout(wire.layout), light: Arc::new(wire.light.try_into()?) })
     }
 }
 
 impl From<document::ControlPoints> for ControlPoints {
     fn from(domain: document::ControlPoints) -> Self {
+        let points = domain.points.iter();
         Self {
             layout: domain.layout.0,
-            points: domain.points.iter().map(DVec3::to_array).collect(),
-            radii: domain.radii,
-            colors: domain.colors.iter().map(DVec3::to_array).collect(),
-            intensities: domain.intensities,
+            points: points.clone().map(|point| point.position.to_array()).collect(),
+            radii: points.clone().map(|point| point.radius).collect(),
+            colors: points.clone().map(|point| point.color.to_array()).collect(),
+            intensities: points.map(|point| point.intensity).collect(),
         }
     }
 }
 
-impl From<ControlPoints> for document::ControlPoints {
-    fn from(wire: ControlPoints) -> Self {
-        Self {
-            layout: Layout(wire.layout),
-            points: wire.points.into_iter().map(DVec3::from).collect(),
-            radii: wire.radii,
-            colors: wire.colors.into_iter().map(DVec3::from).collect(),
-            intensities: wire.intensities,
+impl TryFrom<ControlPoints> for document::ControlPoints {
+    type Error = Refused;
+
+    fn try_from(wire: ControlPoints) -> Result<Self, Refused> {
+        let ControlPoints { layout, points, radii, colors, intensities } = wire;
+        for (field, count) in
+            [("radii", radii.len()), ("colors", colors.len()), ("intensities", intensities.len())]
+        {
+            if count != points.len() {
+                return Err(LightError::LengthMismatch { field, count, points: points.len() }.into());
+            }
         }
+        let values = points.into_iter().zip(radii).zip(colors).zip(intensities);
+        let point = |(((position, radius), color), intensity): (((Vec3, f64), Vec3), f64)| ControlPoint {
+            position: position.into(),
+            radius,
+            color: color.into(),
+            intensity,
+        };
+        Ok(Self { layout: Layout(layout), points: values.map(point).collect() })
     }
+}
+
+/// Old and new value of one parameter; refused where they are of two.
+fn of_one(old: impl Into<Setting>, new: impl Into<Setting>) -> Result<(Setting, Setting), Refused> {
+    let (old, new) = (old.into(), new.into());
+    if old.parameter == new.parameter {
+        return Ok((old, new));
+    }
+    Err(EditError::Conflict(format!("{} into {}", old.parameter.name, new.parameter.name)).into())
 }
 
 impl From<&document::Change> for Change {
@@ -222,14 +251,16 @@ impl From<&document::Change> for Change {
             }
             C::Light { light, old, new } => Self::Light {
                 light: light.0,
-                old: old.as_deref().map(|p| Box::new(p.into())),
-                new: new.as_deref().map(|p| Box::new(p.into())),
+                old: old.as_ref().map(|p| Box::new(p.into())),
+                new: new.as_ref().map(|p| Box::new(p.into())),
             },
-            C::LightParameter { light, old, new } => {
-                Self::LightParameter { light: light.0, old: old.into(), new: new.into() }
+            C::LightParameter { light, parameter, old, new } => {
+                let [old, new] = [old, new].map(|value| Setting { parameter, value }.into());
+                Self::LightParameter { light: light.0, old, new }
             }
-            C::Point { light, layout, point, old, new } => {
-                Self::Point { light: light.0, layout: layout.0, point, old: old.into(), new: new.into() }
+            C::Point { light, layout, point, parameter, old, new } => {
+                let [old, new] = [old, new].map(|value| Setting { parameter, value }.into());
+                Self::Point { light: light.0, layout: layout.0, point, old, new }
             }
             C::ControlPoints { light, old, new } => {
                 Self::ControlPoints { light: light.0, old: old.into(), new: new.into() }
@@ -252,7 +283,7 @@ impl TryFrom<Change> for document::Change {
     fn try_from(wire: Change) -> Result<Self, Refused> {
         let scene = |scene: Option<SceneRef>| scene.map(document::SceneRef::try_from).transpose();
         let placed = |placed: Option<Box<PlacedLight>>| {
-            placed.map(|p| document::PlacedLight::try_from(*p).map(Box::new)).transpose()
+            placed.map(|p| document::PlacedLight::try_from(*p)).transpose()
         };
         Ok(match wire {
             Change::Scene { old, new } => Self::Scene { old: scene(old)?, new: scene(new)? },
@@ -260,17 +291,17 @@ impl TryFrom<Change> for document::Change {
                 Self::Light { light: LightId(light), old: placed(old)?, new: placed(new)? }
             }
             Change::LightParameter { light, old, new } => {
-                Self::LightParameter { light: LightId(light), old: old.into(), new: new.into() }
+                let (old, new) = of_one(old, new)?;
+                let (parameter, old, new) = (new.parameter, old.value, new.value);
+                Self::LightParameter { light: LightId(light), parameter, old, new }
             }
-            Change::Point { light, layout, point, old, new } => Self::Point {
-                light: LightId(light),
-                layout: Layout(layout),
-                point,
-                old: old.into(),
-                new: new.into(),
-            },
+            Change::Point { light, layout, point, old, new } => {
+                let (old, new) = of_one(old, new)?;
+                let (parameter, old, new) = (new.parameter, old.value, new.value);
+                Self::Point { light: LightId(light), layout: Layout(layout), point, parameter, old, new }
+            }
             Change::ControlPoints { light, old, new } => {
-                Self::ControlPoints { light: LightId(light), old: old.into(), new: new.into() }
+                Self::ControlPoints { light: LightId(light), old: old.try_into()?, new: new.try_into()? }
             }
             Change::Camera { camera, old, new } => {
                 Self::Camera { camera: CameraId(camera), old: old.map(Into::into), new: new.map(Into::into) }

@@ -11,6 +11,7 @@ const UNIONS: &[(&str, [&str; 2])] = &[
     ("Command", ["", ""]),
     ("Light", ["", ""]),
     ("LightParameter", ["Light", ""]),
+    ("ParameterKind", ["", "Kind"]),
     ("PointParameter", ["Point", ""]),
     ("Projection", ["", "Projection"]),
     ("ServerMessage", ["Server", ""]),

@@ -1,8 +1,11 @@
 //! Light files: what they mean, that they keep every bit, and what is said of bad ones.
 
 use glam::{DQuat, DVec3};
-use light::{BendyLight, Decay, Direction, EndMode, Frame, SpotLight, Transform};
-use light::{Light, LightKind};
+use light::parameters::{
+    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, RANGE, TRANSLATION,
+    UP,
+};
+use light::{Decay, Direction, EndMode, Frame, Light, Transform};
 use proptest::prelude::*;
 use protocol::{light_file, point_file};
 
@@ -16,17 +19,14 @@ const SHORT: &str = r#"{"type": "bendy", "points": [[0,0,0],[0,0,-1],[0,0,-2]], 
 fn one(text: &str) -> Light {
     let mut lights = light_file::parse(text).expect("a valid light");
     assert_eq!(lights.len(), 1);
-    lights.remove(0)
+    lights.remove(0).light().clone()
 }
 
 #[test]
 fn everything_but_type_points_and_radii_has_its_documented_default() {
-    let mut expected = one(FULL);
-    let LightKind::Bendy(light) = &mut expected.kind else { panic!("a bendy light") };
-    light.transform = Transform::default();
-    expected.name = String::new();
+    let expected = one(FULL).placed(Transform::default()).with(NAME, String::new());
     assert_eq!(one(SHORT), expected);
-    assert_eq!(one(r#"{"type": "spot"}"#).kind, LightKind::Spot(SpotLight::default()));
+    assert_eq!(one(r#"{"type": "spot"}"#), Light::spot());
 }
 
 #[test]
@@ -36,38 +36,34 @@ fn every_field_is_read() {
         "intensities": [3,2,1], "up": [1,0,0], "coneAngle": 30, "coneSoftness": 0.5, "frame": "up",
         "direction": "path", "endMode": "extend", "decay": "linear"}"#;
     let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.0, 1.0, -2.0)];
-    let light = BendyLight {
-        transform: Transform {
+    let colors = [DVec3::X, DVec3::Y, DVec3::Z];
+    let light = Light::bendy(points, vec![0.0, 0.1, 0.2])
+        .placed(Transform {
             translation: DVec3::new(1.0, 2.0, 3.0),
             rotation: DQuat::from_xyzw(0.0, 1.0, 0.0, 0.0),
             scale: 2.0,
-        },
-        points,
-        radii: vec![0.0, 0.1, 0.2],
-        colors: vec![DVec3::X, DVec3::Y, DVec3::Z],
-        intensities: vec![3.0, 2.0, 1.0],
-        up: DVec3::X,
-        cone_angle: 30.0,
-        cone_softness: 0.5,
-        frame: Frame::Up,
-        direction: Direction::Path,
-        end_mode: EndMode::Extend,
-        decay: Decay::Linear,
-    };
-    assert_eq!(one(text), Light { name: "rim".into(), kind: LightKind::Bendy(light) });
+        })
+        .with_points(|i, point| (point.color, point.intensity) = (colors[i], 3.0 - i as f64))
+        .with(UP, DVec3::X)
+        .with(CONE_ANGLE, 30.0)
+        .with(CONE_SOFTNESS, 0.5)
+        .with(FRAME, Frame::Up)
+        .with(DIRECTION, Direction::Path)
+        .with(END_MODE, EndMode::Extend)
+        .with(DECAY, Decay::Linear);
+    assert_eq!(one(text), light.with(NAME, "rim".into()));
 
     let text = r#"{"type": "spot", "name": "lamp", "transform": {"translation": [1,2,3]}, "color": [1,0.5,0.25],
         "intensity": 40, "coneAngle": 35, "coneSoftness": 0.1, "range": 12, "decay": "none"}"#;
-    let light = SpotLight {
-        transform: Transform { translation: DVec3::new(1.0, 2.0, 3.0), ..Transform::default() },
-        color: DVec3::new(1.0, 0.5, 0.25),
-        intensity: 40.0,
-        cone_angle: 35.0,
-        cone_softness: 0.1,
-        range: Some(12.0),
-        decay: Decay::None,
-    };
-    assert_eq!(one(text), Light { name: "lamp".into(), kind: LightKind::Spot(light) });
+    let light = Light::spot()
+        .with(TRANSLATION, DVec3::new(1.0, 2.0, 3.0))
+        .with(COLOR, DVec3::new(1.0, 0.5, 0.25))
+        .with(INTENSITY, 40.0)
+        .with(CONE_ANGLE, 35.0)
+        .with(CONE_SOFTNESS, 0.1)
+        .with(RANGE, Some(12.0))
+        .with(DECAY, Decay::None);
+    assert_eq!(one(text), light.with(NAME, "lamp".into()));
 }
 
 #[test]
@@ -87,13 +83,13 @@ fn json_has_a_line_a_field() {
   "radii": [0.1, 0.4, 0.8],
   "colors": [[1.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 1.0, 1.0]],
   "intensities": [1.0, 1.0, 1.0],
-  "up": [0.0, 1.0, 0.0],
+  "decay": "none",
   "coneAngle": 25.0,
   "coneSoftness": 0.2,
-  "frame": "rotationMinimizing",
-  "direction": "tube",
   "endMode": "cut",
-  "decay": "none"
+  "direction": "tube",
+  "frame": "rotationMinimizing",
+  "up": [0.0, 1.0, 0.0]
 }"#;
     assert_eq!(json, expected);
 }
@@ -109,23 +105,17 @@ proptest! {
     ) {
         let [a, b, c, d, e] = numbers;
         let points = (0..3 + extra).map(|i| DVec3::new(a, b, -1.0 - c) * i as f64).collect();
-        let light = BendyLight {
-            transform: Transform {
+        let light = Light::bendy(points, vec![d; 3 + extra]).placed(Transform {
                 translation: translation.into(),
                 rotation: DQuat::from_array(rotation).normalize(),
                 scale: d + 0.5,
-            },
-            cone_angle: 1.0 + 80.0 * e,
-            cone_softness: a,
-            decay: if b < 0.5 { Decay::Linear } else { Decay::InverseSquare },
-            intensities: (0..3 + extra).map(|i| c * i as f64).collect(),
-            ..BendyLight::new(points, vec![d; 3 + extra])
-        };
-        let light = Light { name, kind: LightKind::Bendy(light) };
+            }).with(CONE_ANGLE, 1.0 + 80.0 * e).with(CONE_SOFTNESS, a).with(DECAY, if b < 0.5 { Decay::Linear } else { Decay::InverseSquare }).with_points(|i, point| point.intensity = c * i as f64);
+        let light = light.with(NAME, name);
         prop_assert_eq!(&one(&light_file::to_json(&light)), &light);
 
-        let spot = SpotLight { color: translation.into(), intensity: e, range: Some(a + 1.0), ..SpotLight::default() };
-        let spot = Light { name: "s".into(), kind: LightKind::Spot(SpotLight { color: spot.color.abs(), ..spot }) };
+        let color = glam::DVec3::from(translation).abs();
+        let spot = Light::spot().with(COLOR, color).with(INTENSITY, e).with(RANGE, Some(a + 1.0));
+        let spot = spot.with(NAME, "s".into());
         prop_assert_eq!(&one(&light_file::to_json(&spot)), &spot);
     }
 
@@ -147,7 +137,7 @@ proptest! {
         spoilt[at] = byte;
         if let Ok(lights) = light_file::parse(&spoilt.into_iter().collect::<String>()) {
             for light in lights {
-                prop_assert_eq!(&one(&light_file::to_json(&light)), &light);
+                prop_assert_eq!(&one(&light_file::to_json(light.light())), light.light());
             }
         }
     }
@@ -181,10 +171,10 @@ fn broken_json_is_refused_with_its_line_and_column() {
 
 #[test]
 fn a_wrong_shape_is_refused_with_its_place() {
-    let bendy_fields = "`type`, `name`, `transform`, `points`, `radii`, `colors`, `intensities`, `up`, \
-                        `coneAngle`, `coneSoftness`, `frame`, `direction`, `endMode`, `decay`";
-    let spot_fields = "`type`, `name`, `transform`, `color`, `intensity`, `coneAngle`, `coneSoftness`, \
-                       `range`, `decay`";
+    let bendy_fields = "`type`, `name`, `transform`, `points`, `radii`, `colors`, `intensities`, \
+                        `decay`, `coneAngle`, `coneSoftness`, `endMode`, `direction`, `frame`, `up`";
+    let spot_fields = "`type`, `name`, `transform`, `color`, `intensity`, `decay`, `coneAngle`, \
+                       `coneSoftness`, `range`";
     let light = "a light: an object with `type`, `points`, `radii` and so on";
     for (said, expected) in [
         (refusal("3"), format!("invalid type: integer `3`, expected {light}")),

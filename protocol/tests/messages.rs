@@ -174,7 +174,7 @@ fn fields_that_nobody_knows_are_refused() {
         for planted in with_gobo(&message) {
             let text = planted.to_string();
             let said = ClientMessage::parse(&text).expect_err(&text).to_string();
-            // Beside the one field of a parameter there can be no second, whatever its name.
+            // Beside the one field of a choice there can be no second, whatever its name.
             assert!(said.contains("`gobo`") || said.contains("map with a single key"), "{text}: {said}");
         }
     }

@@ -1,22 +1,15 @@
 //! Documents and records go through JSON and come back to the last bit.
 
-use std::sync::Arc;
-
-use document::{AssetHash, CameraId, CameraParameter, Command};
+use document::{AssetHash, CameraId, CameraParameter, Command, Context, SceneContents};
 use edit::{Actor, Request, Scope, Session, Sources};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use protocol::{Document, ErrorCode, LogLine, LogReader, Record, Refused, SessionCheckpoint};
-use scene::Scene;
 
 #[path = "../../crates/document/tests/editing/random.rs"]
 mod random;
 
 const SCENES: &[AssetHash] = &[AssetHash([1; 32]), AssetHash([2; 32])];
-
-fn find_scene(asset: &AssetHash) -> Option<Arc<Scene>> {
-    SCENES.contains(asset).then(Arc::default)
-}
 
 /// The log of those of `requests` that are valid.
 fn logged(requests: Vec<Result<Command, Scope>>) -> (Session, Vec<edit::Record>) {
@@ -33,8 +26,10 @@ fn logged(requests: Vec<Result<Command, Scope>>) -> (Session, Vec<edit::Record>)
         let actor = Actor { id: format!("actor {}", index % 2), name: "\u{1f4a1} \"A\"".into() };
         let time_ms = 1_790_000_000_000 + index as u64;
         let record = |seq: u64| log.get(seq as usize - 1).cloned();
-        let Ok(taken_back) = session.taken_back(&request, &actor.id, &record, &find_scene) else { continue };
-        let sources = Sources { scene: &find_scene, taken_back };
+        let Ok(taken_back) = session.taken_back(&request, &actor.id, &record) else { continue };
+        let contents = SceneContents::default();
+        let context = Context { loaded: Some(&contents), ..Context::default() };
+        let sources = Sources { context, taken_back };
         if let Ok(record) = session.request(request, &actor, &index.to_string(), time_ms, sources) {
             log.push(record);
         }
@@ -64,7 +59,7 @@ proptest! {
         for record in &log {
             let read = through_json(record);
             prop_assert_eq!(&read, record);
-            replayed.replay(&read, &find_scene).expect("the same log");
+            replayed.replay(&read).expect("the same log");
         }
         prop_assert_eq!(replayed.document().hash(), session.document().hash());
     }
@@ -76,7 +71,7 @@ proptest! {
         let checkpoint = SessionCheckpoint::from(&session);
         let read = SessionCheckpoint::parse(&checkpoint.to_json()).expect("what was written");
         prop_assert_eq!(&read, &checkpoint);
-        let read = read.into_domain(&find_scene).expect("a sound session");
+        let read = read.into_domain().expect("a sound session");
         prop_assert_eq!((read.seq(), read.past()), (session.seq(), session.past()));
         prop_assert_eq!(read.document().hash(), session.document().hash());
         prop_assert_eq!(read.document().last_number(), session.document().last_number());
@@ -90,10 +85,10 @@ proptest! {
         let wire: Document = protocol::parse_body(&text).expect("what was written");
         prop_assert!(wire.lights.is_sorted_by_key(|light| light.id));
         prop_assert!(wire.cameras.is_sorted_by_key(|camera| camera.id));
-        let read = wire.into_domain(0, &find_scene).expect("a sound document");
+        let read = wire.into_domain(0).expect("a sound document");
         prop_assert_eq!(read.hash(), document.hash());
         prop_assert_eq!((read.lights(), read.cameras()), (document.lights(), document.cameras()));
-        prop_assert_eq!(read.scene_ref(), document.scene_ref());
+        prop_assert_eq!(read.scene(), document.scene());
     }
 
     /// Every finite number, not only those that are likely.
@@ -127,7 +122,7 @@ fn a_planted_bit_is_seen() {
                 {{"type": "spot", "coneAngle": {angle}}}}}]}}"#
         );
         let wire: Document = protocol::parse_body(&text).expect("a document");
-        wire.into_domain(0, &find_scene).expect("a sound document").hash()
+        wire.into_domain(0).expect("a sound document").hash()
     };
     assert_eq!(light("30"), light("30.0"));
     assert_eq!(light("30.000000000000004"), light("3.0000000000000004e1"));
@@ -145,12 +140,6 @@ fn what_has_no_meaning_is_refused_on_the_way_in() {
     assert_eq!(command(fold).expect_err("it folds").code(), ErrorCode::InvalidLight);
     let unnamed = command(r#"{"type": "loadScene", "scene": "vases"}"#).expect_err("no hash");
     assert!(matches!(unnamed, Refused::Asset(_)), "{unnamed}");
-    let missing = format!(
-        r#"{{"scene": {{"asset": "{}", "name": "x"}}, "lights": [], "cameras": []}}"#,
-        AssetHash([9; 32])
-    );
-    let wire: Document = protocol::parse_body(&missing).expect("the right shape");
-    assert_eq!(wire.into_domain(0, &find_scene).expect_err("not here").code(), ErrorCode::UnknownAsset);
 }
 
 /// Rules: REC-5
@@ -162,11 +151,11 @@ fn a_record_of_a_later_format_is_refused_by_its_number() {
         "action":{"type":"edit","command":{"type":"removeLight","light":1}},"changes":[]}"#;
     let record = Record::parse(text).expect("format 1");
     edit::Record::try_from(record.clone()).expect("a sound record");
-    for found in ["0", "3", "4000000000"] {
+    for found in ["0", "4", "4000000000"] {
         let other = text.replace("\"format\":1", &format!("\"format\":{found},\"later\":[]"));
         let said = Record::parse(&other).expect_err("another format").to_string();
         assert!(said.contains(&format!("format {found} ")), "not by the field it does not know: {said}");
     }
-    let made = Record { format: 3, ..record };
-    assert_eq!(edit::Record::try_from(made), Err(Refused::Format { found: 3 }));
+    let made = Record { format: 4, ..record };
+    assert_eq!(edit::Record::try_from(made), Err(Refused::Format { found: 4 }));
 }

@@ -4,12 +4,15 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use document::{AssetHash, CameraId, CameraParameter, Command, LightParameter, PointParameter, changes_of};
+use document::{AssetHash, CameraId, CameraParameter, Command, Context, SceneContents};
 use glam::{DQuat, DVec3};
-use light::{BendyLight, Decay, Direction, EndMode, Frame, SpotLight, Tube};
-use light::{LightId, LightKind};
-use protocol::{Change, Document, Light};
-use scene::{Camera, Projection, Scene};
+use light::parameters::{
+    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, POINT_COLOR,
+    POINT_INTENSITY, POSITION, RADIUS, RANGE, UP,
+};
+use light::{CheckedLight, Decay, Direction, EndMode, Frame, Light, LightId, Tube};
+use protocol::{Change, Document, parameter_table};
+use scene::{Camera, Projection};
 use serde_json::{Value, json};
 use stream::{Codec, Flags, FrameHeader, Tile};
 
@@ -33,16 +36,17 @@ const BENDY: LightId = LightId(1);
 const SPOT: LightId = LightId(2);
 const EYE: CameraId = CameraId(3);
 
-fn bendy() -> light::Light {
+fn bendy() -> Light {
     let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.5, 0.25, -2.0)];
-    light::Light {
-        name: "key".into(),
-        kind: LightKind::Bendy(BendyLight::new(points, vec![0.125, 0.25, 0.5])),
-    }
+    Light::bendy(points, vec![0.125, 0.25, 0.5]).with(NAME, "key".into())
 }
 
-fn spot() -> light::Light {
-    light::Light { name: "lamp".into(), kind: LightKind::Spot(SpotLight::default()) }
+fn spot() -> Light {
+    Light::spot().with(NAME, "lamp".into())
+}
+
+fn checked(light: Light) -> Arc<CheckedLight> {
+    Arc::new(CheckedLight::new(light).expect("a valid light"))
 }
 
 fn eye() -> Camera {
@@ -54,22 +58,23 @@ fn eye() -> Camera {
 /// A scene with a spotlight.
 const ROOM: AssetHash = AssetHash([1; 32]);
 
-fn find_scene(asset: &AssetHash) -> Option<Arc<Scene>> {
-    let scene = Scene { lights: vec![spot()], cameras: vec![eye()], ..Scene::default() };
-    (*asset == ROOM).then(|| Arc::new(scene))
+fn contents() -> SceneContents {
+    SceneContents { lights: vec![checked(spot())], cameras: vec![eye()] }
 }
 
 /// What `command` does to `document`, which goes on from there.
 fn done(document: &mut document::Document, command: &Command) -> Vec<document::Change> {
-    let changes = changes_of(document, command, &find_scene).expect("a valid command");
-    document.apply(&changes, &find_scene).expect("changes just made");
-    changes
+    let contents = contents();
+    let context = Context { loaded: Some(&contents), ..Context::default() };
+    let edited = document::edited(document, command, context).expect("a valid command");
+    *document = edited.document;
+    edited.changes
 }
 
 fn edited() -> document::Document {
     let mut document = document::Document::default();
-    done(&mut document, &Command::AddLight(Box::new(bendy())));
-    done(&mut document, &Command::AddLight(Box::new(spot())));
+    done(&mut document, &Command::AddLight(checked(bendy())));
+    done(&mut document, &Command::AddLight(checked(spot())));
     done(&mut document, &Command::AddCamera(eye()));
     document
 }
@@ -97,8 +102,8 @@ fn there_and_back((name, command): &(&str, Command)) -> [Value; 2] {
 /// A command for each type of change, and for what comes and goes.
 fn commands() -> Vec<(&'static str, Command)> {
     let (vector, rotation) = (DVec3::new(0.5, 0.25, 0.125), DQuat::from_xyzw(0.0, 0.6, 0.0, 0.8));
-    let set_light = |light, parameter| Command::SetLight { light, parameter };
-    let set_point = |parameter| Command::SetPoint { light: BENDY, point: 1, parameter };
+    let set_light = |light, setting| Command::SetLight { light, setting };
+    let set_point = |setting| Command::SetPoint { light: BENDY, point: 1, setting };
     let set_camera = |parameter| Command::SetCamera { camera: EYE, parameter };
     let (position, radius, color, intensity) = (None, None, None, None);
     let orthographic =
@@ -106,24 +111,24 @@ fn commands() -> Vec<(&'static str, Command)> {
     let (translation, scale) = (Some(vector), Some(2.0));
     vec![
         ("a scene", Command::LoadScene { asset: ROOM, name: "room".into() }),
-        ("a light that comes", Command::AddLight(Box::new(bendy()))),
+        ("a light that comes", Command::AddLight(checked(bendy()))),
         ("a light that goes", Command::RemoveLight(BENDY)),
         ("a light placed", Command::PlaceLight { light: SPOT, translation, rotation: Some(rotation), scale }),
-        ("a light's name", set_light(BENDY, LightParameter::Name("rim \u{e9} \"".into()))),
-        ("a light's cone angle", set_light(BENDY, LightParameter::ConeAngle(30.1))),
-        ("a light's softness", set_light(SPOT, LightParameter::ConeSoftness(0.75))),
-        ("a light's decay", set_light(SPOT, LightParameter::Decay(Decay::Linear))),
-        ("a bendy light's up", set_light(BENDY, LightParameter::Up(vector))),
-        ("a bendy light's frame", set_light(BENDY, LightParameter::Frame(Frame::Up))),
-        ("a bendy light's direction", set_light(BENDY, LightParameter::Direction(Direction::Path))),
-        ("a bendy light's end", set_light(BENDY, LightParameter::EndMode(EndMode::Extend))),
-        ("a spotlight's colour", set_light(SPOT, LightParameter::Color(vector))),
-        ("a spotlight's intensity", set_light(SPOT, LightParameter::Intensity(3.5))),
-        ("a spotlight's range", set_light(SPOT, LightParameter::Range(Some(6.5)))),
-        ("a point's position", set_point(PointParameter::Position(DVec3::new(0.1, 0.2, -1.1)))),
-        ("a point's radius", set_point(PointParameter::Radius(0.3))),
-        ("a point's colour", set_point(PointParameter::Color(vector))),
-        ("a point's intensity", set_point(PointParameter::Intensity(3.5))),
+        ("a light's name", set_light(BENDY, NAME.to("rim \u{e9} \"".into()))),
+        ("a light's cone angle", set_light(BENDY, CONE_ANGLE.to(30.1))),
+        ("a light's softness", set_light(SPOT, CONE_SOFTNESS.to(0.75))),
+        ("a light's decay", set_light(SPOT, DECAY.to(Decay::Linear))),
+        ("a bendy light's up", set_light(BENDY, UP.to(vector))),
+        ("a bendy light's frame", set_light(BENDY, FRAME.to(Frame::Up))),
+        ("a bendy light's direction", set_light(BENDY, DIRECTION.to(Direction::Path))),
+        ("a bendy light's end", set_light(BENDY, END_MODE.to(EndMode::Extend))),
+        ("a spotlight's colour", set_light(SPOT, COLOR.to(vector))),
+        ("a spotlight's intensity", set_light(SPOT, INTENSITY.to(3.5))),
+        ("a spotlight's range", set_light(SPOT, RANGE.to(Some(6.5)))),
+        ("a point's position", set_point(POSITION.to(DVec3::new(0.1, 0.2, -1.1)))),
+        ("a point's radius", set_point(RADIUS.to(0.3))),
+        ("a point's colour", set_point(POINT_COLOR.to(vector))),
+        ("a point's intensity", set_point(POINT_INTENSITY.to(3.5))),
         (
             "a point inserted",
             Command::InsertPoint { light: BENDY, point: 2, position, radius, color, intensity },
@@ -151,30 +156,27 @@ fn changes_do_the_same_on_both_sides() {
 }
 
 /// The curve of `light`, of scale 1, at `t`: light-local position, radius, and P'(t).
-fn curve_case(light: &light::Light, t: f64) -> Value {
-    let LightKind::Bendy(bendy) = &light.kind else { panic!("a BendyLight") };
-    let tube = Tube::<f64>::new(bendy).expect("a valid light");
-    let local_per_tube = tube.placement.world_per_tube / bendy.transform.scale;
+fn curve_case(light: &Light, t: f64) -> Value {
+    let tube = Tube::<f64>::new(light).expect("a valid light");
+    let local_per_tube = tube.placement.world_per_tube / light.transform().scale;
     let index = (t.floor() as usize).min(tube.n - 1);
-    let (segment, u) = (&tube.segments[index], t - index as f64);
-    let [position, tangent] =
-        [segment.position(u), segment.d(u) * 2.0].map(|v| (v * local_per_tube).to_array());
-    let radius = segment.radius(u) * local_per_tube;
-    json!({"light": Light::from(light), "t": t, "position": position, "radius": radius, "tangent": tangent})
+    let (curve, u) = (&tube.segments[index].curve, t - index as f64);
+    let [position, tangent] = [curve.position(u), curve.d(u) * 2.0].map(|v| (v * local_per_tube).to_array());
+    let radius = curve.radius(u) * local_per_tube;
+    json!({"light": protocol::Light::from(light), "t": t, "position": position, "radius": radius, "tangent": tangent})
 }
 
 /// Rules: DOC-1
 #[test]
 fn a_curve_is_the_same_on_both_sides() {
     let demo = assets::demo("vases").expect("the demo scene");
-    let key = demo.lights.into_iter().find(|light| light.name == "key").expect("its light");
+    let key = demo.contents.lights[0].light().clone();
     let points = (0..7).map(|i| DVec3::new(0.25 * f64::from(i * i), 0.5 * f64::from(i), 0.0)).collect();
     let radii = vec![0.0, 0.1, 0.2, 0.15, 0.3, 0.25, 0.4];
-    let long = light::Light { name: "long".into(), kind: LightKind::Bendy(BendyLight::new(points, radii)) };
+    let long = Light::bendy(points, radii).with(NAME, "long".into());
     let mut cases = Vec::new();
     for light in [bendy(), key, long] {
-        let LightKind::Bendy(bendy) = &light.kind else { panic!("a BendyLight") };
-        let segments = (bendy.points.len() - 2) as f64;
+        let segments = (light.points().len() - 2) as f64;
         let places = [0.0, 0.1, 0.5, 1.0, segments - 0.7, segments - 0.25, segments];
         let mut places: Vec<f64> = places.into_iter().filter(|&t| t <= segments).collect();
         places.dedup();
@@ -226,4 +228,11 @@ fn a_frame_header_is_the_same_on_both_sides() {
         "encodeUs": header.encode_us,
     }});
     agrees("frame.json", &format!("{vector:#}\n"));
+}
+
+/// Rules: HTTP-19
+#[test]
+fn the_table_of_parameters_is_the_same_on_both_sides() {
+    let rows: Vec<_> = parameter_table().parameters.iter().map(|row| json!(row)).collect();
+    agrees("parameters.json", &list(&rows));
 }

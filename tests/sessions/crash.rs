@@ -1,5 +1,6 @@
 //! Power cuts: what was acknowledged is there, and the log replays to the same document.
 
+use light::parameters::RADIUS;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
@@ -8,7 +9,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use bench::{Address, Client, Incoming};
-use protocol::{ClientMessage, EditStatus, LogLine, LogReader, PointParameter, ServerMessage};
+use protocol::{ClientMessage, LogLine, LogReader, ServerMessage};
 
 use crate::program::program;
 use crate::support::Server;
@@ -121,8 +122,7 @@ fn serve_edits(client: &mut Client, shared: &Shared, number: u64, open: &mut BTr
         match client.receive(Duration::from_millis(200)) {
             Ok(Some(Incoming::Message(message))) => {
                 let ServerMessage::EditResult(result) = *message else { continue };
-                assert_ne!(result.status, EditStatus::Rejected, "{:?}", result.message);
-                let seq = result.seq.expect("committed");
+                let seq = result.outcome.seq().unwrap_or_else(|| panic!("{result:?}"));
                 open.remove(&result.op_id);
                 let mut acknowledged = shared.acknowledged.lock().expect("no panic");
                 let before = acknowledged.insert(result.op_id, seq);
@@ -136,11 +136,8 @@ fn serve_edits(client: &mut Client, shared: &Shared, number: u64, open: &mut BTr
 
 fn send(client: &mut Client, shared: &Shared, op_id: &str, edit: u64) -> Result<(), bench::BenchError> {
     let radius = 1.5 + 0.0001 * edit as f64;
-    let command = protocol::Command::SetPoint {
-        light: shared.light,
-        point: 2,
-        parameter: PointParameter::Radius(radius),
-    };
+    let command =
+        protocol::Command::SetPoint { light: shared.light, point: 2, parameter: RADIUS.to(radius).into() };
     let base_seq = client.welcome.seq;
     client.send(&ClientMessage::Edit { op_id: op_id.to_owned(), base_seq, command })
 }

@@ -34,7 +34,7 @@ fn moving_is_jpeg_rest_is_lossless_and_then_nothing_happens() {
 
     let light = ada.light();
     let result = ada.edited(move_point(light, 2, moved(ada.point(2), [0.0, 0.3, 0.0])));
-    let seq = result.seq.expect("committed");
+    let seq = result.seq().expect("committed");
     let (moving, _) = frame(&mut ada, |header| header.log_seq == seq);
     assert_eq!(moving.codec, Codec::Jpeg);
     let (settled, _) = frame(&mut ada, |header| header.flags.settle);
@@ -131,7 +131,7 @@ fn a_client_that_stalls_slows_nobody_and_gets_a_key_frame() {
     let until = Instant::now() + Duration::from_secs(3);
     while Instant::now() < until {
         shown += 1;
-        let seq = fast.edited(move_point(light, 2, sway(fast.point(2), shown))).seq.expect("committed");
+        let seq = fast.edited(move_point(light, 2, sway(fast.point(2), shown))).seq().expect("committed");
         frame(&mut fast, |header| header.log_seq == seq);
     }
     // Every edit of the fast client came back as its own frame; a window that waited for the slow one would have
@@ -159,7 +159,8 @@ fn followers_share_one_render_and_one_encoding() {
     // Nothing is under way any more; from here on count.
     let before = work(&server);
     let light = ada.light();
-    let seq = ada.edited(move_point(light, 2, moved(ada.point(2), [0.0, 0.3, 0.0]))).seq.expect("committed");
+    let seq =
+        ada.edited(move_point(light, 2, moved(ada.point(2), [0.0, 0.3, 0.0]))).seq().expect("committed");
     let lossless = |header: &FrameHeader| header.flags.settle && header.log_seq == seq;
     let (_, hers) = frame(&mut ada, lossless);
     for follower in &mut followers {

@@ -1,12 +1,11 @@
 //! Drags: live for everybody, one record, a lock that ends with the connection.
 
+use light::parameters::RADIUS;
 use std::time::Duration;
 
-use protocol::{
-    ClientMessage, EditStatus, ErrorCode, GestureEnd, GestureState, PointParameter, ServerMessage,
-};
+use protocol::{ClientMessage, ErrorCode, GestureState, GestureStatus, ServerMessage};
 
-use crate::support::{Mirror, Server, move_point, moved, rename};
+use crate::support::{Mirror, Server, committed, move_point, moved, rejected, rename};
 
 fn begin(mirror: &mut Mirror, gesture: &str) {
     let (light, base_seq) = (mirror.light(), mirror.seq);
@@ -25,6 +24,10 @@ fn state_of(mirror: &mut Mirror, mut wanted: impl FnMut(&GestureState) -> bool) 
     })
 }
 
+fn has_ended(state: &GestureState) -> bool {
+    !matches!(state.status, GestureStatus::Held { .. })
+}
+
 /// Rules: GEST-1, GEST-2, GEST-5
 #[test]
 fn a_drag_is_live_for_all_and_one_record() {
@@ -41,20 +44,18 @@ fn a_drag_is_live_for_all_and_one_record() {
 
     // Somebody else's hands are kept off, and told whose it is.
     let refused = ben.edited(rename(light, "mine now"));
-    assert_eq!((refused.status, refused.code.map(ErrorCode::name)), (EditStatus::Rejected, Some("locked")));
-    assert!(refused.message.expect("a sentence").contains("ada"));
+    let problem = rejected(&refused);
+    assert_eq!(problem.code, ErrorCode::Locked);
+    assert!(problem.message.contains("ada"));
     begin(&mut ben, "second");
     let refused = state_of(&mut ben, |state| state.gesture == "second");
-    assert_eq!(
-        (refused.ended, refused.code.map(ErrorCode::name)),
-        (Some(GestureEnd::Rejected), Some("locked"))
-    );
+    assert!(matches!(&refused.status, GestureStatus::Rejected(problem) if problem.code == ErrorCode::Locked));
 
     ada.send(&ClientMessage::GestureCommit { gesture: "drag".into(), op_id: "commit".into() });
-    assert_eq!(ada.result("commit").seq, Some(seq + 1), "ten updates are one record");
+    assert_eq!(committed(&ada.result("commit")), seq + 1, "ten updates are one record");
     assert_eq!(ada.point(2), moved(start, [0.0, 0.0, 0.2]), "the last update counts");
     ben.catch_up(seq + 1);
-    assert_eq!(ben.edited(rename(light, "mine now")).status, EditStatus::Committed, "the lock is gone");
+    committed(&ben.edited(rename(light, "mine now")));
 }
 
 /// Rules: GEST-3
@@ -67,11 +68,11 @@ fn a_drag_ends_with_its_connection() {
     update(&mut ada, "drag", 1, [0.0, 0.3, 0.0]);
     state_of(&mut ben, |state| state.update == 1);
     drop(ada);
-    let ended = state_of(&mut ben, |state| state.ended.is_some());
-    assert_eq!(ended.ended, Some(GestureEnd::Cancelled));
+    let ended = state_of(&mut ben, has_ended);
+    assert_eq!(ended.status, GestureStatus::Cancelled { refused: None });
     let (seq, hash) = server.state();
     assert_eq!((seq, hash), (ben.seq, ben.document.hash().to_string()), "the light is as it was");
-    assert_eq!(ben.edited(rename(light, "free")).status, EditStatus::Committed);
+    committed(&ben.edited(rename(light, "free")));
 }
 
 /// Rules: GEST-4, CMD-2
@@ -82,19 +83,19 @@ fn a_fold_leaves_the_last_valid_state() {
     let light = ada.light();
     begin(&mut ada, "widen");
     let mut radius = |update: u64, radius: f64| {
-        let parameter = PointParameter::Radius(radius);
+        let parameter = RADIUS.to(radius).into();
         let command = protocol::Command::SetPoint { light, point: 2, parameter };
         ada.send(&ClientMessage::GestureUpdate { gesture: "widen".into(), update, command });
-        state_of(&mut ada, |state| state.update == update || state.code.is_some())
+        state_of(&mut ada, |state| state.update == update || state.status.problem().is_some())
     };
-    assert_eq!(radius(1, 1.6).code, None);
+    assert_eq!(radius(1, 1.6).status, GestureStatus::Held { refused: None });
     let folded = radius(2, 50.0);
-    assert_eq!((folded.code.map(ErrorCode::name), folded.update), (Some("invalidLight"), 1));
-    assert!(folded.message.expect("a sentence").contains("folds"));
+    let GestureStatus::Held { refused: Some(problem) } = folded.status else { panic!("{folded:?}") };
+    assert_eq!((problem.code, folded.update), (ErrorCode::InvalidLight, 1));
+    assert!(problem.message.contains("folds"));
     ada.send(&ClientMessage::GestureCommit { gesture: "widen".into(), op_id: "commit".into() });
-    assert_eq!(ada.result("commit").status, EditStatus::Committed);
-    let document = protocol::Document::from(&ada.document);
-    assert!(matches!(&document.lights[0].light, protocol::Light::Bendy(bendy) if bendy.radii[2] == 1.6));
+    committed(&ada.result("commit"));
+    assert_eq!(ada.radius(2), 1.6);
 }
 
 /// Nothing of it was ever to be seen: that is a cancel, and the last reason is the answer.
@@ -107,25 +108,22 @@ fn a_drag_without_a_valid_state_is_cancelled_with_the_last_reason() {
     let (light, seq) = (ada.light(), ada.seq);
     begin(&mut ada, "widen");
     for (update, radius) in [(1, -1.0), (2, 50.0)] {
-        let parameter = PointParameter::Radius(radius);
+        let parameter = RADIUS.to(radius).into();
         let command = protocol::Command::SetPoint { light, point: 2, parameter };
         ada.send(&ClientMessage::GestureUpdate { gesture: "widen".into(), update, command });
     }
     ada.send(&ClientMessage::GestureCommit { gesture: "widen".into(), op_id: "commit".into() });
-    let ends = [&mut ada, &mut ben].map(|mirror| state_of(mirror, |state| state.ended.is_some()));
+    let ends = [&mut ada, &mut ben].map(|mirror| state_of(mirror, has_ended));
     let answer = ada.result("commit");
-    assert_eq!((answer.status, answer.code), (EditStatus::Rejected, Some(ErrorCode::InvalidLight)));
-    let sentence = answer.message.expect("a sentence");
-    let name = match &protocol::Document::from(&ada.document).lights[0].light {
-        protocol::Light::Bendy(bendy) => bendy.name.clone(),
-        protocol::Light::Spot(_) => unreachable!("a BendyLight"),
-    };
+    let problem = rejected(&answer);
+    assert_eq!(problem.code, ErrorCode::InvalidLight);
+    let (sentence, name) = (&problem.message, ada.name());
     assert!(sentence.starts_with(&format!("“{name}”: ")) && sentence.contains("folds"), "{sentence}");
     for ended in ends {
-        assert_eq!((ended.ended, ended.message.as_ref()), (Some(GestureEnd::Cancelled), Some(&sentence)));
+        assert_eq!(ended.status, GestureStatus::Cancelled { refused: Some(problem.clone()) });
     }
     assert_eq!(server.state().0, seq);
-    assert_eq!(ben.edited(rename(light, "free")).status, EditStatus::Committed);
+    committed(&ben.edited(rename(light, "free")));
 }
 
 /// Rules: GEST-1

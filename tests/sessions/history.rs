@@ -1,11 +1,9 @@
 //! What undo and redo would take back, told before it is asked for.
 
-use protocol::{
-    ClientMessage, Command, EditStatus, ErrorCode, History, LightParameter, PointParameter, Scope,
-    ServerMessage,
-};
+use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, RADIUS};
+use protocol::{ClientMessage, Command, ErrorCode, History, Outcome, Scope, ServerMessage};
 
-use crate::support::{Mirror, Server, rename};
+use crate::support::{Mirror, Server, committed, rejected, rename};
 
 fn history(mirror: &mut Mirror) -> History {
     mirror.send(&ClientMessage::History {});
@@ -15,7 +13,7 @@ fn history(mirror: &mut Mirror) -> History {
     })
 }
 
-fn undo(mirror: &mut Mirror, scope: Scope) -> protocol::EditResult {
+fn undo(mirror: &mut Mirror, scope: Scope) -> Outcome {
     let op_id = format!("undo after {}", mirror.seq);
     mirror.send(&ClientMessage::Undo { op_id: op_id.clone(), scope });
     mirror.result(&op_id)
@@ -40,7 +38,7 @@ fn what_is_told_names_the_step_the_light_and_the_person() {
     assert_eq!(first.what, "loading “demo:vases”");
 
     ada.edited(rename(light, "sun"));
-    ben.edited(Command::SetPoint { light, point: 2, parameter: PointParameter::Radius(1.5) });
+    ben.edited(Command::SetPoint { light, point: 2, parameter: RADIUS.to(1.5).into() });
     ada.catch_up(ben.seq);
     let both = history(&mut ada);
     assert_eq!(both.seq, ada.seq);
@@ -63,8 +61,8 @@ fn what_is_told_is_what_undo_then_takes() {
     let server = Server::start();
     let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
     let light = ada.light();
-    let angle = |degrees| Command::SetLight { light, parameter: LightParameter::ConeAngle(degrees) };
-    let softness = |share| Command::SetLight { light, parameter: LightParameter::ConeSoftness(share) };
+    let angle = |degrees| Command::SetLight { light, parameter: CONE_ANGLE.to(degrees).into() };
+    let softness = |share| Command::SetLight { light, parameter: CONE_SOFTNESS.to(share).into() };
     for command in [angle(31.0), softness(0.4), angle(32.0), rename(light, "sun"), angle(33.0), softness(0.5)]
     {
         ada.edited(command);
@@ -76,15 +74,15 @@ fn what_is_told_is_what_undo_then_takes() {
     let mut told = Vec::new();
     while let Some(step) = history(&mut ada).undo.mine {
         let done = undo(&mut ada, Scope::Mine);
-        assert_eq!(done.status, EditStatus::Committed);
-        assert_eq!(target(&server, done.seq.expect("a record")), step.seq);
+        assert_eq!(target(&server, committed(&done)), step.seq);
         told.push(step.what);
     }
     assert_eq!(told, ["the cone softness of “sun”", "the name of “sun”", "the cone softness of “key”"]);
     let seq = ada.seq;
     let refused = undo(&mut ada, Scope::Mine);
-    assert_eq!((refused.status, refused.code), (EditStatus::Rejected, Some(ErrorCode::NothingToUndo)));
+    let problem = rejected(&refused);
+    assert_eq!(problem.code, ErrorCode::NothingToUndo);
     let gone = "there is nothing to undo: ben has changed the cone angle of “key” since";
-    assert_eq!(refused.message.as_deref(), Some(gone));
+    assert_eq!(problem.message, gone);
     assert_eq!(server.state().0, seq, "it is no step");
 }

@@ -2,7 +2,7 @@
 
 use bench::ServerProcess;
 use protocol::{
-    Asset, EditResults, EditStatus, ErrorBody, ErrorCode, Record, SessionList, SessionState, parse_body,
+    Asset, EditResults, ErrorBody, ErrorCode, Outcome, Record, SessionList, SessionState, parse_body,
 };
 use serde_json::json;
 
@@ -68,7 +68,8 @@ fn programs_edit_undo_and_read_the_log() {
     let answer = post(&server, "/sessions/main/edits", &edits);
     assert_eq!(answer.status, 200, "{}", answer.text());
     let answer: EditResults = parse_body(&answer.text()).expect("results");
-    let codes: Vec<_> = answer.results.iter().map(|result| result.code.map(ErrorCode::name)).collect();
+    let codes: Vec<_> =
+        answer.results.iter().map(|result| result.outcome.code().map(ErrorCode::name)).collect();
     let expected = [
         None,
         None,
@@ -81,7 +82,7 @@ fn programs_edit_undo_and_read_the_log() {
         None,
     ];
     assert_eq!(codes, expected);
-    assert!(answer.results.iter().all(|r| (r.status == EditStatus::Rejected) == r.message.is_some()));
+    assert!(!answer.results.iter().any(|result| matches!(result.outcome, Outcome::Unknown(_))));
     assert_eq!((answer.seq, answer.hash), server.state());
 
     let log = server.process.get("/sessions/main/log?from=2&limit=2").expect("answered").text();

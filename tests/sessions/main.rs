@@ -7,6 +7,7 @@ mod gestures;
 mod history;
 mod http;
 mod load;
+mod opening;
 mod picture;
 #[path = "../program.rs"]
 mod program;

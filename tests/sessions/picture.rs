@@ -13,14 +13,15 @@ fn a_bent_light_shows_and_its_undo_gives_the_same_pixels_back() {
     let start = ada.seq;
     let before = ada.settled(start);
     let light = ada.light();
-    let bent = ada.edited(move_point(light, 3, moved(ada.point(3), [0.0, 0.0, 0.6]))).seq.expect("committed");
+    let bent =
+        ada.edited(move_point(light, 3, moved(ada.point(3), [0.0, 0.0, 0.6]))).seq().expect("committed");
     let after = ada.settled(bent);
     let changed = before.iter().zip(&after).filter(|(a, b)| a.abs_diff(**b) > 16).count();
     assert!(changed > 300, "{changed} of {} values changed visibly", before.len());
 
     let op_id = ada.op_id();
     ada.send(&ClientMessage::Undo { op_id: op_id.clone(), scope: Scope::Mine });
-    let undone = ada.result(&op_id).seq.expect("committed");
+    let undone = ada.result(&op_id).seq().expect("committed");
     assert!(ada.settled(undone) == before, "the same pixels");
 
     // The streamed picture is the one that a program gets over HTTP, of now and of then.

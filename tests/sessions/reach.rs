@@ -4,10 +4,10 @@ use std::path::Path;
 use std::process::Command;
 
 use bench::{Client, Incoming, ServerProcess};
-use protocol::{ClientMessage, ErrorCode, LogLine, LogReader, ServerMessage, ViewSource};
+use protocol::{ClientMessage, ErrorCode, LogLine, LogReader, Problem, ServerMessage, ViewSource};
 
 use crate::program::program;
-use crate::support::Server;
+use crate::support::{Server, rejected};
 
 /// Rules: CMD-2
 #[test]
@@ -17,10 +17,10 @@ fn a_light_out_of_reach_is_refused_and_pictures_go_on() {
     let light = ada.light();
     for x in [1.1e15, 3.4e38, 1e300] {
         let translation = Some([x, 0.0, 0.0]);
-        let result =
+        let refused =
             ada.edited(protocol::Command::PlaceLight { light, translation, rotation: None, scale: None });
-        assert_eq!(result.code.map(ErrorCode::name), Some("invalidLight"));
-        let message = result.message.expect("a sentence");
+        let Problem { code, message } = rejected(&refused);
+        assert_eq!(*code, ErrorCode::InvalidLight);
         assert!(message.contains("1e15") && message.contains('`'), "{message}");
     }
     let picture = server.process.get("/sessions/main/render?size=64x36").expect("answered");
@@ -39,8 +39,8 @@ fn old_log() -> String {
     let Ok(LogLine::Record(parsed)) = LogReader::default().read(&record) else { panic!("a record") };
     let parsed = edit::Record::try_from(*parsed).expect("a valid record");
     let mut document = document::Document::default();
-    document.apply(&parsed.changes, &|_| None).expect("it applies");
-    let hash = document.hash();
+    document.apply(&parsed.changes).expect("it applies");
+    let hash = document.hash_of_format(1);
     format!(
         "{{\"format\":1,\"session\":\"far\"}}\n{record}\n{{\"checkpoint\":{{\"seq\":1,\"hash\":\"{hash}\"}}}}\n"
     )

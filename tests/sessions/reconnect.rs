@@ -26,7 +26,7 @@ fn a_client_that_comes_back_gets_what_it_missed() {
     assert_eq!(seqs, (known.last_seq + 1..=known.last_seq + 5).collect::<Vec<_>>());
     for record in records {
         let record = edit::Record::try_from(record).expect("a valid record");
-        document.apply(&record.changes, &|_| None).expect("it fits");
+        document.apply(&record.changes).expect("it fits");
     }
     assert_eq!(document.hash().to_string(), back.welcome.hash);
 

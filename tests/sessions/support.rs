@@ -1,14 +1,11 @@
 //! A server, clients that mirror its document, and edits for them to make.
 
 use std::path::Path;
-use std::sync::{Arc, OnceLock};
 
 use bench::{BenchError, Client, Incoming, ServerProcess};
-use document::AssetHash;
-use protocol::{
-    ClientMessage, Document, EditResult, Light, LightParameter, PointParameter, ServerMessage, State, Vec3,
-};
-use scene::Scene;
+use light::parameters::{NAME, POSITION};
+use light::{Light, LightId};
+use protocol::{ClientMessage, Outcome, Problem, ServerMessage, State, Vec3};
 
 use crate::program::program;
 
@@ -52,20 +49,6 @@ fn start_over(data: &Path) -> ServerProcess {
     process
 }
 
-/// Finds the built-in scenes.
-pub fn find_scene(asset: &AssetHash) -> Option<Arc<Scene>> {
-    static SCENES: OnceLock<Vec<(AssetHash, Arc<Scene>)>> = OnceLock::new();
-    let scenes = SCENES.get_or_init(|| {
-        let demos = assets::DEMO_NAMES.iter().map(|(name, _)| {
-            let bytes = assets::demo_bytes(name).expect("a demo");
-            let scene = assets::load_bytes(&bytes).expect("a scene").scene;
-            (AssetHash::of(&bytes), Arc::new(scene))
-        });
-        demos.collect()
-    });
-    scenes.iter().find(|(hash, _)| hash == asset).map(|(_, scene)| Arc::clone(scene))
-}
-
 /// A client that keeps the document by applying what the server sends.
 pub struct Mirror {
     pub client: Client,
@@ -79,28 +62,35 @@ impl Mirror {
     pub fn connect(process: &ServerProcess, actor: &str) -> Self {
         let client = Client::connect(&process.address, "main", actor, None).expect("welcome");
         let State::Snapshot(document) = client.welcome.state.clone() else { panic!("a snapshot") };
-        let document = document.into_domain(0, &find_scene).expect("a valid document");
+        let document = document.into_domain(0).expect("a valid document");
         assert_eq!(document.hash().to_string(), client.welcome.hash, "the snapshot has the stated hash");
         Self { seq: client.welcome.seq, client, document, operations: 0, actor: actor.into() }
     }
 
+    /// The first BendyLight and its id.
+    fn bendy(&self) -> (LightId, &Light) {
+        let mut lights = self.document.lights().iter().map(|(id, placed)| (*id, placed.light.light()));
+        lights.find(|(_, light)| !light.points().is_empty()).expect("a BendyLight")
+    }
+
     /// The first BendyLight's id.
     pub fn light(&self) -> u64 {
-        let bendy = Document::from(&self.document).lights.into_iter().find_map(|placed| match placed.light {
-            Light::Bendy(_) => Some(placed.id),
-            Light::Spot(_) => None,
-        });
-        bendy.expect("a BendyLight")
+        self.bendy().0.0
+    }
+
+    /// What the first BendyLight is called.
+    pub fn name(&self) -> &str {
+        self.bendy().1.name()
     }
 
     /// Where control point `point` of the first BendyLight is.
     pub fn point(&self, point: usize) -> Vec3 {
-        let lights = Document::from(&self.document).lights;
-        let bendy = lights.iter().find_map(|placed| match &placed.light {
-            Light::Bendy(bendy) => Some(bendy.points[point]),
-            Light::Spot(_) => None,
-        });
-        bendy.expect("a BendyLight")
+        self.bendy().1.points()[point].position.to_array()
+    }
+
+    /// How wide the first BendyLight is at control point `point`.
+    pub fn radius(&self, point: usize) -> f64 {
+        self.bendy().1.points()[point].radius
     }
 
     pub fn send(&mut self, message: &ClientMessage) {
@@ -121,21 +111,21 @@ impl Mirror {
     }
 
     /// Sends a command and waits for what becomes of it, and for its record.
-    pub fn edited(&mut self, command: protocol::Command) -> EditResult {
+    pub fn edited(&mut self, command: protocol::Command) -> Outcome {
         let op_id = self.edit(command);
         self.result(&op_id)
     }
 
     /// Waits for what becomes of an operation, and for its record.
-    pub fn result(&mut self, op_id: &str) -> EditResult {
-        let result = self.wait_for("a result", |message| match message {
-            ServerMessage::EditResult(result) if result.op_id == op_id => Some(result.clone()),
+    pub fn result(&mut self, op_id: &str) -> Outcome {
+        let outcome = self.wait_for("a result", |message| match message {
+            ServerMessage::EditResult(result) if result.op_id == op_id => Some(result.outcome.clone()),
             _ => None,
         });
-        if let Some(seq) = result.seq {
+        if let Some(seq) = outcome.seq() {
             self.catch_up(seq);
         }
-        result
+        outcome
     }
 
     /// Waits until the mirror holds record `seq`.
@@ -199,13 +189,13 @@ fn hear(message: &ServerMessage, document: &mut document::Document, seq: &mut u6
         ServerMessage::Log { record, hash, .. } => {
             assert_eq!(record.seq, *seq + 1, "records come in order, without gaps");
             let record = edit::Record::try_from(record.as_ref().clone()).expect("a valid record");
-            document.apply(&record.changes, &find_scene).expect("it fits");
+            document.apply(&record.changes).expect("it fits");
             *seq = record.seq;
             hash
         }
         ServerMessage::Resync(resync) => {
             assert!(resync.seq >= *seq, "a resync holds what was missed");
-            *document = resync.document.clone().into_domain(0, &find_scene).expect("a valid document");
+            *document = resync.document.clone().into_domain(0).expect("a valid document");
             *seq = resync.seq;
             &resync.hash
         }
@@ -221,15 +211,31 @@ pub fn pixels(file: &[u8]) -> Vec<u8> {
 
 /// Moves control point `point` of `light` to `position`.
 pub fn move_point(light: u64, point: usize, position: Vec3) -> protocol::Command {
-    protocol::Command::SetPoint { light, point, parameter: PointParameter::Position(position) }
+    protocol::Command::SetPoint { light, point, parameter: POSITION.to(position.into()).into() }
 }
 
 /// Renames `light`.
 pub fn rename(light: u64, name: &str) -> protocol::Command {
-    protocol::Command::SetLight { light, parameter: LightParameter::Name(name.into()) }
+    protocol::Command::SetLight { light, parameter: NAME.to(name.into()).into() }
 }
 
 /// `position`, moved.
 pub fn moved(position: Vec3, by: Vec3) -> Vec3 {
     std::array::from_fn(|k| position[k] + by[k])
+}
+
+/// The record of what was committed, with nothing of others in between.
+pub fn committed(outcome: &Outcome) -> u64 {
+    match outcome {
+        Outcome::Committed { seq, rebased: false, .. } => *seq,
+        _ => panic!("it was not just committed: {outcome:?}"),
+    }
+}
+
+/// What was wrong with what was rejected.
+pub fn rejected(outcome: &Outcome) -> &Problem {
+    match outcome {
+        Outcome::Rejected(problem) => problem,
+        _ => panic!("it was not rejected: {outcome:?}"),
+    }
 }

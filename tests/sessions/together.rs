@@ -1,10 +1,9 @@
 //! Several people in one session.
 
-use protocol::{
-    ClientMessage, Command, EditStatus, ErrorCode, LightParameter, PointParameter, Scope, ServerMessage,
-};
+use light::parameters::{CONE_SOFTNESS, RADIUS};
+use protocol::{ClientMessage, Command, ErrorCode, Outcome, Scope, ServerMessage};
 
-use crate::support::{Mirror, Server, move_point, moved, rename};
+use crate::support::{Server, committed, move_point, moved, rejected, rename};
 
 /// Rules: SOCK-3, SOCK-4, SOCK-5, DOC-4, REC-1, REC-2
 #[test]
@@ -17,13 +16,13 @@ fn two_clients_end_with_the_same_document() {
         let shift = f64::from(step) * 0.01;
         let (theirs, ours) = (moved(ada.point(2), [shift, 0.0, 0.0]), 0.2 + shift);
         operations.push(ada.edit(move_point(light, 2, theirs)));
-        let softness = LightParameter::ConeSoftness(ours);
+        let softness = CONE_SOFTNESS.to(ours).into();
         ben.edit(Command::SetLight { light, parameter: softness });
     }
     let last = operations.pop().expect("an operation");
     ada.result(&last);
     let result = ben.edited(rename(light, "key, by Ben"));
-    let seq = result.seq.expect("committed");
+    let seq = result.seq().expect("committed");
     // Everybody gets everything, in one order; `Mirror` checks each record's hash on the way.
     ada.catch_up(seq);
     ben.catch_up(seq);
@@ -44,7 +43,7 @@ fn edits_of_what_others_changed_are_rebased_and_outdated_numbers_rejected() {
     let known = ben.seq;
     let insert =
         Command::InsertPoint { light, point: 2, position: None, radius: None, color: None, intensity: None };
-    assert_eq!(ada.edited(insert).status, EditStatus::Committed);
+    committed(&ada.edited(insert));
     ben.catch_up(ada.seq);
 
     let mut from_before = |command: Command| {
@@ -53,10 +52,11 @@ fn edits_of_what_others_changed_are_rebased_and_outdated_numbers_rejected() {
         ben.result(&op_id)
     };
     let stale = from_before(move_point(light, 2, [0.0, 0.0, -1.0]));
-    assert_eq!((stale.status, stale.code.map(ErrorCode::name)), (EditStatus::Rejected, Some("stale")));
-    assert_eq!(from_before(rename(light, "still fine")).status, EditStatus::Rebased);
+    assert_eq!(rejected(&stale).code, ErrorCode::Stale);
+    let is_rebased = |outcome| matches!(outcome, Outcome::Committed { rebased: true, .. });
+    assert!(is_rebased(from_before(rename(light, "still fine"))));
     let own = from_before(rename(light, "mine since"));
-    assert_eq!(own.status, EditStatus::Rebased, "Ada's insertion is still unknown to the sender");
+    assert!(is_rebased(own), "Ada's insertion is still unknown to the sender");
 }
 
 /// Rules: UNDO-1, UNDO-2, REC-4
@@ -66,10 +66,10 @@ fn undo_takes_back_ones_own_and_survives_a_restart() {
     let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
     let light = ada.light();
     let start = ada.document.hash();
-    let first_name = protocol::Document::from(&ada.document).lights[0].light.clone();
+    let first_name = ada.name().to_owned();
     ada.edited(rename(light, "Ada's"));
     ben.catch_up(ada.seq);
-    let radius = Command::SetPoint { light, point: 2, parameter: PointParameter::Radius(1.5) };
+    let radius = Command::SetPoint { light, point: 2, parameter: RADIUS.to(1.5).into() };
     ben.edited(radius);
 
     let server = server.restart();
@@ -78,24 +78,19 @@ fn undo_takes_back_ones_own_and_survives_a_restart() {
     let undo = ClientMessage::Undo { op_id: op_id.clone(), scope: Scope::Mine };
     ada.send(&undo);
     let undone = ada.result(&op_id);
-    assert_eq!(undone.status, EditStatus::Committed);
-    assert!(undone.skipped.is_empty(), "{:?}", undone.skipped);
-    let name = |mirror: &Mirror| match &protocol::Document::from(&mirror.document).lights[0].light {
-        protocol::Light::Bendy(bendy) => (bendy.name.clone(), bendy.radii[2]),
-        protocol::Light::Spot(_) => panic!("the demo's light is a BendyLight"),
-    };
-    let protocol::Light::Bendy(before) = first_name else { panic!("the demo's light is a BendyLight") };
-    assert_eq!(name(&ada), (before.name, 1.5), "Ada's name is gone, Ben's radius stays");
+    let Outcome::Committed { seq, rebased: false, skipped } = undone else { panic!("{undone:?}") };
+    assert!(skipped.is_empty(), "{skipped:?}");
+    assert_eq!((ada.name(), ada.radius(2)), (&*first_name, 1.5), "Ada's name is gone, Ben's radius stays");
     assert_ne!(ada.document.hash(), start);
 
     // The same operation again is answered, not carried out.
     ada.send(&undo);
     let again = ada.wait_for("a result", |message| match message {
-        ServerMessage::EditResult(result) => Some(result.clone()),
+        ServerMessage::EditResult(result) => Some(result.outcome.clone()),
         _ => None,
     });
-    assert_eq!(again.seq, undone.seq);
-    assert_eq!(server.state().0, undone.seq.expect("committed"));
+    assert_eq!(committed(&again), seq);
+    assert_eq!(server.state().0, seq);
 }
 
 /// Rules: SOCK-8

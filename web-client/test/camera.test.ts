@@ -10,7 +10,7 @@ import {
   withShape,
   worldPerPixel,
 } from "../src/core/camera";
-import { frameBall, type Fingers, orbit, orbitFrom, pan, pinch, pivotOf, zoom } from "../src/core/navigation";
+import { fitBall, type Fingers, orbit, orbitFrom, pan, pinch, pivotOf, zoom } from "../src/core/navigation";
 import type { Camera, Projection } from "../src/core/protocol";
 import { add, fromEulerDegrees, length, rotate, sub, toEulerDegrees, unitQuat } from "../src/core/vector";
 import { difference, seeded, someVector } from "./examples";
@@ -113,7 +113,7 @@ test("zooming in and out again comes back, and never passes the pivot", () => {
 test("framing a ball fits it into the picture", () => {
   for (const camera of cameras()) {
     for (const aspect of [0.5, 2]) {
-      const framed = frameBall(orbitFrom(camera, BOUNDS), [1, 2, 3], 0.7, aspect);
+      const framed = fitBall(orbitFrom(camera, BOUNDS), [1, 2, 3], 0.7, aspect);
       const narrow = { camera: framed.camera, width: 400 * aspect, height: 400 };
       const middle = project(narrow, [1, 2, 3]);
       expect(difference([middle?.x ?? NaN, middle?.y ?? NaN], [200 * aspect, 200])).toBeLessThan(
@@ -165,7 +165,7 @@ test("a framed ball fits a camera that keeps its width", () => {
       [400, 100],
       [100, 400],
     ] as const) {
-      const framed = frameBall(orbitFrom(camera, BOUNDS), [0, 0, 0], 1, width / height).camera;
+      const framed = fitBall(orbitFrom(camera, BOUNDS), [0, 0, 0], 1, width / height).camera;
       const view = { camera: framed, width, height };
       // Its outermost tangent, or its side: at the border of the picture's shorter side, and not beyond.
       const distance = framed.translation[2];

@@ -1,17 +1,15 @@
 import { expect, test } from "vitest";
 
-import {
-  applyChange,
-  changesPicture,
-  freeName,
-  lightLabel,
-  lightName,
-  lightOf,
-  predict,
-} from "../src/core/document";
+import * as core from "../src/core/document";
 import type { Change, Command, Document } from "../src/core/protocol";
 import { BENDY, CAMERA, DOCUMENT } from "./examples";
+import { TABLE } from "./parameters_fixture";
 import { vectors } from "./vectors";
+
+const { freeName, lightLabel, lightName, lightOf } = core;
+const applyChange = (document: Document, change: Change) => core.applyChange(TABLE, document, change);
+const predict = (document: Document, command: Command) => core.predict(TABLE, document, command);
+const changesPicture = (change: Change) => core.changesPicture(TABLE, DOCUMENT, change);
 
 interface ChangesVector {
   name: string;
@@ -55,9 +53,9 @@ test("a name of blanks is none", () => {
     ["", "bendy 1", "Light 1"],
     [" \t", "bendy 1", "Light 1"],
   ] as const) {
-    const placed = { id: 1, layout: 1, light: { ...BENDY, name } };
-    expect(lightLabel(placed)).toBe(label);
-    expect(lightName({ ...DOCUMENT, lights: [placed] }, 1)).toBe(called);
+    const entry = { id: 1, layout: 1, light: { ...BENDY, name } };
+    expect(lightLabel(entry)).toBe(label);
+    expect(lightName({ ...DOCUMENT, lights: [entry] }, 1)).toBe(called);
   }
 });
 

@@ -3,6 +3,7 @@
 import type { Host, SocketEvents } from "../src/core/connection";
 import type { ClientMessage, ServerMessage } from "../src/core/protocol";
 import { type Session, startSession } from "../src/core/session";
+import { TABLE } from "./parameters_fixture";
 
 export interface FakeSocket {
   events: SocketEvents;
@@ -59,9 +60,12 @@ export function fakeHost(): FakeHost {
       timers.push(timer);
       return () => (timers = timers.filter((other) => other !== timer));
     },
-    nextFrame: (task) => void frames.push(task),
+    beforeRepaint: (task) => void frames.push(task),
     random: () => 0.5,
-    newId: () => `id-${(ids += 1)}`,
+    newId() {
+      ids += 1;
+      return `id-${ids}`;
+    },
     pass(ms) {
       const until = nowMs + ms;
       for (;;) {
@@ -76,7 +80,7 @@ export function fakeHost(): FakeHost {
     frame() {
       const due = frames;
       frames = [];
-      due.forEach((task) => task());
+      for (const task of due) task();
     },
   };
 }
@@ -87,6 +91,7 @@ export const sessionOn = (host: Host, notify: (message: string) => void = () => 
     host,
     token: "secret",
     session: "main",
+    table: TABLE,
     actor: { id: "me", name: "Me" },
     screen: { decode: () => Promise.resolve(null), show: () => {} },
     notify,

@@ -3,11 +3,20 @@ import { expect, test } from "vitest";
 import { depthOf, type Pixel, project, type View } from "../src/core/camera";
 import { abscissa } from "../src/core/curve";
 import { predict } from "../src/core/document";
-import { type Drawn, grab, type Handle, handlesOf, placeOf, turnAxis, turnRadius } from "../src/core/handles";
+import {
+  type Drawn,
+  grab,
+  type Handle,
+  handlesOf,
+  positionOf,
+  turnAxis,
+  turnRadius,
+} from "../src/core/handles";
 import { circle, ringAt, sideways, tubeOf } from "../src/core/outline";
 import type { Light } from "../src/core/protocol";
 import { add, cross, dot, perpendicular, rotate, scale, sub } from "../src/core/vector";
 import { BENDY, CAMERA, DOCUMENT, SPOT } from "./examples";
+import { TABLE } from "./parameters_fixture";
 
 const VIEW: View = { camera: CAMERA, width: 900, height: 600 };
 const REACH = 2;
@@ -16,12 +25,12 @@ const drawn = (light: Light): Drawn => ({ id: 1, light, tube: tubeOf(light, REAC
 
 /** The light after `handle` was dragged by `way`, and where that handle should be and is then. */
 function dragged(light: Light, handle: Handle, way: Pixel) {
-  const start = project(VIEW, placeOf(handle, drawn(light))) ?? { x: NaN, y: NaN };
+  const start = project(VIEW, positionOf(handle, drawn(light))) ?? { x: NaN, y: NaN };
   const to = { x: start.x + way.x, y: start.y + way.y };
   const command = grab(handle, drawn(light), start)(to);
-  const document = predict({ ...DOCUMENT, lights: [{ id: 1, layout: 1, light }] }, command);
+  const document = predict(TABLE, { ...DOCUMENT, lights: [{ id: 1, layout: 1, light }] }, command);
   const after = document.lights[0]?.light ?? light;
-  return { to, at: project(VIEW, placeOf(handle, drawn(after))) ?? start, after };
+  return { to, at: project(VIEW, positionOf(handle, drawn(after))) ?? start, after };
 }
 
 const distance = (a: Pixel, b: Pixel) => Math.hypot(a.x - b.x, a.y - b.y);
@@ -40,7 +49,7 @@ test("a control point and the source end under the pointer", () => {
 
 test("a drag that ends where it began changes nothing, whatever lay between", () => {
   const handle: Handle = { kind: "point", point: 2 };
-  const start = project(VIEW, placeOf(handle, drawn(BENDY))) ?? { x: 0, y: 0 };
+  const start = project(VIEW, positionOf(handle, drawn(BENDY))) ?? { x: 0, y: 0 };
   const command = grab(handle, drawn(BENDY), start);
   const once = command({ x: 300, y: 200 });
   command({ x: 10, y: 20 });
@@ -52,7 +61,7 @@ test("the tube's edge follows the pointer across the tube", () => {
     const handle: Handle = { kind: "radius", point };
     const { tube } = drawn(BENDY);
     const t = abscissa(BENDY.points.length, point);
-    const edge = placeOf(handle, drawn(BENDY));
+    const edge = positionOf(handle, drawn(BENDY));
     // A way along the tube's own side, so that the edge can go all of it.
     const ahead = project(VIEW, add(edge, scale(sideways(tube, t, CAMERA), 0.05)));
     const start = project(VIEW, edge);

@@ -2,12 +2,13 @@ import { expect, test } from "vitest";
 
 import { depthOf, type Pixel, project, type View } from "../src/core/camera";
 import { predict } from "../src/core/document";
-import { type Drawn, type Handle, handlesOf, placeOf } from "../src/core/handles";
+import { type Drawn, type Handle, handlesOf, positionOf } from "../src/core/handles";
 import { NO_STEPS, nudge, STEP_PX, type Steps } from "../src/core/nudge";
 import { tubeOf } from "../src/core/outline";
 import type { Light } from "../src/core/protocol";
 import { aboutAxis, toEulerDegrees } from "../src/core/vector";
 import { BENDY, CAMERA, DOCUMENT, SPOT } from "./examples";
+import { TABLE } from "./parameters_fixture";
 
 /** Looks down and a little to the side, so that no axis of the world is one of the picture. */
 const VIEW: View = {
@@ -22,13 +23,14 @@ const drawn = (light: Light): Drawn => ({ id: 1, light, tube: tubeOf(light, 2), 
 function nudged(handle: Handle, steps: Partial<Steps>): Light {
   const command = nudge(handle, drawn(BENDY))({ ...NO_STEPS, ...steps });
   return (
-    predict({ ...DOCUMENT, lights: [{ id: 1, layout: 1, light: BENDY }] }, command).lights[0]?.light ?? BENDY
+    predict(TABLE, { ...DOCUMENT, lights: [{ id: 1, layout: 1, light: BENDY }] }, command).lights[0]?.light ??
+    BENDY
   );
 }
 
 function seen(handle: Handle, light: Light): Pixel & { depth: number } {
-  const place = placeOf(handle, drawn(light));
-  return { ...(project(VIEW, place) ?? { x: NaN, y: NaN }), depth: depthOf(VIEW.camera, place) };
+  const position = positionOf(handle, drawn(light));
+  return { ...(project(VIEW, position) ?? { x: NaN, y: NaN }), depth: depthOf(VIEW.camera, position) };
 }
 
 const MOVED: Handle[] = [{ kind: "source" }, ...handlesOf(BENDY).filter(({ kind }) => kind === "point")];

@@ -24,7 +24,7 @@ function slowSink() {
       new Promise((resolve, reject) => {
         decoding.push({ header, finish: () => resolve(header.frame), fail: () => reject(new Error("torn")) });
       }),
-    nextFrame: (task) => task(),
+    beforeRepaint: (task) => task(),
     show: (_, picture) => shown.push(picture),
     ack: (frame) => acks.push(frame),
     failed: (reason) => failures.push(reason),
@@ -46,7 +46,7 @@ test("a frame is acknowledged when it is shown, not before", async () => {
 
 test("while one is decoded the latest wins, and what it overtook is acknowledged with it", async () => {
   const { feed, decoding, shown, acks, step } = slowSink();
-  [1, 2, 3].forEach((frame) => feed.receive(message(frame)));
+  for (const frame of [1, 2, 3]) feed.receive(message(frame));
   await step("finish");
   expect([shown, acks]).toEqual([[1], [1]]);
   await step("finish");

@@ -4,7 +4,7 @@ import { lightOf } from "../src/core/document";
 import type { ClientMessage, Command } from "../src/core/protocol";
 import type { Session } from "../src/core/session";
 import { committing, type Presses, startPresses } from "../src/ui/presses";
-import { lightTarget } from "../src/ui/target";
+import { lightBinding } from "../src/ui/binding";
 import { BENDY, WELCOME } from "./examples";
 import { type FakeHost, fakeHost, sessionOn } from "./fake_host";
 
@@ -32,9 +32,9 @@ const setRadius = (point: number, to: number): Command => ({
 
 /** Presses an arrow in the field of a control point's radius, as often as `count` says. */
 function press(point: number, count = 1): void {
-  const target = lightTarget(session, 1, (radius: number) => setRadius(point, radius));
+  const binding = lightBinding(session, 1, (radius: number) => setRadius(point, radius));
   for (let k = 0; k < count; k += 1) {
-    presses.press(`radius ${point}`, radius(point), (from) => from + 0.25, target.drag);
+    presses.press(`radius ${point}`, radius(point), (from) => from + 0.25, binding.drag);
   }
 }
 
@@ -83,8 +83,8 @@ describe("presses", () => {
   });
 
   test("add up even before the page has shown the first of them", () => {
-    const target = lightTarget(session, 1, (to: number) => setRadius(1, to));
-    for (let k = 0; k < 4; k += 1) presses.press("field", 2, (from) => from + 1, target.drag);
+    const binding = lightBinding(session, 1, (to: number) => setRadius(1, to));
+    for (let k = 0; k < 4; k += 1) presses.press("field", 2, (from) => from + 1, binding.drag);
     expect(radius(1)).toBe(6);
   });
 
@@ -123,8 +123,8 @@ describe("presses", () => {
   });
 
   test("that change nothing leave no trace", () => {
-    const target = lightTarget(session, 1, (to: number) => setRadius(1, to));
-    presses.press("field", 2, (from) => from, target.drag);
+    const binding = lightBinding(session, 1, (to: number) => setRadius(1, to));
+    presses.press("field", 2, (from) => from, binding.drag);
     host.pass(5000);
     expect(said()).toEqual([]);
   });

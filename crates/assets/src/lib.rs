@@ -14,6 +14,7 @@ mod notes;
 use std::path::Path;
 
 pub use demo::{DEMO_NAMES, demo, demo_bytes};
+use document::SceneContents;
 pub use fault::{AssetError, Fault};
 pub use limits::Limit;
 use scene::Scene;
@@ -23,7 +24,9 @@ use scene::Scene;
 pub struct Loaded {
     /// The scene; [`Scene::check`] has passed.
     pub scene: Scene,
-    /// What the file itself calls it, within [`document::MAX_NAME_BYTES`], where that says more than "Scene"; `demo:NAME` for a
+    /// The lights and cameras that came with it.
+    pub contents: SceneContents,
+    /// What the file itself calls it, within [`light::MAX_NAME_BYTES`], where that says more than "Scene"; `demo:NAME` for a
     /// demo.
     pub name: Option<String>,
     /// What a person should know that was left out or changed, one sentence each.
@@ -41,9 +44,7 @@ pub fn load(path: &Path) -> Result<Loaded, AssetError> {
 /// file, or of [`demo_bytes`]. No file is read.
 pub fn load_bytes(bytes: &[u8]) -> Result<Loaded, AssetError> {
     let loaded = match demo::named_by(bytes) {
-        Some(demo) => {
-            demo.map(|(name, scene)| Loaded { scene, name: Some(format!("demo:{name}")), notes: Vec::new() })
-        }
+        Some(demo) => demo,
         None => import::bytes(bytes),
     };
     loaded.map_err(|fault| AssetError { file: "the scene".into(), fault })

@@ -5,6 +5,7 @@ mod support;
 use std::path::{Path, PathBuf};
 
 use assets::Fault;
+use document::SceneContents;
 
 /// The scene files in and below a folder, sorted.
 fn scene_files(folder: &Path) -> Vec<PathBuf> {
@@ -22,8 +23,9 @@ fn scene_files(folder: &Path) -> Vec<PathBuf> {
 }
 
 #[test]
-fn every_file_loads_or_names_what_it_needs() {
-    let Some(folder) = support::assets_folder() else { return };
+#[ignore = "needs ../shared/assets"]
+fn every_file_of_shared_assets_loads_or_names_what_it_needs() {
+    let folder = support::assets_folder();
     let files = [scene_files(&folder.join("gltf")), scene_files(&folder.join("scenes"))].concat();
     let mut refused = Vec::new();
     for path in &files {
@@ -31,9 +33,10 @@ fn every_file_loads_or_names_what_it_needs() {
         match assets::load(path) {
             Ok(loaded) => {
                 let scene = &loaded.scene;
-                support::assert_sound(scene, &name);
-                let triangles: usize = scene::pose(scene).map(|p| p.primitive.indices.len() / 3).sum();
-                let (lights, cameras, images) = (scene.lights.len(), scene.cameras.len(), scene.images.len());
+                support::assert_sound(&loaded, &name);
+                let triangles = scene::pose(scene.clone()).triangle_count();
+                let SceneContents { lights, cameras } = &loaded.contents;
+                let (lights, cameras, images) = (lights.len(), cameras.len(), scene.images.len());
                 println!(
                     "{name}: {triangles} triangles, {lights} lights, {cameras} cameras, {images} pictures"
                 );
@@ -54,8 +57,9 @@ fn every_file_loads_or_names_what_it_needs() {
 }
 
 #[test]
-fn counts_are_those_of_the_files() {
-    let Some(folder) = support::assets_folder() else { return };
+#[ignore = "needs ../shared/assets"]
+fn counts_are_those_of_the_files_of_shared_assets() {
+    let folder = support::assets_folder();
     // Triangles as the collection's LICENSES.md lists them; then spotlights and cameras.
     for (file, triangles, lights, cameras) in [
         ("scenes/bench.glb", 106_242, 1, 1),
@@ -66,16 +70,21 @@ fn counts_are_those_of_the_files() {
         ("gltf/khronos/BoxInterleaved.glb", 12, 0, 0),
         ("gltf/khronos/Fox.glb", 576, 0, 0),
     ] {
-        let scene = assets::load(&folder.join(file)).unwrap().scene;
-        let posed: usize = scene::pose(&scene).map(|p| p.primitive.indices.len() / 3).sum();
-        assert_eq!((posed, scene.lights.len(), scene.cameras.len()), (triangles, lights, cameras), "{file}");
+        let loaded = assets::load(&folder.join(file)).unwrap();
+        let posed = scene::pose(loaded.scene.clone()).triangle_count();
+        assert_eq!(
+            (posed, loaded.contents.lights.len(), loaded.contents.cameras.len()),
+            (triangles, lights, cameras),
+            "{file}"
+        );
     }
 }
 
 /// Three exports of one mesh: plain, 16-bit quantised, and sparse morph targets.
 #[test]
-fn quantised_and_sparse_files_hold_the_plain_ones_shape() {
-    let Some(folder) = support::assets_folder() else { return };
+#[ignore = "needs ../shared/assets"]
+fn quantised_and_sparse_shared_assets_hold_the_plain_ones_shape() {
+    let folder = support::assets_folder();
     let bounds = |file: &str| scene::world_bounds(&assets::load(&folder.join(file)).unwrap().scene).unwrap();
     let (min, max) = bounds("scenes/horse_morph.glb");
     for file in ["gltf/compressed/horse_morph-quantized.glb", "gltf/compressed/horse_morph-sparse.glb"] {
@@ -88,8 +97,9 @@ fn quantised_and_sparse_files_hold_the_plain_ones_shape() {
 
 /// Every file gives the same scene from its packed bytes, and hostile ones are refused as before.
 #[test]
-fn packed_files_stay_what_they_are() {
-    let Some(folder) = support::assets_folder() else { return };
+#[ignore = "needs ../shared/assets"]
+fn packed_shared_assets_stay_what_they_are() {
+    let folder = support::assets_folder();
     let (mut same, mut inlined) = (0, 0);
     for path in scene_files(&folder) {
         let file = assets::load(&path);
@@ -99,7 +109,12 @@ fn packed_files_stay_what_they_are() {
         };
         match (file, assets::load_bytes(&bytes)) {
             (Ok(file), Ok(packed)) => {
-                assert_eq!(format!("{:?}", file.scene), format!("{:?}", packed.scene), "{}", path.display());
+                assert_eq!(
+                    format!("{:?}", (&file.scene, &file.contents)),
+                    format!("{:?}", (&packed.scene, &packed.contents)),
+                    "{}",
+                    path.display()
+                );
                 let images = file.scene.images.iter().zip(&packed.scene.images);
                 assert!(images.into_iter().all(|(a, b)| a.rgba8 == b.rgba8), "{}", path.display());
                 assert_eq!(file.notes, packed.notes);

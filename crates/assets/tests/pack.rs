@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use assets::Fault;
-use scene::Scene;
+use assets::{Fault, Loaded};
 
 /// All of a scene as text: its pictures' bytes, too.
-fn contents(scene: &Scene) -> String {
+fn all_of(loaded: &Loaded) -> String {
+    let Loaded { scene, contents, .. } = loaded;
     let pixels: Vec<_> = scene.images.iter().map(|image| &image.rgba8).collect();
-    format!("{scene:?} {pixels:?}")
+    format!("{scene:?} {contents:?} {pixels:?}")
 }
 
 /// Bytes of a folder with one scene, made by `change` from a triangle in two files and with a picture.
@@ -36,7 +36,7 @@ fn packed(change: impl Fn(String) -> String) -> (Result<Vec<u8>, assets::AssetEr
     let json = change(json.into());
     write("scene.gltf", json.as_bytes());
     let file = folder.path().join("scene.gltf");
-    let loaded = assets::load(&file).map_or(String::new(), |loaded| contents(&loaded.scene));
+    let loaded = assets::load(&file).map_or(String::new(), |loaded| all_of(&loaded));
     (assets::pack(&file), loaded)
 }
 
@@ -44,9 +44,9 @@ fn packed(change: impl Fn(String) -> String) -> (Result<Vec<u8>, assets::AssetEr
 fn several_files_become_one() {
     let (bytes, loaded) = packed(|json| json);
     let bytes = bytes.unwrap();
-    let scene = assets::load_bytes(&bytes).unwrap().scene;
-    assert_eq!(contents(&scene), loaded);
-    assert_eq!(scene.images[0].rgba8, [9, 8, 7, 255, 9, 8, 7, 255]);
+    let again = assets::load_bytes(&bytes).unwrap();
+    assert_eq!(all_of(&again), loaded);
+    assert_eq!(again.scene.images[0].rgba8, [9, 8, 7, 255, 9, 8, 7, 255]);
     let text = String::from_utf8(bytes.clone()).unwrap();
     assert!(text.contains("data:image/png;base64,") && !text.contains("skin.png"), "{text}");
     // The same again, and again when it is packed itself.
@@ -94,7 +94,7 @@ fn a_demo_is_named_by_a_line() {
     for (name, _) in assets::DEMO_NAMES {
         let bytes = assets::demo_bytes(name).unwrap();
         let loaded = assets::load_bytes(&bytes).unwrap();
-        assert_eq!(contents(&loaded.scene), contents(&assets::demo(name).unwrap()));
+        assert_eq!(all_of(&loaded), all_of(&assets::demo(name).unwrap()));
     }
     assert_eq!(assets::demo_bytes("vases").unwrap(), b"bendylights demo vases 1\n");
     assert!(assets::demo_bytes("no such scene").is_none());

@@ -4,8 +4,10 @@ use std::f64::consts::FRAC_PI_3;
 use std::path::Path;
 
 use assets::{AssetError, Fault, Limit, Loaded};
+use document::SceneContents;
 use glam::{DVec3, Vec2, Vec3, Vec4};
-use light::LightKind;
+use light::Shape;
+use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, INTENSITY, RANGE};
 use scene::{Primitive, Projection, Sampler, Wrap};
 
 /// A file in the making: JSON members as text, and one buffer.
@@ -209,8 +211,8 @@ fn nodes_compose_from_matrix_and_parts() {
         "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{positions}}}}}]}}]"#
     );
     let scene = file.with(nodes).load().unwrap().scene;
-    let posed = scene::pose(&scene).next().unwrap();
-    let world = |v: DVec3| posed.world_from_local.transform_point3(v);
+    let posed = scene::pose(scene);
+    let world = |v: DVec3| posed.primitives[0].world_from_local.transform_point3(v);
     // Scale, quarter turn about Z, move, then the parent: (x, y) -> (-3y, x) -> (10 - 6y, 2x + 2).
     for (local, expected) in
         [(DVec3::ZERO, [10.0, 2.0, 0.0]), (DVec3::X, [10.0, 4.0, 0.0]), (DVec3::Y, [4.0, 2.0, 0.0])]
@@ -273,22 +275,23 @@ fn lights_and_cameras_stand_rigid_in_the_world() {
         )
         .load()
         .unwrap();
-    let scene = loaded.scene;
-    let LightKind::Spot(spot) = &scene.lights[0].kind else { panic!("a spot") };
-    assert_eq!((scene.lights.len(), scene.lights[0].name.as_str()), (1, "rig"));
-    assert!((spot.cone_angle - 0.5_f64.to_degrees()).abs() < 1e-5 && (spot.cone_softness - 0.2).abs() < 1e-6);
-    assert_eq!((spot.range, spot.intensity), (Some(9.0), 40.0));
-    let shines_along = spot.transform.rotation * DVec3::NEG_Z;
+    let SceneContents { lights, cameras } = loaded.contents;
+    let spot = lights[0].light();
+    assert_eq!((lights.len(), spot.shape(), spot.name()), (1, &Shape::Spot, "rig"));
+    assert!((spot.get(CONE_ANGLE) - 0.5_f64.to_degrees()).abs() < 1e-5);
+    assert!((spot.get(CONE_SOFTNESS) - 0.2).abs() < 1e-6);
+    assert_eq!((spot.get(RANGE), spot.get(INTENSITY)), (Some(9.0), 40.0));
+    let shines_along = spot.transform().rotation * DVec3::NEG_Z;
     assert!(
         (shines_along - DVec3::NEG_X).length() < 1e-6,
         "a quarter turn about Y takes -Z to -X: {shines_along}"
     );
-    let looks_along = scene.cameras[0].rotation * DVec3::NEG_Z;
+    let looks_along = cameras[0].rotation * DVec3::NEG_Z;
     assert!((looks_along - DVec3::NEG_X).length() < 1e-6, "{looks_along}");
-    let Projection::Perspective { yfov, .. } = scene.cameras[0].projection else { panic!("perspective") };
+    let Projection::Perspective { yfov, .. } = cameras[0].projection else { panic!("perspective") };
     assert!((yfov - FRAC_PI_3).abs() < 1e-7);
     assert_eq!(
-        scene.cameras[1].projection,
+        cameras[1].projection,
         Projection::Orthographic { ymag: 1.0, aspect_ratio: Some(2.0), znear: 0.0, zfar: 5.0 }
     );
     let notes = loaded.notes.join("; ");
@@ -300,7 +303,7 @@ fn cameras_keep_their_shape() {
     let read = |camera: &str| {
         let file = File::default().with(format!(r#""cameras":[{camera}],"nodes":[{{"camera":0}}]"#));
         let loaded = file.load().unwrap();
-        (loaded.scene.cameras[0].projection.aspect_ratio(), loaded.notes.len())
+        (loaded.contents.cameras[0].projection.aspect_ratio(), loaded.notes.len())
     };
     let perspective =
         |more: &str| format!(r#"{{"type":"perspective","perspective":{{"yfov":1,"znear":0.1{more}}}}}"#);
@@ -325,7 +328,8 @@ fn instances_stand_where_their_accessors_say() {
         "meshes":[{{"primitives":[{{"attributes":{{"POSITION":{positions}}}}}]}}]"#
     );
     let scene = file.with(node).load().unwrap().scene;
-    let places: Vec<DVec3> = scene::pose(&scene).map(|p| p.world_from_local.translation).collect();
+    let places: Vec<DVec3> =
+        scene::pose(scene).primitives.iter().map(|p| p.world_from_local.translation).collect();
     assert_eq!(places, [DVec3::new(1.0, 0.0, 9.0), DVec3::new(0.0, 5.0, 9.0)]);
 }
 
@@ -440,7 +444,7 @@ fn a_scene_is_called_what_its_file_calls_the_one_that_is_drawn() {
             .as_deref(),
         Some("Attic")
     );
-    let long = format!(r#""scenes":[{{"nodes":[],"name":"{}"}}]"#, "x".repeat(document::MAX_NAME_BYTES + 1));
+    let long = format!(r#""scenes":[{{"nodes":[],"name":"{}"}}]"#, "x".repeat(light::MAX_NAME_BYTES + 1));
     // No name, one that no document takes, and what exporters call every scene.
     for nameless in [
         r#""nodes":[]"#,

@@ -13,12 +13,8 @@ use thiserror::Error;
 pub enum BenchError {
     /// The server could not be started.
     #[error("the server {program} does not start: {reason}")]
-    Start {
-        /// The program.
-        program: String,
-        /// Why not.
-        reason: String,
-    },
+    #[expect(missing_docs, reason = "its fields are what their names say")]
+    Start { program: String, reason: String },
     /// The server's first line is not an address.
     #[error("`{0}` is no address of a server: it should look like http://127.0.0.1:8080/#token=...")]
     Address(String),
@@ -57,33 +53,6 @@ pub enum BenchError {
     /// A file could not be written or read.
     #[error("{0}")]
     Io(#[from] std::io::Error),
-    /// The scene has nothing to compare directions of.
-    #[error("this scene has no BendyLight: name one that has, or bend a spotlight with `bendylights bend`")]
-    NoBendyLight,
-    /// The product's own solver gave wrong answers.
-    #[error(
-        "the solver is wrong: {wrong} roots wrong and {nan} not a number; keep the answer's `firstWrong`, whose family and \
-         index give the case again"
-    )]
-    SolverWrong {
-        /// Missed, made up or over the bars.
-        wrong: u64,
-        /// Not a number.
-        nan: u64,
-    },
-    /// A property of `stress` does not hold.
-    #[error(
-        "{count} of the properties do not hold, the first of them `{property}`: the answer has the simplest case of each, \
-         and `bendylights bench stress --only {property} --seed {seed} --cases 1` makes it again"
-    )]
-    Broken {
-        /// How many.
-        count: usize,
-        /// The name of one.
-        property: &'static str,
-        /// The seed of its case.
-        seed: u64,
-    },
     /// The picture of the result could not be drawn.
     #[error("the chart cannot be drawn: {0}")]
     Chart(String),

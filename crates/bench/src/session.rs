@@ -4,10 +4,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use light::CheckedLight;
 use plotters::prelude::*;
-use protocol::{
-    Camera, ClientMessage, Command, Light, PointParameter, ServerMessage, State, Vec3, ViewSource,
-};
+use protocol::{Camera, ClientMessage, Command, PointParameter, ServerMessage, State, Vec3, ViewSource};
 use serde::Serialize;
 use stream::FrameHeader;
 
@@ -105,7 +104,7 @@ pub fn run(program: &Path, options: Options, progress: impl Fn(u64)) -> Result<(
         let angle = std::f64::consts::TAU * update as f64 / options.updates as f64;
         let [x, y, z] = start;
         let position = [x + RADIUS * angle.sin(), y + RADIUS * (1.0 - angle.cos()), z];
-        let command = Command::SetPoint { light, point: 2, parameter: PointParameter::Position(position) };
+        let command = Command::SetPoint { light, point: 2, parameter: position_of(position) };
         drag.sent.insert(update, Instant::now());
         client.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command })?;
         let next = began + ANIMATION_FRAME * update as u32;
@@ -154,11 +153,16 @@ pub(crate) fn control_point(client: &Client) -> Result<(u64, Vec3), BenchError> 
     let State::Snapshot(document) = &client.welcome.state else {
         return Err(BenchError::Refused("it gave no document".into()));
     };
-    let bendy = document.lights.iter().find_map(|light| match &light.light {
-        Light::Bendy(bendy) => Some((light.id, *bendy.points.get(2)?)),
-        Light::Spot(_) => None,
+    let bendy = document.lights.iter().find_map(|light| {
+        let checked = CheckedLight::try_from(light.light.clone()).ok()?;
+        Some((light.id, checked.light().points().get(2)?.position.to_array()))
     });
     bendy.ok_or_else(|| BenchError::Refused("its scene has no BendyLight".into()))
+}
+
+/// The parameter that moves a control point.
+pub(crate) fn position_of(position: Vec3) -> PointParameter {
+    light::parameters::POSITION.to(position.into()).into()
 }
 
 /// What is known of a drag while it goes on.
@@ -181,8 +185,8 @@ impl Drag {
         match client.receive(timeout)? {
             Some(Incoming::Message(message)) => match *message {
                 ServerMessage::GestureState(state) => {
-                    if let Some(message) = state.message {
-                        return Err(BenchError::Refused(message));
+                    if let Some(problem) = state.status.problem() {
+                        return Err(BenchError::Refused(problem.message.clone()));
                     }
                     self.update_of.insert(state.live_revision, state.update);
                 }

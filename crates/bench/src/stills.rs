@@ -4,10 +4,10 @@ use std::path::Path;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use protocol::{ClientMessage, Command, PointParameter};
+use protocol::{ClientMessage, Command};
 use serde::Serialize;
 
-use crate::session::{ANIMATION_FRAME, RADIUS, control_point, decode, ms, open_view};
+use crate::session::{ANIMATION_FRAME, RADIUS, control_point, decode, ms, open_view, position_of};
 use crate::{BenchError, Client, Incoming, Response, ServerProcess};
 
 /// What to measure.
@@ -136,7 +136,7 @@ fn drag(client: &mut Client, gesture: &str, time: Duration) -> Result<Pace, Benc
         update += 1;
         let angle = 0.05 * update as f64;
         let position = [x + RADIUS * angle.sin(), y + RADIUS * (1.0 - angle.cos()), z];
-        let command = Command::SetPoint { light, point: 2, parameter: PointParameter::Position(position) };
+        let command = Command::SetPoint { light, point: 2, parameter: position_of(position) };
         client.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command })?;
         let next = began + ANIMATION_FRAME * update as u32;
         while let Some(left) = next.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use light::{Light, LightKind};
+use cli::answer;
 use protocol::light_file;
 
 use crate::error::Error;
-use crate::{answer, files};
+use crate::files;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -28,7 +28,10 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Error> {
     let file = args.light.display().to_string();
     let light = files::read_one_light(&args.light)?;
-    let LightKind::Spot(spot) = light.kind else { return Err(Error::BendOfBendy { file }) };
-    let bendy = light::bend(&spot, args.segments).map_err(|reason| Error::BadLight { file, reason })?;
-    answer(&light_file::to_json(&Light { name: light.name, kind: LightKind::Bendy(bendy) }))
+    if light.tube().is_some() {
+        return Err(Error::BendOfBendy { file });
+    }
+    let bendy =
+        light::bend(light.light(), args.segments).map_err(|reason| Error::BadLight { file, reason })?;
+    Ok(answer(&light_file::to_json(&bendy))?)
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use ::bench::BenchError;
 use assets::AssetError;
+use cli::CliError;
 use document::AssetHash;
 use light::LightError;
 use protocol::FileError;
@@ -51,15 +52,9 @@ pub enum Error {
         "{0}: the reference follows light along its curve and has no shadow maps: leave it out, or take --backend gpu"
     )]
     NoShadowMaps(&'static str),
-    /// A chart whose file name does not say that it is an SVG.
-    #[error("{}: charts are SVG; name it OUT.svg", .0.display())]
-    NoSvg(PathBuf),
     /// A picture whose file name does not say a known format.
     #[error("{}: is neither .png nor .exr; name the picture OUT.png or OUT.exr", .0.display())]
     UnknownFormat(PathBuf),
-    /// A picture that cannot be put where it should go.
-    #[error("{}: cannot be written ({reason}); check the folder and that you may write there", file.display())]
-    Unwritable { file: PathBuf, reason: io::Error },
     /// The renderer could not.
     #[error(transparent)]
     Render(#[from] RenderError),
@@ -83,9 +78,9 @@ pub enum Error {
     /// A log file that cannot be used.
     #[error("{file}: {reason}")]
     BadLog { file: String, reason: StoreError },
-    /// A log loads a scene that is neither a demo nor in the data folder.
+    /// A log needs a scene that is neither a demo nor in the data folder.
     #[error(
-        "{file}: record {seq} loads the scene {asset}, which is neither a demo nor in the data folder: name the folder \
+        "{file}: record {seq} needs the scene {asset}, which is neither a demo nor in the data folder: name the folder \
          that has it with --data, or copy the file assets/{} from there", asset.hex()
     )]
     NoScene { file: String, seq: u64, asset: AssetHash },
@@ -98,18 +93,17 @@ pub enum Error {
     /// A measurement that could not be made.
     #[error(transparent)]
     Bench(#[from] BenchError),
-    /// Standard output would not take the answer.
-    #[error("standard output cannot be written ({0}); check where it leads")]
-    Stdout(io::Error),
+    /// An answer or a file could not be written.
+    #[error(transparent)]
+    Cli(#[from] CliError),
 }
 
 impl Error {
-    /// 2 where the user can mend it, 1 where this machine stands in the way or a benchmark finds the product wrong.
+    /// 2 where the user can mend it, 1 where this machine stands in the way.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Stdout(_)
-            | Self::Bench(BenchError::SolverWrong { .. } | BenchError::Broken { .. })
-            | Self::Store(StoreError::Io { .. } | StoreError::Database(_) | StoreError::Unwritable(_))
+            Self::Cli(error) => error.exit_code(),
+            Self::Store(StoreError::Io { .. } | StoreError::Database(_) | StoreError::Unwritable(_))
             | Self::NoRuntime(_)
             | Self::Server(
                 ServerError::Data { .. }

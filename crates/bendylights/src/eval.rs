@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
+use cli::answer;
 use glam::DVec3;
-use light::{LightKind, Reach};
 use light::{Location, Tube};
 use protocol::point_file::WrittenPoint;
 use protocol::{Evaluation, Visibility};
@@ -13,8 +13,8 @@ use render::Gpu;
 use scene::Scene;
 
 use crate::error::Error;
+use crate::files;
 use crate::render::open_scene;
-use crate::{answer, files, headless};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -71,15 +71,13 @@ enum On {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     if matches!(args.on, On::Gpu) {
-        headless::prepare();
+        cli::without_window_system();
     }
     let file = args.light.display().to_string();
-    let LightKind::Bendy(light) = files::read_one_light(&args.light)?.kind else {
-        return Err(Error::EvalOfSpot { file });
-    };
+    let light = files::read_one_light(&args.light)?;
+    let Some(tube) = light.tube() else { return Err(Error::EvalOfSpot { file }) };
     let written = files::read_points(&args.points)?;
     let points: Vec<DVec3> = written.iter().map(|point| point.position).collect();
-    let tube = Tube::<f64>::new(&light).map_err(|reason| Error::BadLight { file, reason })?;
     let locations: Vec<Location> = match args.on {
         On::F64 => points.iter().map(|&point| tube.locate(point)).collect(),
         On::F32 => {
@@ -88,20 +86,20 @@ pub fn run(args: &Args) -> Result<(), Error> {
             let tube = Tube::<f32>::from(&part.tube);
             points.iter().map(|&point| part.in_whole(&tube.locate(point))).collect()
         }
-        On::Gpu => render::locate(&Gpu::new()?, &light, &points)?,
+        On::Gpu => render::locate(&Gpu::new()?, tube, &points)?,
     };
     let scene = args.scene.as_deref().map(open_scene).transpose()?.map(|loaded| loaded.scene);
-    let shadows = scene.as_ref().map(|scene| Shadows::new(scene, args.precision));
+    let shadows = scene.map(|scene| Shadows::new(scene, args.precision));
     let objects: Vec<String> = locations
         .iter()
         .zip(&written)
         .map(|(location, point)| {
-            let visibility = shadows.as_ref().and_then(|shadows| shadows.visibility(&tube, location, point));
+            let visibility = shadows.as_ref().and_then(|shadows| shadows.visibility(tube, location, point));
             let evaluation = Evaluation::new(location, visibility);
             serde_json::to_string(&evaluation).expect("finite numbers and string keys")
         })
         .collect();
-    answer(&format!("[{}]", objects.join(",\n ")))
+    Ok(answer(&format!("[{}]", objects.join(",\n ")))?)
 }
 
 /// A length on the command line.
@@ -111,8 +109,8 @@ fn length(text: &str) -> Result<f64, String> {
 }
 
 /// What a scene shadows, and how finely its points are known.
-struct Shadows<'a> {
-    reference: Reference<'a>,
+struct Shadows {
+    reference: Reference,
     /// Of every point, where it is given.
     precision: Option<f64>,
     /// The most that is taken from a point's decimals: coarser ones were typed, not read.
@@ -122,10 +120,11 @@ struct Shadows<'a> {
 /// Share of the scene's size that a precision taken from decimals may have.
 const COARSEST: f64 = 0.01;
 
-impl<'a> Shadows<'a> {
-    fn new(scene: &'a Scene, precision: Option<f64>) -> Self {
-        let coarsest = COARSEST * 2.0 * Reach::from(scene).half_extent.length();
-        Self { reference: Reference::new(scene), precision, coarsest }
+impl Shadows {
+    fn new(scene: Scene, precision: Option<f64>) -> Self {
+        let posed = scene::pose(scene);
+        let coarsest = COARSEST * 2.0 * posed.half_extent.length();
+        Self { reference: Reference::new(posed), precision, coarsest }
     }
 
     /// How far `point` may lie from the surface that it was read from: half a unit of the last digit along each axis.
@@ -147,7 +146,7 @@ impl<'a> Shadows<'a> {
         // Always in double precision. At the light's rim the surface may lie just outside.
         let place = tube.locate(point).point;
         let node = self.reference.occluder(tube, place.as_ref().unwrap_or(inside), point);
-        let occluder = node.map(|node| self.reference.scene.nodes[node].name.clone());
+        let occluder = node.map(|node| self.reference.bvh.posed.scene.nodes[node].name.clone());
         Some(Visibility { visible: occluder.is_none(), occluder })
     }
 }

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
+use cli::Output;
 use store::Store;
 
 use crate::error::Error;
-use crate::output::Output;
 
 #[derive(clap::Args)]
 #[command(after_help = "\

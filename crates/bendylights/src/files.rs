@@ -3,9 +3,10 @@
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
+use std::sync::Arc;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use light::Light;
+use light::CheckedLight;
 use protocol::point_file::WrittenPoint;
 use protocol::{FileError, light_file, point_file};
 
@@ -19,14 +20,14 @@ const LONG_LOG_BYTES: u64 = 4 << 20;
 const STDIN: &str = "-";
 
 /// The lights of a light file, each valid.
-pub fn read_lights(path: &Path) -> Result<Vec<Light>, Error> {
+pub fn read_lights(path: &Path) -> Result<Vec<Arc<CheckedLight>>, Error> {
     let file = path.display().to_string();
     let text = File::open(path).and_then(read_limited);
-    parsed(file, text, light_file::parse)
+    Ok(parsed(file, text, light_file::parse)?.into_iter().map(Arc::new).collect())
 }
 
 /// The light of a light file that holds exactly one.
-pub fn read_one_light(path: &Path) -> Result<Light, Error> {
+pub fn read_one_light(path: &Path) -> Result<Arc<CheckedLight>, Error> {
     let mut lights = read_lights(path)?;
     match lights.pop() {
         Some(light) if lights.is_empty() => Ok(light),

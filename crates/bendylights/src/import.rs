@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
+use cli::answer;
 use store::Store;
 
 use crate::error::Error;
-use crate::known_scenes::KnownScenes;
-use crate::{answer, files, replay};
+use crate::{files, known_scenes, replay};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -30,9 +30,9 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Error> {
     let (log, bar) = files::open_log(&args.log)?;
     let mut store = Store::create(&args.data)?;
-    let scenes = KnownScenes::new(Some(Store::open(&args.data)?));
-    let imported = store.import(log, args.name.as_deref(), &|asset| scenes.find(asset));
+    let scenes = Store::open(&args.data)?;
+    let imported = store.import(log, args.name.as_deref(), &|asset| known_scenes::is_here(&scenes, asset));
     bar.finish_and_clear();
     let row = imported.map_err(|reason| replay::refused(&args.log, reason))?;
-    answer(&format!("{}: {} records", row.name, row.seq))
+    Ok(answer(&format!("{}: {} records", row.name, row.seq))?)
 }

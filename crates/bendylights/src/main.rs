@@ -1,4 +1,4 @@
-//! `bendylights`, the one binary. Each command has its module; the shapes of commands and files are a contract.
+//! `bendylights`, the program that ships. Each command has its module; the shapes of commands and files are a contract.
 //!
 //! Exit codes: 0, done; 2, the input is wrong and one sentence on standard error says how to mend it; 1, this
 //! machine cannot do it (no GPU driver, disk full).
@@ -9,21 +9,19 @@ mod error;
 mod eval;
 mod export;
 mod files;
-mod headless;
 mod import;
 mod known_scenes;
-mod output;
+mod parameters;
 mod render;
 mod replay;
 mod scenes;
 mod serve;
 mod sessions;
 
-use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use error::Error;
+use cli::say;
 
 /// Renders scenes lit by BendyLights: spotlights whose light travels along a curve.
 #[derive(Parser)]
@@ -41,6 +39,8 @@ enum Command {
     Eval(eval::Args),
     /// Turn a spotlight into the equal BendyLight, ready to be bent
     Bend(bend::Args),
+    /// List what can be set on lights, control points and cameras
+    Parameters(parameters::Args),
     /// List the demo scenes
     Scenes,
     /// Serve sessions to browsers and programs
@@ -53,7 +53,7 @@ enum Command {
     Import(import::Args),
     /// Make a log's edits again, and prove that they give the same document
     Replay(replay::Args),
-    /// Measure how fast it is and how accurate, and try to break it
+    /// Measure how fast it is here, and how accurate its shadows are
     Bench(bench::Args),
 }
 
@@ -72,6 +72,7 @@ fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Eval(args) => eval::run(&args),
         Command::Bend(args) => bend::run(&args),
+        Command::Parameters(args) => parameters::run(&args),
         Command::Scenes => scenes::run(),
         Command::Serve(args) => serve::run(&args),
         Command::Sessions(args) => sessions::run(&args),
@@ -86,20 +87,5 @@ fn main() -> ExitCode {
             say(&format!("error: {error}"));
             ExitCode::from(error.exit_code())
         }
-    }
-}
-
-/// A line on standard error. Where that is closed there is nobody to tell.
-fn say(line: &str) {
-    let _ = writeln!(io::stderr(), "{line}");
-}
-
-/// Writes a command's answer to standard output. A reader that has gone away (`| head`) has had enough: no
-/// error.
-fn answer(text: &str) -> Result<(), Error> {
-    let mut stdout = io::stdout().lock();
-    match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Error::Stdout(error)),
-        _ => Ok(()),
     }
 }

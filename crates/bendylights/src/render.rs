@@ -2,23 +2,22 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use std::sync::Arc;
 use std::time::Duration;
 
 use assets::Loaded;
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use cli::{LIMITS, Output, Size, say};
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
-use light::Tube;
-use light::{Light, LightKind, Reach};
+use light::{LightId, LightInstance, Reach, Tube};
+use protocol::RenderRequest;
 use reference::Reference;
 use render::{Aov, Gpu, Picture, PictureFormat, Renderer, ShadowSettings, View, ViewSlot};
-use scene::{Camera, DEFAULT_ASPECT, Scene, framing_camera};
+use scene::{Camera, PosedScene, framing_camera};
 
 use crate::error::Error;
-use crate::output::{self, Output};
-use crate::{files, headless, say};
+use crate::files;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -55,7 +54,7 @@ pub struct Args {
     #[arg(long, value_name = "WxH")]
     size: Option<Size>,
     /// Samples a pixel, for beauty and visibility; 1 takes each pixel's centre, 16 or more smooth the edges
-    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(LIMITS.max_samples)))]
     samples: u32,
     /// What the picture shows
     #[arg(long, default_value = "beauty", value_name = "NAME", value_parser = aov_names())]
@@ -64,7 +63,7 @@ pub struct Args {
     #[arg(long, value_name = "NAME")]
     light: Option<String>,
     /// How much of the fill the beauty has: 0 leaves the lights' own radiance, 1 is as the scene has it, at most 1000000
-    #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = fill_factor, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = RenderRequest::parse_fill, allow_negative_numbers = true)]
     fill: f64,
     /// What draws the picture
     #[arg(long, value_enum, default_value = "gpu")]
@@ -92,44 +91,45 @@ fn aov_names() -> impl TypedValueParser<Value = Aov> {
     PossibleValuesParser::new(Aov::NAMES).try_map(|name| name.parse::<Aov>())
 }
 
-fn fill_factor(text: &str) -> Result<f64, String> {
-    let factor = text.parse().ok().filter(|factor| View::FILL.contains(factor));
-    factor.ok_or(format!("write it as a number from 0 to {}", View::FILL.end()))
+/// The picture format that the file's name says.
+pub fn picture_format(path: &Path) -> Result<PictureFormat, Error> {
+    match path.extension().unwrap_or_default().to_ascii_lowercase().to_str() {
+        Some("png") => Ok(PictureFormat::Png),
+        Some("exr") => Ok(PictureFormat::Exr),
+        _ => Err(Error::UnknownFormat(path.into())),
+    }
 }
 
-/// Pixels of a picture.
-#[derive(Clone, Copy)]
-pub struct Size {
-    pub width: u32,
-    pub height: u32,
-}
-
-/// The largest side of a picture: the largest texture that every GPU of WebGPU's default limits holds.
-pub const MAX_SIDE: u32 = 8192;
-
-impl FromStr for Size {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let side = |text: &str| text.parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
-        text.split_once('x')
-            .and_then(|(width, height)| Some(Self { width: side(width)?, height: side(height)? }))
-            .ok_or(format!("write it as WIDTHxHEIGHT, each from 1 to {MAX_SIDE}"))
+impl From<&Args> for RenderRequest {
+    fn from(args: &Args) -> Self {
+        Self {
+            camera: args.camera.clone(),
+            size: args.size.map(|Size { width, height }| [width, height]),
+            aov: args.aov,
+            samples: args.samples,
+            light: args.light.clone(),
+            fill: args.fill,
+        }
     }
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
     if let Backend::Gpu = args.backend {
-        headless::prepare();
+        cli::without_window_system();
     }
     let shadows = shadow_settings(args)?;
-    let format = output::picture_format(&args.output)?;
+    let format = picture_format(&args.output)?;
     let output = Output::create(&args.output)?;
-    let Loaded { scene, mut notes, .. } = open_scene(&args.scene)?;
+    let Loaded { scene, contents, mut notes, .. } = open_scene(&args.scene)?;
     let lights = match &args.lights {
         Some(file) => files::read_lights(file)?,
-        None => scene.lights.clone(),
+        None => contents.lights,
     };
+    let lights: Vec<LightInstance> = lights
+        .into_iter()
+        .zip(0..)
+        .map(|(light, number)| LightInstance { id: LightId(number), light })
+        .collect();
     if lights.is_empty() && args.aov.is_of_light() {
         return Err(Error::NothingToShow { scene: args.scene.clone(), aov: args.aov.name() });
     }
@@ -144,31 +144,21 @@ pub fn run(args: &Args) -> Result<(), Error> {
         ));
     }
     notes.extend(lights.iter().flat_map(warnings));
+    let posed = scene::pose(scene);
     if matches!(args.backend, Backend::Gpu) {
-        notes.extend(left_out(&Reach::from(&scene), &lights));
+        notes.extend(left_out(&posed.reach(), &lights));
     }
-    let camera = choose_camera(args, &scene)?;
-    let [width, height] = args
-        .size
-        .map_or_else(|| camera.projection.default_size(MAX_SIDE), |Size { width, height }| [width, height]);
-    let view = View {
-        camera,
-        width,
-        height,
-        samples: args.samples,
-        aov: args.aov,
-        light: choose_light(args, &lights)?,
-        fill: args.fill,
-        slot: ViewSlot::default(),
-    };
+    let request = RenderRequest::from(args);
+    let camera = choose_camera(args, &request, (&posed.reach(), &contents.cameras))?;
+    let view = request.view(camera, choose_light(args, &lights)?, LIMITS, ViewSlot::default());
     for note in &notes {
         say(&format!("note: {note}"));
     }
     let picture = match args.backend {
-        Backend::Gpu => draw(&scene, &view, &lights, shadows, format)?,
-        Backend::Reference => trace(&scene, &view, &lights)?.into_file(&view, &lights, format)?,
+        Backend::Gpu => draw(&posed, &view, &lights, shadows, format)?,
+        Backend::Reference => trace(posed, &view, &lights)?.into_file(&view, &lights, format)?,
     };
-    output.write(&picture)
+    Ok(output.write(&picture)?)
 }
 
 /// What is asked of shadow maps, where the backend has them.
@@ -191,9 +181,9 @@ fn shadow_settings(args: &Args) -> Result<ShadowSettings, Error> {
 }
 
 fn draw(
-    scene: &Scene,
+    scene: &Arc<PosedScene>,
     view: &View,
-    lights: &[Light],
+    lights: &[LightInstance],
     shadows: ShadowSettings,
     format: PictureFormat,
 ) -> Result<Vec<u8>, Error> {
@@ -210,7 +200,7 @@ fn draw(
 }
 
 /// The reference's picture, rounded to what files hold.
-fn trace(scene: &Scene, view: &View, lights: &[Light]) -> Result<Picture, Error> {
+fn trace(scene: Arc<PosedScene>, view: &View, lights: &[LightInstance]) -> Result<Picture, Error> {
     let bar = progress_bar();
     bar.set_length(view.height.into());
     let frame = Reference::new(scene).render(view, lights, || bar.inc(1));
@@ -221,16 +211,19 @@ fn trace(scene: &Scene, view: &View, lights: &[Light]) -> Result<Picture, Error>
 }
 
 /// The lights that a picture is made without.
-pub fn left_out(reach: &Reach, lights: &[Light]) -> Vec<String> {
-    reach.left_out(lights).iter().map(|why| format!("a light is left out: {why}")).collect()
+pub fn left_out(reach: &Reach, lights: &[LightInstance]) -> Vec<String> {
+    reach
+        .left_out(lights.iter().map(|instance| &*instance.light))
+        .iter()
+        .map(|why| format!("a light is left out: {why}"))
+        .collect()
 }
 
 /// What should be known of a light that is usable all the same.
-fn warnings(light: &Light) -> Vec<String> {
-    let LightKind::Bendy(bendy) = &light.kind else { return Vec::new() };
-    // A light that is refused is reported when it is drawn.
-    let warnings = Tube::new(bendy).map(|tube| tube.warnings()).unwrap_or_default();
-    warnings.iter().map(|warning| format!("light `{}`: {warning}", light.name)).collect()
+fn warnings(instance: &LightInstance) -> Vec<String> {
+    let warnings = instance.light.tube().map(Tube::warnings).unwrap_or_default();
+    let name = instance.light.light().name();
+    warnings.iter().map(|warning| format!("light `{name}`: {warning}")).collect()
 }
 
 /// The scene of a file, or the demo of that name, with notes of what was left out.
@@ -242,31 +235,35 @@ pub fn open_scene(name: &str) -> Result<Loaded, Error> {
         name: demo.into(),
         choices: choices(assets::DEMO_NAMES.iter().map(|(name, _)| *name)),
     };
-    Ok(Loaded { scene: assets::demo(demo).ok_or_else(no_such)?, name: None, notes: Vec::new() })
+    assets::demo(demo).ok_or_else(no_such)
 }
 
-fn choose_camera(args: &Args, scene: &Scene) -> Result<Camera, Error> {
-    let Some(wanted) = &args.camera else {
-        let aspect = args.size.map_or(DEFAULT_ASPECT, |size| f64::from(size.width) / f64::from(size.height));
-        return Ok(scene.cameras.first().cloned().unwrap_or_else(|| framing_camera(scene, aspect)));
+fn choose_camera(
+    args: &Args,
+    request: &RenderRequest,
+    (reach, cameras): (&Reach, &[Camera]),
+) -> Result<Camera, Error> {
+    let Some(wanted) = &request.camera else {
+        let framing = || framing_camera(reach, request.framing_aspect());
+        return Ok(cameras.first().cloned().unwrap_or_else(framing));
     };
-    let named = scene.cameras.iter().find(|camera| camera.name == *wanted);
-    let indexed = || scene.cameras.get(wanted.parse::<usize>().ok()?);
+    let named = cameras.iter().find(|camera| camera.name == *wanted);
+    let indexed = || cameras.get(wanted.parse::<usize>().ok()?);
     named.or_else(indexed).cloned().ok_or_else(|| Error::NoSuch {
         whose: args.scene.clone(),
         what: "camera",
         name: wanted.clone(),
-        choices: choices(scene.cameras.iter().map(|camera| camera.name.as_str())),
+        choices: choices(cameras.iter().map(|camera| camera.name.as_str())),
     })
 }
 
-fn choose_light(args: &Args, lights: &[Light]) -> Result<usize, Error> {
+fn choose_light(args: &Args, lights: &[LightInstance]) -> Result<usize, Error> {
     let Some(wanted) = &args.light else { return Ok(0) };
-    lights.iter().position(|light| light.name == *wanted).ok_or_else(|| Error::NoSuch {
+    lights.iter().position(|light| light.light.light().name() == *wanted).ok_or_else(|| Error::NoSuch {
         whose: args.lights.as_ref().map_or(args.scene.clone(), |file| file.display().to_string()),
         what: "light",
         name: wanted.clone(),
-        choices: choices(lights.iter().map(|light| light.name.as_str())),
+        choices: choices(lights.iter().map(|light| light.light.light().name())),
     })
 }
 

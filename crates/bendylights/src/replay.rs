@@ -4,18 +4,16 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use cli::{LIMITS, Output, answer, say};
 use document::{Document, EditError};
 use edit::ReplayError;
-use light::Light;
 use render::{Gpu, PictureFormat, Renderer, View};
-use scene::{DEFAULT_ASPECT, framing_camera};
+use scene::{DEFAULT_ASPECT, Scene, framing_camera};
 use store::{Store, StoreError, replay_log};
 
 use crate::error::Error;
-use crate::known_scenes::KnownScenes;
-use crate::output::{self, Output};
-use crate::render::{MAX_SIDE, left_out};
-use crate::{answer, files, headless};
+use crate::render::{left_out, picture_format};
+use crate::{files, known_scenes};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -31,7 +29,7 @@ pub struct Args {
     /// Log file that `bendylights export` wrote
     #[arg(value_name = "LOG.jsonl")]
     log: PathBuf,
-    /// Data folder with the scenes that the log loads; demos are always found
+    /// Data folder with the scene that --render draws; demos are always found
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
     /// Last record to replay [default: the last there is]
@@ -44,14 +42,13 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     if args.render.is_some() {
-        headless::prepare();
+        cli::without_window_system();
     }
     let picture = args.render.as_deref().map(picture_file).transpose()?;
     let store = args.data.as_deref().map(Store::open).transpose()?;
-    let scenes = KnownScenes::new(store);
     let (log, bar) = files::open_log(&args.log)?;
     let start = Instant::now();
-    let replayed = replay_log(log, args.to, &|asset| scenes.find(asset));
+    let replayed = replay_log(log, args.to);
     bar.finish_and_clear();
     let replayed = replayed.map_err(|reason| refused(&args.log, reason))?;
     let document = replayed.session.document();
@@ -63,7 +60,18 @@ pub fn run(args: &Args) -> Result<(), Error> {
         start.elapsed().as_secs_f64(),
     ))?;
     if let Some((format, output)) = picture {
-        output.write(&drawn(document, format)?)?;
+        let scene = match document.scene() {
+            None => Scene::default(),
+            Some(scene) => {
+                let (file, asset) = (args.log.display().to_string(), scene.asset);
+                known_scenes::load(store.as_ref(), &asset).ok_or(Error::NoScene {
+                    file,
+                    seq: replayed.session.seq(),
+                    asset,
+                })?
+            }
+        };
+        output.write(&drawn(document, scene, format)?)?;
     }
     match replayed.differs {
         Some(seq) => Err(Error::Differs { file: args.log.display().to_string(), seq }),
@@ -85,20 +93,21 @@ pub fn refused(log: &Path, reason: StoreError) -> Error {
 
 /// Refuses, before any work is done, what cannot become a picture file.
 fn picture_file(path: &Path) -> Result<(PictureFormat, Output), Error> {
-    Ok((output::picture_format(path)?, Output::create(path)?))
+    Ok((picture_format(path)?, Output::create(path)?))
 }
 
 /// The document from its first camera, or from one that frames its scene.
-fn drawn(document: &Document, format: PictureFormat) -> Result<Vec<u8>, Error> {
+fn drawn(document: &Document, scene: Scene, format: PictureFormat) -> Result<Vec<u8>, Error> {
+    let posed = scene::pose(scene);
     let camera = document.cameras().values().next().cloned();
-    let camera = camera.unwrap_or_else(|| framing_camera(document.scene(), DEFAULT_ASPECT));
-    let size = camera.projection.default_size(MAX_SIDE);
+    let camera = camera.unwrap_or_else(|| framing_camera(&posed.reach(), DEFAULT_ASPECT));
+    let size = camera.projection.default_size(LIMITS.max_side);
     let view = View::beauty(camera, size);
-    let lights: Vec<Light> = document.lights().values().map(|placed| placed.light.clone()).collect();
-    for note in left_out(&document.reach(), &lights) {
-        crate::say(&format!("note: {note}"));
+    let lights = document.instances();
+    for note in left_out(&posed.reach(), &lights) {
+        say(&format!("note: {note}"));
     }
     let mut renderer = Renderer::new(Arc::new(Gpu::new()?))?;
-    renderer.set_scene(document.scene())?;
+    renderer.set_scene(&posed)?;
     Ok(renderer.render_file(&view, &lights, format, |_| {})?)
 }

@@ -1,10 +1,11 @@
 //! `bendylights scenes`: the demo scenes there are.
 
-use crate::answer;
+use cli::answer;
+
 use crate::error::Error;
 
 pub fn run() -> Result<(), Error> {
     let lines: Vec<String> =
         assets::DEMO_NAMES.iter().map(|(name, description)| format!("demo:{name}  {description}")).collect();
-    answer(&lines.join("\n"))
+    Ok(answer(&lines.join("\n"))?)
 }

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
+use cli::answer;
 use serde_json::json;
 use store::{SessionRow, Store};
 
-use crate::answer;
 use crate::error::Error;
 
 #[derive(clap::Args)]
@@ -26,7 +26,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     let rows = Store::open(&args.data)?.sessions()?;
-    answer(&if args.json { as_json(&rows) } else { as_table(&rows) })
+    Ok(answer(&if args.json { as_json(&rows) } else { as_table(&rows) })?)
 }
 
 fn as_json(rows: &[SessionRow]) -> String {

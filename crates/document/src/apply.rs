@@ -1,67 +1,80 @@
 //! Commands into changes, and changes into the document.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use light::{BendyLight, LightError, Tube, check_spot};
+use light::{CheckedLight, Light, LightError, LightId, MAX_NAME_BYTES, Owner, Reach, Setting};
+use scene::Camera;
 
+use crate::camera::{camera_parameter, set_camera};
+use crate::naming::quoted;
 use crate::points::renumbered;
-use crate::property::{camera_parameter, light_parameter, point_parameter, set_camera, set_light, set_point};
 use crate::{
-    AssetHash, CameraId, CameraParameter, Change, Command, ControlPoints, Document, EditError, Layout,
-    LightParameter, PlacedLight, PointParameter, SceneRef,
+    AssetHash, CameraId, CameraParameter, Change, Command, Document, EditError, Layout, PlacedLight,
+    SceneContents, SceneRef,
 };
-use light::{Light, LightId, LightKind};
-use scene::{Camera, Scene};
 
 /// Lights that a document holds at most; each has a shadow map.
 pub const MAX_LIGHTS: usize = 256;
 /// Cameras that a document holds at most.
 pub const MAX_CAMERAS: usize = 1024;
-/// Bytes that a name has at most.
-pub const MAX_NAME_BYTES: usize = 256;
 /// Largest number of an id or a layout: what a reader of JSON that knows only f64 keeps exactly.
 const MAX_NUMBER: u64 = (1 << 53) - 1;
 
-/// Finds a scene by its bytes' hash; `None` where it is not at hand.
-pub type FindScene<'a> = &'a dyn Fn(&AssetHash) -> Option<Arc<Scene>>;
+/// What commands need to know of geometry, which a document does not hold.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Context<'a> {
+    /// The box of the document's scene, against which its lights are measured.
+    pub reach: Reach,
+    /// What comes with the scene that a command loads; `None` where that is not at hand.
+    pub loaded: Option<&'a SceneContents>,
+}
 
-/// What `command` would change in `document`; empty where everything is so already.
+/// What a command comes to.
+#[derive(Clone, Debug)]
+pub struct Edited {
+    /// What changes; empty where everything is so already.
+    pub changes: Vec<Change>,
+    /// The document after that, valid.
+    pub document: Document,
+}
+
+/// Carries out `command` on `document`.
 ///
 /// A function of its arguments alone: ids of what is added are the document's next numbers. The document
 /// after the changes is valid: lights can be evaluated, cameras make pictures, limits hold.
-pub fn changes_of(
-    document: &Document,
-    command: &Command,
-    find_scene: FindScene,
-) -> Result<Vec<Change>, EditError> {
-    let changes = match command {
-        Command::LoadScene { asset, name } => load_scene(document, *asset, name, find_scene)?,
+pub fn edited(document: &Document, command: &Command, context: Context) -> Result<Edited, EditError> {
+    let changes = changes_of(document, command, context)?;
+    let changes: Vec<_> = changes.into_iter().filter(|change| change != &change.inverse()).collect();
+    let mut after = document.clone();
+    after.apply(&changes)?;
+    // A scene brings its lights as they are.
+    if !matches!(command, Command::LoadScene { .. }) {
+        stays_in_reach(document, &after, &changes, context.reach)?;
+    }
+    Ok(Edited { changes, document: after })
+}
+
+fn changes_of(document: &Document, command: &Command, context: Context) -> Result<Vec<Change>, EditError> {
+    Ok(match command {
+        Command::LoadScene { asset, name } => load_scene(document, *asset, name, context.loaded)?,
         Command::AddLight(light) => vec![added_light(document.next_number(), light)],
         Command::RemoveLight(id) => {
-            vec![Change::Light { light: *id, old: Some(Box::new(light(document, *id)?.clone())), new: None }]
+            vec![Change::Light { light: *id, old: Some(light(document, *id)?.clone()), new: None }]
         }
         Command::PlaceLight { light: id, translation, rotation, scale } => {
             light(document, *id)?;
-            let parameters = [
-                translation.map(LightParameter::Translation),
-                rotation.map(LightParameter::Rotation),
-                scale.map(LightParameter::Scale),
+            let settings = [
+                translation.map(|translation| light::parameters::TRANSLATION.to(translation)),
+                rotation.map(|rotation| light::parameters::ROTATION.to(rotation)),
+                scale.map(|scale| light::parameters::SCALE.to(scale)),
             ];
-            let changes = parameters.into_iter().flatten().map(|p| parameter_change(document, *id, p));
+            let changes = settings.into_iter().flatten().map(|setting| light_change(document, *id, setting));
             changes.collect::<Result<_, _>>()?
         }
-        Command::SetLight { light: id, parameter } => {
-            vec![parameter_change(document, *id, parameter.clone())?]
-        }
-        Command::SetPoint { light: id, point, parameter } => {
-            let (placed, bendy) = bendy(document, *id)?;
-            if *point == 0 && matches!(parameter, PointParameter::Position(_)) {
-                return Err(EditError::Source);
-            }
-            let count = bendy.points.len();
-            let no_point = || EditError::NoPoint { light: document.light_name(*id), point: *point, count };
-            let old = point_parameter(bendy, *point, parameter).ok_or_else(no_point)?;
-            vec![Change::Point { light: *id, layout: placed.layout, point: *point, old, new: *parameter }]
+        Command::SetLight { light: id, setting } => vec![light_change(document, *id, setting.clone())?],
+        Command::SetPoint { light: id, point, setting } => {
+            vec![point_change(document, *id, *point, setting.clone())?]
         }
         Command::InsertPoint { light, .. } | Command::RemovePoint { light, .. } => {
             vec![renumbered(document, *light, bendy(document, *light)?, command)?]
@@ -82,24 +95,20 @@ pub fn changes_of(
         Command::SetCamera { camera: id, parameter } => {
             vec![camera_change(*id, camera(document, *id)?, parameter.clone())]
         }
-    };
-    let changes: Vec<_> = changes.into_iter().filter(|change| change != &change.inverse()).collect();
-    let mut after = document.clone();
-    after.apply(&changes, find_scene)?;
-    // A scene brings its lights as they are.
-    if !matches!(command, Command::LoadScene { .. }) {
-        stays_in_reach(document, &after, &changes)?;
-    }
-    Ok(changes)
+    })
 }
 
 /// Refuses to take a light out of where pictures can show it. One that is there already, by an old record or with its
 /// scene, may be changed in steps until it is back.
-fn stays_in_reach(before: &Document, after: &Document, changes: &[Change]) -> Result<(), EditError> {
-    let reach = after.reach();
+fn stays_in_reach(
+    before: &Document,
+    after: &Document,
+    changes: &[Change],
+    reach: Reach,
+) -> Result<(), EditError> {
     for id in changes.iter().filter_map(Change::light) {
-        let was_in_reach = || before.lights().get(&id).is_none_or(|was| reach.check(&was.light).is_ok());
-        if let Some(now) = after.lights().get(&id)
+        let was_in_reach = || before.lights.get(&id).is_none_or(|was| reach.check(&was.light).is_ok());
+        if let Some(now) = after.lights.get(&id)
             && let Err(error) = reach.check(&now.light)
             && was_in_reach()
         {
@@ -109,122 +118,73 @@ fn stays_in_reach(before: &Document, after: &Document, changes: &[Change]) -> Re
     Ok(())
 }
 
+/// A document while changes are made in it, and the lights that are not checked yet.
+struct Draft {
+    after: Document,
+    unchecked: BTreeMap<LightId, Light>,
+}
+
 impl Document {
-    /// Makes `changes`, all of them or, on an error, none.
+    /// Makes `changes`, all of them or, on an error, none. Each light that they touch is checked once.
     ///
     /// Refused are changes whose old values the document does not hold ([`EditError::Conflict`]), and those
     /// that leave something invalid.
-    pub fn apply(&mut self, changes: &[Change], find_scene: FindScene) -> Result<(), EditError> {
-        let mut after = self.clone();
-        for change in changes {
-            after.make(change, find_scene)?;
-        }
-        for change in changes {
-            after.check(change)?;
-        }
+    pub fn apply(&mut self, changes: &[Change]) -> Result<(), EditError> {
+        let mut draft = Draft { after: self.clone(), unchecked: BTreeMap::new() };
+        changes.iter().try_for_each(|change| draft.make(change))?;
+        let after = draft.checked()?;
+        changes.iter().try_for_each(|change| after.check(change))?;
         *self = after;
         Ok(())
     }
 
     /// Whether the document holds what `change` starts from.
     pub fn holds_old_of(&self, change: &Change) -> bool {
+        let light = change.light().and_then(|id| self.lights.get(&id));
+        self.holds(change, light.map(|placed| placed.light.light()))
+    }
+
+    /// The same, where the light that `change` is of is `light` by now.
+    fn holds(&self, change: &Change, light: Option<&Light>) -> bool {
+        let layout = || change.light().and_then(|id| self.lights.get(&id)).map(|placed| placed.layout);
         match change {
-            Change::Scene { old, .. } => self.scene_ref() == old.as_ref(),
-            Change::Light { light, old, .. } => self.lights().get(light) == old.as_deref(),
-            Change::LightParameter { light, old, .. } => {
-                self.lights().get(light).and_then(|now| light_parameter(&now.light, old)) == Some(old.clone())
+            Change::Scene { old, .. } => self.scene == *old,
+            Change::Light { light: id, old: Some(old), .. } => {
+                self.lights.get(id) == Some(old) && light == Some(old.light.light())
             }
-            Change::Point { light, layout, point, old, .. } => match self.lights().get(light) {
-                Some(PlacedLight { layout: now, light: Light { kind: LightKind::Bendy(bendy), .. } }) => {
-                    now == layout && point_parameter(bendy, *point, old) == Some(*old)
-                }
-                _ => false,
-            },
-            Change::ControlPoints { light, old, .. } => {
-                self.lights().get(light).and_then(ControlPoints::of).as_ref() == Some(old)
+            Change::Light { light: id, old: None, .. } => !self.lights.contains_key(id),
+            Change::LightParameter { parameter, old, .. } => {
+                light.and_then(|light| light.value(parameter)) == Some(old)
             }
-            Change::Camera { camera, old, .. } => self.cameras().get(camera) == old.as_ref(),
+            Change::Point { layout: at, point, parameter, old, .. } => {
+                let point = light.and_then(|light| light.points().get(*point));
+                layout() == Some(*at) && point.and_then(|point| point.value(parameter)).as_ref() == Some(old)
+            }
+            Change::ControlPoints { old, .. } => {
+                layout() == Some(old.layout)
+                    && light.is_some_and(|light| !light.points().is_empty() && light.points() == old.points)
+            }
+            Change::Camera { camera, old, .. } => self.cameras.get(camera) == old.as_ref(),
             Change::CameraParameter { camera, old, .. } => {
-                self.cameras().get(camera).map(|now| camera_parameter(now, old)).as_ref() == Some(old)
+                self.cameras.get(camera).map(|now| camera_parameter(now, old)).as_ref() == Some(old)
             }
-        }
-    }
-
-    fn make(&mut self, change: &Change, find_scene: FindScene) -> Result<(), EditError> {
-        let conflict = |document: &Self| EditError::Conflict(change.subject(document));
-        if !self.holds_old_of(change) || !change.is_of_one_property() || change.number() > MAX_NUMBER {
-            return Err(conflict(self));
-        }
-        match change {
-            Change::Scene { new, .. } => {
-                let find = |r: &SceneRef| find_scene(&r.asset).ok_or(EditError::UnknownAsset(r.asset));
-                let scene = new.as_ref().map_or(Ok(Arc::default()), find)?;
-                self.set_scene(new.clone(), scene);
-            }
-            Change::Light { light, new: Some(new), .. } => {
-                self.lights_mut().insert(*light, PlacedLight::clone(new));
-            }
-            Change::Light { light, new: None, .. } => {
-                self.lights_mut().remove(light);
-            }
-            Change::LightParameter { light, new, .. } => {
-                let Some(placed) = self.lights_mut().get_mut(light) else { return Err(conflict(self)) };
-                set_light(&mut placed.light, new);
-            }
-            Change::Point { light, point, new, .. } => {
-                let Some(bendy) = self.bendy_mut(*light) else { return Err(conflict(self)) };
-                set_point(bendy, *point, *new);
-            }
-            Change::ControlPoints { light, new, .. } => {
-                let Some(placed) = self.lights_mut().get_mut(light) else { return Err(conflict(self)) };
-                let LightKind::Bendy(bendy) = &mut placed.light.kind else { return Err(conflict(self)) };
-                (bendy.points, bendy.radii) = (new.points.clone(), new.radii.clone());
-                (bendy.colors, bendy.intensities) = (new.colors.clone(), new.intensities.clone());
-                placed.layout = new.layout;
-            }
-            Change::Camera { camera, new: Some(new), .. } => {
-                self.cameras_mut().insert(*camera, new.clone());
-            }
-            Change::Camera { camera, new: None, .. } => {
-                self.cameras_mut().remove(camera);
-            }
-            Change::CameraParameter { camera, new, .. } => {
-                let Some(camera) = self.cameras_mut().get_mut(camera) else { return Err(conflict(self)) };
-                set_camera(camera, new);
-            }
-        }
-        self.take_number(change.number());
-        Ok(())
-    }
-
-    fn bendy_mut(&mut self, light: LightId) -> Option<&mut BendyLight> {
-        match &mut self.lights_mut().get_mut(&light)?.light.kind {
-            LightKind::Bendy(bendy) => Some(bendy),
-            LightKind::Spot(_) => None,
         }
     }
 
     /// Whether what `change` touched is valid.
     fn check(&self, change: &Change) -> Result<(), EditError> {
         let too_many = |what, limit| Err(EditError::TooMany { what, limit });
-        if self.lights().len() > MAX_LIGHTS {
+        if self.lights.len() > MAX_LIGHTS {
             return too_many("lights", MAX_LIGHTS);
         }
-        if self.cameras().len() > MAX_CAMERAS {
+        if self.cameras.len() > MAX_CAMERAS {
             return too_many("cameras", MAX_CAMERAS);
         }
         if let Change::Scene { new: Some(scene), .. } = change {
             check_name(&scene.name)?;
         }
-        if let Some(id) = change.light()
-            && let Some(placed) = self.lights().get(&id)
-        {
-            check_name(&placed.light.name)?;
-            let invalid = |reason| EditError::InvalidLight { light: self.light_name(id), reason };
-            check_light(&placed.light).map_err(invalid)?;
-        }
         if let Change::Camera { camera, .. } | Change::CameraParameter { camera, .. } = change
-            && let Some(camera) = self.cameras().get(camera)
+            && let Some(camera) = self.cameras.get(camera)
         {
             check_name(&camera.name)?;
             camera.check().map_err(EditError::InvalidCamera)?;
@@ -233,40 +193,118 @@ impl Document {
     }
 }
 
+impl Draft {
+    fn make(&mut self, change: &Change) -> Result<(), EditError> {
+        let conflict = |draft: &Self| Err(EditError::Conflict(change.subject(&draft.after)));
+        let light = change.light().and_then(|id| self.light(id));
+        if !self.after.holds(change, light) || !change.is_of_one_property() || change.number() > MAX_NUMBER {
+            return conflict(self);
+        }
+        match change {
+            Change::Scene { new, .. } => self.after.scene.clone_from(new),
+            Change::Light { light, new: Some(new), .. } => {
+                self.unchecked.remove(light);
+                self.after.lights.insert(*light, new.clone());
+            }
+            Change::Light { light, new: None, .. } => {
+                self.unchecked.remove(light);
+                self.after.lights.remove(light);
+            }
+            Change::LightParameter { light, parameter, new, .. } => {
+                self.edit(*light, |light| light.set(Setting { parameter, value: new.clone() }));
+            }
+            Change::Point { light, point, parameter, new, .. } => self.edit(*light, |light| {
+                if let Some(point) = light.points_mut().and_then(|points| points.get_mut(*point)) {
+                    point.set(&Setting { parameter, value: new.clone() });
+                }
+            }),
+            Change::ControlPoints { light, new, .. } => {
+                self.edit(*light, |light| {
+                    if let Some(points) = light.points_mut() {
+                        points.clone_from(&new.points);
+                    }
+                });
+                if let Some(placed) = self.after.lights.get_mut(light) {
+                    placed.layout = new.layout;
+                }
+            }
+            Change::Camera { camera, new: Some(new), .. } => {
+                self.after.cameras.insert(*camera, new.clone());
+            }
+            Change::Camera { camera, new: None, .. } => {
+                self.after.cameras.remove(camera);
+            }
+            Change::CameraParameter { camera, new, .. } => match self.after.cameras.get_mut(camera) {
+                Some(camera) => set_camera(camera, new),
+                None => return conflict(self),
+            },
+        }
+        self.after.take_number(change.number());
+        Ok(())
+    }
+
+    /// A light as the changes so far have left it.
+    fn light(&self, id: LightId) -> Option<&Light> {
+        self.unchecked.get(&id).or_else(|| Some(self.after.lights.get(&id)?.light.light()))
+    }
+
+    fn edit(&mut self, id: LightId, change: impl FnOnce(&mut Light)) {
+        let Some(mut light) = self.light(id).cloned() else { return };
+        change(&mut light);
+        self.unchecked.insert(id, light);
+    }
+
+    /// The document, every light of which can be evaluated.
+    fn checked(mut self) -> Result<Document, EditError> {
+        for (id, light) in self.unchecked {
+            let name = quoted(light.name()).unwrap_or_else(|| format!("light {id}"));
+            let invalid = |reason| match reason {
+                LightError::TooLong { limit, .. } => EditError::TooMany { what: "bytes in a name", limit },
+                reason => EditError::InvalidLight { light: name.clone(), reason },
+            };
+            let checked = CheckedLight::new(light).map_err(invalid)?;
+            if let Some(placed) = self.after.lights.get_mut(&id) {
+                placed.light = Arc::new(checked);
+            }
+        }
+        Ok(self.after)
+    }
+}
+
 fn check_name(name: &str) -> Result<(), EditError> {
     let too_long = EditError::TooMany { what: "bytes in a name", limit: MAX_NAME_BYTES };
     if name.len() <= MAX_NAME_BYTES { Ok(()) } else { Err(too_long) }
 }
 
-fn check_light(light: &Light) -> Result<(), LightError> {
-    match &light.kind {
-        LightKind::Bendy(bendy) => Tube::<f64>::new(bendy).map(drop),
-        LightKind::Spot(spot) => check_spot(spot),
-    }
-}
-
 fn light(document: &Document, id: LightId) -> Result<&PlacedLight, EditError> {
-    document.lights().get(&id).ok_or(EditError::NoLight(id))
+    document.lights.get(&id).ok_or(EditError::NoLight(id))
 }
 
 fn camera(document: &Document, id: CameraId) -> Result<&Camera, EditError> {
-    document.cameras().get(&id).ok_or(EditError::NoCamera(id))
+    document.cameras.get(&id).ok_or(EditError::NoCamera(id))
 }
 
-fn bendy(document: &Document, id: LightId) -> Result<(&PlacedLight, &BendyLight), EditError> {
+/// A light that has control points.
+fn bendy(document: &Document, id: LightId) -> Result<&PlacedLight, EditError> {
     let placed = light(document, id)?;
-    match &placed.light.kind {
-        LightKind::Bendy(bendy) => Ok((placed, bendy)),
-        LightKind::Spot(_) => {
-            let light = document.light_name(id);
-            Err(EditError::WrongKind { light, kind: "spotlight", what: "control points" })
-        }
+    if placed.light.light().owner() == Owner::Bendy {
+        Ok(placed)
+    } else {
+        wrong_shape(document, id, "control points")
     }
 }
 
-fn added_light(number: u64, light: &Light) -> Change {
-    let placed = PlacedLight { layout: Layout(number), light: light.clone() };
-    Change::Light { light: LightId(number), old: None, new: Some(Box::new(placed)) }
+fn wrong_shape<T>(document: &Document, id: LightId, what: &'static str) -> Result<T, EditError> {
+    let kind = match light(document, id)?.light.light().owner() {
+        Owner::Spot => "spotlight",
+        _ => "BendyLight",
+    };
+    Err(EditError::WrongKind { light: document.light_name(id), kind, what })
+}
+
+fn added_light(number: u64, light: &Arc<CheckedLight>) -> Change {
+    let placed = PlacedLight { layout: Layout(number), light: Arc::clone(light) };
+    Change::Light { light: LightId(number), old: None, new: Some(placed) }
 }
 
 /// Everything of the scene before goes, everything of the new one comes.
@@ -274,24 +312,19 @@ fn load_scene(
     document: &Document,
     asset: AssetHash,
     name: &str,
-    find_scene: FindScene,
+    loaded: Option<&SceneContents>,
 ) -> Result<Vec<Change>, EditError> {
-    let scene = find_scene(&asset).ok_or(EditError::UnknownAsset(asset))?;
-    let lights = document.lights().iter();
-    let mut changes: Vec<_> = lights
-        .map(|(&light, old)| Change::Light { light, old: Some(Box::new(old.clone())), new: None })
-        .collect();
-    let cameras = document.cameras().iter();
-    changes.extend(cameras.map(|(&camera, old)| Change::Camera {
-        camera,
-        old: Some(old.clone()),
-        new: None,
-    }));
+    let SceneContents { lights, cameras } = loaded.ok_or(EditError::UnknownAsset(asset))?;
+    let gone = document.lights.iter();
+    let mut changes: Vec<_> =
+        gone.map(|(&light, old)| Change::Light { light, old: Some(old.clone()), new: None }).collect();
+    let gone = document.cameras.iter();
+    changes.extend(gone.map(|(&camera, old)| Change::Camera { camera, old: Some(old.clone()), new: None }));
     let new = Some(SceneRef { asset, name: name.into() });
-    changes.push(Change::Scene { old: document.scene_ref().cloned(), new });
+    changes.push(Change::Scene { old: document.scene.clone(), new });
     let mut numbers = document.next_number()..;
-    changes.extend(numbers.by_ref().zip(&scene.lights).map(|(number, light)| added_light(number, light)));
-    changes.extend(numbers.zip(&scene.cameras).map(|(number, camera)| Change::Camera {
+    changes.extend(numbers.by_ref().zip(lights).map(|(number, light)| added_light(number, light)));
+    changes.extend(numbers.zip(cameras).map(|(number, camera)| Change::Camera {
         camera: CameraId(number),
         old: None,
         new: Some(camera.clone()),
@@ -299,15 +332,30 @@ fn load_scene(
     Ok(changes)
 }
 
-fn parameter_change(document: &Document, id: LightId, new: LightParameter) -> Result<Change, EditError> {
-    let now = &light(document, id)?.light;
-    let kind = match now.kind {
-        LightKind::Bendy(_) => "BendyLight",
-        LightKind::Spot(_) => "spotlight",
-    };
-    let missing = || EditError::WrongKind { light: document.light_name(id), kind, what: new.name() };
-    let old = light_parameter(now, &new).ok_or_else(missing)?;
-    Ok(Change::LightParameter { light: id, old, new })
+fn light_change(document: &Document, id: LightId, setting: Setting) -> Result<Change, EditError> {
+    let Setting { parameter, value: new } = setting;
+    match light(document, id)?.light.light().value(parameter).cloned() {
+        Some(old) => Ok(Change::LightParameter { light: id, parameter, old, new }),
+        None => wrong_shape(document, id, parameter.name),
+    }
+}
+
+fn point_change(
+    document: &Document,
+    id: LightId,
+    point: usize,
+    setting: Setting,
+) -> Result<Change, EditError> {
+    let Setting { parameter, value: new } = setting;
+    let placed = bendy(document, id)?;
+    if point == 0 && *parameter == *light::parameters::POSITION {
+        return Err(EditError::Source);
+    }
+    let points = placed.light.light().points();
+    let no_point = || EditError::NoPoint { light: document.light_name(id), point, count: points.len() };
+    let old = points.get(point).ok_or_else(no_point)?.value(parameter);
+    let old = old.ok_or(EditError::NoPointParameter(parameter.name))?;
+    Ok(Change::Point { light: id, layout: placed.layout, point, parameter, old, new })
 }
 
 fn camera_change(id: CameraId, now: &Camera, new: CameraParameter) -> Change {

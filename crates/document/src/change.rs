@@ -2,14 +2,11 @@
 
 use std::mem::discriminant;
 
-use light::LightError;
+use light::{LightError, LightId, OutOfReach, Parameter, Touches, Value};
 use thiserror::Error;
 
-use crate::{
-    AssetHash, CameraId, CameraParameter, ControlPoints, Layout, LightParameter, PlacedLight, PointParameter,
-    SceneRef,
-};
-use light::{LightId, OutOfReach};
+use crate::{AssetHash, CameraId, CameraParameter, ControlPoints, Layout, PlacedLight, SceneRef};
+
 use scene::Camera;
 
 /// One property's old and new value. Per property and not per object, so that taking one person's change back
@@ -25,34 +22,38 @@ pub enum Change {
     },
     /// A light that comes (`old` is `None`) or goes (`new` is `None`).
     Light {
-        /// Which.
+        /// Its id.
         light: LightId,
-        /// Before.
-        old: Option<Box<PlacedLight>>,
-        /// After.
-        new: Option<Box<PlacedLight>>,
+        /// The light that was there.
+        old: Option<PlacedLight>,
+        /// The light that is there now.
+        new: Option<PlacedLight>,
     },
-    /// A parameter of a light; both values are of the same parameter.
+    /// A parameter of a light.
     LightParameter {
-        /// Of which.
+        /// The light.
         light: LightId,
-        /// Before.
-        old: LightParameter,
-        /// After.
-        new: LightParameter,
+        /// The row of the table.
+        parameter: &'static Parameter,
+        /// The value that it had.
+        old: Value,
+        /// The value that it has now.
+        new: Value,
     },
-    /// A parameter of a control point; both values are of the same parameter.
+    /// A parameter of a control point.
     Point {
-        /// Of which light.
+        /// The light.
         light: LightId,
         /// The numbering that `point` counts in.
         layout: Layout,
-        /// Its index.
+        /// The control point's index.
         point: usize,
-        /// Before.
-        old: PointParameter,
-        /// After.
-        new: PointParameter,
+        /// The row of the table.
+        parameter: &'static Parameter,
+        /// The value that it had.
+        old: Value,
+        /// The value that it has now.
+        new: Value,
     },
     /// Control points that were renumbered.
     ControlPoints {
@@ -102,6 +103,9 @@ pub enum EditError {
         /// How many it has.
         count: usize,
     },
+    /// A parameter that control points do not have.
+    #[error("a control point has no {0}: set one of its position, radius, intensity and color")]
+    NoPointParameter(&'static str),
     /// The light has no such property, being of the other kind.
     #[error("{light} is a {kind} and has no {what}: choose a light of the other kind")]
     WrongKind {
@@ -152,9 +156,11 @@ impl Change {
         match self.clone() {
             Self::Scene { old, new } => Self::Scene { old: new, new: old },
             Self::Light { light, old, new } => Self::Light { light, old: new, new: old },
-            Self::LightParameter { light, old, new } => Self::LightParameter { light, old: new, new: old },
-            Self::Point { light, layout, point, old, new } => {
-                Self::Point { light, layout, point, old: new, new: old }
+            Self::LightParameter { light, parameter, old, new } => {
+                Self::LightParameter { light, parameter, old: new, new: old }
+            }
+            Self::Point { light, layout, point, parameter, old, new } => {
+                Self::Point { light, layout, point, parameter, old: new, new: old }
             }
             Self::ControlPoints { light, old, new } => Self::ControlPoints { light, old: new, new: old },
             Self::Camera { camera, old, new } => Self::Camera { camera, old: new, new: old },
@@ -164,11 +170,12 @@ impl Change {
         }
     }
 
-    /// Whether both values are of the same parameter, as every change made here is.
+    /// Whether old and new are values of one property that can be.
     pub(crate) fn is_of_one_property(&self) -> bool {
         match self {
-            Self::LightParameter { old, new, .. } => discriminant(old) == discriminant(new),
-            Self::Point { old, new, .. } => discriminant(old) == discriminant(new),
+            Self::LightParameter { parameter, new, .. } | Self::Point { parameter, new, .. } => {
+                parameter.takes(new)
+            }
             Self::CameraParameter { old, new, .. } => discriminant(old) == discriminant(new),
             Self::Scene { .. } | Self::Light { .. } | Self::ControlPoints { .. } | Self::Camera { .. } => {
                 true
@@ -202,58 +209,28 @@ impl Change {
         let is_of_points = |change: &Self| matches!(change, Self::Point { .. } | Self::ControlPoints { .. });
         let same_parameter = match (self, earlier) {
             (Self::Light { .. }, _) | (_, Self::Light { .. }) => true,
-            (Self::LightParameter { new: a, .. }, Self::LightParameter { new: b, .. }) => {
-                discriminant(a) == discriminant(b)
-            }
-            (Self::Point { point: p, new: a, .. }, Self::Point { point: q, new: b, .. }) => {
-                p == q && discriminant(a) == discriminant(b)
+            (Self::LightParameter { parameter: a, .. }, Self::LightParameter { parameter: b, .. }) => a == b,
+            (Self::Point { point: p, parameter: a, .. }, Self::Point { point: q, parameter: b, .. }) => {
+                p == q && a == b
             }
             _ => is_of_points(self) && is_of_points(earlier),
         };
         same_parameter && self.light().is_some() && self.light() == earlier.light()
     }
 
-    /// Whether a picture can show it. A name or a camera object never shows: views have cameras of their own.
+    /// What it makes stale of what is kept from picture to picture. A camera never shows: views have cameras of their own.
+    pub fn touches(&self) -> Touches {
+        match self {
+            Self::Scene { .. } => Touches::Scene,
+            Self::Light { .. } | Self::ControlPoints { .. } => Touches::ShadowMap,
+            Self::LightParameter { parameter, .. } | Self::Point { parameter, .. } => parameter.touches(),
+            Self::Camera { .. } | Self::CameraParameter { .. } => Touches::Nothing,
+        }
+    }
+
+    /// Whether a picture can show it.
     pub fn changes_picture(&self) -> bool {
-        match self {
-            Self::LightParameter { new, .. } => !matches!(new, LightParameter::Name(_)),
-            Self::Camera { .. } | Self::CameraParameter { .. } => false,
-            Self::Scene { .. } | Self::Light { .. } | Self::Point { .. } | Self::ControlPoints { .. } => true,
-        }
-    }
-}
-
-impl LightParameter {
-    /// Its name, as in JSON.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Name(_) => "name",
-            Self::Translation(_) => "translation",
-            Self::Rotation(_) => "rotation",
-            Self::Scale(_) => "scale",
-            Self::ConeAngle(_) => "coneAngle",
-            Self::ConeSoftness(_) => "coneSoftness",
-            Self::Decay(_) => "decay",
-            Self::Up(_) => "up",
-            Self::Frame(_) => "frame",
-            Self::Direction(_) => "direction",
-            Self::EndMode(_) => "endMode",
-            Self::Color(_) => "color",
-            Self::Intensity(_) => "intensity",
-            Self::Range(_) => "range",
-        }
-    }
-}
-
-impl PointParameter {
-    /// Its name, as in JSON.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Position(_) => "position",
-            Self::Radius(_) => "radius",
-            Self::Color(_) => "color",
-            Self::Intensity(_) => "intensity",
-        }
+        self.touches() > Touches::Nothing
     }
 }
 

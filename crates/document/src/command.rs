@@ -1,13 +1,14 @@
 //! What a person or a program can ask of a document: the closed set of commands.
 
+use std::sync::Arc;
+
 use glam::{DQuat, DVec3};
-use light::{Decay, Direction, EndMode, Frame};
+use light::{CheckedLight, LightId, Setting};
 
 use crate::{AssetHash, CameraId};
-use light::{Light, LightId};
 use scene::{Camera, Projection};
 
-/// One request. [`crate::changes_of`] turns it into changes, or says why not.
+/// One request. [`crate::edited`] turns it into changes, or says why not.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     /// Replaces geometry, cameras and lights by those of a scene.
@@ -18,7 +19,7 @@ pub enum Command {
         name: String,
     },
     /// Adds a light.
-    AddLight(Box<Light>),
+    AddLight(Arc<CheckedLight>),
     /// Removes it.
     RemoveLight(LightId),
     /// Places the whole light; what is `None` stays.
@@ -36,8 +37,8 @@ pub enum Command {
     SetLight {
         /// Of which.
         light: LightId,
-        /// The parameter.
-        parameter: LightParameter,
+        /// The parameter and its value.
+        setting: Setting,
     },
     /// Sets one parameter of a control point.
     SetPoint {
@@ -45,8 +46,8 @@ pub enum Command {
         light: LightId,
         /// Its index.
         point: usize,
-        /// The parameter.
-        parameter: PointParameter,
+        /// The parameter and its value.
+        setting: Setting,
     },
     /// Adds a control point that gets the index `point`, 1 to the number of points.
     ///
@@ -95,52 +96,6 @@ pub enum Command {
         /// The parameter.
         parameter: CameraParameter,
     },
-}
-
-/// A property of a whole light, with its value. Those of [`light::BendyLight`] and [`light::SpotLight`].
-#[derive(Clone, Debug, PartialEq)]
-pub enum LightParameter {
-    /// Name for people.
-    Name(String),
-    /// World position of the source.
-    Translation(DVec3),
-    /// Rotation from light-local to world axes.
-    Rotation(DQuat),
-    /// World units per light-local unit.
-    Scale(f64),
-    /// Half angle in degrees.
-    ConeAngle(f64),
-    /// Share of the cone angle over which the profile falls to zero.
-    ConeSoftness(f64),
-    /// Fall-off with distance.
-    Decay(Decay),
-    /// Of a BendyLight: orients the cross-section at the source.
-    Up(DVec3),
-    /// Of a BendyLight: orientation of the cross-section along the curve.
-    Frame(Frame),
-    /// Of a BendyLight: direction of arrival.
-    Direction(Direction),
-    /// Of a BendyLight: past the last control point.
-    EndMode(EndMode),
-    /// Of a spotlight: linear RGB.
-    Color(DVec3),
-    /// Of a spotlight.
-    Intensity(f64),
-    /// Of a spotlight: world distance at which it ends; endless where `None`.
-    Range(Option<f64>),
-}
-
-/// A property of one control point, with its value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PointParameter {
-    /// Light-local position.
-    Position(DVec3),
-    /// Light-local radius of the tube.
-    Radius(f64),
-    /// Linear RGB.
-    Color(DVec3),
-    /// Intensity.
-    Intensity(f64),
 }
 
 /// A property of a camera, with its value.

@@ -1,15 +1,13 @@
-//! What a session edits: a scene, and the lights and cameras placed in it.
+//! What a session edits: lights, cameras, and which scene they light.
 
 use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
-use glam::DVec3;
+use light::{CheckedLight, ControlPoint, LightId, LightInstance};
+use scene::Camera;
 use sha2::{Digest, Sha256};
-
-use light::{Light, LightId, LightKind, Reach};
-use scene::{Camera, Scene};
 
 /// Identifies a camera for as long as a session lives. Never used twice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -34,50 +32,59 @@ pub struct SceneRef {
 }
 
 /// A light and how its control points are numbered.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct PlacedLight {
     /// The numbering.
     pub layout: Layout,
-    /// The light.
-    pub light: Light,
+    /// The light, which can be evaluated.
+    pub light: Arc<CheckedLight>,
 }
 
-/// Everything that an edit log describes. It changes by [`Document::apply`] alone, so that ids stay unique.
-///
-/// Cloning is cheap: geometry is shared.
+impl PartialEq for PlacedLight {
+    fn eq(&self, other: &Self) -> bool {
+        self.layout == other.layout && (Arc::ptr_eq(&self.light, &other.light) || self.light == other.light)
+    }
+}
+
+/// Everything that an edit log describes: lights, cameras, and the name of a scene, whose geometry lies elsewhere. It
+/// changes by [`Document::apply`] alone, so that ids stay unique.
 #[derive(Clone, Debug, Default)]
 pub struct Document {
-    scene_ref: Option<SceneRef>,
-    scene: Arc<Scene>,
-    /// The scene's, once somebody asked.
-    reach: Arc<OnceLock<Reach>>,
-    lights: BTreeMap<LightId, PlacedLight>,
-    cameras: BTreeMap<CameraId, Camera>,
+    pub(crate) scene: Option<SceneRef>,
+    pub(crate) lights: BTreeMap<LightId, PlacedLight>,
+    pub(crate) cameras: BTreeMap<CameraId, Camera>,
     /// The largest number given out as an id or a layout. Not part of the document's content: undoing an
     /// addition gives the content back, but not the number.
     last_number: u64,
 }
 
+/// What comes with a scene besides its geometry.
+#[derive(Clone, Debug, Default)]
+pub struct SceneContents {
+    /// Lights, placed in the world.
+    pub lights: Vec<Arc<CheckedLight>>,
+    /// Cameras, placed in the world.
+    pub cameras: Vec<Camera>,
+}
+
 impl Document {
     /// Which scene it is; `None` before one is loaded.
-    pub fn scene_ref(&self) -> Option<&SceneRef> {
-        self.scene_ref.as_ref()
-    }
-
-    /// Geometry, materials and fill. Its own cameras and lights were copied when it was loaded and mean nothing
-    /// since.
-    pub fn scene(&self) -> &Arc<Scene> {
-        &self.scene
-    }
-
-    /// The box that lights are measured against. The first time after a scene was loaded it looks at all vertices.
-    pub fn reach(&self) -> Reach {
-        *self.reach.get_or_init(|| Reach::from(&*self.scene))
+    pub fn scene(&self) -> Option<&SceneRef> {
+        self.scene.as_ref()
     }
 
     /// The lights, in the order of their ids.
     pub fn lights(&self) -> &BTreeMap<LightId, PlacedLight> {
         &self.lights
+    }
+
+    /// The lights as a renderer takes them, in the order of their ids.
+    pub fn instances(&self) -> Vec<LightInstance> {
+        let instance = |(id, placed): (&LightId, &PlacedLight)| LightInstance {
+            id: *id,
+            light: Arc::clone(&placed.light),
+        };
+        self.lights.iter().map(instance).collect()
     }
 
     /// The cameras, in the order of their ids.
@@ -94,65 +101,39 @@ impl Document {
         self.last_number = self.last_number.max(number);
     }
 
-    pub(crate) fn set_scene(&mut self, scene_ref: Option<SceneRef>, scene: Arc<Scene>) {
-        (self.scene_ref, self.scene, self.reach) = (scene_ref, scene, Arc::default());
-    }
-
-    pub(crate) fn lights_mut(&mut self) -> &mut BTreeMap<LightId, PlacedLight> {
-        &mut self.lights
-    }
-
-    pub(crate) fn cameras_mut(&mut self) -> &mut BTreeMap<CameraId, Camera> {
-        &mut self.cameras
-    }
-
     /// A document as it was written down, with all that [`Document::apply`] made of it. `last_number` is the
     /// largest number ever given out; the ids and layouts here count too.
     pub fn restore(
-        scene: Option<(SceneRef, Arc<Scene>)>,
+        scene: Option<SceneRef>,
         lights: BTreeMap<LightId, PlacedLight>,
         cameras: BTreeMap<CameraId, Camera>,
         last_number: u64,
     ) -> Self {
-        let (scene_ref, scene) = scene.map_or_else(Default::default, |(r, s)| (Some(r), s));
         let numbers = lights.iter().flat_map(|(id, light)| [id.0, light.layout.0]);
         let last_number = numbers.chain(cameras.keys().map(|id| id.0)).fold(last_number, u64::max);
-        Self { scene_ref, scene, reach: Arc::default(), lights, cameras, last_number }
+        Self { scene, lights, cameras, last_number }
     }
 
     /// The largest number ever given out as an id or a layout; what [`Document::restore`] needs.
     pub fn last_number(&self) -> u64 {
         self.last_number
     }
+
+    /// The same document with a light as it is while it is dragged. Nothing changes where it is not there.
+    pub fn show(&mut self, id: LightId, placed: &PlacedLight) {
+        if let Some(shown) = self.lights.get_mut(&id) {
+            *shown = placed.clone();
+        }
+    }
 }
 
-/// The control points of a BendyLight with all they carry: what is renumbered as one.
+/// The control points of a BendyLight: what is renumbered as one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControlPoints {
     /// Their numbering.
     pub layout: Layout,
-    /// Positions, light-local.
-    pub points: Vec<DVec3>,
-    /// Radii, light-local.
-    pub radii: Vec<f64>,
-    /// Colours, linear RGB.
-    pub colors: Vec<DVec3>,
-    /// Intensities.
-    pub intensities: Vec<f64>,
-}
-
-impl ControlPoints {
-    /// Those of `placed`; `None` for a spotlight, which has none.
-    pub fn of(placed: &PlacedLight) -> Option<Self> {
-        let LightKind::Bendy(bendy) = &placed.light.kind else { return None };
-        Some(Self {
-            layout: placed.layout,
-            points: bendy.points.clone(),
-            radii: bendy.radii.clone(),
-            colors: bendy.colors.clone(),
-            intensities: bendy.intensities.clone(),
-        })
-    }
+    /// The source first.
+    pub points: Vec<ControlPoint>,
 }
 
 impl fmt::Display for CameraId {

@@ -1,21 +1,25 @@
 //! What a session edits: lights, cameras and which scene they light; the commands that edit them.
 //!
-//! [`changes_of`] turns a [`Command`] into [`Change`]s, [`Document::apply`] makes them, [`Document::hash`] proves them.
+//! A document has no geometry: of the scene it holds the name and the hash of its bytes. [`edited`] turns a [`Command`] into
+//! [`Change`]s, [`Document::apply`] makes them, [`Document::hash`] proves them.
 
 mod apply;
+mod camera;
 mod change;
 mod command;
 mod document;
 mod hash;
 mod naming;
+mod parameters;
 mod points;
-mod property;
 
-pub use apply::{FindScene, MAX_CAMERAS, MAX_LIGHTS, MAX_NAME_BYTES, changes_of};
+pub use apply::{Context, Edited, MAX_CAMERAS, MAX_LIGHTS, edited};
 pub use change::{Change, EditError};
-pub use command::{CameraParameter, Command, LightParameter, PointParameter};
+pub use command::{CameraParameter, Command};
 pub use document::{
-    AssetHash, CameraId, ControlPoints, Document, Layout, NotAnAssetHash, PlacedLight, SceneRef,
+    AssetHash, CameraId, ControlPoints, Document, Layout, NotAnAssetHash, PlacedLight, SceneContents,
+    SceneRef,
 };
 pub use hash::DocumentHash;
 pub use naming::deed;
+pub use parameters::{Target, parameters};

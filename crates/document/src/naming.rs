@@ -11,7 +11,7 @@ const SAID: usize = 40;
 impl Document {
     /// A light by its name, in quotes; by its number where it has none or is not there.
     pub fn light_name(&self, id: LightId) -> String {
-        let name = self.lights().get(&id).map(|placed| placed.light.name.as_str());
+        let name = self.lights().get(&id).map(|placed| placed.light.light().name());
         quoted(name.unwrap_or_default()).unwrap_or_else(|| format!("light {id}"))
     }
 
@@ -39,11 +39,11 @@ impl Change {
         match self {
             Self::Scene { .. } => "the scene".into(),
             Self::Light { light: id, .. } => light(id),
-            Self::LightParameter { light: id, new, .. } => {
-                format!("the {} of {}", words(new.name()), light(id))
+            Self::LightParameter { light: id, parameter, .. } => {
+                format!("the {} of {}", words(parameter.name), light(id))
             }
-            Self::Point { light: id, point, new, .. } => {
-                format!("the {} of control point {point} of {}", words(new.name()), light(id))
+            Self::Point { light: id, point, parameter, .. } => {
+                format!("the {} of control point {point} of {}", words(parameter.name), light(id))
             }
             Self::ControlPoints { light: id, .. } => format!("the control points of {}", light(id)),
             Self::Camera { camera, old, new } => {
@@ -73,7 +73,7 @@ impl Change {
     fn light_name_here(&self) -> Option<String> {
         match self {
             Self::Light { old, new, .. } => {
-                old.as_ref().or(new.as_ref()).and_then(|placed| quoted(&placed.light.name))
+                old.as_ref().or(new.as_ref()).and_then(|placed| quoted(placed.light.light().name()))
             }
             _ => None,
         }

@@ -1,56 +1,53 @@
 //! One control point more or less.
 
-use glam::DVec3;
-use light::{BendyLight, Tube};
+use light::{ControlPoint, Light, LightId, Tube};
 
 use crate::{Change, Command, ControlPoints, Document, EditError, Layout, PlacedLight};
-use light::LightId;
 
-/// The control points after one is inserted or removed, as a change.
+/// The control points after one is inserted or removed, as a change. `placed` has control points.
 pub fn renumbered(
     document: &Document,
     id: LightId,
-    (placed, bendy): (&PlacedLight, &BendyLight),
+    placed: &PlacedLight,
     command: &Command,
 ) -> Result<Change, EditError> {
-    let count = bendy.points.len();
-    let Some(old) = ControlPoints::of(placed) else { return Err(EditError::NoLight(id)) };
-    let mut new = ControlPoints { layout: Layout(document.next_number()), ..old.clone() };
+    let points = placed.light.light().points();
+    let count = points.len();
     let no_point = |point| EditError::NoPoint { light: document.light_name(id), point, count };
-    match *command {
+    let new = match *command {
         Command::InsertPoint { point: 0, .. } | Command::RemovePoint { point: 0, .. } => {
             return Err(EditError::Source);
         }
         Command::InsertPoint { point, .. } if point > count => return Err(no_point(point)),
         Command::InsertPoint { point, position, radius, color, intensity, .. } => {
-            let set = |mut new: ControlPoints| {
-                new.points[point] = position.unwrap_or(new.points[point]);
-                new.radii[point] = radius.unwrap_or(new.radii[point]);
-                new.colors[point] = color.unwrap_or(new.colors[point]);
-                new.intensities[point] = intensity.unwrap_or(new.intensities[point]);
-                new
+            let set = |mut points: Vec<ControlPoint>| {
+                let new = &mut points[point];
+                new.position = position.unwrap_or(new.position);
+                new.radius = radius.unwrap_or(new.radius);
+                new.color = color.unwrap_or(new.color);
+                new.intensity = intensity.unwrap_or(new.intensity);
+                points
             };
             let near = if position.is_some() || point == count {
                 Place::Between { at: point }
             } else {
                 Place::Corner { at: point.min(count - 2) }
             };
-            let spread = set(with_another(&new, Place::Spread));
-            new = set(with_another(&new, near));
+            let (new, spread) = (set(with_another(points, near)), set(with_another(points, Place::Spread)));
             // Where a bend is as tight as it may be there is no room for a point; all of them spread anew make some.
-            if position.is_none() && folds(bendy, &new) && !folds(bendy, &spread) {
-                new = spread;
-            }
+            let folds = |points: &[ControlPoint]| folds(placed.light.light(), points);
+            if position.is_none() && folds(&new) && !folds(&spread) { spread } else { new }
         }
         Command::RemovePoint { point, .. } if point < count => {
-            new.points.remove(point);
-            new.radii.remove(point);
-            new.colors.remove(point);
-            new.intensities.remove(point);
+            let mut fewer = points.to_vec();
+            fewer.remove(point);
+            fewer
         }
         Command::RemovePoint { point, .. } => return Err(no_point(point)),
         _ => return Err(EditError::NoLight(id)),
-    }
+    };
+    let old = ControlPoints { layout: placed.layout, points: points.to_vec() };
+    let new = ControlPoints { layout: Layout(document.next_number()), points: new };
     Ok(Change::ControlPoints { light: id, old, new })
 }
 
@@ -66,39 +63,23 @@ enum Place {
     Spread,
 }
 
-/// The control points with one more.
-fn with_another(now: &ControlPoints, place: Place) -> ControlPoints {
-    let level = |a: f64, b: f64, t: f64| a + (b - a) * t;
-    ControlPoints {
-        layout: now.layout,
-        // Past the last point position and radius go on as they were going, colour and intensity as they are.
-        points: another(&now.points, place, 2.0, DVec3::lerp),
-        radii: another(&now.radii, place, 2.0, |a, b, t| level(a, b, t).max(0.0)),
-        colors: another(&now.colors, place, 1.0, DVec3::lerp),
-        intensities: another(&now.intensities, place, 1.0, level),
-    }
-}
-
-/// `values`, three or more, with one more. `blend(a, b, t)` is `a` at 0 and `b` at 1; past the last, t is `beyond`.
-fn another<T: Copy>(values: &[T], place: Place, beyond: f64, blend: impl Fn(T, T, f64) -> T) -> Vec<T> {
-    let mut more = values.to_vec();
+/// Control points, three or more, with one more.
+fn with_another(points: &[ControlPoint], place: Place) -> Vec<ControlPoint> {
+    let mut more = points.to_vec();
     match place {
-        Place::Between { at } if at == values.len() => {
-            more.push(blend(values[at - 2], values[at - 1], beyond));
-        }
-        Place::Between { at } => more.insert(at, blend(values[at - 1], values[at], 0.5)),
+        Place::Between { at } if at == points.len() => more.push(beyond(points[at - 2], points[at - 1])),
+        Place::Between { at } => more.insert(at, blend(points[at - 1], points[at], 0.5)),
         Place::Corner { at } => {
-            more[at] = blend(values[at], values[at - 1], 0.25);
-            more.insert(at + 1, blend(values[at], values[at + 1], 0.25));
+            more[at] = blend(points[at], points[at - 1], 0.25);
+            more.insert(at + 1, blend(points[at], points[at + 1], 0.25));
         }
         Place::Spread => {
-            let last = values.len() - 1;
-            more = (0..=values.len())
+            let last = points.len() - 1;
+            more = (0..=points.len())
                 .map(|index| {
-                    // Index of the value before, and the share of the way to the next, in whole numbers.
-                    let (before, part) = (index * last / values.len(), index * last % values.len());
-                    let next = values[(before + 1).min(last)];
-                    blend(values[before], next, part as f64 / values.len() as f64)
+                    // Index of the point before, and the share of the way to the next, in whole numbers.
+                    let (before, part) = (index * last / points.len(), index * last % points.len());
+                    blend(points[before], points[(before + 1).min(last)], part as f64 / points.len() as f64)
                 })
                 .collect();
         }
@@ -106,8 +87,29 @@ fn another<T: Copy>(values: &[T], place: Place, beyond: f64, blend: impl Fn(T, T
     more
 }
 
-/// Whether the light cannot be evaluated with these control points.
-fn folds(bendy: &BendyLight, points: &ControlPoints) -> bool {
-    let ControlPoints { points, radii, colors, intensities, .. } = points.clone();
-    Tube::<f64>::new(&BendyLight { points, radii, colors, intensities, ..bendy.clone() }).is_err()
+/// `a` at 0 and `b` at 1.
+fn blend(a: ControlPoint, b: ControlPoint, t: f64) -> ControlPoint {
+    let level = |a: f64, b: f64| a + (b - a) * t;
+    ControlPoint {
+        position: a.position.lerp(b.position, t),
+        radius: level(a.radius, b.radius).max(0.0),
+        color: a.color.lerp(b.color, t),
+        intensity: level(a.intensity, b.intensity),
+    }
+}
+
+/// Past the last point `b` position and radius go on as they were going, colour and intensity as they are.
+fn beyond(a: ControlPoint, b: ControlPoint) -> ControlPoint {
+    let ControlPoint { position, radius, .. } = blend(a, b, 2.0);
+    let ControlPoint { color, intensity, .. } = blend(a, b, 1.0);
+    ControlPoint { position, radius, color, intensity }
+}
+
+/// Whether `light` cannot be evaluated with these control points.
+fn folds(light: &Light, points: &[ControlPoint]) -> bool {
+    let mut other = light.clone();
+    if let Some(own) = other.points_mut() {
+        *own = points.to_vec();
+    }
+    Tube::<f64>::new(&other).is_err()
 }

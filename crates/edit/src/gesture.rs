@@ -1,6 +1,6 @@
 //! Drags under way: live for everybody, in no log, and a soft lock on one light each.
 
-use document::{Change, Command};
+use document::{Change, Command, Context, Document, EditError, Edited, PlacedLight, edited};
 use light::LightId;
 
 use crate::{Actor, Refusal};
@@ -27,10 +27,45 @@ pub struct Gesture {
     pub command: Option<Command>,
     /// Why the latest update was refused, if it was.
     pub refused: Option<Refusal>,
-    /// What that would change in the document now.
-    pub changes: Vec<Change>,
+    /// What everybody sees of it.
+    pub shown: Option<Shown>,
     /// The latest record that its holder knew when it began; control points are counted as they were then.
     pub(crate) base_seq: u64,
     /// When it was last updated, on the owner's clock.
     pub(crate) touched_ms: u64,
+}
+
+/// A light as it is dragged: worked out once, at the update, for all who draw it and tell of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    /// What would change in the document.
+    pub changes: Vec<Change>,
+    /// The light as the document has it.
+    pub(crate) from: PlacedLight,
+    /// The light with the changes.
+    pub(crate) to: PlacedLight,
+}
+
+impl Shown {
+    /// What `command` makes of `light`, which it changes and does not remove.
+    pub(crate) fn of(
+        light: LightId,
+        document: &Document,
+        command: &Command,
+        context: Context,
+    ) -> Result<Self, Refusal> {
+        let Edited { changes, document: after } = edited(document, command, context)?;
+        let placed = |document: &Document| {
+            let placed = document.lights().get(&light).cloned();
+            placed.ok_or(Refusal::Edit(EditError::NoLight(light)))
+        };
+        Ok(Self { changes, from: placed(document)?, to: placed(&after)? })
+    }
+}
+
+impl Gesture {
+    /// What it would change in the document.
+    pub fn changes(&self) -> &[Change] {
+        self.shown.as_ref().map_or(&[], |shown| &shown.changes)
+    }
 }

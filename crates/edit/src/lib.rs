@@ -9,11 +9,11 @@ mod history;
 mod record;
 mod refusal;
 mod session;
-mod take_back;
+mod undo;
 
 pub use gesture::{Gesture, LEASE_MS, MAX_GESTURES};
 pub use history::{MAX_UNDO_DEPTH, PastUndo};
 pub use record::{Action, Actor, Record, Scope};
 pub use refusal::{Refusal, ReplayError};
 pub use session::{MAX_RECORDS, Past, Request, Session, Sources};
-pub use take_back::{FindRecord, MAX_PASSED, TakenBack};
+pub use undo::{FindRecord, MAX_PASSED, TakenBack};

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use document::{Change, Command, Document, FindScene, changes_of};
+use document::{Change, Command, Context, Document, Edited, edited};
 use light::LightId;
 use rpds::RedBlackTreeMapSync;
 
-use crate::gesture::{Gesture, LEASE_MS, MAX_GESTURES};
+use crate::gesture::{Gesture, LEASE_MS, MAX_GESTURES, Shown};
 use crate::history::{History, PastUndo};
-use crate::take_back::TakenBack;
+use crate::undo::TakenBack;
 use crate::{Action, Actor, Record, Refusal, ReplayError, Scope};
 
 /// Records that a log has at most.
@@ -34,9 +34,10 @@ pub enum Request {
 }
 
 /// What a session needs of its owner to carry out a request.
+#[derive(Default)]
 pub struct Sources<'a> {
-    /// Finds a scene by its bytes' hash.
-    pub scene: FindScene<'a>,
+    /// What commands need to know of geometry.
+    pub context: Context<'a>,
     /// What [`Session::taken_back`] says of the request in the session as it is.
     pub taken_back: Option<TakenBack>,
 }
@@ -108,18 +109,18 @@ impl Session {
 
     /// Goes back to the records of `before`, which this session went on from. Gestures stay as they are now, but for
     /// what they would change, which is worked out again.
-    pub fn go_back_to(&mut self, before: Self, find_scene: FindScene) {
+    pub fn go_back_to(&mut self, before: Self, context: Context) {
         let gestures = std::mem::take(&mut self.gestures);
         *self = Self { gestures, ..before };
         for gesture in self.gestures.values_mut() {
             let Some(command) = &gesture.command else { continue };
-            gesture.changes = changes_of(&self.document, command, find_scene).unwrap_or_default();
+            gesture.shown = Shown::of(gesture.light, &self.document, command, context).ok();
         }
     }
 
     /// Takes in a record that was written down before. That no operation comes twice is for the owner of the records
     /// to see, who knows them all.
-    pub fn replay(&mut self, record: &Record, find_scene: FindScene) -> Result<(), ReplayError> {
+    pub fn replay(&mut self, record: &Record) -> Result<(), ReplayError> {
         let seq = record.seq;
         if seq != self.seq + 1 {
             return Err(ReplayError::Gap { found: seq, after: self.seq });
@@ -129,9 +130,15 @@ impl Session {
         {
             return Err(ReplayError::Target { seq, target });
         }
-        self.document
-            .apply(&record.changes, find_scene)
-            .map_err(|reason| ReplayError::Record { seq, reason })?;
+        let refused = |reason| ReplayError::Record { seq, reason };
+        self.document.apply(&record.changes).map_err(refused)?;
+        self.note(record);
+        Ok(())
+    }
+
+    /// Remembers of a record, which the document has taken in, what later ones are held to.
+    fn note(&mut self, record: &Record) {
+        let seq = record.seq;
         self.history.note(seq, &record.actor.id, &record.action);
         self.seq = seq;
         let actor_id: Arc<str> = record.actor.id.as_str().into();
@@ -142,7 +149,6 @@ impl Session {
                 self.renumbered.insert_mut(light, seq);
             }
         }
-        Ok(())
     }
 
     /// Carries out a request and gives the record to write down. `now_ms` is the time of day. That an operation is
@@ -161,11 +167,13 @@ impl Session {
             let remedy = "make a new session from its document";
             return Err(Refusal::TooMany { what: "records", limit: MAX_RECORDS, remedy });
         }
-        let (action, changes) = match request {
+        // What was found for another state of the session is worth nothing.
+        let found = sources.taken_back.filter(|found| found.seq == self.seq);
+        let (action, edited) = match request {
             Request::Edit { base_seq, command } => {
                 let rebased = self.check_base(&command, actor, base_seq)?;
-                let changes = changes_of(&self.document, &command, sources.scene)?;
-                (Action::Edit { command, rebased }, changes)
+                let edited = edited(&self.document, &command, sources.context)?;
+                (Action::Edit { command, rebased }, edited)
             }
             Request::Commit(id) => {
                 let gesture = self.end_gesture(&id, actor)?;
@@ -173,27 +181,26 @@ impl Session {
                     return Err(gesture.refused.unwrap_or(Refusal::EmptyGesture(id)));
                 };
                 let rebased = self.check_base(&command, actor, Some(gesture.base_seq))?;
-                let changes = changes_of(&self.document, &command, sources.scene)?;
-                (Action::Gesture { command, rebased }, changes)
+                let edited = edited(&self.document, &command, sources.context)?;
+                (Action::Gesture { command, rebased }, edited)
             }
             Request::Undo(scope) => {
-                let TakenBack { target, changes, skipped } =
-                    sources.taken_back.ok_or(Refusal::NothingToUndo { passed: None })?;
-                (Action::Undo { scope, target, skipped }, changes)
+                let TakenBack { target, changes, skipped, document, .. } =
+                    found.ok_or(Refusal::NothingToUndo { passed: None })?;
+                (Action::Undo { scope, target, skipped }, Edited { changes, document })
             }
             Request::Redo(scope) => {
-                let TakenBack { target, changes, skipped } =
-                    sources.taken_back.ok_or(Refusal::NothingToRedo { passed: None })?;
-                (Action::Redo { scope, target, skipped }, changes)
+                let TakenBack { target, changes, skipped, document, .. } =
+                    found.ok_or(Refusal::NothingToRedo { passed: None })?;
+                (Action::Redo { scope, target, skipped }, Edited { changes, document })
             }
         };
+        let Edited { changes, document } = edited;
         self.check_locks(&changes, actor)?;
         let (actor, op_id) = (actor.clone(), op_id.to_owned());
         let record = Record { seq: self.seq + 1, time_ms: now_ms, actor, op_id, action, changes };
-        self.replay(&record, sources.scene).map_err(|error| match error {
-            ReplayError::Record { reason, .. } => Refusal::Edit(reason),
-            other => unreachable!("a record made here follows the one before: {other}"),
-        })?;
+        self.document = document;
+        self.note(&record);
         Ok(record)
     }
 
@@ -278,7 +285,7 @@ impl Session {
             update: 0,
             command: None,
             refused: None,
-            changes: Vec::new(),
+            shown: None,
             base_seq,
             touched_ms: now_ms,
         }))
@@ -292,27 +299,27 @@ impl Session {
         command: Command,
         actor: &Actor,
         now_ms: u64,
-        find_scene: FindScene,
+        context: Context,
     ) -> Result<&Gesture, Refusal> {
         let light = self.gesture_of(id, actor)?;
         let no_gesture = || Refusal::NoGesture(id.to_owned());
         let base_seq = self.gestures.get(&light).ok_or_else(no_gesture)?.base_seq;
-        let changes = self.dragged(light, base_seq, &command, find_scene);
+        let shown = self.dragged(light, base_seq, &command, context);
         let gesture = self.gestures.get_mut(&light).ok_or_else(no_gesture)?;
         gesture.touched_ms = now_ms;
-        gesture.refused = changes.as_ref().err().cloned();
-        (gesture.changes, gesture.command, gesture.update) = (changes?, Some(command), update);
+        gesture.refused = shown.as_ref().err().cloned();
+        (gesture.shown, gesture.command, gesture.update) = (Some(shown?), Some(command), update);
         Ok(gesture)
     }
 
-    /// What `command` changes, as the state of a drag of `light` that began at record `base_seq`.
+    /// What `command` shows, as the state of a drag of `light` that began at record `base_seq`.
     fn dragged(
         &self,
         light: LightId,
         base_seq: u64,
         command: &Command,
-        find_scene: FindScene,
-    ) -> Result<Vec<Change>, Refusal> {
+        context: Context,
+    ) -> Result<Shown, Refusal> {
         let removes = matches!(command, Command::RemoveLight(_));
         if command.light() != Some(light) || removes {
             return Err(Refusal::OtherLight(self.document.light_name(light)));
@@ -320,7 +327,7 @@ impl Session {
         if command.counts_points() {
             self.check_numbering(light, base_seq)?;
         }
-        Ok(changes_of(&self.document, command, find_scene)?)
+        Shown::of(light, &self.document, command, context)
     }
 
     /// Ends a gesture without a record.
@@ -348,12 +355,19 @@ impl Session {
         mine.next().map(|held| held.light).ok_or_else(|| Refusal::NoGesture(id.to_owned()))
     }
 
-    /// The document as everybody sees it: with the gestures under way.
-    pub fn live_document(&self, find_scene: FindScene) -> Document {
+    /// The document as everybody sees it: with the gestures under way. One that no longer fits, its light being gone,
+    /// shows nothing.
+    pub fn live_document(&self) -> Document {
         let mut live = self.document.clone();
-        for gesture in self.gestures() {
-            // One that no longer fits, its light being gone, shows nothing and is refused when it is committed.
-            let _ = live.apply(&gesture.changes, find_scene);
+        for (light, shown) in
+            self.gestures().filter_map(|gesture| Some((gesture.light, gesture.shown.as_ref()?)))
+        {
+            if self.document.lights().get(&light) == Some(&shown.from) {
+                live.show(light, &shown.to);
+            } else {
+                // Its holder has changed something else of it meanwhile.
+                let _ = live.apply(&shown.changes);
+            }
         }
         live
     }

@@ -1,4 +1,4 @@
-//! Arc length of one quadratic segment.
+//! Arc length of one quadratic curve.
 //!
 //! `|P'(u)| = 2 |d0 + u a|` is smooth but for a sharp valley at `u* = -(d0.a) / |a|^2`, the point of largest
 //! curvature. Split there, eight-point Gauss-Legendre quadrature meets a function that is nearly a straight
@@ -7,7 +7,7 @@
 //! turns by up to 60 degrees on either side of the valley, 5e-8 up to 75, and never more than 5.7e-5, for a
 //! hairpin that turns by 89.
 
-use crate::{Real, Segment};
+use crate::{Curve, Real};
 
 /// Abscissae and weights of the eight-point rule on `[-1, 1]`, the positive half (Abramowitz and Stegun,
 /// table 25.4).
@@ -19,22 +19,22 @@ pub const GAUSS_LEGENDRE: [(f64, f64); 4] = [
 ];
 
 /// Length of the centre curve from the segment's start to `u`, in tube units.
-pub fn length<F: Real>(segment: &Segment<F>, u: F) -> F {
-    let aa = F::dot(segment.a, segment.a);
-    let valley = -F::dot(segment.d0, segment.a);
+pub fn arc_length<F: Real>(curve: &Curve<F>, u: F) -> F {
+    let aa = F::dot(curve.a, curve.a);
+    let valley = -F::dot(curve.d0, curve.a);
     // The valley lies inside (0, u): 0 < valley / aa < u, asked without dividing.
     if valley > F::of(0.0) && valley < u * aa {
         let split = valley / aa;
-        quadrature(segment, F::of(0.0), split) + quadrature(segment, split, u)
+        arc_quadrature(curve, F::of(0.0), split) + arc_quadrature(curve, split, u)
     } else {
-        quadrature(segment, F::of(0.0), u)
+        arc_quadrature(curve, F::of(0.0), u)
     }
 }
 
-fn quadrature<F: Real>(segment: &Segment<F>, from: F, to: F) -> F {
+fn arc_quadrature<F: Real>(curve: &Curve<F>, from: F, to: F) -> F {
     let (middle, half) = ((from + to) * F::of(0.5), (to - from) * F::of(0.5));
     let speed = |u: F| {
-        let d = segment.d(u);
+        let d = curve.d(u);
         F::dot(d, d).sqrt()
     };
     let sum = GAUSS_LEGENDRE.iter().fold(F::of(0.0), |sum, &(x, weight)| {

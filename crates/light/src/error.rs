@@ -16,7 +16,7 @@ pub enum LightError {
         /// How many it may have.
         limit: usize,
     },
-    /// `radii`, `colors` or `intensities` is not as long as `points`.
+    /// Lists of control points' values, as files have them, that differ in length.
     #[error("`{field}` has {count} entries for {points} control points: give one entry a point")]
     LengthMismatch {
         /// The field.
@@ -37,7 +37,33 @@ pub enum LightError {
         /// What it holds.
         value: f64,
         /// The domain, as the end of a sentence.
-        domain: &'static str,
+        domain: String,
+    },
+    /// A rotation that is none.
+    #[error(
+        "`{field}` has length {length}, but it must be a unit quaternion [x, y, z, w], of length 1: change it"
+    )]
+    NotARotation {
+        /// The field.
+        field: &'static str,
+        /// What it has.
+        length: f64,
+    },
+    /// Text that is too long.
+    #[error("`{field}` has more than {limit} bytes: shorten it")]
+    TooLong {
+        /// The field.
+        field: &'static str,
+        /// How many it may have.
+        limit: usize,
+    },
+    /// A value of another type than the parameter's.
+    #[error("`{field}` must be {expected}: change it")]
+    OtherType {
+        /// The field.
+        field: &'static str,
+        /// What it takes.
+        expected: String,
     },
     /// A radius that no tube can have.
     #[error(
@@ -75,7 +101,15 @@ pub enum LightError {
         /// Index of the segment's middle control point.
         point: usize,
     },
+    /// Only a spotlight can be bent.
+    #[error("only a spotlight can be bent, and this light bends already: move its control points")]
+    NotASpot,
     /// A spotlight cannot be divided into this many segments.
-    #[error("a light is bent into 1 to {limit} segments, not {0}: choose another number", limit = crate::MAX_SEGMENTS)]
-    SegmentCount(usize),
+    #[error("a light is bent into 1 to {limit} segments, not {count}: choose another number")]
+    SegmentCount {
+        /// How many were asked for.
+        count: usize,
+        /// How many it may have.
+        limit: usize,
+    },
 }

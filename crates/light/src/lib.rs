@@ -6,11 +6,11 @@
 //! its own.
 //!
 //! ```
-//! use light::{BendyLight, Tube};
+//! use light::{Light, Tube};
 //! use glam::DVec3;
 //!
 //! let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(1.0, 0.0, -2.0)];
-//! let tube = Tube::new(&BendyLight::new(points, vec![0.1, 0.4, 0.8]))?;
+//! let tube = Tube::new(&Light::bendy(points, vec![0.1, 0.4, 0.8]))?;
 //! let location = tube.locate(DVec3::new(0.25, 0.0, -1.0));
 //! assert!((location.point.expect("inside").t - 0.5).abs() < 1e-12);
 //! # Ok::<(), light::LightError>(())
@@ -20,31 +20,48 @@
 mod arc;
 mod bend;
 mod build;
+mod checked;
+mod curve;
+mod emission;
 mod error;
+mod filter;
+mod frame;
 mod light;
+mod parameter;
+pub mod parameters;
 mod part;
+mod place;
+mod rays;
 mod reach;
 mod real;
+mod revision;
 mod segment;
 mod slab;
 mod solve;
-mod tube;
 mod validity;
 mod warning;
 
-pub use self::light::{
-    BendyLight, DEFAULT_CONE_ANGLE, DEFAULT_CONE_SOFTNESS, Decay, Direction, EndMode, Frame, Light, LightId,
-    LightKind, SpotLight, Transform,
-};
+pub use self::light::{ControlPoint, Decay, Direction, EndMode, Frame, Light, LightId, Shape, Transform};
 pub use arc::GAUSS_LEGENDRE;
 pub use bend::{bend, greville};
-pub use build::{MAX_SEGMENTS, Placement, check_spot};
+pub use build::{MAX_SEGMENTS, Placement};
+pub use checked::{CheckedLight, LightInstance, Rays};
+pub use curve::{Curve, TubeBox, quadratic_range};
+pub use emission::emission;
 pub use error::LightError;
+pub use filter::{LightFilter, Profile, irradiance};
+pub use parameter::{
+    Choice, Key, Kind, MAX_NAME_BYTES, Number, Of, Owner, Parameter, Scale, Setting, Touches, Typed, Value,
+};
+pub use parameters::{add_parameters, parameter_of, parameters, parameters_of};
 pub use part::Part;
+pub use place::Place;
+pub use rays::cone::Cone;
+pub use rays::tube::{Location, Root, Tube, TubePoint};
 pub use reach::{MAX_EXTENT, OutOfReach, Reach};
 pub use real::Real;
-pub use segment::{Segment, TubeBox, quadratic_range};
+pub use revision::{Digest, Revisions};
+pub use segment::Segment;
 pub use slab::{Slab, slabs};
 pub use solve::{Roots, increasing_roots};
-pub use tube::{Location, Profile, Root, Tube, TubePoint};
 pub use warning::LightWarning;

@@ -1,11 +1,12 @@
-//! What an artist sets: the two lights of this crate, their placement and their options.
-//!
-//! These are plain data. [`crate::Tube::new`] checks a [`BendyLight`] and turns it into something that can
-//! be evaluated; [`crate::spot`] evaluates a [`SpotLight`].
+//! What an artist sets: a light's shape and the values of its parameters.
 
 use std::fmt;
 
 use glam::{DQuat, DVec3};
+
+use crate::parameter::choices;
+use crate::parameters::{NAME, ROTATION, SCALE, TRANSLATION, parameters_of};
+use crate::{Key, Owner, Parameter, Setting, Typed, Value};
 
 /// Where a light stands: `world = translation + rotation * (scale * local)`.
 ///
@@ -77,114 +78,171 @@ pub enum Decay {
     InverseSquare,
 }
 
-/// A spotlight whose light travels along a quadratic B-spline (light model, section 1).
-///
-/// `points`, `radii`, `colors` and `intensities` have one entry a control point, three or more, in
-/// light-local space; `points[0]` is the source and lies at the origin.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BendyLight {
-    /// Placement in the world.
-    pub transform: Transform,
-    /// Control points of the centre curve.
-    pub points: Vec<DVec3>,
-    /// Control values of the tube's radius, zero or more.
-    pub radii: Vec<f64>,
-    /// Control values of the colour, linear RGB.
-    pub colors: Vec<DVec3>,
-    /// Control values of the intensity.
-    pub intensities: Vec<f64>,
-    /// Light-local direction that orients the cross-section at the source.
-    pub up: DVec3,
-    /// Nominal half angle in degrees, `0 < coneAngle < 90`: the angle the tube's edge stands for in the
-    /// profile.
-    pub cone_angle: f64,
-    /// Share of the cone angle over which the profile falls from full to zero, 0 to 1.
-    pub cone_softness: f64,
-    /// Orientation of the cross-section along the curve.
-    pub frame: Frame,
-    /// Direction of arrival.
-    pub direction: Direction,
-    /// Past the last control point.
-    pub end_mode: EndMode,
-    /// Fall-off with distance.
-    pub decay: Decay,
-}
+choices!(Frame { RotationMinimizing: "rotationMinimizing", "Rotation minimizing"; Up: "up", "Up"; });
+choices!(Direction { Tube: "tube", "Tube (continuous)"; Path: "path", "Path (exact)"; });
+choices!(EndMode { Cut: "cut", "Cut at the last point"; Extend: "extend", "Extend straight on"; });
+choices!(Decay {
+    None: "none", "None";
+    Linear: "linear", "Linear";
+    InverseSquare: "inverseSquare", "Inverse square";
+});
 
-impl BendyLight {
-    /// A white light of intensity 1 through `points` with `radii`, everything else at its default.
-    pub fn new(points: Vec<DVec3>, radii: Vec<f64>) -> Self {
-        let n = points.len();
-        Self {
-            transform: Transform::default(),
-            points,
-            radii,
-            colors: vec![DVec3::ONE; n],
-            intensities: vec![1.0; n],
-            up: DVec3::Y,
-            cone_angle: DEFAULT_CONE_ANGLE,
-            cone_softness: DEFAULT_CONE_SOFTNESS,
-            frame: Frame::default(),
-            direction: Direction::default(),
-            end_mode: EndMode::default(),
-            decay: Decay::default(),
-        }
-    }
-}
-
-/// Half angle, in degrees, of a light that does not say.
-pub const DEFAULT_CONE_ANGLE: f64 = 25.0;
-/// Softness of a light that does not say.
-pub const DEFAULT_CONE_SOFTNESS: f64 = 0.2;
-
-/// A straight spotlight: shines along its local -Z from its origin, as in glTF and USD.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SpotLight {
-    /// Placement in the world. The scale only matters to a light bent from this one.
-    pub transform: Transform,
+/// A control point of a BendyLight with all that it carries, light-local.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ControlPoint {
+    /// Of the centre curve.
+    pub position: DVec3,
+    /// Of the tube, 0 or more.
+    pub radius: f64,
     /// Linear RGB.
     pub color: DVec3,
-    /// Intensity; candela with inverse-square decay.
+    /// Candela with inverse-square decay.
     pub intensity: f64,
-    /// Half angle in degrees, `0 < coneAngle < 90`.
-    pub cone_angle: f64,
-    /// Share of the cone angle over which the profile falls from full to zero, 0 to 1.
-    pub cone_softness: f64,
-    /// World distance along the axis at which the light ends; endless where `None`.
-    pub range: Option<f64>,
-    /// Fall-off with distance.
-    pub decay: Decay,
 }
 
-impl Default for SpotLight {
-    fn default() -> Self {
-        Self {
-            transform: Transform::default(),
-            color: DVec3::ONE,
-            intensity: 1.0,
-            cone_angle: DEFAULT_CONE_ANGLE,
-            cone_softness: DEFAULT_CONE_SOFTNESS,
-            range: None,
-            decay: Decay::InverseSquare,
-        }
+impl ControlPoint {
+    /// White, of intensity 1.
+    pub fn new(position: DVec3, radius: f64) -> Self {
+        Self { position, radius, color: DVec3::ONE, intensity: 1.0 }
     }
 }
 
-/// A light with the name people know it by.
+/// What a light is, besides its parameters.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Light {
-    /// Name for people and for `--light`.
-    pub name: String,
-    /// Which light it is.
-    pub kind: LightKind,
+pub enum Shape {
+    /// Light along straight lines: along local -Z from the origin, as in glTF and USD.
+    Spot,
+    /// Light along a quadratic B-spline (light model, section 1) through three control points or more; the first is the
+    /// source and lies at the origin.
+    Bendy(Vec<ControlPoint>),
 }
 
-/// The closed set of lights.
+/// A light as it is written down: its shape, and a value for each parameter that the shape has.
+///
+/// [`crate::CheckedLight`] is one that can be evaluated.
 #[derive(Clone, Debug, PartialEq)]
-pub enum LightKind {
-    /// Light along a spline.
-    Bendy(BendyLight),
-    /// Light along straight lines.
-    Spot(SpotLight),
+pub struct Light {
+    shape: Shape,
+    /// In the order of the rows of its shape.
+    values: Vec<Value>,
+}
+
+impl Light {
+    /// A light of that shape, every parameter at its default.
+    pub fn new(shape: Shape) -> Self {
+        let owner = shape.owner();
+        let default = |row: &&Parameter| row.default(owner).unwrap_or(Value::Absent);
+        let values = parameters_of(owner).iter().map(default).collect();
+        Self { shape, values }
+    }
+
+    /// A spotlight.
+    pub fn spot() -> Self {
+        Self::new(Shape::Spot)
+    }
+
+    /// A white BendyLight of intensity 1 through `points` with `radii`, as many as there are of both.
+    pub fn bendy(points: Vec<DVec3>, radii: Vec<f64>) -> Self {
+        let points =
+            points.into_iter().zip(radii).map(|(position, radius)| ControlPoint::new(position, radius));
+        Self::new(Shape::Bendy(points.collect()))
+    }
+
+    /// What it is.
+    pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// What has parameters here.
+    pub fn owner(&self) -> Owner {
+        self.shape.owner()
+    }
+
+    /// Its control points; none of a spotlight.
+    pub fn points(&self) -> &[ControlPoint] {
+        match &self.shape {
+            Shape::Spot => &[],
+            Shape::Bendy(points) => points,
+        }
+    }
+
+    /// Its control points, to change; `None` for a spotlight.
+    pub fn points_mut(&mut self) -> Option<&mut Vec<ControlPoint>> {
+        match &mut self.shape {
+            Shape::Spot => None,
+            Shape::Bendy(points) => Some(points),
+        }
+    }
+
+    /// Its parameters and their values, in the order of the table.
+    pub fn values(&self) -> impl Iterator<Item = (&'static Parameter, &Value)> {
+        parameters_of(self.owner()).iter().copied().zip(&self.values)
+    }
+
+    /// The value of a parameter; `None` where its shape has no such one.
+    pub fn value(&self, parameter: &Parameter) -> Option<&Value> {
+        self.values().find(|(row, _)| *row == parameter).map(|(_, value)| value)
+    }
+
+    /// The value of a parameter. Where its shape has no such one, the default of those that have it.
+    pub fn get<T: Typed>(&self, key: Key<T>) -> T {
+        let elsewhere = || key.of.iter().find_map(|of| key.default(of.owner));
+        let value = self.value(&key).and_then(T::from_value);
+        value.or_else(|| T::from_value(&elsewhere()?)).expect("a key has the type of its row's values")
+    }
+
+    /// Sets a parameter to a value of any size; [`crate::CheckedLight::new`] sees whether it makes a light. What its shape
+    /// does not have changes nothing.
+    pub fn set(&mut self, Setting { parameter, value }: Setting) {
+        let rows = parameters_of(self.owner());
+        if let Some(index) = rows.iter().position(|row| *row == parameter) {
+            self.values[index] = value;
+        }
+    }
+
+    /// The same light with a parameter set.
+    #[must_use]
+    pub fn with<T: Typed>(mut self, key: Key<T>, value: T) -> Self {
+        self.set(key.to(value));
+        self
+    }
+
+    /// The same light in another place.
+    #[must_use]
+    pub fn placed(self, transform: Transform) -> Self {
+        let Transform { translation, rotation, scale } = transform;
+        self.with(TRANSLATION, translation).with(ROTATION, rotation).with(SCALE, scale)
+    }
+
+    /// The same light with each control point changed; `change` is given its index.
+    #[must_use]
+    pub fn with_points(mut self, mut change: impl FnMut(usize, &mut ControlPoint)) -> Self {
+        for (index, point) in self.points_mut().into_iter().flatten().enumerate() {
+            change(index, point);
+        }
+        self
+    }
+
+    /// Where it stands.
+    pub fn transform(&self) -> Transform {
+        let (translation, rotation, scale) = (self.get(TRANSLATION), self.get(ROTATION), self.get(SCALE));
+        Transform { translation, rotation, scale }
+    }
+
+    /// What people call it.
+    pub fn name(&self) -> &str {
+        if let Some(Value::Text(name)) = self.value(&NAME) { name } else { "" }
+    }
+}
+
+impl Shape {
+    /// What has parameters here.
+    pub fn owner(&self) -> Owner {
+        match self {
+            Self::Spot => Owner::Spot,
+            Self::Bendy(_) => Owner::Bendy,
+        }
+    }
 }
 
 /// Identifies a light for as long as a session lives. Never used twice.

@@ -7,8 +7,9 @@
 
 use glam::DVec3;
 
+use crate::arc::arc_length;
 use crate::build::Placement;
-use crate::{Location, Segment, Tube, TubePoint, arc};
+use crate::{Curve, Location, Segment, Tube, TubePoint};
 
 /// Largest span of t of a part's segment: a light is left whole where four bits or fewer would be won.
 const WIDEST_SPAN: f64 = 1.0 / 16.0;
@@ -57,7 +58,8 @@ impl Tube<f64> {
         let (first, past) = ((start / span).floor(), (end / span).ceil().max((start / span).floor() + 1.0));
         let pieces: Vec<_> =
             (0..(past - first) as usize).map(|k| self.piece_at((first + k as f64) * span, span)).collect();
-        let length = pieces.iter().map(|piece| piece.d0.length() + piece.d1.length()).fold(0.0, f64::max);
+        let length =
+            pieces.iter().map(|piece| piece.curve.d0.length() + piece.curve.d1.length()).fold(0.0, f64::max);
         let unit = power_of_two_above(length.max(f64::MIN_POSITIVE));
         let segments: Vec<_> = pieces.iter().map(|piece| rebased(piece, region.center, unit)).collect();
         let placement = Placement {
@@ -65,8 +67,7 @@ impl Tube<f64> {
             rotation: self.placement.rotation,
             world_per_tube: self.placement.world_per_tube * unit,
         };
-        let least_distance2 = self.least_distance2 / (unit * unit);
-        let tube = Self { n: segments.len(), segments, placement, least_distance2, ..self.clone() };
+        let tube = Self { n: segments.len(), segments, placement, ..self.clone() };
         Part { tube, t_start: first * span, t_span: span, last }
     }
 
@@ -84,9 +85,9 @@ impl Tube<f64> {
         let ranges = self.segments.iter().enumerate().filter_map(|(i, segment)| {
             let t = |u: f64| i as f64 + u;
             let range = if i == self.n {
-                region.on_extension(segment)
+                region.on_extension(&segment.curve)
             } else {
-                region.on(segment, (0.0, 1.0), MAX_HALVINGS)
+                region.on(&segment.curve, (0.0, 1.0), MAX_HALVINGS)
             };
             range.map(|(start, end)| (t(start), t(end)))
         });
@@ -98,15 +99,17 @@ impl Tube<f64> {
         let index = (t.floor() as usize).min(self.segments.len() - 1);
         let whole = &self.segments[index];
         let (start, end) = (t - index as f64, t + span - index as f64);
-        let mut piece = whole.piece(start, end);
+        let mut curve = whole.curve.piece(start, end);
         // What both sides of a joint have is theirs to the last bit.
         if end == 1.0 && index < self.n {
-            piece.b2 = whole.b2;
+            curve.b2 = whole.curve.b2;
         }
-        piece.color = blossomed(whole.color, start, end);
-        piece.intensity = blossomed(whole.intensity, start, end);
-        piece.arc_start = whole.arc_start + arc::length(whole, start);
-        piece
+        Segment {
+            curve,
+            color: blossomed(whole.color, start, end),
+            intensity: blossomed(whole.intensity, start, end),
+            arc_start: whole.arc_start + arc_length(&whole.curve, start),
+        }
     }
 }
 
@@ -144,9 +147,9 @@ impl Region {
         self.half_axes.iter().map(|half| half.dot(axis).abs()).sum()
     }
 
-    /// The range of u that roots can have on a part of a segment.
-    fn on(&self, segment: &Segment<f64>, (start, end): (f64, f64), halvings: u32) -> Option<(f64, f64)> {
-        let piece = segment.piece(start, end);
+    /// The range of u that roots can have on a part of a curve.
+    fn on(&self, curve: &Curve<f64>, (start, end): (f64, f64), halvings: u32) -> Option<(f64, f64)> {
+        let piece = curve.piece(start, end);
         if !self.may_be_square_to(&piece) || !self.meets_tube(&piece) {
             return None;
         }
@@ -154,7 +157,7 @@ impl Region {
             return Some((start, end));
         }
         let middle = f64::midpoint(start, end);
-        let halves = [(start, middle), (middle, end)].map(|half| self.on(segment, half, halvings - 1));
+        let halves = [(start, middle), (middle, end)].map(|half| self.on(curve, half, halvings - 1));
         match halves {
             [Some((start, _)), Some((_, end))] => Some((start, end)),
             [one, other] => one.or(other),
@@ -163,7 +166,7 @@ impl Region {
 
     /// Whether `f(u) = -(q - P(u)) . d(u)` can be zero on the piece for any point q of the region: its four Bernstein
     /// coefficients, each linear in q, bound it.
-    fn may_be_square_to(&self, piece: &Segment<f64>) -> bool {
+    fn may_be_square_to(&self, piece: &Curve<f64>) -> bool {
         let (from_start, from_end) = (self.center - piece.b0, self.center - piece.b2);
         let (d0, d1, a) = (piece.d0, piece.d1, piece.a);
         let (f0, f1) = (-from_start.dot(d0), -from_end.dot(d1));
@@ -177,14 +180,14 @@ impl Region {
         !above && !below
     }
 
-    fn meets_tube(&self, piece: &Segment<f64>) -> bool {
+    fn meets_tube(&self, piece: &Curve<f64>) -> bool {
         let bounds = &piece.bounds;
         let between = self.center - bounds.center;
         (0..3).all(|k| between.dot(bounds.axes[k]).abs() <= bounds.half[k] + self.reach(bounds.axes[k]))
     }
 
     /// The same on the extension, which is straight and has no end.
-    fn on_extension(&self, extension: &Segment<f64>) -> Option<(f64, f64)> {
+    fn on_extension(&self, extension: &Curve<f64>) -> Option<(f64, f64)> {
         let d = extension.d0;
         let along = (self.center - extension.b0).dot(d);
         let u = |along: f64| along / (2.0 * d.length_squared());
@@ -206,23 +209,23 @@ where
 
 /// A segment in a tube space with another origin and unit; the unit is a power of two.
 fn rebased(segment: &Segment<f64>, origin: DVec3, unit: f64) -> Segment<f64> {
-    let mut moved = Segment {
-        b0: (segment.b0 - origin) / unit,
-        b2: (segment.b2 - origin) / unit,
-        d0: segment.d0 / unit,
-        d1: segment.d1 / unit,
-        a: segment.a / unit,
-        r0: segment.r0 / unit,
-        e0: segment.e0 / unit,
-        ar: segment.ar / unit,
-        arc_start: segment.arc_start / unit,
-        ..*segment
+    let curve = &segment.curve;
+    let mut moved = Curve {
+        b0: (curve.b0 - origin) / unit,
+        b2: (curve.b2 - origin) / unit,
+        d0: curve.d0 / unit,
+        d1: curve.d1 / unit,
+        a: curve.a / unit,
+        r0: curve.r0 / unit,
+        e0: curve.e0 / unit,
+        ar: curve.ar / unit,
+        ..*curve
     };
     moved.bounds = moved.tube_box();
-    moved
+    Segment { curve: moved, arc_start: segment.arc_start / unit, ..*segment }
 }
 
 /// The least power of two that is `x` or more.
 fn power_of_two_above(x: f64) -> f64 {
-    2.0_f64.powi(libm::ceil(libm::log2(x)) as i32)
+    libm::ldexp(1.0, libm::ceil(libm::log2(x)) as i32)
 }

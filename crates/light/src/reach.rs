@@ -3,7 +3,7 @@
 use glam::DVec3;
 use thiserror::Error;
 
-use crate::{Light, LightKind, Tube};
+use crate::{CheckedLight, Rays};
 
 /// Largest distance from the scene's middle of anything that is drawn, in world units: squares of it, and their
 /// products with intensities, stay within f32.
@@ -46,36 +46,26 @@ pub enum OutOfReach {
 }
 
 impl Reach {
-    /// Refuses a light that cannot be drawn with this scene. Lights that cannot be evaluated are not this check's.
-    pub fn check(&self, light: &Light) -> Result<(), OutOfReach> {
+    /// Refuses a light that cannot be drawn with this scene.
+    pub fn check(&self, light: &CheckedLight) -> Result<(), OutOfReach> {
+        let name = || light.light().name().to_owned();
         let far = |distance: f64| {
             // Also true of NaN.
-            if distance <= MAX_EXTENT {
-                return Ok(());
-            }
-            Err(OutOfReach::Far { name: light.name.clone(), distance })
+            if distance <= MAX_EXTENT { Ok(()) } else { Err(OutOfReach::Far { name: name(), distance }) }
         };
         let across = |source: DVec3| ((source - self.middle).abs() + self.half_extent).length();
-        match &light.kind {
-            LightKind::Spot(spot) => far(across(spot.transform.translation)),
-            LightKind::Bendy(bendy) => {
-                let transform = &bendy.transform;
-                let reaches = bendy.points.iter().zip(&bendy.radii).map(|(point, radius)| {
-                    across(transform.translation) + (point.length() + radius) * transform.scale
-                });
-                far(reaches.fold(0.0, f64::max))?;
-                let Ok(tube) = Tube::<f64>::new(bendy) else { return Ok(()) };
-                let sizes = across(tube.placement.translation) / tube.placement.world_per_tube.min(1.0);
-                if sizes <= MAX_EXTENT {
-                    return Ok(());
-                }
-                Err(OutOfReach::Small { name: light.name.clone(), sizes })
-            }
-        }
+        let transform = light.light().transform();
+        let Rays::Bent(tube) = light.rays() else { return far(across(transform.translation)) };
+        let reaches = light.light().points().iter().map(|point| {
+            across(transform.translation) + (point.position.length() + point.radius) * transform.scale
+        });
+        far(reaches.fold(0.0, f64::max))?;
+        let sizes = across(tube.placement.translation) / tube.placement.world_per_tube.min(1.0);
+        if sizes <= MAX_EXTENT { Ok(()) } else { Err(OutOfReach::Small { name: name(), sizes }) }
     }
 
     /// Which of `lights` a picture leaves out, and why.
-    pub fn left_out<'a>(&self, lights: impl IntoIterator<Item = &'a Light>) -> Vec<OutOfReach> {
+    pub fn left_out<'a>(&self, lights: impl IntoIterator<Item = &'a CheckedLight>) -> Vec<OutOfReach> {
         lights.into_iter().filter_map(|light| self.check(light).err()).collect()
     }
 }

@@ -47,8 +47,6 @@ pub trait Real:
     fn dot(a: Self::Vec3, b: Self::Vec3) -> Self;
     /// Vector product.
     fn cross(a: Self::Vec3, b: Self::Vec3) -> Self::Vec3;
-    /// Each component, or 0 where it is negative.
-    fn not_negative(v: Self::Vec3) -> Self::Vec3;
     /// Square root, correctly rounded.
     #[must_use]
     fn sqrt(self) -> Self;
@@ -106,9 +104,6 @@ impl Real for f64 {
     fn cross(a: DVec3, b: DVec3) -> DVec3 {
         a.cross(b)
     }
-    fn not_negative(v: DVec3) -> DVec3 {
-        v.max(DVec3::ZERO)
-    }
     fn sqrt(self) -> Self {
         self.sqrt()
     }
@@ -146,9 +141,6 @@ impl Real for f32 {
     fn cross(a: Vec3, b: Vec3) -> Vec3 {
         a.cross(b)
     }
-    fn not_negative(v: Vec3) -> Vec3 {
-        v.max(Vec3::ZERO)
-    }
     fn sqrt(self) -> Self {
         self.sqrt()
     }
@@ -156,7 +148,7 @@ impl Real for f32 {
         self.abs()
     }
     fn cbrt_above(self) -> Self {
-        // A third of the exponent, by the bits: within 6 % below, so 1.06 times it is above (as in tube.wgsl).
+        // A third of the exponent, by the bits: within 6 % below, so 1.06 times it is above (as in solve.wgsl).
         f32::from_bits(self.to_bits() / 3 + 709_921_077) * 1.06
     }
 }

@@ -1,13 +1,13 @@
 //! The tube cut across into pieces that turn little, for whoever maps surfaces into it (shadow maps, bent
 //! rays).
 
-use crate::{EndMode, Segment, Tube};
+use crate::{Curve, EndMode, Tube};
 
-/// A piece of one segment, as a segment of its own.
+/// A piece of one segment.
 #[derive(Clone, Copy, Debug)]
 pub struct Slab {
-    /// Geometry over the piece; its parameter runs from 0 to 1.
-    pub piece: Segment<f64>,
+    /// Its curve, whose parameter runs from 0 to 1.
+    pub piece: Curve<f64>,
     /// Global t where the piece starts.
     pub t_start: f64,
     /// Global t per unit of the piece's parameter.
@@ -30,19 +30,20 @@ const MAX_HALVINGS: usize = 6;
 pub fn slabs(tube: &Tube<f64>, t_max: f64, overlap: f64) -> Vec<Slab> {
     let mut out = Vec::new();
     for (i, segment) in tube.segments.iter().enumerate() {
+        let curve = &segment.curve;
         let end = if i < tube.n { 1.0 } else { t_max - tube.n as f64 };
         if end > 0.0 {
-            halve(segment, (0.0, end), MAX_HALVINGS, &mut |start, end| {
+            halve(curve, (0.0, end), MAX_HALVINGS, &mut |start, end| {
                 let (first, last) = (
                     i == 0 && start == 0.0,
                     tube.end_mode() == EndMode::Cut && i + 1 == tube.n && end == 1.0,
                 );
                 let margin = overlap * (end - start);
                 // Past a cusp, where control points coincide, the polynomial runs back: there slabs only meet.
-                let runs_on = |u: f64| segment.d(u).dot(segment.d(f64::midpoint(start, end))) > 0.0;
+                let runs_on = |u: f64| curve.d(u).dot(curve.d(f64::midpoint(start, end))) > 0.0;
                 let start = if first || !runs_on(start - margin) { start } else { start - margin };
                 let end = if last || !runs_on(end + margin) { end } else { end + margin };
-                let piece = segment.piece(start, end);
+                let piece = curve.piece(start, end);
                 out.push(Slab { piece, t_start: i as f64 + start, t_span: end - start });
             });
         }
@@ -51,15 +52,15 @@ pub fn slabs(tube: &Tube<f64>, t_max: f64, overlap: f64) -> Vec<Slab> {
 }
 
 /// Halves a range of a segment until it turns little and runs evenly.
-fn halve(segment: &Segment<f64>, range: (f64, f64), depth: usize, emit: &mut impl FnMut(f64, f64)) {
+fn halve(curve: &Curve<f64>, range: (f64, f64), depth: usize, emit: &mut impl FnMut(f64, f64)) {
     let (start, end) = range;
-    let (d0, d1) = (segment.d(start), segment.d(end));
+    let (d0, d1) = (curve.d(start), curve.d(end));
     let (slow, fast) = (d0.length().min(d1.length()), d0.length().max(d1.length()));
-    let turns = segment.u_hat(start).dot(segment.u_hat(end)) < MAX_TURN_COS;
+    let turns = curve.u_hat(start).dot(curve.u_hat(end)) < MAX_TURN_COS;
     if depth > 0 && (turns || fast > MAX_SPEED_RATIO * slow) {
         let middle = f64::midpoint(start, end);
-        halve(segment, (start, middle), depth - 1, emit);
-        halve(segment, (middle, end), depth - 1, emit);
+        halve(curve, (start, middle), depth - 1, emit);
+        halve(curve, (middle, end), depth - 1, emit);
     } else {
         emit(start, end);
     }

@@ -5,13 +5,12 @@
 //! segment and tiny for a nearly straight one, where every closed form fails. Instead: split `[0, 1]` where
 //! `f'` changes sign, expand `f` about the split (all coefficients then have one sign, so Newton from an
 //! upper bound is monotone and needs no bracketing), and finish with one step formed from the geometry, which
-//! the rounding of the coefficients does not touch. `tube.wgsl` holds the twin of this file, function by
-//! function.
+//! the rounding of the coefficients does not touch.
 //!
 //! Accuracy: `|du| <= 16 eps cond` for tubes with `R kappa <= 0.9` and `|P'| >= 0.1 (|d0| + |d1|)`; see
 //! [`crate::Tube`].
 
-use crate::{Real, Segment};
+use crate::{Curve, Real};
 
 /// At most one root on the left increasing piece and one on the right, in ascending order.
 pub type Roots<F> = [Option<F>; 2];
@@ -68,12 +67,12 @@ fn climb<F: Real>(f: F, g: F, h: F, a: F, t_max: F) -> F {
 }
 
 /// One Newton step on `f` formed from `r = q - P(u)` itself; taken only where it is a correction.
-fn polish<F: Real>(segment: &Segment<F>, q: F::Vec3, u: F, low: F, high: F) -> F {
-    let (r, d) = (segment.offset(q, u), segment.d(u));
-    let (n, slope) = (F::dot(r, d), F::of(2.0) * F::dot(d, d) - F::dot(r, segment.a));
+fn polish<F: Real>(curve: &Curve<F>, q: F::Vec3, u: F, low: F, high: F) -> F {
+    let (r, d) = (curve.offset(q, u), curve.d(u));
+    let (n, slope) = (F::dot(r, d), F::of(2.0) * F::dot(d, d) - F::dot(r, curve.a));
     // |step| <= 2^-6, asked without dividing; and so short that the slope changes by less than half, for near a cusp
     // both n and the slope may be rounding noise.
-    let half_curvature = F::of(3.0) * F::dot(segment.a, d);
+    let half_curvature = F::of(3.0) * F::dot(curve.a, d);
     let short = n.abs() <= slope * F::of(0.015_625)
         && (n * half_curvature).abs() <= F::of(0.25) * slope * slope
         && slope > F::of(0.0);
@@ -81,22 +80,38 @@ fn polish<F: Real>(segment: &Segment<F>, q: F::Vec3, u: F, low: F, high: F) -> F
     (u + step).within(low, high)
 }
 
+/// Half the derivative of the squared distance.
+fn f_at<F: Real>(curve: &Curve<F>, q: F::Vec3, u: F) -> F {
+    -F::dot(curve.offset(q, u), curve.d(u))
+}
+
+/// The value that a piece's split point has: the caller's at an end, the cubic's inside.
+fn at_split<F: Real>(u: F, start: F, end: F, inside: F) -> F {
+    if u == F::of(0.0) {
+        start
+    } else if u == F::of(1.0) {
+        end
+    } else {
+        inside
+    }
+}
+
 /// The increasing roots of `f` on `[0, 1]`.
 ///
 /// `f0` and `f1` are `f` at the ends, computed by the caller from the geometry, once a joint: both segments
 /// that meet there then agree on the side a point lies on. Where `f` vanishes with `P'` at an end, the sign
 /// comes from the one-sided tangent.
-pub fn increasing_roots<F: Real>(segment: &Segment<F>, q: F::Vec3, f0: F, f1: F) -> Roots<F> {
+pub fn increasing_roots<F: Real>(curve: &Curve<F>, q: F::Vec3, f0: F, f1: F) -> Roots<F> {
     let (zero, one) = (F::of(0.0), F::of(1.0));
-    let (d0, a) = (segment.d0, segment.a);
-    let from_start = q - segment.b0;
+    let (d0, a) = (curve.d0, curve.a);
+    let from_start = q - curve.b0;
     let cubic = Cubic {
         c1: F::of(2.0) * F::dot(d0, d0) - F::dot(from_start, a),
         c2: F::of(3.0) * F::dot(d0, a),
         c3: F::dot(a, a),
     };
     let e0 = if F::dot(d0, d0) > zero { f0 } else { -F::dot(from_start, a) };
-    let e1 = if F::dot(segment.d1, segment.d1) > zero { f1 } else { F::dot(q - segment.b2, a) };
+    let e1 = if F::dot(curve.d1, curve.d1) > zero { f1 } else { F::dot(q - curve.b2, a) };
 
     // Where f' changes sign, or the inflection where it never does.
     let clamp01 = |x: F| x.within(zero, one);
@@ -111,22 +126,12 @@ pub fn increasing_roots<F: Real>(segment: &Segment<F>, q: F::Vec3, f0: F, f1: F)
         (inflection, inflection)
     };
 
-    let at_end = |u: F, start: F, end: F, inside: F| {
-        if u == zero {
-            start
-        } else if u == one {
-            end
-        } else {
-            inside
-        }
-    };
     // From the geometry: near P' = 0 the roots lie so close together that the rounding of the coefficients is
     // larger than all of `f` between them.
-    let f = |u: F| -F::dot(segment.offset(q, u), segment.d(u));
-    let fl = at_end(cl, f0, f1, f(cl));
-    let fh = at_end(ch, f0, f1, f(ch).least(fl));
-    let sl = at_end(cl, e0, e1, fl);
-    let sh = at_end(ch, e0, e1, fh);
+    let fl = at_split(cl, f0, f1, f_at(curve, q, cl));
+    let fh = at_split(ch, f0, f1, f_at(curve, q, ch).least(fl));
+    let sl = at_split(cl, e0, e1, fl);
+    let sh = at_split(ch, e0, e1, fh);
 
     // A piece without length counts only where f rises: a point exactly on the plane across an end has f = 0 there, and may
     // be farthest from it.
@@ -134,12 +139,12 @@ pub fn increasing_roots<F: Real>(segment: &Segment<F>, q: F::Vec3, f0: F, f1: F)
     if e0 <= zero && zero <= sl && (cl > zero || cubic.slope(cl) >= zero) {
         let (g, h) = (cubic.slope(cl).most(zero), (-cubic.half_curvature(cl)).most(zero));
         let u = cl - climb(fl.abs(), g, h, cubic.c3, cl);
-        roots[0] = Some(polish(segment, q, u, zero, cl));
+        roots[0] = Some(polish(curve, q, u, zero, cl));
     }
     if sh <= zero && zero <= e1 && (ch < one || cubic.slope(ch) >= zero) {
         let (g, h) = (cubic.slope(ch).most(zero), cubic.half_curvature(ch).most(zero));
         let u = ch + climb(fh.abs(), g, h, cubic.c3, one - ch);
-        roots[1] = Some(polish(segment, q, u, ch, one));
+        roots[1] = Some(polish(curve, q, u, ch, one));
     }
     roots
 }

@@ -1,6 +1,6 @@
-//! Where a tube folds: the largest `R kappa` of a segment.
+//! Where a tube folds: the largest `R kappa` of a curve.
 
-use crate::Segment;
+use crate::Curve;
 
 /// The largest value of `R(u) kappa(u)` over `[0, 1]`; the tube is an embedding near its curve where this is
 /// below 1.
@@ -9,13 +9,13 @@ use crate::Segment;
 /// (light model, section 3), a cubic. It is isolated between the zeros of its derivative and bisected to
 /// rounding level; the value at the maximum is flat in `u`, so that costs no accuracy. Infinite where a bent
 /// tube's speed vanishes.
-pub fn r_kappa_max(segment: &Segment<f64>) -> f64 {
-    let cross = segment.d0.cross(segment.d1).length();
-    if cross <= 1e-15 * segment.d0.length() * segment.d1.length() {
+pub fn r_kappa_max(curve: &Curve<f64>) -> f64 {
+    let cross = curve.d0.cross(curve.d1).length();
+    if cross <= 1e-15 * curve.d0.length() * curve.d1.length() {
         return 0.0;
     }
-    let g = [segment.d0.dot(segment.d0), 2.0 * segment.d0.dot(segment.a), segment.a.dot(segment.a)];
-    let r = [segment.r0, 2.0 * segment.e0, segment.ar];
+    let g = [curve.d0.dot(curve.d0), 2.0 * curve.d0.dot(curve.a), curve.a.dot(curve.a)];
+    let r = [curve.r0, 2.0 * curve.e0, curve.ar];
     // Coefficients, ascending, of R' g - 1.5 R g'.
     let cubic = [
         r[1] * g[0] - 1.5 * r[0] * g[1],
@@ -24,8 +24,8 @@ pub fn r_kappa_max(segment: &Segment<f64>) -> f64 {
         2.0 * r[2] * g[2] - 1.5 * 2.0 * r[2] * g[2],
     ];
     let r_kappa = |u: f64| {
-        let speed = segment.d(u).length();
-        segment.radius(u).max(0.0) * cross / (2.0 * speed * speed * speed)
+        let speed = curve.d(u).length();
+        curve.radius(u).max(0.0) * cross / (2.0 * speed * speed * speed)
     };
     let candidates = roots_in_unit_interval(&cubic);
     candidates.into_iter().chain([0.0, 1.0]).map(r_kappa).fold(0.0, f64::max)

@@ -46,7 +46,7 @@ impl Tube<f64> {
     /// a grid: one narrower than a sixteenth of a segment may go unseen. At most one overlap is reported.
     pub fn warnings(&self) -> Vec<LightWarning> {
         let corners = self.segments.windows(2).enumerate().filter_map(|(i, pair)| {
-            let cos = pair[0].u_hat(1.0).dot(pair[1].u_hat(0.0));
+            let cos = pair[0].curve.u_hat(1.0).dot(pair[1].curve.u_hat(0.0));
             (cos < 1.0 - 1e-9).then_some(LightWarning::Corner { t: (i + 1) as f64 })
         });
         corners.chain(self.overlap()).collect()
@@ -55,13 +55,13 @@ impl Tube<f64> {
     fn overlap(&self) -> Option<LightWarning> {
         (0..self.n * ALONG).find_map(|k| {
             let (i, u) = (k / ALONG, (k % ALONG) as f64 / ALONG as f64);
-            let segment = &self.segments[i];
-            let (v_hat, w_hat) = self.cross_section(segment, segment.u_hat(u));
+            let curve = &self.segments[i].curve;
+            let (v_hat, w_hat) = self.cross_section(curve, curve.u_hat(u));
             (0..=AROUND).find_map(|around| {
                 let (sin, cos) = libm::sincos(TAU * around as f64 / AROUND as f64);
                 // The last one is the axis; the others stay clear of the rim's own rounding.
-                let rho = if around == AROUND { 0.0 } else { 0.999 * segment.radius(u) };
-                let q = segment.position(u) + (v_hat * cos + w_hat * sin) * rho;
+                let rho = if around == AROUND { 0.0 } else { 0.999 * curve.radius(u) };
+                let q = curve.position(u) + (v_hat * cos + w_hat * sin) * rho;
                 let t = i as f64 + u;
                 let mut other = None;
                 self.for_each_root(q, |root| {

@@ -3,12 +3,12 @@
 use glam::DVec3;
 
 use crate::hierarchy::Thick;
-use crate::{BentPath, Bounds, Chord, PosedScene, Triangle};
+use crate::{BentPath, Bounds, Bvh, Chord, Triangle};
 
 /// Where a path meets a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct BentHit {
-    /// Index in [`PosedScene::triangles`].
+    /// Index in [`Bvh::triangles`].
     pub triangle: usize,
     /// Parameter of the light there.
     pub t: f64,
@@ -21,7 +21,7 @@ pub struct BentHit {
 /// Length of u below which a path that touches a plane without crossing it is taken to miss it.
 const GRAZING: f64 = 1e-9;
 
-impl PosedScene<'_> {
+impl Bvh {
     /// The first triangle from the source on that the path meets before `t_end` and that `accept` takes,
     /// both sides alike: what shadows all that comes later.
     ///

@@ -1,9 +1,9 @@
 //! The way light takes: a curve of constant (v, w), cut into chords.
 
 use glam::DVec3;
-use light::{Frame, Segment, Tube};
+use light::{Curve, Frame, Tube};
 
-use crate::PosedScene;
+use crate::{Bounds, Bvh};
 
 /// How far a chord may stray from its path, as a share of the chord's length.
 ///
@@ -35,37 +35,10 @@ pub struct BentPath<'a> {
     source: DVec3,
 }
 
-/// A box, between two corners.
-#[derive(Clone, Copy, Debug)]
-pub struct Bounds {
-    /// Smallest coordinates.
-    pub min: DVec3,
-    /// Largest coordinates.
-    pub max: DVec3,
-}
-
-impl Bounds {
-    /// Everywhere.
-    pub const ENDLESS: Self = Self { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
-
-    fn size(&self) -> f64 {
-        (self.max - self.min).length()
-    }
-
-    /// Whether all of `chord`'s path surely lies outside.
-    fn misses(&self, chord: &Chord) -> bool {
-        let [from, to] = chord.ends;
-        // With the rounding of positions, some ulps of the largest coordinate.
-        let slack = 1e-14 * (from.abs().max_element() + to.abs().max_element());
-        let reach = DVec3::splat(chord.error() + slack);
-        (from.min(to) - reach).cmpgt(self.max).any() || (from.max(to) + reach).cmplt(self.min).any()
-    }
-}
-
-impl PosedScene<'_> {
+impl Bvh {
     /// The path of constant (v, w), both in radii, through this scene.
     pub fn path<'a>(&self, tube: &'a Tube<f64>, v: f64, w: f64) -> BentPath<'a> {
-        BentPath { tube, v, w, source: tube.placement.translation - self.origin_in_world }
+        BentPath { tube, v, w, source: tube.placement.translation - self.posed.origin_in_world }
     }
 }
 
@@ -83,6 +56,15 @@ pub struct Chord {
 }
 
 impl Chord {
+    /// Whether all of its path surely lies outside of `bounds`.
+    fn misses(&self, bounds: &Bounds) -> bool {
+        let [from, to] = self.ends;
+        // With the rounding of positions, some ulps of the largest coordinate.
+        let slack = 1e-14 * (from.abs().max_element() + to.abs().max_element());
+        let reach = DVec3::splat(self.error() + slack);
+        (from.min(to) - reach).cmpgt(bounds.max).any() || (from.max(to) + reach).cmplt(bounds.min).any()
+    }
+
     /// Bound of the distance between the line and the path, at equal u: `|C''| h^2 / 8`.
     pub fn error(&self) -> f64 {
         let h = self.u[1] - self.u[0];
@@ -98,7 +80,7 @@ impl Chord {
 impl BentPath<'_> {
     /// Position in scene space at parameter `u` of a segment.
     pub fn at(&self, segment: usize, u: f64) -> DVec3 {
-        let s = &self.tube.segments[segment];
+        let s = &self.tube.segments[segment].curve;
         let (v_hat, w_hat) = self.tube.cross_section(s, s.u_hat(u));
         let in_tube = s.position(u) + (v_hat * self.v + w_hat * self.w) * s.radius(u);
         let placement = &self.tube.placement;
@@ -132,7 +114,7 @@ impl BentPath<'_> {
         visit: &mut impl FnMut(&Chord) -> bool,
     ) -> bool {
         let chord = Chord { segment, u, ends, bend: self.bend(segment, u) };
-        if bounds.misses(&chord) {
+        if chord.misses(bounds) {
             return false;
         }
         let error = chord.error();
@@ -152,8 +134,8 @@ impl BentPath<'_> {
     /// `omega = |u_hat'| = |d0 x a| / |d|^2`, whose own derivative is at most `2 omega |a| / |d|`. A frame that
     /// twists by `tau` has `e' = -(e.u_hat') u_hat + tau (u_hat x e)`.
     fn bend(&self, segment: usize, [start, end]: [f64; 2]) -> f64 {
-        let s = &self.tube.segments[segment];
-        let rho = self.v.hypot(self.w);
+        let s = &self.tube.segments[segment].curve;
+        let rho = libm::hypot(self.v, self.w);
         let h = end - start;
         // Between its ends a quadratic is at most |R''| h^2 / 8 above the larger of them.
         let radius =
@@ -184,7 +166,7 @@ struct Turn {
 }
 
 impl Turn {
-    fn of(s: &Segment<f64>, [start, end]: [f64; 2]) -> Self {
+    fn of(s: &Curve<f64>, [start, end]: [f64; 2]) -> Self {
         let across = s.d0.cross(s.a).length();
         if across == 0.0 {
             return Self { omega: 0.0, change: 0.0 };
@@ -206,8 +188,8 @@ struct Twist {
 impl Twist {
     /// From `tau = c (u_hat' . v_hat) / s`, `c = up . u_hat`, `s = |up - c u_hat|`: `|c'| <= s omega` and
     /// `|s'| <= omega`.
-    fn of(up: DVec3, segment: &Segment<f64>, [start, end]: [f64; 2], turn: Turn) -> Self {
-        let u_hat = segment.u_hat(f64::midpoint(start, end));
+    fn of(up: DVec3, curve: &Curve<f64>, [start, end]: [f64; 2], turn: Turn) -> Self {
+        let u_hat = curve.u_hat(f64::midpoint(start, end));
         let sine = (up - u_hat * up.dot(u_hat)).length() - turn.omega * (end - start) / 2.0;
         // Where the tangent may meet `up` the frame flips, and nothing bounds that.
         let sine = sine.max(1e-9);
@@ -220,7 +202,8 @@ impl Twist {
 
 #[cfg(test)]
 mod tests {
-    use light::BendyLight;
+    use light::Light;
+    use light::parameters::TRANSLATION;
     use scene::{Material, Mesh, Node, Primitive, Scene};
 
     use super::*;
@@ -230,7 +213,7 @@ mod tests {
     fn field(n: u32) -> Scene {
         let corner = |k: u32| {
             let (x, z) = ((k % (n + 1)) as f32 / n as f32, (k / (n + 1)) as f32 / n as f32);
-            glam::Vec3::new(10.0 * x - 5.0, (7.0 * x * z).sin(), 10.0 * z - 5.0)
+            glam::Vec3::new(10.0 * x - 5.0, libm::sinf(7.0 * x * z), 10.0 * z - 5.0)
         };
         let positions: Vec<_> = (0..(n + 1) * (n + 1)).map(corner).collect();
         let quad = |k: u32| {
@@ -262,20 +245,19 @@ mod tests {
         let direction = DVec3::new(0.6, -0.64, 0.48);
         let aside = direction.any_orthonormal_vector();
         let points = [DVec3::ZERO, direction * 0.5, (direction + aside) * 0.5].map(|point| point * size);
-        let mut light = BendyLight::new(points.into(), vec![3.0; 3]);
-        let middle = Tube::<f64>::new(&light).expect("a light").segments[0].position(0.5);
-        light.transform.translation = -middle;
-        Tube::new(&light).expect("a light")
+        let light = Light::bendy(points.into(), vec![3.0; 3]);
+        let middle = Tube::<f64>::new(&light).expect("a light").segments[0].curve.position(0.5);
+        Tube::new(&light.with(TRANSLATION, -middle)).expect("a light")
     }
 
     /// Triangles that a path's chords touch the boxes of, the mean over paths all over the light.
-    fn asked_a_path(posed: &PosedScene, tube: &Tube<f64>, bounds: &Bounds) -> f64 {
+    fn asked_a_path(bvh: &Bvh, tube: &Tube<f64>, bounds: &Bounds) -> f64 {
         let mut asked = 0;
         for k in 0..64 {
             let (v, w) = (f64::from(k % 8) / 8.0 - 0.4, f64::from(k / 8) / 8.0 - 0.4);
-            posed.path(tube, v, w).for_each_chord(1.0, bounds, |chord| {
+            bvh.path(tube, v, w).for_each_chord(1.0, bounds, |chord| {
                 let [from, to] = chord.ends;
-                posed.hierarchy.along(Thick { from, to, radius: chord.error() }, |_| {
+                bvh.hierarchy.along(Thick { from, to, radius: chord.error() }, |_| {
                     asked += 1;
                     1.0
                 });
@@ -289,14 +271,14 @@ mod tests {
     #[test]
     fn a_long_light_asks_few_triangles() {
         let scene = field(64);
-        let posed = PosedScene::new(&scene);
-        let bounds = posed.hierarchy.bounds().expect("a box");
-        let ordinary = asked_a_path(&posed, &light_of(30.0), &bounds);
+        let bvh = Bvh::new(scene::pose(scene.clone()));
+        let bounds = bvh.hierarchy.bounds().expect("a box");
+        let ordinary = asked_a_path(&bvh, &light_of(30.0), &bounds);
         for size in [1e3, 1e4, 1e6, 1e9] {
             let tube = light_of(size);
-            let asked = asked_a_path(&posed, &tube, &bounds);
+            let asked = asked_a_path(&bvh, &tube, &bounds);
             // The planted fault: chords that are cut by their own length alone.
-            let uncut = asked_a_path(&posed, &tube, &Bounds::ENDLESS);
+            let uncut = asked_a_path(&bvh, &tube, &Bounds::ENDLESS);
             println!(
                 "{size:e} units: {asked:.0} triangles a path, cut by length alone {uncut:.0}; 30 units: {ordinary:.0}"
             );
@@ -310,19 +292,17 @@ mod tests {
     #[test]
     fn hits_do_not_depend_on_the_cut() {
         let scene = field(16);
-        let posed = PosedScene::new(&scene);
+        let bvh = Bvh::new(scene::pose(scene.clone()));
         let mut hits = 0;
         for size in [30.0, 1e3, 1e6] {
             let tube = light_of(size);
             for k in 0..64 {
-                let path = posed.path(&tube, f64::from(k % 8) / 4.5 - 0.7, f64::from(k / 8) / 4.5 - 0.7);
+                let path = bvh.path(&tube, f64::from(k % 8) / 4.5 - 0.7, f64::from(k / 8) / 4.5 - 0.7);
                 let first = |bounds: &Bounds| {
-                    posed
-                        .first_bent_hit_in(&path, 1.0, bounds, |_| true)
+                    bvh.first_bent_hit_in(&path, 1.0, bounds, |_| true)
                         .map(|hit| (hit.triangle, hit.position))
                 };
-                let (cut, whole) =
-                    (first(&posed.hierarchy.bounds().expect("a box")), first(&Bounds::ENDLESS));
+                let (cut, whole) = (first(&bvh.hierarchy.bounds().expect("a box")), first(&Bounds::ENDLESS));
                 hits += usize::from(cut.is_some());
                 match (cut, whole) {
                     (None, None) => {}

@@ -1,7 +1,7 @@
 //! Rays against a posed scene, in f64: straight ones for cameras and picks, bent ones for visibility.
 //!
-//! A [`PosedScene`] holds every triangle of a scene under a bounding-volume hierarchy. All positions are in scene
-//! space: world axes, origin at the centre of the scene's bounds, so that no digit is lost wherever the scene stands. [`PosedScene::first_hit`] follows a straight ray. [`PosedScene::first_bent_hit`] follows light:
+//! A [`Bvh`] holds every triangle of a [`scene::PosedScene`] under a bounding-volume hierarchy. All positions are in scene
+//! space: world axes, origin at the centre of the scene's bounds, so that no digit is lost wherever the scene stands. [`Bvh::first_hit`] follows a straight ray. [`Bvh::first_bent_hit`] follows light:
 //! the curve of constant (v, w) of a BendyLight from its source ([`BentPath`]), which no hierarchy knows; it is
 //! cut into chords with a bound on how far each strays from the curve, and what a chord may touch is met with
 //! the curve itself.
@@ -10,15 +10,17 @@
 
 mod bent_hit;
 mod bent_path;
+mod bounds;
+mod bvh;
 mod hierarchy;
 mod nearest;
-mod posed;
 mod straight;
 mod triangle;
 
 pub use bent_hit::BentHit;
-pub use bent_path::{BentPath, Bounds, Chord};
+pub use bent_path::{BentPath, Chord};
+pub use bounds::Bounds;
+pub use bvh::Bvh;
 pub use nearest::SurfacePoint;
-pub use posed::PosedScene;
 pub use straight::Hit;
 pub use triangle::Triangle;

@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 
-use crate::PosedScene;
+use crate::Bvh;
 
 /// A point of a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
-    /// Index in [`PosedScene::triangles`].
+    /// Index in [`Bvh::triangles`].
     pub triangle: usize,
     /// Position in scene space.
     pub position: DVec3,
@@ -15,7 +15,7 @@ pub struct SurfacePoint {
     pub weights: DVec3,
 }
 
-impl PosedScene<'_> {
+impl Bvh {
     /// The point of the scene's surfaces nearest to `point`, a position in scene space, that lies at most `within`
     /// from it and that `accept` takes; of two at the same distance the one of the lower index.
     pub fn nearest(

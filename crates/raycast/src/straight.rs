@@ -3,12 +3,12 @@
 use glam::DVec3;
 
 use crate::hierarchy::Thick;
-use crate::{PosedScene, Triangle};
+use crate::{Bvh, Triangle};
 
 /// Where a straight ray meets a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
-    /// Index in [`PosedScene::triangles`].
+    /// Index in [`Bvh::triangles`].
     pub triangle: usize,
     /// Distance along the ray, in lengths of its direction.
     pub distance: f64,
@@ -16,7 +16,7 @@ pub struct Hit {
     pub weights: DVec3,
 }
 
-impl PosedScene<'_> {
+impl Bvh {
     /// The nearest triangle that the ray meets from `near` to `far` (lengths of the direction; `far` may be
     /// infinite) and that `accept` takes, both sides alike; of two at the same distance the one with the
     /// lower index.

@@ -9,7 +9,7 @@ pub struct Triangle {
     pub corners: [DVec3; 3],
     /// Index of the node that carries it.
     pub node: usize,
-    /// Index of its primitive in [`crate::PosedScene::primitives`].
+    /// Index of its primitive in [`scene::PosedScene::primitives`].
     pub primitive: usize,
     /// Its three vertices in that primitive, in the order of `corners`.
     pub vertices: [u32; 3],

@@ -1,9 +1,12 @@
 //! Bent paths: chords that stay within their bound, and hits that a slow walk finds too.
 
+#![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
+
 use glam::{DAffine3, DQuat, DVec3, Vec3};
-use light::{BendyLight, Direction, EndMode, Frame, SpotLight, Transform, Tube};
+use light::parameters::{DIRECTION, END_MODE, FRAME, RANGE, ROTATION};
+use light::{Direction, EndMode, Frame, Light, Transform, Tube};
 use proptest::prelude::*;
-use raycast::{BentHit, BentPath, Bounds, PosedScene};
+use raycast::{BentHit, BentPath, Bounds, Bvh};
 use scene::{Material, Mesh, Node, Primitive, Scene};
 
 /// Loose triangles in the world.
@@ -40,12 +43,10 @@ fn tubes() -> impl Strategy<Value = Tube<f64>> {
         let mut points = vec![DVec3::ZERO, DVec3::NEG_Z];
         points.extend(bends.iter().enumerate().map(|(i, (bend, _))| DVec3::NEG_Z * (i + 2) as f64 + *bend));
         let radii = [0.02, 0.2].into_iter().chain(bends.iter().map(|(_, radius)| 0.05 + radius)).collect();
-        let light = BendyLight {
-            frame: if up { Frame::Up } else { Frame::RotationMinimizing },
-            end_mode: if extend { EndMode::Extend } else { EndMode::Cut },
-            direction: Direction::Path,
-            ..BendyLight::new(points, radii)
-        };
+        let light = Light::bendy(points, radii)
+            .with(FRAME, if up { Frame::Up } else { Frame::RotationMinimizing })
+            .with(END_MODE, if extend { EndMode::Extend } else { EndMode::Cut })
+            .with(DIRECTION, Direction::Path);
         Tube::new(&light).ok()
     })
 }
@@ -57,7 +58,7 @@ fn across() -> impl Strategy<Value = (f64, f64)> {
 /// Largest distance between a path and its chords, at equal u, as a share of the bound.
 fn worst_stray(tube: &Tube<f64>, (v, w): (f64, f64)) -> f64 {
     let scene = Scene::default();
-    let path = PosedScene::new(&scene).path(tube, v, w);
+    let path = Bvh::new(scene::pose(scene.clone())).path(tube, v, w);
     let mut worst = 0.0_f64;
     path.for_each_chord(tube.n as f64, &Bounds::ENDLESS, |chord| {
         let [from, to] = chord.ends;
@@ -96,10 +97,10 @@ fn walk(path: &BentPath, triangles: &[[DVec3; 3]], t_end: f64) -> Option<(f64, u
 
 fn first(tube: &Tube<f64>, (v, w): (f64, f64), triangles: &[[DVec3; 3]]) -> Option<BentHit> {
     let scene = scene_of(triangles);
-    let posed = PosedScene::new(&scene);
-    let path = posed.path(tube, v, w);
-    let hit = posed.first_bent_hit(&path, tube.n as f64, |_| true);
-    assert_eq!(hit.is_some(), posed.blocks(&path, tube.n as f64, |_| true));
+    let bvh = Bvh::new(scene::pose(scene.clone()));
+    let path = bvh.path(tube, v, w);
+    let hit = bvh.first_bent_hit(&path, tube.n as f64, |_| true);
+    assert_eq!(hit.is_some(), bvh.blocks(&path, tube.n as f64, |_| true));
     hit
 }
 
@@ -124,7 +125,7 @@ proptest! {
         }).collect();
         let nothing = Scene::default();
         // An empty scene has its origin at the world's: a path in the world.
-        let path = PosedScene::new(&nothing).path(&tube, vw.0, vw.1);
+        let path = Bvh::new(scene::pose(nothing.clone())).path(&tube, vw.0, vw.1);
         let found = first(&tube, vw, &triangles);
         let walked = walk(&path, &triangles, tube.n as f64);
         // A polyline of steps h strays by |C''| h^2 / 8, here below 1e-5: near an edge, or where path and
@@ -166,7 +167,7 @@ fn is_a_near_miss(
 #[test]
 fn the_bound_on_chords_is_not_slack() {
     // A quarter circle's worth of bend: the bound would be useless if it were ten times what happens.
-    let light = BendyLight::new(vec![DVec3::ZERO, DVec3::NEG_Z, DVec3::new(1.0, 0.0, -1.0)], vec![0.2; 3]);
+    let light = Light::bendy(vec![DVec3::ZERO, DVec3::NEG_Z, DVec3::new(1.0, 0.0, -1.0)], vec![0.2; 3]);
     let tube = Tube::new(&light).unwrap();
     let worst = worst_stray(&tube, (0.5, 0.5));
     assert!((0.2..=1.0).contains(&worst), "{worst}");
@@ -174,12 +175,11 @@ fn the_bound_on_chords_is_not_slack() {
 
 #[test]
 fn a_wrong_sign_across_the_tube_is_seen() {
-    let light =
-        BendyLight::new(vec![DVec3::ZERO, DVec3::NEG_Z * 2.0, DVec3::new(2.0, 1.0, -3.0)], vec![0.3; 3]);
+    let light = Light::bendy(vec![DVec3::ZERO, DVec3::NEG_Z * 2.0, DVec3::new(2.0, 1.0, -3.0)], vec![0.3; 3]);
     let tube = Tube::new(&light).unwrap();
     // A small triangle in front of one path only.
     let (v, w) = (0.3, 0.6);
-    let on_path = PosedScene::new(&Scene::default()).path(&tube, v, w).at(0, 0.5);
+    let on_path = Bvh::new(scene::pose(Scene::default())).path(&tube, v, w).at(0, 0.5);
     let triangle = [DVec3::new(-0.05, -0.05, 0.0), DVec3::new(0.05, -0.05, 0.0), DVec3::new(0.0, 0.05, 0.0)]
         .map(|corner| (on_path + corner).as_vec3().as_dvec3());
     let hit = first(&tube, (v, w), &[triangle]).expect("the triangle lies on the path");
@@ -190,20 +190,18 @@ fn a_wrong_sign_across_the_tube_is_seen() {
 
 #[test]
 fn a_straight_cone_has_straight_rays() {
-    let spot = SpotLight {
-        range: Some(4.0),
-        transform: Transform { translation: DVec3::new(1.0, 2.0, 3.0), ..Transform::default() },
-        ..SpotLight::default()
-    };
+    let spot = Light::spot()
+        .with(RANGE, Some(4.0))
+        .placed(Transform { translation: DVec3::new(1.0, 2.0, 3.0), ..Transform::default() });
     let tube = Tube::new(&light::bend(&spot, 3).unwrap()).unwrap();
     let wall = [DVec3::new(-9.0, -9.0, 0.5), DVec3::new(9.0, -9.0, -0.5), DVec3::new(0.0, 20.0, 0.0)];
     let scene = scene_of(&[wall]);
-    let posed = PosedScene::new(&scene);
+    let bvh = Bvh::new(scene::pose(scene.clone()));
     for (v, w) in [(0.0, 0.0), (0.9, 0.1), (-0.3, -0.8)] {
-        let path = posed.path(&tube, v, w);
-        let bent = posed.first_bent_hit(&path, 3.0, |_| true).unwrap();
+        let path = bvh.path(&tube, v, w);
+        let bent = bvh.first_bent_hit(&path, 3.0, |_| true).unwrap();
         let away = path.at(2, 1.0) - path.at(0, 0.0);
-        let straight = posed.first_hit(path.at(0, 0.0), away, [0.0, 1.0], |_| true).unwrap();
+        let straight = bvh.first_hit(path.at(0, 0.0), away, [0.0, 1.0], |_| true).unwrap();
         let position = path.at(0, 0.0) + away * straight.distance;
         // Coordinates below 4 and a wall that is nearly square to the light: a few ulps.
         assert!(bent.position.distance(position) < 1e-14, "{bent:?} {position}");
@@ -213,7 +211,7 @@ fn a_straight_cone_has_straight_rays() {
 #[test]
 fn what_has_no_extent_blocks_nothing() {
     let tube =
-        Tube::new(&BendyLight::new(vec![DVec3::ZERO, DVec3::NEG_Z, DVec3::NEG_Z * 2.0], vec![0.0, 0.2, 0.4]))
+        Tube::new(&Light::bendy(vec![DVec3::ZERO, DVec3::NEG_Z, DVec3::NEG_Z * 2.0], vec![0.0, 0.2, 0.4]))
             .unwrap();
     let point = DVec3::new(0.0, 0.0, -1.0);
     assert!(first(&tube, (0.0, 0.0), &[[point; 3], [point, point + DVec3::X, point - DVec3::X]]).is_none());
@@ -222,22 +220,20 @@ fn what_has_no_extent_blocks_nothing() {
 
 #[test]
 fn light_past_the_end_goes_straight_on() {
-    let light = BendyLight {
-        end_mode: EndMode::Extend,
-        ..BendyLight::new(vec![DVec3::ZERO, DVec3::NEG_Z, DVec3::new(0.5, 0.0, -2.0)], vec![0.1, 0.2, 0.3])
-    };
+    let light =
+        Light::bendy(vec![DVec3::ZERO, DVec3::NEG_Z, DVec3::new(0.5, 0.0, -2.0)], vec![0.1, 0.2, 0.3])
+            .with(END_MODE, EndMode::Extend);
     let tube = Tube::new(&light).unwrap();
     let end = DVec3::new(0.5, 0.0, -2.0) + DVec3::new(0.5, 0.0, -1.0) * 50.0;
     let turn = DQuat::from_rotation_y(0.3);
     let wall = [DVec3::new(-9.0, -9.0, 0.0), DVec3::new(9.0, -9.0, 0.0), DVec3::new(0.0, 20.0, 0.0)]
         .map(|corner| (end + turn * corner).as_vec3().as_dvec3());
     let scene = scene_of(&[wall]);
-    let posed = PosedScene::new(&scene);
-    let hit = posed
-        .first_bent_hit(&posed.path(&tube, 0.0, 0.0), 200.0, |_| true)
-        .expect("the wall stands in the way");
+    let bvh = Bvh::new(scene::pose(scene.clone()));
+    let hit =
+        bvh.first_bent_hit(&bvh.path(&tube, 0.0, 0.0), 200.0, |_| true).expect("the wall stands in the way");
     // Corners of size 50 are rounded to f32: 4e-6.
-    assert!((hit.position + posed.origin_in_world).distance(end) < 1e-5, "{hit:?}");
+    assert!((hit.position + bvh.posed.origin_in_world).distance(end) < 1e-5, "{hit:?}");
 }
 
 /// A path in a triangle's plane does not cross it, and is not looked at for ever: where rounding alone says on which
@@ -246,14 +242,13 @@ fn light_past_the_end_goes_straight_on() {
 fn a_path_in_a_triangles_plane_passes_it() {
     let rotation = DQuat::from_xyzw(-0.44, -0.18, 0.36, 0.8).normalize();
     let points = (0..4).map(|i| DVec3::new(0.0, 0.0, -f64::from(i))).collect();
-    let mut light = BendyLight::new(points, vec![0.3, 0.2, 0.4, 0.1]);
-    light.transform.rotation = rotation;
+    let light = Light::bendy(points, vec![0.3, 0.2, 0.4, 0.1]).with(ROTATION, rotation);
     let tube = Tube::new(&light).expect("valid");
     let flat = [(0.0, -1.0, -0.5), (0.0, 1.0, -0.625), (0.0, 0.25, -2.75)];
     let mut scene = scene_of(&[flat.map(|(x, y, z)| DVec3::new(x, y, z))]);
     scene.nodes[0].parent_from_local = DAffine3::from_quat(rotation);
-    let posed = PosedScene::new(&scene);
+    let bvh = Bvh::new(scene::pose(scene.clone()));
     for w in [-0.9, -0.5, 0.0, 0.3, 0.8] {
-        assert!(!posed.blocks(&posed.path(&tube, 0.0, w), 3.0, |_| true), "w = {w}");
+        assert!(!bvh.blocks(&bvh.path(&tube, 0.0, w), 3.0, |_| true), "w = {w}");
     }
 }

@@ -38,7 +38,8 @@ pub fn reflected(surface: &Surface, to_light: DVec3) -> DVec3 {
 
     let f0 = DVec3::splat(0.04).lerp(surface.base_color, surface.metallic);
     let grazing = 1.0 - v_h;
-    let fresnel = f0 + (DVec3::ONE - f0) * grazing.powi(5);
+    let squared = grazing * grazing;
+    let fresnel = f0 + (DVec3::ONE - f0) * (grazing * (squared * squared));
     let diffuse = (DVec3::ONE - fresnel) * (1.0 - surface.metallic) * surface.base_color / PI;
     (diffuse + fresnel * distribution * visibility) * n_l
 }

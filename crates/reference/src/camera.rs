@@ -60,7 +60,7 @@ mod tests {
     /// The same numbers as in render's camera.rs and the page's camera.test.ts: a camera that frames 2 by 1.
     #[test]
     fn all_that_a_camera_frames_is_in_the_picture() {
-        let yfov = 2.0 * 0.5_f64.atan();
+        let yfov = 2.0 * libm::atan(0.5);
         let perspective = Projection::Perspective { yfov, aspect_ratio: Some(2.0), znear: 0.1, zfar: None };
         let orthographic =
             Projection::Orthographic { ymag: 0.5, aspect_ratio: Some(2.0), znear: 0.0, zfar: 9.0 };

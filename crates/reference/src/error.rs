@@ -29,7 +29,4 @@ pub enum ReferenceError {
         "the reference follows light along its curve and has no shadow map to draw a wireframe of: take the GPU for it"
     )]
     NoShadowMap,
-    /// A light with numbers outside their domains.
-    #[error(transparent)]
-    Light(#[from] light::LightError),
 }

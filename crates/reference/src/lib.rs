@@ -7,9 +7,9 @@
 //! ```
 //! use reference::Reference;
 //! # let scene = scene::Scene::default();
-//! # let (camera, slot) = (scene::framing_camera(&scene, 1.0), scene::ViewSlot::default());
+//! # let (camera, slot) = (scene::framing_camera(&light::Reach::default(), 1.0), scene::ViewSlot::default());
 //! let view = scene::View { camera, width: 4, height: 4, samples: 1, aov: scene::Aov::Depth, light: 0, fill: 1.0, slot };
-//! let frame = Reference::new(&scene).render(&view, &[], || {})?;
+//! let frame = Reference::new(scene::pose(scene.clone())).render(&view, &[], || {})?;
 //! assert_eq!(frame.pixels[0], [0.0; 4]);
 //! # Ok::<(), reference::ReferenceError>(())
 //! ```
@@ -17,8 +17,9 @@
 mod brdf;
 mod camera;
 mod error;
-mod frame;
 mod nearest;
+mod picture;
+mod reference;
 mod source;
 mod surface;
 mod texture;
@@ -26,6 +27,7 @@ mod visibility;
 
 pub use brdf::reflected;
 pub use error::ReferenceError;
-pub use frame::{Frame, Reference};
+pub use picture::Picture;
+pub use reference::Reference;
 pub use source::{LightSample, Source};
 pub use surface::Surface;

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, DVec4};
 use raycast::{Hit, Triangle};
-use scene::{Material, View};
+use scene::{Material, Primitive, View};
 
 use crate::Reference;
 use crate::camera::ViewRay;
@@ -11,7 +11,7 @@ use crate::texture::Footprint;
 /// A point of a surface, seen from somewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// Position in scene space: world axes, about [`raycast::PosedScene::origin_in_world`].
+    /// Position in scene space: world axes, about [`scene::PosedScene::origin_in_world`].
     pub position: DVec3,
     /// Distance along the view axis, in world units.
     pub depth: f64,
@@ -32,7 +32,7 @@ pub struct Surface {
     pub roughness: f64,
     /// Index of the node in the scene.
     pub node: usize,
-    /// Index in [`raycast::PosedScene::triangles`].
+    /// Index in [`raycast::Bvh::triangles`].
     pub triangle: usize,
 }
 
@@ -50,7 +50,7 @@ impl Surface {
     }
 }
 
-impl Reference<'_> {
+impl Reference {
     /// What `view`'s camera sees through a point of the picture, in pixels from its top left corner: (0.5,
     /// 0.5) is the centre of the first pixel. `None` where there is only background.
     ///
@@ -58,8 +58,8 @@ impl Reference<'_> {
     pub fn surface(&self, view: &View, pixel: DVec2) -> Option<Surface> {
         let ray = self.ray(view, pixel);
         let (origin, direction) = (ray.origin, ray.direction);
-        let hit = self.posed.first_hit(origin, direction, ray.range, |hit| {
-            let triangle = &self.posed.triangles[hit.triangle];
+        let hit = self.bvh.first_hit(origin, direction, ray.range, |hit| {
+            let triangle = &self.bvh.triangles[hit.triangle];
             let front = triangle.normal().dot(direction) < 0.0;
             (front || self.material(triangle).double_sided) && self.is_solid(triangle, hit.weights)
         })?;
@@ -67,17 +67,18 @@ impl Reference<'_> {
     }
 
     fn ray(&self, view: &View, pixel: DVec2) -> ViewRay {
-        ViewRay::new(view, pixel, self.posed.origin_in_world)
+        ViewRay::new(view, pixel, self.bvh.posed.origin_in_world)
     }
 
     fn surface_at(&self, view: &View, pixel: DVec2, ray: &ViewRay, hit: &Hit) -> Surface {
-        let triangle = &self.posed.triangles[hit.triangle];
-        let posed = &self.posed.primitives[triangle.primitive];
+        let triangle = &self.bvh.triangles[hit.triangle];
+        let primitive = self.primitive(triangle);
         let face = triangle.normal().normalize();
         let side = if face.dot(ray.direction) < 0.0 { 1.0 } else { -1.0 };
-        let (normal_matrix, vertices) = (posed.normal_matrix(), triangle.vertices);
+        let (normal_matrix, vertices) =
+            (self.bvh.posed.primitives[triangle.primitive].normal_matrix(), triangle.vertices);
         let normals = vertices.map(|vertex| {
-            let local = posed.primitive.normals[vertex as usize].as_dvec3();
+            let local = primitive.normals[vertex as usize].as_dvec3();
             (normal_matrix * local).normalize_or_zero()
         });
         let mean: DVec3 = (0..3).map(|k| normals[k] * hit.weights[k]).sum();
@@ -107,8 +108,13 @@ impl Reference<'_> {
         }
     }
 
+    fn primitive(&self, triangle: &Triangle) -> &Primitive {
+        let posed = &self.bvh.posed;
+        posed.geometry(&posed.primitives[triangle.primitive])
+    }
+
     pub(crate) fn material(&self, triangle: &Triangle) -> &Material {
-        &self.scene.materials[self.posed.primitives[triangle.primitive].primitive.material]
+        &self.bvh.posed.scene.materials[self.primitive(triangle).material]
     }
 
     /// Whether an alpha-tested material is there at a point of one of its triangles; in full detail, since
@@ -128,7 +134,7 @@ impl Reference<'_> {
         footprint: &Footprint,
         weights: DVec3,
     ) -> DVec4 {
-        let colors = &self.posed.primitives[triangle.primitive].primitive.colors;
+        let colors = &self.primitive(triangle).colors;
         let color: DVec4 = if colors.is_empty() {
             DVec4::ONE
         } else {
@@ -140,7 +146,7 @@ impl Reference<'_> {
     }
 
     fn uv(&self, triangle: &Triangle, weights: DVec3) -> DVec2 {
-        let uvs = &self.posed.primitives[triangle.primitive].primitive.uvs;
+        let uvs = &self.primitive(triangle).uvs;
         if uvs.is_empty() {
             return DVec2::ZERO;
         }

@@ -1,7 +1,7 @@
 //! Textures in f64: bilinear in a level, linear between levels, as the GPU is asked to filter them.
 
 use std::collections::HashMap;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glam::{DVec2, DVec4};
 use scene::{Image, Scene, TextureRef, Wrap};
@@ -32,15 +32,16 @@ struct Level {
 }
 
 /// The pictures of a scene with their mip levels, decoded as sRGB or as data when first asked for.
-pub(crate) struct Textures<'a> {
-    images: &'a [Image],
+pub(crate) struct Textures {
+    scene: Arc<Scene>,
     chains: HashMap<(usize, bool), OnceLock<Vec<Level>>>,
 }
 
-impl<'a> Textures<'a> {
-    pub fn new(scene: &'a Scene) -> Self {
+impl Textures {
+    pub fn new(scene: Arc<Scene>) -> Self {
         let keys = (0..scene.images.len()).flat_map(|image| [(image, true), (image, false)]);
-        Self { images: &scene.images, chains: keys.map(|key| (key, OnceLock::new())).collect() }
+        let chains = keys.map(|key| (key, OnceLock::new())).collect();
+        Self { scene, chains }
     }
 
     /// A colour: sRGB decoded to linear, alpha as it is.
@@ -55,7 +56,7 @@ impl<'a> Textures<'a> {
 
     fn sample(&self, texture: TextureRef, footprint: &Footprint, srgb: bool) -> DVec4 {
         let chain =
-            self.chains[&(texture.image, srgb)].get_or_init(|| mips(&self.images[texture.image], srgb));
+            self.chains[&(texture.image, srgb)].get_or_init(|| mips(&self.scene.images[texture.image], srgb));
         let size = DVec2::new(chain[0].width as f64, chain[0].height as f64);
         let texels = (footprint.dx * size).length().max((footprint.dy * size).length());
         if texels <= 1.0 {
@@ -155,8 +156,8 @@ fn covered(index: usize, full: usize, half: usize) -> Vec<(usize, f64)> {
         .collect()
 }
 
-impl std::fmt::Debug for Textures<'_> {
+impl std::fmt::Debug for Textures {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Textures({})", self.images.len())
+        write!(f, "Textures({})", self.scene.images.len())
     }
 }

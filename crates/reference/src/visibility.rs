@@ -4,14 +4,14 @@ use glam::DVec3;
 use light::{Tube, TubePoint};
 use raycast::BentHit;
 
-use crate::source::{place_beside, sample_spot, sample_tube};
+use crate::source::{place_beside, sample_cone, sample_tube};
 use crate::{LightSample, Reference, Source, Surface};
 
 /// Distance from a surface within which nothing shadows it, as a share of the light's size or of the way to the
 /// source: the surface itself, and what lies on it. Rounding places a point to 1e-15 of that.
 const CONTACT: f64 = 1e-9;
 
-impl Reference<'_> {
+impl Reference {
     /// What a light does at a surface, its shadow included; `None` outside the light.
     pub fn sample(&self, source: &Source, surface: &Surface) -> Option<LightSample> {
         let mut sample = self.sample_unshadowed(source, surface)?;
@@ -24,12 +24,12 @@ impl Reference<'_> {
         let origin = self.in_scene(source);
         match source {
             Source::Bendy(tube) => sample_tube(tube, origin, surface.position),
-            Source::Spot(spot) => sample_spot(spot, origin, surface.position),
+            Source::Spot(cone) => sample_cone(cone, origin, surface.position),
         }
     }
 
     fn in_scene(&self, source: &Source) -> DVec3 {
-        source.position_in_world() - self.posed.origin_in_world
+        source.position_in_world() - self.bvh.posed.origin_in_world
     }
 
     /// Whether nothing is in the way of the light that `sample` says arrives at the surface, as a smooth one
@@ -41,8 +41,8 @@ impl Reference<'_> {
         let (origin, point) = (self.in_scene(source), surface.shadow_position());
         let Source::Bendy(tube) = source else { return self.sees(surface, origin) };
         let (t, vw) = place_beside(tube, origin, sample, point);
-        let path = self.posed.path(tube, vw.x, vw.y);
-        !self.posed.blocks(&path, t, self.in_the_way_of(point, tube))
+        let path = self.bvh.path(tube, vw.x, vw.y);
+        !self.bvh.blocks(&path, t, self.in_the_way_of(point, tube))
     }
 
     /// Whether light from behind the surface's triangle comes through it.
@@ -53,7 +53,7 @@ impl Reference<'_> {
         }
         let height = surface.terminator_offset * surface.normal.dot(surface.geometric_normal);
         let through = surface.shadow_position() + sample.along_path * (height / -arriving);
-        let triangle = &self.posed.triangles[surface.triangle];
+        let triangle = &self.bvh.triangles[surface.triangle];
         // Seen edge on, light comes through nowhere; at no height it comes through the point itself.
         height <= 0.0 || triangle.weights_at(through).is_some()
     }
@@ -61,10 +61,10 @@ impl Reference<'_> {
     /// The node that shadows a point, given where it lies in the light: the first on the light's way from its
     /// source. `None` where nothing is in the way.
     pub fn occluder(&self, tube: &Tube<f64>, place: &TubePoint, point_in_world: DVec3) -> Option<usize> {
-        let path = self.posed.path(tube, place.v, place.w);
-        let point = point_in_world - self.posed.origin_in_world;
-        let hit = self.posed.first_bent_hit(&path, place.t, self.in_the_way_of(point, tube))?;
-        Some(self.posed.triangles[hit.triangle].node)
+        let path = self.bvh.path(tube, place.v, place.w);
+        let point = point_in_world - self.bvh.posed.origin_in_world;
+        let hit = self.bvh.first_bent_hit(&path, place.t, self.in_the_way_of(point, tube))?;
+        Some(self.bvh.triangles[hit.triangle].node)
     }
 
     /// Which hits stop light on its way to a point. Its own triangle may be one: a bent path can cross it
@@ -73,7 +73,7 @@ impl Reference<'_> {
         let contact = CONTACT * tube.placement.world_per_tube + rounding(point);
         move |hit| {
             hit.position.distance(point) > contact
-                && self.is_solid(&self.posed.triangles[hit.triangle], hit.weights)
+                && self.is_solid(&self.bvh.triangles[hit.triangle], hit.weights)
         }
     }
 
@@ -82,10 +82,10 @@ impl Reference<'_> {
         let point = surface.shadow_position();
         let way = there - point;
         let near = CONTACT + rounding(point) / way.length();
-        self.posed
+        self.bvh
             .first_hit(point, way, [near, 1.0], |hit| {
                 hit.triangle != surface.triangle
-                    && self.is_solid(&self.posed.triangles[hit.triangle], hit.weights)
+                    && self.is_solid(&self.bvh.triangles[hit.triangle], hit.weights)
             })
             .is_none()
     }

@@ -4,7 +4,7 @@ use scene::{Material, Sampler, Wrap};
 use wgpu::{Buffer, BufferUsages};
 
 use crate::geometry::{Draw, upload};
-use crate::{Gpu, RenderError, layout};
+use crate::{Gpu, RenderError, gpu_structs};
 
 /// See `alpha_test.wgsl`.
 #[derive(Debug)]
@@ -26,7 +26,11 @@ pub(crate) struct AlphaPicture {
 
 impl AlphaTests {
     /// `texels` have eight bits each.
-    pub fn new(gpu: &Gpu, tests: &[layout::AlphaTest], mut texels: Vec<u8>) -> Result<Self, RenderError> {
+    pub fn new(
+        gpu: &Gpu,
+        tests: &[gpu_structs::AlphaTest],
+        mut texels: Vec<u8>,
+    ) -> Result<Self, RenderError> {
         texels.resize(texels.len().next_multiple_of(4), 0);
         let storage = BufferUsages::STORAGE;
         Ok(Self {
@@ -39,7 +43,7 @@ impl AlphaTests {
     pub fn none(gpu: &Gpu) -> Result<Self, RenderError> {
         Self::new(
             gpu,
-            &[layout::AlphaTest { first_index: u32::MAX, ..layout::AlphaTest::default() }],
+            &[gpu_structs::AlphaTest { first_index: u32::MAX, ..gpu_structs::AlphaTest::default() }],
             vec![0],
         )
     }
@@ -55,7 +59,7 @@ pub(crate) fn alpha_test(
     first_masked: u32,
     material: &Material,
     picture: AlphaPicture,
-) -> layout::AlphaTest {
+) -> gpu_structs::AlphaTest {
     let wrap = |wrap| match wrap {
         Wrap::Repeat => 0,
         Wrap::MirroredRepeat => 1,
@@ -64,7 +68,7 @@ pub(crate) fn alpha_test(
     let Sampler { wrap_u, wrap_v, nearest } =
         material.base_color_texture.map(|texture| texture.sampler).unwrap_or_default();
     let AlphaPicture { offset, width, height, levels } = picture;
-    layout::AlphaTest {
+    gpu_structs::AlphaTest {
         first_triangle: (draw.indices.start - first_masked) / 3,
         first_index: draw.indices.start,
         cutoff: material.alpha_cutoff.unwrap_or(0.0),

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4};
 use scene::Projection;
 
-use crate::layout::{self, Mat4};
+use crate::gpu_structs::{self, Mat4};
 use crate::{RenderError, View};
 
 /// A camera over a raster.
@@ -89,7 +89,7 @@ impl Raster {
         fill_factor: f64,
         scene_origin: DVec3,
         tile_origin: [u32; 2],
-    ) -> Result<layout::View, RenderError> {
+    ) -> Result<gpu_structs::View, RenderError> {
         let pixel = DVec2::new(2.0 / f64::from(self.width), -2.0 / f64::from(self.height));
         // The sample of pixel (0, 0) in normalised device coordinates.
         let first = (DVec2::splat(0.5) + jitter) * pixel + DVec2::new(-1.0, 1.0);
@@ -115,7 +115,7 @@ impl Raster {
         };
         let [ray_origin, ray_origin_dx, ray_origin_dy] = origins.map(|v| v.as_vec3().to_array());
         let [ray_direction, ray_direction_dx, ray_direction_dy] = directions.map(|v| v.as_vec3().to_array());
-        let uniform = layout::View {
+        let uniform = gpu_structs::View {
             clip_from_scene: columns(&clip_from_scene),
             ray_origin,
             sample_weight,
@@ -127,7 +127,7 @@ impl Raster {
             ray_direction_dy,
             depth_from_z: depth_from_z.map(|x| x as f32),
             tile_origin: tile_origin.map(|x| x as f32),
-            ..layout::View::default()
+            ..gpu_structs::View::default()
         };
         if bytemuck::cast_slice::<_, f32>(&[uniform]).iter().all(|x| x.is_finite()) {
             Ok(uniform)

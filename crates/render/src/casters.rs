@@ -3,8 +3,8 @@
 use glam::Vec3;
 use wgpu::{Buffer, BufferUsages};
 
-use crate::geometry::upload;
-use crate::{Gpu, RenderError, readback};
+use crate::geometry::{Vertices, upload};
+use crate::{Gpu, RenderError};
 
 #[cfg(test)]
 mod tests;
@@ -30,22 +30,14 @@ pub(crate) struct Casters {
 }
 
 impl Casters {
-    /// The same surface in fewer triangles, where `mesh_error` (world units) lets it stray; at 0 these very
-    /// buffers.
-    ///
-    /// The triangles are read back from the GPU: a setting that seldom changes is no reason to keep them
-    /// twice.
-    pub fn simplified(&self, gpu: &Gpu, mesh_error: f64) -> Result<Self, RenderError> {
+    /// The same surface, whose triangles are those of `vertices`, in fewer where `mesh_error` (world units) lets it
+    /// stray; at 0 these very buffers.
+    pub fn simplified(&self, gpu: &Gpu, vertices: &Vertices, mesh_error: f64) -> Result<Self, RenderError> {
         if mesh_error == 0.0 {
             return Ok(self.clone());
         }
-        let coordinates: Vec<f32> = readback::buffer(gpu, &self.positions)?;
-        let indices: Vec<u32> = readback::buffer(gpu, &self.indices)?;
-        let mesh = simplify(
-            &coordinates.as_chunks().0[..self.vertex_count as usize],
-            indices[..3 * self.triangle_count as usize].split_at(self.opaque_indices as usize),
-            mesh_error,
-        );
+        let triangles = vertices.indices.split_at(self.opaque_indices as usize);
+        let mesh = simplify(&vertices.positions, triangles, mesh_error);
         let (vertices, triangles) =
             (BufferUsages::STORAGE | BufferUsages::VERTEX, BufferUsages::STORAGE | BufferUsages::INDEX);
         Ok(Self {
@@ -77,16 +69,16 @@ fn simplify(positions: &[[f32; 3]], (opaque, masked): (&[u32], &[u32]), error: f
     triangles.sort_by_key(|triangle| part_of[triangle[0] as usize]);
 
     let mut mesh = Mesh::default();
-    let mut place_in_part = vec![u32::MAX; positions.len()];
+    let mut index_in_part = vec![u32::MAX; positions.len()];
     for part in triangles.chunk_by(|a, b| part_of[a[0] as usize] == part_of[b[0] as usize]) {
         let mut own_positions = Vec::new();
         let own_index = |&vertex: &u32| {
-            let place = &mut place_in_part[vertex as usize];
-            if *place == u32::MAX {
-                *place = own_positions.len() as u32;
+            let index = &mut index_in_part[vertex as usize];
+            if *index == u32::MAX {
+                *index = own_positions.len() as u32;
                 own_positions.push(positions[vertex as usize]);
             }
-            *place
+            *index
         };
         let own_indices: Vec<_> = part.as_flattened().iter().map(own_index).collect();
         mesh.add(&own_positions, simplify_part(&own_positions, own_indices, error));

@@ -7,7 +7,7 @@ use wgpu::{
     Limits, PollType, Queue,
 };
 
-use crate::{Ledger, RenderError};
+use crate::{MemoryBudget, RenderError};
 
 /// What every pass relies on: lights add up in f32, and a pixel knows its triangle.
 const FEATURES: Features = Features::FLOAT32_BLENDABLE.union(Features::PRIMITIVE_INDEX);
@@ -17,7 +17,7 @@ const FEATURES: Features = Features::FLOAT32_BLENDABLE.union(Features::PRIMITIVE
 pub struct Gpu {
     pub(crate) device: Device,
     pub(crate) queue: Queue,
-    pub(crate) ledger: Ledger,
+    pub(crate) memory: MemoryBudget,
     adapter_name: String,
     /// Why the device is gone, once it is.
     lost: Arc<Mutex<Option<String>>>,
@@ -26,11 +26,11 @@ pub struct Gpu {
 impl Gpu {
     /// Opens the best device: Vulkan before GL, a GPU before a processor.
     pub fn new() -> Result<Self, RenderError> {
-        Self::with_ledger(Ledger::default())
+        Self::with_memory_budget(MemoryBudget::default())
     }
 
-    /// The same, with what is kept on it entered in `ledger`.
-    pub fn with_ledger(ledger: Ledger) -> Result<Self, RenderError> {
+    /// The same, with what is kept on it counted against `memory`.
+    pub fn with_memory_budget(memory: MemoryBudget) -> Result<Self, RenderError> {
         let adapter = choose_adapter()?;
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("render"),
@@ -53,7 +53,7 @@ impl Gpu {
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| record(&by_error, one_line(&e))));
 
         let info = adapter.get_info();
-        Ok(Self { device, queue, ledger, adapter_name: format!("{} ({})", info.name, info.backend), lost })
+        Ok(Self { device, queue, memory, adapter_name: format!("{} ({})", info.name, info.backend), lost })
     }
 
     /// Name of the driver's device and of the interface that it is used by.
@@ -62,8 +62,8 @@ impl Gpu {
     }
 
     /// The account of what is kept.
-    pub fn ledger(&self) -> &Ledger {
-        &self.ledger
+    pub fn memory(&self) -> &MemoryBudget {
+        &self.memory
     }
 
     /// Gives back the memory of what has been dropped and is in no work under way.
@@ -72,11 +72,11 @@ impl Gpu {
         let _ = self.device.poll(PollType::Poll);
     }
 
-    /// As [`Ledger::make_room`], with the memory given back.
+    /// As [`MemoryBudget::make_room`], with the memory given back.
     pub(crate) fn make_room(&self, bytes: u64) -> bool {
-        let before = self.ledger.total();
-        let room = self.ledger.make_room(bytes);
-        if self.ledger.total() < before {
+        let before = self.memory.total();
+        let room = self.memory.make_room(bytes);
+        if self.memory.total() < before {
             self.collect();
         }
         room

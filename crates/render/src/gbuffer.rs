@@ -5,10 +5,10 @@ use wgpu::{
     TextureViewDescriptor,
 };
 
+use crate::gpu_scene::GpuScene;
 use crate::pipeline::{
     DEPTH_FORMAT, RAW_TEXTURE, UINT_TEXTURE, cleared_depth, color_attachment, nearer_wins, vertex_buffers,
 };
-use crate::staged::StagedScene;
 use crate::tile::Tile;
 use crate::{Gpu, shaders};
 
@@ -86,9 +86,9 @@ impl GbufferPass {
         encoder: &mut CommandEncoder,
         into: &Gbuffer,
         (size, tile): ([u32; 2], Tile),
-        scene: &StagedScene,
+        scene: &GpuScene,
     ) {
-        let StagedScene { view, geometry, draws, .. } = scene;
+        let GpuScene { view, geometry, draws, .. } = scene;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("gbuffer"),
             color_attachments: &[&into.packed, &into.offset]

@@ -1,26 +1,22 @@
-//! The pose stage: every triangle of the scene in scene space, ready for the GPU.
+//! The triangles of a posed scene, laid out for the GPU.
 
 use std::ops::Range;
 
-use glam::{DVec3, Vec2, Vec3, Vec4};
-use light::{MAX_EXTENT, Reach};
-use scene::{Material, PosedPrimitive, Scene};
+use glam::{Vec2, Vec3, Vec4};
+use light::MAX_EXTENT;
+use scene::{Material, PosedPrimitive, PosedScene};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 
 use crate::hierarchy::Hierarchy;
 use crate::{Gpu, RenderError};
 
-/// The scene in scene space: world axes, origin at the centre of its bounds. Composed in f64, then rounded.
+/// A posed scene's vertices and triangles, rounded, in the order in which they are drawn.
 #[derive(Debug, Default)]
-pub(crate) struct Posed {
-    /// Where scene space begins, in the world.
-    pub scene_origin: DVec3,
-    /// The bounds reach from minus to plus this, in scene space.
-    pub half_extent: DVec3,
+pub(crate) struct Vertices {
     pub positions: Vec<[f32; 3]>,
     pub attributes: Vec<Attributes>,
-    /// Counter-clockwise seen from the front, mirrored nodes too.
+    /// Counter-clockwise seen from the front.
     pub indices: Vec<u32>,
     /// One a triangle: unit normal and its product with any point of it; zeros where the area is 0.
     pub planes: Vec<[f32; 4]>,
@@ -44,39 +40,38 @@ pub(crate) struct Draw {
     pub indices: Range<u32>,
 }
 
-impl Posed {
-    /// Poses `scene`, whose promises hold.
-    pub fn new(scene: &Scene) -> Result<Self, RenderError> {
-        let Reach { middle: scene_origin, half_extent } = Reach::from(scene);
-        let reach = half_extent.max_element();
-        if !(reach <= MAX_EXTENT && scene_origin.is_finite()) {
+impl Vertices {
+    /// Those of `scene`, where single precision holds it.
+    pub fn new(scene: &PosedScene) -> Result<Self, RenderError> {
+        let reach = scene.half_extent.max_element();
+        if !(reach <= MAX_EXTENT && scene.origin_in_world.is_finite()) {
             return Err(RenderError::TooLarge {
                 what: "half the scene's size",
                 size: reach,
                 limit: MAX_EXTENT,
             });
         }
-        let mut posed = Self { scene_origin, half_extent, ..Self::default() };
-        let mut primitives: Vec<_> = scene::pose(scene).collect();
-        primitives.sort_by_key(|p| order(&scene.materials, p.primitive.material));
-        for primitive in &primitives {
-            posed.add(primitive)?;
+        let mut vertices = Self::default();
+        let mut primitives: Vec<_> = scene.primitives.iter().collect();
+        primitives.sort_by_key(|posed| order(&scene.scene.materials, scene.geometry(posed).material));
+        for posed in primitives {
+            vertices.add(scene, posed)?;
         }
-        Ok(posed)
+        Ok(vertices)
     }
 
-    fn add(&mut self, posed: &PosedPrimitive) -> Result<(), RenderError> {
-        let PosedPrimitive { primitive, world_from_local, .. } = *posed;
+    fn add(&mut self, scene: &PosedScene, posed: &PosedPrimitive) -> Result<(), RenderError> {
+        let primitive = scene.geometry(posed);
         let too_many = |count: usize| RenderError::TooLarge {
             what: "the number of vertices or indices",
             size: count as f64,
             limit: f64::from(u32::MAX),
         };
         let first_vertex = u32::try_from(self.positions.len()).map_err(|_| too_many(self.positions.len()))?;
-        let (normal_matrix, mirrored) = (posed.normal_matrix(), posed.mirrors());
-        for (i, (position, normal)) in primitive.positions.iter().zip(&primitive.normals).enumerate() {
-            let in_world = world_from_local.transform_point3(position.as_dvec3());
-            self.positions.push((in_world - self.scene_origin).as_vec3().to_array());
+        let normal_matrix = posed.normal_matrix();
+        let positions = &scene.positions[posed.first_vertex..][..primitive.positions.len()];
+        self.positions.extend(positions.iter().map(|position| position.as_vec3().to_array()));
+        for (i, normal) in primitive.normals.iter().enumerate() {
             self.attributes.push(Attributes {
                 normal: (normal_matrix * normal.as_dvec3()).normalize_or_zero().as_vec3().to_array(),
                 uv: primitive.uvs.get(i).map_or([0.0; 2], Vec2::to_array),
@@ -84,8 +79,8 @@ impl Posed {
             });
         }
         let first_index = u32::try_from(self.indices.len()).map_err(|_| too_many(self.indices.len()))?;
-        for &[a, b, c] in primitive.indices.as_chunks::<3>().0 {
-            let corners = if mirrored { [a, c, b] } else { [a, b, c] }.map(|k| first_vertex + k);
+        for triangle in scene.triangles(posed) {
+            let corners = triangle.map(|k| first_vertex + k);
             self.indices.extend(corners);
             self.planes.push(plane(corners.map(|k| self.positions[k as usize])));
         }
@@ -114,8 +109,8 @@ fn plane(corners: [[f32; 3]; 3]) -> [f32; 4] {
     [normal.x, normal.y, normal.z, offset as f32]
 }
 
-/// [`Posed`] on the GPU. Every buffer can be read by shaders, so that lights may make their own casters of
-/// it, and the triangles by the processor, so that a shadow mesh may be made of them.
+/// [`Vertices`] on the GPU. Every buffer can be read by shaders, so that lights may make their own casters of
+/// it.
 #[derive(Debug)]
 pub(crate) struct Geometry {
     /// `array<f32>`, three a vertex.
@@ -126,7 +121,7 @@ pub(crate) struct Geometry {
     pub indices: Buffer,
     /// `array<vec4f>`, one a triangle.
     pub planes: Buffer,
-    /// [`crate::layout::HierarchyNode`]s over all triangles.
+    /// [`crate::gpu_structs::HierarchyNode`]s over all triangles.
     pub hierarchy: Buffer,
     /// Those triangles in the order of its leaves.
     pub hierarchy_triangles: Buffer,
@@ -138,19 +133,24 @@ impl Geometry {
         geometry.into_iter().chain([&self.hierarchy, &self.hierarchy_triangles]).map(Buffer::size).sum()
     }
 
-    pub fn new(gpu: &Gpu, posed: &Posed) -> Result<Self, RenderError> {
-        let hierarchy = Hierarchy::new(&posed.positions, posed.indices.as_chunks().0);
-        let geometry = BufferUsages::STORAGE | BufferUsages::VERTEX | BufferUsages::COPY_SRC;
+    pub fn new(gpu: &Gpu, vertices: &Vertices) -> Result<Self, RenderError> {
+        let hierarchy = Hierarchy::new(&vertices.positions, vertices.indices.as_chunks().0);
+        let geometry = BufferUsages::STORAGE | BufferUsages::VERTEX;
         Ok(Self {
-            positions: upload(gpu, "the scene's vertex positions in bytes", &posed.positions, geometry)?,
-            attributes: upload(gpu, "the scene's vertex attributes in bytes", &posed.attributes, geometry)?,
+            positions: upload(gpu, "the scene's vertex positions in bytes", &vertices.positions, geometry)?,
+            attributes: upload(
+                gpu,
+                "the scene's vertex attributes in bytes",
+                &vertices.attributes,
+                geometry,
+            )?,
             indices: upload(
                 gpu,
                 "the scene's triangle indices in bytes",
-                &posed.indices,
-                BufferUsages::STORAGE | BufferUsages::INDEX | BufferUsages::COPY_SRC,
+                &vertices.indices,
+                BufferUsages::STORAGE | BufferUsages::INDEX,
             )?,
-            planes: upload(gpu, "the scene's triangles in bytes", &posed.planes, BufferUsages::STORAGE)?,
+            planes: upload(gpu, "the scene's triangles in bytes", &vertices.planes, BufferUsages::STORAGE)?,
             hierarchy: upload(
                 gpu,
                 "the boxes around the scene's triangles in bytes",
@@ -187,8 +187,8 @@ pub(crate) fn upload<T: bytemuck::Pod>(
 
 #[cfg(test)]
 mod tests {
-    use glam::DAffine3;
-    use scene::{Mesh, Node, Primitive};
+    use glam::{DAffine3, DVec3};
+    use scene::{Mesh, Node, Primitive, Scene};
 
     use super::*;
 
@@ -213,26 +213,30 @@ mod tests {
         }
     }
 
+    fn of(scene: Scene) -> Result<Vertices, RenderError> {
+        Vertices::new(&scene::pose(scene))
+    }
+
     #[test]
     fn mirrored_nodes_keep_their_front() {
         for scale in [DVec3::ONE, DVec3::new(-1.0, 1.0, 1.0), DVec3::new(2.0, -0.5, 3.0)] {
-            let posed = Posed::new(&scene_with(DAffine3::from_scale(scale))).unwrap();
+            let posed = of(scene_with(DAffine3::from_scale(scale))).unwrap();
             assert_eq!(posed.attributes[0].normal, [0.0, 0.0, 1.0]);
             assert_eq!(posed.planes[0][..3], [0.0, 0.0, 1.0], "scale {scale}");
         }
         // Turned inside out along z, the front looks the other way: the fault would be a winding that stays.
-        let posed = Posed::new(&scene_with(DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0)))).unwrap();
+        let posed = of(scene_with(DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0)))).unwrap();
         assert_eq!((posed.attributes[0].normal, posed.planes[0][2]), ([0.0, 0.0, -1.0], -1.0));
     }
 
     #[test]
     fn singular_nodes_have_no_nan() {
         for scale in [DVec3::new(1.0, 1.0, 0.0), DVec3::new(1.0, 0.0, 0.0), DVec3::ZERO] {
-            let posed = Posed::new(&scene_with(DAffine3::from_scale(scale))).unwrap();
+            let posed = of(scene_with(DAffine3::from_scale(scale))).unwrap();
             assert!(posed.planes.iter().flatten().all(|x| x.is_finite()));
             assert!(posed.attributes.iter().all(|a| a.normal.iter().all(|x| x.is_finite())));
         }
-        let flat = Posed::new(&scene_with(DAffine3::from_scale(DVec3::new(1.0, 1.0, 0.0)))).unwrap();
+        let flat = of(scene_with(DAffine3::from_scale(DVec3::new(1.0, 1.0, 0.0)))).unwrap();
         assert_eq!(flat.attributes[0].normal, [0.0, 0.0, 1.0]);
     }
 
@@ -240,16 +244,15 @@ mod tests {
     fn far_from_the_world_origin_nothing_is_lost() {
         let offset = DVec3::new(1e6, -2e6, 3e6);
         let (near, far) = (
-            Posed::new(&scene_with(DAffine3::IDENTITY)).unwrap(),
-            Posed::new(&scene_with(DAffine3::from_translation(offset))).unwrap(),
+            of(scene_with(DAffine3::IDENTITY)).unwrap(),
+            of(scene_with(DAffine3::from_translation(offset))).unwrap(),
         );
         assert_eq!(near.positions, far.positions);
-        assert_eq!(far.scene_origin - near.scene_origin, offset);
     }
 
     #[test]
     fn scenes_beyond_f32_are_refused() {
-        let refused = Posed::new(&scene_with(DAffine3::from_scale(DVec3::splat(1e16)))).unwrap_err();
+        let refused = of(scene_with(DAffine3::from_scale(DVec3::splat(1e16)))).unwrap_err();
         assert!(matches!(refused, RenderError::TooLarge { .. }));
     }
 
@@ -261,7 +264,7 @@ mod tests {
         let masked = scene.meshes[0].primitives[0].clone();
         let opaque = Primitive { material: 1, ..masked.clone() };
         scene.meshes[0].primitives = vec![opaque.clone(), masked, opaque];
-        let draws = Posed::new(&scene).unwrap().draws;
+        let draws = of(scene).unwrap().draws;
         assert_eq!(draws, [Draw { material: 1, indices: 0..6 }, Draw { material: 0, indices: 6..9 }]);
     }
 }

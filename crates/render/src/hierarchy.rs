@@ -6,7 +6,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams};
 
-use crate::layout::HierarchyNode;
+use crate::gpu_structs::HierarchyNode;
 
 /// Boxes depth first, and the triangles of the leaves.
 #[derive(Debug, Default)]

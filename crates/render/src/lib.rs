@@ -4,28 +4,36 @@
 //! the centre of the scene's bounds, so that f32 on the GPU keeps its precision wherever the scene stands. A
 //! picture ([`Renderer::render`]) is a G-buffer, a shadow map a light and one additive pass a light. Shadow
 //! maps stay while nothing they depend on changes, and so do, for each viewer, its G-buffer and its last
-//! picture, as long as there is room ([`Ledger`]).
+//! picture, as long as there is room ([`MemoryBudget`]).
 //!
 //! A picture that nobody waits for with a hand on the mouse is drawn in tiles ([`TiledPicture`]), so that other
 //! pictures can come between.
+
+#![expect(
+    clippy::disallowed_methods,
+    reason = "pictures are held to the reference within bounds, not to the bit"
+)]
 
 mod alpha_test;
 mod bendy_light;
 mod camera;
 mod casters;
 mod clusters;
+mod compile_pipelines;
 mod coverage;
 mod device;
 mod display;
 mod error;
 mod gbuffer;
 mod geometry;
+mod gpu_scene;
+mod gpu_structs;
 mod hierarchy;
-mod layout;
-mod ledger;
 mod lighting;
 mod lights;
+mod map_key;
 mod material;
+mod memory;
 mod mipmap;
 mod passes;
 mod picture;
@@ -37,18 +45,16 @@ mod shadow;
 mod shadow_settings;
 mod spot;
 mod spot_faces;
-mod staged;
 mod targets;
 mod tile;
 mod tiled;
-mod warm;
 
 pub use bendy_light::{increasing_roots, locate, map_points};
 pub use device::Gpu;
 pub use error::RenderError;
-pub use ledger::{Ledger, MemoryKind};
+pub use memory::{MemoryBudget, MemoryKind};
 pub use picture::{Picture, PictureFormat, Pixels};
-pub use renderer::{PassCounts, Renderer, StageTimes};
+pub use renderer::{PassCounts, PassTimes, Renderer};
 pub use scene::{Aov, View, ViewSlot};
 pub use shadow_settings::{ShadowFilter, ShadowSettings};
 pub use tiled::{Progress, TiledPicture};

@@ -1,7 +1,7 @@
 //! The passes that turn a G-buffer into values: the fill, quantities of the surface, and one additive pass a
 //! light.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use wgpu::{
     BindGroup, BindGroupLayout, BlendComponent, BlendFactor, BlendOperation, BlendState, PipelineLayout,
@@ -21,6 +21,27 @@ const ADD: BlendState = {
     };
     BlendState { color: sum, alpha: sum }
 };
+
+/// Passes of one module by the constants that it is compiled with, each made when first wanted.
+#[derive(Debug)]
+pub(crate) struct Variants<K>(Mutex<Vec<(K, Arc<LightingPass>)>>);
+
+impl<K: Copy + PartialEq> Variants<K> {
+    pub fn new() -> Self {
+        Self(Mutex::default())
+    }
+
+    /// The pass with those constants; the first time `make` makes it.
+    pub fn get(&self, constants: K, make: impl FnOnce() -> LightingPass) -> Arc<LightingPass> {
+        let mut made = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, pass)) = made.iter().find(|(known, _)| *known == constants) {
+            return Arc::clone(pass);
+        }
+        let pass = Arc::new(make());
+        made.push((constants, Arc::clone(&pass)));
+        pass
+    }
+}
 
 /// A module of fullscreen entry points that add to the picture: one an AOV, `fs_` and its name. Pipelines are
 /// made when first wanted.

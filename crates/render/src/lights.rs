@@ -1,16 +1,17 @@
 //! What is kept of each light from picture to picture: above all its shadow map.
 
-use light::{Light, LightKind};
+use light::{CheckedLight, LightInstance, Rays, Tube};
 use scene::ViewSlot;
 use wgpu::{BindGroup, CommandEncoder, TextureView};
 
 use crate::bendy_light::{self, Baked, BendyPass, BendySlot, BentWork};
 use crate::camera::Raster;
-use crate::ledger::{Entry, Kept, MemoryKind};
+use crate::gpu_scene::GpuScene;
+use crate::map_key::MapKey;
+use crate::memory::{Evictable, MemoryKind, Reservation};
 use crate::passes::Passes;
 use crate::shadow_settings::MapSize;
 use crate::spot::{self, BakedSpot, SpotSlot};
-use crate::staged::StagedScene;
 use crate::{Gpu, RenderError, ShadowSettings};
 
 /// The shadow maps of one scene's lights, whoever needs them.
@@ -24,23 +25,22 @@ pub(crate) struct ShadowMaps {
 
 #[derive(Debug)]
 struct KeptMap {
-    slot: Kept<LightSlot>,
+    slot: Evictable<LightSlot>,
     /// Whether one of the users has a light whose map this is.
     needed: bool,
 }
 
-/// Who draws, and the lights of the picture that is or was drawn last.
+/// Who draws, and the maps of the picture that is or was drawn last.
 #[derive(Debug)]
 struct User {
     slot: ViewSlot,
-    revision: u64,
-    lights: Vec<Light>,
+    maps: Vec<MapKey>,
 }
 
 #[derive(Debug)]
 enum LightSlot {
-    Spot(SpotSlot),
-    Bendy(BendySlot),
+    Spot(Box<SpotSlot>),
+    Bendy(Box<BendySlot>),
 }
 
 /// Which lighting pass draws a light.
@@ -61,25 +61,23 @@ pub(crate) struct ReadyLight {
     /// Whether its shadow map had to be drawn.
     pub shadow_drawn: bool,
     /// There is no room to keep its map, which lives as long as this.
-    pub passing: Option<Entry>,
+    pub passing: Option<Reservation>,
 }
 
 impl LightSlot {
-    /// Whether a map of `light`, which has that size, can be drawn here.
-    fn fits(&self, light: &Light, size: MapSize) -> bool {
-        match (self, &light.kind) {
-            (Self::Spot(slot), LightKind::Spot(_)) => slot.size() == size,
-            (Self::Bendy(slot), LightKind::Bendy(_)) => slot.size() == size,
+    /// Whether a map of a light found by `rays`, which has that size, can be drawn here.
+    fn fits(&self, rays: &Rays, size: MapSize) -> bool {
+        match (self, rays) {
+            (Self::Spot(slot), Rays::Cone(_)) => slot.size() == size,
+            (Self::Bendy(slot), Rays::Bent(_)) => slot.size() == size,
             _ => false,
         }
     }
 
-    /// Whether its map is that of `light` over the scene of that revision.
-    fn shows(&self, light: &Light, revision: u64) -> bool {
-        match (self, &light.kind) {
-            (Self::Spot(slot), LightKind::Spot(spot)) => slot.shows(spot, revision),
-            (Self::Bendy(slot), LightKind::Bendy(bendy)) => slot.shows(bendy, revision),
-            _ => false,
+    fn shows(&self) -> Option<MapKey> {
+        match self {
+            Self::Spot(slot) => slot.shows(),
+            Self::Bendy(slot) => slot.shows(),
         }
     }
 
@@ -92,8 +90,8 @@ impl LightSlot {
 }
 
 impl KeptMap {
-    fn shows(&self, light: &Light, revision: u64) -> bool {
-        self.slot.peek(|slot| slot.shows(light, revision)).unwrap_or(false)
+    fn shows(&self) -> Option<MapKey> {
+        self.slot.peek(LightSlot::shows).flatten()
     }
 }
 
@@ -142,13 +140,14 @@ impl ShadowMaps {
 
     /// `slot` draws `lights` over the scene of that revision from now on. Maps that nobody needs any more are the
     /// first to be made those of other lights.
-    pub fn begin(&mut self, slot: ViewSlot, lights: &[Light], revision: u64) {
+    pub fn begin(&mut self, slot: ViewSlot, lights: &[LightInstance], revision: u64) {
         self.maps.retain(|map| map.slot.is_there());
+        let maps: Vec<_> = lights.iter().map(|light| MapKey::of(light, revision)).collect();
         let known = self.users.iter().position(|user| user.slot == slot);
         match known.map(|index| &mut self.users[index]) {
-            Some(user) if user.revision == revision && user.lights == lights => return,
-            Some(user) => (user.revision, user.lights) = (revision, lights.to_vec()),
-            None => self.users.push(User { slot, revision, lights: lights.to_vec() }),
+            Some(user) if user.maps == maps => return,
+            Some(user) => user.maps = maps,
+            None => self.users.push(User { slot, maps }),
         }
         self.see_who_needs_what();
     }
@@ -164,14 +163,14 @@ impl ShadowMaps {
         let Some(index) = self.users.iter().position(|user| user.slot == slot) else { return };
         let gone = self.users.remove(index);
         self.see_who_needs_what();
-        let its_own = |map: &KeptMap| gone.lights.iter().any(|light| map.shows(light, gone.revision));
+        let its_own = |map: &KeptMap| map.shows().is_some_and(|key| gone.maps.contains(&key));
         self.maps.retain(|map| map.needed || !its_own(map));
     }
 
     fn see_who_needs_what(&mut self) {
         for map in &mut self.maps {
-            let shows = |user: &User| user.lights.iter().any(|light| map.shows(light, user.revision));
-            map.needed = self.users.iter().any(shows);
+            let key = map.shows();
+            map.needed = key.is_some_and(|key| self.users.iter().any(|user| user.maps.contains(&key)));
             map.slot.set_needed(map.needed);
         }
     }
@@ -182,16 +181,18 @@ impl ShadowMaps {
         &mut self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        (passes, scene, raster): (&Passes, &StagedScene, &Raster),
-        light: &Light,
+        (passes, scene, raster): (&Passes, &GpuScene, &Raster),
+        instance: &LightInstance,
     ) -> Result<ReadyLight, RenderError> {
-        let known = self.maps.iter().position(|map| map.shows(light, scene.revision));
+        let light = &*instance.light;
+        let key = MapKey::of(instance, scene.revision);
+        let known = self.maps.iter().position(|map| map.shows() == Some(key));
         if known.is_none() {
-            scene.reach().check(light)?;
+            scene.posed.reach().check(light)?;
         }
         let size = self.size_of(light);
         let free = || {
-            let fits = |map: &KeptMap| map.slot.peek(|slot| slot.fits(light, size)).unwrap_or(false);
+            let fits = |map: &KeptMap| map.slot.peek(|slot| slot.fits(light.rays(), size)).unwrap_or(false);
             self.maps.iter().position(|map| !map.needed && fits(map))
         };
         let index = known.or_else(free);
@@ -200,10 +201,11 @@ impl ShadowMaps {
             None => Self::new_slot(gpu, passes, light, size),
         };
         let shadows = &self.shadows;
-        let (kind, group, corners_in_world, shadow_drawn) = match (&mut slot, &light.kind) {
-            (LightSlot::Spot(slot), LightKind::Spot(spot)) => {
+        let (kind, group, corners_in_world, shadow_drawn) = match (&mut slot, light.rays()) {
+            (LightSlot::Spot(slot), Rays::Cone(cone)) => {
+                let spot = light.light();
                 let (placed, group, drawn) =
-                    passes.spot.prepare(gpu, encoder, slot, spot, (scene, shadows))?;
+                    passes.spot.prepare(gpu, encoder, slot, (key, spot, cone), (scene, shadows));
                 (
                     LightingKind::Spot(BakedSpot::of(spot, shadows.filter)),
                     group,
@@ -211,9 +213,9 @@ impl ShadowMaps {
                     drawn,
                 )
             }
-            (LightSlot::Bendy(slot), LightKind::Bendy(bendy)) => {
+            (LightSlot::Bendy(slot), Rays::Bent(tube)) => {
                 let work = (&mut self.bent_work, shadows);
-                let (placed, drawn) = passes.bendy.prepare(gpu, work, slot, bendy, scene)?;
+                let (placed, drawn) = passes.bendy.prepare(gpu, work, slot, (key, light, tube), scene)?;
                 (LightingKind::Bendy(placed.baked), placed.group, placed.corners_in_world, drawn)
             }
             _ => unreachable!("the slot was chosen or made for this kind of light"),
@@ -223,23 +225,29 @@ impl ShadowMaps {
         Ok(ReadyLight { kind, group, pixels, shadow_drawn, passing })
     }
 
-    fn size_of(&self, light: &Light) -> MapSize {
-        match &light.kind {
-            LightKind::Spot(spot) => spot::map_size(spot, &self.shadows),
-            LightKind::Bendy(bendy) => bendy_light::map_size(bendy, &self.shadows),
+    fn size_of(&self, light: &CheckedLight) -> MapSize {
+        match light.rays() {
+            Rays::Cone(_) => spot::map_size(light.light(), &self.shadows),
+            Rays::Bent(_) => bendy_light::map_size(light.light(), &self.shadows),
         }
     }
 
-    fn new_slot(gpu: &Gpu, passes: &Passes, light: &Light, size: MapSize) -> LightSlot {
-        match light.kind {
-            LightKind::Spot(_) => LightSlot::Spot(passes.spot.slot(gpu, size)),
-            LightKind::Bendy(_) => LightSlot::Bendy(BendyPass::slot(gpu, size)),
+    fn new_slot(gpu: &Gpu, passes: &Passes, light: &CheckedLight, size: MapSize) -> LightSlot {
+        match light.rays() {
+            Rays::Cone(_) => LightSlot::Spot(Box::new(passes.spot.slot(gpu, size))),
+            Rays::Bent(_) => LightSlot::Bendy(Box::new(BendyPass::slot(gpu, size))),
         }
     }
 
     /// Puts a map back, or keeps a new one where there is room. Where there is none, the line that counts it until
     /// it is dropped.
-    fn keep(&mut self, gpu: &Gpu, index: Option<usize>, slot: LightSlot, size: MapSize) -> Option<Entry> {
+    fn keep(
+        &mut self,
+        gpu: &Gpu,
+        index: Option<usize>,
+        slot: LightSlot,
+        size: MapSize,
+    ) -> Option<Reservation> {
         if let Some(map) = index.and_then(|index| self.maps.get_mut(index)) {
             map.needed = true;
             map.slot.set_needed(true);
@@ -248,9 +256,9 @@ impl ShadowMaps {
         }
         let bytes = size.bytes();
         if !gpu.make_room(bytes) {
-            return Some(gpu.ledger.enter(MemoryKind::ShadowMaps, bytes));
+            return Some(gpu.memory.reserve(MemoryKind::ShadowMaps, bytes));
         }
-        let slot = gpu.ledger.keep(MemoryKind::ShadowMaps, bytes, slot);
+        let slot = gpu.memory.keep(MemoryKind::ShadowMaps, bytes, slot);
         self.maps.push(KeptMap { slot, needed: true });
         None
     }
@@ -260,16 +268,18 @@ impl ShadowMaps {
     pub fn draw_wireframe(
         &mut self,
         gpu: &Gpu,
-        (passes, scene): (&Passes, &StagedScene),
-        light: &Light,
+        (passes, scene): (&Passes, &GpuScene),
+        light: &CheckedLight,
         picture: (&TextureView, [u32; 2]),
     ) -> Result<(), RenderError> {
-        scene.reach().check(light)?;
+        scene.posed.reach().check(light)?;
         let work = (&mut self.bent_work, &self.shadows);
-        match &light.kind {
-            LightKind::Bendy(bendy) => passes.bendy.draw_wireframe(gpu, work, bendy, scene, picture),
-            LightKind::Spot(spot) => {
-                passes.bendy.draw_wireframe(gpu, work, &light::bend(spot, 1)?, scene, picture)
+        match light.rays() {
+            Rays::Bent(tube) => passes.bendy.draw_wireframe(gpu, work, (light.light(), tube), scene, picture),
+            Rays::Cone(_) => {
+                let bent = light::bend(light.light(), 1)?;
+                let tube = Tube::new(&bent)?;
+                passes.bendy.draw_wireframe(gpu, work, (&bent, &tube), scene, picture)
             }
         }
     }

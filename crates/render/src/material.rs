@@ -10,10 +10,10 @@ use wgpu::{
 };
 
 use crate::alpha_test::{AlphaPicture, AlphaTests, alpha_test};
-use crate::geometry::Posed;
+use crate::geometry::Draw;
 use crate::mipmap::{Encoding, MipChain, mip_chain};
 use crate::pipeline::{COLOR_TEXTURE, FILTERING, UNIFORM};
-use crate::{Gpu, RenderError, layout};
+use crate::{Gpu, RenderError, gpu_structs};
 
 /// Group 1 of the passes that draw triangles; see `material.wgsl`.
 pub(crate) const BINDINGS: [BindingType; 5] = [UNIFORM, COLOR_TEXTURE, FILTERING, COLOR_TEXTURE, FILTERING];
@@ -38,12 +38,12 @@ pub(crate) struct Materials {
 }
 
 impl Materials {
-    /// Those of `posed`, uploaded.
+    /// Those of `scene`, uploaded; `draws` are its runs of triangles.
     pub fn new(
         gpu: &Gpu,
         layout: &BindGroupLayout,
         scene: &Scene,
-        posed: &Posed,
+        draws: &[Draw],
     ) -> Result<Self, RenderError> {
         let mut textures = Textures {
             gpu,
@@ -53,13 +53,13 @@ impl Materials {
             texels: Vec::new(),
             bytes: 0,
         };
-        let mut draws = Vec::with_capacity(posed.draws.len());
-        let mut tests: Vec<layout::AlphaTest> = Vec::new();
-        for draw in &posed.draws {
+        let mut material_draws = Vec::with_capacity(draws.len());
+        let mut tests: Vec<gpu_structs::AlphaTest> = Vec::new();
+        for draw in draws {
             let material = &scene.materials[draw.material];
             let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
                 label: Some("material"),
-                contents: bytemuck::bytes_of(&layout::Material {
+                contents: bytemuck::bytes_of(&gpu_structs::Material {
                     base_color: material.base_color.to_array(),
                     metallic: material.metallic,
                     roughness: material.roughness,
@@ -87,7 +87,7 @@ impl Materials {
                 let first_masked = tests.first().map_or(draw.indices.start, |test| test.first_index);
                 tests.push(alpha_test(draw, first_masked, material, picture));
             }
-            draws.push(MaterialDraw {
+            material_draws.push(MaterialDraw {
                 indices: draw.indices.clone(),
                 material: group,
                 masked: material.alpha_cutoff.is_some(),
@@ -96,7 +96,7 @@ impl Materials {
         }
         let Textures { texels, bytes: texture_bytes, .. } = textures;
         let alpha_tests = (!tests.is_empty()).then(|| AlphaTests::new(gpu, &tests, texels)).transpose()?;
-        Ok(Self { draws, alpha_tests, texture_bytes })
+        Ok(Self { draws: material_draws, alpha_tests, texture_bytes })
     }
 }
 

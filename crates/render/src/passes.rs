@@ -1,4 +1,4 @@
-//! The pipelines and layouts, which outlive scenes and pictures.
+//! The pipelines and the layouts of their bind groups, which outlive scenes and pictures.
 
 use wgpu::BindGroupLayout;
 
@@ -6,16 +6,16 @@ use crate::Gpu;
 use crate::bendy_light::BendyPass;
 use crate::display::DisplayPass;
 use crate::gbuffer::GbufferPass;
+use crate::gpu_scene::SceneGroupLayouts;
 use crate::lighting::LightingPass;
 use crate::pipeline::{STORAGE, UNIFORM};
 use crate::spot::SpotPass;
-use crate::staged::SceneLayouts;
 use crate::{material, shaders};
 
 /// All of them: renderers on one device share these.
 #[derive(Debug)]
 pub(crate) struct Passes {
-    pub layouts: SceneLayouts,
+    pub group_layouts: SceneGroupLayouts,
     pub gbuffer: GbufferPass,
     pub fill: LightingPass,
     pub inspect: LightingPass,
@@ -26,22 +26,22 @@ pub(crate) struct Passes {
 
 impl Passes {
     pub fn new(gpu: &Gpu) -> Self {
-        let layouts = SceneLayouts {
+        let group_layouts = SceneGroupLayouts {
             view: gpu.layout("view", &[&[UNIFORM][..], &[STORAGE; 8]].concat()),
             material: gpu.layout("material", &material::BINDINGS),
             fill: gpu.layout("fill", &[UNIFORM]),
         };
-        let gbuffer = GbufferPass::new(gpu, &layouts.view, &layouts.material);
-        let camera_groups: [&BindGroupLayout; 2] = [&layouts.view, &gbuffer.surface_layout];
+        let gbuffer = GbufferPass::new(gpu, &group_layouts.view, &group_layouts.material);
+        let camera_groups: [&BindGroupLayout; 2] = [&group_layouts.view, &gbuffer.surface_layout];
         let [view, surface] = camera_groups;
         Self {
-            fill: LightingPass::new(gpu, "fill", shaders::FILL, &[view, surface, &layouts.fill]),
+            fill: LightingPass::new(gpu, "fill", shaders::FILL, &[view, surface, &group_layouts.fill]),
             inspect: LightingPass::new(gpu, "inspect", shaders::INSPECT, &camera_groups),
-            spot: SpotPass::new(gpu, camera_groups, &layouts.material),
+            spot: SpotPass::new(gpu, camera_groups, &group_layouts.material),
             bendy: BendyPass::new(gpu, camera_groups),
             display: DisplayPass::new(gpu),
             gbuffer,
-            layouts,
+            group_layouts,
         }
     }
 }

@@ -3,9 +3,9 @@
 use std::io::Cursor;
 
 use image::{DynamicImage, ImageFormat, Rgb, RgbImage, Rgba32FImage, RgbaImage};
-use light::{Light, LightKind};
+use light::LightInstance;
 
-use crate::{Aov, Progress, RenderError, Renderer, TiledPicture, View};
+use crate::{Aov, RenderError, View};
 
 /// Raw values, linear.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +21,7 @@ pub struct Picture {
 /// The two formats of picture files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
-    /// Eight bits, for people: the beauty as [`Renderer::render_display`] gives it, the other AOVs made
+    /// Eight bits, for people: the beauty as [`crate::Renderer::render_display`] gives it, the other AOVs made
     /// readable.
     Png,
     /// The linear values themselves, for programs.
@@ -44,28 +44,13 @@ pub enum Pixels {
     Raw(Picture),
 }
 
-impl Renderer {
-    /// The bytes of a picture file of `view` under `lights`. `sampled` is told how far the picture is, after each sample
-    /// of a part of it and at its end.
-    pub fn render_file(
-        &mut self,
-        view: &View,
-        lights: &[Light],
-        format: PictureFormat,
-        sampled: impl FnMut(Progress),
-    ) -> Result<Vec<u8>, RenderError> {
-        let pixels = self.render_tiled(TiledPicture::for_file(view, lights, format)?, sampled)?;
-        pixels.into_file(view, lights, format)
-    }
-}
-
 impl Pixels {
     /// The bytes of a picture file that holds this, made of `view` under `lights`. Takes a while: a large picture
     /// takes seconds to compress.
     pub fn into_file(
         self,
         view: &View,
-        lights: &[Light],
+        lights: &[LightInstance],
         format: PictureFormat,
     ) -> Result<Vec<u8>, RenderError> {
         match self {
@@ -87,7 +72,7 @@ impl Picture {
     pub fn into_file(
         self,
         view: &View,
-        lights: &[Light],
+        lights: &[LightInstance],
         format: PictureFormat,
     ) -> Result<Vec<u8>, RenderError> {
         let image: DynamicImage = match format {
@@ -112,11 +97,8 @@ fn encode(image: &DynamicImage, format: PictureFormat) -> Result<Vec<u8>, Render
 }
 
 /// The end of t's range in a light: its number of segments, one for a spotlight.
-fn segments(light: Option<&Light>) -> usize {
-    match light.map(|light| &light.kind) {
-        Some(LightKind::Bendy(bendy)) => bendy.points.len() - 2,
-        _ => 1,
-    }
+fn segments(instance: Option<&LightInstance>) -> usize {
+    instance.and_then(|instance| instance.light.tube()).map_or(1, |tube| tube.n)
 }
 
 /// A colour, each channel 0 to 1, as a screen shows it.

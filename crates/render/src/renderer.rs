@@ -5,17 +5,17 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::DVec2;
-use light::Light;
-use scene::Scene;
+use light::LightInstance;
+use scene::{PosedScene, Scene};
 use wgpu::{Buffer, CommandEncoder};
 
 use crate::camera::{Raster, sample_offset};
+use crate::gpu_scene::GpuScene;
 use crate::lights::ShadowMaps;
 use crate::passes::Passes;
-use crate::staged::StagedScene;
 use crate::targets::{Targets, Viewers};
 use crate::tile::Tile;
-use crate::{Aov, Gpu, Picture, RenderError, ShadowSettings, View, ViewSlot, layout, readback};
+use crate::{Aov, Gpu, Picture, RenderError, ShadowSettings, View, ViewSlot, gpu_structs, readback};
 
 /// How often each pass has run since the renderer was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,10 +30,10 @@ pub struct PassCounts {
     pub display: u64,
 }
 
-/// How long each stage of a picture takes where nothing is kept from the one before, in milliseconds of wall
+/// How long each pass over a picture takes where nothing is kept from the one before, in milliseconds of wall
 /// time. Each is waited for: together they take a little longer than they do one behind the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct StageTimes {
+pub struct PassTimes {
     /// What each pixel sees.
     pub gbuffer_ms: f64,
     /// The shadow maps of all lights that the picture needs.
@@ -54,7 +54,7 @@ pub struct Renderer {
     gpu: Arc<Gpu>,
     pub(crate) passes: Arc<Passes>,
     view_uniform: Buffer,
-    pub(crate) scene: StagedScene,
+    pub(crate) scene: GpuScene,
     viewers: Viewers,
     shadow_maps: ShadowMaps,
     counts: PassCounts,
@@ -69,26 +69,40 @@ impl Renderer {
 
     /// A renderer of another scene, empty at first, by the same pipelines: what this one has compiled, or
     /// will, serves both.
-    pub fn another(&self) -> Result<Self, RenderError> {
+    pub fn with_same_pipelines(&self) -> Result<Self, RenderError> {
         Self::with(Arc::clone(&self.gpu), Arc::clone(&self.passes))
     }
 
     fn with(gpu: Arc<Gpu>, passes: Arc<Passes>) -> Result<Self, RenderError> {
         let (view_uniform, scene) = gpu.checked(|| {
-            let view_uniform = gpu.uniform_buffer::<layout::View>("view");
-            let scene = StagedScene::new(&gpu, &passes.layouts, &view_uniform, &Scene::default(), 0, 0.0)?;
+            let view_uniform = gpu.uniform_buffer::<gpu_structs::View>("view");
+            let scene = GpuScene::new(
+                &gpu,
+                &passes.group_layouts,
+                &view_uniform,
+                &scene::pose(Scene::default()),
+                0,
+                0.0,
+            )?;
             Ok((view_uniform, scene))
         })?;
         let (viewers, shadow_maps, counts) = (Viewers::default(), ShadowMaps::new(), PassCounts::default());
         Ok(Self { gpu, passes, view_uniform, scene, viewers, shadow_maps, counts })
     }
 
-    /// Takes over another scene: its geometry, materials and fill. Its promises hold ([`Scene::check`]); its
-    /// cameras and lights are not used. On an error the scene before stays.
-    pub fn set_scene(&mut self, scene: &Scene) -> Result<(), RenderError> {
+    /// Takes over another scene: its geometry, materials and fill; its cameras and lights are not used. On an error the
+    /// scene before stays.
+    pub fn set_scene(&mut self, scene: &Arc<PosedScene>) -> Result<(), RenderError> {
         let (revision, mesh_error) = (self.scene.revision + 1, self.shadow_maps.shadows().mesh_error);
         self.scene = self.gpu.checked(|| {
-            StagedScene::new(&self.gpu, &self.passes.layouts, &self.view_uniform, scene, revision, mesh_error)
+            GpuScene::new(
+                &self.gpu,
+                &self.passes.group_layouts,
+                &self.view_uniform,
+                scene,
+                revision,
+                mesh_error,
+            )
         })?;
         Ok(())
     }
@@ -97,7 +111,7 @@ impl Renderer {
     pub fn set_shadow_settings(&mut self, shadows: ShadowSettings) -> Result<(), RenderError> {
         shadows.check(self.gpu.device.limits().max_texture_dimension_2d)?;
         if shadows.mesh_error != self.shadow_maps.shadows().mesh_error {
-            let simplify = || self.scene.surface.simplified(&self.gpu, shadows.mesh_error);
+            let simplify = || self.scene.simplified(&self.gpu, shadows.mesh_error);
             self.scene.casters = self.gpu.checked(simplify)?;
         }
         if self.shadow_maps.set_shadows(shadows) {
@@ -114,7 +128,7 @@ impl Renderer {
 
     /// The device and what is on it of the scene, for tests to plant faults in before the first picture.
     #[cfg(test)]
-    pub(crate) fn staged(&mut self) -> (&Gpu, &mut StagedScene) {
+    pub(crate) fn gpu_scene(&mut self) -> (&Gpu, &mut GpuScene) {
         (&self.gpu, &mut self.scene)
     }
 
@@ -142,7 +156,7 @@ impl Renderer {
     }
 
     /// The raw values of `view` under `lights`.
-    pub fn render(&mut self, view: &View, lights: &[Light]) -> Result<Picture, RenderError> {
+    pub fn render(&mut self, view: &View, lights: &[LightInstance]) -> Result<Picture, RenderError> {
         let pixels = self.with_whole(view, view.aov, lights, |_, gpu, targets| {
             readback::read(gpu, &targets.radiance, targets.size)
         })?;
@@ -151,7 +165,7 @@ impl Renderer {
 
     /// The beauty of `view` under `lights` as a screen shows it, whatever `view.aov` says: tone-mapped sRGB,
     /// RGBA, 8 bits a channel, rows from the top.
-    pub fn render_display(&mut self, view: &View, lights: &[Light]) -> Result<Vec<u8>, RenderError> {
+    pub fn render_display(&mut self, view: &View, lights: &[LightInstance]) -> Result<Vec<u8>, RenderError> {
         self.with_whole(view, Aov::Beauty, lights, |renderer, gpu, targets| {
             renderer.read_display(gpu, targets, targets.size)
         })
@@ -176,14 +190,14 @@ impl Renderer {
         &mut self,
         view: &View,
         aov: Aov,
-        lights: &[Light],
+        lights: &[LightInstance],
         work: impl FnOnce(&mut Self, &Gpu, &Targets) -> Result<T, RenderError>,
     ) -> Result<T, RenderError> {
         // What cannot be drawn is refused here, before anything that is kept has changed.
         let drawing = Drawing::new(&View { aov, ..view.clone() }, lights)?;
         let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
         self.attempt(view.slot, |renderer, gpu| {
-            gpu.ledger.begin();
+            gpu.memory.begin_picture();
             let mut targets = renderer.viewers.take(gpu, &renderer.passes, view)?;
             while !renderer.draw_sample(gpu, &mut targets, &drawing, tile, None)? {}
             let result = work(renderer, gpu, &targets)?;
@@ -213,14 +227,15 @@ impl Renderer {
         }
         if view.aov == Aov::Wireframe {
             let picture = (&targets.radiance_view, targets.size);
-            shadow_maps.draw_wireframe(gpu, (passes, scene), &lights[view.light], picture)?;
+            shadow_maps.draw_wireframe(gpu, (passes, scene), &lights[view.light].light, picture)?;
             counts.shadow += 1;
             targets.samples_drawn = *samples;
             return Ok(true);
         }
         let offset = sample_offset(sample, *samples);
         let weight = 1.0 / *samples as f32;
-        let uniform = raster.uniform(offset, weight, view.fill, scene.origin, [tile.x, tile.y])?;
+        let uniform =
+            raster.uniform(offset, weight, view.fill, scene.posed.origin_in_world, [tile.x, tile.y])?;
         gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
         let mut encoder = gpu.encoder();
         let mut base = targets.lights_drawn.is_none();
@@ -285,19 +300,19 @@ impl Renderer {
         Ok(sample + 1 == *samples)
     }
 
-    /// Draws one sample of the beauty of `view` under `lights`, whatever `view.aov` says, stage by stage, each anew
-    /// and waited for. Pipelines that were not used before are compiled in the stage that needs them: draw the
+    /// Draws one sample of the beauty of `view` under `lights`, whatever `view.aov` says, pass by pass, each anew
+    /// and waited for. Pipelines that were not used before are compiled in the pass that needs them: draw the
     /// picture once before.
-    pub fn time_stages(&mut self, view: &View, lights: &[Light]) -> Result<StageTimes, RenderError> {
+    pub fn time_passes(&mut self, view: &View, lights: &[LightInstance]) -> Result<PassTimes, RenderError> {
         let raster = Raster::new(view)?;
         self.attempt(view.slot, |renderer, gpu| {
-            gpu.ledger.begin();
+            gpu.memory.begin_picture();
             let mut targets = renderer.viewers.take(gpu, &renderer.passes, view)?;
             let Self { passes, scene, view_uniform, shadow_maps, .. } = renderer;
             let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
             shadow_maps.invalidate();
             shadow_maps.begin(view.slot, lights, scene.revision);
-            let uniform = raster.uniform(DVec2::ZERO, 1.0, view.fill, scene.origin, [0, 0])?;
+            let uniform = raster.uniform(DVec2::ZERO, 1.0, view.fill, scene.posed.origin_in_world, [0, 0])?;
             gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
             gpu.wait()?;
             let ((), gbuffer_ms) = timed(gpu, |encoder| {
@@ -315,7 +330,7 @@ impl Renderer {
                 Ok(())
             })?;
             renderer.viewers.put(gpu, view.slot, targets);
-            Ok(StageTimes { gbuffer_ms, shadow_ms, lighting_ms })
+            Ok(PassTimes { gbuffer_ms, shadow_ms, lighting_ms })
         })
     }
 
@@ -339,7 +354,7 @@ impl Renderer {
 #[derive(Clone, Debug)]
 pub(crate) struct Drawing {
     pub view: View,
-    pub lights: Vec<Light>,
+    pub lights: Vec<LightInstance>,
     pub raster: Raster,
     /// The lights that it needs.
     pub wanted: Range<usize>,
@@ -357,7 +372,7 @@ pub(crate) enum Piece {
 }
 
 impl Drawing {
-    pub fn new(view: &View, lights: &[Light]) -> Result<Self, RenderError> {
+    pub fn new(view: &View, lights: &[LightInstance]) -> Result<Self, RenderError> {
         Ok(Self {
             raster: Raster::new(view)?,
             wanted: wanted_lights(view.aov, view.light, lights.len())?,
@@ -368,14 +383,14 @@ impl Drawing {
     }
 }
 
-/// Encodes, submits and waits for one stage; its result and how long that took, in milliseconds.
+/// Encodes, submits and waits for one pass; its result and how long that took, in milliseconds.
 fn timed<T>(
     gpu: &Gpu,
-    stage: impl FnOnce(&mut CommandEncoder) -> Result<T, RenderError>,
+    pass: impl FnOnce(&mut CommandEncoder) -> Result<T, RenderError>,
 ) -> Result<(T, f64), RenderError> {
     let start = Instant::now();
     let mut encoder = gpu.encoder();
-    let result = stage(&mut encoder)?;
+    let result = pass(&mut encoder)?;
     gpu.queue.submit([encoder.finish()]);
     gpu.wait()?;
     Ok((result, start.elapsed().as_secs_f64() * 1000.0))

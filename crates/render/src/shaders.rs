@@ -24,10 +24,12 @@ pub(crate) const SPOT: &str = wgsl!(
     "surface",
     "fullscreen",
     "brdf",
+    "filter",
     "lighting",
     "alpha_test",
     "nearby",
     "shadow_filter",
+    "cone",
     "spot_faces",
     "spot"
 );
@@ -38,29 +40,37 @@ pub(crate) const BENDY: &str = wgsl!(
     "surface",
     "fullscreen",
     "brdf",
+    "filter",
     "lighting",
     "alpha_test",
     "nearby",
     "shadow_filter",
     "curve",
+    "frame",
+    "solve",
+    "arc",
+    "emission",
+    "segment",
     "tube",
     "bent_lookup",
     "bendy"
 );
 /// Locates points in a BendyLight.
-pub(crate) const LOCATE: &str = wgsl!("curve", "tube", "locate");
+pub(crate) const LOCATE: &str =
+    wgsl!("curve", "frame", "solve", "arc", "emission", "segment", "filter", "tube", "locate");
 /// Solves for the nearest points of curves, to be measured.
-pub(crate) const SOLVE: &str = wgsl!("curve", "solve");
+pub(crate) const INCREASING_ROOTS: &str = wgsl!("curve", "solve", "increasing_roots");
 /// Maps vertices into a bent shadow map.
-pub(crate) const BENT_MAP_VERTICES: &str = wgsl!("curve", "bent_map", "bent_map_vertices");
+pub(crate) const BENT_MAP_VERTICES: &str = wgsl!("curve", "frame", "solve", "bent_map", "bent_map_vertices");
 /// Sorts out which triangles need more.
-pub(crate) const BENT_MAP_TRIANGLES: &str = wgsl!("curve", "bent_map", "bent_map_triangles");
+pub(crate) const BENT_MAP_TRIANGLES: &str =
+    wgsl!("curve", "frame", "solve", "bent_map", "bent_map_triangles");
 /// Clips those to slabs.
-pub(crate) const BENT_MAP_CLIP: &str = wgsl!("curve", "bent_map", "bent_map_clip");
+pub(crate) const BENT_MAP_CLIP: &str = wgsl!("curve", "frame", "solve", "bent_map", "bent_map_clip");
 /// Splits what is not straight in the map.
-pub(crate) const BENT_MAP_SPLIT: &str = wgsl!("curve", "bent_map", "bent_map_split");
+pub(crate) const BENT_MAP_SPLIT: &str = wgsl!("curve", "frame", "solve", "bent_map", "bent_map_split");
 /// Counts workgroups between those.
-pub(crate) const BENT_MAP_NEXT: &str = wgsl!("curve", "bent_map", "bent_map_next");
+pub(crate) const BENT_MAP_NEXT: &str = wgsl!("curve", "frame", "solve", "bent_map", "bent_map_next");
 /// Draws mapped triangles.
 pub(crate) const BENT_SHADOW: &str = wgsl!("bent_shadow");
 /// Draws mapped triangles with an alpha test.
@@ -70,34 +80,12 @@ pub(crate) const WIREFRAME: &str = wgsl!("wireframe");
 /// Tone-maps for a screen.
 pub(crate) const DISPLAY: &str = wgsl!("encoding", "fullscreen", "display");
 
-/// Every module by name, those of bent lights as several lights have them compiled; the shader tests walk it.
-#[cfg(test)]
-fn all() -> Vec<(&'static str, String)> {
-    let fixed = [
-        ("gbuffer", GBUFFER),
-        ("fill", FILL),
-        ("inspect", INSPECT),
-        ("shadow", SHADOW),
-        ("shadow_masked", SHADOW_MASKED),
-        ("solve", SOLVE),
-        ("bent_map_vertices", BENT_MAP_VERTICES),
-        ("bent_map_triangles", BENT_MAP_TRIANGLES),
-        ("bent_map_clip", BENT_MAP_CLIP),
-        ("bent_map_split", BENT_MAP_SPLIT),
-        ("bent_map_next", BENT_MAP_NEXT),
-        ("bent_shadow", BENT_SHADOW),
-        ("bent_masked", BENT_MASKED),
-        ("wireframe", WIREFRAME),
-        ("display", DISPLAY),
-    ];
-    let baked = crate::bendy_light::Baked::samples().into_iter();
-    let baked = baked.flat_map(|b| [("bendy", b.into_wgsl(BENDY)), ("locate", b.into_wgsl(LOCATE))]);
-    let spots = crate::spot::BakedSpot::all().map(|baked| ("spot", baked.into_wgsl(SPOT)));
-    fixed.map(|(name, wgsl)| (name, wgsl.to_owned())).into_iter().chain(spots).chain(baked).collect()
-}
-
 #[cfg(test)]
 mod branches;
+#[cfg(test)]
+mod compiled;
+#[cfg(test)]
+mod twins;
 
 #[cfg(test)]
 mod tests {
@@ -106,9 +94,9 @@ mod tests {
     use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
     use wgpu::naga::{AddressSpace, Block, Function, Handle, Module, Statement, TypeInner, front::wgsl};
 
-    use super::all;
+    use super::compiled::all;
     use crate::bendy_light;
-    use crate::layout::{self, StructLayout};
+    use crate::gpu_structs::{self, StructLayout};
 
     fn parse(name: &str, source: &str) -> Module {
         wgsl::parse_str(source).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(source)))
@@ -180,7 +168,7 @@ mod tests {
     }
 
     fn rust_structs() -> impl Iterator<Item = &'static StructLayout> {
-        layout::ALL.iter().chain(bendy_light::layout::ALL)
+        gpu_structs::ALL.iter().chain(bendy_light::gpu_structs::ALL)
     }
 
     /// Name, size, and the name and offset of each field.

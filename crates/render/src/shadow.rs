@@ -2,10 +2,10 @@
 
 use wgpu::{BindGroupLayout, Buffer, CommandEncoder, RenderPipeline};
 
+use crate::gpu_scene::GpuScene;
 use crate::pipeline::{MapTarget, UNIFORM, cleared_depth, nearer_wins, vertex_buffers};
 use crate::shadow_settings::MapSize;
-use crate::staged::StagedScene;
-use crate::{Gpu, layout, shaders};
+use crate::{Gpu, gpu_structs, shaders};
 
 /// The pipelines, which outlive scenes and lights.
 #[derive(Debug)]
@@ -65,7 +65,7 @@ impl ShadowPass {
 
     pub fn map(&self, gpu: &Gpu, size: MapSize) -> ShadowMap {
         let view = |_| {
-            let uniform = gpu.uniform_buffer::<layout::ShadowView>("shadow view");
+            let uniform = gpu.uniform_buffer::<gpu_structs::ShadowView>("shadow view");
             let group = gpu.group("shadow view", &self.layout, &[uniform.as_entire_binding()]);
             (uniform, group)
         };
@@ -78,8 +78,8 @@ impl ShadowPass {
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         into: &ShadowMap,
-        views: &[Option<layout::ShadowView>],
-        scene: &StagedScene,
+        views: &[Option<gpu_structs::ShadowView>],
+        scene: &GpuScene,
     ) {
         for ((layer, (uniform, group)), view) in into.target.layers.iter().zip(&into.views).zip(views) {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -95,8 +95,8 @@ impl ShadowPass {
         }
     }
 
-    fn draw_casters(&self, pass: &mut wgpu::RenderPass, scene: &StagedScene) {
-        let StagedScene { casters, geometry, draws, .. } = scene;
+    fn draw_casters(&self, pass: &mut wgpu::RenderPass, scene: &GpuScene) {
+        let GpuScene { casters, geometry, draws, .. } = scene;
         if casters.opaque_indices > 0 {
             pass.set_pipeline(&self.opaque);
             pass.set_vertex_buffer(0, casters.positions.slice(..));

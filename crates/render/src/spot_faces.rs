@@ -1,7 +1,8 @@
 //! The faces of a spotlight's shadow map: one perspective picture each, fitted to what casts shadows there.
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
-use light::SpotLight;
+use light::Light;
+use light::parameters::CONE_ANGLE;
 
 use crate::clusters::{Clusters, Side};
 
@@ -27,8 +28,8 @@ const CUBE: [DMat3; 5] = [
 ];
 
 /// How many faces a light's map has.
-pub(crate) fn face_count(light: &SpotLight) -> usize {
-    if light.cone_angle > WIDEST_FACE { CUBE.len() } else { 1 }
+pub(crate) fn face_count(light: &Light) -> usize {
+    if light.get(CONE_ANGLE) > WIDEST_FACE { CUBE.len() } else { 1 }
 }
 
 /// A face of a map: what of it is drawn.
@@ -55,12 +56,12 @@ pub(crate) struct FittedFaces {
 impl FittedFaces {
     /// Of `side` texels, fitted to what of `clusters`, grown by `mesh_error`, may lie in the light.
     pub fn new(
-        light: &SpotLight,
+        light: &Light,
         side: f64,
         light_from_scene: DAffine3,
         (clusters, mesh_error): (&Clusters, f64),
     ) -> Self {
-        let tan_outer = light.cone_angle.to_radians().tan();
+        let tan_outer = light.get(CONE_ANGLE).to_radians().tan();
         // What lies beyond the edge is drawn as far as the filter reaches.
         let grown = side / (side - 2.0 * MARGIN_TEXELS);
         // Straight light that starts inside does not come back.

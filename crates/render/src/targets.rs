@@ -1,17 +1,17 @@
 //! What pictures are drawn into, and what it holds: a viewer's whole picture, or one tile of a larger one.
 
 use glam::{DAffine3, DVec2};
-use light::Light;
+use light::{Digest, LightId, LightInstance};
 use scene::Projection;
 use wgpu::{BindGroup, CommandEncoder, Texture, TextureView, TextureViewDescriptor};
 
 use crate::camera::Raster;
 use crate::gbuffer::Gbuffer;
-use crate::ledger::{Kept, MemoryKind};
+use crate::gpu_scene::GpuScene;
 use crate::lights::{LightingKind, ReadyLight};
+use crate::memory::{Evictable, MemoryKind};
 use crate::passes::Passes;
 use crate::pipeline::color_attachment;
-use crate::staged::StagedScene;
 use crate::tile::Tile;
 use crate::{Aov, Gpu, RenderError, View, ViewSlot, display, lighting};
 
@@ -20,7 +20,7 @@ pub(crate) const BYTES_A_PIXEL: u64 = 16 + 4 + 4 + 16 + 4;
 
 /// The targets of every viewer.
 #[derive(Debug, Default)]
-pub(crate) struct Viewers(Vec<(ViewSlot, Kept<Targets>)>);
+pub(crate) struct Viewers(Vec<(ViewSlot, Evictable<Targets>)>);
 
 /// What is made once a viewer and picture size.
 #[derive(Debug)]
@@ -34,7 +34,7 @@ pub(crate) struct Targets {
     pub radiance_view: TextureView,
     radiance_group: BindGroup,
     /// What the radiance shows: of which scene's revision, in which view, which tile, under which lights.
-    shown: Option<(u64, View, Tile, Vec<Light>)>,
+    shown: Option<(u64, View, Tile, Vec<Shown>)>,
     /// Samples a pixel of it that have been added up.
     pub samples_drawn: u32,
     /// How many of the lights the sample after those has; `None` before it has anything.
@@ -42,6 +42,9 @@ pub(crate) struct Targets {
     pub display: Texture,
     display_view: TextureView,
 }
+
+/// A light and its revision of what pictures depend on.
+type Shown = (LightId, Digest);
 
 /// All that a G-buffer depends on, besides its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +83,7 @@ impl Viewers {
         if let Some((_, kept)) = self.0.iter().find(|(known, _)| *known == slot) {
             kept.put(targets);
         } else {
-            let kept = gpu.ledger.keep(MemoryKind::Views, bytes(targets.size), targets);
+            let kept = gpu.memory.keep(MemoryKind::Views, bytes(targets.size), targets);
             self.0.push((slot, kept));
         }
     }
@@ -117,12 +120,11 @@ impl Targets {
     }
 
     /// Starts anew, unless the radiance shows this picture or the beginning of it.
-    pub fn begin(&mut self, revision: u64, view: &View, tile: Tile, lights: &[Light]) {
-        let same = |(r, v, t, l): &(u64, View, Tile, Vec<Light>)| {
-            (*r, v, *t, &l[..]) == (revision, view, tile, lights)
-        };
-        if !self.shown.as_ref().is_some_and(same) {
-            self.shown = Some((revision, view.clone(), tile, lights.to_vec()));
+    pub fn begin(&mut self, revision: u64, view: &View, tile: Tile, lights: &[LightInstance]) {
+        let shown = lights.iter().map(|instance| (instance.id, instance.light.revisions().radiance));
+        let shown = Some((revision, view.clone(), tile, shown.collect()));
+        if self.shown != shown {
+            self.shown = shown;
             (self.samples_drawn, self.lights_drawn) = (0, None);
         }
     }
@@ -137,7 +139,7 @@ impl Targets {
         &mut self,
         encoder: &mut CommandEncoder,
         passes: &Passes,
-        scene: &StagedScene,
+        scene: &GpuScene,
         (raster, tile): (&Raster, Tile),
         sample_offset: DVec2,
     ) -> bool {
@@ -164,7 +166,7 @@ impl Targets {
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        (passes, scene): (&Passes, &StagedScene),
+        (passes, scene): (&Passes, &GpuScene),
         (aov, tile): (Aov, Tile),
         (base, clear): (bool, bool),
         lights: &[ReadyLight],

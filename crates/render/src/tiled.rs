@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use light::Light;
+use light::LightInstance;
 
-use crate::ledger::{Entry, MemoryKind};
+use crate::memory::{MemoryKind, Reservation};
 use crate::renderer::{Drawing, Piece};
 use crate::targets::{BYTES_A_PIXEL, Targets};
 use crate::tile::{Tile, Tiling};
@@ -38,9 +38,9 @@ struct Work {
     tiling: Tiling,
     targets: Option<Targets>,
     /// Counts the targets.
-    tile_entry: Option<Entry>,
+    tile_memory: Option<Reservation>,
     /// Counts the finished pixels.
-    _pixels_entry: Entry,
+    _pixels_memory: Reservation,
     /// What the longest piece of this tile took that grew with its pixels.
     longest: Duration,
     /// Samples of pixels: of finished tiles, and of this one.
@@ -50,14 +50,18 @@ struct Work {
 
 impl TiledPicture {
     /// The beauty of `view` under `lights` as a screen shows it, whatever `view.aov` says.
-    pub fn for_screen(view: &View, lights: &[Light]) -> Result<Self, RenderError> {
+    pub fn for_screen(view: &View, lights: &[LightInstance]) -> Result<Self, RenderError> {
         let bytes = vec![0; 4 * view.width as usize * view.height as usize];
         let pixels = Pixels::Display { width: view.width, height: view.height, bytes };
         Self::new(&View { aov: Aov::Beauty, ..view.clone() }, lights, pixels)
     }
 
     /// `view` under `lights` as a file of that format holds it.
-    pub fn for_file(view: &View, lights: &[Light], format: PictureFormat) -> Result<Self, RenderError> {
+    pub fn for_file(
+        view: &View,
+        lights: &[LightInstance],
+        format: PictureFormat,
+    ) -> Result<Self, RenderError> {
         if (format, view.aov) == (PictureFormat::Png, Aov::Beauty) {
             return Self::for_screen(view, lights);
         }
@@ -65,7 +69,7 @@ impl TiledPicture {
         Self::new(view, lights, Pixels::Raw(Picture { width: view.width, height: view.height, pixels }))
     }
 
-    fn new(view: &View, lights: &[Light], pixels: Pixels) -> Result<Self, RenderError> {
+    fn new(view: &View, lights: &[LightInstance], pixels: Pixels) -> Result<Self, RenderError> {
         Ok(Self { drawing: Drawing::new(view, lights)?, pixels, work: None })
     }
 
@@ -88,6 +92,19 @@ impl TiledPicture {
 }
 
 impl Renderer {
+    /// The bytes of a picture file of `view` under `lights`. `sampled` is told how far the picture is, after each sample
+    /// of a part of it and at its end.
+    pub fn render_file(
+        &mut self,
+        view: &View,
+        lights: &[LightInstance],
+        format: PictureFormat,
+        sampled: impl FnMut(Progress),
+    ) -> Result<Vec<u8>, RenderError> {
+        let pixels = self.render_tiled(TiledPicture::for_file(view, lights, format)?, sampled)?;
+        pixels.into_file(view, lights, format)
+    }
+
     /// Works on `picture` for about `aim`, or a little longer: until a piece of work is done, which may be a shadow
     /// map or one light over a tile. The sizes of tiles follow from what those took. Returns whether it is finished.
     ///
@@ -96,7 +113,7 @@ impl Renderer {
         let slot = picture.drawing.view.slot;
         let until = Instant::now().checked_add(aim);
         self.attempt(slot, |renderer, gpu| {
-            gpu.ledger.begin();
+            gpu.memory.begin_picture();
             loop {
                 let over = || until.is_some_and(|until| Instant::now() >= until);
                 let finished = renderer.draw_piece(gpu, picture, aim, &over)?;
@@ -115,7 +132,7 @@ impl Renderer {
         mut sampled: impl FnMut(Progress),
     ) -> Result<Pixels, RenderError> {
         self.attempt(picture.drawing.view.slot, |renderer, gpu| {
-            gpu.ledger.begin();
+            gpu.memory.begin_picture();
             loop {
                 let finished = renderer.draw_piece(gpu, &mut picture, Duration::MAX, &|| false)?;
                 sampled(picture.progress());
@@ -223,8 +240,8 @@ impl Work {
         Self {
             tiling: Tiling::new(size, triangles),
             targets: None,
-            tile_entry: None,
-            _pixels_entry: gpu.ledger.enter(MemoryKind::Tiled, bytes as u64),
+            tile_memory: None,
+            _pixels_memory: gpu.memory.reserve(MemoryKind::Tiled, bytes as u64),
             longest: Duration::ZERO,
             finished: 0,
             begun: 0,
@@ -247,9 +264,9 @@ impl Work {
         });
         if !fits {
             // The old ones first: at no time are there two.
-            (self.targets, self.tile_entry) = (None, None);
+            (self.targets, self.tile_memory) = (None, None);
             gpu.collect();
-            self.tile_entry = Some(gpu.ledger.enter(MemoryKind::Tiled, needed * BYTES_A_PIXEL));
+            self.tile_memory = Some(gpu.memory.reserve(MemoryKind::Tiled, needed * BYTES_A_PIXEL));
             self.targets = Some(Targets::new(gpu, &renderer.passes, [width, height]));
         }
         Ok(())

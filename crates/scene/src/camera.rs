@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-use crate::{Scene, pose};
+use light::Reach;
 
 /// Width over height of the picture of a camera that does not say what it frames.
 pub const DEFAULT_ASPECT: f64 = 16.0 / 9.0;
@@ -100,32 +100,22 @@ impl Projection {
     }
 }
 
-/// A camera that sees all of `scene` from a little above and to the side, for a picture `aspect` wide by 1
+/// A camera that sees all of a scene, whose box `reach` is, from a little above and to the side, for a picture `aspect` wide by 1
 /// high.
 ///
 /// The bounding sphere fits the narrower of the two fields of view (40 degrees vertical).
-pub fn framing_camera(scene: &Scene, aspect: f64) -> Camera {
-    let (min, max) = world_bounds(scene).unwrap_or((DVec3::splat(-1.0), DVec3::splat(1.0)));
-    let (center, radius) = ((min + max) / 2.0, ((max - min).length() / 2.0).max(1e-6));
+pub fn framing_camera(reach: &Reach, aspect: f64) -> Camera {
+    let Reach { middle: center, half_extent } = *reach;
+    // A scene without extent, an empty one above all, is seen from some way off.
+    let radius =
+        if half_extent == DVec3::ZERO { DVec3::ONE.length() } else { half_extent.length().max(1e-6) };
     let yfov = 40.0_f64.to_radians();
-    let half_angle = (yfov / 2.0).min(((yfov / 2.0).tan() * aspect).atan());
-    let distance = radius / half_angle.sin();
+    let half_angle = (yfov / 2.0).min(libm::atan(libm::tan(yfov / 2.0) * aspect));
+    let distance = radius / libm::sin(half_angle);
     let back = DVec3::new(0.45, 0.42, 1.0).normalize();
     let right = DVec3::Y.cross(back).normalize();
     let rotation = DMat3::from_cols(right, back.cross(right), back);
     let projection = Projection::Perspective { yfov, aspect_ratio: None, znear: distance * 0.01, zfar: None };
     let translation = center + back * distance;
     Camera { name: "framing".into(), translation, rotation: DQuat::from_mat3(&rotation), projection }
-}
-
-/// Corners of the box around every posed vertex, or `None` where there is none.
-pub fn world_bounds(scene: &Scene) -> Option<(DVec3, DVec3)> {
-    pose(scene)
-        .flat_map(|p| {
-            p.primitive.positions.iter().map(move |v| p.world_from_local.transform_point3(v.as_dvec3()))
-        })
-        .fold(None, |bounds, v| {
-            let (min, max) = bounds.unwrap_or((v, v));
-            Some((min.min(v), max.max(v)))
-        })
 }

@@ -8,7 +8,7 @@ mod pose;
 mod scene;
 mod view;
 
-pub use camera::{Camera, DEFAULT_ASPECT, Projection, framing_camera, world_bounds};
-pub use pose::{PosedPrimitive, pose};
+pub use camera::{Camera, DEFAULT_ASPECT, Projection, framing_camera};
+pub use pose::{PosedPrimitive, PosedScene, pose, world_bounds};
 pub use scene::{Fill, Image, Material, Mesh, Node, Primitive, Sampler, Scene, SceneError, TextureRef, Wrap};
 pub use view::{Aov, UnknownAov, View, ViewSlot};

@@ -1,24 +1,93 @@
-//! Where everything stands in the world.
+//! Where everything stands: the one place that knows where scene space begins, and which corners of a mirrored
+//! triangle change places.
 
-use glam::{DAffine3, DMat3};
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat3, DVec3};
+
 use light::Reach;
 
-use crate::{Primitive, Scene, world_bounds};
+use crate::{Primitive, Scene};
+
+/// A scene with every vertex at its place, for whoever draws it, follows light through it or picks from it.
+///
+/// Positions are in scene space: world axes, origin at the centre of the scene's bounds, so that no digit is lost
+/// wherever the scene stands.
+#[derive(Debug, Default)]
+pub struct PosedScene {
+    /// What was posed.
+    pub scene: Arc<Scene>,
+    /// Where scene space has its origin, in the world: the centre of the bounds.
+    pub origin_in_world: DVec3,
+    /// The bounds reach from minus to plus this, in scene space.
+    pub half_extent: DVec3,
+    /// Every primitive of every node, in node order.
+    pub primitives: Vec<PosedPrimitive>,
+    /// All their vertices in scene space, in the same order.
+    pub positions: Vec<DVec3>,
+}
 
 /// A primitive at its place in the world.
 #[derive(Clone, Copy, Debug)]
-pub struct PosedPrimitive<'a> {
+pub struct PosedPrimitive {
     /// Index of the node that carries it.
     pub node: usize,
-    /// The shared geometry.
-    pub primitive: &'a Primitive,
+    /// Index of its mesh, and its own in that.
+    pub index: [usize; 2],
     /// Its placement, composed in f64.
     pub world_from_local: DAffine3,
+    /// Where its vertices begin in [`PosedScene::positions`].
+    pub first_vertex: usize,
 }
 
-impl PosedPrimitive<'_> {
+/// Poses a scene, whose promises hold ([`Scene::check`]).
+pub fn pose(scene: impl Into<Arc<Scene>>) -> Arc<PosedScene> {
+    let scene = scene.into();
+    let Reach { middle: origin_in_world, half_extent } = Reach::from(&*scene);
+    let primitives: Vec<_> = placements(&scene).collect();
+    let mut positions = Vec::new();
+    for posed in &primitives {
+        let mut scene_from_local = posed.world_from_local;
+        scene_from_local.translation -= origin_in_world;
+        let local = posed.of(&scene).positions.iter();
+        positions.extend(local.map(|position| scene_from_local.transform_point3(position.as_dvec3())));
+    }
+    Arc::new(PosedScene { scene, origin_in_world, half_extent, primitives, positions })
+}
+
+impl PosedScene {
+    /// The box that lights are measured against.
+    pub fn reach(&self) -> Reach {
+        Reach { middle: self.origin_in_world, half_extent: self.half_extent }
+    }
+
+    /// How many triangles there are.
+    pub fn triangle_count(&self) -> usize {
+        self.primitives.iter().map(|posed| self.geometry(posed).indices.len() / 3).sum()
+    }
+
+    /// The geometry of one of [`Self::primitives`].
+    pub fn geometry(&self, posed: &PosedPrimitive) -> &Primitive {
+        posed.of(&self.scene)
+    }
+
+    /// The triangles of one of [`Self::primitives`] by its own vertices; counter-clockwise seen from the front, where
+    /// it is mirrored too.
+    pub fn triangles(&self, posed: &PosedPrimitive) -> impl Iterator<Item = [u32; 3]> {
+        let mirrors = posed.mirrors();
+        let triangles = posed.of(&self.scene).indices.as_chunks::<3>().0.iter();
+        triangles.map(move |&[a, b, c]| if mirrors { [a, c, b] } else { [a, b, c] })
+    }
+}
+
+impl PosedPrimitive {
+    fn of<'a>(&self, scene: &'a Scene) -> &'a Primitive {
+        let [mesh, primitive] = self.index;
+        &scene.meshes[mesh].primitives[primitive]
+    }
+
     /// Whether its placement mirrors, which turns triangles inside out.
-    pub fn mirrors(&self) -> bool {
+    fn mirrors(&self) -> bool {
         self.world_from_local.matrix3.determinant() < 0.0
     }
 
@@ -35,17 +104,37 @@ impl PosedPrimitive<'_> {
 }
 
 /// Every primitive of every node, in node order.
-pub fn pose(scene: &Scene) -> impl Iterator<Item = PosedPrimitive<'_>> {
+fn placements(scene: &Scene) -> impl Iterator<Item = PosedPrimitive> {
     let mut world_from_node: Vec<DAffine3> = Vec::with_capacity(scene.nodes.len());
     for node in &scene.nodes {
         let parent = node.parent.map_or(DAffine3::IDENTITY, |p| world_from_node[p]);
         world_from_node.push(parent * node.parent_from_local);
     }
-    scene.nodes.iter().enumerate().flat_map(move |(i, node)| {
-        let world_from_local = world_from_node[i];
-        let primitives = node.mesh.map_or(&[][..], |m| &scene.meshes[m].primitives);
-        primitives.iter().map(move |primitive| PosedPrimitive { node: i, primitive, world_from_local })
+    let carried = scene.nodes.iter().enumerate().filter_map(|(node, at)| Some((node, at.mesh?)));
+    let mut vertices = 0;
+    carried.flat_map(move |(node, mesh)| {
+        let world_from_local = world_from_node[node];
+        let primitives = scene.meshes[mesh].primitives.iter().enumerate();
+        let posed = primitives.map(|(primitive, geometry)| {
+            let first_vertex = vertices;
+            vertices += geometry.positions.len();
+            PosedPrimitive { node, index: [mesh, primitive], world_from_local, first_vertex }
+        });
+        posed.collect::<Vec<_>>()
     })
+}
+
+/// Corners of the box around every vertex in the world, or `None` where there is none.
+pub fn world_bounds(scene: &Scene) -> Option<(DVec3, DVec3)> {
+    placements(scene)
+        .flat_map(|posed| {
+            let local = posed.of(scene).positions.iter();
+            local.map(move |position| posed.world_from_local.transform_point3(position.as_dvec3()))
+        })
+        .fold(None, |bounds, v| {
+            let (min, max) = bounds.unwrap_or((v, v));
+            Some((min.min(v), max.max(v)))
+        })
 }
 
 impl From<&Scene> for Reach {

@@ -1,10 +1,7 @@
-//! What importers make: geometry, materials, and the lights and cameras that came with them.
+//! What importers make: geometry and materials.
 
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
-use light::Light;
 use thiserror::Error;
-
-use crate::Camera;
 
 /// Everything that is drawn and everything that lights it. World space is right-handed, +Y up, metres by habit.
 #[derive(Clone, Debug, Default)]
@@ -17,10 +14,6 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Decoded pictures that materials refer to.
     pub images: Vec<Image>,
-    /// Cameras, placed in the world.
-    pub cameras: Vec<Camera>,
-    /// Lights, placed in the world.
-    pub lights: Vec<Light>,
     /// Light from everywhere, so that what no light reaches can be read.
     pub fill: Fill,
 }

@@ -1,6 +1,9 @@
 //! Poses, the framing camera, and what `Scene::check` catches.
 
+#![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
+
 use glam::{DAffine3, DVec3, Vec2, Vec3};
+use light::Reach;
 use scene::{Material, Mesh, Node, Primitive, Projection, Scene, framing_camera, pose, world_bounds};
 
 fn node(parent: Option<usize>, parent_from_local: DAffine3, mesh: Option<usize>) -> Node {
@@ -31,13 +34,32 @@ fn nested() -> Scene {
 #[test]
 fn placements_are_composed_from_the_root() {
     let scene = nested();
-    let posed: Vec<_> = pose(&scene).collect();
-    assert_eq!(posed.len(), 1);
-    assert_eq!(posed[0].node, 2);
+    let posed = pose(scene.clone());
+    let [primitive] = posed.primitives[..] else { panic!("one node has a mesh") };
+    assert_eq!((primitive.node, primitive.index), (2, [0, 0]));
     // 10 + 2 (10 + 1): outer first.
-    assert_eq!(posed[0].world_from_local.transform_point3(DVec3::X), DVec3::new(32.0, 0.0, 0.0));
+    assert_eq!(primitive.world_from_local.transform_point3(DVec3::X), DVec3::new(32.0, 0.0, 0.0));
+    // Scene space begins in the middle of the bounds.
+    assert_eq!(posed.origin_in_world, DVec3::new(31.0, 2.0, 1.0));
+    assert_eq!(posed.half_extent, DVec3::new(1.0, 2.0, 1.0));
+    assert_eq!(posed.positions[1], DVec3::new(1.0, -2.0, -1.0));
     assert_eq!(world_bounds(&scene), Some((DVec3::new(30.0, 0.0, 0.0), DVec3::new(32.0, 4.0, 2.0))));
     assert_eq!(world_bounds(&Scene::default()), None);
+}
+
+/// A node that mirrors exchanges two corners, so that triangles keep their front; others do not.
+#[test]
+fn mirrored_triangles_keep_their_front() {
+    for (scale, triangle) in [(DVec3::ONE, [0, 1, 2]), (DVec3::NEG_X + DVec3::Y + DVec3::Z, [0, 2, 1])] {
+        let mut scene = nested();
+        scene.nodes[2].parent_from_local = DAffine3::from_scale(scale);
+        let posed = pose(scene);
+        let primitive = &posed.primitives[0];
+        assert_eq!(posed.triangles(primitive).collect::<Vec<_>>(), [triangle]);
+        let [a, b, c] = triangle.map(|vertex| posed.positions[primitive.first_vertex + vertex as usize]);
+        let front = primitive.normal_matrix() * DVec3::new(0.0, -1.0, 2.0);
+        assert!((b - a).cross(c - a).dot(front) > 0.0);
+    }
 }
 
 /// Every corner of the bounds is in the picture, wide or tall, and in front of the near plane.
@@ -46,7 +68,7 @@ fn the_framing_camera_sees_everything() {
     let scene = nested();
     let (min, max) = world_bounds(&scene).expect("it has a triangle");
     for aspect in [0.25, 1.0, 686.0 / 382.0, 4.0] {
-        let camera = framing_camera(&scene, aspect);
+        let camera = framing_camera(&Reach::from(&scene), aspect);
         let Projection::Perspective { yfov, aspect_ratio: None, znear, .. } = camera.projection else {
             panic!("perspective")
         };

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use edit::Refusal;
-use protocol::{ErrorCode, FileError, PROTOCOL, Problem, Refused};
+use protocol::{ErrorCode, FileError, PROTOCOL, Problem, Refused, RenderRefusal};
 use render::RenderError;
 use store::StoreError;
 use thiserror::Error;
@@ -41,9 +41,9 @@ pub enum ServerError {
     /// A picture that cannot be made.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// A quantity that pictures do not show.
+    /// A picture that is not asked for as it can be.
     #[error(transparent)]
-    Aov(#[from] scene::UnknownAov),
+    Picture(#[from] RenderRefusal),
     /// A picture that cannot be encoded.
     #[error(transparent)]
     Encode(#[from] stream::StreamError),
@@ -145,7 +145,7 @@ pub enum ServerError {
     WarmingUp,
     /// They never will be.
     #[error("the renderer could not be warmed up ({0}): restart the server")]
-    Cold(RenderError),
+    NotReady(RenderError),
     /// The server is asked to stop.
     #[error("the server is stopping: try again in a moment")]
     Draining,
@@ -162,7 +162,7 @@ impl ServerError {
             Self::Listen(_) | Self::Fault => ErrorCode::Fault,
             Self::Scene(_) => ErrorCode::BadScene,
             Self::NoDemo(_) => ErrorCode::UnknownAsset,
-            Self::Render(_) | Self::Aov(_) | Self::Encode(_) => ErrorCode::Render,
+            Self::Render(_) | Self::Encode(_) => ErrorCode::Render,
             Self::Store(error) | Self::Unread(error) => error.code(),
             Self::Opening(error) => error.code(),
             Self::Unauthorized => ErrorCode::Unauthorized,
@@ -171,6 +171,7 @@ impl ServerError {
             Self::Protocol(_) | Self::Hello => ErrorCode::Protocol,
             Self::HelloTooLate => ErrorCode::HelloTooLate,
             Self::BadMessage(_) | Self::CutOff => ErrorCode::BadMessage,
+            Self::Picture(refusal) => refusal.code(),
             Self::BadCommand(refused) => refused.code(),
             Self::Refused(refusal) => refusal.into(),
             Self::NotFound { .. } | Self::NoRoute(_) => ErrorCode::NotFound,
@@ -180,7 +181,7 @@ impl ServerError {
             Self::TooMany { .. } => ErrorCode::TooMany,
             Self::Stalled => ErrorCode::Stalled,
             Self::WarmingUp => ErrorCode::WarmingUp,
-            Self::Cold(_) => ErrorCode::NotReady,
+            Self::NotReady(_) => ErrorCode::NotReady,
             Self::Draining => ErrorCode::Draining,
         }
     }

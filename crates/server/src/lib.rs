@@ -3,25 +3,27 @@
 //! Each session is a task with an inbox (`room`), each connection two (`socket`). One thread owns the graphics device
 //! (`renderer`), one writes to the store (`storage`). What blocks or computes for long runs on the blocking pool.
 
-mod ask;
+mod access;
 mod backend;
 mod connections;
+mod data_folder;
 mod error;
-mod hosts;
+mod first_session;
 mod http;
-mod lane;
 mod limits;
 mod metrics;
-mod private;
+mod outbox;
+mod outboxes;
 mod renderer;
+mod request;
 mod room;
 mod scenes;
 mod server;
 mod socket;
+mod state;
 mod storage;
-mod token;
+mod views;
 
+pub use access::{PublicUrl, Token};
 pub use error::ServerError;
-pub use hosts::PublicUrl;
 pub use server::{Config, Server};
-pub use token::Token;

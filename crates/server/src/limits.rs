@@ -36,12 +36,10 @@ pub const MAX_LOG_RECORDS: usize = 10_000;
 /// Bytes of names that clients choose: of actors, operations and gestures.
 pub const MAX_LABEL_BYTES: usize = 128;
 
-/// Pixels along a side of a picture.
-pub const MAX_VIEW_SIDE: u32 = 4096;
+/// Pixels along a side of a picture, streamed or for HTTP.
+pub const MAX_VIEW_SIDE: u32 = protocol::RenderLimits::HTTP.max_side;
 /// Pixels of a view that is streamed, enough for 3840 x 2160; the renderer keeps 44 bytes for each.
 pub const MAX_VIEW_PIXELS: u32 = 1 << 23;
-/// Samples a pixel of a picture for HTTP.
-pub const MAX_SAMPLES: u32 = 64;
 
 /// Messages that wait for a session's task; senders wait past that.
 pub const ROOM_QUEUE: usize = 1_024;

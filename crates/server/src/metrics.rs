@@ -6,7 +6,8 @@ use prometheus_client::metrics::family::Family;
 use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::metrics::histogram::{Histogram, exponential_buckets};
 use prometheus_client::registry::Registry;
-use render::{Ledger, MemoryKind};
+use protocol::ErrorCode;
+use render::{MemoryBudget, MemoryKind};
 use stream::Codec;
 
 /// Every count, with the registry that knows their names.
@@ -35,13 +36,15 @@ pub struct Metrics {
     pub clients: Gauge,
     /// Sessions that are open.
     pub rooms: Gauge,
+    /// Scenes' files decoded, each of which may take gigabytes.
+    pub scenes_decoded: Counter,
     /// How often pictures for HTTP were worked on.
     pub still_turns: Counter,
     /// How often the one under way was that was so least often.
     pub least_still_turns: Gauge,
-    /// Bytes that the renderer keeps, by kind; read from the ledger when they are asked for.
+    /// Bytes that the renderer keeps, by kind; read from its budget when they are asked for.
     render_bytes: Family<MemoryLabel, Gauge>,
-    ledger: Ledger,
+    render_memory: MemoryBudget,
 }
 
 /// By encoding.
@@ -53,8 +56,7 @@ pub struct CodecLabel {
 /// `committed`, or the code of the rejection.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 pub struct OutcomeLabel {
-    /// Which.
-    pub outcome: String,
+    outcome: &'static str,
 }
 
 /// By what memory is kept for.
@@ -75,7 +77,7 @@ impl From<Codec> for CodecLabel {
 
 impl Metrics {
     /// All at zero.
-    pub fn new(ledger: Ledger) -> Self {
+    pub fn new(render_memory: MemoryBudget) -> Self {
         // From a millisecond to 8 seconds, each bound twice the one before.
         let seconds = || Histogram::new(exponential_buckets(0.001, 2.0, 14));
         let mut metrics = Self {
@@ -91,18 +93,19 @@ impl Metrics {
             encode_seconds: seconds(),
             clients: Gauge::default(),
             rooms: Gauge::default(),
+            scenes_decoded: Counter::default(),
             still_turns: Counter::default(),
             least_still_turns: Gauge::default(),
             render_bytes: Family::default(),
-            ledger,
+            render_memory,
         };
         metrics.register();
         metrics
     }
 
     /// The account of what the renderer keeps.
-    pub fn ledger(&self) -> &Ledger {
-        &self.ledger
+    pub fn render_memory(&self) -> &MemoryBudget {
+        &self.render_memory
     }
 
     fn register(&mut self) {
@@ -123,6 +126,7 @@ impl Metrics {
         registry.register("encode_seconds", "Encodings for views", self.encode_seconds.clone());
         registry.register("clients", "Clients that have said hello", self.clients.clone());
         registry.register("rooms", "Sessions that are open", self.rooms.clone());
+        registry.register("scenes_decoded", "Scenes' files decoded", self.scenes_decoded.clone());
         registry.register(
             "still_turns",
             "How often pictures for HTTP were worked on",
@@ -133,20 +137,21 @@ impl Metrics {
         registry.register("least_still_turns", least, self.least_still_turns.clone());
         registry.register("render_bytes", "Bytes that the renderer keeps", self.render_bytes.clone());
         let budget: Gauge = Gauge::default();
-        budget.set(bytes(self.ledger.budget()));
+        budget.set(bytes(self.render_memory.budget()));
         registry.register("render_bytes_budget", "Bytes that the renderer keeps at most", budget);
     }
 
-    /// Counts a request for a record.
-    pub fn count_edit(&self, outcome: &str) {
-        self.edits.get_or_create(&OutcomeLabel { outcome: outcome.into() }).inc();
+    /// Counts a request for a record that was committed, or refused with a code.
+    pub fn count_edit(&self, refused: Option<ErrorCode>) {
+        let outcome = refused.map_or("committed", ErrorCode::name);
+        self.edits.get_or_create(&OutcomeLabel { outcome }).inc();
     }
 
     /// All of them in Prometheus' text format.
     pub fn to_text(&self) -> String {
         for kind in MemoryKind::ALL {
             let label = MemoryLabel { kind: kind.name() };
-            self.render_bytes.get_or_create(&label).set(bytes(self.ledger.bytes(kind)));
+            self.render_bytes.get_or_create(&label).set(bytes(self.render_memory.bytes(kind)));
         }
         let mut out = String::new();
         text::encode(&mut out, &self.registry).expect("writing to a string does not fail");

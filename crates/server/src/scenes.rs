@@ -5,15 +5,16 @@ use std::io::{self, Read, Seek};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use assets::Loaded;
-use document::AssetHash;
+use document::{AssetHash, Document, SceneContents};
 use protocol::Asset;
-use scene::Scene;
+use scene::PosedScene;
 use store::Store;
 use tokio::sync::Semaphore;
 use tokio::task::spawn_blocking;
 
 use crate::ServerError;
 use crate::limits::MAX_SCENES_KEPT;
+use crate::metrics::Metrics;
 use crate::storage::Storage;
 
 /// How a demo scene is named.
@@ -22,10 +23,12 @@ pub const DEMO: &str = "demo:";
 const DIGITS_OF_UNNAMED: usize = 8;
 
 /// A scene as its bytes have it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Decoded {
-    /// The scene.
-    pub scene: Arc<Scene>,
+    /// Geometry and materials, in place.
+    pub posed: Arc<PosedScene>,
+    /// The lights and cameras that come with it.
+    pub contents: Arc<SceneContents>,
     /// What of the file is not drawn or was changed, a sentence each.
     pub notes: Arc<[String]>,
     /// What the file itself calls it.
@@ -39,12 +42,13 @@ pub struct Scenes {
     /// The latest used at the end. Never held while a scene is decoded.
     kept: Mutex<Vec<(AssetHash, Decoded)>>,
     decoding: Semaphore,
+    metrics: Arc<Metrics>,
 }
 
 impl Scenes {
     /// None is decoded yet.
-    pub fn new(storage: Storage) -> Self {
-        Self { storage, kept: Mutex::default(), decoding: Semaphore::new(1) }
+    pub fn new(storage: Storage, metrics: Arc<Metrics>) -> Self {
+        Self { storage, kept: Mutex::default(), decoding: Semaphore::new(1), metrics }
     }
 
     /// The asset that `wanted` means, `demo:NAME` or `sha256:HEX`, known to decode, and what people call it.
@@ -70,6 +74,7 @@ impl Scenes {
             Ok::<_, ServerError>((bytes, decoded))
         });
         let (bytes, decoded) = decoded.await.map_err(|_| ServerError::Fault)??;
+        self.metrics.scenes_decoded.inc();
         drop(turn);
         let asset = self.storage.put_asset(bytes).await?;
         if let Some(name) = name {
@@ -100,19 +105,17 @@ impl Scenes {
         let storage = self.storage.clone();
         let decoded = spawn_blocking(move || decode(&storage.open().map_err(ServerError::Unread)?, &asset));
         let decoded = decoded.await.map_err(|_| ServerError::Fault)??;
+        self.metrics.scenes_decoded.inc();
         self.keep(asset, &decoded);
         Ok(decoded)
     }
 
-    /// As [`Self::load`], for threads that may block.
-    pub fn find(&self, asset: &AssetHash) -> Result<Decoded, ServerError> {
-        if let Some(scene) = self.kept(asset) {
-            return Ok(scene);
+    /// The scene of a document; an empty one where it has none.
+    pub async fn of(&self, document: &Document) -> Result<Decoded, ServerError> {
+        match document.scene() {
+            Some(scene) => self.load(scene.asset).await,
+            None => Ok(Decoded::default()),
         }
-        let store = self.storage.open().map_err(ServerError::Unread)?;
-        let decoded = decode(&store, asset)?;
-        self.keep(*asset, &decoded);
-        Ok(decoded)
     }
 
     fn kept(&self, asset: &AssetHash) -> Option<Decoded> {
@@ -137,8 +140,9 @@ impl Scenes {
 impl Decoded {
     /// Decodes a scene's file.
     fn of(bytes: &[u8]) -> Result<Self, ServerError> {
-        let Loaded { scene, name, notes } = assets::load_bytes(bytes)?;
-        Ok(Self { scene: Arc::new(scene), notes: notes.into(), own_name: name })
+        let Loaded { scene, contents, name, notes } = assets::load_bytes(bytes)?;
+        let (posed, contents) = (scene::pose(scene), Arc::new(contents));
+        Ok(Self { posed, contents, notes: notes.into(), own_name: name })
     }
 }
 

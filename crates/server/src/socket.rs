@@ -10,31 +10,33 @@ use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 use tokio::time::{Instant, interval_at, sleep, timeout};
 
 use crate::ServerError;
-use crate::ask::{actor, understand};
+use crate::access::Principal;
 use crate::connections::Connection;
-use crate::lane::{Lane, LaneEnd, Waiting, lane};
 use crate::limits::{
     CLOSE_WITHIN, HELLO_WITHIN, MAX_MESSAGE_BYTES, MAX_SOCKETS, MAX_STRANGERS, PING_EVERY, SILENT_AT_MOST,
 };
-use crate::room::{Ask, ClientId, Join, Message, RoomHandle};
-use crate::server::Shared;
+use crate::outbox::{Backlog, Outbox, OutboxReceiver, outbox};
+use crate::outboxes::ClientId;
+use crate::request::{ClientRequest, actor, client_request};
+use crate::room::{Join, Message, RoomHandle};
+use crate::state::AppState;
 
 /// Serves a connection until either side ends it.
-pub async fn serve(socket: WebSocket, shared: Arc<Shared>, connection: Connection) {
+pub async fn serve(socket: WebSocket, state: Arc<AppState>, connection: Connection) {
     let (sink, mut messages) = socket.split();
-    let (lane, end) = lane();
-    let waiting = end.waiting();
+    let (outbox, end) = outbox();
+    let backlog = end.backlog();
     let mut writing = tokio::spawn(write(sink, end));
-    if let Some((room, client, _permit)) = greet(&mut messages, lane, &shared, &connection).await {
+    if let Some((room, client, _permit)) = greet(&mut messages, outbox, &state, &connection).await {
         tokio::select! {
-            () = read(&mut messages, waiting, (&room, client), &shared) => {}
+            () = read(&mut messages, backlog, (&room, client), &state) => {}
             // The session let the client go, or the connection is broken.
             _ = &mut writing => {}
         }
         // A session that is closed has let everybody go.
-        let _ = room.tell(Message::Leave(client)).await;
+        let _ = room.send(Message::Leave(client)).await;
     }
-    // What is left of the control lane is still sent.
+    // What is left of the control queue is still sent.
     if !writing.is_finished() {
         let _ = writing.await;
     }
@@ -45,92 +47,90 @@ pub async fn serve(socket: WebSocket, shared: Arc<Shared>, connection: Connectio
 /// Waits for `hello` and joins the session that it names; or says what is wrong with it.
 async fn greet(
     messages: &mut SplitStream<WebSocket>,
-    mut lane: Lane,
-    shared: &Shared,
+    mut outbox: Outbox,
+    state: &AppState,
     connection: &Connection,
 ) -> Option<(RoomHandle, ClientId, OwnedSemaphorePermit)> {
     let hello = tokio::select! {
-        hello = hello(messages, &mut lane) => hello?,
+        hello = hello(messages, &mut outbox) => hello?,
         () = sleep(HELLO_WITHIN) => Err(ServerError::HelloTooLate),
         () = connection.given_up() => {
             Err(ServerError::TooMany { what: "connections without the token", limit: MAX_STRANGERS })
         }
     };
-    match join(hello, shared, connection).await {
-        Ok((room, permit, (actor, epoch, last_seq))) => {
+    match join(hello, state, connection).await {
+        Ok((room, permit, (principal, epoch, last_seq))) => {
             let (joined, client) = oneshot::channel();
-            let join = Join { actor, epoch, last_seq, lane, joined };
-            room.tell(Message::Join(Box::new(join))).await.ok()?;
+            let join = Join { principal, epoch, last_seq, outbox, joined };
+            room.send(Message::Join(Box::new(join))).await.ok()?;
             let client = client.await.ok()?;
             Some((room, client, permit))
         }
         Err(error) => {
-            lane.complain(&error, true);
+            outbox.send_error(&error, true);
             None
         }
     }
 }
 
 /// Who comes, and the history that they know.
-type Newcomer = (edit::Actor, Option<String>, Option<u64>);
+type Newcomer = (Principal, Option<String>, Option<u64>);
 
 /// The first message; `None` where the connection ends before. What cannot be read is said and passed over.
 async fn hello(
     messages: &mut SplitStream<WebSocket>,
-    lane: &mut Lane,
+    outbox: &mut Outbox,
 ) -> Option<Result<ClientMessage, ServerError>> {
     loop {
         match next(messages).await? {
             Ok(message @ ClientMessage::Hello { .. }) => return Some(Ok(message)),
             Ok(_) => return Some(Err(ServerError::Hello)),
-            Err(error) => lane.complain(&error, false),
+            Err(error) => outbox.send_error(&error, false),
         }
     }
 }
 
-/// The way to the session that a `hello` names, with a permit for the socket, and who comes.
+/// The session that a `hello` names, with a permit for the socket, and who comes.
 async fn join(
     hello: Result<ClientMessage, ServerError>,
-    shared: &Shared,
+    state: &AppState,
     connection: &Connection,
 ) -> Result<(RoomHandle, OwnedSemaphorePermit, Newcomer), ServerError> {
-    let (session, newcomer) = admit(hello?, shared)?;
+    let (session, newcomer) = admit(hello?, state)?;
     connection.is_known();
     let too_many = |_| ServerError::TooMany { what: "sockets", limit: MAX_SOCKETS };
-    let permit = Arc::clone(&shared.sockets).try_acquire_owned().map_err(too_many)?;
-    Ok((shared.rooms.find(&session).await?, permit, newcomer))
+    let permit = Arc::clone(&state.sockets).try_acquire_owned().map_err(too_many)?;
+    Ok((state.rooms.find(&session).await?, permit, newcomer))
 }
 
 /// The session that a `hello` may join.
-fn admit(hello: ClientMessage, shared: &Shared) -> Result<(String, Newcomer), ServerError> {
+fn admit(hello: ClientMessage, state: &AppState) -> Result<(String, Newcomer), ServerError> {
     let ClientMessage::Hello { protocol, token, session, actor: wire, epoch, last_seq } = hello else {
         return Err(ServerError::Hello);
     };
     if protocol != PROTOCOL {
         return Err(ServerError::Protocol(protocol));
     }
-    if !shared.token.is(&token) {
-        return Err(ServerError::Unauthorized);
-    }
-    Ok((session, (actor(wire)?, epoch, last_seq)))
+    let credential = state.token.verify(&token).ok_or(ServerError::Unauthorized)?;
+    Ok((session, (Principal { credential, actor: actor(wire)? }, epoch, last_seq)))
 }
 
 /// Passes on what the client asks for, until it leaves or says nothing for too long. One that does not take its answers
 /// is asked for nothing more until it does.
 async fn read(
     messages: &mut SplitStream<WebSocket>,
-    mut waiting: watch::Receiver<Waiting>,
+    mut backlog: watch::Receiver<Backlog>,
     (room, client): (&RoomHandle, ClientId),
-    shared: &Shared,
+    state: &AppState,
 ) {
-    while waiting.wait_for(Waiting::has_room).await.is_ok()
+    while backlog.wait_for(Backlog::takes_more).await.is_ok()
         && let Some(message) = next(messages).await
     {
-        let ask = match message {
-            Ok(message) => understand(message, &shared.backend.scenes).await,
-            Err(error) => Ask::Nonsense(error),
+        let request = match message {
+            Ok(message) => client_request(message, &state.backend.scenes).await,
+            Err(error) => ClientRequest::Invalid(error),
         };
-        if room.tell(Message::Ask { client, ask }).await.is_err() {
+        if room.send(Message::Client { client, request }).await.is_err() {
             return;
         }
     }
@@ -158,8 +158,8 @@ async fn next(
     }
 }
 
-/// Sends what comes down the lanes, control before frames, and closes the connection when the control lane ends.
-async fn write(mut sink: SplitSink<WebSocket, SocketMessage>, mut end: LaneEnd) {
+/// Sends what is in the outbox, control before frames, and closes the connection when the control queue ends.
+async fn write(mut sink: SplitSink<WebSocket, SocketMessage>, mut end: OutboxReceiver) {
     let mut pings = interval_at(Instant::now() + PING_EVERY, PING_EVERY);
     loop {
         let (message, text) = tokio::select! {

@@ -1,11 +1,10 @@
 //! The store as tasks use it: one thread commits, the blocking pool reads.
 
-use std::cell::RefCell;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
-use document::{AssetHash, DocumentHash, FindScene};
+use document::{AssetHash, DocumentHash};
 use edit::Record;
 use protocol::SessionCheckpoint;
 use store::{Batch, Rejection, Store, StoreError, Tail};
@@ -13,10 +12,9 @@ use tokio::sync::{mpsc, oneshot};
 use tokio::task::spawn_blocking;
 
 use crate::limits::{COMMIT_QUEUE, MAX_READERS};
-use crate::scenes::Scenes;
 use crate::{ServerError, metrics::Metrics};
 
-/// The way to the store. Clones share the thread that commits; it ends with the last of them.
+/// Reaches the store. Clones share the thread that commits; it ends with the last of them.
 #[derive(Clone, Debug)]
 pub struct Storage {
     folder: Arc<Path>,
@@ -98,12 +96,12 @@ impl Storage {
         &self,
         bytes: impl AsRef<[u8]> + Send + 'static,
     ) -> Result<AssetHash, ServerError> {
-        self.ask(move |store| store.put_asset(bytes.as_ref()).map_err(ServerError::Store)).await
+        self.with_reader(move |store| store.put_asset(bytes.as_ref()).map_err(ServerError::Store)).await
     }
 
     /// Keeps what people call an asset; it is on disk when it returns.
     pub async fn name_asset(&self, asset: AssetHash, name: String) -> Result<(), ServerError> {
-        self.ask(move |store| store.name_asset(&asset, &name).map_err(ServerError::Store)).await
+        self.with_reader(move |store| store.name_asset(&asset, &name).map_err(ServerError::Store)).await
     }
 
     /// Asks the store on the blocking pool.
@@ -111,37 +109,15 @@ impl Storage {
         &self,
         question: impl FnOnce(&Store) -> Result<T, StoreError> + Send + 'static,
     ) -> Result<T, ServerError> {
-        self.ask(move |store| question(store).map_err(ServerError::Unread)).await
+        self.with_reader(move |store| question(store).map_err(ServerError::Unread)).await
     }
 
-    /// As [`Self::read`], of a question that loads scenes. Where one cannot be had, that is what is wrong.
-    pub async fn read_with_scenes<T: Send + 'static>(
-        &self,
-        scenes: &Arc<Scenes>,
-        question: impl FnOnce(&Store, FindScene) -> Result<T, StoreError> + Send + 'static,
-    ) -> Result<T, ServerError> {
-        let scenes = Arc::clone(scenes);
-        self.ask(move |store| {
-            let failed = RefCell::new(None);
-            let find_scene = |asset: &AssetHash| match scenes.find(asset) {
-                Ok(decoded) => Some(decoded.scene),
-                Err(error) => {
-                    failed.borrow_mut().get_or_insert(error);
-                    None
-                }
-            };
-            let answer = question(store, &find_scene);
-            failed.into_inner().map_or_else(|| answer.map_err(ServerError::Unread), Err)
-        })
-        .await
-    }
-
-    async fn ask<T: Send + 'static>(
+    async fn with_reader<T: Send + 'static>(
         &self,
         question: impl FnOnce(&Store) -> Result<T, ServerError> + Send + 'static,
     ) -> Result<T, ServerError> {
         let storage = self.clone();
-        let asked = spawn_blocking(move || {
+        let answer = spawn_blocking(move || {
             let known = storage.readers().pop();
             let reader = known.map_or_else(|| storage.open(), Ok).map_err(ServerError::Unread)?;
             let answer = question(&reader);
@@ -152,7 +128,7 @@ impl Storage {
             }
             answer
         });
-        asked.await.map_err(|_| ServerError::Fault)?
+        answer.await.map_err(|_| ServerError::Fault)?
     }
 
     fn readers(&self) -> std::sync::MutexGuard<'_, Vec<Store>> {

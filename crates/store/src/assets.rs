@@ -4,13 +4,12 @@ use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-use document::{AssetHash, MAX_NAME_BYTES};
+use document::AssetHash;
+use light::MAX_NAME_BYTES;
 
-use crate::database::sync_folder;
+use crate::disk::sync_folder;
+use crate::limits::MAX_ASSET_BYTES;
 use crate::{Store, StoreError};
-
-/// Bytes that an asset has at most. The largest scene that can be read, 512 MiB, with its pictures in base64 takes 683.
-pub const MAX_ASSET_BYTES: u64 = 768 << 20;
 
 /// How the name of the file ends that holds what people call an asset.
 const NAME: &str = ".name";

@@ -3,13 +3,15 @@
 use std::io;
 use std::path::PathBuf;
 
-use document::{AssetHash, EditError, MAX_NAME_BYTES};
+use document::{AssetHash, EditError};
 use edit::ReplayError;
+use light::MAX_NAME_BYTES;
 use protocol::{ErrorCode, FileError, Refused};
 use thiserror::Error;
 
-use crate::sessions::{MAX_NAME_CHARS, MAX_SESSIONS};
-use crate::{MAX_ASSET_BYTES, MAX_RECORD_BYTES};
+use protocol::MAX_RECORD_BYTES;
+
+use crate::limits::{MAX_ASSET_BYTES, MAX_NAME_CHARS, MAX_SESSIONS};
 
 /// Why the store did not do what was asked. Each sentence says what to do.
 #[derive(Debug, Error)]
@@ -19,17 +21,18 @@ pub enum StoreError {
     NoData(PathBuf),
     /// A file or folder that the system would not read or write.
     #[error("{}: cannot be used ({reason}); check that you may write there and that the disk is not full", path.display())]
-    Io {
-        /// Which.
-        path: PathBuf,
-        /// Why.
-        reason: io::Error,
-    },
-    /// SQLite could not.
+    #[expect(missing_docs, reason = "its fields are what their names say")]
+    Io { path: PathBuf, reason: io::Error },
+    /// The database could not.
     #[error(
         "the database of sessions cannot be used ({0}); check the disk, and that its folder may be written"
     )]
-    Database(#[from] rusqlite::Error),
+    Database(String),
+    /// A code of a refusal that this version does not know.
+    #[error(
+        "the database has a refusal with the code `{0}`, which this program does not know: use the newer one that wrote it"
+    )]
+    UnknownCode(String),
     /// The disk failed at the end of a commit, and again when the store saw to it that nothing is left of that; or what
     /// became of an operation that may have come before cannot be read.
     #[error(
@@ -103,34 +106,20 @@ pub enum StoreError {
     Unwritable(io::Error),
     /// A line of a log file that is not UTF-8. Lines count from 1.
     #[error("line {line}: is not UTF-8 text; give a file that `bendylights export` wrote")]
-    NotText {
-        /// Which.
-        line: u64,
-    },
+    #[expect(missing_docs, reason = "its fields are what their names say")]
+    NotText { line: u64 },
     /// A line of a log file that does not have the right shape. Lines count from 1.
     #[error("line {line}: {reason}")]
-    Line {
-        /// Which.
-        line: u64,
-        /// Why.
-        reason: FileError,
-    },
+    #[expect(missing_docs, reason = "its fields are what their names say")]
+    Line { line: u64, reason: FileError },
     /// A stored record that does not have the right shape.
     #[error("record {seq} is damaged: {reason}")]
-    DamagedRecord {
-        /// Which.
-        seq: u64,
-        /// Why.
-        reason: FileError,
-    },
+    #[expect(missing_docs, reason = "its fields are what their names say")]
+    DamagedRecord { seq: u64, reason: FileError },
     /// A record without a meaning.
     #[error("record {seq}: {reason}")]
-    Meaningless {
-        /// Which.
-        seq: u64,
-        /// Why.
-        reason: Refused,
-    },
+    #[expect(missing_docs, reason = "its fields are what their names say")]
+    Meaningless { seq: u64, reason: Refused },
     /// A log file without its end.
     #[error("the log ends without a checkpoint: it was cut short; export it again")]
     Cut,
@@ -199,6 +188,7 @@ impl StoreError {
             Self::NoData(_)
             | Self::Io { .. }
             | Self::Database(_)
+            | Self::UnknownCode(_)
             | Self::Newer { .. }
             | Self::NoWriteAheadLog(_)
             | Self::OutOfStep(_)

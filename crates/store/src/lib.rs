@@ -3,24 +3,29 @@
 //! What [`Store::append`] and [`Store::put_asset`] have returned from survives a crash of the program and of the
 //! machine. A log is read in passes and never held in memory as a whole. Calls block; whoever serves many runs them on
 //! a thread for that.
+//!
+//! Logs are made, read and replayed here as lines and records; `sqlite` keeps them, and knows nothing of what they mean.
 
 mod assets;
 mod checkpoints;
-mod database;
-#[cfg(test)]
-mod durability;
+mod disk;
 mod error;
+mod limits;
 mod log_file;
 mod operations;
 mod records;
 mod sessions;
+mod sqlite;
+mod store;
+mod stored;
 
-pub use assets::{MAX_ASSET_BYTES, check_scene_name};
-pub use checkpoints::{Opened, Tail};
-pub use database::{DATABASE, FILES, Store};
+pub use assets::check_scene_name;
+pub use checkpoints::Opened;
 pub use error::StoreError;
+pub use limits::{MAX_ASSET_BYTES, MAX_NAME_CHARS, MAX_PAGE_BYTES, MAX_REJECTIONS, MAX_SESSIONS};
 pub use log_file::{ReplayedLog, replay_log};
-pub use operations::{MAX_REJECTIONS, Outcome, Rejection};
 pub use protocol::MAX_RECORD_BYTES;
-pub use records::{Batch, MAX_PAGE_BYTES};
-pub use sessions::{MAX_NAME_CHARS, MAX_SESSIONS, SessionRow};
+pub use records::{Batch, Tail};
+pub use sqlite::DATABASE;
+pub use store::{FILES, Store};
+pub use stored::{Rejection, SessionRow};

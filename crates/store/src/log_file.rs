@@ -2,15 +2,16 @@
 
 use std::collections::HashSet;
 use std::io::{BufRead, Read, Write};
+use std::ops::ControlFlow;
 
-use document::FindScene;
-use edit::Session;
+use document::{AssetHash, EditError};
+use edit::{ReplayError, Session};
 use protocol::{Checkpoint, FIRST_PROOF, FORMAT, FileError, LogHeader, LogLine, LogReader, Record};
-use rusqlite::params;
 
-use crate::records::{RECORDS, Stored, insert_record, note_hash, stored, take_in};
-use crate::sessions::{Found, find, insert_session};
-use crate::{MAX_RECORD_BYTES, SessionRow, Store, StoreError};
+use crate::records::{insert_record, take_in};
+use crate::sessions::insert_session;
+use crate::stored::{Found, SessionRow, StoredRecord};
+use crate::{MAX_RECORD_BYTES, Store, StoreError};
 
 /// Records between two checkpoints of an exported log.
 const CHECKPOINT_EVERY: u64 = 10;
@@ -26,14 +27,10 @@ pub struct ReplayedLog {
 }
 
 /// Replays a log file up to record `to`, or to its end.
-pub fn replay_log(
-    log: impl BufRead,
-    to: Option<u64>,
-    find_scene: FindScene,
-) -> Result<ReplayedLog, StoreError> {
+pub fn replay_log(log: impl BufRead, to: Option<u64>) -> Result<ReplayedLog, StoreError> {
     let (header, lines) = open(log)?;
     let mut differs = None;
-    let session = walk(&header, lines, to, find_scene, |passed| {
+    let session = walk(&header, lines, to, |passed| {
         if let Passed::Checkpoint { seq, holds: false, .. } = passed {
             differs = differs.or(Some(seq));
         }
@@ -48,7 +45,7 @@ pub fn replay_log(
 impl Store {
     /// Writes the log of `session` as a log file.
     pub fn export(&self, session: &str, out: &mut impl Write) -> Result<(), StoreError> {
-        let Found { key, row } = find(&self.connection, session)?;
+        let Found { key, row } = self.database.find(session)?;
         let mut put = |line: String| writeln!(out, "{line}").map_err(StoreError::Unwritable);
         put(LogHeader { format: FORMAT, session: row.name.clone() }.to_json())?;
         let checkpoint =
@@ -57,9 +54,7 @@ impl Store {
             return put(checkpoint(0, row.hash, row.proof));
         }
         let mut noted = 0;
-        let mut statement = self.connection.prepare_cached(RECORDS)?;
-        for stored in statement.query_and_then(params![key, 1, row.seq], stored)? {
-            let Stored { seq, line, hash, proof } = stored?;
+        self.database.visit_records(key, 1..=row.seq, |StoredRecord { seq, line, hash, proof }| {
             put(line)?;
             if let Some((hash, proof)) = hash.zip(proof)
                 && (seq >= noted + CHECKPOINT_EVERY || seq == row.seq)
@@ -67,47 +62,51 @@ impl Store {
                 put(checkpoint(seq, hash, proof))?;
                 noted = seq;
             }
-        }
-        Ok(())
+            Ok(ControlFlow::Continue(()))
+        })
     }
 
     /// Makes a session of a log file, all of it or, on an error, nothing. It is called `name`, or as the log says.
     ///
-    /// The log is replayed on the way: gaps, records that do not fit and checkpoints that differ are refused.
+    /// The log is replayed on the way: gaps, records that do not fit and checkpoints that differ are refused, and
+    /// scenes of which `is_here` says that their bytes are not.
     pub fn import(
         &mut self,
         log: impl BufRead,
         name: Option<&str>,
-        find_scene: FindScene,
+        is_here: &dyn Fn(&AssetHash) -> bool,
     ) -> Result<SessionRow, StoreError> {
         let (header, lines) = open(log)?;
-        let transaction = self.writing()?;
-        let name = name.unwrap_or(&header.session);
-        let (key, _) = insert_session(&transaction, name)?;
-        // Of the lines as they are stored, in this version's format, whatever the file's was.
-        let mut proof = FIRST_PROOF.to_owned();
-        walk(&header, lines, None, find_scene, |passed| match passed {
-            Passed::Record(record) => insert_record(&transaction, key, *record, &mut proof).map(drop),
-            Passed::Checkpoint { seq: 0, holds: true, .. } => Ok(()),
-            Passed::Checkpoint { seq, hash, holds: true } => note_hash(&transaction, key, seq, &hash, &proof),
-            Passed::Checkpoint { seq, holds: false, .. } => Err(StoreError::Differs { seq }),
-        })?;
-        let found = find(&transaction, name)?;
-        let committed = transaction.commit();
-        committed.map_err(|reason| self.failed_commit(reason))?;
-        Ok(found.row)
+        self.database.write(|writer| {
+            let name = name.unwrap_or(&header.session);
+            let (key, _) = insert_session(writer, name)?;
+            // Of the lines as they are stored, in this version's format, whatever the file's was.
+            let mut proof = FIRST_PROOF.to_owned();
+            walk(&header, lines, None, |passed| match passed {
+                Passed::Record(record, session) => {
+                    let (seq, scene) = (record.seq, session.document().scene());
+                    if let Some(asset) = scene.map(|scene| scene.asset).filter(|asset| !is_here(asset)) {
+                        let reason = EditError::UnknownAsset(asset);
+                        return Err(ReplayError::Record { seq, reason }.into());
+                    }
+                    insert_record(writer, key, *record, &mut proof).map(drop)
+                }
+                Passed::Checkpoint { seq: 0, holds: true, .. } => Ok(()),
+                Passed::Checkpoint { seq, hash, holds: true } => writer.note_hash(key, seq, &hash, &proof),
+                Passed::Checkpoint { seq, holds: false, .. } => Err(StoreError::Differs { seq }),
+            })?;
+            Ok(writer.find(name)?.row)
+        })
     }
 }
 
 /// A line of a log file that the replay has passed.
-enum Passed {
-    Record(Box<Record>),
-    /// `holds`: the document has that hash, and the lines that proof.
-    Checkpoint {
-        seq: u64,
-        hash: String,
-        holds: bool,
-    },
+enum Passed<'a> {
+    /// The session is the one after it.
+    Record(Box<Record>, &'a Session),
+    /// `holds`: the document has the hash that the checkpoint says, and the lines have its proof. `hash` is the document's
+    /// in this version's format.
+    Checkpoint { seq: u64, hash: String, holds: bool },
 }
 
 /// Replays the lines after the first up to record `to` and what is said of it, or to the end. `visit` is told each.
@@ -115,13 +114,14 @@ fn walk(
     header: &LogHeader,
     mut lines: Lines<impl BufRead>,
     to: Option<u64>,
-    find_scene: FindScene,
-    mut visit: impl FnMut(Passed) -> Result<(), StoreError>,
+    mut visit: impl FnMut(Passed<'_>) -> Result<(), StoreError>,
 ) -> Result<Session, StoreError> {
     let mut session = Session::default();
     let mut reader = LogReader::default();
     let mut operations = HashSet::new();
     let mut is_whole = false;
+    // Of the latest record, by which its checkpoint's hash is made.
+    let mut format = header.format;
     while let Some(line) = lines.next(|line| reader.read(line))? {
         let follows_checkpoint = is_whole;
         is_whole = matches!(line, LogLine::Checkpoint(_));
@@ -129,11 +129,12 @@ fn walk(
             LogLine::Record(record) if to.is_some_and(|to| record.seq > to) => return Ok(session),
             LogLine::Record(record) => {
                 let (seq, op_id) = (record.seq, record.op_id.clone());
-                take_in(&mut session, Record::clone(&record), find_scene)?;
+                format = record.format;
+                take_in(&mut session, Record::clone(&record))?;
                 if !operations.insert((record.actor.id.clone(), op_id.clone())) {
                     return Err(StoreError::Repeated { seq, op_id });
                 }
-                visit(Passed::Record(record))?;
+                visit(Passed::Record(record, &session))?;
             }
             LogLine::Checkpoint(Checkpoint { seq: found, .. })
                 if follows_checkpoint || found != session.seq() =>
@@ -142,8 +143,9 @@ fn walk(
             }
             LogLine::Checkpoint(Checkpoint { seq, hash, proof }) => {
                 let is_proven = proof.map_or(header.format == 1, |proof| proof == reader.proof());
-                let holds = is_proven && hash == session.document().hash().to_string();
-                visit(Passed::Checkpoint { seq, hash, holds })?;
+                let document = session.document();
+                let holds = is_proven && hash == document.hash_of_format(format).to_string();
+                visit(Passed::Checkpoint { seq, hash: document.hash().to_string(), holds })?;
             }
         }
     }

@@ -1,5 +1,7 @@
 //! What the encoders write, read back by another library.
 
+#![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
+
 use image::RgbImage;
 use stream::{MOVING_QUALITY, StreamError, jpeg, png};
 

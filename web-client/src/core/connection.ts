@@ -9,7 +9,7 @@ export interface Host {
   /** Runs `task` once after `ms`; the answer cancels it. */
   after(ms: number, task: () => void): () => void;
   /** Runs `task` before the next picture is put on the screen. */
-  nextFrame(task: () => void): void;
+  beforeRepaint(task: () => void): void;
   /** A number from 0 to 1. */
   random(): number;
   /** A name that nobody else comes up with. */

@@ -7,7 +7,14 @@ import { add, scale, sub, type Vec3 } from "./vector";
 /** Segments of a light with `points` control points. */
 export const segmentCount = (points: number): number => points - 2;
 
-interface Place {
+/** The fewest control points that make a curve. */
+const FEWEST_POINTS = 3;
+
+/** Whether a curve of `points` control points can do without `point`; the first is the source. */
+export const isRemovable = (points: number, point: number): boolean => point > 0 && points > FEWEST_POINTS;
+
+/** A segment, and how far along it from 0 to 1. */
+interface Segment {
   segment: number;
   u: number;
   /** Whether the segment is the first, the last: there the spline ends in its control point. */
@@ -15,7 +22,7 @@ interface Place {
   last: boolean;
 }
 
-function placeOf(points: number, t: number): Place {
+function segmentAt(points: number, t: number): Segment {
   const n = segmentCount(points);
   const segment = Math.min(n - 1, Math.max(0, Math.floor(t)));
   return { segment, u: t - segment, first: segment === 0, last: segment === n - 1 };
@@ -23,7 +30,7 @@ function placeOf(points: number, t: number): Place {
 
 /** The first control point that counts at `t`, and the weights of it and the next two; they add up to 1. */
 export function weightsAt(points: number, t: number): { from: number; weights: Vec3 } {
-  const { segment, u, first, last } = placeOf(points, t);
+  const { segment, u, first, last } = segmentAt(points, t);
   const [b0, b1, b2] = [(1 - u) * (1 - u), 2 * u * (1 - u), u * u];
   const [start, end] = [first ? 1 : 0.5, last ? 1 : 0.5];
   return { from: segment, weights: [b0 * start, b0 * (1 - start) + b1 + b2 * (1 - end), b2 * end] };
@@ -51,7 +58,7 @@ export function numberAt(values: readonly number[], t: number): number {
 
 /** P'(t); not of length 1. */
 export function tangentAt(points: readonly Vec3[], t: number): Vec3 {
-  const { segment, u, first, last } = placeOf(points.length, t);
+  const { segment, u, first, last } = segmentAt(points.length, t);
   const [a, b, c] = threeFrom(points, segment);
   const d0 = scale(sub(b, a), first ? 1 : 0.5);
   const d1 = scale(sub(c, b), last ? 1 : 0.5);

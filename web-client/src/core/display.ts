@@ -56,7 +56,7 @@ export function display<T>({ host, screen, send, notify, latency }: DisplayParts
 
   const feed = pictures<T>({
     decode: screen.decode,
-    nextFrame: host.nextFrame,
+    beforeRepaint: host.beforeRepaint,
     show,
     ack: (number) => void send({ type: "ack", frame: number }),
     failed: notify,

@@ -1,52 +1,39 @@
 // The document and what changes and commands do to it. Functions change nothing: they give a new document.
 
 import type { LightId } from "./ids";
-import type {
-  Camera,
-  CameraParameter,
-  Change,
-  Command,
-  Document,
-  DocumentCamera,
-  DocumentLight,
-  Light,
-  LightParameter,
-  PointParameter,
-} from "./protocol";
+import type { ParameterTable } from "./protocol";
+import { touchPicture, withValues } from "./parameters";
+import type { Change, Command, Document, DocumentCamera, DocumentLight, Light } from "./protocol";
 
 export const EMPTY: Document = { scene: null, lights: [], cameras: [] };
 
 /** The document after `change`. Old values are not looked at: the server has done that. */
-export function applyChange(document: Document, change: Change): Document {
+export function applyChange(table: ParameterTable, document: Document, change: Change): Document {
   switch (change.type) {
     case "scene":
       return { ...document, scene: change.new };
     case "light":
       return { ...document, lights: withId(document.lights, change.light, change.new) };
     case "lightParameter":
-      return onLight(document, change.light, (placed) => ({
-        ...placed,
-        light: withLightParameter(placed.light, change.new),
-      }));
+      return onLight(document, change.light, (light) => withValues(table, light.type, light, change.new));
     case "point":
-      return onLight(document, change.light, (placed) => ({
-        ...placed,
-        light: withPoint(placed.light, change.point, change.new),
-      }));
+      return onLight(document, change.light, (light) =>
+        withValues(table, "point", light, change.new, change.point),
+      );
     case "controlPoints": {
       const { layout, ...points } = change.new;
-      return onLight(document, change.light, (placed) => ({
-        ...placed,
+      return onEntry(document, change.light, (entry) => ({
+        ...entry,
         layout,
-        light: { ...placed.light, ...points } as Light,
+        light: { ...entry.light, ...points } as Light,
       }));
     }
     case "camera": {
-      const placed = change.new === null ? null : { camera: change.new };
-      return { ...document, cameras: withId(document.cameras, change.camera, placed) };
+      const content = change.new === null ? null : { camera: change.new };
+      return { ...document, cameras: withId(document.cameras, change.camera, content) };
     }
     case "cameraParameter":
-      return onCamera(document, change.camera, change.new);
+      return onCamera(table, document, change.camera, change.new);
   }
 }
 
@@ -54,43 +41,43 @@ export function applyChange(document: Document, change: Change): Document {
  * The document as `command` will leave it if the server agrees, for commands that a hand at a control sends.
  * What makes new ids or fills in values waits for the server: there the document comes back as it is.
  */
-export function predict(document: Document, command: Command): Document {
+export function predict(table: ParameterTable, document: Document, command: Command): Document {
   switch (command.type) {
     case "placeLight": {
-      const { type: _, light, ...placement } = command;
-      return onLight(document, light, (placed) => ({
-        ...placed,
-        light: { ...placed.light, transform: { ...placed.light.transform, ...placement } },
-      }));
+      const { type: _, light: id, ...placement } = command;
+      return onLight(document, id, (light) => withValues(table, light.type, light, placement));
     }
     case "setLight":
-      return onLight(document, command.light, (placed) => ({
-        ...placed,
-        light: withLightParameter(placed.light, command.parameter),
-      }));
+      return onLight(document, command.light, (light) =>
+        withValues(table, light.type, light, command.parameter),
+      );
     case "setPoint":
-      return onLight(document, command.light, (placed) => ({
-        ...placed,
-        light: withPoint(placed.light, command.point, command.parameter),
-      }));
+      return onLight(document, command.light, (light) =>
+        withValues(table, "point", light, command.parameter, command.point),
+      );
     case "setCamera":
-      return onCamera(document, command.camera, command.parameter);
+      return onCamera(table, document, command.camera, command.parameter);
     default:
       return document;
   }
 }
 
-/** Whether a picture can show the change (SPEC, FRAME-7). */
-export function changesPicture(change: Change): boolean {
+/** Whether a picture can show the change of `document` (SPEC, FRAME-7). */
+export function changesPicture(table: ParameterTable, document: Document, change: Change): boolean {
   switch (change.type) {
     case "camera":
     case "cameraParameter":
       return false;
-    case "lightParameter":
-      return !("name" in change.new);
+    case "lightParameter": {
+      const light = lightOf(document, change.light);
+      return light === undefined || touchPicture(table, light.type, change.new);
+    }
+    case "point":
+      return touchPicture(table, "point", change.new);
     case "scene":
       return change.old?.asset !== change.new?.asset;
-    default:
+    case "light":
+    case "controlPoints":
       return true;
   }
 }
@@ -111,7 +98,7 @@ export const lightLabel = ({ id, light }: { id: LightId; light: Light }): string
 
 /** The light called `id`, if it is still there. */
 export const lightOf = (document: Document, id: LightId | null): Light | undefined =>
-  document.lights.find((placed) => placed.id === id)?.light;
+  document.lights.find((entry) => entry.id === id)?.light;
 
 /** What sentences call a light: its name in quotes, or its number. */
 export function lightName(document: Document, id: LightId): string {
@@ -119,25 +106,25 @@ export function lightName(document: Document, id: LightId): string {
   return isBlank(name) ? `Light ${id}` : `“${name}”`;
 }
 
-function onLight(
-  document: Document,
-  id: LightId,
-  change: (placed: DocumentLight) => DocumentLight,
-): Document {
+function onLight(document: Document, id: LightId, change: (light: Light) => Light): Document {
+  return onEntry(document, id, (entry) => ({ ...entry, light: change(entry.light) }));
+}
+
+function onEntry(document: Document, id: LightId, change: (entry: DocumentLight) => DocumentLight): Document {
   return {
     ...document,
-    lights: document.lights.map((placed) => (placed.id === id ? change(placed) : placed)),
+    lights: document.lights.map((entry) => (entry.id === id ? change(entry) : entry)),
   };
 }
 
-function onCamera(document: Document, id: number, parameter: CameraParameter): Document {
-  const change = (placed: DocumentCamera): DocumentCamera => ({
-    ...placed,
-    camera: { ...placed.camera, ...parameter } as Camera,
+function onCamera(table: ParameterTable, document: Document, id: number, values: object): Document {
+  const change = (entry: DocumentCamera): DocumentCamera => ({
+    ...entry,
+    camera: withValues(table, "camera", entry.camera, values),
   });
   return {
     ...document,
-    cameras: document.cameras.map((placed) => (placed.id === id ? change(placed) : placed)),
+    cameras: document.cameras.map((entry) => (entry.id === id ? change(entry) : entry)),
   };
 }
 
@@ -146,25 +133,4 @@ function withId<T extends { id: number }>(list: T[], id: number, content: Omit<T
   const others = list.filter((item) => item.id !== id);
   if (content === null) return others;
   return [...others, { id, ...content } as T].sort((a, b) => a.id - b.id);
-}
-
-function withLightParameter(light: Light, parameter: LightParameter): Light {
-  if (light.type === "spot" && "range" in parameter && parameter.range === null) {
-    // Endless is written by leaving the range out.
-    const { range: _, ...endless } = light;
-    return endless;
-  }
-  const ofTransform = "translation" in parameter || "rotation" in parameter || "scale" in parameter;
-  const changed = ofTransform
-    ? { ...light, transform: { ...light.transform, ...parameter } }
-    : { ...light, ...parameter };
-  return changed as Light;
-}
-
-function withPoint(light: Light, index: number, parameter: PointParameter): Light {
-  if (light.type !== "bendy" || index >= light.points.length) return light;
-  if ("position" in parameter) return { ...light, points: light.points.with(index, parameter.position) };
-  if ("radius" in parameter) return { ...light, radii: light.radii.with(index, parameter.radius) };
-  if ("color" in parameter) return { ...light, colors: light.colors.with(index, parameter.color) };
-  return { ...light, intensities: light.intensities.with(index, parameter.intensity) };
 }

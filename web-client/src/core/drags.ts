@@ -95,7 +95,7 @@ export function dragging({ host, send, notify, latency, baseSeq, lightName, comm
     return {
       update(command) {
         if (!isCurrent()) return;
-        if (current.waiting === null) host.nextFrame(() => isCurrent() && flush());
+        if (current.waiting === null) host.beforeRepaint(() => isCurrent() && flush());
         current.waiting = command;
         own.value = { light, command, refusal: own.value?.refusal ?? null };
       },
@@ -118,23 +118,27 @@ export function dragging({ host, send, notify, latency, baseSeq, lightName, comm
     end();
   }
 
+  /** The server has come as far as the state's update. */
+  function keptUp(sent: Map<number, number>, { update, code, liveRevision }: GestureState): void {
+    const sentMs = sent.get(update);
+    if (sentMs !== undefined && code === undefined) latency.expect("liveRevision", liveRevision, sentMs);
+    for (const earlier of sent.keys()) if (earlier <= update) sent.delete(earlier);
+  }
+
   return {
     own,
     begin,
     answered(state) {
       if (gesture === null || gesture.id !== state.gesture) return;
-      if (state.ended !== undefined) {
-        if (state.ended !== "committed") {
-          notify(state.message ?? `${lightName(gesture.light)}: ${ENDINGS[state.ended]}`);
-        }
-        end();
+      if (state.ended === undefined) {
+        keptUp(gesture.sentMs, state);
+        if (own.value !== null) own.value = { ...own.value, refusal: state.message ?? null };
         return;
       }
-      const sentMs = gesture.sentMs.get(state.update);
-      if (sentMs !== undefined && state.code === undefined)
-        latency.expect("liveRevision", state.liveRevision, sentMs);
-      for (const update of gesture.sentMs.keys()) if (update <= state.update) gesture.sentMs.delete(update);
-      if (own.value !== null) own.value = { ...own.value, refusal: state.message ?? null };
+      if (state.ended !== "committed") {
+        notify(state.message ?? `${lightName(gesture.light)}: ${ENDINGS[state.ended]}`);
+      }
+      end();
     },
     lost() {
       if (own.value !== null) {

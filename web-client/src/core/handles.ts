@@ -1,4 +1,4 @@
-// What can be grabbed on a light, and the command that each place of the pointer then means.
+// What can be grabbed on a light, and the command that each position of the pointer then means.
 //
 // A drag's command depends on where it began and where the pointer is now, never on the way between.
 
@@ -74,7 +74,7 @@ export function handleName(handle: Handle): string {
 }
 
 /** Where in the world a point handle is; a turning ring's is the source. */
-export function placeOf(handle: Handle, { light, tube, view }: Drawn): Vec3 {
+export function positionOf(handle: Handle, { light, tube, view }: Drawn): Vec3 {
   switch (handle.kind) {
     case "source":
     case "turn":
@@ -91,7 +91,7 @@ export function placeOf(handle: Handle, { light, tube, view }: Drawn): Vec3 {
 /** A handle that is pulled along, rather than turned. */
 export type Pulled = Exclude<Handle, { kind: "turn" }>;
 
-/** Grabs `handle` with the pointer at `from`: the answer says what each later place of the pointer means. */
+/** Grabs `handle` with the pointer at `from`: the answer says what each later position of the pointer means. */
 export function grab(handle: Handle, drawn: Drawn, from: Pixel): (pointer: Pixel) => Command {
   const { light, view } = drawn;
   if (handle.kind === "turn") {
@@ -99,9 +99,9 @@ export function grab(handle: Handle, drawn: Drawn, from: Pixel): (pointer: Pixel
     const angle = turning(drawn, axis, from);
     return (pointer) => turned(drawn, axis, angle(pointer));
   }
-  const place = placeOf(handle, drawn);
-  const grabbed = inPlaneOf(view, from, place);
-  return (pointer) => pulled(handle, drawn, sub(inPlaneOf(view, pointer, place), grabbed));
+  const at = positionOf(handle, drawn);
+  const grabbed = inPlaneOf(view, from, at);
+  return (pointer) => pulled(handle, drawn, sub(inPlaneOf(view, pointer, at), grabbed));
 }
 
 /** What it means that `handle` is pulled by `way`, in the world. Of an edge counts how far that is across the tube. */
@@ -111,7 +111,7 @@ export function pulled(handle: Pulled, drawn: Drawn, way: Vec3): Command {
     case "source":
       return { type: "placeLight", light: id, translation: add(light.transform.translation, way) };
     case "point": {
-      const position = toLocal(light.transform, add(placeOf(handle, drawn), way));
+      const position = toLocal(light.transform, add(positionOf(handle, drawn), way));
       return { type: "setPoint", light: id, point: handle.point, parameter: { position } };
     }
     case "radius": {
@@ -150,7 +150,7 @@ export const turnRadius = ({ light, view }: Drawn): number =>
   TURN_RADIUS_PX * worldPerPixel(view, light.transform.translation);
 
 /**
- * Radians for each place of the pointer: how far it went along the ring's tangent, as the camera sees it,
+ * Radians for each position of the pointer: how far it went along the ring's tangent, as the camera sees it,
  * where the ring was grabbed.
  */
 function turning(drawn: Drawn, axis: Vec3, from: Pixel): (pointer: Pixel) => number {

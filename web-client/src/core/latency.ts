@@ -38,7 +38,7 @@ export function latencyMeter(): LatencyMeter {
     shown(frame, nowMs) {
       frames = [...frames, { frame, atMs: nowMs }].slice(-REMEMBERED_FRAMES);
       const isShown = (change: (typeof awaited)[number]) => frame[change.revision] >= change.value;
-      awaited.filter(isShown).forEach((change) => record(nowMs - change.sentMs));
+      for (const change of awaited.filter(isShown)) record(nowMs - change.sentMs);
       awaited = awaited.filter((change) => !isShown(change));
     },
     medianMs() {

@@ -1,6 +1,7 @@
 // The document as the log has it.
 
 import { applyChange, changesPicture, EMPTY } from "./document";
+import type { ParameterTable } from "./protocol";
 import type { Document, Record } from "./protocol";
 
 /** A document and where in the session's history it stands. */
@@ -18,14 +19,18 @@ export interface Mirror {
 export const NOTHING: Mirror = { document: EMPTY, seq: 0, hash: "", epoch: "", pictureSeq: 0 };
 
 /** After `record`, which leaves a document with `hash`; `null` where it is not the next record. */
-export function advance(mirror: Mirror, record: Record, hash: string): Mirror | null {
+export function advance(table: ParameterTable, mirror: Mirror, record: Record, hash: string): Mirror | null {
   if (record.seq !== mirror.seq + 1) return null;
+  const isSeen = record.changes.some((change) => changesPicture(table, mirror.document, change));
   return {
-    document: record.changes.reduce(applyChange, mirror.document),
+    document: record.changes.reduce(
+      (document, change) => applyChange(table, document, change),
+      mirror.document,
+    ),
     seq: record.seq,
     hash,
     epoch: mirror.epoch,
-    pictureSeq: record.changes.some(changesPicture) ? record.seq : mirror.pictureSeq,
+    pictureSeq: isSeen ? record.seq : mirror.pictureSeq,
   };
 }
 

@@ -81,7 +81,7 @@ export function pinch(from: Orbit, size: Size, before: Fingers, after: Fingers, 
 export const diagonal = (bounds: Bounds): number => Math.max(length(sub(bounds.max, bounds.min)), 1e-6);
 
 /** Sees all of the ball from where `from` looks, in a picture `aspect` wide by 1 high. */
-export function frameBall(from: Orbit, centre: Vec3, radius: number, aspect: number): Orbit {
+export function fitBall(from: Orbit, centre: Vec3, radius: number, aspect: number): Orbit {
   const { projection } = from.camera;
   const narrower = Math.min(1, aspect) * tallerBy(from.camera, aspect);
   const facing = (distance: number, camera: Camera): Orbit => ({

@@ -2,7 +2,7 @@
 
 import { forwardOf, worldPerPixel } from "./camera";
 import { abscissa } from "./curve";
-import { type Drawn, type Handle, placeOf, pulled, turnAxis, turned } from "./handles";
+import { type Drawn, type Handle, positionOf, pulled, turnAxis, turned } from "./handles";
 import { sideways } from "./outline";
 import type { Command } from "./protocol";
 import { add, rotate, scale, type Vec3 } from "./vector";
@@ -27,7 +27,7 @@ const STEP_RADIANS = Math.PI / 360;
  */
 export function nudge(handle: Handle, drawn: Drawn): (steps: Steps) => Command {
   const { light, tube, view } = drawn;
-  const step = STEP_PX * worldPerPixel(view, placeOf(handle, drawn));
+  const step = STEP_PX * worldPerPixel(view, positionOf(handle, drawn));
   switch (handle.kind) {
     case "source":
     case "point":

@@ -3,7 +3,6 @@
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 
 import type { Host } from "./connection";
-import { changesPicture } from "./document";
 import type { LatencyMeter } from "./latency";
 import type { ClientMessage, Command, EditResult, Record } from "./protocol";
 
@@ -24,8 +23,8 @@ export interface Operations {
    * Then `done` is told its record.
    */
   start(request: Request, standsFor?: ClientMessage, done?: (record: Record) => void): void;
-  /** A record of the log; `seq` is the mirror's. */
-  logged(record: Record): void;
+  /** A record of the log, and whether a picture can show it. */
+  logged(record: Record, isSeen: boolean): void;
   /** The server's answer, where the mirror stands at `seq`. */
   answered(result: EditResult, seq: number): void;
   /** After a reconnection: sends all again. Their opIds make that harmless (SPEC, REC-4). */
@@ -56,10 +55,10 @@ export function operations({ host, send, notify, latency }: OperationParts): Ope
       if (send(standsFor)) keep([...pending, { request, sentMs: host.nowMs(), done }]);
       else notify("Not connected: nothing was changed. Do it again once the page is connected.");
     },
-    logged(record) {
+    logged(record, isSeen) {
       const own = pending.find(({ request }) => request.opId === record.opId);
       if (own === undefined) return;
-      if (record.changes.some(changesPicture)) latency.expect("logSeq", record.seq, own.sentMs);
+      if (isSeen) latency.expect("logSeq", record.seq, own.sentMs);
       forget(record.opId);
       own.done(record);
     },
@@ -73,6 +72,8 @@ export function operations({ host, send, notify, latency }: OperationParts): Ope
       // Usually the record itself ends the wait; one from before this connection's snapshot never comes.
       if ((result.seq ?? 0) <= seq) forget(result.opId);
     },
-    resend: () => pending.forEach(({ request }) => send(request)),
+    resend() {
+      for (const { request } of pending) send(request);
+    },
   };
 }

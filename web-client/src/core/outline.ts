@@ -2,7 +2,7 @@
 
 import { towardsEye } from "./camera";
 import { numberAt, positionAt, samplesOf, tangentAt } from "./curve";
-import type { Camera, Light, Transform } from "./protocol";
+import type { Camera, Light } from "./protocol";
 import { add, cross, inverse, length, perpendicular, rotate, scale, sub, unit, type Vec3 } from "./vector";
 
 /** Control points and radii in the world. */
@@ -14,6 +14,9 @@ export interface Tube {
 /** Samples of the curve a segment, and points of a ring: smooth to the eye at any size of the page. */
 const STEPS = 20;
 const RING_POINTS = 96;
+
+/** Where a light is, how it is turned and how large. */
+export type Transform = Light["transform"];
 
 export const toWorld = (transform: Transform, local: Vec3): Vec3 =>
   add(transform.translation, rotate(transform.rotation, scale(local, transform.scale)));
@@ -33,10 +36,10 @@ export function tubeOf(light: Light, reach: number): Tube {
   const axis = rotate(transform.rotation, [0, 0, -1]);
   const end = light.range ?? reach;
   const spread = Math.tan((light.coneAngle * Math.PI) / 180);
-  const places = [0, end / 2, end];
+  const distances = [0, end / 2, end];
   return {
-    points: places.map((along) => add(transform.translation, scale(axis, along))),
-    radii: places.map((along) => along * spread),
+    points: distances.map((along) => add(transform.translation, scale(axis, along))),
+    radii: distances.map((along) => along * spread),
   };
 }
 

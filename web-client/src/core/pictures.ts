@@ -6,7 +6,7 @@ import { type FrameHeader, HEADER_BYTES, readHeader } from "./frame";
 export interface PictureSink<T> {
   decode(header: FrameHeader, payload: ArrayBuffer): Promise<T>;
   /** Runs `task` when a picture may be drawn. */
-  nextFrame(task: () => void): void;
+  beforeRepaint(task: () => void): void;
   /** Puts a decoded picture on the screen. */
   show(header: FrameHeader, picture: T): void;
   /** The frame was shown, or another one later than it. */
@@ -36,7 +36,7 @@ export function pictures<T>(sink: PictureSink<T>): Pictures {
       waiting = null;
       try {
         const picture = await sink.decode(header, payload);
-        await new Promise<void>((resolve) => sink.nextFrame(resolve));
+        await new Promise<void>((resolve) => sink.beforeRepaint(resolve));
         if (current === connection) sink.show(header, picture);
       } catch (error) {
         sink.failed(`A frame could not be decoded: ${String(error)}`);

@@ -11,6 +11,7 @@ import type { ClientId, LightId } from "./ids";
 import { latencyMeter } from "./latency";
 import { advance, type Mirror, NOTHING, snapshotOf } from "./mirror";
 import { operations, type Request } from "./operations";
+import type { ParameterTable } from "./protocol";
 import type {
   Actor,
   Bounds,
@@ -26,9 +27,11 @@ import type {
   ServerMessage,
   Welcome,
 } from "./protocol";
-import { type Viewer, viewer } from "./viewer";
+import { type Viewer, viewing } from "./viewer";
 
 export interface Session {
+  /** What can be set. */
+  table: ParameterTable;
   connection: ReadonlySignal<ConnectionState>;
   /** What the log says. */
   mirror: ReadonlySignal<Mirror>;
@@ -68,6 +71,8 @@ export interface SessionOptions<T> {
   host: Host;
   token: string;
   session: string;
+  /** Of the server, which says it before it is connected to. */
+  table: ParameterTable;
   actor: Actor;
   screen: Screen<T>;
   /** A sentence for the person at the page. */
@@ -82,7 +87,7 @@ const UNIT_BOX: Bounds = { min: [-1, -1, -1], max: [1, 1, 1] };
 
 /** Connects to `session` and stays connected. */
 export function startSession<T>(options: SessionOptions<T>): Session {
-  const { host, screen, notify } = options;
+  const { host, screen, notify, table } = options;
   const connection = signal<ConnectionState>({ kind: "connecting" });
   const mirror = signal<Mirror>(NOTHING);
   const bounds = signal<Bounds>(UNIT_BOX);
@@ -107,15 +112,18 @@ export function startSession<T>(options: SessionOptions<T>): Session {
     lightName: (light) => lightName(mirror.value.document, light),
     commit: asked.start,
   });
-  const view = viewer({ host, send, bounds: () => bounds.value, latency });
+  const viewer = viewing({ host, send, bounds: () => bounds.value, latency });
   const { frame, statistics, feed, roundTrip } = display({ host, screen, send, notify, latency });
 
   const document = computed(() => {
     const live = gestures.value
       .flatMap((gesture) => gesture.changes)
-      .reduce(applyChange, mirror.value.document);
+      .reduce((document, change) => applyChange(table, document, change), mirror.value.document);
     const dragged = drags.own.value === null ? [] : [drags.own.value.command];
-    return [...asked.commands.value, ...dragged].reduce(predict, live);
+    return [...asked.commands.value, ...dragged].reduce(
+      (document, command) => predict(table, document, command),
+      live,
+    );
   });
 
   function welcomed(welcome: Welcome): void {
@@ -123,10 +131,10 @@ export function startSession<T>(options: SessionOptions<T>): Session {
     feed.restart();
     latency.restart();
     const { epoch, seq, hash, state } = welcome;
-    if ("tail" in state) state.tail.forEach((record) => take(record, hash));
+    if ("tail" in state) for (const record of state.tail) take(record, hash);
     else mirror.value = snapshotOf(epoch, seq, hash, state.snapshot);
     setOthers(welcome);
-    view.open(welcome.camera);
+    viewer.open(welcome.camera);
     send({ type: "presence", selection });
     history.value = null;
     send({ type: "history" });
@@ -147,10 +155,10 @@ export function startSession<T>(options: SessionOptions<T>): Session {
 
   /** Takes a record into the mirror. One that is missing before it can only come with a new welcome. */
   function take(record: Record, hash: string): void {
-    const next = advance(mirror.value, record, hash);
+    const next = advance(table, mirror.value, record, hash);
     if (next !== null) {
       mirror.value = next;
-      asked.logged(record);
+      asked.logged(record, next.pictureSeq === record.seq);
       askHistory();
     } else if (record.seq > mirror.value.seq) {
       link.restart();
@@ -175,35 +183,41 @@ export function startSession<T>(options: SessionOptions<T>): Session {
 
   function setPeople(present: readonly Presence[]): void {
     people.value = present;
-    view.people(present);
+    viewer.people(present);
   }
 
   function receive(message: ServerMessage): void {
     switch (message.type) {
       case "welcome":
-        return welcomed(message);
+        welcomed(message);
+        break;
       case "log":
         if (message.bounds !== undefined) bounds.value = message.bounds;
         if (message.notes !== undefined) notes.value = message.notes;
-        return take(message.record, message.hash);
+        take(message.record, message.hash);
+        break;
       case "resync":
-        return resynced(message);
+        resynced(message);
+        break;
       case "editResult":
-        return asked.answered(message, mirror.value.seq);
+        asked.answered(message, mirror.value.seq);
+        break;
       case "gestureState":
-        return gestureChanged(message);
+        gestureChanged(message);
+        break;
       case "history":
         history.value = message;
-        return;
+        break;
       case "presence":
-        return setPeople(message.clients);
+        setPeople(message.clients);
+        break;
       case "error":
         if (!message.fatal) notify(message.message);
-        return;
+        break;
       case "viewConfig":
       case "pong":
       case "draining":
-        return;
+        break;
     }
   }
 
@@ -224,6 +238,7 @@ export function startSession<T>(options: SessionOptions<T>): Session {
   });
 
   return {
+    table,
     connection,
     mirror,
     document,
@@ -237,7 +252,7 @@ export function startSession<T>(options: SessionOptions<T>): Session {
     history,
     frame,
     statistics,
-    viewer: view,
+    viewer,
     edit(command, done) {
       const request: Request = { type: "edit", opId: host.newId(), baseSeq: mirror.value.seq, command };
       asked.start(request, request, done);

@@ -44,7 +44,7 @@ export interface ViewerParts {
   latency: LatencyMeter;
 }
 
-export function viewer({ host, send, bounds, latency }: ViewerParts): Viewer {
+export function viewing({ host, send, bounds, latency }: ViewerParts): Viewer {
   const own = signal<Orbit | null>(null);
   const following = signal<ClientId | null>(null);
   const present = signal<readonly Presence[]>([]);
@@ -86,7 +86,7 @@ export function viewer({ host, send, bounds, latency }: ViewerParts): Viewer {
     } else if (!moved) {
       moved = true;
       revision.value += 1;
-      host.nextFrame(sendCamera);
+      host.beforeRepaint(sendCamera);
     }
   }
 

@@ -13,10 +13,11 @@ import { TopBar } from "./top_bar";
 import { Viewport } from "./viewport";
 
 export function App() {
-  const refused = usePage().session.connection.value.kind === "refused";
+  const { session } = usePage();
+  const state = session.connection.value;
   return (
     <>
-      <div class="app" inert={refused}>
+      <div class="app" inert={state.kind === "refused"}>
         <TopBar />
         <aside class="left" aria-label="Scene">
           <LightList />
@@ -30,7 +31,7 @@ export function App() {
         <Toasts />
         <KeyList />
       </div>
-      {refused && <Refusal />}
+      {state.kind === "refused" && <Refusal why={state.message} again={session.reconnect} />}
     </>
   );
 }
@@ -49,23 +50,25 @@ function Toasts() {
   );
 }
 
+interface RefusalProps {
+  why: string;
+  again(): void;
+}
+
 /** Over everything: the server said no, and trying again by itself would be no use. */
-function Refusal() {
-  const { session } = usePage();
-  const state = session.connection.value;
-  const again = useRef<HTMLButtonElement>(null);
-  useEffect(() => again.current?.focus(), []);
-  if (state.kind !== "refused") return null;
+export function Refusal({ why, again }: RefusalProps) {
+  const button = useRef<HTMLButtonElement>(null);
+  useEffect(() => button.current?.focus(), []);
   return (
     <div
       class="refusal"
       role="alertdialog"
       aria-modal="true"
-      aria-label="The server refused the connection"
+      aria-label="The page is not connected"
       aria-describedby="refusal"
     >
-      <p id="refusal">{sentence(state.message)}</p>
-      <button class="solid" ref={again} onClick={session.reconnect}>
+      <p id="refusal">{sentence(why)}</p>
+      <button class="solid" ref={button} onClick={again}>
         Try again
       </button>
     </div>

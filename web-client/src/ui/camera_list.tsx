@@ -4,7 +4,9 @@ import { seeTheSame } from "../core/camera";
 import { freeName, isBlank } from "../core/document";
 import type { Camera, DocumentCamera } from "../core/protocol";
 import { Icon } from "./icons";
+import { focusBeside } from "./list_focus";
 import { canEdit, usePage } from "./page";
+import { QuietButton } from "./quiet_button";
 
 export function CameraList() {
   const page = usePage();
@@ -13,7 +15,7 @@ export function CameraList() {
   const disabled = !canEdit(page);
   const present = session.viewer.own.value?.camera;
   const add = (camera: Camera) => {
-    const names = cameras.map((placed) => placed.camera.name);
+    const names = cameras.map((entry) => entry.camera.name);
     const name = freeName("camera", names);
     session.edit({ type: "addCamera", camera: { ...camera, name } });
   };
@@ -21,20 +23,18 @@ export function CameraList() {
     <section class="panel" aria-label="Cameras">
       <header class="panel-head">
         <h2>Cameras</h2>
-        <button
-          class="quiet"
+        <QuietButton
           title="Add a camera from this view"
-          aria-label="Add a camera from this view"
           disabled={disabled || present === undefined}
-          onClick={() => present !== undefined && add(present)}
+          press={() => present !== undefined && add(present)}
         >
           <Icon name="plus" />
           <Icon name="camera" />
-        </button>
+        </QuietButton>
       </header>
       <ul class="list">
-        {cameras.map((placed) => (
-          <CameraRow key={placed.id} placed={placed} disabled={disabled} />
+        {cameras.map((entry) => (
+          <CameraRow key={entry.id} entry={entry} disabled={disabled} />
         ))}
         {cameras.length === 0 && <li class="empty">None. Add one from this view.</li>}
       </ul>
@@ -42,7 +42,7 @@ export function CameraList() {
   );
 }
 
-function CameraRow({ placed: { id, camera }, disabled }: { placed: DocumentCamera; disabled: boolean }) {
+function CameraRow({ entry: { id, camera }, disabled }: { entry: DocumentCamera; disabled: boolean }) {
   const { session } = usePage();
   const name = isBlank(camera.name) ? `camera ${id}` : camera.name;
   const { own, following } = session.viewer;
@@ -53,15 +53,18 @@ function CameraRow({ placed: { id, camera }, disabled }: { placed: DocumentCamer
         <Icon name="camera" />
         <span class="clipped">{name}</span>
       </button>
-      <button
-        class="quiet item-action"
+      <QuietButton
+        class="item-action"
         title="Remove this camera"
-        aria-label={`Remove ${name}`}
+        label={`Remove ${name}`}
         disabled={disabled}
-        onClick={() => session.edit({ type: "removeCamera", camera: id })}
+        press={(button) => {
+          focusBeside(button);
+          session.edit({ type: "removeCamera", camera: id });
+        }}
       >
         <Icon name="trash" />
-      </button>
+      </QuietButton>
     </li>
   );
 }

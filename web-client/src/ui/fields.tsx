@@ -1,53 +1,38 @@
-// The controls that panels are made of. A value arrives as a property and leaves through its target.
+// The controls that panels are made of. A value arrives as a property and leaves through its binding.
 
-import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import type { Vec3 } from "../core/vector";
+import { type Binding, through, type ValueDrag } from "./binding";
+import { formatNumber } from "./format";
 import { usePage } from "./page";
 import { followPointer } from "./pointer";
 import { stepsOf } from "./presses";
-import { type Target, through, useLooseDrag, type ValueDrag } from "./target";
+import { Row, type RowProps } from "./row";
 
-interface FieldProps<V> {
-  label: string;
+export interface FieldProps<V> extends RowProps {
   value: V;
-  target: Target<V>;
-  disabled: boolean;
+  binding: Binding<V>;
 }
 
-interface NumberProps extends FieldProps<number> {
-  min?: number;
-  max?: number;
+export interface NumberProps extends FieldProps<number> {
+  /** The nearest number that may be set. */
+  clamp?: (value: number) => number;
   /** What one arrow key and one pixel of a scrub change it by. */
   step: number;
-  unit?: string;
+  /** Where a step by an arrow key ends, if not where it wants to or at the nearest number that may be set. */
+  stepTo?: (from: number, wanted: number) => number;
+  unit?: string | undefined;
   /** How exactly it is shown. */
   decimals?: number;
 }
 
-/** A row: what it is, and the control for it. */
-export function Row({ label, children }: { label: string; children: ComponentChildren }) {
-  return (
-    <div class="row">
-      <span class="row-label">{label}</span>
-      <div class="row-control">{children}</div>
-    </div>
-  );
-}
-
-/** A number as people read it: at most `decimals`, and fewer the larger it is. */
-export function formatNumber(value: number, decimals: number): string {
-  const spare = Math.floor(Math.log10(Math.max(Math.abs(value), 1)));
-  return String(Number(value.toFixed(Math.max(0, decimals - spare))));
-}
-
-const clamp = (value: number, { min = -Infinity, max = Infinity }: { min?: number; max?: number }) =>
-  Math.min(Math.max(value, min), max);
+const whatever = (value: number) => value;
 
 /** A number to type, to step by arrow keys and, where it has a tag, to scrub by dragging that. */
 export function NumberField({ tag, ...props }: NumberProps & { tag?: string }) {
-  const { label, value, target, disabled, step, unit, decimals = 3 } = props;
+  const { label, doc, value, binding, disabled, step, unit, decimals = 3, clamp = whatever } = props;
+  const { stepTo = (_, wanted) => clamp(wanted) } = props;
   const { presses } = usePage();
   const shown = formatNumber(value, decimals);
   const [draft, setDraft] = useState<string | null>(null);
@@ -57,7 +42,7 @@ export function NumberField({ tag, ...props }: NumberProps & { tag?: string }) {
     if (draft === null) return;
     const typed = Number(draft.replace(",", "."));
     setDraft(null);
-    if (draft.trim() !== "" && Number.isFinite(typed) && draft !== shown) target.set(clamp(typed, props));
+    if (draft.trim() !== "" && Number.isFinite(typed) && draft !== shown) binding.set(clamp(typed));
   };
   const scrub = (down: PointerEvent) => {
     if (disabled || down.button !== 0) return;
@@ -65,10 +50,10 @@ export function NumberField({ tag, ...props }: NumberProps & { tag?: string }) {
     let wanted = value;
     followPointer(down, {
       move(at, by) {
-        wanted = clamp(wanted + by.x * step, props);
+        wanted = clamp(wanted + by.x * step);
         // A finger that goes up or down is about to scroll the panel.
         const isSideways = Math.abs(at.x - down.clientX) > Math.abs(at.y - down.clientY);
-        if (isSideways) drag ??= target.drag();
+        if (isSideways) drag ??= binding.drag();
         drag?.update(wanted);
       },
       end: () => drag?.commit(),
@@ -87,7 +72,7 @@ export function NumberField({ tag, ...props }: NumberProps & { tag?: string }) {
       event.preventDefault();
       const by = (event.key === "ArrowUp" ? step : -step) * stepsOf(event);
       setDraft(null);
-      presses.press(input, value, (from) => clamp(from + by, props), target.drag);
+      presses.press(input, value, (from) => stepTo(from, from + by), binding.drag);
     }
   };
   return (
@@ -99,6 +84,7 @@ export function NumberField({ tag, ...props }: NumberProps & { tag?: string }) {
       )}
       <input
         aria-label={label}
+        title={doc}
         inputMode="decimal"
         disabled={disabled}
         value={draft ?? shown}
@@ -113,98 +99,32 @@ export function NumberField({ tag, ...props }: NumberProps & { tag?: string }) {
   );
 }
 
-interface SliderProps extends NumberProps {
-  /** Ends of the slider; the number beside it may go on to `min` and `max`. */
-  from: number;
-  to: number;
-}
-
-/** A slider with its number. */
-export function Slider({ from, to, ...props }: SliderProps) {
-  const { label, value, target, disabled, step } = props;
-  const { presses } = usePage();
-  const drag = useLooseDrag(target);
-  /** What moves it. Nothing does after Escape, or once the browser takes the touch for scrolling. */
-  const movedBy = useRef<"pointer" | "keys" | "nothing">("pointer");
-  const rest = useRef({ from, to, value });
-  const dragging = useRef(false);
-  // The ends stay where they are under the hand, and make room for the value at rest.
-  if (!dragging.current) rest.current = { from: Math.min(from, value), to: Math.max(to, value), value };
-  const ends = rest.current;
-  const cancel = (input: HTMLInputElement) => {
-    movedBy.current = "nothing";
-    dragging.current = false;
-    presses.cancel();
-    drag.cancel();
-    input.value = String(rest.current.value);
-  };
-  const share = (value - ends.from) / Math.max(ends.to - ends.from, 1e-9);
-  return (
-    <Row label={label}>
-      <input
-        type="range"
-        aria-label={`${label} slider`}
-        disabled={disabled}
-        min={ends.from}
-        max={ends.to}
-        step={step / 10}
-        value={value}
-        style={{ "--share": String(clamp(share, { min: 0, max: 1 })) }}
-        onInput={(event) => {
-          const input = event.currentTarget;
-          const wanted = Number(input.value);
-          if (movedBy.current === "keys") {
-            presses.press(input, value, () => wanted, target.drag);
-          } else if (movedBy.current === "pointer") {
-            dragging.current = true;
-            drag.update(wanted);
-          } else {
-            input.value = String(value);
-          }
-        }}
-        onChange={() => {
-          dragging.current = false;
-          drag.commit();
-        }}
-        onPointerDown={() => (movedBy.current = "pointer")}
-        onPointerCancel={(event) => cancel(event.currentTarget)}
-        onKeyDown={(event) => {
-          movedBy.current = "keys";
-          if (event.key === "Enter") presses.commit();
-          if (event.key === "Escape") cancel(event.currentTarget);
-        }}
-        onBlur={presses.commit}
-      />
-      <NumberField {...props} />
-    </Row>
-  );
-}
-
 const AXES = ["X", "Y", "Z"] as const;
 
+interface VectorProps extends FieldProps<Vec3> {
+  step: number;
+  tags?: readonly [string, string, string];
+  /** Of each component. */
+  clamp?: (value: number) => number;
+}
+
 /** Three numbers. */
-export function VectorField({
-  label,
-  value,
-  target,
-  disabled,
-  step,
-  tags = AXES,
-  min,
-}: FieldProps<Vec3> & { step: number; tags?: readonly [string, string, string]; min?: number }) {
+export function VectorField({ step, tags = AXES, clamp = whatever, ...props }: VectorProps) {
+  const { label, doc, value, binding, disabled } = props;
   return (
-    <Row label={label}>
+    <Row {...props}>
       {tags.map((tag, axis) => (
         <NumberField
           key={tag}
           tag={tag}
           label={`${label} ${tag}`}
+          doc={doc}
           value={value[axis] ?? 0}
-          target={through(target, (component: number) => withComponent(value, axis, component))}
+          binding={through(binding, (component: number) => withComponent(value, axis, component))}
           disabled={disabled}
           step={step}
           decimals={2}
-          {...(min === undefined ? {} : { min })}
+          clamp={clamp}
         />
       ))}
     </Row>
@@ -216,25 +136,25 @@ function withComponent(vector: Vec3, axis: number, component: number): Vec3 {
   return [x ?? 0, y ?? 0, z ?? 0];
 }
 
+interface ChoiceProps extends FieldProps<string> {
+  choices: readonly { name: string; label: string }[];
+}
+
 /** One of a few. */
-export function Choice<V extends string>({
-  label,
-  value,
-  target,
-  disabled,
-  options,
-}: FieldProps<V> & { options: Readonly<{ [K in V]: string }> }) {
+export function Choice({ choices, ...props }: ChoiceProps) {
+  const { label, doc, value, binding, disabled } = props;
   return (
-    <Row label={label}>
+    <Row {...props}>
       <select
         aria-label={label}
+        title={doc}
         disabled={disabled}
         value={value}
-        onChange={(event) => target.set(event.currentTarget.value as V)}
+        onChange={(event) => binding.set(event.currentTarget.value)}
       >
-        {(Object.keys(options) as V[]).map((option) => (
-          <option key={option} value={option}>
-            {options[option]}
+        {choices.map((choice) => (
+          <option key={choice.name} value={choice.name}>
+            {choice.label}
           </option>
         ))}
       </select>
@@ -242,20 +162,39 @@ export function Choice<V extends string>({
   );
 }
 
-/** A line of text. */
-export function TextField({
-  label,
-  value,
-  set,
-  disabled,
-  autofocus = false,
-}: {
+/** On or off. */
+export function Checkbox(props: FieldProps<boolean>) {
+  const { label, doc, value, binding, disabled } = props;
+  return (
+    <Row {...props}>
+      <input
+        type="checkbox"
+        aria-label={label}
+        title={doc}
+        disabled={disabled}
+        checked={value}
+        onChange={(event) => binding.set(event.currentTarget.checked)}
+      />
+    </Row>
+  );
+}
+
+interface TextProps {
   label: string;
+  doc?: string | undefined;
   value: string;
   set(text: string): void;
   disabled: boolean;
+  /** In UTF-16 units, as fields count. */
+  maxLength?: number;
   autofocus?: boolean;
-}) {
+}
+
+const LONGEST_TEXT = 200;
+
+/** A line of text. */
+export function TextField(props: TextProps) {
+  const { label, doc, value, set, disabled, maxLength = LONGEST_TEXT, autofocus = false } = props;
   const input = useRef<HTMLInputElement>(null);
   useEffect(() => {
     if (autofocus) input.current?.select();
@@ -265,55 +204,15 @@ export function TextField({
       class="text"
       ref={input}
       aria-label={label}
+      title={doc}
       disabled={disabled}
       value={value}
-      maxLength={200}
+      maxLength={maxLength}
       onKeyDown={(event) => {
         if (event.key === "Escape") event.currentTarget.value = value;
         if (event.key === "Escape" || event.key === "Enter") event.currentTarget.blur();
       }}
       onBlur={(event) => event.currentTarget.value !== value && set(event.currentTarget.value)}
     />
-  );
-}
-
-const linearFromSrgb = (c: number) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
-const srgbFromLinear = (c: number) => (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055);
-
-function hexOf(color: Vec3): string {
-  const byte = (c: number) => Math.round(srgbFromLinear(clamp(c, { min: 0, max: 1 })) * 255);
-  return `#${color.map((c) => byte(c).toString(16).padStart(2, "0")).join("")}`;
-}
-
-function linearOf(hex: string): Vec3 {
-  const channel = (at: number) => linearFromSrgb(Number.parseInt(hex.slice(at, at + 2), 16) / 255);
-  return [channel(1), channel(3), channel(5)];
-}
-
-/** A linear colour: a swatch to pick by eye, and its numbers, which may exceed 1. */
-export function ColorField({ label, value, target, disabled }: FieldProps<Vec3>) {
-  const drag = useLooseDrag(target);
-  return (
-    <>
-      <Row label={label}>
-        <input
-          type="color"
-          aria-label={`${label} swatch`}
-          disabled={disabled}
-          value={hexOf(value)}
-          onInput={(event) => drag.update(linearOf(event.currentTarget.value))}
-          onChange={() => drag.commit()}
-        />
-      </Row>
-      <VectorField
-        label={`${label} RGB`}
-        value={value}
-        target={target}
-        disabled={disabled}
-        step={0.01}
-        tags={["R", "G", "B"]}
-        min={0}
-      />
-    </>
   );
 }

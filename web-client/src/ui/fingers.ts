@@ -17,7 +17,7 @@ export function twoFingers(moved: (before: Fingers, after: Fingers) => void) {
       if (event.pointerType !== "touch") return;
       // The first of new fingers: none is left of earlier ones, wherever they were lifted.
       if (event.isPrimary) down.clear();
-      down.set(event.pointerId, placeOf(event));
+      down.set(event.pointerId, pixelOf(event));
       if (down.size < 2) return;
       event.stopPropagation();
       (event.currentTarget as Element).setPointerCapture(event.pointerId);
@@ -25,7 +25,7 @@ export function twoFingers(moved: (before: Fingers, after: Fingers) => void) {
     onPointerMoveCapture(event: PointerEvent) {
       if (!down.has(event.pointerId)) return;
       const before = fingers();
-      down.set(event.pointerId, placeOf(event));
+      down.set(event.pointerId, pixelOf(event));
       const after = fingers();
       if (before !== null && after !== null) moved(before, after);
     },
@@ -34,4 +34,4 @@ export function twoFingers(moved: (before: Fingers, after: Fingers) => void) {
   };
 }
 
-const placeOf = ({ clientX, clientY }: PointerEvent): Pixel => ({ x: clientX, y: clientY });
+const pixelOf = ({ clientX, clientY }: PointerEvent): Pixel => ({ x: clientX, y: clientY });

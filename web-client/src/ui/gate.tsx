@@ -11,9 +11,9 @@ interface FilmGateProps {
 /** A fine line around what `render` will write; the rest of the stage is dark. */
 export function FilmGate({ view, at }: FilmGateProps) {
   const { x, y, width, height } = gateOf(view);
-  const place = { left: at.x + x, top: at.y + y, width, height };
-  return <div class="gate" aria-hidden="true" style={inPixels(place)} />;
+  const box = { left: at.x + x, top: at.y + y, width, height };
+  return <div class="gate" aria-hidden="true" style={inPixels(box)} />;
 }
 
-const inPixels = (place: { [side: string]: number }) =>
-  Object.fromEntries(Object.entries(place).map(([side, length]) => [side, `${length}px`]));
+const inPixels = (box: { [side: string]: number }) =>
+  Object.fromEntries(Object.entries(box).map(([side, length]) => [side, `${length}px`]));

@@ -1,10 +1,10 @@
 // Handles by keys. Arrows move what has the focus, page keys move it away from the eye and back.
 
+import { isRemovable } from "../core/curve";
 import type { Drawn, Handle } from "../core/handles";
 import { NO_STEPS, nudge, type Steps } from "../core/nudge";
 import type { Command } from "../core/protocol";
 import type { Page } from "./page";
-import { removablePoint } from "./point_panel";
 import { stepsOf } from "./presses";
 
 const WAYS: { [key: string]: Steps } = {
@@ -58,6 +58,7 @@ function remove(event: KeyboardEvent, { session }: Page, handle: Handle, drawn: 
 /** Removes the control point, or at its source the light; both can be undone. */
 function removal(handle: Handle, { id, light }: Drawn): Command | null {
   if (handle.kind === "source") return { type: "removeLight", light: id };
-  if (handle.kind !== "point" || light.type !== "bendy" || !removablePoint(light, handle.point)) return null;
+  if (handle.kind !== "point" || light.type !== "bendy") return null;
+  if (!isRemovable(light.points.length, handle.point)) return null;
   return { type: "removePoint", light: id, point: handle.point };
 }

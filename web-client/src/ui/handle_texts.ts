@@ -9,7 +9,7 @@ import { lightLabel } from "../core/document";
 import type { Drawn, Handle } from "../core/handles";
 import type { Light } from "../core/protocol";
 import { toEulerDegrees, type Vec3 } from "../core/vector";
-import { formatNumber } from "./fields";
+import { formatNumber } from "./format";
 
 /** What a handle does, for the pointer that rests on it. */
 export function titleOf(handle: Handle): string {
@@ -31,7 +31,7 @@ export function titleOf(handle: Handle): string {
 export function described(handle: Handle, drawn: Drawn): AriaAttributes {
   const { light } = drawn;
   const name = lightLabel(drawn);
-  const place = (at: Vec3): AriaAttributes => ({
+  const whereabouts = (at: Vec3): AriaAttributes => ({
     "aria-roledescription": "2D slider",
     "aria-valuenow": at[0],
     "aria-valuetext": `x ${spoken(at[0])}, y ${spoken(at[1])}, z ${spoken(at[2])}`,
@@ -42,11 +42,11 @@ export function described(handle: Handle, drawn: Drawn): AriaAttributes {
   });
   switch (handle.kind) {
     case "source":
-      return { "aria-label": `Source of ${name}`, ...place(light.transform.translation) };
+      return { "aria-label": `Source of ${name}`, ...whereabouts(light.transform.translation) };
     case "point":
       return {
         "aria-label": `Control point ${handle.point} of ${name}`,
-        ...place(pointOf(light, handle.point)),
+        ...whereabouts(pointOf(light, handle.point)),
       };
     case "radius":
       return {

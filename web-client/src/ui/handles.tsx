@@ -10,7 +10,7 @@ import {
   type Handle,
   handleName,
   handlesOf,
-  placeOf,
+  positionOf,
   turnAxis,
   turnRadius,
 } from "../core/handles";
@@ -35,8 +35,8 @@ export const REACH_PX = 12;
 export function Handles({ drawn, locked }: HandlesProps) {
   const page = usePage();
   const disabled = locked || !canEdit(page);
-  const operate = (handle: Handle): Operations => ({
-    tabindex: tabIndexAt(drawn.view, placeOf(handle, drawn)),
+  const operate = (handle: Handle): GroupProps => ({
+    tabindex: tabIndexAt(drawn.view, positionOf(handle, drawn)),
     role: "slider",
     "aria-disabled": disabled,
     ...described(handle, drawn),
@@ -48,34 +48,34 @@ export function Handles({ drawn, locked }: HandlesProps) {
   return (
     <g data-disabled={disabled}>
       {AXES.map((axis) => (
-        <TurnRing key={axis} axis={axis} drawn={drawn} operations={operate({ kind: "turn", axis })} />
+        <TurnRing key={axis} axis={axis} drawn={drawn} props={operate({ kind: "turn", axis })} />
       ))}
       {handlesOf(drawn.light).map((handle) => (
-        <PointHandle key={handleName(handle)} handle={handle} drawn={drawn} operations={operate(handle)} />
+        <PointHandle key={handleName(handle)} handle={handle} drawn={drawn} props={operate(handle)} />
       ))}
-      <PointHandle handle={{ kind: "source" }} drawn={drawn} operations={operate({ kind: "source" })} />
+      <PointHandle handle={{ kind: "source" }} drawn={drawn} props={operate({ kind: "source" })} />
     </g>
   );
 }
 
 /** Tab passes over what is out of sight. */
-export function tabIndexAt(view: View, place: Vec3): 0 | -1 {
-  const at = project(view, place);
+export function tabIndexAt(view: View, position: Vec3): 0 | -1 {
+  const at = project(view, position);
   return at !== null && isInPicture(view, at) ? 0 : -1;
 }
 
 interface HandleProps<H extends Handle = Handle> {
   handle: H;
   drawn: Drawn;
-  operations: Operations;
+  props: GroupProps;
 }
 
 /** What a handle is to the keyboard, the pointer and screen readers. */
-type Operations = JSX.IntrinsicElements["g"];
+type GroupProps = JSX.IntrinsicElements["g"];
 
-function PointHandle({ handle, drawn, operations }: HandleProps) {
+function PointHandle({ handle, drawn, props }: HandleProps) {
   const { selectedPoint } = usePage();
-  const at = project(drawn.view, placeOf(handle, drawn));
+  const at = project(drawn.view, positionOf(handle, drawn));
   if (at === null) return null;
   const point = "point" in handle ? handle.point : null;
   return (
@@ -84,7 +84,7 @@ function PointHandle({ handle, drawn, operations }: HandleProps) {
       data-handle={handleName(handle)}
       data-current={point !== null && point === selectedPoint.value}
       transform={`translate(${at.x.toFixed(2)} ${at.y.toFixed(2)})`}
-      {...operations}
+      {...props}
     >
       <title>{titleOf(handle)}</title>
       <circle class="reach" r={REACH_PX} />
@@ -117,13 +117,13 @@ function Mark({ handle }: { handle: Handle }) {
 }
 
 /** A ring around the source; the half behind it is faint. */
-function TurnRing({ axis, drawn, operations }: { axis: Axis; drawn: Drawn; operations: Operations }) {
+function TurnRing({ axis, drawn, props }: { axis: Axis; drawn: Drawn; props: GroupProps }) {
   const { light, view } = drawn;
   const centre = light.transform.translation;
   const ring = circle(centre, turnAxis(light, axis), turnRadius(drawn));
   if (project(view, centre) === null) return null;
   return (
-    <g class={`turn axis-${axis}`} data-handle={handleName({ kind: "turn", axis })} {...operations}>
+    <g class={`turn axis-${axis}`} data-handle={handleName({ kind: "turn", axis })} {...props}>
       <title>{titleOf({ kind: "turn", axis })}</title>
       <path class="reach-line" d={pathOf(view, ring)} />
       <path class="turn-back" d={pathOf(view, ring)} />

@@ -1,6 +1,7 @@
 // The browser as the core's surroundings.
 
 import type { Host } from "../core/connection";
+import type { ParameterTable } from "../core/protocol";
 
 /** Opens sockets at the server that the page came from. */
 export function browserHost(): Host {
@@ -26,7 +27,7 @@ export function browserHost(): Host {
       const timer = setTimeout(task, ms);
       return () => clearTimeout(timer);
     },
-    nextFrame,
+    beforeRepaint,
     random: Math.random,
     newId,
   };
@@ -35,7 +36,7 @@ export function browserHost(): Host {
 /** A hidden page has no animation frames; after so long it goes on without, and still acknowledges. */
 const HIDDEN_FRAME_MS = 500;
 
-function nextFrame(task: () => void): void {
+function beforeRepaint(task: () => void): void {
   const run = () => {
     cancelAnimationFrame(frame);
     clearTimeout(timer);
@@ -51,3 +52,20 @@ export function newId(): string {
     .map((byte) => byte.toString(16).padStart(2, "0"))
     .join("");
 }
+
+/** The table of parameters, or a sentence that says why there is none. */
+export async function fetchTable(token: string): Promise<ParameterTable | string> {
+  const headers = { authorization: `Bearer ${token}` };
+  try {
+    const answer = await fetch("/parameters", { headers });
+    if (answer.ok) return (await answer.json()) as ParameterTable;
+    if (answer.status === 404) return OLD_SERVER;
+    const { error } = (await answer.json()) as { error: { message: string } };
+    return error.message;
+  } catch {
+    return "The server does not answer, so the page cannot know what can be set on lights. Try again once it does.";
+  }
+}
+
+const OLD_SERVER =
+  "The server does not say what can be set on lights, as this page needs: it is an older one. Start the one that the page came with.";

@@ -1,6 +1,6 @@
 // Keys of the whole page. Fields keep theirs, but for undo where nothing was typed.
 
-import { frameLight, frameScene } from "./framing";
+import { fitLight, fitScene } from "./fitting";
 import { canEdit, type Page } from "./page";
 
 const FIELDS = "input:not([type=range]), select, textarea";
@@ -29,9 +29,9 @@ function taskFor(page: Page, event: KeyboardEvent): (() => void) | null {
   if (event.altKey) return null;
   switch (key) {
     case "a":
-      return () => frameScene(page);
+      return () => fitScene(page);
     case "f":
-      return () => frameLight(page);
+      return () => fitLight(page);
     case "g":
       return () => (showGate.value = !showGate.value);
     case "h":

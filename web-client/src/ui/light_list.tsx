@@ -5,9 +5,11 @@ import { useEffect, useRef } from "preact/hooks";
 import { lightLabel } from "../core/document";
 import type { DocumentLight } from "../core/protocol";
 import { Icon } from "./icons";
+import { focusBeside } from "./list_focus";
 import { addLight } from "./new_lights";
 import { canEdit, selectLight, usePage } from "./page";
 import { colorOf } from "./person";
+import { QuietButton } from "./quiet_button";
 
 export function LightList() {
   const page = usePage();
@@ -17,30 +19,18 @@ export function LightList() {
     <section class="panel" aria-label="Lights">
       <header class="panel-head">
         <h2>Lights</h2>
-        <button
-          class="quiet"
-          title="Add a BendyLight"
-          aria-label="Add a BendyLight"
-          disabled={disabled}
-          onClick={() => addLight(page, "bendy")}
-        >
+        <QuietButton title="Add a BendyLight" disabled={disabled} press={() => addLight(page, "bendy")}>
           <Icon name="plus" />
           <Icon name="bendy" />
-        </button>
-        <button
-          class="quiet"
-          title="Add a spotlight"
-          aria-label="Add a spotlight"
-          disabled={disabled}
-          onClick={() => addLight(page, "spot")}
-        >
+        </QuietButton>
+        <QuietButton title="Add a spotlight" disabled={disabled} press={() => addLight(page, "spot")}>
           <Icon name="plus" />
           <Icon name="spot" />
-        </button>
+        </QuietButton>
       </header>
       <ul class="list">
-        {lights.map((placed) => (
-          <LightRow key={placed.id} placed={placed} disabled={disabled} />
+        {lights.map((entry) => (
+          <LightRow key={entry.id} entry={entry} disabled={disabled} />
         ))}
         {lights.length === 0 && <li class="empty">No lights. Add one above.</li>}
       </ul>
@@ -48,10 +38,10 @@ export function LightList() {
   );
 }
 
-function LightRow({ placed, disabled }: { placed: DocumentLight; disabled: boolean }) {
+function LightRow({ entry, disabled }: { entry: DocumentLight; disabled: boolean }) {
   const page = usePage();
   const { session, selectedLight } = page;
-  const { id, light } = placed;
+  const { id, light } = entry;
   const others = session.people.value.filter((p) => p.selection === id && p.client !== session.client.value);
   const held = session.gestures.value.some((gesture) => gesture.light === id);
   const selected = selectedLight.value === id;
@@ -63,7 +53,7 @@ function LightRow({ placed, disabled }: { placed: DocumentLight; disabled: boole
     <li class="item" ref={row} data-light={id} aria-current={selected}>
       <button class="item-name" onClick={() => selectLight(page, id)}>
         <Icon name={light.type} />
-        <span class="clipped">{lightLabel(placed)}</span>
+        <span class="clipped">{lightLabel(entry)}</span>
       </button>
       {others.map(({ client, actor }) => (
         <span
@@ -76,15 +66,18 @@ function LightRow({ placed, disabled }: { placed: DocumentLight; disabled: boole
         />
       ))}
       {held && <Icon name="lock" />}
-      <button
-        class="quiet item-action"
+      <QuietButton
+        class="item-action"
         title="Remove this light"
-        aria-label={`Remove ${lightLabel(placed)}`}
+        label={`Remove ${lightLabel(entry)}`}
         disabled={disabled || held}
-        onClick={() => session.edit({ type: "removeLight", light: id })}
+        press={(button) => {
+          focusBeside(button);
+          session.edit({ type: "removeLight", light: id });
+        }}
       >
         <Icon name="trash" />
-      </button>
+      </QuietButton>
     </li>
   );
 }

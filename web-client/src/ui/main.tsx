@@ -5,8 +5,9 @@ import { render } from "preact";
 
 import { startSession } from "../core/session";
 import { readAddress } from "./address";
-import { App, NoToken } from "./app";
-import { browserHost } from "./host";
+import type { ParameterTable } from "../core/protocol";
+import { App, NoToken, Refusal } from "./app";
+import { browserHost, fetchTable } from "./host";
 import { bindKeys } from "./keys";
 import { PageProvider, startPage, startToasts } from "./page";
 import { keepActor, readActor } from "./person";
@@ -24,10 +25,18 @@ addEventListener("hashchange", () => location.reload());
 if (token === "") {
   render(<NoToken />, root);
 } else {
-  start();
+  void open();
 }
 
-function start(): void {
+/** Nothing can be shown of a document before it is known what stands in it. */
+async function open(): Promise<void> {
+  const table = await fetchTable(token);
+  render(null, root);
+  if (typeof table === "string") render(<Refusal why={table} again={() => void open()} />, root);
+  else start(table);
+}
+
+function start(table: ParameterTable): void {
   const toasts = startToasts();
   const host = browserHost();
   const screen = canvasScreen();
@@ -35,9 +44,10 @@ function start(): void {
     host,
     token,
     session: name,
+    table,
     actor: readActor(),
     screen,
-    notify: toasts.say,
+    notify: toasts.add,
   });
   const page = startPage({ host, session, screen, name, toasts });
   effect(() => keepActor(session.actor.value));

@@ -2,7 +2,8 @@
 
 import { freeName } from "../core/document";
 import { pivotOf } from "../core/navigation";
-import type { Bendy, Light, Spot, Transform } from "../core/protocol";
+import type { Transform } from "../core/outline";
+import type { Bendy, Light, Spot } from "../core/protocol";
 import { add } from "../core/vector";
 import type { Page } from "./page";
 
@@ -22,7 +23,10 @@ function above(page: Page): { transform: Transform; height: number } | null {
   return { transform: { translation, rotation: DOWNWARD, scale: 1 }, height };
 }
 
-function newBendy(name: string, transform: Transform, height: number): Bendy {
+/** A light as it is asked for: the server fills in the defaults of what is left out. */
+type NewLight<L extends Light> = Partial<L> & { type: L["type"] };
+
+function newBendy(name: string, transform: Transform, height: number): NewLight<Bendy> {
   const along = ABSCISSAE.map((t) => (t / 2) * height * 1.3);
   const source = 0.05 * height;
   return {
@@ -31,41 +35,26 @@ function newBendy(name: string, transform: Transform, height: number): Bendy {
     transform,
     points: along.map((z) => [0, 0, -z]),
     radii: along.map((z) => source + z * Math.tan((CONE_ANGLE * Math.PI) / 180)),
-    colors: along.map(() => [1, 1, 1]),
     intensities: along.map(() => 2),
-    up: [0, 1, 0],
     coneAngle: CONE_ANGLE,
-    coneSoftness: 0.3,
-    frame: "rotationMinimizing",
-    direction: "tube",
-    endMode: "cut",
-    decay: "none",
   };
 }
 
-function newSpot(name: string, transform: Transform, height: number): Spot {
+function newSpot(name: string, transform: Transform, height: number): NewLight<Spot> {
   // Candela, so that about 2 arrives at the pivot.
   const intensity = Number((2 * height * height).toPrecision(3));
-  return {
-    type: "spot",
-    name,
-    transform,
-    color: [1, 1, 1],
-    intensity,
-    coneAngle: CONE_ANGLE,
-    coneSoftness: 0.3,
-    decay: "inverseSquare",
-  };
+  return { type: "spot", name, transform, intensity, decay: "inverseSquare" };
 }
 
 /** Adds a light and selects it once it is there. */
 export function addLight(page: Page, type: Light["type"]): void {
-  const place = above(page);
-  if (place === null) return;
+  const origin = above(page);
+  if (origin === null) return;
   const names = page.session.document.value.lights.map(({ light }) => light.name);
   const name = freeName(type, names);
   const make = type === "bendy" ? newBendy : newSpot;
-  page.session.edit({ type: "addLight", light: make(name, place.transform, place.height) }, ({ changes }) => {
+  const light = make(name, origin.transform, origin.height) as Light;
+  page.session.edit({ type: "addLight", light }, ({ changes }) => {
     const added = changes.find((change) => change.type === "light");
     if (added === undefined) return;
     page.selectedLight.value = added.light;

@@ -6,7 +6,7 @@ import { lightLabel } from "../core/document";
 import type { Drawn } from "../core/handles";
 import { centreLine, ringAt, silhouette, tubeOf } from "../core/outline";
 import type { DocumentLight } from "../core/protocol";
-import { coneReach } from "./framing";
+import { coneReach } from "./fitting";
 import { Handles, REACH_PX, tabIndexAt } from "./handles";
 import { Line } from "./lines";
 import { selectLight, usePage } from "./page";
@@ -26,28 +26,28 @@ export function Overlay({ view, at, size }: OverlayProps) {
   const { lights } = session.document.value;
   const isSelected = ({ id }: DocumentLight) => id === selectedLight.value;
   // The selected light is on top.
-  const ordered = [...lights.filter((placed) => !isSelected(placed)), ...lights.filter(isSelected)];
+  const ordered = [...lights.filter((entry) => !isSelected(entry)), ...lights.filter(isSelected)];
   return (
     <svg class="overlay" width={size.width} height={size.height} role="group" aria-label="Lights">
       <g transform={`translate(${at.x} ${at.y})`}>
-        {ordered.map((placed) => (
-          <LightOverlay key={placed.id} placed={placed} view={view} selected={isSelected(placed)} />
+        {ordered.map((entry) => (
+          <LightOverlay key={entry.id} entry={entry} view={view} selected={isSelected(entry)} />
         ))}
       </g>
-      {lights.map((placed) => (
-        <NameTag key={placed.id} placed={placed} view={view} at={at} size={size} />
+      {lights.map((entry) => (
+        <NameTag key={entry.id} entry={entry} view={view} at={at} size={size} />
       ))}
     </svg>
   );
 }
 
 interface LightOverlayProps {
-  placed: DocumentLight;
+  entry: DocumentLight;
   view: View;
   selected: boolean;
 }
 
-function LightOverlay({ placed: { id, light }, view, selected }: LightOverlayProps) {
+function LightOverlay({ entry: { id, light }, view, selected }: LightOverlayProps) {
   const page = usePage();
   const { session } = page;
   const drawn: Drawn = { id, light, tube: tubeOf(light, coneReach(page)), view };
@@ -103,7 +103,8 @@ function LightOverlay({ placed: { id, light }, view, selected }: LightOverlayPro
 const TAG = { width: 150, height: 14 };
 
 /** The light's name at its source; that of a light that somebody holds stays in sight, with the holder's. */
-function NameTag({ placed: { id, light }, view, at, size }: OverlayProps & { placed: DocumentLight }) {
+function NameTag({ entry, view, at, size }: OverlayProps & { entry: DocumentLight }) {
+  const { id, light } = entry;
   const { session } = usePage();
   const holder = session.gestures.value.find((gesture) => gesture.light === id)?.client;
   const source = project(view, light.transform.translation);
@@ -112,7 +113,7 @@ function NameTag({ placed: { id, light }, view, at, size }: OverlayProps & { pla
   if (holder === undefined) {
     return source === null ? null : (
       <text class="light-name" {...wanted}>
-        {light.name}
+        {lightLabel(entry)}
       </text>
     );
   }
@@ -120,7 +121,7 @@ function NameTag({ placed: { id, light }, view, at, size }: OverlayProps & { pla
   const y = Math.min(Math.max(wanted.y, 10 + TAG.height), size.height - TAG.height);
   return (
     <text class="light-name" x={x} y={y} style={{ fill: colorOf(holder) }}>
-      {light.name} is held by {nameOf(session.people.value, holder)}
+      {lightLabel(entry)} is held by {nameOf(session.people.value, holder)}
     </text>
   );
 }

@@ -40,7 +40,7 @@ const MOST_TOASTS = 4;
 
 export interface Toasts {
   list: Signal<readonly Toast[]>;
-  say(message: string): void;
+  add(message: string): void;
 }
 
 export function startToasts(): Toasts {
@@ -48,7 +48,7 @@ export function startToasts(): Toasts {
   let key = 0;
   return {
     list,
-    say(message) {
+    add(message) {
       key += 1;
       const toast = { key, message };
       list.value = [...list.value.filter((t) => t.message !== message), toast].slice(-MOST_TOASTS);
@@ -95,7 +95,7 @@ export function selectLight(page: Page, light: LightId | null): void {
 function followLights(page: Page): void {
   const { lights } = page.session.document.value;
   const selected = page.selectedLight.peek();
-  const light = lights.find((placed) => placed.id === selected);
+  const light = lights.find((entry) => entry.id === selected);
   if (light === undefined) {
     selectLight(page, lights[0]?.id ?? null);
   } else if (light.light.type === "bendy") {

@@ -1,21 +1,22 @@
 // The control points of the selected BendyLight, one at a time.
 
-import type { Bendy, PointParameter } from "../core/protocol";
-import type { Vec3 } from "../core/vector";
-import { ColorField, Slider, VectorField } from "./fields";
+import { isRemovable } from "../core/curve";
+import type { LightId } from "../core/ids";
+import { rowsOf, setParameter, valueIn } from "../core/parameters";
+import type { Bendy } from "../core/protocol";
+import { lightBinding } from "./binding";
 import { Icon } from "./icons";
-import type { PartProps } from "./light_panel";
 import { usePage } from "./page";
-import { lightTarget, type Target } from "./target";
+import { ParameterField } from "./parameter_field";
+import { QuietButton } from "./quiet_button";
 
-/** The fewest control points that make a curve. */
-const FEWEST_POINTS = 3;
+interface PointPanelProps {
+  id: LightId;
+  light: Bendy;
+  disabled: boolean;
+}
 
-/** Whether the curve can do without control point `point`. */
-export const removablePoint = (light: Bendy, point: number): boolean =>
-  point > 0 && light.points.length > FEWEST_POINTS;
-
-export function PointPanel({ id, light, disabled }: PartProps<Bendy>) {
+export function PointPanel({ id, light, disabled }: PointPanelProps) {
   const { session, selectedPoint } = usePage();
   const selected = selectedPoint.value;
   const insert = (point: number) => {
@@ -25,32 +26,29 @@ export function PointPanel({ id, light, disabled }: PartProps<Bendy>) {
     <section class="panel" aria-label="Control points">
       <header class="panel-head">
         <h2>Control points</h2>
-        <button
-          class="quiet"
+        <QuietButton
           title={
             selected === null ? "Add a control point at the end" : "Insert a control point after this one"
           }
-          aria-label="Insert control point"
+          label="Insert control point"
           disabled={disabled}
-          onClick={() => insert(selected === null ? light.points.length : selected + 1)}
+          press={() => insert(selected === null ? light.points.length : selected + 1)}
         >
           <Icon name="plus" />
-        </button>
-        <button
-          class="quiet"
+        </QuietButton>
+        <QuietButton
           title="Remove this control point"
-          aria-label="Remove control point"
-          disabled={disabled || selected === null || !removablePoint(light, selected)}
-          onClick={() =>
-            selected !== null && session.edit({ type: "removePoint", light: id, point: selected })
-          }
+          label="Remove control point"
+          disabled={disabled || selected === null || !isRemovable(light.points.length, selected)}
+          press={() => selected !== null && session.edit({ type: "removePoint", light: id, point: selected })}
         >
           <Icon name="minus" />
-        </button>
+        </QuietButton>
       </header>
       <div class="tabs" role="group" aria-label="Control point">
         {light.points.map((_, point) => (
           <button
+            // biome-ignore lint/suspicious/noArrayIndexKey: a control point is known by its index
             key={point}
             class="tab"
             aria-pressed={selected === point}
@@ -70,53 +68,23 @@ export function PointPanel({ id, light, disabled }: PartProps<Bendy>) {
   );
 }
 
-function PointFields({ id, light, point, disabled }: PartProps<Bendy> & { point: number }) {
+function PointFields({ id, light, point, disabled }: PointPanelProps & { point: number }) {
   const { session } = usePage();
-  function parameter<V>(make: (value: V) => PointParameter): Target<V> {
-    return lightTarget(session, id, (value: V) => ({
-      type: "setPoint",
-      light: id,
-      point,
-      parameter: make(value),
-    }));
-  }
+  // The first control point is the light's source: it moves with the light.
+  const rows = rowsOf(session.table, "point").filter(({ name }) => point > 0 || name !== "position");
   return (
     <>
-      {point > 0 && (
-        <VectorField
-          label="Position"
-          value={light.points[point] ?? [0, 0, 0]}
-          target={parameter((position: Vec3) => ({ position }))}
+      {rows.map((row) => (
+        <ParameterField
+          key={row.name}
+          row={row}
+          value={valueIn(row, "point", light, point)}
+          initial={row.default.point}
+          among={light.points.map((_, other) => valueIn(row, "point", light, other))}
+          binding={lightBinding(session, id, (value) => setParameter(id, row, value, point))}
           disabled={disabled}
-          step={0.01}
         />
-      )}
-      <Slider
-        label="Radius"
-        value={light.radii[point] ?? 0}
-        from={0}
-        to={2 * Math.max(...light.radii)}
-        min={0}
-        step={0.01}
-        target={parameter((radius: number) => ({ radius }))}
-        disabled={disabled}
-      />
-      <Slider
-        label="Intensity"
-        value={light.intensities[point] ?? 0}
-        from={0}
-        to={10}
-        min={0}
-        step={0.05}
-        target={parameter((intensity: number) => ({ intensity }))}
-        disabled={disabled}
-      />
-      <ColorField
-        label="Color"
-        value={light.colors[point] ?? [1, 1, 1]}
-        target={parameter((color: Vec3) => ({ color }))}
-        disabled={disabled}
-      />
+      ))}
     </>
   );
 }

@@ -2,7 +2,7 @@
 
 import type { Host } from "../core/connection";
 import type { Session } from "../core/session";
-import type { ValueDrag } from "./target";
+import type { ValueDrag } from "./binding";
 
 /** Whose presses rest for so long has done: longer than a finger takes to press again. */
 const REST_MS = 1000;

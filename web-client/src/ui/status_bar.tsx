@@ -7,7 +7,7 @@ export function StatusBar() {
   const frame = session.frame.value;
   const connected = session.connection.value.kind === "connected";
   const { latencyMs, framesPerSecond } = session.statistics.value;
-  const stages =
+  const times =
     frame === null
       ? ""
       : `waited ${ms(frame.waitUs)}, rendered ${ms(frame.renderUs)}, encoded ${ms(frame.encodeUs)}`;
@@ -24,7 +24,7 @@ export function StatusBar() {
           <span>
             {frame.samples} {frame.samples === 1 ? "sample" : "samples"}
           </span>
-          <span title={`The latest picture: ${stages}`}>render {ms(frame.renderUs)}</span>
+          <span title={`The latest picture: ${times}`}>render {ms(frame.renderUs)}</span>
         </>
       )}
       <span title="From a change to its picture on the screen, median of the latest">

@@ -8,6 +8,7 @@ import { TextField } from "./fields";
 import { Icon } from "./icons";
 import { canEdit, usePage } from "./page";
 import { colorOf } from "./person";
+import { QuietButton } from "./quiet_button";
 import { SceneName } from "./scene_name";
 
 export function TopBar() {
@@ -83,16 +84,15 @@ function StepButton({ kind, keys, step, press }: StepButtonProps) {
   const by = step === null || step === undefined || isOwn ? "" : `, by ${step.actor.name}`;
   const label = step === null ? `Nothing to ${kind}` : `${verb} ${step?.what ?? "the last step"}${by}`;
   return (
-    <button
-      class="quiet"
+    <QuietButton
+      class={`step-${kind}`}
       title={step === null ? label : `${label} (${keys})`}
-      aria-label={label}
-      data-step={kind}
+      label={label}
       disabled={step === null || !canEdit(page)}
-      onClick={press}
+      press={press}
     >
       <Icon name={kind} />
-    </button>
+    </QuietButton>
   );
 }
 

@@ -1,17 +1,20 @@
 // The picture, the lights drawn over it, and the viewer's own view.
 
+import type { Signal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import type { Box, Size, View } from "../core/camera";
 import { orbit, pan, pinch, zoom } from "../core/navigation";
 import { twoFingers } from "./fingers";
-import { frameLight, frameScene } from "./framing";
+import { fitLight, fitScene } from "./fitting";
 import { FilmGate } from "./gate";
 import { Icon } from "./icons";
 import { Overlay } from "./overlay";
 import { type Page, usePage } from "./page";
 import { colorOf, nameOf } from "./person";
 import { followPointer } from "./pointer";
+import { QuietButton } from "./quiet_button";
 import { sentence } from "./sentence";
 import { pressView } from "./view_keys";
 
@@ -24,12 +27,13 @@ const CLICK_PX = 4;
 export function Viewport() {
   const page = usePage();
   const { session } = page;
+  const { viewer } = session;
   const stage = useRef<HTMLDivElement>(null);
   const size = useSize(stage);
   useEffect(() => {
     const pixels = pictureSize(size, devicePixelRatio);
-    if (pixels !== null) session.viewer.resize(pixels.width, pixels.height);
-  }, [size.width, size.height]);
+    if (pixels !== null) viewer.resize(pixels.width, pixels.height);
+  }, [viewer, size]);
 
   const connected = session.connection.value.kind === "connected";
   const frame = session.frame.value;
@@ -51,9 +55,10 @@ export function Viewport() {
         class="stage"
         ref={stage}
         data-stale={!connected && frame !== null}
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: as an application it takes keys
+        tabIndex={0}
         role="application"
         aria-label="View: arrow keys orbit, with Shift they pan, plus and minus zoom"
-        tabIndex={0}
         onKeyDown={(event) => pressView(event, page, view)}
         onPointerDown={(event) => startNavigation(event, page, size)}
         {...fingers}
@@ -90,40 +95,22 @@ function ViewTools() {
   const { showHandles, showGate, showKeys } = page;
   return (
     <div class="view-tools" role="toolbar" aria-label="View">
-      <button
-        class="quiet"
-        title="Frame the scene (A)"
-        aria-label="Frame the scene"
-        onClick={() => frameScene(page)}
-      >
-        <Icon name="frame" /> Scene
-      </button>
-      <button
-        class="quiet"
+      <QuietButton title="Frame the scene (A)" label="Frame the scene" press={() => fitScene(page)}>
+        <Icon name="fit" /> Scene
+      </QuietButton>
+      <QuietButton
         title="Frame the selected light (F)"
-        aria-label="Frame the selected light"
-        onClick={() => frameLight(page)}
+        label="Frame the selected light"
+        press={() => fitLight(page)}
       >
-        <Icon name="frame" /> Light
-      </button>
-      <button
-        class="quiet"
-        title="Show handles (H)"
-        aria-label="Show handles"
-        aria-pressed={showHandles.value}
-        onClick={() => (showHandles.value = !showHandles.value)}
-      >
+        <Icon name="fit" /> Light
+      </QuietButton>
+      <Toggle of={showHandles} title="Show handles (H)" label="Show handles">
         <Icon name="handles" /> Handles
-      </button>
-      <button
-        class="quiet"
-        title="Darken what render will not write (G)"
-        aria-label="Show the film gate"
-        aria-pressed={showGate.value}
-        onClick={() => (showGate.value = !showGate.value)}
-      >
+      </Toggle>
+      <Toggle of={showGate} title="Darken what render will not write (G)" label="Show the film gate">
         <Icon name="gate" /> Gate
-      </button>
+      </Toggle>
       <span class="spring" />
       <button
         class="quiet"
@@ -136,6 +123,17 @@ function ViewTools() {
       </button>
     </div>
   );
+}
+
+interface ToggleProps {
+  of: Signal<boolean>;
+  title: string;
+  label: string;
+  children: ComponentChildren;
+}
+
+function Toggle({ of, ...props }: ToggleProps) {
+  return <QuietButton {...props} pressed={of.value} press={() => (of.value = !of.value)} />;
 }
 
 /** Whose view this is, where it is another's. */
@@ -232,12 +230,13 @@ function contain(outer: Size, inner: Size): Box {
 function useSize(element: { current: HTMLElement | null }): Size {
   const [size, setSize] = useState<Size>({ width: 0, height: 0 });
   useEffect(() => {
-    if (element.current === null) return;
+    const { current } = element;
+    if (current === null) return;
     const observer = new ResizeObserver(([entry]) => {
       if (entry !== undefined) setSize({ width: entry.contentRect.width, height: entry.contentRect.height });
     });
-    observer.observe(element.current);
+    observer.observe(current);
     return () => observer.disconnect();
-  }, []);
+  }, [element]);
   return size;
 }

@@ -10,6 +10,7 @@ await runBrowserTest(async ({ open, picture }) => {
   await fields(page);
   await removing(page);
   await anotherLight(page, picture);
+  await theFocusStays(page);
 });
 
 /** Goes on with Tab until `selector` has the focus. */
@@ -97,7 +98,7 @@ async function aHandle(page, picture) {
   expect((await seqOf(page)) === seq + 1, "What was taken back must not be in the log.");
 
   await press(page, "ArrowLeft", 7);
-  const undo = page.locator('[data-step="undo"]');
+  const undo = page.locator(".step-undo");
   const offered = await undo.getAttribute("aria-label");
   expect(offered === "Undo the last step", `Undo must offer presses under way; it says ${offered}.`);
   await page.keyboard.press("Control+z");
@@ -178,4 +179,29 @@ async function anotherLight(page, picture) {
   await page.locator("[data-light][aria-current=true]", { hasText: "key" }).waitFor();
   await page.waitForFunction(() => document.activeElement.dataset.handle === "source");
   await picture(page, "3-another-light");
+}
+
+/** Where a button goes or turns grey under the keyboard. */
+async function theFocusStays(page) {
+  const focused = () => page.evaluate(() => document.activeElement.getAttribute("aria-label"));
+  const seq = await seqOf(page);
+  await page.getByRole("button", { name: "Remove spot 1" }).focus();
+  await page.keyboard.press("Enter");
+  await reached(page, seq + 1);
+  await page.getByRole("button", { name: "Remove spot 1" }).waitFor({ state: "detached" });
+  const beside = await focused();
+  expect(beside === "Remove key", `A row that goes must leave the focus to one beside it; ${beside} has it.`);
+
+  const undo = page.locator(".step-undo");
+  await undo.focus();
+  for (let next = seq + 2; (await undo.getAttribute("aria-disabled")) === "false"; next += 1) {
+    await page.keyboard.press("Enter");
+    await settled(page, next);
+  }
+  const grey = await focused();
+  expect(grey === "Nothing to undo", `A button that turns grey must keep the focus; ${grey} has it.`);
+  const last = await seqOf(page);
+  await page.keyboard.press("Enter");
+  await settled(page);
+  expect((await seqOf(page)) === last, "A grey button must do nothing.");
 }

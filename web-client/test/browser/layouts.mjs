@@ -72,7 +72,7 @@ async function everythingIsInReach(page, screen) {
   await page.evaluate(dress, "");
 
   await page.getByRole("button", { name: "rim", exact: true }).click();
-  await page.getByRole("checkbox", { name: "Endless" }).waitFor();
+  await page.getByRole("slider", { name: "Range slider" }).waitFor();
   await noFaults(page, screen);
   await page.getByRole("button", { name: "Add a spotlight" }).click();
   const added = page.locator("[data-light][aria-current=true]", { hasText: "spot" });

@@ -82,8 +82,8 @@ async function aDragIsSeenLive(ada, bob, picture) {
 
 /** Waits until the undo button says so; it is grey where it would do nothing. */
 async function undoIs(page, label) {
-  await page.locator(`[data-step="undo"][aria-label="${label}"]`).waitFor();
-  const isGrey = await page.locator('[data-step="undo"]').isDisabled();
+  await page.locator(`.step-undo[aria-label="${label}"]`).waitFor();
+  const isGrey = await page.locator(".step-undo").isDisabled();
   expect(isGrey === label.startsWith("Nothing"), `"${label}" must be grey only where it does nothing.`);
 }
 

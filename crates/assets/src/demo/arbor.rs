@@ -3,13 +3,14 @@
 use std::f64::consts::TAU;
 
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec2, Vec4};
-use light::BendyLight;
-use light::{Light, LightKind};
+use light::Light;
+use light::parameters::{CONE_SOFTNESS, NAME, TRANSLATION};
 use scene::{Camera, Fill, Material, Mesh, Node, Primitive, Projection, Sampler, Scene, TextureRef, Wrap};
 
 use super::cutouts::{lattice, leaf, pierced};
 use super::lathe::lathe;
-use super::stage::{Cyclorama, look_at};
+use super::stage::{Cyclorama, contents, look_at};
+use crate::Loaded;
 
 /// Raised whenever the scene changes: sessions that have it refer to it by this.
 pub const VERSION: u32 = 1;
@@ -18,8 +19,8 @@ pub const VERSION: u32 = 1;
 const LEAVES: u32 = 76;
 
 /// The scene `arbor`.
-pub fn arbor() -> Scene {
-    let mut scene = Scene { cameras: vec![camera()], lights: vec![key()], fill: fill(), ..Scene::default() };
+pub fn arbor() -> Loaded {
+    let mut scene = Scene { fill: fill(), ..Scene::default() };
     scene.images = vec![leaf(128), lattice(64), pierced(64)];
     let [leaf, lattice, pierced] = [0, 1, 2];
 
@@ -44,7 +45,7 @@ pub fn arbor() -> Scene {
     };
     let at = DAffine3::from_translation(DVec3::new(0.85, 0.0, -0.35));
     stand(&mut scene, "lantern", brass, lantern(), at);
-    scene
+    Loaded { scene, contents: contents(key(), camera()), name: None, notes: Vec::new() }
 }
 
 /// The key light: from the upper left front through the lattice, then down onto the terrace and towards the camera.
@@ -62,12 +63,13 @@ fn key() -> Light {
     ];
     let source = DVec3::from_array(rows[0].0);
     let points = rows.iter().map(|(position, ..)| DVec3::from_array(*position) - source).collect();
-    let mut light = BendyLight::new(points, rows.iter().map(|(_, radius, _)| *radius).collect());
-    light.transform.translation = source;
-    light.colors.fill(DVec3::new(1.0, 0.86, 0.66));
-    light.intensities = rows.iter().map(|(.., intensity)| *intensity).collect();
-    light.cone_softness = 0.3;
-    Light { name: "key".into(), kind: LightKind::Bendy(light) }
+    let light = Light::bendy(points, rows.iter().map(|(_, radius, _)| *radius).collect());
+    let color = DVec3::new(1.0, 0.86, 0.66);
+    light
+        .with(NAME, "key".into())
+        .with(TRANSLATION, source)
+        .with(CONE_SOFTNESS, 0.3)
+        .with_points(|index, point| (point.color, point.intensity) = (color, rows[index].2))
 }
 
 /// A cool sky over a warm terrace, weak enough that shadows stay dark.
@@ -113,12 +115,14 @@ fn panel() -> Primitive {
 /// "R2" sequence), denser towards the top, each turned its own way.
 fn leaves(wanted: impl Fn(u32) -> bool) -> Primitive {
     const PLASTIC: f64 = 1.324_717_957_244_746;
+    const SQUARED: f64 = PLASTIC * PLASTIC;
+    const FOURTH: f64 = SQUARED * SQUARED;
+    const POWERS: [f64; 5] = [PLASTIC, SQUARED, PLASTIC * SQUARED, FOURTH, PLASTIC * FOURTH];
     let mut made = Primitive::default();
     for k in (0..LEAVES).filter(|k| wanted(*k)) {
-        let along = |power: i32| (0.5 + f64::from(k) / PLASTIC.powi(power)).fract();
-        let [x, y, turn, lean] = [along(1), along(2), along(3), along(4)];
+        let [x, y, turn, lean, large] = POWERS.map(|power| (0.5 + f64::from(k) / power).fract());
         let at = DVec3::new(1.7 * x - 0.85, 0.2 + 1.3 * libm::sqrt(y), 0.03 + 0.12 * lean);
-        let size = 0.09 + 0.07 * along(5);
+        let size = 0.09 + 0.07 * large;
         let rotation = DQuat::from_rotation_z(2.6 + 1.1 * (turn - 0.5))
             * DQuat::from_rotation_y(1.4 * (lean - 0.5))
             * DQuat::from_rotation_x(-0.7 * turn);
@@ -212,16 +216,16 @@ mod tests {
     /// `R kappa < 1` all along (light model, section 3).
     #[test]
     fn key_light_does_not_fold() {
-        let LightKind::Bendy(mut light) = key().kind else { panic!("the key is a BendyLight") };
+        let light = key();
         assert!(Tube::new(&light).is_ok());
-        light.radii.iter_mut().for_each(|r| *r *= 2.0);
+        let light = light.with_points(|_, point| point.radius *= 2.0);
         assert!(Tube::new(&light).is_err(), "a tube twice as wide folds");
     }
 
     /// Every way to wrap, alpha of vertices and of a material, and leaves that are there at all.
     #[test]
     fn holes_are_cut_in_every_way() {
-        let scene = arbor();
+        let scene = arbor().scene;
         let tested: Vec<_> = scene.materials.iter().filter(|m| m.alpha_cutoff.is_some()).collect();
         for wrap in [Wrap::Repeat, Wrap::MirroredRepeat, Wrap::ClampToEdge] {
             assert!(tested.iter().any(|m| m.base_color_texture.is_some_and(|t| t.sampler.wrap_u == wrap)));

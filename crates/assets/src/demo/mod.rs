@@ -6,9 +6,8 @@ mod lathe;
 mod stage;
 mod vases;
 
-use scene::Scene;
-
 use crate::Fault;
+use crate::Loaded;
 use crate::fault::excerpt;
 use crate::limits::MAX_MESSAGE_CHARS;
 
@@ -21,8 +20,8 @@ pub const DEMO_NAMES: &[(&str, &str)] = &[
 /// The demo scene called `name`, or `None` where [`DEMO_NAMES`] has no such name.
 ///
 /// Metres, +Y up, the table at y = 0. It has a camera called `camera` and a BendyLight called `key`.
-pub fn demo(name: &str) -> Option<Scene> {
-    versioned(name).map(|(_, make)| make())
+pub fn demo(name: &str) -> Option<Loaded> {
+    versioned(name).map(|(_, make)| Loaded { name: Some(format!("demo:{name}")), ..make() })
 }
 
 /// The bytes that stand for the demo scene called `name`: a line with its name and version, which
@@ -31,20 +30,20 @@ pub fn demo_bytes(name: &str) -> Option<Vec<u8>> {
     versioned(name).map(|(version, _)| format!("{LINE_START}{name} {version}\n").into_bytes())
 }
 
-/// The demo scene that `bytes` stand for, and its name, or `None` where they are another kind of file.
-pub fn named_by(bytes: &[u8]) -> Option<Result<(&'static str, Scene), Fault>> {
+/// The demo scene that `bytes` stand for, or `None` where they are another kind of file.
+pub fn named_by(bytes: &[u8]) -> Option<Result<Loaded, Fault>> {
     let named = bytes.strip_prefix(LINE_START.as_bytes())?;
     let found = DEMO_NAMES.iter().find(|(name, _)| demo_bytes(name).as_deref() == Some(bytes));
     let unknown =
         || Fault::UnknownDemo(excerpt(String::from_utf8_lossy(named).trim_end(), MAX_MESSAGE_CHARS));
-    Some(found.and_then(|(name, _)| Some((*name, demo(name)?))).ok_or_else(unknown))
+    Some(found.and_then(|(name, _)| demo(name)).ok_or_else(unknown))
 }
 
 /// How the line that stands for a demo scene begins.
 const LINE_START: &str = "bendylights demo ";
 
 /// The version of the demo scene called `name`, and what makes it.
-fn versioned(name: &str) -> Option<(u32, fn() -> Scene)> {
+fn versioned(name: &str) -> Option<(u32, fn() -> Loaded)> {
     match name {
         "vases" => Some((vases::VERSION, vases::vases)),
         "arbor" => Some((arbor::VERSION, arbor::arbor)),
@@ -54,6 +53,8 @@ fn versioned(name: &str) -> Option<(u32, fn() -> Scene)> {
 
 #[cfg(test)]
 mod tests {
+    use document::SceneContents;
+    use scene::Scene;
     use sha2::{Digest, Sha256};
 
     use super::*;
@@ -61,15 +62,17 @@ mod tests {
     #[test]
     fn every_name_has_a_sound_scene() {
         for (name, _) in DEMO_NAMES {
-            demo(name).unwrap().check().unwrap();
+            demo(name).unwrap().scene.check().unwrap();
         }
         assert!(demo("no such scene").is_none());
     }
 
     /// SHA-256 over all that a demo scene is made of, as text: shortest decimals name a float to its last
     /// bit.
-    fn digest(scene: &Scene) -> String {
-        let Scene { nodes, meshes, materials, images, cameras, lights, fill } = scene;
+    fn digest(demo: &Loaded) -> String {
+        let Scene { nodes, meshes, materials, images, fill } = &demo.scene;
+        let SceneContents { lights, cameras } = &demo.contents;
+        let lights: Vec<_> = lights.iter().map(|light| light.digest()).collect();
         let text = format!("{nodes:?} {meshes:?} {materials:?} {cameras:?} {lights:?} {fill:?}");
         // The text of a picture has no pixels.
         let pixels = images.iter().flat_map(|image| &image.rgba8).copied();
@@ -81,8 +84,8 @@ mod tests {
     #[test]
     fn a_version_names_one_scene() {
         let digests = [
-            ("vases", 1, "069e22e855f3048b039a8bee1c16c93fe48849324b5dc120c55f7219b297186a"),
-            ("arbor", 1, "6192323adfc8f0b6bcd9919c3fac28f0566f92ab9d43d380f98a8647d621c1a4"),
+            ("vases", 1, "6124a620eabd978e8e1e142f95b321c02272591017644ef74e7c0e12b3943857"),
+            ("arbor", 1, "140d387a2709ae2ca61098ef75e2c2e0273ffb9468eb40b414d560a78428d656"),
         ];
         for ((name, version, expected), (listed, _)) in digests.into_iter().zip(DEMO_NAMES) {
             assert_eq!(name, *listed);
@@ -92,7 +95,7 @@ mod tests {
         assert_eq!(digests.len(), DEMO_NAMES.len());
         // The planted fault: one vertex off by one ulp.
         let mut moved = demo("vases").unwrap();
-        let x = &mut moved.meshes[0].primitives[0].positions[0].x;
+        let x = &mut moved.scene.meshes[0].primitives[0].positions[0].x;
         *x = x.next_up();
         assert_ne!(digest(&moved), digests[0].2);
     }

@@ -1,5 +1,10 @@
 //! What the demo scenes stand on and are seen with.
 
+use std::sync::Arc;
+
+use document::SceneContents;
+use light::{CheckedLight, Light};
+use scene::Camera;
 use std::f64::consts::FRAC_PI_2;
 
 use glam::{DMat3, DQuat, DVec3};
@@ -50,6 +55,12 @@ pub fn look_at(eye: DVec3, target: DVec3) -> DQuat {
     let back = (eye - target).normalize();
     let right = DVec3::Y.cross(back).normalize();
     DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back))
+}
+
+/// What comes with a demo scene: its light and its camera.
+pub fn contents(key: Light, camera: Camera) -> SceneContents {
+    let key = CheckedLight::new(key).expect("the demo's own light");
+    SceneContents { lights: vec![Arc::new(key)], cameras: vec![camera] }
 }
 
 #[cfg(test)]

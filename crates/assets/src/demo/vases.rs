@@ -1,19 +1,20 @@
 //! Two vases on a table: the paper's "Tabletop Vases" (about 15,000 triangles).
 
 use glam::{DAffine3, DVec2, DVec3, Vec4};
-use light::BendyLight;
-use light::{Light, LightKind};
+use light::Light;
+use light::parameters::{CONE_SOFTNESS, NAME, TRANSLATION};
 use scene::{Camera, Fill, Material, Mesh, Node, Primitive, Projection, Scene};
 
 use super::lathe::lathe;
-use super::stage::{Cyclorama, look_at};
+use super::stage::{Cyclorama, contents, look_at};
+use crate::Loaded;
 
 /// Raised whenever the scene changes: sessions that have it refer to it by this.
 pub const VERSION: u32 = 1;
 
 /// The scene `vases`.
-pub fn vases() -> Scene {
-    let mut scene = Scene { cameras: vec![camera()], lights: vec![key()], fill: fill(), ..Scene::default() };
+pub fn vases() -> Loaded {
+    let mut scene = Scene { fill: fill(), ..Scene::default() };
     let table =
         Cyclorama { half_width: 7.0, front_z: 6.0, bend_z: -1.7, bend_radius: 1.6, height: 5.0, strips: 20 };
     stand(&mut scene, matte("table", [0.58, 0.55, 0.51]), table.surface(), DVec3::ZERO);
@@ -29,7 +30,7 @@ pub fn vases() -> Scene {
         lathe(&jar()),
         DVec3::new(0.62, 0.0, -0.50),
     );
-    scene
+    Loaded { scene, contents: contents(key(), camera()), name: None, notes: Vec::new() }
 }
 
 /// The key light: from the upper left front, down over the vases, bending towards the camera as it goes,
@@ -51,12 +52,12 @@ fn key() -> Light {
 
     let source = DVec3::from_array(rows[0].0);
     let points = rows.iter().map(|(position, _)| DVec3::from_array(*position) - source).collect();
-    let mut light = BendyLight::new(points, rows.iter().map(|(_, radius)| *radius).collect());
-    light.transform.translation = source;
-    light.colors.fill(color);
-    light.intensities.fill(intensity);
-    light.cone_softness = 0.3;
-    Light { name: "key".into(), kind: LightKind::Bendy(light) }
+    let light = Light::bendy(points, rows.iter().map(|(_, radius)| *radius).collect());
+    light
+        .with(NAME, "key".into())
+        .with(TRANSLATION, source)
+        .with(CONE_SOFTNESS, 0.3)
+        .with_points(|_, point| (point.color, point.intensity) = (color, intensity))
 }
 
 /// A cool sky over a warm table, weak enough that the shadow stays dark.
@@ -172,8 +173,8 @@ mod tests {
 
     #[test]
     fn vases_have_the_papers_size() {
-        let scene = vases();
-        let triangles: usize = scene::pose(&scene).map(|p| p.primitive.indices.len() / 3).sum();
+        let scene = vases().scene;
+        let triangles = scene::pose(scene.clone()).triangle_count();
         assert!((14_000..16_000).contains(&triangles), "{triangles}");
         for (mesh, height) in scene.meshes[1..].iter().zip([1.1, 0.8]) {
             let top = mesh.primitives[0].positions.iter().fold(0.0_f32, |most, p| most.max(p.y));
@@ -184,11 +185,11 @@ mod tests {
     /// `R kappa < 1` all along (light model, section 3), with room to edit.
     #[test]
     fn key_light_does_not_fold() {
-        let LightKind::Bendy(mut light) = key().kind else { panic!("the key is a BendyLight") };
+        let light = key();
         let most = |tube: &Tube<f64>| tube.r_kappa_max().into_iter().fold(0.0, f64::max);
-        assert_eq!(light.points.len(), 5, "three segments");
+        assert_eq!(light.points().len(), 5, "three segments");
         assert!(most(&Tube::new(&light).unwrap()) < 0.9);
-        light.radii.iter_mut().for_each(|r| *r *= 2.0);
+        let light = light.with_points(|_, point| point.radius *= 2.0);
         assert!(Tube::new(&light).is_err(), "a tube twice as wide folds");
     }
 }

@@ -6,14 +6,14 @@ use std::io::Cursor;
 use gltf::json;
 use image::{ImageFormat, ImageReader, Limits};
 
-use super::{Ledger, Source, addresses};
+use super::{Report, Source, addresses};
 use crate::fault::{broken, excerpt};
 use crate::limits::{MAX_IMAGE_SIDE, MAX_MESSAGE_CHARS, MAX_TEXTURE_BYTES};
 use crate::{Fault, Limit};
 
 /// Decodes the picture at `index` in the file. Its own first bytes decide the format, not its declared type.
-pub fn read(source: &Source, index: usize, ledger: &mut Ledger) -> Result<scene::Image, Fault> {
-    let bytes = bytes(source, &source.root.images[index], ledger)?;
+pub fn read(source: &Source, index: usize, report: &mut Report) -> Result<scene::Image, Fault> {
+    let bytes = bytes(source, &source.root.images[index], report)?;
     let refuse = |why: String| Fault::Picture { image: index, why: excerpt(&why, 2 * MAX_MESSAGE_CHARS) };
     let format = image::guess_format(&bytes).map_err(|error| refuse(error.to_string()))?;
     if !matches!(format, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP) {
@@ -27,7 +27,7 @@ pub fn read(source: &Source, index: usize, ledger: &mut Ledger) -> Result<scene:
     let pixels = u64::from(width) * u64::from(height);
     Limit::ImageSide.check(u64::from(width.max(height)))?;
     Limit::ImagePixels.check(pixels)?;
-    ledger.budget.spend(Limit::TextureBytes, 4 * pixels)?;
+    report.budget.spend(Limit::TextureBytes, 4 * pixels)?;
 
     let mut reader = ImageReader::with_format(Cursor::new(&*bytes), format);
     let mut limits = Limits::default();
@@ -39,9 +39,9 @@ pub fn read(source: &Source, index: usize, ledger: &mut Ledger) -> Result<scene:
     Ok(scene::Image { width, height, rgba8 })
 }
 
-fn bytes<'s>(source: &'s Source, image: &json::Image, ledger: &mut Ledger) -> Result<Cow<'s, [u8]>, Fault> {
+fn bytes<'s>(source: &'s Source, image: &json::Image, report: &mut Report) -> Result<Cow<'s, [u8]>, Fault> {
     match (&image.uri, image.buffer_view.and_then(|view| source.root.get(view))) {
-        (Some(uri), _) => Ok(Cow::Owned(addresses::read(uri, source.file, &mut ledger.budget)?)),
+        (Some(uri), _) => Ok(Cow::Owned(addresses::read(uri, source.file, &mut report.budget)?)),
         (None, Some(view)) => {
             let start = view.byte_offset.unwrap_or_default().0 as usize;
             let bytes = source.buffers.get(view.buffer.value());

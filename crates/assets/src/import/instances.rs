@@ -5,12 +5,12 @@ use gltf::json::Node;
 
 use super::accessors::Integers;
 use super::nodes::compose;
-use super::{Ledger, Source};
+use super::{Report, Source};
 use crate::fault::broken;
 use crate::{Fault, Limit};
 
 /// Where the node's mesh stands, in the node's space; `None` where the node has no instances.
-pub fn read(source: &Source, node: &Node, ledger: &mut Ledger) -> Result<Option<Vec<DAffine3>>, Fault> {
+pub fn read(source: &Source, node: &Node, report: &mut Report) -> Result<Option<Vec<DAffine3>>, Fault> {
     let extension = node.extensions.as_ref().and_then(|e| e.others.get("EXT_mesh_gpu_instancing"));
     let Some(attributes) = extension.and_then(|e| e.get("attributes")?.as_object()) else { return Ok(None) };
     let accessor = |name: &str| {
@@ -25,7 +25,7 @@ pub fn read(source: &Source, node: &Node, ledger: &mut Ledger) -> Result<Option<
     if counts.any(|other| other != count) {
         return Err(broken("the attributes of its instances differ in length"));
     }
-    ledger.budget.spend(Limit::Nodes, count)?;
+    report.budget.spend(Limit::Nodes, count)?;
 
     let all = |value| vec![value; count as usize];
     let translations =

@@ -9,7 +9,7 @@ use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 use scene::{Image, Sampler, TextureRef, Wrap};
 
-use super::{Ledger, Source, images, name_or};
+use super::{Report, Source, images, name_or};
 use crate::Fault;
 use crate::fault::broken;
 
@@ -32,11 +32,11 @@ pub struct Coordinates {
 }
 
 /// All materials in file order, and glTF's default one after them; and the pictures they refer to.
-pub fn read(source: &Source, ledger: &mut Ledger) -> Result<(Vec<Image>, Vec<Material>), Fault> {
+pub fn read(source: &Source, report: &mut Report) -> Result<(Vec<Image>, Vec<Material>), Fault> {
     let mut pictures = Pictures::default();
     let mut materials = Vec::new();
     for (index, material) in source.root.materials.iter().enumerate() {
-        materials.push(pictures.material(source, index, material, ledger)?);
+        materials.push(pictures.material(source, index, material, report)?);
     }
     materials.push(Material {
         material: scene::Material { name: "default".into(), metallic: 1.0, ..Default::default() },
@@ -58,14 +58,14 @@ impl Pictures {
         source: &Source,
         index: usize,
         material: &json::Material,
-        ledger: &mut Ledger,
+        report: &mut Report,
     ) -> Result<Material, Fault> {
         let pbr = &material.pbr_metallic_roughness;
         let name = name_or(material.name.as_deref(), "material", index);
-        note_what_is_not_drawn(material, &name, ledger);
+        note_what_is_not_drawn(material, &name, report);
         let (base, rough) = (pbr.base_color_texture.as_ref(), pbr.metallic_roughness_texture.as_ref());
         if base.is_some() && rough.is_some() && coordinates(base) != coordinates(rough) {
-            ledger.notes.add("all pictures of a material are placed as its base colour is", name.as_str());
+            report.notes.add("all pictures of a material are placed as its base colour is", name.as_str());
         }
         let alpha_cutoff = match material.alpha_mode {
             Checked::Valid(AlphaMode::Mask) => {
@@ -80,9 +80,9 @@ impl Pictures {
                 base_color: Vec4::from_array(pbr.base_color_factor.0).clamp(Vec4::ZERO, Vec4::ONE),
                 metallic: pbr.metallic_factor.0.clamp(0.0, 1.0),
                 roughness: pbr.roughness_factor.0.clamp(0.0, 1.0),
-                base_color_texture: base.map(|info| self.texture(source, info, ledger)).transpose()?,
+                base_color_texture: base.map(|info| self.texture(source, info, report)).transpose()?,
                 metallic_roughness_texture: rough
-                    .map(|info| self.texture(source, info, ledger))
+                    .map(|info| self.texture(source, info, report))
                     .transpose()?,
                 alpha_cutoff,
                 double_sided: material.double_sided,
@@ -91,7 +91,7 @@ impl Pictures {
         })
     }
 
-    fn texture(&mut self, source: &Source, info: &Info, ledger: &mut Ledger) -> Result<TextureRef, Fault> {
+    fn texture(&mut self, source: &Source, info: &Info, report: &mut Report) -> Result<TextureRef, Fault> {
         let missing = || broken("a texture names no picture that can be read");
         let texture = source.root.get(info.index).ok_or_else(missing)?;
         let webp = texture
@@ -105,7 +105,7 @@ impl Pictures {
         let image = if let Some(&image) = self.decoded.get(&index) {
             image
         } else {
-            self.images.push(images::read(source, index, ledger)?);
+            self.images.push(images::read(source, index, report)?);
             self.decoded.insert(index, self.images.len() - 1);
             self.images.len() - 1
         };
@@ -115,7 +115,7 @@ impl Pictures {
     }
 }
 
-fn note_what_is_not_drawn(material: &json::Material, name: &str, ledger: &mut Ledger) {
+fn note_what_is_not_drawn(material: &json::Material, name: &str, report: &mut Report) {
     let emits = material.emissive_texture.is_some() || material.emissive_factor.0.iter().any(|&x| x > 0.0);
     let unlit = material.extensions.as_ref().is_some_and(|e| e.unlit.is_some());
     let blend = material.alpha_mode == Checked::Valid(AlphaMode::Blend);
@@ -127,7 +127,7 @@ fn note_what_is_not_drawn(material: &json::Material, name: &str, ledger: &mut Le
         (blend, "see-through materials are drawn solid where at least half opaque"),
     ] {
         if happened {
-            ledger.notes.add(what, name);
+            report.notes.add(what, name);
         }
     }
 }

@@ -9,7 +9,7 @@ use scene::Primitive;
 
 use super::accessors::{Integers, components};
 use super::materials::Material;
-use super::{Ledger, Source, name_or};
+use super::{Report, Source, name_or};
 use crate::fault::broken;
 use crate::{Fault, Limit};
 
@@ -18,7 +18,7 @@ pub fn read(
     source: &Source,
     index: usize,
     materials: &[Material],
-    ledger: &mut Ledger,
+    report: &mut Report,
 ) -> Result<scene::Mesh, Fault> {
     let mesh = &source.root.meshes[index];
     let name = name_or(mesh.name.as_deref(), "mesh", index);
@@ -29,22 +29,22 @@ pub fn read(
             Checked::Valid(Mode::TriangleStrip) => strip,
             Checked::Valid(Mode::TriangleFan) => fan,
             Checked::Valid(Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) => {
-                ledger.notes.add("points and lines are not drawn", name.as_str());
+                report.notes.add("points and lines are not drawn", name.as_str());
                 continue;
             }
         };
         let Some(positions) = attribute(source, primitive, Semantic::Positions)? else {
-            ledger.notes.add("meshes without positions are not drawn", name.as_str());
+            report.notes.add("meshes without positions are not drawn", name.as_str());
             continue;
         };
-        let order = order(source, primitive, positions, ledger)?;
+        let order = order(source, primitive, positions, report)?;
         let indices = triangles_of(&order);
         if indices.is_empty() {
-            ledger.notes.add("meshes without a whole triangle are not drawn", name.as_str());
+            report.notes.add("meshes without a whole triangle are not drawn", name.as_str());
             continue;
         }
         let material = primitive.material.map_or(materials.len() - 1, |m| m.value());
-        primitives.push(assemble(source, primitive, indices, material, &materials[material], ledger)?);
+        primitives.push(assemble(source, primitive, indices, material, &materials[material], report)?);
     }
     Ok(scene::Mesh { name, primitives })
 }
@@ -54,14 +54,14 @@ fn order(
     source: &Source,
     primitive: &json::mesh::Primitive,
     positions: &Accessor,
-    ledger: &mut Ledger,
+    report: &mut Report,
 ) -> Result<Vec<u32>, Fault> {
     let vertices = positions.count.0;
-    ledger.budget.spend(Limit::Vertices, vertices)?;
+    report.budget.spend(Limit::Vertices, vertices)?;
     let indices = primitive.indices.and_then(|indices| source.root.get(indices));
     // A strip or fan has one triangle an index.
     let per_triangle = if primitive.mode == Checked::Valid(Mode::Triangles) { 3 } else { 1 };
-    ledger.budget.spend(Limit::Triangles, indices.map_or(vertices, |i| i.count.0) / per_triangle)?;
+    report.budget.spend(Limit::Triangles, indices.map_or(vertices, |i| i.count.0) / per_triangle)?;
     let Some(indices) = indices else { return Ok((0..vertices as u32).collect()) };
     let order = source.indices(indices)?;
     match order.iter().find(|&&i| u64::from(i) >= vertices) {
@@ -76,7 +76,7 @@ fn assemble(
     indices: Vec<u32>,
     material: usize,
     look: &Material,
-    ledger: &mut Ledger,
+    report: &mut Report,
 ) -> Result<Primitive, Fault> {
     let positions = attribute(source, primitive, Semantic::Positions)?;
     let positions = positions.map_or(Ok(Vec::new()), |a| source.floats::<3>(a, Integers::AsDeclared))?;
@@ -101,7 +101,7 @@ fn assemble(
     if smooth {
         return Ok(made);
     }
-    ledger.budget.spend(Limit::Vertices, made.indices.len() as u64)?;
+    report.budget.spend(Limit::Vertices, made.indices.len() as u64)?;
     Ok(faceted(&made))
 }
 

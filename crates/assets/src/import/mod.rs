@@ -20,6 +20,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use document::SceneContents;
 use glam::DAffine3;
 use gltf::json::Root;
 pub use pack::pack;
@@ -41,32 +42,32 @@ struct Source<'a> {
 
 /// What one load has used and has to say.
 #[derive(Default)]
-struct Ledger {
+struct Report {
     budget: Budget,
     notes: Notes,
 }
 
 /// Reads the scene file at `path` and the files that it refers to.
 pub fn file(path: &Path) -> Result<Loaded, Fault> {
-    let mut ledger = Ledger::default();
-    let bytes = addresses::read_file(path, &mut ledger.budget)?;
-    import(&bytes, Some(path), ledger)
+    let mut report = Report::default();
+    let bytes = addresses::read_file(path, &mut report.budget)?;
+    import(&bytes, Some(path), report)
 }
 
 /// Reads a scene file that refers to no others.
 pub fn bytes(bytes: &[u8]) -> Result<Loaded, Fault> {
-    let mut ledger = Ledger::default();
-    ledger.budget.spend(Limit::BytesRead, bytes.len() as u64)?;
-    import(bytes, None, ledger)
+    let mut report = Report::default();
+    report.budget.spend(Limit::BytesRead, bytes.len() as u64)?;
+    import(bytes, None, report)
 }
 
-fn import(bytes: &[u8], file: Option<&Path>, mut ledger: Ledger) -> Result<Loaded, Fault> {
+fn import(bytes: &[u8], file: Option<&Path>, mut report: Report) -> Result<Loaded, Fault> {
     let container = container::split(bytes)?;
-    let root = check::document(container::parse(container.json)?, &mut ledger.notes)?;
-    let buffers = addresses::buffers(&root, container.bin, file, &mut ledger.budget)?;
-    let scene = build(&Source { root: &root, file, buffers }, &mut ledger)?;
+    let root = check::document(container::parse(container.json)?, &mut report.notes)?;
+    let buffers = addresses::buffers(&root, container.bin, file, &mut report.budget)?;
+    let (scene, contents) = build(&Source { root: &root, file, buffers }, &mut report)?;
     scene.check()?;
-    Ok(Loaded { scene, name: name(&root), notes: ledger.notes.into_sentences() })
+    Ok(Loaded { scene, contents, name: name(&root), notes: report.notes.into_sentences() })
 }
 
 /// What the file calls the scene that is drawn; nothing where that is not fit to be a name, or is what exporters call every
@@ -74,17 +75,17 @@ fn import(bytes: &[u8], file: Option<&Path>, mut ledger: Ledger) -> Result<Loade
 fn name(root: &Root) -> Option<String> {
     let drawn = root.scenes.get(root.scene.map_or(0, |scene| scene.value()))?;
     let name = drawn.name.as_deref()?.trim();
-    let fits = (1..=document::MAX_NAME_BYTES).contains(&name.len()) && !name.contains(char::is_control);
+    let fits = (1..=light::MAX_NAME_BYTES).contains(&name.len()) && !name.contains(char::is_control);
     let says_something = !name.eq_ignore_ascii_case("scene");
     (fits && says_something).then(|| name.to_owned())
 }
 
-fn build(source: &Source, ledger: &mut Ledger) -> Result<Scene, Fault> {
+fn build(source: &Source, report: &mut Report) -> Result<(Scene, SceneContents), Fault> {
     let mut scene = Scene::default();
-    let placed = nodes::place(source, ledger)?;
-    let (images, materials) = materials::read(source, ledger)?;
-    scene.cameras = cameras::read(source, &placed, &mut ledger.notes);
-    scene.lights = lights::read(source, &placed, &mut ledger.notes);
+    let placed = nodes::place(source, report)?;
+    let (images, materials) = materials::read(source, report)?;
+    let cameras = cameras::read(source, &placed, &mut report.notes);
+    let lights = lights::read(source, &placed, &mut report.notes);
 
     let mut scene_mesh: BTreeMap<usize, usize> = BTreeMap::new();
     for place in &placed {
@@ -92,7 +93,7 @@ fn build(source: &Source, ledger: &mut Ledger) -> Result<Scene, Fault> {
             && !scene_mesh.contains_key(&mesh)
         {
             scene_mesh.insert(mesh, scene.meshes.len());
-            scene.meshes.push(meshes::read(source, mesh, &materials, ledger)?);
+            scene.meshes.push(meshes::read(source, mesh, &materials, report)?);
         }
         scene.nodes.push(scene::Node {
             name: place.name.clone(),
@@ -104,7 +105,7 @@ fn build(source: &Source, ledger: &mut Ledger) -> Result<Scene, Fault> {
     scene.materials = materials.into_iter().map(|m| m.material).collect();
     scene.images = images;
     check_extent(&scene, placed.iter().map(|p| p.world_from_local))?;
-    Ok(scene)
+    Ok((scene, SceneContents { lights, cameras }))
 }
 
 /// Bounds the posed triangles and every world coordinate, by each mesh's largest one.

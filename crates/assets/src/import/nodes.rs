@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use gltf::json::{Node, Root};
 
-use super::{Ledger, Source, instances, name_or};
+use super::{Report, Source, instances, name_or};
 use crate::fault::broken;
 use crate::{Fault, Limit};
 
@@ -25,18 +25,18 @@ pub struct Place {
 }
 
 /// Every node of the default scene, else of the first, else of the whole file.
-pub fn place(source: &Source, ledger: &mut Ledger) -> Result<Vec<Place>, Fault> {
-    let roots = roots(source.root, ledger);
+pub fn place(source: &Source, report: &mut Report) -> Result<Vec<Place>, Fault> {
+    let roots = roots(source.root, report);
     let mut places: Vec<Place> = Vec::new();
     // The check of the document has shown a forest, so each node is visited once.
     let mut waiting: Vec<(usize, Option<usize>)> = roots.into_iter().rev().map(|root| (root, None)).collect();
     while let Some((index, parent)) = waiting.pop() {
-        ledger.budget.spend(Limit::Nodes, 1)?;
+        report.budget.spend(Limit::Nodes, 1)?;
         let node = &source.root.nodes[index];
         let parent_from_local =
             transform(node).ok_or_else(|| broken(format!("node {index} has no finite place")))?;
         let world_from_parent = parent.map_or(DAffine3::IDENTITY, |p| places[p].world_from_local);
-        let (place, instances) = (places.len(), instances::read(source, node, ledger)?);
+        let (place, instances) = (places.len(), instances::read(source, node, report)?);
         places.push(Place {
             node: Some(index),
             name: name_or(node.name.as_deref(), "node", index),
@@ -60,13 +60,13 @@ pub fn place(source: &Source, ledger: &mut Ledger) -> Result<Vec<Place>, Fault> 
     Ok(places)
 }
 
-fn roots(root: &Root, ledger: &mut Ledger) -> Vec<usize> {
+fn roots(root: &Root, report: &mut Report) -> Vec<usize> {
     let drawn = root.scene.map_or(0, |scene| scene.value());
     if let Some(scene) = root.scenes.get(drawn) {
         if root.scenes.len() > 1 {
             let which =
                 format!("{} of {}", name_or(scene.name.as_deref(), "scene", drawn), root.scenes.len());
-            ledger.notes.add("only one scene is drawn", which);
+            report.notes.add("only one scene is drawn", which);
         }
         return scene.nodes.iter().map(gltf::json::Index::value).collect();
     }

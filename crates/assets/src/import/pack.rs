@@ -8,7 +8,7 @@ use gltf::json::Root;
 use serde_json::value::to_raw_value;
 
 use super::container::{self, Members};
-use super::{Ledger, addresses, check};
+use super::{Report, addresses, check};
 use crate::fault::broken;
 use crate::{Fault, Limit};
 
@@ -17,18 +17,18 @@ const ANY_BYTES: &str = "application/octet-stream";
 
 /// The bytes of one file that holds all of the scene at `path`.
 pub fn pack(path: &Path) -> Result<Vec<u8>, Fault> {
-    let mut ledger = Ledger::default();
-    let bytes = addresses::read_file(path, &mut ledger.budget)?;
+    let mut report = Report::default();
+    let bytes = addresses::read_file(path, &mut report.budget)?;
     let container = container::split(&bytes)?;
-    let root = check::document(container::parse(container.json)?, &mut ledger.notes)?;
+    let root = check::document(container::parse(container.json)?, &mut report.notes)?;
     if is_self_contained(&root) {
         return Ok(bytes);
     }
-    let buffers = addresses::buffers(&root, container.bin, Some(path), &mut ledger.budget)?;
+    let buffers = addresses::buffers(&root, container.bin, Some(path), &mut report.budget)?;
     let buffers = buffers.iter().map(|bytes| Some(data_address(ANY_BYTES, bytes)));
     let mut images = Vec::new();
     for image in &root.images {
-        let bytes = image.uri.as_deref().map(|uri| addresses::read(uri, Some(path), &mut ledger.budget));
+        let bytes = image.uri.as_deref().map(|uri| addresses::read(uri, Some(path), &mut report.budget));
         images.push(bytes.transpose()?.map(|bytes| data_address(picture_type(&bytes), &bytes)));
     }
     let packed = with_addresses(container.json, [("buffers", buffers.collect()), ("images", images)]);

@@ -124,7 +124,7 @@ impl Expected<'_> {
 
     /// World position of one in the reference's space, whose origin is the scene's.
     fn in_world(&self, position: DVec3) -> DVec3 {
-        self.reference.posed.origin_in_world + position
+        self.reference.bvh.posed.origin_in_world + position
     }
 
     /// The point of the picture that shows a world position, unless it is behind the eye.

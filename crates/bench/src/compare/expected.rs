@@ -1,11 +1,12 @@
 //! What each pixel should be.
 
+use std::sync::Arc;
+
 use glam::{DVec2, DVec3};
-use light::LightKind;
-use light::{BendyLight, LightError, Tube};
+use light::{Light, LightError, Tube};
 use rayon::prelude::*;
 use reference::{LightSample, Reference, Source, Surface, reflected};
-use scene::{Fill, Scene, View};
+use scene::{Fill, PosedScene, Scene, View};
 
 use super::scan::Crossing;
 use super::{Drawn, Verdict, rgb};
@@ -15,17 +16,17 @@ use super::{Drawn, Verdict, rgb};
 pub struct Subject {
     /// Names it in reports and files.
     pub name: String,
-    /// Its own lights and fill are not used.
+    /// Its fill is not used.
     pub scene: Scene,
-    /// The light.
-    pub light: BendyLight,
+    /// What lights it; the shadows of this one are compared.
+    pub light: Light,
     /// One sample a pixel, in its centre; the AOV is not used.
     pub view: View,
 }
 
 impl Subject {
     /// Takes the fill out of `scene`: it would make differences in the light's share look smaller.
-    pub fn new(name: &str, scene: Scene, light: BendyLight, view: View) -> Self {
+    pub fn new(name: &str, scene: Scene, light: Light, view: View) -> Self {
         let fill = Fill { sky: DVec3::ZERO, ground: DVec3::ZERO };
         let view = View { samples: 1, light: 0, ..view };
         Self { name: name.into(), scene: Scene { fill, ..scene }, light, view }
@@ -36,7 +37,7 @@ impl Subject {
 #[derive(Debug)]
 pub struct Expected<'a> {
     pub(super) subject: &'a Subject,
-    pub(super) reference: Reference<'a>,
+    pub(super) reference: Reference,
     pub(super) source: Source,
     pub(super) tube: Tube<f64>,
     /// Half the diagonal of the scene's bounds.
@@ -76,15 +77,16 @@ impl Seen {
 impl<'a> Expected<'a> {
     /// Renders `subject` on all cores. `row_done` is called for each row, from any thread.
     pub fn new(subject: &'a Subject, row_done: impl Fn() + Sync) -> Result<Self, LightError> {
-        let source = Source::new(&LightKind::Bendy(subject.light.clone()))?;
         let tube = Tube::new(&subject.light)?;
-        let (min, max) = scene::world_bounds(&subject.scene).unwrap_or_default();
+        let source = Source::Bendy(tube.clone());
+        let posed = scene::pose(subject.scene.clone());
+        let reach = posed.half_extent.length();
         let mut expected = Self {
             subject,
-            reference: Reference::new(&subject.scene),
+            reference: Reference::new(posed),
             source,
             tube,
-            reach: (max - min).length() / 2.0,
+            reach,
             pixels: Vec::new(),
             crossings: Vec::new(),
         };
@@ -100,6 +102,11 @@ impl<'a> Expected<'a> {
         Ok(expected)
     }
 
+    /// The subject's scene, for whoever is to draw it.
+    pub fn posed(&self) -> &Arc<PosedScene> {
+        &self.reference.bvh.posed
+    }
+
     /// Width and height.
     pub(super) fn size(&self) -> (usize, usize) {
         (self.subject.view.width as usize, self.subject.view.height as usize)
@@ -110,7 +117,7 @@ impl<'a> Expected<'a> {
         let surface = self.reference.surface(&self.subject.view, pixel)?;
         let light = self.reference.sample(&self.source, &surface).map(|sample| SeenLight {
             sample,
-            unshadowed: reflected(&surface, sample.to_light) * sample.irradiance,
+            unshadowed: reflected(&surface, sample.place.direction) * sample.irradiance,
         });
         Some(Seen { surface, light })
     }
@@ -140,7 +147,7 @@ impl<'a> Expected<'a> {
             return None;
         }
         let twin =
-            self.reference.posed.first_hit(surface.position, -surface.to_eye, [-rounding, rounding], |hit| {
+            self.reference.bvh.first_hit(surface.position, -surface.to_eye, [-rounding, rounding], |hit| {
                 hit.triangle != surface.triangle
             });
         Some(if twin.is_some() { Verdict::Coincident } else { Verdict::Silhouette })

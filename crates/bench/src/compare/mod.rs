@@ -12,7 +12,7 @@ mod scan;
 mod tests;
 
 use glam::DVec3;
-use light::{Light, LightKind};
+use light::{LightError, LightInstance};
 use rayon::prelude::*;
 use render::{Picture, RenderError, Renderer, ShadowFilter, ShadowSettings};
 use scene::{Aov, View};
@@ -133,14 +133,14 @@ impl Drawn {
         subject: &Subject,
         shadows: ShadowSettings,
     ) -> Result<Self, RenderError> {
-        Self::under(renderer, subject, &subject.lights(), shadows)
+        Self::under(renderer, subject, &subject.lights()?, shadows)
     }
 
     /// The same under `lights`, of which the first should look like the subject's.
     pub fn under(
         renderer: &mut Renderer,
         subject: &Subject,
-        lights: &[Light],
+        lights: &[LightInstance],
         shadows: ShadowSettings,
     ) -> Result<Self, RenderError> {
         renderer.set_shadow_settings(shadows)?;
@@ -291,7 +291,8 @@ impl Quantiles {
 }
 
 impl Subject {
-    pub(crate) fn lights(&self) -> [Light; 1] {
-        [Light { name: "key".into(), kind: LightKind::Bendy(self.light.clone()) }]
+    /// Its light, checked.
+    pub(crate) fn lights(&self) -> Result<Vec<LightInstance>, LightError> {
+        LightInstance::numbered([self.light.clone()])
     }
 }

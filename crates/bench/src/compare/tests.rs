@@ -3,7 +3,8 @@
 use std::sync::{Arc, LazyLock};
 
 use glam::DVec3;
-use light::BendyLight;
+use light::Light;
+use light::parameters::TRANSLATION;
 use render::{Gpu, Renderer, ShadowSettings};
 
 use super::{Comparison, Drawn, Expected, Subject, Verdict};
@@ -17,7 +18,7 @@ static GPU: LazyLock<Arc<Gpu>> =
 
 fn drawn(subject: &Subject) -> Drawn {
     let mut renderer = Renderer::new(Arc::clone(&GPU)).expect("the device works");
-    renderer.set_scene(&subject.scene).expect("fits");
+    renderer.set_scene(&scene::pose(subject.scene.clone())).expect("fits");
     Drawn::new(&mut renderer, subject, ShadowSettings::default()).expect("drawn")
 }
 
@@ -61,7 +62,8 @@ fn a_shadow_beside_its_place_is_seen() {
 #[test]
 fn a_light_from_another_place_is_seen() {
     let mut moved = SUBJECT.clone();
-    moved.light.transform.translation += DVec3::new(0.02, 0.0, 0.0);
+    let translation = moved.light.get(TRANSLATION) + DVec3::new(0.02, 0.0, 0.0);
+    moved.light.set(TRANSLATION.to(translation));
     let found = EXPECTED.compare(&drawn(&moved));
     assert!(!passes(&found) && found.radiance_rmse > 1e-2, "{}", json(&found));
 }
@@ -75,16 +77,15 @@ fn an_object_in_another_place_is_seen() {
 }
 
 /// A light so many times as long as the scene, that comes down on its middle, bent, in a tube 4 units wide.
-fn long_light(scenes: f64) -> BendyLight {
+fn long_light(scenes: f64) -> Light {
     // The floor is 12 units wide.
     let along = DVec3::new(0.5, -0.8, -0.3).normalize() * 12.0 * scenes;
     let aside = along.any_orthogonal_vector() * 0.2;
     // P(1/2) = (b0 + 2 b1 + b2) / 4 = 0.
     let [b0, b1, b2] = [aside - along / 2.0, -aside, aside + along / 2.0];
-    let mut light = BendyLight::new(vec![DVec3::ZERO, b1 - b0, b2 - b0], vec![2.0; 3]);
-    light.transform.translation = DVec3::new(0.9, 0.5, 0.1) + b0;
-    light.intensities.fill(3.0);
-    light
+    let mut light = Light::bendy(vec![DVec3::ZERO, b1 - b0, b2 - b0], vec![2.0; 3]);
+    light.set(TRANSLATION.to(DVec3::new(0.9, 0.5, 0.1) + b0));
+    light.with_points(|_, point| point.intensity = 3.0)
 }
 
 /// A scene that is a small part of its light is drawn as well as one of the light's size.

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use render::{Gpu, Renderer, ShadowFilter, ShadowSettings, StageTimes};
+use render::{Gpu, PassTimes, Renderer, ShadowFilter, ShadowSettings};
 use serde::Serialize;
 
 use crate::BenchError;
@@ -64,7 +64,7 @@ pub struct Report {
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SceneReport {
-    /// Its name.
+    /// What the scene is called.
     pub scene: String,
     /// How long the reference took for it.
     pub reference_seconds: f64,
@@ -156,10 +156,10 @@ fn run_scene(
     let start = Instant::now();
     let expected = Expected::new(subject, || {})?;
     let reference_seconds = start.elapsed().as_secs_f64();
-    renderer.set_scene(&subject.scene)?;
-    let (min, max) = scene::world_bounds(&subject.scene).unwrap_or_default();
+    renderer.set_scene(expected.posed())?;
+    let diagonal = 2.0 * expected.posed().half_extent.length();
     let mut runs = Vec::new();
-    for (index, shadows) in all_settings(min.distance(max)).into_iter().enumerate() {
+    for (index, shadows) in all_settings(diagonal).into_iter().enumerate() {
         step(1 + index);
         let drawn = Drawn::new(renderer, subject, shadows)?;
         let error = expected.compare(&drawn);
@@ -183,9 +183,9 @@ fn run_scene(
 /// What the picture's stages take.
 fn time(renderer: &mut Renderer, subject: &Subject) -> Result<Stages, BenchError> {
     let times = (0..TIMINGS)
-        .map(|_| renderer.time_stages(&subject.view, &subject.lights()))
+        .map(|_| renderer.time_passes(&subject.view, &subject.lights()?))
         .collect::<Result<Vec<_>, _>>()?;
-    let fastest = |of: fn(&StageTimes) -> f64| times.iter().map(of).fold(f64::INFINITY, f64::min);
+    let fastest = |of: fn(&PassTimes) -> f64| times.iter().map(of).fold(f64::INFINITY, f64::min);
     Ok(Stages {
         gbuffer_ms: fastest(|times| times.gbuffer_ms),
         shadow_ms: fastest(|times| times.shadow_ms),

@@ -1,7 +1,8 @@
 //! Scenes that are hard on bent shadow maps, each in its own way.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3, Vec4};
-use light::BendyLight;
+use light::Light;
+use light::parameters::TRANSLATION;
 use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene, View};
 
 use crate::compare::Subject;
@@ -34,25 +35,23 @@ fn view(width: u32, height: u32) -> View {
 }
 
 /// A light through world positions.
-fn light<const N: usize>(points: [[f64; 3]; N], radii: [f64; N]) -> BendyLight {
+fn light<const N: usize>(points: [[f64; 3]; N], radii: [f64; N]) -> Light {
     let source = DVec3::from_array(points[0]);
     let points = points.map(|point| DVec3::from_array(point) - source).to_vec();
-    let mut light = BendyLight::new(points, radii.to_vec());
-    light.transform.translation = source;
-    light.intensities.fill(3.0);
-    light
+    let light = Light::bendy(points, radii.to_vec()).with(TRANSLATION, source);
+    light.with_points(|_, point| point.intensity = 3.0)
 }
 
 /// A cone: linear radii on equal steps of a straight line, with the first and last step half as long (light model,
 /// section 1).
-fn straight() -> BendyLight {
+fn straight() -> Light {
     let (source, end) = (DVec3::new(-2.6, 5.0, 1.2), DVec3::new(2.6, -2.2, -1.0));
     let shares = [0.0, 1.0 / 6.0, 0.5, 5.0 / 6.0, 1.0];
     light(shares.map(|share| source.lerp(end, share).to_array()), shares.map(|share| 2.8 * share))
 }
 
 /// Sets out level and comes down steeply.
-fn bent() -> BendyLight {
+fn bent() -> Light {
     light(
         [[-3.4, 2.2, 1.0], [-2.4, 3.6, 0.9], [-0.2, 4.4, 0.5], [1.0, 2.3, 0.1], [1.1, -1.2, -0.2]],
         [0.3, 0.7, 1.0, 1.2, 2.0],
@@ -60,7 +59,7 @@ fn bent() -> BendyLight {
 }
 
 /// Wide at its source, narrow in the middle and wide again.
-fn tapered() -> BendyLight {
+fn tapered() -> Light {
     light(
         [[-2.6, 4.4, 1.0], [-1.9, 3.9, 0.8], [-0.6, 3.0, 0.3], [0.6, 1.7, 0.0], [1.3, -1.0, 0.0]],
         [1.3, 1.0, 0.4, 0.9, 2.2],

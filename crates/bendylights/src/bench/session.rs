@@ -4,11 +4,10 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use ::bench::{session, stills};
+use cli::{Output, Size, answer};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::error::Error;
-use crate::output::Output;
-use crate::render::Size;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -59,7 +58,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if let Some(output) = output {
         output.write(chart.as_bytes())?;
     }
-    crate::answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))
+    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
 }
 
 fn beside_stills(args: &Args, count: u64) -> Result<(), Error> {
@@ -72,5 +71,5 @@ fn beside_stills(args: &Args, count: u64) -> Result<(), Error> {
         samples: 16,
     };
     let report = stills::run(&program, &options).map_err(Error::Bench)?;
-    crate::answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))
+    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
 }

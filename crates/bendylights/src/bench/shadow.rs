@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 
 use ::bench::shadow;
+use cli::{Output, Size, answer};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::error::Error;
-use crate::output::Output;
-use crate::render::Size;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -35,9 +34,9 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    crate::headless::prepare();
+    cli::without_window_system();
     let output = args.output.as_deref().map(Output::create_chart).transpose()?;
-    super::make_folder(args.pictures.as_deref())?;
+    cli::make_folder(args.pictures.as_deref())?;
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
     let bar = ProgressBar::new(0).with_style(style);
     let Size { width, height } = args.size;
@@ -52,5 +51,5 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if let Some(output) = output {
         output.write(chart.as_bytes())?;
     }
-    crate::answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))
+    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
 }

@@ -1,11 +1,10 @@
 //! `eval --scene` of points that were read off surfaces and rounded.
 
+use assets::Loaded;
 use glam::DVec3;
-use light::LightKind;
 use light::Tube;
 use protocol::light_file;
 use reference::Reference;
-use scene::Scene;
 use serde_json::Value;
 
 use crate::program::{Folder, TRIANGLE, run};
@@ -26,25 +25,25 @@ fn random(seed: &mut u64) -> f64 {
 }
 
 /// The demo, its light, and points all over its surfaces.
-struct Demo<'a> {
-    reference: Reference<'a>,
+struct Demo {
+    reference: Reference,
     tube: Tube<f64>,
     points: Vec<DVec3>,
 }
 
-impl<'a> Demo<'a> {
-    fn new(scene: &'a Scene) -> Self {
-        let LightKind::Bendy(light) = &scene.lights[0].kind else { panic!("the demo's light is bent") };
-        let reference = Reference::new(scene);
-        let triangles = &reference.posed.triangles;
+impl Demo {
+    fn new(loaded: &Loaded) -> Self {
+        let light = &loaded.contents.lights[0];
+        let reference = Reference::new(scene::pose(loaded.scene.clone()));
+        let triangles = &reference.bvh.triangles;
         let mut seed = 1;
         let points = (0..600).map(|_| {
             let triangle = &triangles[(random(&mut seed) * triangles.len() as f64) as usize];
             let (a, b) = (random(&mut seed).sqrt(), random(&mut seed));
-            triangle.at(DVec3::new(1.0 - a, a * (1.0 - b), a * b)) + reference.posed.origin_in_world
+            triangle.at(DVec3::new(1.0 - a, a * (1.0 - b), a * b)) + reference.bvh.posed.origin_in_world
         });
         let points = points.collect();
-        Self { reference, tube: Tube::new(light).expect("a light"), points }
+        Self { reference, tube: light.tube().expect("the demo's light is bent").clone(), points }
     }
 
     fn visible(&self, point: DVec3) -> Option<bool> {
@@ -74,7 +73,7 @@ fn rounded_points_have_the_answers_of_their_surface() {
     let scene = assets::demo("vases").expect("the demo");
     let demo = Demo::new(&scene);
     let folder = Folder::new();
-    let light = folder.file("light.json", light_file::to_json(&scene.lights[0]));
+    let light = folder.file("light.json", light_file::to_json(scene.contents.lights[0].light()));
     let exact: Vec<_> = demo.points.iter().map(|&point| demo.visible(point)).collect();
     let lit = exact.iter().filter(|visible| **visible == Some(true)).count();
     assert!(lit > 100, "{lit} lit points");

@@ -1,37 +1,36 @@
 //! Making changes: all or none, and only from where they start.
 
-use document::{
-    CameraParameter, Change, Command, ControlPoints, EditError, Layout, LightParameter, PointParameter,
-    SceneRef, changes_of,
-};
+use document::{CameraParameter, Change, Command, ControlPoints, EditError, Layout, SceneRef};
 use glam::DVec3;
-use light::LightId;
+use light::parameters::{
+    CONE_ANGLE, DECAY, FRAME, INTENSITY, NAME, POINT_INTENSITY, POSITION, RADIUS, RANGE, ROTATION,
+};
+use light::{Frame, LightId, Parameter, Value};
 
-use crate::support::{BENDY, EYE, ROOM, SPOT, content, done, edited, eye, find_scene, spot};
+use crate::support::{
+    BENDY, EYE, ROOM, SPOT, checked, content, done, edit, eye, light_change, light_of, point_change, sample,
+    spot,
+};
 
 fn radius(layout: u64, point: usize, old: f64, new: f64) -> Change {
-    let (old, new) = (PointParameter::Radius(old), PointParameter::Radius(new));
-    Change::Point { light: BENDY, layout: Layout(layout), point, old, new }
+    point_change(layout, point, RADIUS, old, new)
 }
 
 /// Rules: REC-3
 #[test]
 fn a_change_from_another_value_is_refused() {
-    let document = edited();
+    let document = sample();
     let placed = &document.lights()[&BENDY];
-    let points = ControlPoints::of(placed).expect("a BendyLight");
-    let other = ControlPoints { radii: vec![0.2; 5], ..points.clone() };
-    let angle = |old, new| {
-        let (old, new) = (LightParameter::ConeAngle(old), LightParameter::ConeAngle(new));
-        Change::LightParameter { light: SPOT, old, new }
-    };
+    let points = ControlPoints { layout: placed.layout, points: placed.light.light().points().to_vec() };
+    let mut other = points.clone();
+    other.points.iter_mut().for_each(|point| point.radius = 0.2);
     let room = || Some(SceneRef { asset: ROOM, name: "room".into() });
     let name = |name: &str| CameraParameter::Name(name.into());
     let changes = |sound: bool| {
         [
             Change::Scene { old: if sound { None } else { room() }, new: room() },
-            Change::Light { light: BENDY, old: sound.then(|| Box::new(placed.clone())), new: None },
-            angle(if sound { 25.0 } else { 26.0 }, 30.0),
+            Change::Light { light: BENDY, old: sound.then(|| placed.clone()), new: None },
+            light_change(SPOT, CONE_ANGLE, if sound { 25.0 } else { 26.0 }, 30.0),
             radius(if sound { placed.layout.0 } else { 99 }, 1, 0.25, 0.3),
             radius(placed.layout.0, 1, if sound { 0.25 } else { 0.26 }, 0.3),
             radius(placed.layout.0, if sound { 1 } else { 5 }, 0.25, 0.3),
@@ -50,11 +49,11 @@ fn a_change_from_another_value_is_refused() {
     };
     for (sound, unsound) in changes(true).into_iter().zip(changes(false)) {
         let mut after = document.clone();
-        let error = after.apply(&[unsound], &find_scene).expect_err("the document holds another value");
+        let error = after.apply(&[unsound]).expect_err("the document holds another value");
         assert!(matches!(error, EditError::Conflict(_)), "{error}");
         assert_eq!(content(&after), content(&document));
         assert!(document.holds_old_of(&sound));
-        after.apply(std::slice::from_ref(&sound), &find_scene).expect("from the value it holds");
+        after.apply(std::slice::from_ref(&sound)).expect("from the value it holds");
         assert!(!after.holds_old_of(&sound), "{sound:?}");
     }
 }
@@ -62,15 +61,15 @@ fn a_change_from_another_value_is_refused() {
 /// Rules: REC-3
 #[test]
 fn changes_are_made_all_or_none() {
-    let mut document = edited();
+    let mut document = sample();
     let before = content(&document);
     let sound = radius(1, 1, 0.25, 0.3);
     let fold = radius(1, 2, 0.375, 20.0);
     for second in [radius(1, 2, 9.0, 0.3), fold] {
-        document.apply(&[sound.clone(), second], &find_scene).expect_err("the second");
+        document.apply(&[sound.clone(), second]).expect_err("the second");
         assert_eq!(content(&document), before);
     }
-    document.apply(&[sound], &find_scene).expect("the first alone");
+    document.apply(&[sound]).expect("the first alone");
 }
 
 /// Two that fold one by one but not together: validity is of the outcome.
@@ -78,31 +77,37 @@ fn changes_are_made_all_or_none() {
 /// Rules: CMD-2
 #[test]
 fn what_lies_between_two_changes_need_not_be_valid() {
-    let mut document = edited();
-    let moved = |old: DVec3, new: DVec3| {
-        let (old, new) = (PointParameter::Position(old), PointParameter::Position(new));
-        Change::Point { light: BENDY, layout: Layout(1), point: 2, old, new }
-    };
+    let mut document = sample();
+    let moved = |old: DVec3, new: DVec3| point_change(1, 2, POSITION, old, new);
     let (here, aside) = (DVec3::new(0.25, 0.0, -2.0), DVec3::new(6.0, 0.0, -1.0));
-    document.apply(&[moved(here, aside)], &find_scene).expect_err("it folds");
-    document.apply(&[moved(here, aside), moved(aside, here)], &find_scene).expect("nothing is left of it");
+    document.apply(&[moved(here, aside)]).expect_err("it folds");
+    document.apply(&[moved(here, aside), moved(aside, here)]).expect("nothing is left of it");
 }
 
-/// A change made up by hand, from a radius to a position, has an old value that the document holds.
+/// Changes made up by hand, as from a radius to a position, of old values that the document holds.
 ///
 /// Rules: REC-3
 #[test]
 fn both_values_of_a_change_are_of_one_property() {
-    let mut document = edited();
+    let mut document = sample();
     let layout = document.lights()[&BENDY].layout;
-    let (old, new) = (PointParameter::Radius(0.25), PointParameter::Intensity(3.0));
+    let of_spot = |parameter: &'static Parameter, new: Value| {
+        let old = light_of(&sample(), SPOT).value(parameter).expect("a spotlight has it").clone();
+        Change::LightParameter { light: SPOT, parameter, old, new }
+    };
+    let radius = |new| {
+        let old = Value::Number(0.25);
+        Change::Point { light: BENDY, layout, point: 1, parameter: RADIUS.row(), old, new }
+    };
     let mixed = [
-        Change::Point { light: BENDY, layout, point: 1, old, new },
-        Change::LightParameter {
-            light: SPOT,
-            old: LightParameter::ConeAngle(25.0),
-            new: LightParameter::ConeSoftness(0.5),
-        },
+        radius(Value::Vector(DVec3::ONE)),
+        radius(Value::Absent),
+        of_spot(CONE_ANGLE.row(), Value::Text("wide".into())),
+        of_spot(CONE_ANGLE.row(), Value::Absent),
+        of_spot(RANGE.row(), Value::Text("far".into())),
+        of_spot(DECAY.row(), Value::Choice(Frame::Up.name())),
+        of_spot(ROTATION.row(), Value::Vector(DVec3::ONE)),
+        of_spot(NAME.row(), Value::Number(1.0)),
         Change::CameraParameter {
             camera: EYE,
             old: CameraParameter::Name("eye".into()),
@@ -111,21 +116,44 @@ fn both_values_of_a_change_are_of_one_property() {
     ];
     for change in mixed {
         assert!(document.holds_old_of(&change));
-        let error = document.apply(&[change], &find_scene).expect_err("two properties");
+        let error = document.apply(&[change]).expect_err("two properties");
         assert!(matches!(error, EditError::Conflict(_)), "{error}");
     }
+}
+
+/// A change made up by hand, of what its light or its control point does not have.
+///
+/// Rules: REC-3
+#[test]
+fn a_change_is_of_what_is_there() {
+    let mut document = sample();
+    let (frame, up) = (Frame::RotationMinimizing, Frame::Up);
+    let other = [
+        light_change(SPOT, FRAME, frame, up),
+        light_change(BENDY, RANGE, None, Some(1.0)),
+        light_change(BENDY, RADIUS, 0.125, 0.25),
+        light_change(LightId(9), CONE_ANGLE, 25.0, 30.0),
+        point_change(1, 1, FRAME, frame, up),
+        point_change(1, 1, CONE_ANGLE, 25.0, 30.0),
+    ];
+    for change in other {
+        assert!(!document.holds_old_of(&change));
+        let error = document.apply(&[change]).expect_err("nothing has it");
+        assert!(matches!(error, EditError::Conflict(_)), "{error}");
+    }
+    let angle = light_change(SPOT, CONE_ANGLE, 25.0, 30.0);
+    document.apply(&[angle]).expect("a spotlight has a cone angle");
 }
 
 /// Rules: REC-2
 #[test]
 fn one_persons_change_can_be_taken_back_under_anothers() {
-    let mut document = edited();
-    let mine =
-        done(&mut document, &Command::SetLight { light: SPOT, parameter: LightParameter::ConeAngle(40.0) });
-    done(&mut document, &Command::SetLight { light: SPOT, parameter: LightParameter::Intensity(9.0) });
-    document.apply(&[mine[0].inverse()], &find_scene).expect("nobody else touched the angle");
-    let mut theirs = edited();
-    done(&mut theirs, &Command::SetLight { light: SPOT, parameter: LightParameter::Intensity(9.0) });
+    let mut document = sample();
+    let mine = done(&mut document, &Command::SetLight { light: SPOT, setting: CONE_ANGLE.to(40.0) });
+    done(&mut document, &Command::SetLight { light: SPOT, setting: INTENSITY.to(9.0) });
+    document.apply(&[mine[0].inverse()]).expect("nobody else touched the angle");
+    let mut theirs = sample();
+    done(&mut theirs, &Command::SetLight { light: SPOT, setting: INTENSITY.to(9.0) });
     assert_eq!(content(&document), content(&theirs));
 }
 
@@ -133,21 +161,21 @@ fn one_persons_change_can_be_taken_back_under_anothers() {
 #[test]
 fn names_and_cameras_change_no_picture() {
     let shows = |command: &Command| {
-        let changes = changes_of(&edited(), command, &find_scene).expect("a valid command");
+        let changes = edit(&sample(), command).expect("a valid command").changes;
         assert!(!changes.is_empty());
         changes.iter().any(Change::changes_picture)
     };
-    let set = |parameter| Command::SetLight { light: SPOT, parameter };
-    assert!(!shows(&set(LightParameter::Name("rim".into()))));
+    let set = |setting| Command::SetLight { light: SPOT, setting };
+    assert!(!shows(&set(NAME.to("rim".into()))));
     assert!(!shows(&Command::AddCamera(eye())));
     assert!(!shows(&Command::RemoveCamera(EYE)));
     let parameter = CameraParameter::Translation(DVec3::ONE);
     assert!(!shows(&Command::SetCamera { camera: EYE, parameter }));
-    assert!(shows(&set(LightParameter::Intensity(2.0))));
+    assert!(shows(&set(INTENSITY.to(2.0))));
     assert!(shows(&Command::RemoveLight(LightId(1))));
-    assert!(shows(&Command::AddLight(Box::new(spot()))));
+    assert!(shows(&Command::AddLight(checked(spot()))));
     assert!(shows(&Command::LoadScene { asset: ROOM, name: "room".into() }));
     assert!(shows(&Command::RemovePoint { light: BENDY, point: 2 }));
-    let parameter = PointParameter::Intensity(3.0);
-    assert!(shows(&Command::SetPoint { light: BENDY, point: 1, parameter }));
+    let setting = POINT_INTENSITY.to(3.0);
+    assert!(shows(&Command::SetPoint { light: BENDY, point: 1, setting }));
 }

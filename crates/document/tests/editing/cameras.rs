@@ -1,12 +1,11 @@
 //! Commands on cameras.
 
-use document::{
-    CameraId, CameraParameter, Change, Command, Document, EditError, MAX_CAMERAS, MAX_NAME_BYTES,
-};
+use document::{CameraId, CameraParameter, Change, Command, Document, EditError, MAX_CAMERAS};
 use glam::{DQuat, DVec3};
+use light::MAX_NAME_BYTES;
 use scene::Projection;
 
-use crate::support::{EYE, PLAN, done, edited, eye, plan, refused};
+use crate::support::{EYE, PLAN, done, eye, plan, refused, sample};
 
 fn set(parameter: CameraParameter) -> Command {
     Command::SetCamera { camera: EYE, parameter }
@@ -15,7 +14,7 @@ fn set(parameter: CameraParameter) -> Command {
 /// Rules: DOC-1, DOC-3, CMD-3
 #[test]
 fn cameras_come_and_go_and_are_placed() {
-    let mut document = edited();
+    let mut document = sample();
     done(&mut document, &Command::AddCamera(plan()));
     assert_eq!(document.cameras()[&CameraId(5)], plan());
     let (translation, rotation) = (DVec3::new(4.0, 5.0, 6.0), DQuat::from_rotation_y(0.25));
@@ -35,7 +34,7 @@ fn cameras_come_and_go_and_are_placed() {
 /// Rules: DOC-3
 #[test]
 fn every_parameter_of_a_camera_can_be_set() {
-    let mut document = edited();
+    let mut document = sample();
     let (translation, rotation) = (DVec3::new(4.0, 5.0, 6.0), DQuat::from_rotation_y(0.25));
     let projection = Projection::Orthographic { ymag: 1.0, aspect_ratio: None, znear: 0.5, zfar: 2.0 };
     for parameter in [
@@ -54,7 +53,7 @@ fn every_parameter_of_a_camera_can_be_set() {
 /// Rules: CMD-1, DOC-3
 #[test]
 fn cameras_that_make_no_picture_are_refused() {
-    let document = edited();
+    let document = sample();
     let perspective = |yfov, znear, zfar| Projection::Perspective { yfov, aspect_ratio: None, znear, zfar };
     let orthographic = |ymag, znear, zfar| Projection::Orthographic { ymag, aspect_ratio: None, znear, zfar };
     for projection in [

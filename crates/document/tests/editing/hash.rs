@@ -2,53 +2,62 @@
 
 use std::collections::BTreeMap;
 
-use document::{CameraParameter, Command, Document, DocumentHash, LightParameter, PointParameter};
+use document::{CameraParameter, Command, Document, DocumentHash};
 use glam::{DQuat, DVec3};
-use light::{Decay, Direction, EndMode, Frame};
+use light::parameters::{
+    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, POINT_COLOR,
+    POINT_INTENSITY, POSITION, RADIUS, RANGE, ROTATION, SCALE, TRANSLATION, UP,
+};
+use light::{Decay, Direction, EndMode, Frame, LightId, Setting};
 use scene::Projection;
 
-use crate::support::{BENDY, EYE, PLAN, ROOM, ROOM_AGAIN, SPOT, done, edited, eye, spot};
+use crate::support::{BENDY, EYE, PLAN, ROOM, ROOM_AGAIN, SPOT, checked, done, eye, light_of, sample, spot};
 
-fn after(command: &Command) -> DocumentHash {
-    let mut document = edited();
+pub type Hash = fn(&Document) -> DocumentHash;
+
+/// The hash of today, and the one of logs of formats 1 and 2.
+pub const HASHES: [Hash; 2] = [Document::hash, |document| document.hash_of_format(2)];
+
+fn after(command: &Command) -> Document {
+    let mut document = sample();
     done(&mut document, command);
-    document.hash()
+    document
 }
 
 /// A command for each field of a light.
 fn light_edits() -> Vec<Command> {
-    use LightParameter as P;
     let (vector, rotation) = (DVec3::new(0.5, 0.25, 0.125), DQuat::from_rotation_y(1.0));
     let both = [
-        P::Name("rim".into()),
-        P::Translation(DVec3::X),
-        P::Translation(DVec3::Y),
-        P::Translation(DVec3::Z),
-        P::Rotation(rotation),
-        P::Scale(3.0),
-        P::ConeAngle(40.0),
-        P::ConeSoftness(0.75),
-        P::Decay(Decay::Linear),
+        NAME.to("rim".into()),
+        TRANSLATION.to(DVec3::X),
+        TRANSLATION.to(DVec3::Y),
+        TRANSLATION.to(DVec3::Z),
+        ROTATION.to(rotation),
+        SCALE.to(3.0),
+        CONE_ANGLE.to(40.0),
+        CONE_SOFTNESS.to(0.75),
+        DECAY.to(Decay::Linear),
     ];
     let mut edits = Vec::new();
     for light in [BENDY, SPOT] {
-        edits.extend(both.iter().map(|parameter| Command::SetLight { light, parameter: parameter.clone() }));
+        edits.extend(both.iter().map(|setting| Command::SetLight { light, setting: setting.clone() }));
     }
     let of_bendy =
-        [P::Up(vector), P::Frame(Frame::Up), P::Direction(Direction::Path), P::EndMode(EndMode::Extend)];
-    edits.extend(of_bendy.map(|parameter| Command::SetLight { light: BENDY, parameter }));
-    let of_spot = [P::Color(vector), P::Intensity(7.0), P::Range(Some(9.0)), P::Range(Some(8.0))];
-    edits.extend(of_spot.map(|parameter| Command::SetLight { light: SPOT, parameter }));
-    edits.push(Command::SetLight { light: SPOT, parameter: P::Decay(Decay::None) });
+        [UP.to(vector), FRAME.to(Frame::Up), DIRECTION.to(Direction::Path), END_MODE.to(EndMode::Extend)];
+    edits.extend(of_bendy.map(|setting| Command::SetLight { light: BENDY, setting }));
+    let of_spot = [COLOR.to(vector), INTENSITY.to(7.0), RANGE.to(Some(9.0)), RANGE.to(Some(8.0))];
+    edits.extend(of_spot.map(|setting| Command::SetLight { light: SPOT, setting }));
+    edits.push(Command::SetLight { light: SPOT, setting: DECAY.to(Decay::None) });
     for point in 0..5 {
         let values = [
-            PointParameter::Radius(0.3),
-            PointParameter::Color(vector),
-            PointParameter::Intensity(3.0),
-            PointParameter::Position(DVec3::new(0.125, 0.0, -(point as f64))),
+            RADIUS.to(0.3),
+            POINT_COLOR.to(vector),
+            POINT_INTENSITY.to(3.0),
+            POSITION.to(DVec3::new(0.125, 0.0, -(point as f64))),
         ];
         let allowed = if point == 0 { &values[..3] } else { &values[..] };
-        edits.extend(allowed.iter().map(|&parameter| Command::SetPoint { light: BENDY, point, parameter }));
+        let edit = |setting: &Setting| Command::SetPoint { light: BENDY, point, setting: setting.clone() };
+        edits.extend(allowed.iter().map(edit));
     }
     edits
 }
@@ -84,22 +93,18 @@ fn other_edits() -> Vec<Command> {
         edits.push(Command::RemoveCamera(camera));
     }
     edits.extend([BENDY, SPOT].map(Command::RemoveLight));
-    edits.push(Command::AddLight(Box::new(spot())));
+    edits.push(Command::AddLight(checked(spot())));
     edits.push(Command::AddCamera(eye()));
     edits.extend([2, 3].map(|point| Command::RemovePoint { light: BENDY, point }));
     edits.extend([ROOM, ROOM_AGAIN].map(|asset| Command::LoadScene { asset, name: String::new() }));
     edits
 }
 
-/// Rules: DOC-4
-#[test]
-fn every_field_counts() {
-    let mut seen = BTreeMap::from([(edited().hash().to_string(), "the document as it was".to_owned())]);
-    let edits = [light_edits(), other_edits()].concat();
-    assert!(edits.len() > 60);
-    for command in edits {
-        let what = format!("{command:?}");
-        if let Some(other) = seen.insert(after(&command).to_string(), what.clone()) {
+/// Sees that no two of `documents`, each named, have one hash, nor one that of `plain`.
+pub fn all_differ(hash: Hash, plain: &Document, documents: &[(String, Document)]) {
+    let mut seen = BTreeMap::from([(hash(plain).to_string(), "nothing")]);
+    for (what, document) in documents {
+        if let Some(other) = seen.insert(hash(document).to_string(), what) {
             panic!("the same hash after {what} as after {other}");
         }
     }
@@ -107,8 +112,19 @@ fn every_field_counts() {
 
 /// Rules: DOC-4
 #[test]
+fn every_field_counts() {
+    let edits = [light_edits(), other_edits()].concat();
+    assert!(edits.len() > 60);
+    let documents: Vec<_> = edits.iter().map(|command| (format!("{command:?}"), after(command))).collect();
+    for hash in HASHES {
+        all_differ(hash, &sample(), &documents);
+    }
+}
+
+/// Rules: DOC-4
+#[test]
 fn numbers_count_where_the_rest_is_the_same() {
-    let mut renumbered = edited();
+    let mut renumbered = sample();
     let insert = Command::InsertPoint {
         light: BENDY,
         point: 2,
@@ -119,42 +135,56 @@ fn numbers_count_where_the_rest_is_the_same() {
     };
     done(&mut renumbered, &insert);
     done(&mut renumbered, &Command::RemovePoint { light: BENDY, point: 2 });
-    assert_eq!(renumbered.lights()[&BENDY].light, edited().lights()[&BENDY].light);
-    assert_ne!(renumbered.hash(), edited().hash(), "its layout is another");
+    assert_eq!(light_of(&renumbered, BENDY), light_of(&sample(), BENDY));
+    for hash in HASHES {
+        assert_ne!(hash(&renumbered), hash(&sample()), "its layout is another");
+    }
 
     let with_ids = |ids: [u64; 2]| {
-        let lights = edited().lights().clone().into_values().zip(ids);
-        let lights = lights.map(|(placed, id)| (light::LightId(id), placed)).collect();
-        Document::restore(None, lights, BTreeMap::new(), 0).hash()
+        let lights = sample().lights().clone().into_values().zip(ids);
+        let lights = lights.map(|(placed, id)| (LightId(id), placed)).collect();
+        Document::restore(None, lights, BTreeMap::new(), 0)
     };
-    assert_ne!(with_ids([1, 2]), with_ids([1, 3]));
+    for hash in HASHES {
+        assert_ne!(hash(&with_ids([1, 2])), hash(&with_ids([1, 3])));
+    }
 }
 
 /// Rules: DOC-4
 #[test]
 fn what_does_not_count() {
-    let set = |x: f64| {
-        let parameter = LightParameter::Translation(DVec3::new(x, 1.0, x));
-        after(&Command::SetLight { light: SPOT, parameter })
-    };
-    assert_eq!(set(0.0), set(-0.0));
-    assert_ne!(set(0.0), set(f64::MIN_POSITIVE), "but the smallest number is not 0");
-    let load = |name: &str| after(&Command::LoadScene { asset: ROOM, name: name.into() });
-    assert_eq!(load("room"), load("the same room by another name"));
-    let more_numbers = Document::restore(None, edited().lights().clone(), edited().cameras().clone(), 99);
-    assert_eq!(more_numbers.hash(), edited().hash(), "numbers given out and free again");
+    let more_numbers = Document::restore(None, sample().lights().clone(), sample().cameras().clone(), 99);
+    for hash in HASHES {
+        let set = |x: f64| {
+            let setting = TRANSLATION.to(DVec3::new(x, 1.0, x));
+            hash(&after(&Command::SetLight { light: SPOT, setting }))
+        };
+        assert_eq!(set(0.0), set(-0.0));
+        assert_ne!(set(0.0), set(f64::MIN_POSITIVE), "but the smallest number is not 0");
+        let load = |name: &str| hash(&after(&Command::LoadScene { asset: ROOM, name: name.into() }));
+        assert_eq!(load("room"), load("the same room by another name"));
+        assert_eq!(hash(&more_numbers), hash(&sample()), "numbers given out and free again");
+    }
 }
 
-/// The hash as it was when the first logs were written. Where this fails, those logs no longer replay: give the walk a
-/// new version instead.
+/// The hashes as they were when the first logs of each format were written. Where this fails, those logs no longer replay:
+/// give the walk a new version instead.
 ///
 /// Rules: DOC-4
 #[test]
 fn the_hash_is_the_same_for_good() {
-    let shown = |document: &Document| document.hash().to_string();
-    assert_eq!(
-        shown(&Document::default()),
-        "ec407543169a9f67a67aba9433163b0f2eade4e9ec50e57a9ab2e8730dd944bd"
-    );
-    assert_eq!(shown(&edited()), "c1440d73969f631976e8eef96e229b50d97180b6084c233a8df2444b9262f6d3");
+    // Of formats 1 and 2, and of 3; an empty document's first.
+    let walked = [
+        "ec407543169a9f67a67aba9433163b0f2eade4e9ec50e57a9ab2e8730dd944bd",
+        "c1440d73969f631976e8eef96e229b50d97180b6084c233a8df2444b9262f6d3",
+    ];
+    let by_rows = [
+        "3195b0a1a469905805246db0a0658108b9d3d9a2b748b6625b93fd277cf407a8",
+        "5c53891eb2ef8b449cb1a0337b9aa3bf370929917589c75395096b1e25b44d24",
+    ];
+    for (format, expected) in [(1, walked), (2, walked), (3, by_rows)] {
+        let hashes = [Document::default(), sample()].map(|it| it.hash_of_format(format).to_string());
+        assert_eq!(hashes, expected, "format {format}");
+    }
+    assert_eq!(sample().hash(), sample().hash_of_format(3), "the hash of today");
 }

@@ -1,14 +1,15 @@
 //! Numbers: ids and layouts.
 
-use document::{Change, Command, Document, Layout, PointParameter};
+use document::{Change, Command, Document, Layout};
 use glam::DVec3;
 use light::LightId;
+use light::parameters::RADIUS;
 
-use crate::support::{BENDY, bendy, content, done, edited, eye, find_scene};
+use crate::support::{BENDY, bendy, checked, content, done, edit, eye, sample};
 
 fn take_back(document: &mut Document, changes: &[Change]) {
     let inverses: Vec<_> = changes.iter().rev().map(Change::inverse).collect();
-    document.apply(&inverses, &find_scene).expect("what was done can be taken back");
+    document.apply(&inverses).expect("what was done can be taken back");
 }
 
 fn insert(point: usize) -> Command {
@@ -18,11 +19,11 @@ fn insert(point: usize) -> Command {
 /// Rules: DOC-1
 #[test]
 fn an_id_is_never_used_again() {
-    let mut document = edited();
-    let added = done(&mut document, &Command::AddLight(Box::new(bendy())));
+    let mut document = sample();
+    let added = done(&mut document, &Command::AddLight(checked(bendy())));
     take_back(&mut document, &added);
     done(&mut document, &Command::AddCamera(eye()));
-    done(&mut document, &Command::AddLight(Box::new(bendy())));
+    done(&mut document, &Command::AddLight(checked(bendy())));
     let lights: Vec<_> = document.lights().keys().map(|id| id.0).collect();
     let cameras: Vec<_> = document.cameras().keys().map(|id| id.0).collect();
     assert_eq!((lights, cameras), (vec![1, 2, 7], vec![3, 4, 6]), "5 was used once");
@@ -32,25 +33,25 @@ fn an_id_is_never_used_again() {
 /// Rules: DOC-1
 #[test]
 fn a_restored_document_counts_on() {
-    let mut document = edited();
+    let mut document = sample();
     done(&mut document, &Command::RemoveLight(LightId(2)));
     let restored =
         |last| Document::restore(None, document.lights().clone(), document.cameras().clone(), last);
     assert_eq!((restored(0).last_number(), restored(9).last_number()), (4, 9));
     assert_eq!((content(&restored(0)), restored(0).hash()), (content(&document), document.hash()));
     let mut later = restored(9);
-    done(&mut later, &Command::AddLight(Box::new(bendy())));
+    done(&mut later, &Command::AddLight(checked(bendy())));
     assert!(later.lights().contains_key(&LightId(10)));
 }
 
 /// Rules: DOC-2
 #[test]
 fn a_layout_changes_with_the_numbering_and_comes_back_with_it() {
-    let mut document = edited();
+    let mut document = sample();
     let layout = |document: &Document| document.lights()[&BENDY].layout;
     let first = layout(&document);
-    let radius = PointParameter::Radius(0.3);
-    done(&mut document, &Command::SetPoint { light: BENDY, point: 1, parameter: radius });
+    let radius = RADIUS.to(0.3);
+    done(&mut document, &Command::SetPoint { light: BENDY, point: 1, setting: radius });
     done(
         &mut document,
         &Command::PlaceLight { light: BENDY, translation: Some(DVec3::ONE), rotation: None, scale: None },
@@ -74,17 +75,17 @@ fn a_layout_changes_with_the_numbering_and_comes_back_with_it() {
 /// Rules: DOC-1, REC-3
 #[test]
 fn numbers_past_what_json_keeps_are_refused() {
-    let mut document = edited();
+    let mut document = sample();
     let add = |number: u64| {
-        let placed = document::PlacedLight { layout: Layout(number), light: bendy() };
-        Change::Light { light: LightId(number), old: None, new: Some(Box::new(placed)) }
+        let placed = document::PlacedLight { layout: Layout(number), light: checked(bendy()) };
+        Change::Light { light: LightId(number), old: None, new: Some(placed) }
     };
     let largest = (1 << 53) - 1;
     for number in [largest + 1, u64::MAX] {
-        document.apply(&[add(number)], &find_scene).expect_err("too large");
+        document.apply(&[add(number)]).expect_err("too large");
     }
-    document.apply(&[add(largest)], &find_scene).expect("the largest");
-    document::changes_of(&document, &Command::AddCamera(eye()), &find_scene).expect_err("no number is left");
+    document.apply(&[add(largest)]).expect("the largest");
+    edit(&document, &Command::AddCamera(eye())).expect_err("no number is left");
     let none_left = Document::restore(None, document.lights().clone(), document.cameras().clone(), u64::MAX);
-    document::changes_of(&none_left, &Command::AddCamera(eye()), &find_scene).expect_err("no number is left");
+    edit(&none_left, &Command::AddCamera(eye())).expect_err("no number is left");
 }

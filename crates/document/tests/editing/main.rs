@@ -3,7 +3,9 @@
 mod apply;
 mod asset_names;
 mod cameras;
+mod checks;
 mod hash;
+mod hash_rows;
 mod identity;
 mod lights;
 mod points;

@@ -1,11 +1,11 @@
 //! What holds for every sequence of commands.
 
-use document::{AssetHash, Change, Document, changes_of};
+use document::{AssetHash, Change, Document, Edited};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
 use crate::random::{aimed, command};
-use crate::support::{ROOM, YARD, content, edited, find_scene, is_valid};
+use crate::support::{ROOM, YARD, content, edit, is_valid, sample};
 
 const SCENES: &[AssetHash] = &[ROOM, YARD];
 
@@ -15,13 +15,18 @@ fn each_step(
     commands: Vec<document::Command>,
     mut check: impl FnMut(&Document, &[Change], &Document) -> Result<(), TestCaseError>,
 ) -> Result<(), TestCaseError> {
-    let mut document = edited();
+    let mut document = sample();
     for command in commands {
         let command = aimed(command, &document);
-        let Ok(changes) = changes_of(&document, &command, &find_scene) else { continue };
-        prop_assert_eq!(changes_of(&document, &command, &find_scene), Ok(changes.clone()), "a function");
+        let Ok(Edited { changes, document: after }) = edit(&document, &command) else { continue };
+        let again = edit(&document, &command).expect("as before");
+        prop_assert_eq!(&again.changes, &changes, "a function");
         let before = document.clone();
-        document.apply(&changes, &find_scene).expect("changes just made");
+        document.apply(&changes).expect("changes just made");
+        for outcome in [&after, &again.document] {
+            prop_assert_eq!(content(outcome), content(&document), "the changes are all there is");
+            prop_assert_eq!(outcome.last_number(), document.last_number());
+        }
         check(&before, &changes, &document)?;
     }
     Ok(())
@@ -45,7 +50,7 @@ proptest! {
         each_step(commands, |before, changes, after| {
             let mut back = after.clone();
             let inverses: Vec<_> = changes.iter().rev().map(Change::inverse).collect();
-            back.apply(&inverses, &find_scene).expect("what was done can be taken back");
+            back.apply(&inverses).expect("what was done can be taken back");
             prop_assert_eq!(content(&back), content(before));
             prop_assert_eq!(back.hash(), before.hash());
             prop_assert!(back.last_number() >= after.last_number(), "numbers stay given out");
@@ -87,15 +92,15 @@ fn random_commands_are_mostly_valid() {
     use proptest::strategy::ValueTree;
     let mut runner = proptest::test_runner::TestRunner::deterministic();
     let mut kinds = std::collections::BTreeMap::new();
-    let mut document = edited();
+    let mut document = sample();
     for _ in 0..4000 {
         let command = command(SCENES).new_tree(&mut runner).expect("a command").current();
         let command = aimed(command, &document);
         let name = format!("{command:?}").split(['(', ' ']).next().unwrap_or_default().to_owned();
         let count: &mut (u32, u32) = kinds.entry(name).or_default();
-        match changes_of(&document, &command, &find_scene) {
-            Ok(changes) => {
-                document.apply(&changes, &find_scene).expect("changes just made");
+        match edit(&document, &command) {
+            Ok(after) => {
+                document = after.document;
                 count.0 += 1;
             }
             Err(_) => count.1 += 1,

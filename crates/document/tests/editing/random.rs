@@ -1,9 +1,14 @@
 //! Commands at random: most of them valid in the document that they are aimed at, some not.
 
-use document::{AssetHash, CameraId, CameraParameter, Command, Document, LightParameter, PointParameter};
+use std::sync::Arc;
+
+use document::{AssetHash, CameraId, CameraParameter, Command, Document};
 use glam::{DQuat, DVec3};
-use light::{BendyLight, Decay, Direction, EndMode, Frame, SpotLight};
-use light::{Light, LightId, LightKind};
+use light::parameters::{
+    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, POINT_COLOR,
+    POINT_INTENSITY, POSITION, RADIUS, RANGE, ROTATION, SCALE, TRANSLATION, UP,
+};
+use light::{CheckedLight, Decay, Direction, EndMode, Frame, Light, LightId, Setting};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use scene::{Camera, Projection};
@@ -21,14 +26,14 @@ pub fn command(scenes: &'static [AssetHash]) -> impl Strategy<Value = Command> {
     let insert = (light(), 0..8_usize, option(vector()), option(small()), option(color()), option(small()));
     prop_oneof![
         1 => (0..8_usize).prop_map(load),
-        2 => any_light().prop_map(|light| Command::AddLight(Box::new(light))),
+        2 => any_light().prop_map(Command::AddLight),
         1 => light().prop_map(Command::RemoveLight),
         3 => place_light.prop_map(|(light, translation, rotation, scale)| {
             Command::PlaceLight { light, translation, rotation, scale }
         }),
-        8 => (light(), light_parameter()).prop_map(|(light, parameter)| Command::SetLight { light, parameter }),
+        8 => (light(), light_parameter()).prop_map(|(light, setting)| Command::SetLight { light, setting }),
         8 => (light(), 0..6_usize, point_parameter())
-            .prop_map(|(light, point, parameter)| Command::SetPoint { light, point, parameter }),
+            .prop_map(|(light, point, setting)| Command::SetPoint { light, point, setting }),
         3 => insert.prop_map(|(light, point, position, radius, color, intensity)| {
             Command::InsertPoint { light, point, position, radius, color, intensity }
         }),
@@ -104,46 +109,48 @@ fn name() -> impl Strategy<Value = String> {
     "[a-z\"\\\\\u{e9}]{0,6}"
 }
 
-fn any_light() -> impl Strategy<Value = Light> {
+/// A light that can be evaluated: no other can be asked for.
+fn any_light() -> impl Strategy<Value = Arc<CheckedLight>> {
     let bendy = vec((-0.3..0.3, -0.3..0.3, 0.05..0.3), 2..6).prop_map(|steps| {
         let along = |i: usize, (x, y): (f64, f64)| DVec3::new(x, y, -(i as f64 + 1.0));
         let bends = steps.iter().enumerate().map(|(i, &(x, y, _))| along(i, (x, y)));
         let points: Vec<DVec3> = std::iter::once(DVec3::ZERO).chain(bends).collect();
         let radii = std::iter::once(0.1).chain(steps.iter().map(|step| step.2)).collect();
-        LightKind::Bendy(BendyLight::new(points, radii))
+        Light::bendy(points, radii)
     });
     let spot = (color(), option(positive()))
-        .prop_map(|(color, range)| LightKind::Spot(SpotLight { color, range, ..SpotLight::default() }));
-    (name(), prop_oneof![3 => bendy.boxed(), 1 => spot.boxed()]).prop_map(|(name, kind)| Light { name, kind })
+        .prop_map(|(color, range)| Light::spot().with(COLOR, color).with(RANGE, range));
+    (name(), prop_oneof![3 => bendy.boxed(), 1 => spot.boxed()]).prop_filter_map("folds", |(name, light)| {
+        CheckedLight::new(light.with(NAME, name)).ok().map(Arc::new)
+    })
 }
 
-fn light_parameter() -> impl Strategy<Value = LightParameter> {
-    use LightParameter as P;
+fn light_parameter() -> impl Strategy<Value = Setting> {
     prop_oneof![
-        name().prop_map(P::Name),
-        vector().prop_map(P::Translation),
-        rotation().prop_map(P::Rotation),
-        real().prop_map(P::Scale),
-        (0.0..100.0).prop_map(P::ConeAngle),
-        (0.0..1.1).prop_map(P::ConeSoftness),
-        prop_oneof![Just(Decay::None), Just(Decay::Linear), Just(Decay::InverseSquare)].prop_map(P::Decay),
-        vector().prop_map(P::Up),
-        prop_oneof![Just(Frame::RotationMinimizing), Just(Frame::Up)].prop_map(P::Frame),
-        prop_oneof![Just(Direction::Tube), Just(Direction::Path)].prop_map(P::Direction),
-        prop_oneof![Just(EndMode::Cut), Just(EndMode::Extend)].prop_map(P::EndMode),
-        color().prop_map(P::Color),
-        real().prop_map(P::Intensity),
-        option(positive()).prop_map(P::Range),
+        name().prop_map(|name| NAME.to(name)),
+        vector().prop_map(|translation| TRANSLATION.to(translation)),
+        rotation().prop_map(|rotation| ROTATION.to(rotation)),
+        real().prop_map(|scale| SCALE.to(scale)),
+        (0.0..100.0).prop_map(|angle| CONE_ANGLE.to(angle)),
+        (0.0..1.1).prop_map(|softness| CONE_SOFTNESS.to(softness)),
+        prop_oneof![Just(Decay::None), Just(Decay::Linear), Just(Decay::InverseSquare)]
+            .prop_map(|decay| DECAY.to(decay)),
+        vector().prop_map(|up| UP.to(up)),
+        prop_oneof![Just(Frame::RotationMinimizing), Just(Frame::Up)].prop_map(|frame| FRAME.to(frame)),
+        prop_oneof![Just(Direction::Tube), Just(Direction::Path)].prop_map(|towards| DIRECTION.to(towards)),
+        prop_oneof![Just(EndMode::Cut), Just(EndMode::Extend)].prop_map(|end| END_MODE.to(end)),
+        color().prop_map(|color| COLOR.to(color)),
+        real().prop_map(|intensity| INTENSITY.to(intensity)),
+        option(positive()).prop_map(|range| RANGE.to(range)),
     ]
 }
 
-fn point_parameter() -> impl Strategy<Value = PointParameter> {
-    use PointParameter as P;
+fn point_parameter() -> impl Strategy<Value = Setting> {
     prop_oneof![
-        4 => (-0.5..0.5, -0.5..0.5, -6.0..0.0).prop_map(|(x, y, z)| P::Position(DVec3::new(x, y, z))),
-        3 => small().prop_map(P::Radius),
-        1 => color().prop_map(P::Color),
-        1 => real().prop_map(P::Intensity),
+        4 => (-0.5..0.5, -0.5..0.5, -6.0..0.0).prop_map(|(x, y, z)| POSITION.to(DVec3::new(x, y, z))),
+        3 => small().prop_map(|radius| RADIUS.to(radius)),
+        1 => color().prop_map(|color| POINT_COLOR.to(color)),
+        1 => real().prop_map(|intensity| POINT_INTENSITY.to(intensity)),
     ]
 }
 

@@ -1,74 +1,82 @@
 //! What no picture can show is not committed; what was committed before still applies.
 
-use document::{Change, Command, EditError, LightParameter, changes_of};
+use document::{Command, Context, Document, EditError, Edited, SceneContents, edited};
 use glam::DVec3;
-use light::{LightKind, OutOfReach};
+use light::parameters::{NAME, SCALE, TRANSLATION};
+use light::{LightId, OutOfReach, Reach};
 
-use crate::support::{BENDY, ROOM, SPOT, bendy, edited, find_scene, spot};
+use crate::support::{BENDY, ROOM, SPOT, bendy, checked, edit, light_change, sample, spot};
 
-fn place(light: light::LightId, x: f64) -> Command {
+fn left_out(document: &Document) -> Vec<OutOfReach> {
+    Reach::default().left_out(document.lights().values().map(|placed| &*placed.light))
+}
+
+fn place(light: LightId, x: f64) -> Command {
     let translation = Some(DVec3::new(x, 0.0, 0.0));
     Command::PlaceLight { light, translation, rotation: None, scale: None }
 }
 
 #[test]
 fn commands_refuse_lights_out_of_reach() {
-    let document = edited();
-    let scaled = |scale| Command::SetLight { light: BENDY, parameter: LightParameter::Scale(scale) };
-    let mut far = spot();
-    if let LightKind::Spot(spot) = &mut far.kind {
-        spot.transform.translation.y = 1e300;
-    }
+    let document = sample();
+    let scaled = |scale| Command::SetLight { light: BENDY, setting: SCALE.to(scale) };
+    let far = spot().with(TRANSLATION, DVec3::Y * 1e300);
     for command in [
         place(SPOT, 1.1e15),
         place(SPOT, 3.4e38),
         place(BENDY, -3.4e38),
         place(BENDY, 1e300),
         scaled(1e16),
-        Command::AddLight(Box::new(far)),
+        Command::AddLight(checked(far)),
     ] {
-        let error = changes_of(&document, &command, &find_scene).expect_err("no picture can show it");
+        let error = edit(&document, &command).expect_err("no picture can show it");
         assert!(matches!(error, EditError::OutOfReach(_)), "{command:?}: {error}");
         let sentence = error.to_string();
         assert!(sentence.contains("1e15") && sentence.contains('`'), "{sentence}");
     }
     for command in [place(SPOT, 1e14), place(BENDY, 1e10), scaled(1e3)] {
-        changes_of(&document, &command, &find_scene).expect("near enough");
+        edit(&document, &command).expect("near enough");
     }
 }
 
 /// An old log can hold such a light: it applies, and the light can be brought back step by step.
 #[test]
 fn records_of_lights_out_of_reach_apply() {
-    let mut document = edited();
-    let old = LightParameter::Translation(DVec3::ZERO);
-    let new = LightParameter::Translation(DVec3::splat(3.4e38));
-    document
-        .apply(&[Change::LightParameter { light: SPOT, old, new }], &find_scene)
-        .expect("as it was recorded");
-    let left_out = document.reach().left_out(document.lights().values().map(|placed| &placed.light));
+    let mut document = sample();
+    let carried = light_change(SPOT, TRANSLATION, DVec3::ZERO, DVec3::splat(3.4e38));
+    document.apply(&[carried]).expect("as it was recorded");
+    let left_out = left_out(&document);
     assert!(matches!(&left_out[..], [OutOfReach::Far { name, .. }] if name == "lamp"), "{left_out:?}");
-    let rename = Command::SetLight { light: SPOT, parameter: LightParameter::Name("far away".into()) };
-    changes_of(&document, &rename, &find_scene).expect("it is no farther than before");
-    changes_of(&document, &place(SPOT, 1e20), &find_scene).expect("nearer than before");
+    let rename = Command::SetLight { light: SPOT, setting: NAME.to("far away".into()) };
+    edit(&document, &rename).expect("it is no farther than before");
+    edit(&document, &place(SPOT, 1e20)).expect("nearer than before");
     // Another light is held to the bound all the same.
-    changes_of(&document, &place(BENDY, 1e20), &find_scene).expect_err("no picture can show it");
+    edit(&document, &place(BENDY, 1e20)).expect_err("no picture can show it");
+}
+
+/// What counts is the distance from the scene's box, which the caller knows.
+#[test]
+fn lights_are_measured_against_the_scene() {
+    let document = sample();
+    let reach = Reach { middle: DVec3::X * 9e14, half_extent: DVec3::splat(1e13) };
+    let there = |x| edited(&document, &place(SPOT, x), Context { reach, loaded: None });
+    there(1.1e15).expect("near that scene");
+    edit(&document, &place(SPOT, 1.1e15)).expect_err("far from one about the origin");
+    let error = there(-2e14).expect_err("far from that scene");
+    assert!(matches!(error, EditError::OutOfReach(_)), "{error}");
+    edit(&document, &place(SPOT, -2e14)).expect("near one about the origin");
 }
 
 /// A scene brings its lights as they are; a picture leaves out what it cannot show.
 #[test]
 fn scenes_load_with_their_lights() {
-    let mut far = bendy();
-    if let LightKind::Bendy(bendy) = &mut far.kind {
-        bendy.transform.translation.z = 1e40;
-    }
-    let scene = std::sync::Arc::new(scene::Scene { lights: vec![far, spot()], ..scene::Scene::default() });
-    let find = |_: &document::AssetHash| Some(std::sync::Arc::clone(&scene));
+    let far = bendy().with(TRANSLATION, DVec3::Z * 1e40);
+    let scene = SceneContents { lights: vec![checked(far), checked(spot())], cameras: Vec::new() };
     let load = Command::LoadScene { asset: ROOM, name: "far".into() };
-    let mut document = document::Document::default();
-    let changes = changes_of(&document, &load, &find).expect("it loads");
-    document.apply(&changes, &find).expect("it applies");
+    let mut document = Document::default();
+    let context = Context { loaded: Some(&scene), ..Context::default() };
+    let Edited { changes, .. } = edited(&document, &load, context).expect("it loads");
+    document.apply(&changes).expect("it applies");
     assert_eq!(document.lights().len(), 2);
-    let left_out = document.reach().left_out(document.lights().values().map(|placed| &placed.light));
-    assert_eq!(left_out.len(), 1);
+    assert_eq!(left_out(&document).len(), 1);
 }

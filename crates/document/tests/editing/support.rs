@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
-use document::{AssetHash, CameraId, Change, Command, Document, EditError, changes_of};
+use document::{
+    AssetHash, CameraId, Change, Command, Context, Document, EditError, Edited, Layout, SceneContents,
+};
 use glam::{DQuat, DVec3};
-use light::{BendyLight, SpotLight, Tube};
-use light::{Light, LightId, LightKind};
-use scene::{Camera, Projection, Scene};
+use light::parameters::NAME;
+use light::{CheckedLight, Key, Light, LightId, Reach, Typed};
+use scene::{Camera, Projection};
 
 /// A scene with a BendyLight and a camera.
 pub const ROOM: AssetHash = AssetHash([1; 32]);
@@ -15,23 +17,27 @@ pub const YARD: AssetHash = AssetHash([2; 32]);
 /// [`ROOM`] in other bytes.
 pub const ROOM_AGAIN: AssetHash = AssetHash([3; 32]);
 
-/// The BendyLight of [`edited`].
+/// The BendyLight of [`sample`].
 pub const BENDY: LightId = LightId(1);
-/// The spotlight of [`edited`].
+/// The spotlight of [`sample`].
 pub const SPOT: LightId = LightId(2);
-/// The camera of [`edited`] with perspective.
+/// The camera of [`sample`] with perspective.
 pub const EYE: CameraId = CameraId(3);
-/// The orthographic camera of [`edited`].
+/// The orthographic camera of [`sample`].
 pub const PLAN: CameraId = CameraId(4);
 
-/// Finds the scenes above.
-pub fn find_scene(asset: &AssetHash) -> Option<Arc<Scene>> {
-    let scene = match *asset {
-        ROOM | ROOM_AGAIN => Scene { lights: vec![bendy()], cameras: vec![eye()], ..Scene::default() },
-        YARD => Scene { lights: vec![spot()], ..Scene::default() },
-        _ => return None,
-    };
-    Some(Arc::new(scene))
+/// What the scenes above bring.
+pub fn find_scene(asset: AssetHash) -> Option<SceneContents> {
+    match asset {
+        ROOM | ROOM_AGAIN => Some(SceneContents { lights: vec![checked(bendy())], cameras: vec![eye()] }),
+        YARD => Some(SceneContents { lights: vec![checked(spot())], cameras: Vec::new() }),
+        _ => None,
+    }
+}
+
+/// A light that must be valid, as documents and commands carry it.
+pub fn checked(light: Light) -> Arc<CheckedLight> {
+    Arc::new(CheckedLight::new(light).expect("a valid light"))
 }
 
 /// Five control points in a gentle bend; no two values alike, so that none can stand for another.
@@ -43,14 +49,15 @@ pub fn bendy() -> Light {
         DVec3::new(0.5, 0.125, -3.0),
         DVec3::new(1.0, 0.25, -4.0),
     ];
-    let mut light = BendyLight::new(points, vec![0.125, 0.25, 0.375, 0.5, 0.625]);
-    light.colors = (0..5).map(|i| DVec3::new(1.0, 0.5, 0.1 * f64::from(i))).collect();
-    light.intensities = vec![1.0, 2.0, 4.0, 8.0, 16.0];
-    Light { name: "key".into(), kind: LightKind::Bendy(light) }
+    let light = Light::bendy(points, vec![0.125, 0.25, 0.375, 0.5, 0.625]).with(NAME, "key".into());
+    light.with_points(|i, point| {
+        point.color = DVec3::new(1.0, 0.5, 0.1 * i as f64);
+        point.intensity = [1.0, 2.0, 4.0, 8.0, 16.0][i];
+    })
 }
 
 pub fn spot() -> Light {
-    Light { name: "lamp".into(), kind: LightKind::Spot(SpotLight::default()) }
+    Light::spot().with(NAME, "lamp".into())
 }
 
 pub fn eye() -> Camera {
@@ -65,51 +72,66 @@ pub fn plan() -> Camera {
 }
 
 /// A document without a scene, with two lights and two cameras.
-pub fn edited() -> Document {
+pub fn sample() -> Document {
     let mut document = Document::default();
-    done(&mut document, &Command::AddLight(Box::new(bendy())));
-    done(&mut document, &Command::AddLight(Box::new(spot())));
+    done(&mut document, &Command::AddLight(checked(bendy())));
+    done(&mut document, &Command::AddLight(checked(spot())));
     done(&mut document, &Command::AddCamera(eye()));
     done(&mut document, &Command::AddCamera(plan()));
     document
 }
 
+/// What comes of a command, with the scenes above at hand and no geometry.
+pub fn edit(document: &Document, command: &Command) -> Result<Edited, EditError> {
+    let loaded = if let Command::LoadScene { asset, .. } = command { find_scene(*asset) } else { None };
+    document::edited(document, command, Context { reach: Reach::default(), loaded: loaded.as_ref() })
+}
+
 /// Carries out a command that must be valid.
 pub fn done(document: &mut Document, command: &Command) -> Vec<Change> {
-    let changes = changes_of(document, command, &find_scene).expect("a valid command");
-    document.apply(&changes, &find_scene).expect("changes just made");
+    let Edited { changes, document: after } = edit(document, command).expect("a valid command");
+    document.apply(&changes).expect("changes just made");
+    assert_eq!(
+        (document.hash(), document.last_number()),
+        (after.hash(), after.last_number()),
+        "the changes lead to the document after them"
+    );
     changes
 }
 
-/// Why a command is refused, which must leave everything as it was.
+/// Why a command is refused.
 pub fn refused(document: &Document, command: &Command) -> EditError {
-    changes_of(document, command, &find_scene).expect_err("a command to refuse")
+    edit(document, command).expect_err("a command to refuse")
+}
+
+/// A change of a light's parameter.
+pub fn light_change<T: Typed>(light: LightId, key: Key<T>, old: T, new: T) -> Change {
+    let (old, new) = (old.into_value(), new.into_value());
+    Change::LightParameter { light, parameter: key.row(), old, new }
+}
+
+/// A change of a parameter of one of [`BENDY`]'s control points.
+pub fn point_change<T: Typed>(layout: u64, point: usize, key: Key<T>, old: T, new: T) -> Change {
+    let (old, new) = (old.into_value(), new.into_value());
+    Change::Point { light: BENDY, layout: Layout(layout), point, parameter: key.row(), old, new }
 }
 
 /// What the document holds, as text: all of it, more than its hash says.
 pub fn content(document: &Document) -> String {
-    format!("{:?} {:?} {:?}", document.scene_ref(), document.lights(), document.cameras())
+    let lights = document.lights().iter().map(|(id, placed)| (id, placed.layout, placed.light.light()));
+    format!("{:?} {:?} {:?}", document.scene(), lights.collect::<Vec<_>>(), document.cameras())
 }
 
-pub fn bendy_of(document: &Document, id: LightId) -> &BendyLight {
-    match &document.lights()[&id].light.kind {
-        LightKind::Bendy(bendy) => bendy,
-        LightKind::Spot(_) => panic!("a spotlight"),
-    }
+/// A light as it is written down.
+pub fn light_of(document: &Document, id: LightId) -> &Light {
+    document.lights()[&id].light.light()
 }
 
-pub fn spot_of(document: &Document, id: LightId) -> &SpotLight {
-    match &document.lights()[&id].light.kind {
-        LightKind::Spot(spot) => spot,
-        LightKind::Bendy(_) => panic!("a BendyLight"),
-    }
-}
-
-/// Whether every light can be evaluated and every camera makes a picture.
+/// Whether every light can be evaluated, under the names that it is carried with, and every camera makes a picture.
 pub fn is_valid(document: &Document) -> bool {
-    let lights = document.lights().values().all(|placed| match &placed.light.kind {
-        LightKind::Bendy(bendy) => Tube::<f64>::new(bendy).is_ok(),
-        LightKind::Spot(spot) => light::check_spot(spot).is_ok(),
-    });
-    lights && document.cameras().values().all(|camera| camera.check().is_ok())
+    let is_checked = |carried: &CheckedLight| {
+        CheckedLight::new(carried.light().clone()).is_ok_and(|again| again.revisions() == carried.revisions())
+    };
+    document.lights().values().all(|placed| is_checked(&placed.light))
+        && document.cameras().values().all(|camera| camera.check().is_ok())
 }

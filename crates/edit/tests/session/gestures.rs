@@ -1,10 +1,11 @@
 //! Drags under way.
 
-use document::{Command, EditError};
+use document::{Command, Context, EditError};
 use edit::{Action, Gesture, LEASE_MS, MAX_GESTURES, Refusal, Request, Scope};
 use light::LightId;
+use light::parameters::CONE_ANGLE;
 
-use crate::support::{KEY, Studio, actor, angle, bent_light, find_scene, insert, position, radius, softness};
+use crate::support::{KEY, Studio, actor, angle, bent_light, insert, position, radius, softness};
 
 fn is_stale(refusal: &Refusal) -> bool {
     matches!(refusal, Refusal::Stale { .. })
@@ -17,14 +18,11 @@ impl Studio {
     }
 
     fn update(&mut self, who: &str, id: &str, update: u64, command: Command) -> Result<Gesture, Refusal> {
-        self.session.update_gesture(id, update, command, &actor(who), 0, &find_scene).cloned()
+        self.session.update_gesture(id, update, command, &actor(who), 0, Context::default()).cloned()
     }
 
     fn live_angle(&self) -> f64 {
-        match &self.session.live_document(&find_scene).lights()[&KEY].light.kind {
-            light::LightKind::Bendy(light) => light.cone_angle,
-            light::LightKind::Spot(_) => unreachable!("a BendyLight"),
-        }
+        self.session.live_document().lights()[&KEY].light.light().get(CONE_ANGLE)
     }
 }
 
@@ -35,16 +33,16 @@ fn a_drag_is_live_while_it_lasts_and_one_record_in_the_end() {
     studio.begin("ada", "g").expect("nobody holds the light");
     for (update, degrees) in [(1, 30.0), (2, 40.0), (3, 50.0)] {
         let gesture = studio.update("ada", "g", update, angle(degrees)).expect("a valid state");
-        assert_eq!((gesture.update, gesture.changes.len()), (update, 1));
-        assert_eq!((studio.live_angle(), studio.light().cone_angle), (degrees, 25.0), "live, not yet done");
+        assert_eq!((gesture.update, gesture.changes().len()), (update, 1));
+        assert_eq!((studio.live_angle(), studio.angle()), (degrees, 25.0), "live, not yet done");
     }
     assert_eq!(studio.session.seq(), 1, "nothing is logged");
     let record = studio.done("ada", Request::Commit("g".into()));
     assert_eq!(record.action, Action::Gesture { command: angle(50.0), rebased: false });
-    assert_eq!((studio.light().cone_angle, studio.live_angle()), (50.0, 50.0));
+    assert_eq!((studio.angle(), studio.live_angle()), (50.0, 50.0));
     assert_eq!(studio.session.gestures().count(), 0);
     studio.undo("ada");
-    assert_eq!(studio.light().cone_angle, 25.0, "a drag is one step");
+    assert_eq!(studio.angle(), 25.0, "a drag is one step");
 }
 
 /// Rules: GEST-1
@@ -54,9 +52,9 @@ fn a_cancelled_drag_leaves_no_trace() {
     let before = studio.hash();
     studio.begin("ada", "g").expect("nobody holds the light");
     studio.update("ada", "g", 1, angle(50.0)).expect("a valid state");
-    assert_ne!(studio.session.live_document(&find_scene).hash(), before);
+    assert_ne!(studio.session.live_document().hash(), before);
     studio.session.end_gesture("g", &actor("ada")).expect("it is hers");
-    assert_eq!((studio.hash(), studio.session.live_document(&find_scene).hash()), (before, before));
+    assert_eq!((studio.hash(), studio.session.live_document().hash()), (before, before));
     let ended = studio.session.end_gesture("g", &actor("ada"));
     assert_eq!(ended, Err(Refusal::NoGesture("g".into())));
 }
@@ -79,7 +77,7 @@ fn a_held_light_is_locked_for_others() {
     }
     assert_eq!(studio.begin("ben", "h").expect_err("ada holds it"), locked);
     assert_eq!(studio.hash(), before);
-    studio.edit("ben", Command::AddLight(Box::new(bent_light())));
+    studio.edit("ben", Command::AddLight(bent_light()));
     studio.edit("ada", angle(30.0));
     studio.session.end_gesture("g", &actor("ada")).expect("it is hers");
     studio.edit("ben", angle(40.0));
@@ -98,7 +96,7 @@ fn a_drag_ends_with_its_connection_or_its_lease() {
     let later = 20_000;
     let update = |studio: &mut Studio, now_ms| {
         let holder = actor("ada");
-        studio.session.update_gesture("g", 1, angle(50.0), &holder, now_ms, &find_scene).map(drop)
+        studio.session.update_gesture("g", 1, angle(50.0), &holder, now_ms, Context::default()).map(drop)
     };
     update(&mut studio, later).expect("a valid state");
     assert!(studio.session.expire_gestures(LEASE_MS + later).is_empty(), "30 seconds after the update");
@@ -113,12 +111,12 @@ fn an_invalid_state_leaves_the_last_valid_one() {
     let mut studio = Studio::new();
     studio.begin("ada", "g").expect("nobody holds the light");
     studio.update("ada", "g", 1, position(2, 0.5, -4.0)).expect("a valid state");
-    let live = studio.session.live_document(&find_scene).hash();
+    let live = studio.session.live_document().hash();
     let refused = studio.update("ada", "g", 2, position(2, 30.0, -1.0)).expect_err("it folds");
     assert!(matches!(refused, Refusal::Edit(EditError::InvalidLight { .. })), "{refused}");
     let gesture = studio.session.gestures().next().expect("it goes on").clone();
     assert_eq!((gesture.update, gesture.command), (1, Some(position(2, 0.5, -4.0))));
-    assert_eq!(studio.session.live_document(&find_scene).hash(), live);
+    assert_eq!(studio.session.live_document().hash(), live);
     let record = studio.done("ada", Request::Commit("g".into()));
     assert_eq!(
         (record.action, studio.hash()),
@@ -132,7 +130,10 @@ fn an_invalid_state_renews_the_lease() {
     let mut studio = Studio::new();
     studio.begin("ada", "g").expect("nobody holds the light");
     let holder = actor("ada");
-    studio.session.update_gesture("g", 1, angle(90.0), &holder, 20_000, &find_scene).expect_err("no cone");
+    studio
+        .session
+        .update_gesture("g", 1, angle(90.0), &holder, 20_000, Context::default())
+        .expect_err("no cone");
     assert!(studio.session.expire_gestures(LEASE_MS + 1).is_empty());
 }
 
@@ -140,10 +141,10 @@ fn an_invalid_state_renews_the_lease() {
 #[test]
 fn a_drag_keeps_to_its_light_and_its_holder() {
     let mut studio = Studio::new();
-    studio.edit("rig", Command::AddLight(Box::new(bent_light())));
+    studio.edit("rig", Command::AddLight(bent_light()));
     studio.begin("ada", "g").expect("nobody holds the light");
     let elsewhere = Command::RemovePoint { light: LightId(2), point: 1 };
-    for command in [elsewhere, Command::RemoveLight(KEY), Command::AddLight(Box::new(bent_light()))] {
+    for command in [elsewhere, Command::RemoveLight(KEY), Command::AddLight(bent_light())] {
         assert_eq!(studio.update("ada", "g", 1, command), Err(Refusal::OtherLight("“key”".into())));
     }
     assert_eq!(studio.update("ben", "g", 1, angle(40.0)), Err(Refusal::NoGesture("g".into())));
@@ -193,7 +194,7 @@ fn a_drag_counts_points_as_they_were_when_it_began() {
     studio.undo("ada");
     let refused = studio.ask("ada", Request::Commit("g".into())).expect_err("outdated");
     assert!(is_stale(&refused));
-    assert_eq!(studio.light().radii[2], 0.6);
+    assert_eq!(studio.radius(2), 0.6);
 }
 
 /// Rules: SOCK-5
@@ -215,7 +216,7 @@ fn a_drag_is_rebased_on_what_its_holder_did_not_know() {
 fn a_session_has_so_many_drags_at_once() {
     let mut studio = Studio::new();
     for _ in 0..MAX_GESTURES {
-        studio.edit("rig", Command::AddLight(Box::new(bent_light())));
+        studio.edit("rig", Command::AddLight(bent_light()));
     }
     let lights: Vec<_> = studio.session.document().lights().keys().copied().collect();
     let mut begun = lights.iter().enumerate().map(|(index, &light)| {

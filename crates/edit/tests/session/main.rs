@@ -1,5 +1,6 @@
 //! Sessions: requests, undo and redo, gestures, replay.
 
+mod checks;
 mod gestures;
 mod model;
 mod properties;

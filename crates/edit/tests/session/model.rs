@@ -7,7 +7,7 @@ use edit::{Action, Record, Refusal, Scope};
 use proptest::prelude::*;
 
 use crate::properties::{Step, play, request};
-use crate::support::{Studio, angle, find_scene};
+use crate::support::{Studio, angle};
 
 fn is_edit(record: &Record) -> bool {
     matches!(record.action, Action::Edit { .. } | Action::Gesture { .. })
@@ -38,9 +38,7 @@ fn leaves_something(document: &Document, record: &Record) -> bool {
     let single = inverses.iter().filter(|change| change.light().is_none()).map(|change| vec![change.clone()]);
     let held = |change: &&Change| document.holds_old_of(change);
     let together = lights.into_iter().map(|light| of_light(light).filter(held).cloned().collect());
-    single
-        .chain(together)
-        .any(|changes| !changes.is_empty() && document.clone().apply(&changes, &find_scene).is_ok())
+    single.chain(together).any(|changes| !changes.is_empty() && document.clone().apply(&changes).is_ok())
 }
 
 /// UNDO-1: the latest step in effect, of the actor or of anybody, of which something is left.

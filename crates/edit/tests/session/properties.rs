@@ -6,7 +6,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 
 use crate::random::{aimed, command};
-use crate::support::{SCENES, Studio, find_scene};
+use crate::support::{SCENES, Studio};
 
 /// One step of a random session.
 #[derive(Clone, Debug)]
@@ -116,7 +116,7 @@ proptest! {
         let cut = cut.index(studio.log.len() + 1);
         let (mut replayed, mut document) = (Studio::default(), document::Document::default());
         for record in &studio.log[..cut] {
-            replayed.session.replay(record, &find_scene).expect("a log just made");
+            replayed.session.replay(record).expect("a log just made");
         }
         replayed.log = studio.log[..cut].to_vec();
         // As from a checkpoint, which replays nothing.
@@ -138,7 +138,7 @@ proptest! {
         }
         prop_assert_eq!(replayed.hash(), studio.hash());
         for record in &studio.log {
-            document.apply(&record.changes, &find_scene).expect("changes alone are enough");
+            document.apply(&record.changes).expect("changes alone are enough");
         }
         prop_assert_eq!(document.hash(), studio.hash());
     }

@@ -1,9 +1,11 @@
 //! Logs that were changed by hand are refused, and the record is named.
 
-use document::{AssetHash, Change, Command, EditError, LightParameter};
-use edit::{Action, Record, ReplayError, Scope, Session};
+use document::{AssetHash, Change, Command, EditError};
+use edit::{Action, Record, Refusal, ReplayError, Request, Scope, Session};
+use light::parameters::CONE_ANGLE;
+use light::{LightId, Value};
 
-use crate::support::{SCENES, Studio, angle, find_scene, insert, radius, softness};
+use crate::support::{SCENES, Studio, angle, insert, radius, softness};
 
 /// Nine records: a scene, edits of two people, undo and redo.
 fn log() -> Vec<Record> {
@@ -22,7 +24,7 @@ fn log() -> Vec<Record> {
 
 fn replayed(log: &[Record]) -> Result<Session, ReplayError> {
     let mut session = Session::default();
-    log.iter().try_for_each(|record| session.replay(record, &find_scene))?;
+    log.iter().try_for_each(|record| session.replay(record))?;
     Ok(session)
 }
 
@@ -48,8 +50,8 @@ fn gaps_and_repetitions_are_refused() {
 #[test]
 fn values_that_do_not_follow_are_refused() {
     let parameter = |old, new| {
-        let (old, new) = (LightParameter::ConeAngle(old), LightParameter::ConeAngle(new));
-        vec![Change::LightParameter { light: light::LightId(1), old, new }]
+        let (old, new) = (Value::Number(old), Value::Number(new));
+        vec![Change::LightParameter { light: LightId(1), parameter: CONE_ANGLE.row(), old, new }]
     };
     let conflict = |error: ReplayError, at: u64| {
         let is_conflict =
@@ -85,13 +87,22 @@ fn undo_of_what_is_not_in_effect_is_refused() {
     assert_eq!(with(|log| log[7].action = undo(6)), ReplayError::Target { seq: 8, target: 6 });
 }
 
+/// Replay looks at no scene; the document says which one whoever draws it has to have.
+///
 /// Rules: LOG-3, CMD-6
 #[test]
 fn a_scene_that_is_missing_is_named() {
-    let mut session = Session::default();
-    let missing = session.replay(&log()[0], &|_: &AssetHash| None).expect_err("no scene");
-    assert_eq!(missing, ReplayError::Record { seq: 1, reason: EditError::UnknownAsset(SCENES[0]) });
-    assert!(missing.to_string().contains(&SCENES[0].hex()));
+    let nowhere = AssetHash([9; 32]);
+    let load = Command::LoadScene { asset: nowhere, name: "nowhere".into() };
+    let mut studio = Studio::new();
+    let before = (studio.hash(), studio.session.seq());
+    let missing = studio.ask("ada", Request::Edit { base_seq: None, command: load }).expect_err("no scene");
+    assert_eq!(missing, Refusal::Edit(EditError::UnknownAsset(nowhere)));
+    assert!(missing.to_string().contains(&nowhere.hex()));
+    assert_eq!((studio.hash(), studio.session.seq()), before);
+
+    let session = replayed(&log()[..1]).expect("a sound log");
+    assert_eq!(session.document().scene().map(|scene| scene.asset), Some(SCENES[0]));
 }
 
 /// Rules: REC-3, CMD-1
@@ -102,13 +113,13 @@ fn a_refused_record_leaves_the_session_as_it_was() {
     let (before, seq) = (session.document().hash(), session.seq());
     let mut bad = log[6].clone();
     bad.action = Action::Undo { scope: Scope::Mine, target: 99, skipped: Vec::new() };
-    session.replay(&bad, &find_scene).expect_err("a bad target");
+    session.replay(&bad).expect_err("a bad target");
     let mut bad = log[6].clone();
     bad.changes[0] = bad.changes[0].inverse();
-    session.replay(&bad, &find_scene).expect_err("a bad value");
+    session.replay(&bad).expect_err("a bad value");
     assert_eq!((session.document().hash(), session.seq()), (before, seq));
     for record in &log[6..] {
-        session.replay(record, &find_scene).expect("it goes on where it stood");
+        session.replay(record).expect("it goes on where it stood");
     }
     assert_eq!(session.document().hash(), replayed(&log).expect("a sound log").document().hash());
 }

@@ -32,11 +32,11 @@ fn points_counted_before_a_renumbering_are_stale() {
 #[test]
 fn rebased_means_that_another_changed_the_same_light() {
     let mut studio = Studio::new();
-    studio.edit("rig", Command::AddLight(Box::new(bent_light())));
+    studio.edit("rig", Command::AddLight(bent_light()));
     let known = studio.session.seq();
     studio.edit("ada", angle(30.0));
     assert!(!studio.committed("ada", based(known, angle(31.0))).1, "only herself");
-    studio.edit("ben", Command::RemoveLight(light::LightId(2)));
+    studio.edit("ben", Command::RemoveLight(LightId(2)));
     assert!(!studio.committed("ada", based(known, angle(32.0))).1, "another light");
     let theirs = studio.edit("ben", softness(0.5)).seq;
     assert!(studio.committed("ada", based(known, angle(33.0))).1);

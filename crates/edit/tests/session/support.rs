@@ -2,27 +2,28 @@
 
 use std::sync::Arc;
 
-use document::{AssetHash, Command, DocumentHash, LightParameter, PointParameter};
+use document::{AssetHash, Command, Context, DocumentHash, SceneContents};
 use edit::{Actor, Record, Refusal, Request, Scope, Session, Sources};
 use glam::DVec3;
-use light::BendyLight;
-use light::{Light, LightId, LightKind};
-use scene::Scene;
+use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, NAME, POSITION, RADIUS};
+use light::{CheckedLight, Light, LightId, Reach};
 
 /// Scenes that can be loaded: one with a light, one with nothing.
 pub const SCENES: &[AssetHash] = &[AssetHash([1; 32]), AssetHash([2; 32])];
 /// The light of [`Studio::new`].
 pub const KEY: LightId = LightId(1);
 
-pub fn find_scene(asset: &AssetHash) -> Option<Arc<Scene>> {
-    let lights = if *asset == SCENES[0] { vec![bent_light()] } else { Vec::new() };
-    SCENES.contains(asset).then(|| Arc::new(Scene { lights, ..Scene::default() }))
+/// What the scenes above bring.
+fn find_scene(asset: AssetHash) -> Option<SceneContents> {
+    let lights = if asset == SCENES[0] { vec![bent_light()] } else { Vec::new() };
+    SCENES.contains(&asset).then_some(SceneContents { lights, cameras: Vec::new() })
 }
 
 /// Four control points, two units apart, nearly straight.
-pub fn bent_light() -> Light {
+pub fn bent_light() -> Arc<CheckedLight> {
     let points = (0..4).map(|i| DVec3::new(0.1 * f64::from(i), 0.0, -2.0 * f64::from(i))).collect();
-    Light { name: "key".into(), kind: LightKind::Bendy(BendyLight::new(points, vec![0.1, 0.4, 0.6, 0.8])) }
+    let light = Light::bendy(points, vec![0.1, 0.4, 0.6, 0.8]).with(NAME, "key".into());
+    Arc::new(CheckedLight::new(light).expect("a valid light"))
 }
 
 /// One of the people: `"ada"`, `"ben"` or `"cyd"`.
@@ -41,10 +42,7 @@ impl Studio {
     /// With a light that nobody of the three has added.
     pub fn new() -> Self {
         let mut studio = Self::default();
-        studio.done(
-            "rig",
-            Request::Edit { base_seq: None, command: Command::AddLight(Box::new(bent_light())) },
-        );
+        studio.edit("rig", Command::AddLight(bent_light()));
         studio
     }
 
@@ -52,8 +50,13 @@ impl Studio {
     pub fn ask(&mut self, who: &str, request: Request) -> Result<Record, Refusal> {
         let op_id = format!("op {}", self.session.seq() + 1);
         let record = |seq: u64| self.log.get(seq as usize - 1).cloned();
-        let taken_back = self.session.taken_back(&request, who, &record, &find_scene)?;
-        let sources = Sources { scene: &find_scene, taken_back };
+        let taken_back = self.session.taken_back(&request, who, &record)?;
+        let loaded = match &request {
+            Request::Edit { command: Command::LoadScene { asset, .. }, .. } => find_scene(*asset),
+            _ => None,
+        };
+        let context = Context { reach: Reach::default(), loaded: loaded.as_ref() };
+        let sources = Sources { context, taken_back };
         let record = self.session.request(request, &actor(who), &op_id, 0, sources)?;
         self.log.push(record.clone());
         Ok(record)
@@ -86,29 +89,37 @@ impl Studio {
         self.session.document().hash()
     }
 
-    pub fn light(&self) -> &BendyLight {
-        match &self.session.document().lights()[&KEY].light.kind {
-            LightKind::Bendy(light) => light,
-            LightKind::Spot(_) => unreachable!("a BendyLight"),
-        }
+    pub fn light(&self) -> &Light {
+        self.session.document().lights()[&KEY].light.light()
+    }
+
+    pub fn angle(&self) -> f64 {
+        self.light().get(CONE_ANGLE)
+    }
+
+    pub fn softness(&self) -> f64 {
+        self.light().get(CONE_SOFTNESS)
+    }
+
+    pub fn radius(&self, point: usize) -> f64 {
+        self.light().points()[point].radius
     }
 }
 
 pub fn angle(degrees: f64) -> Command {
-    Command::SetLight { light: KEY, parameter: LightParameter::ConeAngle(degrees) }
+    Command::SetLight { light: KEY, setting: CONE_ANGLE.to(degrees) }
 }
 
 pub fn softness(share: f64) -> Command {
-    Command::SetLight { light: KEY, parameter: LightParameter::ConeSoftness(share) }
+    Command::SetLight { light: KEY, setting: CONE_SOFTNESS.to(share) }
 }
 
 pub fn radius(point: usize, radius: f64) -> Command {
-    Command::SetPoint { light: KEY, point, parameter: PointParameter::Radius(radius) }
+    Command::SetPoint { light: KEY, point, setting: RADIUS.to(radius) }
 }
 
 pub fn position(point: usize, x: f64, z: f64) -> Command {
-    let parameter = PointParameter::Position(DVec3::new(x, 0.0, z));
-    Command::SetPoint { light: KEY, point, parameter }
+    Command::SetPoint { light: KEY, point, setting: POSITION.to(DVec3::new(x, 0.0, z)) }
 }
 
 pub fn insert(point: usize) -> Command {

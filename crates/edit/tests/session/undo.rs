@@ -2,9 +2,10 @@
 
 use std::time::Instant;
 
-use document::{Command, LightParameter};
+use document::Command;
 use edit::{Action, MAX_PASSED, MAX_UNDO_DEPTH, Refusal, Request, Scope};
 use glam::{DQuat, DVec3};
+use light::parameters::TRANSLATION;
 
 use crate::support::{KEY, Studio, angle, bent_light, insert, position, radius, softness};
 
@@ -28,7 +29,7 @@ fn mine_passes_over_the_steps_of_others() {
     studio.edit("ada", angle(40.0));
     studio.edit("ben", softness(0.5));
     studio.undo("ada");
-    assert_eq!((studio.light().cone_angle, studio.light().cone_softness), (25.0, 0.5), "theirs stays");
+    assert_eq!((studio.angle(), studio.softness()), (25.0, 0.5), "theirs stays");
     let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("nothing of hers is left");
     assert_eq!(refused, Refusal::NothingToUndo { passed: None });
 }
@@ -41,9 +42,9 @@ fn session_takes_back_whoever_was_last() {
     studio.edit("ada", angle(40.0));
     studio.edit("ben", softness(0.5));
     undo(&mut studio);
-    assert_eq!((studio.light().cone_angle, studio.light().cone_softness), (40.0, 0.2));
+    assert_eq!((studio.angle(), studio.softness()), (40.0, 0.2));
     undo(&mut studio);
-    assert_eq!((studio.light().cone_angle, studio.light().cone_softness), (25.0, 0.2));
+    assert_eq!((studio.angle(), studio.softness()), (25.0, 0.2));
     undo(&mut studio);
     assert!(studio.session.document().lights().is_empty(), "the light itself was a step");
     studio.ask("cyd", Request::Undo(Scope::Session)).expect_err("that was all");
@@ -62,11 +63,10 @@ fn what_somebody_else_changed_since_is_skipped_and_named() {
             scale: None,
         },
     );
-    let parameter = LightParameter::Translation(DVec3::Y);
-    studio.edit("ben", Command::SetLight { light: KEY, parameter });
+    studio.edit("ben", Command::SetLight { light: KEY, setting: TRANSLATION.to(DVec3::Y) });
     let undo = studio.undo("ada");
     assert_eq!(undo.action.skipped(), ["BEN has changed the translation of “key” since"]);
-    let transform = studio.light().transform;
+    let transform = studio.light().transform();
     assert_eq!((transform.translation, transform.rotation), (DVec3::Y, DQuat::IDENTITY));
 }
 
@@ -83,7 +83,7 @@ fn a_step_of_which_nothing_is_left_is_passed_over() {
         undo.action,
         Action::Undo { scope: Scope::Mine, target: first.seq, skipped: vec![gone.into()] }
     );
-    assert_eq!((studio.light().cone_softness, studio.light().radii[1]), (0.2, 0.35));
+    assert_eq!((studio.softness(), studio.radius(1)), (0.2, 0.35));
 
     let seq = studio.session.seq();
     let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("nothing of hers is left");
@@ -94,11 +94,11 @@ fn a_step_of_which_nothing_is_left_is_passed_over() {
     studio.undo("ben");
     let undo = studio.undo("ada");
     assert!(matches!(undo.action, Action::Undo { target: 3, .. }), "what stood in its way is gone");
-    assert_eq!(studio.light().radii[1], 0.4);
+    assert_eq!(studio.radius(1), 0.4);
     for _ in 0..2 {
         assert!(studio.redo("ada").action.skipped().is_empty());
     }
-    assert_eq!((studio.light().cone_softness, studio.light().radii[1]), (0.5, 0.3));
+    assert_eq!((studio.softness(), studio.radius(1)), (0.5, 0.3));
 }
 
 /// Rules: UNDO-7
@@ -152,7 +152,7 @@ fn a_step_that_changed_nothing_is_passed_over() {
     studio.edit("ada", angle(40.0));
     let undo = studio.undo("ada");
     assert_eq!(undo.action, Action::Undo { scope: Scope::Mine, target: edit.seq, skipped: Vec::new() });
-    assert_eq!(studio.light().cone_angle, 25.0);
+    assert_eq!(studio.angle(), 25.0);
     let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("nothing is left");
     assert_eq!(refused.to_string(), "there is nothing to undo: the latest steps changed nothing");
 }
@@ -188,9 +188,9 @@ fn a_point_of_an_outdated_numbering_is_skipped() {
     studio.edit("ben", insert(1));
     let undo = studio.undo("ada");
     assert_eq!(undo.action.skipped(), ["BEN has changed the radius of control point 2 of “key” since"]);
-    assert_eq!(studio.light().radii.len(), 5);
+    assert_eq!(studio.light().points().len(), 5);
     studio.done("ben", Request::Undo(Scope::Mine));
-    assert_eq!((studio.light().radii.len(), studio.light().radii[2]), (4, 0.5), "the old numbering is back");
+    assert_eq!((studio.light().points().len(), studio.radius(2)), (4, 0.5), "the old numbering is back");
 }
 
 /// Rules: UNDO-2, CMD-2
@@ -220,7 +220,7 @@ fn what_is_gone_is_skipped() {
     let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("the light is gone");
     assert_eq!(refused.to_string(), "there is nothing to undo: BEN has removed “key” since");
     studio.undo("ben");
-    assert_eq!(studio.light().cone_angle, 40.0, "as it was when it went");
+    assert_eq!(studio.angle(), 40.0, "as it was when it went");
 }
 
 /// Rules: UNDO-3, UNDO-5
@@ -261,12 +261,12 @@ fn redo_brings_steps_back_latest_undo_first() {
     let second = studio.undo("ada");
     let redo = studio.redo("ada");
     assert_eq!(redo.action, Action::Redo { scope: Scope::Mine, target: second.seq, skipped: Vec::new() });
-    assert_eq!(studio.light().cone_angle, 40.0);
+    assert_eq!(studio.angle(), 40.0);
     let undo = studio.undo("ada");
     assert!(matches!(undo.action, Action::Undo { target: 3, .. }), "what was redone can be undone again");
     studio.redo("ada");
     studio.redo("ada");
-    assert_eq!(studio.light().cone_angle, 50.0);
+    assert_eq!(studio.angle(), 50.0);
     studio.ask("ada", Request::Redo(Scope::Mine)).expect_err("all are back");
 }
 
@@ -279,7 +279,7 @@ fn a_light_comes_back_as_itself() {
     studio.undo("ada");
     assert_eq!(studio.session.document().lights()[&KEY], placed);
     studio.redo("ada");
-    studio.edit("ada", Command::AddLight(Box::new(bent_light())));
+    studio.edit("ada", Command::AddLight(bent_light()));
     assert!(!studio.session.document().lights().contains_key(&KEY), "its number is not used again");
 }
 
@@ -293,7 +293,7 @@ fn a_scripts_batch_takes_nobody_elses_steps() {
     }
     let undo = studio.undo("ada");
     assert!(matches!(undo.action, Action::Undo { target: 2, .. }), "{:?}", undo.action);
-    assert_eq!(studio.light().cone_angle, 25.0);
+    assert_eq!(studio.angle(), 25.0);
     let undone =
         (0..=MAX_UNDO_DEPTH).take_while(|_| studio.ask("script", Request::Undo(Scope::Mine)).is_ok());
     assert_eq!(undone.count(), MAX_UNDO_DEPTH, "its own first step is past the limit");

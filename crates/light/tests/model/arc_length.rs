@@ -1,7 +1,8 @@
 //! Distance travelled: the quadrature against the closed form.
 
 use glam::DVec3;
-use light::{BendyLight, Decay, Tube};
+use light::parameters::{CONE_SOFTNESS, DECAY};
+use light::{Decay, Light, Tube};
 
 /// Arc length of the parabola `(2 d x, x^2)`-like segment by its closed form, valid where it is well bent.
 fn closed_form(d0: DVec3, a: DVec3, u: f64) -> f64 {
@@ -14,7 +15,7 @@ fn closed_form(d0: DVec3, a: DVec3, u: f64) -> f64 {
 
 /// The distance behind an inverse-square irradiance on the centre curve.
 fn distance(tube: &Tube<f64>, u: f64) -> f64 {
-    let root = tube.nearest_root(tube.segments[0].position(u)).expect("on the curve");
+    let root = tube.nearest_root(tube.segments[0].curve.position(u)).expect("on the curve");
     (1.0 / tube.irradiance(&root).x).sqrt() / tube.placement.world_per_tube
 }
 
@@ -34,11 +35,11 @@ fn quadrature_meets_the_closed_form() {
             5.7e-5
         };
         let points = vec![DVec3::ZERO, DVec3::new(width / 2.0, 0.0, -1.0), DVec3::new(width, 0.0, 0.0)];
-        let mut light = BendyLight::new(points, vec![1e-10; 3]);
-        light.decay = Decay::InverseSquare;
-        light.cone_softness = 0.0;
+        let mut light = Light::bendy(points, vec![1e-10; 3]);
+        light.set(DECAY.to(Decay::InverseSquare));
+        light.set(CONE_SOFTNESS.to(0.0));
         let tube = Tube::new(&light).expect("thin enough not to fold");
-        let (d0, a) = (tube.segments[0].d0, tube.segments[0].a);
+        let (d0, a) = (tube.segments[0].curve.d0, tube.segments[0].curve.a);
         for u in [0.3, 0.5, 0.7, 1.0] {
             let error = (distance(&tube, u) / closed_form(d0, a, u) - 1.0).abs();
             assert!(error < bound, "width {width}, u {u}: {error:e}");

@@ -1,10 +1,11 @@
-//! Where light comes from (light model, section 3). That "tube" does not jump at joints is held by `bendylights bench
+//! Where light comes from (light model, section 3). That "tube" does not jump at joints is held by `bendylights-studies
 //! stress`.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-use light::{BendyLight, Direction, Frame, SpotLight, Tube, bend};
+use light::parameters::{CONE_ANGLE, DIRECTION, FRAME, RANGE};
+use light::{Direction, Frame, Light, Tube, bend};
 use proptest::prelude::*;
 
 use crate::lights::{bent, point_at};
@@ -16,10 +17,10 @@ proptest! {
     #[test]
     fn path_is_the_tangent((light, _) in bent(0.7), at in 0.02..0.98_f64, angle in 0.0..TAU, up in any::<bool>()) {
         let frame = if up { Frame::Up } else { Frame::RotationMinimizing };
-        let light = BendyLight { direction: Direction::Path, frame, ..light };
+        let light = light.with(DIRECTION, Direction::Path).with(FRAME, frame);
         let tube = Tube::new(&light).expect("the same shape is valid");
         let (v, w, h) = (0.8 * angle.cos(), 0.8 * angle.sin(), 1e-6);
-        let steep = tube.segments[0].u_hat(at).dot(tube.up).abs() > 0.98;
+        let steep = tube.segments[0].curve.u_hat(at).dot(tube.up).abs() > 0.98;
         let along = (point_at(&tube, at + h, v, w) - point_at(&tube, at - h, v, w)) / (2.0 * h);
         prop_assume!(along.length() > 0.1 && !(up && steep));
         let q = point_at(&tube, at, v, w);
@@ -33,9 +34,9 @@ proptest! {
 /// On a cone both directions point at the apex, and 50-digit answers could not tell them from it.
 #[test]
 fn cone_points_at_its_apex() {
-    let spot = SpotLight { cone_angle: 40.0, range: Some(3.0), ..SpotLight::default() };
+    let spot = Light::spot().with(CONE_ANGLE, 40.0).with(RANGE, Some(3.0));
     for direction in [Direction::Tube, Direction::Path] {
-        let light = BendyLight { direction, ..bend(&spot, 3).expect("valid") };
+        let light = bend(&spot, 3).expect("valid").with(DIRECTION, direction);
         let tube = Tube::new(&light).expect("valid");
         for q in [DVec3::new(0.3, -0.2, -1.0), DVec3::new(1.0, 1.0, -2.9), DVec3::new(0.0, 0.0, -0.01)] {
             let point = tube.locate(q).point.expect("inside");

@@ -1,11 +1,12 @@
 //! The part of a light near a place is that light there, and f32 holds it.
 
 use glam::{DQuat, DVec3};
-use light::{BendyLight, Decay, EndMode, Frame, Location, Tube};
+use light::parameters::{DECAY, END_MODE, FRAME, ROTATION, TRANSLATION};
+use light::{Decay, EndMode, Frame, Light, Location, Tube};
 
 /// Lights `size` units long that pass the origin bent, 3 units wide there: through the middle of a segment, over a joint,
 /// over their end and past it.
-fn lights(size: f64) -> Vec<BendyLight> {
+fn lights(size: f64) -> Vec<Light> {
     let (along, aside) = (DVec3::new(0.6, -0.64, 0.48), DVec3::new(0.8, 0.48, -0.36));
     let points =
         [DVec3::ZERO, along * 0.3, along * 0.5 + aside * 0.1, along * 0.6 + aside * 0.3, aside * 0.6];
@@ -18,18 +19,16 @@ fn lights(size: f64) -> Vec<BendyLight> {
         (EndMode::Extend, 3.25),
     ] {
         for frame in [Frame::RotationMinimizing, Frame::Up] {
-            let mut light = BendyLight {
-                end_mode,
-                frame,
-                decay: Decay::InverseSquare,
-                colors: [1.0, 0.5, 0.25, 2.0, 1.0].map(DVec3::splat).into(),
-                ..BendyLight::new(points.map(|point| point * size).into(), vec![3.0; 5])
-            };
-            light.transform.rotation = DQuat::from_xyzw(0.1, -0.5, 0.3, 0.8).normalize();
+            let mut light = Light::bendy(points.map(|point| point * size).into(), vec![3.0; 5])
+                .with(END_MODE, end_mode)
+                .with(FRAME, frame)
+                .with(DECAY, Decay::InverseSquare)
+                .with_points(|i, point| point.color = DVec3::splat([1.0, 0.5, 0.25, 2.0, 1.0][i]));
+            light.set(ROTATION.to(DQuat::from_xyzw(0.1, -0.5, 0.3, 0.8).normalize()));
             let tube = Tube::new(&light).expect("a light");
             let i = (t as usize).min(tube.segments.len() - 1);
-            let at = tube.placement.world_from_tube(tube.segments[i].position(t - i as f64));
-            light.transform.translation = -at;
+            let at = tube.placement.world_from_tube(tube.segments[i].curve.position(t - i as f64));
+            light.set(TRANSLATION.to(-at));
             lights.push(light);
         }
     }
@@ -44,7 +43,7 @@ fn scene() -> Vec<DVec3> {
 /// Units of the world between where two locations of a point have it along the light; nothing where one is outside.
 fn apart(tube: &Tube<f64>, a: &Location, b: &Location) -> Option<f64> {
     let (a, b) = (a.point.as_ref()?, b.point.as_ref()?);
-    let speed = 2.0 * tube.segments[b.segment].d(b.u).length() * tube.placement.world_per_tube;
+    let speed = 2.0 * tube.segments[b.segment].curve.d(b.u).length() * tube.placement.world_per_tube;
     let across = DVec3::new(a.v - b.v, a.w - b.w, 0.0).length() * b.radius;
     Some(((a.t - b.t) * speed).abs().max(across))
 }
@@ -131,7 +130,7 @@ fn f32_holds_a_small_scene() {
 #[test]
 fn an_ordinary_light_is_left_whole() {
     let light =
-        BendyLight::new(vec![DVec3::ZERO, DVec3::NEG_Z, DVec3::new(1.0, 0.0, -2.0)], vec![0.1, 0.4, 0.8]);
+        Light::bendy(vec![DVec3::ZERO, DVec3::NEG_Z, DVec3::new(1.0, 0.0, -2.0)], vec![0.1, 0.4, 0.8]);
     let tube = Tube::new(&light).expect("a light");
     for (center, half) in
         [(DVec3::NEG_Z, 1.0), (DVec3::NEG_Z, 0.2), (DVec3::X * 50.0, 1.0), (DVec3::ZERO, 0.0)]

@@ -1,13 +1,20 @@
 //! What is refused, and that it says why.
 
-use glam::DVec3;
-use light::{BendyLight, LightError, LightWarning, SpotLight, Tube, bend, check_spot};
+use std::ops::Bound;
 
-fn along_z(n: usize) -> BendyLight {
-    BendyLight::new((0..n).map(|i| DVec3::new(0.0, 0.0, -(i as f64))).collect(), vec![0.1; n])
+use glam::{DQuat, DVec3};
+use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, INTENSITY, RANGE, ROTATION, SCALE, TRANSLATION, UP};
+use light::{CheckedLight, ControlPoint, Kind, Light, LightError, LightWarning, Owner, Tube, Value, bend};
+
+fn along_z(n: usize) -> Light {
+    Light::bendy((0..n).map(|i| DVec3::new(0.0, 0.0, -(i as f64))).collect(), vec![0.1; n])
 }
 
-fn refusal(change: impl FnOnce(&mut BendyLight)) -> LightError {
+fn points(light: &mut Light) -> &mut [ControlPoint] {
+    light.points_mut().expect("a BendyLight")
+}
+
+fn refusal(change: impl FnOnce(&mut Light)) -> LightError {
     let mut light = along_z(4);
     change(&mut light);
     Tube::new(&light).expect_err("refused")
@@ -17,18 +24,23 @@ fn refusal(change: impl FnOnce(&mut BendyLight)) -> LightError {
 fn shapes_that_cannot_be() {
     assert_eq!(Tube::new(&along_z(2)).expect_err("refused"), LightError::TooFewPoints(2));
     assert!(matches!(Tube::new(&along_z(300)), Err(LightError::TooManyPoints { count: 300, .. })));
-    assert!(matches!(refusal(|l| l.radii.truncate(2)), LightError::LengthMismatch { field: "radii", .. }));
-    assert_eq!(refusal(|l| l.radii[1] = -0.1), LightError::Radius { index: 1, value: -0.1 });
-    assert_eq!(refusal(|l| l.radii[2] = 1e308), LightError::Radius { index: 2, value: 1e308 });
-    assert_eq!(refusal(|l| l.points[1].x = f64::NAN), LightError::NotFinite("points"));
-    assert_eq!(refusal(|l| l.transform.translation.x = f64::INFINITY), LightError::NotFinite("transform"));
-    assert_eq!(refusal(|l| l.points[0].x = 0.5), LightError::SourceNotAtOrigin);
-    assert!(matches!(refusal(|l| l.up = DVec3::ZERO), LightError::OutOfDomain { field: "up", .. }));
-    assert!(matches!(refusal(|l| l.cone_angle = 90.0), LightError::OutOfDomain { field: "coneAngle", .. }));
-    assert!(matches!(refusal(|l| l.transform.scale = 0.0), LightError::OutOfDomain { .. }));
-    let all_equal = refusal(|l| l.points = vec![DVec3::ZERO; 4]);
+    assert_eq!(refusal(|l| points(l)[1].radius = -0.1), LightError::Radius { index: 1, value: -0.1 });
+    assert_eq!(refusal(|l| points(l)[2].radius = 1e308), LightError::Radius { index: 2, value: 1e308 });
+    assert_eq!(refusal(|l| points(l)[1].position.x = f64::NAN), LightError::NotFinite("points"));
+    assert_eq!(
+        refusal(|l| l.set(TRANSLATION.to(DVec3::INFINITY))),
+        LightError::NotFinite("transform.translation")
+    );
+    assert_eq!(refusal(|l| points(l)[0].position.x = 0.5), LightError::SourceNotAtOrigin);
+    assert!(matches!(refusal(|l| l.set(UP.to(DVec3::ZERO))), LightError::OutOfDomain { field: "up", .. }));
+    assert!(matches!(
+        refusal(|l| l.set(CONE_ANGLE.to(90.0))),
+        LightError::OutOfDomain { field: "coneAngle", .. }
+    ));
+    assert!(matches!(refusal(|l| l.set(SCALE.to(0.0))), LightError::OutOfDomain { .. }));
+    let all_equal = refusal(|l| points(l).fill(ControlPoint::new(DVec3::ZERO, 0.1)));
     assert!(matches!(all_equal, LightError::Degenerate { segment: 0, .. }));
-    let doubled = refusal(|l| l.points[2] = DVec3::new(0.0, 0.0, 1.0));
+    let doubled = refusal(|l| points(l)[2].position = DVec3::new(0.0, 0.0, 1.0));
     assert!(matches!(doubled, LightError::Degenerate { .. }), "{doubled}");
 }
 
@@ -39,7 +51,7 @@ fn folds_are_refused_at_one() {
     let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(1.0, 0.0, -1.0)];
     // d0 = (0,0,-1), d1 = (1,0,0): kappa = 1 / (2 |d|^3), |d|^2 = 1/2 at u = 1/2.
     let radius = 2.0 * 0.5_f64.powf(1.5);
-    let tube = |factor: f64| Tube::new(&BendyLight::new(points.clone(), vec![radius * factor; 3]));
+    let tube = |factor: f64| Tube::new(&Light::bendy(points.clone(), vec![radius * factor; 3]));
     let r_kappa = tube(0.999).expect("valid").r_kappa_max()[0];
     assert!((r_kappa - 0.999).abs() < 1e-12);
     assert!(matches!(tube(1.001), Err(LightError::Fold { segment: 0, point: 1, .. })));
@@ -47,15 +59,15 @@ fn folds_are_refused_at_one() {
 
 #[test]
 fn spotlights() {
-    let spot = |change: fn(&mut SpotLight)| {
-        let mut spot = SpotLight::default();
+    let spot = |change: fn(&mut Light)| {
+        let mut spot = Light::spot();
         change(&mut spot);
-        check_spot(&spot)
+        CheckedLight::new(spot).map(drop)
     };
     assert_eq!(spot(|_| ()), Ok(()));
-    assert_eq!(spot(|s| s.intensity = f64::NAN), Err(LightError::NotFinite("intensity")));
-    assert!(spot(|s| s.range = Some(0.0)).is_err());
-    assert_eq!(bend(&SpotLight::default(), 0), Err(LightError::SegmentCount(0)));
+    assert_eq!(spot(|s| s.set(INTENSITY.to(f64::NAN))), Err(LightError::NotFinite("intensity")));
+    assert!(spot(|s| s.set(RANGE.to(Some(0.0)))).is_err());
+    assert!(matches!(bend(&Light::spot(), 0), Err(LightError::SegmentCount { count: 0, .. })));
 }
 
 /// A curl that comes back through its own light is usable, and said.
@@ -66,7 +78,7 @@ fn overlaps_are_reported() {
             let angle = f64::from(k) * turn;
             DVec3::new(angle.sin(), drop * f64::from(k), angle.cos() - 1.0)
         };
-        Tube::new(&BendyLight::new((0..8).map(at).collect(), vec![0.3; 8])).expect("valid")
+        Tube::new(&Light::bendy((0..8).map(at).collect(), vec![0.3; 8])).expect("valid")
     };
     assert!(matches!(ring(1.0, 0.0).warnings()[..], [LightWarning::Overlap { .. }]));
     assert_eq!(ring(1.0, 0.3).warnings(), [], "a helix passes beside itself");
@@ -79,8 +91,8 @@ fn overlaps_are_reported() {
 fn corner_of_coincident_points() {
     let points =
         vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.0, 0.0, -1.0), DVec3::new(1.0, 0.0, -1.0)];
-    let tube = Tube::new(&BendyLight::new(points, vec![0.1; 4])).expect("valid");
-    let (v_hat, _) = tube.cross_section(&tube.segments[1], tube.segments[1].u_hat(0.0));
+    let tube = Tube::new(&Light::bendy(points, vec![0.1; 4])).expect("valid");
+    let (v_hat, _) = tube.cross_section(&tube.segments[1].curve, tube.segments[1].curve.u_hat(0.0));
     assert!((v_hat.length() - 1.0).abs() < 1e-14);
     // On the inside of the corner both legs of the tube hold the same points.
     let warnings = tube.warnings();
@@ -89,4 +101,40 @@ fn corner_of_coincident_points() {
         "{warnings:?}"
     );
     assert!(tube.locate(DVec3::new(0.5, 0.01, -1.0)).point.is_some());
+}
+
+/// Rows say what is refused, and the sentence has the range.
+#[test]
+fn every_row_refuses_what_lies_outside_its_range() {
+    let sentence = |light: Light| CheckedLight::new(light).expect_err("refused").to_string();
+    assert_eq!(
+        sentence(Light::spot().with(CONE_ANGLE, 90.0)),
+        "`coneAngle` is 90, but it must lie between 0 and 90 degrees: change it"
+    );
+    assert_eq!(
+        sentence(along_z(4).with(CONE_SOFTNESS, 1.5)),
+        "`coneSoftness` is 1.5, but it must lie from 0 to 1: change it"
+    );
+    assert_eq!(
+        sentence(along_z(4).with(SCALE, 0.0)),
+        "`transform.scale` is 0, but it must be more than 0: change it"
+    );
+    let turned = Light::spot().with(ROTATION, DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0));
+    assert!(
+        sentence(turned).starts_with("`transform.rotation` has length 0, but it must be a unit quaternion")
+    );
+    for row in light::parameters_of(Owner::Spot).iter().chain(light::parameters_of(Owner::Bendy)) {
+        assert!(!row.label.is_empty() && row.doc.ends_with('.') && !row.group.is_empty(), "{row:?}");
+        for of in row.of {
+            let default = row.default(of.owner).expect("a light's parameter has a default");
+            assert_eq!(row.check(&default), Ok(()), "{}", row.name);
+        }
+        let Kind::Number(number) = row.kind else { continue };
+        for (bound, beyond) in [(number.min, -1e-9), (number.max, 1e-9)] {
+            let (Bound::Included(end) | Bound::Excluded(end)) = bound else { continue };
+            let refused = row.check(&Value::Number(end + beyond)).expect_err("out of range").to_string();
+            assert!(refused.contains(row.path) && refused.contains(&end.to_string()), "{refused}");
+        }
+        assert_eq!(row.check(&Value::Number(f64::NAN)), Err(LightError::NotFinite(row.path)));
+    }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-use light::{BendyLight, EndMode, SpotLight, Tube, bend, slabs};
+use light::{EndMode, Light, Tube, bend, slabs};
 use proptest::prelude::*;
 
 use crate::lights::{bent, point_at};
@@ -29,7 +29,7 @@ proptest! {
 /// A straight light is one slab a segment, an extended one reaches as far as it is asked to.
 #[test]
 fn straight_and_extended() {
-    let tube = Tube::new(&bend(&SpotLight::default(), 2).expect("valid")).expect("valid");
+    let tube = Tube::new(&bend(&Light::spot(), 2).expect("valid")).expect("valid");
     assert_eq!(tube.end_mode(), EndMode::Extend);
     let all = slabs(&tube, 50.0, 0.01);
     assert_eq!(all.len(), 3);
@@ -40,7 +40,7 @@ fn straight_and_extended() {
 #[test]
 fn no_overlap_past_coincident_points() {
     let points = [0.0, -1.0, -1.0, -2.0].map(|z| DVec3::new(0.0, 0.0, z)).to_vec();
-    let tube = Tube::new(&BendyLight::new(points, vec![0.1; 4])).expect("valid");
+    let tube = Tube::new(&Light::bendy(points, vec![0.1; 4])).expect("valid");
     for slab in slabs(&tube, 2.0, 1e-3) {
         let c = &slab.piece;
         assert!(c.d0.z <= 0.0 && c.d1.z <= 0.0, "from t = {} on it runs back", slab.t_start);

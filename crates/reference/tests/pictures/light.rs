@@ -1,12 +1,16 @@
 //! What the reference says of light and shadow, against closed forms and against itself.
 
 use glam::{DAffine3, DQuat, DVec2, DVec3};
-use light::{BendyLight, Decay, Direction, SpotLight, Transform};
-use light::{Light, LightKind};
-use reference::{Frame, Reference, Source, reflected};
+use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, RANGE, TRANSLATION};
+use light::{CheckedLight, Decay, Direction, Light};
+use reference::{Picture, Reference, Source, reflected};
 use scene::{Aov, Scene, View};
 
-use crate::support::{floor, light, render, scene_of, sphere, spot, view};
+use crate::support::{floor, instances, render, scene_of, sphere, spot, view};
+
+fn source_of(light: Light) -> Source {
+    Source::new(&CheckedLight::new(light).expect("a light"))
+}
 
 /// A scene with a shadow in it.
 fn table() -> Scene {
@@ -24,20 +28,21 @@ fn a_plane_under_a_cone_has_the_closed_form() {
     let source = DVec3::new(0.3, 2.0, -0.2);
     let height = source.y;
     for decay in [Decay::None, Decay::Linear, Decay::InverseSquare] {
-        let spot = SpotLight { decay, ..spot(source, DVec3::new(0.3, 0.0, -0.2)) };
+        let spot = spot(source, DVec3::new(0.3, 0.0, -0.2)).with(DECAY, decay);
         let bent = light::bend(&spot, 3).unwrap();
         let view = view(DVec3::new(1.0, 4.0, 2.0), DVec3::ZERO, Aov::Beauty);
-        for kind in [LightKind::Spot(spot.clone()), LightKind::Bendy(bent)] {
-            let source_of_light = Source::new(&kind).unwrap();
-            let reference = Reference::new(&scene);
+        let softness = spot.get(CONE_SOFTNESS);
+        for light in [spot, bent] {
+            let source_of_light = source_of(light);
+            let reference = Reference::new(scene::pose(scene.clone()));
             let mut lit = 0;
             for pixel in 0..48 * 32 {
                 let at = DVec2::new(f64::from(pixel % 48) + 0.5, f64::from(pixel / 48) + 0.5);
                 let Some(surface) = reference.surface(&view, at) else { continue };
-                let position = surface.position + reference.posed.origin_in_world;
+                let position = surface.position + reference.bvh.posed.origin_in_world;
                 let (s, outer) = (position.distance(source), 25.0_f64.to_radians());
                 let cos = height / s;
-                let inner = outer * (1.0 - spot.cone_softness);
+                let inner = outer * (1.0 - softness);
                 let x = ((cos - outer.cos()) / (inner.cos() - outer.cos())).clamp(0.0, 1.0);
                 let profile = x * x * (3.0 - 2.0 * x);
                 let fall = match decay {
@@ -48,7 +53,7 @@ fn a_plane_under_a_cone_has_the_closed_form() {
                 let expected = 10.0 * profile * fall * cos;
                 let found = reference.sample(&source_of_light, &surface).map_or(0.0, |light| {
                     lit += 1;
-                    light.irradiance.x * surface.normal.dot(light.to_light)
+                    light.irradiance.x * surface.normal.dot(light.place.direction)
                 });
                 // Some ulps of everything in it; the issue asks for 1e-6. At the edge itself the profile is
                 // flat zero.
@@ -64,11 +69,11 @@ fn a_straight_bendy_light_is_the_spotlight() {
     let scene = table();
     let spot = spot(DVec3::new(1.0, 3.0, 0.5), DVec3::new(0.0, 0.4, 0.0));
     for direction in [Direction::Tube, Direction::Path] {
-        let bent = BendyLight { direction, ..light::bend(&spot, 3).unwrap() };
+        let bent = light::bend(&spot, 3).unwrap().with(DIRECTION, direction);
         for aov in [Aov::Beauty, Aov::Vw, Aov::Direction, Aov::Visibility] {
             let view = view(DVec3::new(1.0, 3.0, 4.0), DVec3::Y * 0.5, aov);
-            let straight = render(&scene, &view, &[light(LightKind::Spot(spot.clone()))]);
-            let tube = render(&scene, &view, &[light(LightKind::Bendy(bent.clone()))]);
+            let straight = render(&scene, &view, std::slice::from_ref(&spot));
+            let tube = render(&scene, &view, std::slice::from_ref(&bent));
             for (a, b) in straight.pixels.iter().zip(&tube.pixels) {
                 // Some ulps of ten, the largest value; a shadow's edge through a pixel's centre would show.
                 assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-11), "{aov:?} {a:?} {b:?}");
@@ -77,11 +82,10 @@ fn a_straight_bendy_light_is_the_spotlight() {
         }
     }
     // The planted fault: a light that is bent by a hundredth is not the spotlight.
-    let mut bent = light::bend(&spot, 3).unwrap();
-    bent.points[3] += DVec3::X * 0.01;
+    let aside = |i| if i == 3 { DVec3::X * 0.01 } else { DVec3::ZERO };
+    let bent = light::bend(&spot, 3).unwrap().with_points(|i, point| point.position += aside(i));
     let view = view(DVec3::new(1.0, 3.0, 4.0), DVec3::Y * 0.5, Aov::Direction);
-    let [a, b] =
-        [LightKind::Spot(spot), LightKind::Bendy(bent)].map(|kind| render(&scene, &view, &[light(kind)]));
+    let [a, b] = [spot, bent].map(|light| render(&scene, &view, &[light]));
     assert!(a.pixels.iter().zip(&b.pixels).any(|(a, b)| (a[0] - b[0]).abs() > 1e-4));
 }
 
@@ -90,14 +94,14 @@ fn a_straight_bendy_light_is_the_spotlight() {
 fn the_terminator_of_a_sphere_is_where_n_l_is_zero() {
     let scene = scene_of([(sphere(96), DAffine3::IDENTITY)]);
     let source = DVec3::new(5.0, 2.0, 1.0);
-    let spot = SpotLight { cone_angle: 20.0, range: Some(9.0), ..spot(source, DVec3::ZERO) };
-    let light_source = Source::new(&LightKind::Bendy(light::bend(&spot, 3).unwrap())).unwrap();
-    let reference = Reference::new(&scene);
+    let spot = spot(source, DVec3::ZERO).with(CONE_ANGLE, 20.0).with(RANGE, Some(9.0));
+    let light_source = source_of(light::bend(&spot, 3).unwrap());
+    let reference = Reference::new(scene::pose(scene.clone()));
     let view = view(DVec3::new(0.0, 0.5, 3.4), DVec3::ZERO, Aov::Beauty);
     let lit = |x: f64, y: f64| {
         let surface = reference.surface(&view, DVec2::new(x, y))?;
         let sample = reference.sample(&light_source, &surface)?;
-        Some((reflected(&surface, sample.to_light).x > 0.0, surface.position))
+        Some((reflected(&surface, sample.place.direction).x > 0.0, surface.position))
     };
     let mut found = 0;
     for row in 4..28 {
@@ -126,20 +130,12 @@ fn the_terminator_of_a_sphere_is_where_n_l_is_zero() {
 #[test]
 fn moving_the_world_moves_nothing_in_the_picture() {
     let bent = |offset: DVec3| {
-        let light = BendyLight {
-            transform: Transform { translation: offset + DVec3::new(1.0, 3.0, 0.5), ..Transform::default() },
-            points: vec![
-                DVec3::ZERO,
-                DVec3::NEG_Y,
-                DVec3::new(-0.6, -2.2, 0.0),
-                DVec3::new(-1.4, -3.2, -0.4),
-            ],
-            radii: vec![0.1, 0.5, 1.0, 1.5],
-            colors: vec![DVec3::ONE; 4],
-            intensities: vec![5.0; 4],
-            ..BendyLight::new(vec![DVec3::ZERO, DVec3::NEG_Y, DVec3::NEG_Y * 2.0], vec![0.1; 3])
-        };
-        [light_of(light)]
+        let points =
+            vec![DVec3::ZERO, DVec3::NEG_Y, DVec3::new(-0.6, -2.2, 0.0), DVec3::new(-1.4, -3.2, -0.4)];
+        let light = Light::bendy(points, vec![0.1, 0.5, 1.0, 1.5])
+            .with(TRANSLATION, offset + DVec3::new(1.0, 3.0, 0.5))
+            .with_points(|_, point| point.intensity = 5.0);
+        [light]
     };
     let frame = |offset: DVec3| {
         let mut scene = table();
@@ -156,20 +152,16 @@ fn moving_the_world_moves_nothing_in_the_picture() {
     assert!(lit > 100, "{lit}");
 }
 
-fn light_of(bendy: BendyLight) -> Light {
-    light(LightKind::Bendy(bendy))
-}
-
 #[test]
 fn samples_smooth_edges_and_rows_are_counted() {
     let scene = table();
-    let lights = [light(LightKind::Spot(spot(DVec3::new(1.0, 3.0, 0.5), DVec3::Y * 0.4)))];
+    let lights = [spot(DVec3::new(1.0, 3.0, 0.5), DVec3::Y * 0.4)];
     let one = view(DVec3::new(1.0, 3.0, 4.0), DVec3::Y * 0.5, Aov::Visibility);
     let many = View { samples: 16, ..one.clone() };
-    let shares = |frame: &Frame| frame.pixels.iter().filter(|pixel| pixel[0] % 1.0 != 0.0).count();
+    let shares = |frame: &Picture| frame.pixels.iter().filter(|pixel| pixel[0] % 1.0 != 0.0).count();
     let rows = std::sync::atomic::AtomicU32::new(0);
-    let smooth = Reference::new(&scene)
-        .render(&many, &lights, || {
+    let smooth = Reference::new(scene::pose(scene.clone()))
+        .render(&many, &instances(&lights), || {
             rows.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         })
         .unwrap();
@@ -180,7 +172,7 @@ fn samples_smooth_edges_and_rows_are_counted() {
 #[test]
 fn what_cannot_be_shown_is_refused() {
     let scene = table();
-    let reference = Reference::new(&scene);
+    let reference = Reference::new(scene::pose(scene.clone()));
     let view = view(DVec3::Y * 3.0, DVec3::ZERO, Aov::T);
     let why = |view: &View| reference.render(view, &[], || {}).unwrap_err().to_string();
     assert!(why(&view).contains("there is no light 0"));
@@ -200,9 +192,9 @@ fn light_from_behind_meets_the_other_side() {
     for (height, lit) in [(2.0, 1.0), (-2.0, 0.0)] {
         let spot = spot(DVec3::new(0.0, height, 0.0), DVec3::new(0.0, 0.0, 0.1));
         let bent = light::bend(&spot, 2).unwrap();
-        for kind in [LightKind::Spot(spot), LightKind::Bendy(bent)] {
+        for light in [spot, bent] {
             let view = view(DVec3::new(0.0, 3.0, 1.0), DVec3::ZERO, Aov::Visibility);
-            let frame = render(&scene, &view, &[light(kind)]);
+            let frame = render(&scene, &view, &[light]);
             let inside: Vec<_> = frame.pixels.iter().filter(|pixel| pixel[3] > 0.0).collect();
             assert!(inside.len() > 100 && inside.iter().all(|pixel| pixel[0] == lit), "{height}");
         }

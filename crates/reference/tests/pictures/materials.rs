@@ -1,11 +1,10 @@
 //! What the reference says of materials: textures, holes, sides.
 
 use glam::{DAffine3, DVec2, DVec3, Vec2};
-use light::LightKind;
 use reference::Reference;
 use scene::{Aov, Image, Material, Projection, Sampler, Scene, TextureRef, Wrap};
 
-use crate::support::{floor, light, render, scene_of, spot, square, view};
+use crate::support::{floor, render, scene_of, spot, square, view};
 
 /// A square of `half` the size with a picture on it, once across.
 fn pictured(half: f64, image: Image, sampler: Sampler, change: impl Fn(&mut Material)) -> Scene {
@@ -32,7 +31,11 @@ fn base_color_at(scene: &Scene, x: f64, z: f64) -> f64 {
     view.camera.projection =
         Projection::Perspective { yfov: 1e-4, aspect_ratio: None, znear: 0.01, zfar: None };
     let middle = DVec2::new(f64::from(view.width), f64::from(view.height)) / 2.0;
-    Reference::new(scene).surface(&view, middle).expect("the square is there").base_color.x
+    Reference::new(scene::pose(scene.clone()))
+        .surface(&view, middle)
+        .expect("the square is there")
+        .base_color
+        .x
 }
 
 #[test]
@@ -64,7 +67,7 @@ fn far_pictures_are_their_mean_in_linear_light() {
     let mut view = view(DVec3::Y * 2000.0, DVec3::ZERO, Aov::Beauty);
     view.width = 1;
     view.height = 1;
-    let surface = Reference::new(&scene).surface(&view, DVec2::splat(0.5)).unwrap();
+    let surface = Reference::new(scene::pose(scene.clone())).surface(&view, DVec2::splat(0.5)).unwrap();
     let mean = f64::midpoint(linear(30), linear(220));
     assert!((surface.base_color.x - mean).abs() < 1e-12, "{} {mean}", surface.base_color.x);
     // The planted fault: the mean of the bytes.
@@ -89,9 +92,9 @@ fn light_passes_through_holes() {
     let spot = spot(DVec3::Y * 4.0, DVec3::ZERO);
     let bent = light::bend(&spot, 2).unwrap();
     let below = view(DVec3::new(0.0, 0.8, 2.5), DVec3::ZERO, Aov::Visibility);
-    for kind in [LightKind::Spot(spot), LightKind::Bendy(bent)] {
+    for light in [spot, bent] {
         let shadowed = |cutoff| {
-            let frame = render(&cut_out(cutoff), &below, &[light(kind.clone())]);
+            let frame = render(&cut_out(cutoff), &below, std::slice::from_ref(&light));
             frame.pixels.iter().filter(|pixel| pixel[3] == 1.0 && pixel[0] == 0.0).count()
         };
         let (whole, half) = (shadowed(None), shadowed(Some(0.5)));

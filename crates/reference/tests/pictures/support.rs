@@ -1,9 +1,9 @@
 //! Scenes small enough to know everything about.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
-use light::{Light, LightKind};
-use light::{SpotLight, Transform};
-use reference::{Frame, Reference};
+use light::parameters::{INTENSITY, RANGE};
+use light::{Light, LightInstance, Transform};
+use reference::{Picture, Reference};
 use scene::{Aov, Camera, Material, Mesh, Node, Primitive, Projection, Scene, View, ViewSlot};
 
 /// A square from -1 to 1 in the plane y = 0 that faces up.
@@ -69,17 +69,20 @@ pub fn view(eye: DVec3, target: DVec3, aov: Aov) -> View {
     View { camera, width: 48, height: 32, samples: 1, aov, light: 0, fill: 1.0, slot: ViewSlot::default() }
 }
 
-pub fn spot(source: DVec3, target: DVec3) -> SpotLight {
+pub fn spot(source: DVec3, target: DVec3) -> Light {
     let transform = Transform { translation: source, rotation: looking(source, target), scale: 1.0 };
-    SpotLight { transform, intensity: 10.0, range: Some(6.0), ..SpotLight::default() }
+    Light::spot().placed(transform).with(INTENSITY, 10.0).with(RANGE, Some(6.0))
 }
 
-pub fn light(kind: LightKind) -> Light {
-    Light { name: "key".into(), kind }
+/// The lights as the reference takes them: checked, and numbered from 0.
+pub fn instances(lights: &[Light]) -> Vec<LightInstance> {
+    LightInstance::numbered(lights.to_vec()).expect("lights")
 }
 
-pub fn render(scene: &Scene, view: &View, lights: &[Light]) -> Frame {
-    let frame = Reference::new(scene).render(view, lights, || {}).expect("test pictures can be made");
+pub fn render(scene: &Scene, view: &View, lights: &[Light]) -> Picture {
+    let frame = Reference::new(scene::pose(scene.clone()))
+        .render(view, &instances(lights), || {})
+        .expect("test pictures can be made");
     assert!(frame.pixels.iter().flatten().all(|x| x.is_finite()), "{:?} holds NaN or infinity", view.aov);
     frame
 }

@@ -1,8 +1,8 @@
 //! Where light grazes a smooth mesh of few facets.
 
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3};
-use light::LightKind;
-use light::{BendyLight, SpotLight};
+use light::parameters::DIRECTION;
+use light::{CheckedLight, Light};
 use reference::{LightSample, Reference, Source, Surface};
 use scene::{Aov, Primitive, Scene, View};
 
@@ -13,7 +13,7 @@ fn at(scale: DVec3, place: DVec3) -> DAffine3 {
 }
 
 /// From the side, seen from the front: half of what is seen is lit.
-fn key() -> SpotLight {
+fn key() -> Light {
     spot(DVec3::new(5.0, 2.0, 0.5), DVec3::ZERO)
 }
 
@@ -22,14 +22,15 @@ fn front(target: DVec3) -> View {
     View { width: 144, height: 96, ..view }
 }
 
-fn kinds() -> [LightKind; 2] {
-    let bent = BendyLight { direction: light::Direction::Path, ..light::bend(&key(), 3).unwrap() };
-    [LightKind::Spot(key()), LightKind::Bendy(bent)]
+/// The same light of both kinds.
+fn kinds() -> [CheckedLight; 2] {
+    let bent = light::bend(&key(), 3).unwrap().with(DIRECTION, light::Direction::Path);
+    [key(), bent].map(|light| CheckedLight::new(light).expect("a light"))
 }
 
 /// Every point that the view sees in the light.
-fn seen(scene: &Scene, view: &View, kind: &LightKind) -> Vec<(Surface, LightSample)> {
-    let (reference, source) = (Reference::new(scene), Source::new(kind).unwrap());
+fn seen(scene: &Scene, view: &View, kind: &CheckedLight) -> Vec<(Surface, LightSample)> {
+    let (reference, source) = (Reference::new(scene::pose(scene.clone())), Source::new(kind));
     let centre = |k: u32| DVec2::new(f64::from(k % view.width) + 0.5, f64::from(k / view.width) + 0.5);
     (0..view.width * view.height)
         .filter_map(|k| {
@@ -51,7 +52,7 @@ fn the_terminator_of_a_coarse_ball_is_smooth() {
             assert!(seen.len() > 2000);
             assert_eq!(wrong, 0, "{facets} facets, of {}", seen.len());
             // The planted fault, and how it was: facets that face away are dark, and shadow those behind them.
-            let (reference, source) = (Reference::new(&scene), Source::new(&kind).unwrap());
+            let (reference, source) = (Reference::new(scene::pose(scene.clone())), Source::new(&kind));
             let flat = seen.iter().filter(|(surface, light)| {
                 let flat = Surface { terminator_offset: 0.0, ..*surface };
                 reference.sample(&source, &flat).unwrap().visible != (facing(surface, light) > 0.0)
@@ -76,8 +77,9 @@ fn light_from_behind_stays_there() {
     };
     let scene = scene_of([(wall, DAffine3::IDENTITY)]);
     let behind = spot(DVec3::new(0.0, 3.0, -0.8), DVec3::ZERO);
-    for kind in [LightKind::Bendy(light::bend(&behind, 3).unwrap()), LightKind::Spot(behind)] {
-        let seen = seen(&scene, &front(DVec3::ZERO), &kind);
+    for light in [light::bend(&behind, 3).unwrap(), behind] {
+        let light = CheckedLight::new(light).expect("a light");
+        let seen = seen(&scene, &front(DVec3::ZERO), &light);
         let faced = |(surface, light): &&(Surface, LightSample)| surface.normal.dot(light.along_path) > 0.05;
         assert!(seen.iter().filter(faced).count() > 1000);
         assert_eq!(seen.iter().filter(|(_, light)| light.visible).count(), 0);

@@ -5,7 +5,7 @@
 //! spotlight needs: the faces of a cube about its axis, for which (V, W, R / slope) are as good as positions.
 
 use glam::{DMat3, DVec3};
-use light::BendyLight;
+use light::{ControlPoint, Light};
 
 use crate::ShadowSettings;
 use crate::shadow_settings::MapSize;
@@ -24,17 +24,18 @@ pub(super) struct Faces {
 }
 
 /// How large a light's map is.
-pub(crate) fn map_size(light: &BendyLight, shadows: &ShadowSettings) -> MapSize {
+pub(crate) fn map_size(light: &Light, shadows: &ShadowSettings) -> MapSize {
     shadows.map_size(Faces::of(light).count())
 }
 
 impl Faces {
     /// By the mean slope of the tube, from its first control point to its last along the others: that of a straight
     /// cone, and not much of one that opens wide at its tip alone.
-    pub fn of(light: &BendyLight) -> Self {
-        let length: f64 = light.points.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
-        let (first, last) = (light.radii.first().copied(), light.radii.last().copied());
-        let slope = (last.unwrap_or(0.0) - first.unwrap_or(0.0)) / length;
+    pub fn of(light: &Light) -> Self {
+        let points = light.points();
+        let length: f64 = points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
+        let radius = |point: Option<&ControlPoint>| point.map_or(0.0, |point| point.radius);
+        let slope = (radius(points.last()) - radius(points.first())) / length;
         Self { slope: (slope > LARGEST_SLOPE).then_some(slope) }
     }
 

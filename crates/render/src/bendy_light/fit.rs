@@ -5,7 +5,7 @@
 //! distance to the tangent at the piece's middle, and V and W are N and M turned about the tangent.
 
 use glam::{DMat3, DVec3};
-use light::{Frame, Segment, Slab, Tube, quadratic_range};
+use light::{Curve, Frame, Slab, Tube, quadratic_range};
 
 use super::faces::{Faces, MOST_FACES};
 use crate::clusters::{Cluster, Clusters, Side};
@@ -72,7 +72,7 @@ impl Fit {
         Self { faces, bounds: [None; MOST_FACES], t: Some([0.0, t_max]) }
     }
 
-    fn of(faces: Faces, place: &Place) -> Self {
+    fn of(faces: Faces, place: &PlaceRange) -> Self {
         let depth = place.radius.map(|r| r / faces.slope());
         let mut fit = Self { faces, bounds: [None; MOST_FACES], t: Some(place.t) };
         for (face, bounds) in fit.bounds.iter_mut().enumerate().take(faces.count()) {
@@ -190,7 +190,7 @@ fn slopes(aside: [Range; 2], depth: Range, limits: [Range; 2]) -> Option<[Range;
 }
 
 /// Where a box lies in a piece: all that its points may have.
-struct Place {
+struct PlaceRange {
     v: Range,
     w: Range,
     radius: Range,
@@ -199,7 +199,7 @@ struct Place {
 
 /// A short piece of the tube, with what is linear in positions as a normal in scene space and an offset.
 struct Piece {
-    segment: Segment<f64>,
+    curve: Curve<f64>,
     t_start: f64,
     t_span: f64,
     /// Distance past the plane square to the curve at the start.
@@ -212,8 +212,8 @@ struct Piece {
     along: (DVec3, f64),
     /// Across it, in the curve's plane.
     across: (DVec3, f64),
-    /// The curve as (d, a) of `u (2 d + u a)` in those two directions.
-    curve: [(f64, f64); 2],
+    /// (d, a) of the curve's `u (2 d + u a)` in those two directions.
+    in_plane: [(f64, f64); 2],
     /// Cosine and sine of the tangent's largest turn from the middle.
     turn: (f64, f64),
     /// V and W are `(alpha N + beta M, beta N - alpha M)`, turned on by up to so many radians.
@@ -224,17 +224,17 @@ struct Piece {
 
 impl Piece {
     fn new(tube: &Tube<f64>, slab: &Slab, [start, end]: Range, scene_origin: DVec3) -> Self {
-        let segment = slab.piece.piece(start, end);
+        let curve = slab.piece.piece(start, end);
         let placement = &tube.placement;
         let to_tube: DMat3 = placement.rotation.transpose() * (1.0 / placement.world_per_tube);
         let origin = placement.tube_from_world(scene_origin);
         let linear =
             |direction: DVec3, from: DVec3| (to_tube.transpose() * direction, direction.dot(origin - from));
-        let (first, middle, last) = (segment.u_hat(0.0), segment.u_hat(0.5), segment.u_hat(1.0));
-        let m_hat = segment.n_hat.cross(middle).normalize_or_zero();
+        let (first, middle, last) = (curve.u_hat(0.0), curve.u_hat(0.5), curve.u_hat(1.0));
+        let m_hat = curve.n_hat.cross(middle).normalize_or_zero();
         let cos = first.dot(middle).min(last.dot(middle)).clamp(0.0, 1.0);
         let sin = (1.0 - cos * cos).sqrt();
-        let (v_hat, _) = tube.cross_section(&segment, middle);
+        let (v_hat, _) = tube.cross_section(&curve, middle);
         let twist = if tube.frame == Frame::Up {
             // The frame turns about the tangent by `cot` of the tangent's angle to "up" for each radian of the bend.
             let turn = cos.acos();
@@ -244,24 +244,24 @@ impl Piece {
             0.0
         };
         Self {
-            past_start: linear(first, segment.b0),
-            past_end: linear(last, segment.b2),
-            normal: linear(segment.n_hat, segment.b0),
-            along: linear(middle, segment.b0),
-            across: linear(m_hat, segment.b0),
-            curve: [middle, m_hat].map(|axis| (segment.d0.dot(axis), segment.a.dot(axis))),
+            past_start: linear(first, curve.b0),
+            past_end: linear(last, curve.b2),
+            normal: linear(curve.n_hat, curve.b0),
+            along: linear(middle, curve.b0),
+            across: linear(m_hat, curve.b0),
+            in_plane: [middle, m_hat].map(|axis| (curve.d0.dot(axis), curve.a.dot(axis))),
             turn: (cos, sin),
-            alpha: v_hat.dot(segment.n_hat),
+            alpha: v_hat.dot(curve.n_hat),
             beta: v_hat.dot(m_hat),
             twist,
             t_start: slab.t_start + slab.t_span * start,
             t_span: slab.t_span * (end - start),
-            segment,
+            curve,
         }
     }
 
     /// Where points of the box that lie in the piece may be; `None` where none do.
-    fn bounds_of(&self, cluster: &Cluster) -> Option<Place> {
+    fn bounds_of(&self, cluster: &Cluster) -> Option<PlaceRange> {
         let range = |(normal, offset): (DVec3, f64)| {
             let [low, high] = cluster.range(normal, offset);
             let slack = ROUNDING * (1.0 + low.abs().max(high.abs()));
@@ -281,7 +281,7 @@ impl Piece {
         let [low, high] = range(self.along);
         let u = [self.parameter(low - shift), self.parameter(high + shift)];
         let radius = self.radius(u);
-        let sagitta = quadratic_on(0.0, self.curve[1], u);
+        let sagitta = quadratic_on(0.0, self.in_plane[1], u);
         let [low, high] = range(self.across);
         let grow = |x: f64, outward: bool| if outward { x / cos } else { x };
         let (low, high) = (low - sagitta[1], high - sagitta[0]);
@@ -293,7 +293,7 @@ impl Piece {
         let (v, w) = (sum(normal, alpha, in_plane, beta), sum(normal, beta, in_plane, -alpha));
         let (v, w) = turned(v, w, self.twist);
         let t = u.map(|u| self.t_start + self.t_span * u);
-        Some(Place { v: within(v, radius[1]), w: within(w, radius[1]), radius, t })
+        Some(PlaceRange { v: within(v, radius[1]), w: within(w, radius[1]), radius, t })
     }
 
     /// Whether every path of the piece that is not well inside of a side goes outwards there.
@@ -301,26 +301,26 @@ impl Piece {
     /// A path's tangent is `u_hat (|P'| - r . u_hat') + (r / R) R'`, where the frame does not turn about it.
     fn leaves(&self, tube: &Tube<f64>, side: &Side, scene_origin: DVec3) -> bool {
         let in_scene = |corner: DVec3| tube.placement.world_from_tube(corner) - scene_origin;
-        let highest = self.segment.bounds.corners().map(|corner| side.height(in_scene(corner)));
+        let highest = self.curve.bounds.corners().map(|corner| side.height(in_scene(corner)));
         if highest.into_iter().fold(f64::NEG_INFINITY, f64::max) < -ROUNDING * (1.0 + side.offset.abs()) {
             return true;
         }
         let outward = tube.placement.rotation.transpose() * side.normal;
         let (cos, sin) = self.turn;
-        let angle = outward.dot(self.segment.u_hat(0.5)).clamp(-1.0, 1.0).acos() + cos.acos();
-        let (d, a) = self.curve[0];
+        let angle = outward.dot(self.curve.u_hat(0.5)).clamp(-1.0, 1.0).acos() + cos.acos();
+        let (d, a) = self.in_plane[0];
         let slowest = d.min(d + a);
         if tube.frame == Frame::Up || angle >= std::f64::consts::FRAC_PI_2 || slowest <= 0.0 {
             return false;
         }
-        let turning = (self.curve[1].1.abs() + a.abs() * sin) / slowest;
+        let turning = (self.in_plane[1].1.abs() + a.abs() * sin) / slowest;
         let speed = 2.0 * slowest - self.radius([0.0, 1.0])[1] * turning;
-        let spread = [0.0, 1.0].map(|u| self.segment.radius_derivative(u).abs());
+        let spread = [0.0, 1.0].map(|u| self.curve.radius_derivative(u).abs());
         speed * angle.cos() > spread[0].max(spread[1]) * angle.sin()
     }
 
     fn radius(&self, u: Range) -> Range {
-        let Segment { r0, e0, ar, .. } = self.segment;
+        let Curve { r0, e0, ar, .. } = self.curve;
         let slack = ROUNDING * (r0.abs() + e0.abs());
         let [low, high] = quadratic_on(r0, (e0, ar), u);
         [(low - slack).max(0.0), (high + slack).max(0.0)]
@@ -328,7 +328,7 @@ impl Piece {
 
     /// The parameter where the curve has gone so far along the middle's tangent, from 0 to 1.
     fn parameter(&self, along: f64) -> f64 {
-        let (d, a) = self.curve[0];
+        let (d, a) = self.in_plane[0];
         let root = d * d + a * along;
         if along <= 0.0 {
             0.0

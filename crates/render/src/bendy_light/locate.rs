@@ -1,11 +1,11 @@
 //! Points located in a light by the adapter: what the picture's own shaders find, for `eval` and for tests.
 
 use glam::{DVec3, Vec3};
-use light::{BendyLight, EndMode, Location, Part, Tube, TubePoint};
+use light::{EndMode, Location, Part, Tube, TubePoint};
 use wgpu::BufferUsages;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
-use super::layout::LocatedRoot;
+use super::gpu_structs::LocatedRoot;
 use super::{Baked, segments, uniform};
 use crate::{Gpu, RenderError, ShadowFilter, readback, shaders};
 
@@ -18,12 +18,8 @@ const ROOTS_A_DISPATCH: usize = (16 << 20) / size_of::<LocatedRoot>();
 ///
 /// Points are taken to tube space in f64 and rounded there: to that of the part of the light that they lie in, as a
 /// scene's are (see [`light::Part`]). Accuracy as of [`light::Tube`] with eps = 2^-24.
-pub fn locate(
-    gpu: &Gpu,
-    light: &BendyLight,
-    points_in_world: &[DVec3],
-) -> Result<Vec<Location>, RenderError> {
-    let part = Tube::new(light)?.part_near_points(points_in_world);
+pub fn locate(gpu: &Gpu, light: &Tube<f64>, points_in_world: &[DVec3]) -> Result<Vec<Location>, RenderError> {
+    let part = light.part_near_points(points_in_world);
     let tube = &part.tube;
     gpu.checked(|| {
         let pipeline = pipeline(gpu, Baked::of(tube, false, ShadowFilter::default()));

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 
 use super::faces::MOST_FACES;
 use super::fit::{Drawn, Fit};
-use super::layout::{BentShadow, Mat3};
+use super::gpu_structs::{BentShadow, Mat3};
 
 /// What a map shows of a light: its faces fitted to the scene, each of so many texels a side.
 #[derive(Clone, Copy, Debug)]

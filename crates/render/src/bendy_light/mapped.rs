@@ -1,11 +1,11 @@
-//! Points mapped by the adapter as bent shadow maps do it, for `bendylights bench stress` and for tests.
+//! Points mapped by the adapter as bent shadow maps do it, for `bendylights-studies stress` and for tests.
 
 use glam::{DVec3, Vec4};
-use light::{BendyLight, Tube};
+use light::Tube;
 use wgpu::BufferUsages;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
-use super::layout::{BentMap, Slab};
+use super::gpu_structs::{BentMap, Slab};
 use super::shadow::bent_map;
 use super::slab::{SLABS_A_TURN, slabs};
 use super::t_max;
@@ -21,22 +21,21 @@ const WORKGROUP: usize = 64;
 /// [`light::Tube`] with eps = 2^-24, at positions of that size.
 pub fn map_points(
     gpu: &Gpu,
-    light: &BendyLight,
+    tube: &Tube<f64>,
     points_in_world: &[DVec3],
 ) -> Result<Vec<Option<Vec4>>, RenderError> {
-    let tube = Tube::new(light)?;
     let bound =
         |pick: fn(DVec3, DVec3) -> DVec3| points_in_world.iter().copied().reduce(pick).unwrap_or_default();
     let (min, max) = (bound(DVec3::min), bound(DVec3::max));
     let origin = min / 2.0 + max / 2.0;
     let positions: Vec<[f32; 3]> =
         points_in_world.iter().map(|&p| (p - origin).as_vec3().to_array()).collect();
-    let last = t_max(&tube, origin, max / 2.0 - min / 2.0);
-    let slabs = slabs(&tube, (0.0, [0.0, last]), 1.0, 1.0);
+    let last = t_max(tube, origin, max / 2.0 - min / 2.0);
+    let slabs = slabs(tube, (0.0, [0.0, last]), 1.0, 1.0);
     gpu.checked(|| {
         let mut mapped = vec![None; positions.len()];
         for turn in slabs.chunks(SLABS_A_TURN) {
-            let map = BentMap { vertex_count: positions.len() as u32, ..bent_map(&tube, origin, turn) };
+            let map = BentMap { vertex_count: positions.len() as u32, ..bent_map(tube, origin, turn) };
             let mut table: Vec<Slab> = turn.iter().map(|slab| slab.0).collect();
             table.resize(SLABS_A_TURN, Slab::default());
             for (known, found) in mapped.iter_mut().zip(dispatch(gpu, &map, &table, &positions)?) {

@@ -4,11 +4,12 @@ use std::mem::offset_of;
 
 use wgpu::{Buffer, BufferBinding, RenderPass, RenderPipeline, VertexBufferLayout, VertexStepMode};
 
-use super::layout::BentCounts;
-use super::shadow::{Buffers, VERTEX_BYTES, nearer_wins};
+use super::gpu_structs::BentCounts;
+use super::shadow::nearer_wins;
+use super::shadow_buffers::{Buffers, VERTEX_BYTES};
 use crate::alpha_test::AlphaTests;
 use crate::geometry::Geometry;
-use crate::layout::Mat4;
+use crate::gpu_structs::Mat4;
 use crate::{Gpu, shaders};
 
 #[cfg(test)]

@@ -2,15 +2,16 @@
 
 mod faces;
 mod fit;
-pub(crate) mod layout;
+pub(crate) mod gpu_structs;
+mod increasing_roots;
 mod locate;
 mod map_shape;
 mod mapped;
 mod masked;
 mod pass;
 mod shadow;
+mod shadow_buffers;
 mod slab;
-mod solve;
 #[cfg(test)]
 pub(crate) mod tests;
 #[cfg(test)]
@@ -19,24 +20,24 @@ mod wireframe;
 
 use glam::{DMat3, DMat4, DVec3};
 use light::MAX_EXTENT;
-use light::{Decay, Direction, EndMode, Frame, Part, Segment, Tube};
+use light::{Curve, Decay, Direction, EndMode, Frame, Part, Segment, Tube};
 
 use self::map_shape::MapShape;
-use crate::layout::Mat4;
+use crate::gpu_structs::Mat4;
 use crate::{ShadowFilter, ShadowSettings};
 
 pub(crate) use faces::map_size;
+pub use increasing_roots::increasing_roots;
 pub use locate::locate;
 pub use mapped::map_points;
 pub(crate) use pass::{BendyPass, BendySlot};
-pub(crate) use shadow::BentWork;
-pub use solve::increasing_roots;
+pub(crate) use shadow_buffers::BentWork;
 
 /// Length of the array of segments in `tube.wgsl`: all that a light may have, and the extension.
 const SEGMENT_ROOM: usize = light::MAX_SEGMENTS + 1;
 
-/// Largest colour and intensity: their product is still finite in f32; `tube.wgsl` then keeps it, decay and
-/// the BRDF within f32.
+/// Largest colour and intensity: their product is still finite in f32; `filter.wgsl` then keeps it, decay
+/// and the BRDF within f32.
 const MAX_INTENSITY: f32 = 1e15;
 
 /// Columns of the matrix from scene space (world axes about `scene_origin`) to tube space, composed in f64.
@@ -61,7 +62,7 @@ pub(crate) fn t_max(tube: &Tube<f64>, scene_origin: DVec3, half_extent: DVec3) -
     if tube.end_mode() == EndMode::Cut {
         return n;
     }
-    let last = &tube.segments[tube.n];
+    let last = &tube.segments[tube.n].curve;
     let farthest = corners(scene_origin, half_extent)
         .map(|corner| (tube.placement.tube_from_world(corner) - last.b0).dot(last.d0))
         .fold(0.0, f64::max);
@@ -86,20 +87,20 @@ pub(crate) fn hull_in_world(tube: &Tube<f64>, t_max: f64) -> Vec<DVec3> {
         .collect()
 }
 
-fn curve(segment: &Segment<f32>, t_start: f64, t_span: f64) -> layout::Curve {
-    let bounds = &segment.bounds;
-    layout::Curve {
-        b0: segment.b0.to_array(),
-        r0: segment.r0,
-        b2: segment.b2.to_array(),
-        e0: segment.e0,
-        d0: segment.d0.to_array(),
-        ar: segment.ar,
-        d1: segment.d1.to_array(),
-        alpha: segment.alpha,
-        a: segment.a.to_array(),
-        beta: segment.beta,
-        n_hat: segment.n_hat.to_array(),
+fn gpu_curve(curve: &Curve<f32>, t_start: f64, t_span: f64) -> gpu_structs::Curve {
+    let bounds = &curve.bounds;
+    gpu_structs::Curve {
+        b0: curve.b0.to_array(),
+        r0: curve.r0,
+        b2: curve.b2.to_array(),
+        e0: curve.e0,
+        d0: curve.d0.to_array(),
+        ar: curve.ar,
+        d1: curve.d1.to_array(),
+        alpha: curve.alpha,
+        a: curve.a.to_array(),
+        beta: curve.beta,
+        n_hat: curve.n_hat.to_array(),
         t_start: t_start as f32,
         box_center: bounds.center.to_array(),
         t_span: t_span as f32,
@@ -119,7 +120,8 @@ pub(crate) struct Baked {
     end_mode: EndMode,
     frame: Frame,
     direction: Direction,
-    decay: Decay,
+    /// Whether the light falls off with the length of its way.
+    path_length: bool,
     /// Whether the shadow map has the faces of a cube.
     cube: bool,
     filter: ShadowFilter,
@@ -129,30 +131,13 @@ impl Baked {
     /// Most segments that are visited in straight code: `tube.wgsl` spells them out.
     const MOST_SEGMENTS: usize = 6;
 
-    /// How many values there are.
-    pub const COUNT: usize = (Self::MOST_SEGMENTS + 1) * 2 * 2 * 2 * 3 * 2 * 3;
-
-    /// Numbers the values from 0.
-    pub fn index(self) -> usize {
-        let Self { segments, end_mode, frame, direction, decay, cube, filter } = self;
-        let digits = [
-            (2, end_mode as usize),
-            (2, frame as usize),
-            (2, direction as usize),
-            (3, decay as usize),
-            (2, usize::from(cube)),
-            (3, filter as usize),
-        ];
-        digits.into_iter().fold(segments, |index, (values, value)| index * values + value)
-    }
-
     pub fn of(tube: &Tube<f64>, cube: bool, filter: ShadowFilter) -> Self {
         Self {
             segments: if tube.n <= Self::MOST_SEGMENTS { tube.n } else { 0 },
             end_mode: tube.end_mode(),
             frame: tube.frame,
             direction: tube.direction,
-            decay: tube.decay,
+            path_length: tube.light_filter.decay != Decay::None,
             cube,
             filter,
         }
@@ -161,12 +146,12 @@ impl Baked {
     /// Each value of each field at least once.
     #[cfg(test)]
     pub fn samples() -> [Self; 3] {
-        let one = |segments, end_mode, frame, direction, decay, cube, filter| Self {
+        let one = |segments, end_mode, frame, direction, path_length, cube, filter| Self {
             segments,
             end_mode,
             frame,
             direction,
-            decay,
+            path_length,
             cube,
             filter,
         };
@@ -176,25 +161,17 @@ impl Baked {
                 EndMode::Cut,
                 Frame::RotationMinimizing,
                 Direction::Tube,
-                Decay::None,
+                false,
                 false,
                 ShadowFilter::Nearest,
             ),
-            one(
-                6,
-                EndMode::Extend,
-                Frame::Up,
-                Direction::Path,
-                Decay::InverseSquare,
-                true,
-                ShadowFilter::Bilinear,
-            ),
+            one(6, EndMode::Extend, Frame::Up, Direction::Path, true, true, ShadowFilter::Bilinear),
             one(
                 0,
                 EndMode::Extend,
                 Frame::RotationMinimizing,
                 Direction::Tube,
-                Decay::Linear,
+                true,
                 true,
                 ShadowFilter::Pcf3x3,
             ),
@@ -203,15 +180,10 @@ impl Baked {
 
     /// `wgsl` with the constants that `tube.wgsl` asks for.
     pub fn into_wgsl(self, wgsl: &str) -> String {
-        let Self { segments, end_mode, frame, direction, decay, cube, filter } = self;
-        let decay = match decay {
-            Decay::None => 0,
-            Decay::Linear => 1,
-            Decay::InverseSquare => 2,
-        };
+        let Self { segments, end_mode, frame, direction, path_length, cube, filter } = self;
         let constants = format!(
             "const BAKED_SEGMENTS = {segments}u;\nconst EXTENDED = {};\nconst FRAME_UP = {};\nconst DIRECTION_PATH = {};\n\
-             const DECAY = {decay}u;\nconst SHADOW_CUBE = {cube};\n",
+             const PATH_LENGTH = {path_length};\nconst SHADOW_CUBE = {cube};\n",
             end_mode == EndMode::Extend,
             frame == Frame::Up,
             direction == Direction::Path,
@@ -221,14 +193,14 @@ impl Baked {
 }
 
 /// The tube's segments for `tube.wgsl`, filled up to the size of its array.
-pub(crate) fn segments(tube: &Tube<f64>) -> Vec<layout::Segment> {
+pub(crate) fn segments(tube: &Tube<f64>) -> Vec<gpu_structs::Segment> {
     let one = |(i, segment): (usize, &Segment<f64>)| {
         let s = segment.to_f32();
         let bound = |x: f32| x.clamp(-MAX_INTENSITY, MAX_INTENSITY);
         let [color_0, color_1, color_2] = s.color.map(|c| c.to_array().map(bound));
         let [intensity_0, intensity_1, intensity_2] = s.intensity.map(bound);
-        layout::Segment {
-            curve: curve(&s, i as f64, 1.0),
+        gpu_structs::Segment {
+            curve: gpu_curve(&s.curve, i as f64, 1.0),
             color_0,
             intensity_0,
             color_1,
@@ -240,29 +212,25 @@ pub(crate) fn segments(tube: &Tube<f64>) -> Vec<layout::Segment> {
         }
     };
     let mut segments: Vec<_> = tube.segments.iter().enumerate().map(one).collect();
-    segments.resize(SEGMENT_ROOM, layout::Segment::default());
+    segments.resize(SEGMENT_ROOM, gpu_structs::Segment::default());
     segments
 }
 
 /// The light's uniform for `tube.wgsl`, but for what says of its shadow map.
-pub(crate) fn uniform(part: &Part, scene_origin: DVec3) -> layout::BendyLight {
+pub(crate) fn uniform(part: &Part, scene_origin: DVec3) -> gpu_structs::BendyLight {
     let tube = &part.tube;
     let rotation = tube.placement.rotation.as_mat3();
-    let f32_tube = Tube::<f32>::from(tube);
-    layout::BendyLight {
+    gpu_structs::BendyLight {
         tube_from_scene: tube_from_scene(tube, scene_origin),
         world_from_tube: [rotation.x_axis, rotation.y_axis, rotation.z_axis]
             .map(|c| c.extend(0.0).to_array()),
-        up: f32_tube.up.to_array(),
+        up: tube.up.as_vec3().to_array(),
         segment_count: tube.n as u32,
         world_per_tube: tube.placement.world_per_tube as f32,
-        tan2_outer: f32_tube.profile.tan2_outer,
-        cos_outer: f32_tube.profile.cos_outer,
-        inv_cos_range: f32_tube.profile.inv_cos_range,
         t_start: part.t_start as f32,
         t_span: part.t_span as f32,
-        least_distance2: f32_tube.least_distance2,
-        ..layout::BendyLight::default()
+        light_filter: (&tube.light_filter).into(),
+        ..gpu_structs::BendyLight::default()
     }
 }
 
@@ -272,8 +240,8 @@ pub(crate) fn uniform_with_map(
     scene_origin: DVec3,
     map: &MapShape,
     shadows: &ShadowSettings,
-) -> layout::BendyLight {
-    layout::BendyLight {
+) -> gpu_structs::BendyLight {
+    gpu_structs::BendyLight {
         map_t_base: map.t_base() as f32,
         map_t_span: map.t_span() as f32,
         map_t_last: map.t_last() as f32,

@@ -1,56 +1,28 @@
 //! A BendyLight's lighting pass and what is kept of each light from picture to picture.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
-use light::{BendyLight, EndMode, Frame, Transform, Tube};
+use light::{CheckedLight, Digest, Light, Tube};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, Sampler, TextureView};
 
 use super::faces::Faces;
 use super::fit::Fit;
 use super::map_shape::MapShape;
-use super::shadow::{BentShadowPass, BentWork, MapRequest, Onto};
+use super::shadow::{BentShadowPass, MapRequest, Onto};
+use super::shadow_buffers::BentWork;
 use super::wireframe::{Drawing, WireframePass};
 use super::{Baked, hull_in_world, segments, t_max, uniform_with_map};
-use crate::lighting::LightingPass;
+use crate::gpu_scene::GpuScene;
+use crate::lighting::{LightingPass, Variants};
+use crate::map_key::MapKey;
 use crate::pipeline::{DEPTH_FORMAT, MapTarget, NON_FILTERING, RAW_TEXTURE_LAYERS, UNIFORM};
 use crate::shadow_settings::MapSize;
-use crate::staged::StagedScene;
 use crate::{Gpu, RenderError, ShadowSettings, shaders};
 
 /// Group 2 of a BendyLight's lighting pass; see `tube.wgsl` and `bendy.wgsl`.
 const BINDINGS: [BindingType; 4] = [UNIFORM, UNIFORM, RAW_TEXTURE_LAYERS, NON_FILTERING];
-
-/// What a bent shadow map depends on, besides the scene.
-#[derive(Clone, Debug, PartialEq)]
-struct Shape {
-    transform: Transform,
-    points: Vec<DVec3>,
-    radii: Vec<f64>,
-    up: DVec3,
-    frame: Frame,
-    end_mode: EndMode,
-}
-
-impl Shape {
-    fn of(light: &BendyLight) -> Self {
-        Self {
-            transform: light.transform,
-            points: light.points.clone(),
-            radii: light.radii.clone(),
-            up: light.up,
-            frame: light.frame,
-            end_mode: light.end_mode,
-        }
-    }
-
-    fn is_of(&self, light: &BendyLight) -> bool {
-        let Self { transform, points, radii, up, frame, end_mode } = self;
-        (transform, points, radii) == (&light.transform, &light.points, &light.radii)
-            && (up, frame, end_mode) == (&light.up, &light.frame, &light.end_mode)
-    }
-}
 
 /// The pipelines, which outlive scenes and lights.
 #[derive(Debug)]
@@ -58,10 +30,9 @@ pub(crate) struct BendyPass {
     shadow: BentShadowPass,
     /// Compiled when first wanted.
     wireframe: OnceLock<WireframePass>,
-    /// Compiled when first wanted, one for each way of evaluating a light, by [`Baked::index`].
-    lighting: Box<[OnceLock<LightingPass>]>,
+    lighting: Variants<Baked>,
     /// Of the view and the surface, and the light's own.
-    layouts: [BindGroupLayout; 3],
+    group_layouts: [BindGroupLayout; 3],
     sampler: Sampler,
 }
 
@@ -69,15 +40,15 @@ pub(crate) struct BendyPass {
 #[derive(Debug)]
 pub(crate) struct BendySlot {
     target: MapTarget,
-    /// What the map shows: a scene's revision and the light's shape, fitted to that scene.
-    map_key: Option<Box<(u64, Shape, MapShape)>>,
-    /// The light in place, and of which scene's revision and which light.
-    placed: Option<Box<(u64, BendyLight, PlacedBendy)>>,
+    /// What the map shows, and how it is fitted to that scene.
+    map: Option<(MapKey, MapShape)>,
+    /// The light in place, and of which scene's revision and which revision of the light.
+    placed: Option<(u64, Digest, GpuBendy)>,
 }
 
 /// A BendyLight in place.
 #[derive(Clone, Debug)]
-pub(crate) struct PlacedBendy {
+pub(crate) struct GpuBendy {
     /// Which lighting pass draws it.
     pub baked: Baked,
     /// Group 2 of that pass.
@@ -89,12 +60,12 @@ pub(crate) struct PlacedBendy {
 impl BendySlot {
     /// Draws everything anew when it is next asked for.
     pub fn invalidate(&mut self) {
-        (self.map_key, self.placed) = (None, None);
+        (self.map, self.placed) = (None, None);
     }
 
-    /// Whether its map is that of `light` over the scene of that revision.
-    pub fn shows(&self, light: &BendyLight, revision: u64) -> bool {
-        self.map_key.as_deref().is_some_and(|(r, shape, _)| *r == revision && shape.is_of(light))
+    /// What its map shows.
+    pub fn shows(&self) -> Option<MapKey> {
+        self.map.map(|(key, _)| key)
     }
 
     /// How large its map is.
@@ -104,8 +75,8 @@ impl BendySlot {
 }
 
 /// A map of a light over `scene`; where that is extended, up to `t_max`.
-fn map_shape(light: (&Tube<f64>, Faces, f64), scene: &StagedScene, shadows: &ShadowSettings) -> MapShape {
-    let fit = Fit::new(light, scene.origin, (&scene.clusters, shadows.mesh_error));
+fn map_shape(light: (&Tube<f64>, Faces, f64), scene: &GpuScene, shadows: &ShadowSettings) -> MapShape {
+    let fit = Fit::new(light, scene.posed.origin_in_world, (&scene.clusters, shadows.mesh_error));
     MapShape::new(fit, shadows.map_size(light.1.count()).side)
 }
 
@@ -116,8 +87,8 @@ impl BendyPass {
         Self {
             shadow: BentShadowPass::new(gpu),
             wireframe: OnceLock::new(),
-            lighting: std::iter::repeat_with(OnceLock::new).take(Baked::COUNT).collect(),
-            layouts: [view.clone(), surface.clone(), gpu.layout("bendy", &BINDINGS)],
+            lighting: Variants::new(),
+            group_layouts: [view.clone(), surface.clone(), gpu.layout("bendy", &BINDINGS)],
             sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("bent shadow"),
                 ..Default::default()
@@ -126,14 +97,14 @@ impl BendyPass {
     }
 
     /// The pass that evaluates lights in the way of `baked`.
-    pub fn lighting(&self, gpu: &Gpu, baked: Baked) -> &LightingPass {
-        self.lighting[baked.index()].get_or_init(|| {
-            LightingPass::new(gpu, "bendy", &baked.into_wgsl(shaders::BENDY), &self.layouts.each_ref())
+    pub fn lighting(&self, gpu: &Gpu, baked: Baked) -> Arc<LightingPass> {
+        self.lighting.get(baked, || {
+            LightingPass::new(gpu, "bendy", &baked.into_wgsl(shaders::BENDY), &self.group_layouts.each_ref())
         })
     }
 
     pub fn slot(gpu: &Gpu, size: MapSize) -> BendySlot {
-        BendySlot { target: gpu.map_target("bent shadow map", size), map_key: None, placed: None }
+        BendySlot { target: gpu.map_target("bent shadow map", size), map: None, placed: None }
     }
 
     /// Brings `slot` up to date with `light` over `scene`. Returns the light in place and whether its map was
@@ -143,33 +114,34 @@ impl BendyPass {
         gpu: &Gpu,
         (work, shadows): (&mut BentWork, &ShadowSettings),
         slot: &mut BendySlot,
-        light: &BendyLight,
-        scene: &StagedScene,
-    ) -> Result<(PlacedBendy, bool), RenderError> {
-        if let Some((revision, same, placed)) = slot.placed.as_deref()
-            && (*revision, same) == (scene.revision, light)
+        (key, light, tube): (MapKey, &CheckedLight, &Tube<f64>),
+        scene: &GpuScene,
+    ) -> Result<(GpuBendy, bool), RenderError> {
+        let radiance = light.revisions().radiance;
+        if let Some((revision, same, placed)) = &slot.placed
+            && (*revision, *same) == (scene.revision, radiance)
         {
             return Ok((placed.clone(), false));
         }
         // What lies in the scene: of a light far longer than that, f32 could not hold the whole and the part.
-        let part = Tube::new(light)?.part_near(scene.origin, scene.half_extent);
+        let part = tube.part_near(scene.posed.origin_in_world, scene.posed.half_extent);
         let tube = &part.tube;
-        let t_max = t_max(tube, scene.origin, scene.half_extent);
-        let kept = slot.map_key.take().filter(|kept| kept.0 == scene.revision && kept.1.is_of(light));
+        let t_max = t_max(tube, scene.posed.origin_in_world, scene.posed.half_extent);
+        let kept = slot.map.take().filter(|(kept, _)| *kept == key);
         let stale = kept.is_none();
-        let map = if let Some(kept) = &kept {
-            kept.2
+        let map = if let Some((_, map)) = kept {
+            map
         } else {
-            let map = map_shape((tube, Faces::of(light), t_max), scene, shadows);
-            let (onto, map) = (Onto::Map(&slot.target), &map);
-            self.shadow.render(gpu, work, &MapRequest { scene, tube, map, onto, shadows })?;
-            *map
+            let map = map_shape((tube, Faces::of(light.light()), t_max), scene, shadows);
+            let onto = Onto::Map(&slot.target);
+            self.shadow.render(gpu, work, &MapRequest { scene, tube, map: &map, onto, shadows })?;
+            map
         };
-        slot.map_key = kept.or_else(|| Some(Box::new((scene.revision, Shape::of(light), map))));
+        slot.map = Some((key, map));
         let init = |label, contents: &[u8], usage| {
             gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
         };
-        let uniform = uniform_with_map(&part, scene.origin, &map, shadows);
+        let uniform = uniform_with_map(&part, scene.posed.origin_in_world, &map, shadows);
         let uniform = init("bendy", bytemuck::bytes_of(&uniform), BufferUsages::UNIFORM);
         let segments = init("segments", bytemuck::cast_slice(&segments(tube)), BufferUsages::UNIFORM);
         let resources = [
@@ -178,11 +150,11 @@ impl BendyPass {
             BindingResource::TextureView(&slot.target.all),
             BindingResource::Sampler(&self.sampler),
         ];
-        let group = gpu.group("bendy", &self.layouts[2], &resources);
+        let group = gpu.group("bendy", &self.group_layouts[2], &resources);
         let corners_in_world = hull_in_world(tube, t_max);
         let placed =
-            PlacedBendy { baked: Baked::of(tube, map.is_cube(), shadows.filter), group, corners_in_world };
-        slot.placed = Some(Box::new((scene.revision, light.clone(), placed.clone())));
+            GpuBendy { baked: Baked::of(tube, map.is_cube(), shadows.filter), group, corners_in_world };
+        slot.placed = Some((scene.revision, radiance, placed.clone()));
         Ok((placed, stale))
     }
 
@@ -191,13 +163,13 @@ impl BendyPass {
         &self,
         gpu: &Gpu,
         (work, shadows): (&mut BentWork, &ShadowSettings),
-        light: &BendyLight,
-        scene: &StagedScene,
+        (light, tube): (&Light, &Tube<f64>),
+        scene: &GpuScene,
         (color, size): (&TextureView, [u32; 2]),
     ) -> Result<(), RenderError> {
-        let part = Tube::new(light)?.part_near(scene.origin, scene.half_extent);
+        let part = tube.part_near(scene.posed.origin_in_world, scene.posed.half_extent);
         let tube = &part.tube;
-        let t_max = t_max(tube, scene.origin, scene.half_extent);
+        let t_max = t_max(tube, scene.posed.origin_in_world, scene.posed.half_extent);
         // All that the light meets, what need not be in its map too.
         let faces = Faces::of(light);
         let map = &MapShape::new(Fit::whole(faces, t_max), shadows.map_size(faces.count()).side);

@@ -10,18 +10,18 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 use light::{Frame, Tube};
-use wgpu::{BindGroup, Buffer, BufferUsages, CommandEncoder, ComputePipeline, RenderPipeline};
+use wgpu::{BindGroup, Buffer, CommandEncoder, ComputePipeline, RenderPipeline};
 
-use super::faces::MOST_FACES;
-use super::layout::{BentCounts, BentMap, BentShadow, Patch, STAGES, Slab};
+use super::gpu_structs::{BentCounts, BentMap, LEVELS, Slab};
 use super::map_shape::MapShape;
 use super::masked::MaskedDraw;
+use super::shadow_buffers::{BentWork, Buffers, Room, VERTEX_BYTES};
 use super::slab::{self, SLABS_A_TURN};
 use super::tube_from_scene;
 use super::wireframe::Drawing;
-use crate::ledger::{Kept, MemoryKind};
+use crate::gpu_scene::GpuScene;
+use crate::memory::{Evictable, MemoryKind};
 use crate::pipeline::{DEPTH_FORMAT, MapTarget};
-use crate::staged::StagedScene;
 use crate::{Gpu, RenderError, ShadowSettings, readback, shaders};
 
 /// Threads of a workgroup, as in the shaders.
@@ -42,29 +42,9 @@ pub(crate) struct BentShadowPass {
     masked: OnceLock<MaskedDraw>,
 }
 
-/// What the maps of one scene are made in, one after another.
-#[derive(Debug)]
-pub(crate) struct BentWork {
-    pub room: Room,
-    buffers: Option<Kept<Buffers>>,
-}
-
-/// How many items fit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Room {
-    /// (triangle, slab) pairs.
-    pub work: u32,
-    /// Patches of one level.
-    pub patches: u32,
-    /// Vertices of what was clipped and split.
-    pub split_vertices: u32,
-    /// The same of triangles with an alpha test.
-    pub masked_vertices: u32,
-}
-
 /// A map to be drawn: of what, and where.
 pub(crate) struct MapRequest<'a> {
-    pub scene: &'a StagedScene,
+    pub scene: &'a GpuScene,
     pub tube: &'a Tube<f64>,
     pub map: &'a MapShape,
     pub onto: Onto<'a>,
@@ -77,28 +57,6 @@ pub(crate) enum Onto<'a> {
     Map(&'a MapTarget),
     /// A picture of its triangles.
     Wireframe(Drawing<'a>),
-}
-
-/// The buffers of one map, kept for the next.
-#[derive(Debug)]
-pub(super) struct Buffers {
-    /// For how many vertices, triangles, and what room.
-    size: (u32, u32, Room),
-    slabs: Buffer,
-    pub uniform: Buffer,
-    /// One a face of any map.
-    faces: [Buffer; MOST_FACES],
-    pub mapped: Buffer,
-    vertex_slab: Buffer,
-    pub whole_indices: Buffer,
-    work: Buffer,
-    patches: [Buffer; 2],
-    pub split_vertices: Buffer,
-    pub masked_vertices: Buffer,
-    /// Where those lie in their triangles: `MaskedPlace` of `bent_map_split.wgsl`.
-    pub masked_places: Buffer,
-    pub counts: Buffer,
-    workgroups: Buffer,
 }
 
 impl BentShadowPass {
@@ -118,7 +76,7 @@ impl BentShadowPass {
             triangles: compute(shaders::BENT_MAP_TRIANGLES, "map_triangles"),
             clip: compute(shaders::BENT_MAP_CLIP, "clip_triangles"),
             split: compute(shaders::BENT_MAP_SPLIT, "split_patches"),
-            next: compute(shaders::BENT_MAP_NEXT, "next_stage"),
+            next: compute(shaders::BENT_MAP_NEXT, "next_level"),
             draw: draw_pipeline(gpu),
             masked: OnceLock::new(),
         }
@@ -155,9 +113,9 @@ impl BentShadowPass {
         slabs: &[(Slab, [DVec3; 8])],
         first: bool,
     ) -> Result<bool, RenderError> {
-        let map = work.map(request, slabs);
+        let map = turn(work.room, request, slabs);
         let kept = work.buffers.take();
-        let fitting = kept.as_ref().and_then(Kept::take).filter(|buffers| buffers.fits(&map));
+        let fitting = kept.as_ref().and_then(Evictable::take).filter(|buffers| buffers.fits(&map));
         let (kept, buffers) = match (kept, fitting) {
             (Some(kept), Some(buffers)) => (Some(kept), buffers),
             _ => (None, Buffers::new(gpu, &map)),
@@ -181,7 +139,7 @@ impl BentShadowPass {
             kept.put(buffers);
             kept
         } else {
-            gpu.ledger.keep(MemoryKind::ShadowWork, buffers.bytes(), buffers)
+            gpu.memory.keep(MemoryKind::ShadowWork, buffers.bytes(), buffers)
         });
         let needed = work.room.grown_for(&counts);
         needed.check(gpu)?;
@@ -195,7 +153,7 @@ impl BentShadowPass {
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        scene: &StagedScene,
+        scene: &GpuScene,
         buffers: &Buffers,
         map: &BentMap,
     ) {
@@ -233,9 +191,9 @@ impl BentShadowPass {
             let lists = [&b.split_vertices, &b.masked_vertices, &b.masked_places];
             group(&self.split, &[&[&b.patches[from], &b.patches[to], &b.counts], &lists[..]].concat())
         });
-        for stage in 1..STAGES {
+        for level in 1..LEVELS {
             run(&self.next, &next, Some(1));
-            run(&self.split, if stage % 2 == 0 { &even } else { &odd }, None);
+            run(&self.split, if level % 2 == 0 { &even } else { &odd }, None);
         }
     }
 
@@ -244,7 +202,7 @@ impl BentShadowPass {
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        scene: &StagedScene,
+        scene: &GpuScene,
         buffers: &Buffers,
         (target, map): (&MapTarget, &MapShape),
         clear: bool,
@@ -284,30 +242,23 @@ impl BentShadowPass {
     }
 }
 
-impl BentWork {
-    pub fn new() -> Self {
-        let room = Room { work: 1 << 16, patches: 1 << 16, split_vertices: 3 << 16, masked_vertices: 0 };
-        Self { room, buffers: None }
-    }
-
-    /// The uniform of a turn.
-    fn map(&self, request: &MapRequest, slabs: &[(Slab, [DVec3; 8])]) -> BentMap {
-        let &MapRequest { scene, tube, map, shadows, .. } = request;
-        BentMap {
-            face_count: map.face_count() as u32,
-            texels_per_vw: map.texels_per_vw() as f32,
-            cube_slope: if map.is_cube() { map.slope() as f32 } else { 0.0 },
-            faces: map.clips_from_mapped(),
-            vertex_count: scene.casters.vertex_count,
-            triangle_count: scene.casters.triangle_count,
-            work_capacity: self.room.work,
-            patch_capacity: self.room.patches,
-            split_capacity: self.room.split_vertices,
-            opaque_triangles: scene.casters.opaque_indices / 3,
-            masked_capacity: self.room.masked_vertices,
-            tolerance_texels: shadows.split_above_texels(),
-            ..bent_map(tube, scene.origin, slabs)
-        }
+/// The uniform of a turn.
+fn turn(room: Room, request: &MapRequest, slabs: &[(Slab, [DVec3; 8])]) -> BentMap {
+    let &MapRequest { scene, tube, map, shadows, .. } = request;
+    BentMap {
+        face_count: map.face_count() as u32,
+        texels_per_vw: map.texels_per_vw() as f32,
+        cube_slope: if map.is_cube() { map.slope() as f32 } else { 0.0 },
+        faces: map.clips_from_mapped(),
+        vertex_count: scene.casters.vertex_count,
+        triangle_count: scene.casters.triangle_count,
+        work_capacity: room.work,
+        patch_capacity: room.patches,
+        split_capacity: room.split_vertices,
+        opaque_triangles: scene.casters.opaque_indices / 3,
+        masked_capacity: room.masked_vertices,
+        tolerance_texels: shadows.split_above_texels(),
+        ..bent_map(tube, scene.posed.origin_in_world, slabs)
     }
 }
 
@@ -322,120 +273,6 @@ pub(super) fn bent_map(tube: &Tube<f64>, scene_origin: DVec3, slabs: &[(Slab, [D
         slab_count: slabs.len() as u32,
         box_max: corners().fold(DVec3::NEG_INFINITY, DVec3::max).as_vec3().to_array(),
         ..BentMap::default()
-    }
-}
-
-impl Room {
-    /// Enough for what was counted, in powers of two; the same room where that fitted.
-    fn grown_for(self, counts: &BentCounts) -> Self {
-        let grow = |room: u32, count: u32| if count > room { count.next_power_of_two() } else { room };
-        let patches = counts.items[1..].iter().copied().max().unwrap_or(0);
-        Self {
-            work: grow(self.work, counts.items[0]),
-            patches: grow(self.patches, patches),
-            split_vertices: grow(self.split_vertices, counts.split_vertex_count),
-            masked_vertices: grow(self.masked_vertices, counts.masked_vertex_count),
-        }
-    }
-
-    /// Refuses what no buffer of this device can hold.
-    fn check(self, gpu: &Gpu) -> Result<(), RenderError> {
-        let limit = gpu.device.limits().max_storage_buffer_binding_size;
-        let largest = [
-            u64::from(self.work) * WORK_BYTES,
-            u64::from(self.patches) * PATCH_BYTES,
-            u64::from(self.split_vertices) * VERTEX_BYTES,
-            u64::from(self.masked_vertices) * VERTEX_BYTES,
-        ];
-        let size = largest.into_iter().max().unwrap_or(0);
-        if size > limit {
-            let what = "the bent shadow's geometry in bytes";
-            return Err(RenderError::TooLarge { what, size: size as f64, limit: limit as f64 });
-        }
-        Ok(())
-    }
-}
-
-/// Bytes of a (triangle, slab) pair.
-const WORK_BYTES: u64 = 8;
-/// Bytes of a patch.
-const PATCH_BYTES: u64 = size_of::<Patch>() as u64;
-/// Bytes of a mapped vertex, and of its place in a triangle.
-pub(super) const VERTEX_BYTES: u64 = 16;
-
-impl Buffers {
-    fn new(gpu: &Gpu, map: &BentMap) -> Self {
-        let buffer = |label, size: u64, usage| {
-            let size = size.max(16);
-            gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size,
-                usage,
-                mapped_at_creation: false,
-            })
-        };
-        let storage = |label, size, usage| buffer(label, size, BufferUsages::STORAGE | usage);
-        let none = BufferUsages::empty();
-        let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
-        let counted = BufferUsages::INDIRECT | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let (vertices, triangles) = (u64::from(map.vertex_count), u64::from(map.triangle_count));
-        let patches = || storage("patches", u64::from(map.patch_capacity) * PATCH_BYTES, none);
-        let masked_bytes = u64::from(map.masked_capacity) * VERTEX_BYTES;
-        let split_bytes = u64::from(map.split_capacity) * VERTEX_BYTES;
-        Self {
-            size: Self::size_for(map),
-            slabs: buffer("slabs", (size_of::<Slab>() * SLABS_A_TURN) as u64, uniform),
-            uniform: buffer("bent map", size_of::<BentMap>() as u64, uniform),
-            faces: std::array::from_fn(|_| buffer("bent shadow", size_of::<BentShadow>() as u64, uniform)),
-            mapped: storage("mapped vertices", vertices * VERTEX_BYTES, BufferUsages::VERTEX),
-            vertex_slab: storage("slab of each vertex", vertices * 4, none),
-            whole_indices: storage("whole triangles", triangles * 12, BufferUsages::INDEX),
-            work: storage("triangles to clip", u64::from(map.work_capacity) * WORK_BYTES, none),
-            patches: [patches(), patches()],
-            split_vertices: storage("split triangles", split_bytes, BufferUsages::VERTEX),
-            masked_vertices: storage("masked triangles", masked_bytes, BufferUsages::VERTEX),
-            masked_places: storage("masked triangles' places", masked_bytes, BufferUsages::VERTEX),
-            counts: storage("bent counts", size_of::<BentCounts>() as u64, counted),
-            workgroups: storage("workgroups", 16, BufferUsages::INDIRECT),
-        }
-    }
-
-    fn size_for(map: &BentMap) -> (u32, u32, Room) {
-        let room = Room {
-            work: map.work_capacity,
-            patches: map.patch_capacity,
-            split_vertices: map.split_capacity,
-            masked_vertices: map.masked_capacity,
-        };
-        (map.vertex_count, map.triangle_count, room)
-    }
-
-    fn bytes(&self) -> u64 {
-        let [even, odd] = &self.patches;
-        let all = [&self.mapped, &self.vertex_slab, &self.whole_indices, &self.work, even, odd];
-        let lists = [&self.split_vertices, &self.masked_vertices, &self.masked_places];
-        all.into_iter().chain(lists).map(Buffer::size).sum()
-    }
-
-    fn fits(&self, map: &BentMap) -> bool {
-        self.size == Self::size_for(map)
-    }
-
-    fn write(&self, gpu: &Gpu, slabs: &[Slab], map: &BentMap, shape: &MapShape) {
-        // Stage -1: the first `next_stage` makes it 0.
-        let counts = BentCounts {
-            whole_instance_count: 1,
-            split_instance_count: 1,
-            masked_instance_count: 1,
-            stage: u32::MAX,
-            ..BentCounts::default()
-        };
-        gpu.queue.write_buffer(&self.slabs, 0, bytemuck::cast_slice(slabs));
-        gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(map));
-        for (face, buffer) in self.faces.iter().enumerate().take(shape.face_count()) {
-            gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&shape.shadow(face)));
-        }
-        gpu.queue.write_buffer(&self.counts, 0, bytemuck::bytes_of(&counts));
     }
 }
 

@@ -2,10 +2,10 @@
 //! straight.
 
 use glam::DVec3;
-use light::{Segment, Tube};
+use light::{Curve, Tube};
 
-use super::curve;
-use super::layout::Slab;
+use super::gpu_curve;
+use super::gpu_structs::Slab;
 
 /// How many fit into one uniform; `bent_map.wgsl` has the same number. A light with more is mapped in turns.
 pub(crate) const SLABS_A_TURN: usize = 240;
@@ -35,7 +35,7 @@ pub(crate) fn slabs(
             let (t_start, t_span) = (slab.t_start + slab.t_span * start, slab.t_span * (end - start));
             let bend = bend_a_texel2(tube, &piece, resolution);
             let gpu = Slab {
-                curve: curve(&piece.to_f32(), t_start - t_base, t_span),
+                curve: gpu_curve(&piece.to_f32(), t_start - t_base, t_span),
                 planes: planes(&piece),
                 safe_texels: (tolerance_texels / bend).sqrt().min(1e6) as f32,
                 pad0: [0.0; 3],
@@ -47,7 +47,7 @@ pub(crate) fn slabs(
 
 /// `(n, w)` with `n.q + w` the distance inside: the planes square to the curve at both ends, then the sides
 /// of the box.
-fn planes(piece: &Segment<f64>) -> [[f32; 4]; 6] {
+fn planes(piece: &Curve<f64>) -> [[f32; 4]; 6] {
     let through = |point: DVec3, inward: DVec3| inward.extend(-inward.dot(point)).as_vec4().to_array();
     let b = &piece.bounds;
     let side = |axis: usize, sign: f64| {
@@ -70,7 +70,7 @@ fn planes(piece: &Segment<f64>) -> [[f32; 4]; 6] {
 /// `(resolution / 16 R) |H_t| sigma`, with each second derivative at its largest over the edge's directions.
 /// `|e| = 2 R / resolution` is one texel. Infinite where the map is close to folding, and in the "up" frame,
 /// whose twist the formulas leave out.
-fn bend_a_texel2(tube: &Tube<f64>, piece: &Segment<f64>, resolution: f64) -> f64 {
+fn bend_a_texel2(tube: &Tube<f64>, piece: &Curve<f64>, resolution: f64) -> f64 {
     if tube.frame == light::Frame::Up {
         return f64::INFINITY;
     }

@@ -3,11 +3,11 @@
 use std::sync::{Arc, OnceLock};
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
-use light::{BendyLight, Decay, Direction, SpotLight, Tube};
-use light::{Light, LightKind};
-use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene, pose};
+use light::parameters::{CONE_ANGLE, DECAY, DIRECTION, RANGE, ROTATION, TRANSLATION};
+use light::{Decay, Direction, Light, LightInstance, Tube};
+use scene::{Camera, Material, Mesh, Node, PosedPrimitive, Primitive, Projection, Scene, pose};
 
-use super::shadow::Room;
+use super::shadow_buffers::Room;
 use super::walk;
 use crate::{Aov, Gpu, Picture, Renderer, ShadowFilter, ShadowSettings, View, ViewSlot};
 
@@ -20,13 +20,12 @@ const UNSPLIT: ShadowSettings = ShadowSettings {
 };
 
 /// A light that falls from 4 units up, turns by 70 degrees and back a little: three strongly bent segments.
-fn light() -> BendyLight {
+fn light() -> Light {
     let points = [(0., 0., 0.), (0.3, 0.1, -1.2), (-0.2, 0.4, -2.6), (1.9, -0.2, -3.3), (3.1, 0.3, -4.6)];
     let points = points.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec();
-    let mut light = BendyLight::new(points, vec![0.15, 0.35, 0.45, 0.5, 0.8]);
-    light.transform.translation = DVec3::new(-1.0, 4.0, 0.0);
-    light.transform.rotation = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2);
-    light
+    Light::bendy(points, vec![0.15, 0.35, 0.45, 0.5, 0.8])
+        .with(TRANSLATION, DVec3::new(-1.0, 4.0, 0.0))
+        .with(ROTATION, DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2))
 }
 
 /// A box from -1 to 1.
@@ -94,15 +93,20 @@ pub(crate) fn renderer(scene: &Scene) -> Renderer {
     static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
     let gpu = GPU.get_or_init(|| Arc::new(Gpu::new().expect("tests need a graphics driver")));
     let mut renderer = Renderer::new(Arc::clone(gpu)).expect("the device works");
-    renderer.set_scene(scene).expect("fits");
+    renderer.set_scene(&scene::pose(scene.clone())).expect("fits");
     renderer
+}
+
+/// The light alone, as a renderer takes it.
+pub(crate) fn alone(light: &Light) -> Vec<LightInstance> {
+    LightInstance::numbered([light.clone()]).expect("a light")
 }
 
 struct Setup {
     tube: Tube<f64>,
     /// In tube space.
     triangles: Vec<[DVec3; 3]>,
-    lights: [Light; 1],
+    lights: Vec<LightInstance>,
     renderer: Renderer,
 }
 
@@ -111,26 +115,17 @@ impl Setup {
         let (scene, light) = (scene(), light());
         let tube = Tube::new(&light).expect("valid");
         let renderer = renderer(&scene);
-        let triangles = pose(&scene)
-            .flat_map(|posed| {
-                let corner = |k: u32| {
-                    let local = posed.primitive.positions[k as usize].as_dvec3();
-                    tube.placement.tube_from_world(posed.world_from_local.transform_point3(local))
-                };
-                posed
-                    .primitive
-                    .indices
-                    .chunks(3)
-                    .map(|t| [corner(t[0]), corner(t[1]), corner(t[2])])
-                    .collect::<Vec<_>>()
-            })
-            .collect();
-        Self {
-            tube,
-            triangles,
-            lights: [Light { name: "key".into(), kind: LightKind::Bendy(light) }],
-            renderer,
-        }
+        let posed = pose(scene);
+        let corners = |primitive: &PosedPrimitive| {
+            let first = primitive.first_vertex;
+            let corner = |k: u32| {
+                let in_world = posed.origin_in_world + posed.positions[first + k as usize];
+                tube.placement.tube_from_world(in_world)
+            };
+            posed.triangles(primitive).map(|triangle| triangle.map(corner)).collect::<Vec<_>>()
+        };
+        let triangles = posed.primitives.iter().flat_map(corners).collect();
+        Self { tube, triangles, lights: alone(&light), renderer }
     }
 
     fn picture(&mut self, aov: Aov) -> Picture {
@@ -208,29 +203,30 @@ fn bent_shadows_are_where_the_paths_say() {
 }
 
 /// Spotlights bent into 1 to 8 segments, by more and more; those that would fold are left out.
-fn bent_spots() -> Vec<BendyLight> {
-    let spot = SpotLight { cone_angle: 22.0, range: Some(11.0), decay: Decay::None, ..SpotLight::default() };
+fn bent_spots() -> Vec<Light> {
+    let spot = Light::spot().with(CONE_ANGLE, 22.0).with(RANGE, Some(11.0)).with(DECAY, Decay::None);
     let mut lights = Vec::new();
     for (segments, amount) in [1, 2, 3, 5, 8].into_iter().flat_map(|n| [0.5, 1.0, 2.0, 3.0].map(|a| (n, a))) {
-        let mut light = light::bend(&spot, segments).expect("valid");
         let back = (DVec3::new(-3.0, 7.0, 2.0) - DVec3::X).normalize();
         let right = DVec3::Y.cross(back).normalize();
-        light.transform.rotation = DQuat::from_mat3(&glam::DMat3::from_cols(right, back.cross(right), back));
-        light.transform.translation = DVec3::new(-3.0, 7.0, 2.0);
-        let last = (light.points.len() - 1) as f64;
-        for (i, point) in light.points.iter_mut().enumerate() {
-            point.x += amount * (i as f64 / last).powi(2);
-        }
-        let uneven = light.points.iter().map(|p| 1.5 + (2.0 * p.z).sin()).collect();
-        lights.extend([BendyLight { radii: uneven, ..light.clone() }, light]);
+        let rotation = DQuat::from_mat3(&glam::DMat3::from_cols(right, back.cross(right), back));
+        let light = light::bend(&spot, segments)
+            .expect("valid")
+            .with(TRANSLATION, DVec3::new(-3.0, 7.0, 2.0))
+            .with(ROTATION, rotation);
+        let last = (light.points().len() - 1) as f64;
+        let light = light.with_points(|i, point| point.position.x += amount * (i as f64 / last).powi(2));
+        let uneven =
+            light.clone().with_points(|_, point| point.radius = 1.5 + (2.0 * point.position.z).sin());
+        lights.extend([uneven, light]);
     }
     lights.retain(|light| Tube::new(light).is_ok());
     lights
 }
 
 /// How many pixels of a lone plane lie in shadow where light falls on it at more than 6 degrees.
-fn self_shadowed(renderer: &mut Renderer, light: &BendyLight) -> usize {
-    let lights = [Light { name: "key".into(), kind: LightKind::Bendy(light.clone()) }];
+fn self_shadowed(renderer: &mut Renderer, light: &Light) -> usize {
+    let lights = alone(light);
     let mut picture = |aov| {
         let mut view = view(aov);
         view.camera.translation *= 2.0;
@@ -256,14 +252,14 @@ fn a_lone_plane_never_shadows_itself() {
     let lights: Vec<_> = bent_spots()
         .into_iter()
         .flat_map(|light| {
-            [Direction::Tube, Direction::Path].map(|direction| BendyLight { direction, ..light.clone() })
+            [Direction::Tube, Direction::Path].map(|direction| light.clone().with(DIRECTION, direction))
         })
         .collect();
     assert!(lights.len() >= 30, "{}", lights.len());
     let mut renderer = renderer(&scene);
     for light in &lights {
         let shadowed = self_shadowed(&mut renderer, light);
-        assert_eq!(shadowed, 0, "{:?} {:?}", light.points, light.radii);
+        assert_eq!(shadowed, 0, "{:?}", light.points());
     }
     renderer.set_shadow_settings(UNSPLIT).expect("sound");
     assert!(self_shadowed(&mut renderer, &lights[lights.len() - 1]) > 0, "unsplit edges went unseen");
@@ -309,7 +305,7 @@ fn settings_and_timing_draw_anew() {
     setup.renderer.set_shadow_settings(coarse).expect("sound");
     setup.picture(Aov::Visibility);
     assert_eq!(setup.renderer.counts().shadow, drawn);
-    let times = setup.renderer.time_stages(&view(Aov::Beauty), &setup.lights).expect("drawn");
+    let times = setup.renderer.time_passes(&view(Aov::Beauty), &setup.lights).expect("drawn");
     assert!(times.gbuffer_ms > 0.0 && times.shadow_ms > 0.0 && times.lighting_ms > 0.0, "{times:?}");
     setup.renderer.set_shadow_settings(ShadowSettings::default()).expect("sound");
     assert_eq!(setup.picture(Aov::Visibility), fine);
@@ -339,12 +335,10 @@ fn what_no_texel_shows_is_not_split() {
     );
     scene.nodes.truncate(1);
     scene.nodes[0].parent_from_local = across;
-    let mut thin = light();
-    thin.radii = vec![0.0, 0.0, 0.1, 0.2, 0.3];
+    let thin = light().with_points(|i, point| point.radius = [0.0, 0.0, 0.1, 0.2, 0.3][i]);
     let mut renderer = renderer(&scene);
     let before = renderer.bent_work().room;
-    let lights = [Light { name: "key".into(), kind: LightKind::Bendy(thin) }];
-    renderer.render(&view(Aov::Visibility), &lights).expect("drawn");
+    renderer.render(&view(Aov::Visibility), &alone(&thin)).expect("drawn");
     assert_eq!(renderer.bent_work().room, before);
 }
 
@@ -392,43 +386,41 @@ fn a_wireframe_shows_what_light_meets_first() {
 /// A spotlight has a wireframe too, that of the BendyLight it equals.
 #[test]
 fn a_spotlights_wireframe_is_that_of_its_bendy_light() {
-    let spot = SpotLight { range: Some(8.0), ..SpotLight::default() };
+    let spot = Light::spot().with(RANGE, Some(8.0));
     let mut renderer = renderer(&scene());
-    let mut picture = |kind| {
-        let mut kind = kind;
-        let transform = match &mut kind {
-            LightKind::Spot(spot) => &mut spot.transform,
-            LightKind::Bendy(bendy) => &mut bendy.transform,
-        };
-        *transform = light().transform;
-        let lights = [Light { name: String::new(), kind }];
+    let mut picture = |kind: Light| {
+        let lights = alone(&kind.placed(light().transform()));
         renderer.render(&view(Aov::Wireframe), &lights).expect("drawn")
     };
     let bent = light::bend(&spot, 1).expect("valid");
-    let expected = picture(LightKind::Bendy(bent));
+    let expected = picture(bent);
     assert!(expected.pixels.iter().filter(|pixel| pixel[3] == 1.0).count() > 1000);
-    assert_eq!(picture(LightKind::Spot(spot)), expected);
+    assert_eq!(picture(spot), expected);
 }
 
 /// The numbers that WGSL spells out are Rust's.
 #[test]
 fn constants_are_the_models() {
     use light::{GAUSS_LEGENDRE, Real};
-    let curve = include_str!("../shaders/curve.wgsl");
+    let solve = include_str!("../shaders/solve.wgsl");
+    let arc = include_str!("../shaders/arc.wgsl");
     let tube = include_str!("../shaders/tube.wgsl");
     let split = include_str!("../shaders/bent_map_split.wgsl");
     let spelled = |wgsl: &str, line: &str| assert!(wgsl.contains(line), "`{line}` is not in the WGSL");
-    spelled(curve, &format!("const NEWTON_STEPS = {}u;", f32::NEWTON_STEPS));
+    spelled(solve, &format!("const NEWTON_STEPS = {}u;", f32::NEWTON_STEPS));
     spelled(tube, &format!("const JOINT_MERGE = {:e};", f32::JOINT_MERGE));
     spelled(tube, &format!("const DIRECTION_FLOOR = {:e};", f32::DIRECTION_FLOOR));
     spelled(tube, &format!("segments: array<Segment, {}>;", super::SEGMENT_ROOM));
     let map = include_str!("../shaders/bent_map.wgsl");
     spelled(map, &format!("slabs: array<Slab, {}>;", super::slab::SLABS_A_TURN));
-    spelled(split, &format!("const LAST_STAGE = {}u;", super::layout::STAGES - 1));
+    spelled(split, &format!("const LAST_LEVEL = {}u;", super::gpu_structs::LEVELS - 1));
     for (abscissa, weight) in GAUSS_LEGENDRE {
-        spelled(tube, &format!("vec2f({}, {}),", abscissa as f32, weight as f32));
+        spelled(arc, &format!("vec2f({}, {}),", abscissa as f32, weight as f32));
     }
     for straight in 0..super::Baked::MOST_SEGMENTS {
-        spelled(tube, &format!("if BAKED_SEGMENTS > {straight}u {{ visit(&search, {straight}u, q); }}"));
+        spelled(
+            tube,
+            &format!("if BAKED_SEGMENTS > {straight}u {{ visit_segment(&search, {straight}u, q); }}"),
+        );
     }
 }

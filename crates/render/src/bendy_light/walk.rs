@@ -11,7 +11,7 @@ const STEPS: usize = 1500;
 /// The tube-space point at `(t, v, w)`: `P + R (v v_hat + w w_hat)`.
 pub fn point_at(tube: &Tube<f64>, t: f64, v: f64, w: f64) -> DVec3 {
     let i = (t as usize).min(tube.n - 1);
-    let (segment, u) = (&tube.segments[i], t - i as f64);
+    let (segment, u) = (&tube.segments[i].curve, t - i as f64);
     let (v_hat, w_hat) = tube.cross_section(segment, segment.u_hat(u));
     segment.position(u) + (v_hat * v + w_hat * w) * segment.radius(u)
 }

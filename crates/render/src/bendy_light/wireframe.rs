@@ -5,9 +5,9 @@ use std::mem::offset_of;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, CommandEncoder, RenderPipeline, TextureView};
 
-use super::layout::{BentCounts, Wireframe};
+use super::gpu_structs::{BentCounts, Wireframe};
 use super::map_shape::MapShape;
-use super::shadow::Buffers;
+use super::shadow_buffers::Buffers;
 use crate::pipeline::{DEPTH_FORMAT, color_attachment};
 use crate::{Gpu, lighting, shaders};
 

@@ -3,12 +3,12 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
-use light::{BendyLight, Decay, EndMode, SpotLight, Tube};
-use light::{Light, LightKind};
+use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, DECAY, END_MODE, RANGE, ROTATION, TRANSLATION};
+use light::{Decay, EndMode, Light, LightInstance, Tube};
 use scene::{Material, Mesh, Node, Primitive, Scene};
 
 use super::{LARGEST_OVER_MEAN, simplify};
-use crate::bendy_light::tests::{position, renderer, view};
+use crate::bendy_light::tests::{alone, position, renderer, view};
 use crate::bendy_light::walk;
 use crate::{Aov, Renderer, ShadowSettings};
 
@@ -77,22 +77,26 @@ fn bowl() -> Scene {
 }
 
 /// From 6 units up, downwards: a spotlight, the same as a BendyLight, and one that bends.
-fn lights() -> [(Light, BendyLight); 3] {
-    let spot = SpotLight { cone_angle: 18.0, range: Some(7.0), decay: Decay::None, ..SpotLight::default() };
-    let mut spot = SpotLight { cone_softness: 0.0, ..spot };
-    spot.transform.translation = DVec3::Y * 6.0;
-    spot.transform.rotation = DQuat::from_rotation_x(-PI / 2.0);
+fn lights() -> [(Light, Light); 3] {
+    let spot = Light::spot()
+        .with(CONE_ANGLE, 18.0)
+        .with(RANGE, Some(7.0))
+        .with(DECAY, Decay::None)
+        .with(CONE_SOFTNESS, 0.0)
+        .with(TRANSLATION, DVec3::Y * 6.0)
+        .with(ROTATION, DQuat::from_rotation_x(-PI / 2.0));
     let straight = light::bend(&spot, 2).expect("sound");
     let points = [(0., 0., 0.), (0., 0., -1.5), (0., 0., -3.2), (0.9, 0., -4.9), (1.9, 0., -6.5)];
     let points = points.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec();
-    let mut bent = BendyLight::new(points, vec![0.2, 0.8, 1.2, 1.5, 1.8]);
-    (bent.transform, bent.end_mode) = (spot.transform, EndMode::Cut);
-    let light = |kind| Light { name: "key".into(), kind };
-    [
-        (light(LightKind::Spot(spot)), straight.clone()),
-        (light(LightKind::Bendy(straight.clone())), straight),
-        (light(LightKind::Bendy(bent.clone())), bent),
-    ]
+    let bent = Light::bendy(points, vec![0.2, 0.8, 1.2, 1.5, 1.8])
+        .placed(spot.transform())
+        .with(END_MODE, EndMode::Cut);
+    [(spot, straight.clone()), (straight.clone(), straight), (bent.clone(), bent)]
+}
+
+/// All three.
+fn all() -> Vec<LightInstance> {
+    LightInstance::numbered(lights().map(|(light, _)| light)).expect("lights")
 }
 
 fn settings(mesh_error: f64) -> ShadowSettings {
@@ -105,15 +109,15 @@ fn plant(renderer: &mut Renderer, told: f64, made: f64) {
     for mesh_error in [made, told] {
         renderer.set_shadow_settings(settings(mesh_error)).expect("sound");
     }
-    let (gpu, scene) = renderer.staged();
-    scene.casters = scene.surface.simplified(gpu, made).expect("made");
+    let (gpu, scene) = renderer.gpu_scene();
+    scene.casters = scene.simplified(gpu, made).expect("made");
 }
 
 /// How many points of the floor in the light are lit or dark, and how many are wrong though the way of their
 /// light passes the ball's edge by more than `slack`.
-fn floor(renderer: &mut Renderer, (light, bent): &(Light, BendyLight), slack: f64) -> ([usize; 2], usize) {
+fn floor(renderer: &mut Renderer, (light, bent): &(Light, Light), slack: f64) -> ([usize; 2], usize) {
     let tube = Tube::new(bent).expect("valid");
-    let mut picture = |aov| renderer.render(&view(aov), std::slice::from_ref(light)).expect("drawn");
+    let mut picture = |aov| renderer.render(&view(aov), &alone(light)).expect("drawn");
     let (depth, visibility) = (picture(Aov::Depth), picture(Aov::Visibility));
     let (mut counts, mut wrong) = ([0; 2], 0);
     for (pixel, seen) in visibility.pixels.iter().enumerate().filter(|(_, seen)| seen[3] == 1.0) {
@@ -139,7 +143,7 @@ fn floor(renderer: &mut Renderer, (light, bent): &(Light, BendyLight), slack: f6
 /// How many pixels see light that meets their surface at more than 6 degrees, and how many of those are in
 /// shadow.
 fn shadowed(renderer: &mut Renderer, light: &Light, on: impl Fn(DVec3) -> bool) -> (usize, usize) {
-    let mut picture = |aov| renderer.render(&view(aov), std::slice::from_ref(light)).expect("drawn");
+    let mut picture = |aov| renderer.render(&view(aov), &alone(light)).expect("drawn");
     let [visibility, direction, normal, depth] =
         [Aov::Visibility, Aov::Direction, Aov::Normal, Aov::Depth].map(&mut picture);
     let vector = |picture: &crate::Picture, pixel: usize| {
@@ -163,17 +167,17 @@ fn a_simplified_ball_casts_its_shadow() {
     let slack = MESH_ERROR + 3.0 * 2.3 / 1024.0;
     let mut renderer = renderer(&ball());
     renderer.set_shadow_settings(settings(MESH_ERROR)).expect("sound");
-    let scene = renderer.staged().1;
+    let scene = renderer.gpu_scene().1;
     let (before, after) = (scene.surface.triangle_count, scene.casters.triangle_count);
     assert!((100..before / 10).contains(&after), "{after} of {before} triangles");
     assert!(scene.casters.vertex_count < after, "none that no triangle has");
     for light in &lights() {
         let ([dark, lit], wrong) = floor(&mut renderer, light, slack);
         assert!(dark > 500 && lit > 500, "{dark} dark, {lit} lit");
-        assert_eq!(wrong, 0, "{:?}", light.0.kind);
+        assert_eq!(wrong, 0, "{:?}", light.0);
         let (met, false_shadow) = shadowed(&mut renderer, &light.0, |point| point.y > 1.0);
         assert!(met > 300, "{met}");
-        assert_eq!(false_shadow, 0, "of {met}, {:?}", light.0.kind);
+        assert_eq!(false_shadow, 0, "of {met}, {:?}", light.0);
     }
 
     // Planted: ten times the error.
@@ -192,7 +196,7 @@ fn a_simplified_bowl_stays_lit() {
             renderer.set_shadow_settings(settings(error)).expect("sound");
             let (met, false_shadow) = shadowed(&mut renderer, &light.0, |_| true);
             assert!(met > 2000, "{met}");
-            assert_eq!(false_shadow, 0, "of {met} at {error}, {:?}", light.0.kind);
+            assert_eq!(false_shadow, 0, "of {met} at {error}, {:?}", light.0);
         }
         // Planted: look-ups that are told nothing, or a tenth.
         for told in [0.0, MESH_ERROR] {
@@ -207,12 +211,12 @@ fn a_simplified_bowl_stays_lit() {
 fn a_simplified_plane_stays_lit() {
     let mut renderer = renderer(&scene_of([(square(40), 8.0, DVec3::ZERO)]));
     renderer.set_shadow_settings(settings(0.05)).expect("sound");
-    let left = renderer.staged().1.casters.triangle_count;
+    let left = renderer.gpu_scene().1.casters.triangle_count;
     assert!(left < 20, "{left} of 3,200 triangles");
     for light in &lights() {
         let (met, false_shadow) = shadowed(&mut renderer, &light.0, |_| true);
         assert!(met > 2000, "{met}");
-        assert_eq!(false_shadow, 0, "of {met}, {:?}", light.0.kind);
+        assert_eq!(false_shadow, 0, "of {met}, {:?}", light.0);
     }
 }
 
@@ -221,12 +225,12 @@ fn a_simplified_plane_stays_lit() {
 fn without_an_error_nothing_is_copied() {
     let mut renderer = renderer(&ball());
     let shares = |renderer: &mut Renderer| {
-        let scene = renderer.staged().1;
+        let scene = renderer.gpu_scene().1;
         let of_scene = (&scene.geometry.positions, &scene.geometry.indices, scene.surface.triangle_count);
         let casters = &scene.casters;
         (&casters.positions, &casters.indices, casters.triangle_count) == of_scene
     };
-    let lights = lights().map(|(light, _)| light);
+    let lights = all();
     let shares_at_first = shares(&mut renderer);
     let exact = renderer.render(&view(Aov::Beauty), &lights).expect("drawn");
     renderer.set_shadow_settings(settings(MESH_ERROR)).expect("sound");
@@ -241,17 +245,17 @@ fn without_an_error_nothing_is_copied() {
 /// Scene first or settings first, the picture is the same, and so it is with another scene between.
 #[test]
 fn the_order_of_scene_and_settings_does_not_matter() {
-    let lights = lights().map(|(light, _)| light);
+    let lights = all();
     let mut scene_first = renderer(&ball());
     scene_first.set_shadow_settings(settings(MESH_ERROR)).expect("sound");
     let mut settings_first = renderer(&Scene::default());
     settings_first.set_shadow_settings(settings(MESH_ERROR)).expect("sound");
-    settings_first.set_scene(&bowl()).expect("fits");
-    settings_first.set_scene(&ball()).expect("fits");
+    settings_first.set_scene(&scene::pose(bowl())).expect("fits");
+    settings_first.set_scene(&scene::pose(ball())).expect("fits");
     let picture = |renderer: &mut Renderer| renderer.render(&view(Aov::Beauty), &lights).expect("drawn");
     let expected = picture(&mut scene_first);
     assert_eq!(picture(&mut settings_first), expected);
-    scene_first.set_scene(&bowl()).expect("fits");
+    scene_first.set_scene(&scene::pose(bowl())).expect("fits");
     assert_ne!(picture(&mut scene_first), expected, "a planted change is seen");
 }
 

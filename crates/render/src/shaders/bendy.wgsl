@@ -5,24 +5,19 @@
 
 fn sample_light(surface: Surface) -> LightSample {
     let q = (light.tube_from_scene * vec4f(surface.position, 1.0)).xyz;
-    let place = nearest_place(q);
-    if !place.found {
+    let inside = nearest_inside(q);
+    if !inside.found {
         return LightSample();
     }
-    let root = root_at(place, q);
-    var result: LightSample;
-    result.inside = true;
-    result.t = light.t_start + light.t_span * root_t(root);
-    result.vw = root.vw_len / select(1.0, root.radius, root.radius > 0.0);
-    result.to_light = normalize(light.world_from_tube * direction_at(root));
-    result.irradiance = irradiance(root);
-    result.visibility = bent_visibility(root, result.vw, surface);
-    return result;
+    let root = root_at(inside, q);
+    let place = place_at(root);
+    let unshadowed = irradiance(light.light_filter, root.emission, place);
+    return LightSample(true, place, unshadowed, bent_visibility(root, place.vw, surface));
 }
 
 // Derivative of position by t along the curve of constant (v, w): the way light takes.
 fn path_tangent(root: Root, vw: vec2f, across: mat2x3f) -> vec3f {
-    let turn = turn_at(root);
+    let turn = u_hat_derivative(root);
     return root.u_hat * (2.0 * length(root.d) - dot(root.r, turn)) + (across * vw) * root.radius_derivative
         + cross(root.u_hat, root.r) * twist(root, turn);
 }
@@ -52,14 +47,14 @@ struct Receiver {
 }
 
 // How wide the steps of (v, w) from texel to texel are for a path with that tangent.
-fn texel_width(place: MapPlace, radius: f32, across: mat2x3f, tangent: vec3f) -> f32 {
+fn texel_width(texel: MapTexel, radius: f32, across: mat2x3f, tangent: vec3f) -> f32 {
     if !SHADOW_CUBE {
-        return radius * max(length(place.right), length(place.down));
+        return radius * max(length(texel.right), length(texel.down));
     }
     // Far off the axis of a wide cone, what is across the tube is almost along the path.
     let along = normalize(tangent);
-    let right = across * place.right;
-    let down = across * place.down;
+    let right = across * texel.right;
+    let down = across * texel.down;
     return radius * max(length(right - along * dot(right, along)), length(down - along * dot(down, along)));
 }
 
@@ -73,14 +68,14 @@ const STEEPEST = 32.0;
 const REACH = 1.5 * STEEPEST;
 
 // Where a point beside a root's lies in the tube, or past its rim.
-struct LiftedPlace {
+struct Lifted {
     dt: f32,
     vw_len: vec2f,
     radius: f32,
 }
 
 // To second order in `lift`, which is short. `sigma` is |P'| - r . u_hat'.
-fn lifted_place(root: Root, lift: vec3f, sigma: f32) -> LiftedPlace {
+fn lifted_root(root: Root, lift: vec3f, sigma: f32) -> Lifted {
     // grad t = u_hat / sigma, and a step of Newton's method on r . P' from there.
     let rough = dot(lift, root.u_hat) / max(sigma, 1e-20);
     let d = root.d + root.a * rough;
@@ -93,9 +88,9 @@ fn lifted_place(root: Root, lift: vec3f, sigma: f32) -> LiftedPlace {
     // The frame turns with the tangent, and where it leans towards `up` about it.
     let v_hat = root.v_hat - (root.u_hat + u_hat) * (dot(root.v_hat, u_hat) / (1.0 + dot(root.u_hat, u_hat)));
     let vw_len = r_there * mat2x3f(v_hat, cross(u_hat, v_hat));
-    let turned = twist(root, turn_at(root)) * dt;
+    let turned = twist(root, u_hat_derivative(root)) * dt;
     let radius = root.radius + (root.radius_derivative + root.ar * dt) * dt;
-    return LiftedPlace(dt, vw_len + turned * vec2f(vw_len.y, -vw_len.x), max(radius, 0.0));
+    return Lifted(dt, vw_len + turned * vec2f(vw_len.y, -vw_len.x), max(radius, 0.0));
 }
 
 // How much of the arriving light nothing is in the way of.
@@ -113,12 +108,12 @@ fn bent_visibility(root: Root, vw: vec2f, surface: Surface) -> f32 {
     }
 
     let center_speed = 2.0 * length(root.d);
-    let sigma = max(center_speed - dot(root.r, turn_at(root)), 0.1 * center_speed);
+    let sigma = max(center_speed - dot(root.r, u_hat_derivative(root)), 0.1 * center_speed);
     let lift = surface.terminator_offset / light.world_per_tube * (surface.normal * light.world_from_tube);
-    let lifted = lifted_place(root, lift, sigma);
+    let lifted = lifted_root(root, lift, sigma);
     let t = root_t(root) + lifted.dt;
     let radius = lifted.radius;
-    let place = map_place(lifted.vw_len, radius);
+    let on_map = map_texel(lifted.vw_len, radius);
 
     // A facet that faces away lies behind the plane of the smooth surface.
     let faces_light = dot(surface.geometric_normal, arriving) > 0.0;
@@ -127,29 +122,29 @@ fn bent_visibility(root: Root, vw: vec2f, surface: Surface) -> f32 {
     // One texel's width in the scene, as a step in t; at most that by the speed in which the map's own error is
     // measured.
     let speed = max(min(length(tangent), map_speed(center_speed, root.radius_derivative, vw)), 1e-20);
-    let footprint = texel_width(place, radius, across, tangent) / speed;
+    let footprint = texel_width(on_map, radius, across, tangent) / speed;
 
     var receiver: Receiver;
-    receiver.face = place.face;
-    receiver.texel = place.texel;
-    receiver.depth = (t - light.map_t_base) * place.gain;
-    receiver.far = place.far;
+    receiver.face = on_map.face;
+    receiver.texel = on_map.texel;
+    receiver.depth = (t - light.map_t_base) * on_map.gain;
+    receiver.far = on_map.far;
     // Seen edge on, the plane runs off along the light within a texel: the way it leans.
     let facing = max(-dot(normal, tangent), length(leaning) * speed / STEEPEST);
-    let step_t = radius / facing * vec2f(dot(leaning, place.right), dot(leaning, place.down));
-    receiver.step = step_t * place.gain + vec2f(0.0, (t - light.map_t_base) * place.gain_down);
+    let step_t = radius / facing * vec2f(dot(leaning, on_map.right), dot(leaning, on_map.down));
+    receiver.step = step_t * on_map.gain + vec2f(0.0, (t - light.map_t_base) * on_map.gain_down);
     // The depth is rounded to some ulps of the largest. And the receiver's own caster may stray by e towards the light: a
     // plane moved so far along its normal is met e / (n . T) earlier.
-    let width = footprint * place.gain;
+    let width = footprint * on_map.gain;
     receiver.tolerance = light.shadow_tolerance_texels * (width + min(length(receiver.step), STEEP * width))
-        + (0x1p-22 * light.map_t_last + light.mesh_error / facing) * place.gain;
+        + (0x1p-22 * light.map_t_last + light.mesh_error / facing) * on_map.gain;
     receiver.reach = max(receiver.tolerance, REACH * width);
 
     // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach, along
     // the chord of the path, whose tangent turns with the centre's.
     let grazes = !faces_light || length(receiver.step) > GRAZING * width;
-    let back = (2.0 * receiver.reach + length(receiver.step)) / place.gain;
-    let way = turn_at(root) * (0.5 * sigma * back * back) - tangent * back;
+    let back = (2.0 * receiver.reach + length(receiver.step)) / on_map.gain;
+    let way = u_hat_derivative(root) * (0.5 * sigma * back * back) - tangent * back;
     return decided(surface, filtered(receiver), grazes, light.world_from_tube * way * light.world_per_tube);
 }
 

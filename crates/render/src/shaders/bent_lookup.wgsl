@@ -2,7 +2,7 @@
 //   SHADOW_CUBE  bool  the front of a cube, +V, -V, +W and -W in that order, on which (V, W, R / slope) are as positions
 //                      are on a straight cone; else one face, even in v and w
 
-struct MapPlace {
+struct MapTexel {
     face: u32,
     texel: vec2f,
     // How (v, w) change from texel to texel, to the right and downwards.
@@ -29,7 +29,7 @@ fn fit_of(face: u32) -> vec4f {
     return fit;
 }
 
-fn map_place(vw_len: vec2f, radius_or_zero: f32) -> MapPlace {
+fn map_texel(vw_len: vec2f, radius_or_zero: f32) -> MapTexel {
     // At the very source nothing lies aside.
     let radius = select(1.0, radius_or_zero, radius_or_zero > 0.0);
     let depth = radius / light.slope;
@@ -39,29 +39,29 @@ fn map_place(vw_len: vec2f, radius_or_zero: f32) -> MapPlace {
     let turned = select(vw_len.yx, vw_len, along_v);
     let ahead = select(abs(turned.x), depth, front);
 
-    var place: MapPlace;
+    var found: MapTexel;
     let side = select(select(4u, 3u, turned.x > 0.0), select(2u, 1u, turned.x > 0.0), along_v);
-    place.face = select(side, 0u, front);
+    found.face = select(side, 0u, front);
     let xy = select(vec2f(turned.y, depth), vw_len, front) / ahead;
-    let fit = fit_of(place.face);
+    let fit = fit_of(found.face);
     let resolution = light.shadow_resolution;
-    place.texel = ((xy - fit.xy) * fit.zw * vec2f(0.5, -0.5) + 0.5) * resolution - 0.5;
+    found.texel = ((xy - fit.xy) * fit.zw * vec2f(0.5, -0.5) + 0.5) * resolution - 0.5;
     let step = vec2f(2.0, -2.0) / (fit.zw * resolution);
-    place.right = vec2f(step.x / light.slope, 0.0);
-    place.down = vec2f(0.0, step.y / light.slope);
-    place.gain = 1.0;
-    place.far = light.map_t_span;
+    found.right = vec2f(step.x / light.slope, 0.0);
+    found.down = vec2f(0.0, step.y / light.slope);
+    found.gain = 1.0;
+    found.far = light.map_t_span;
     if !front {
         // There x = w / |v| and y = 1 / (slope |v|), or the same with v and w exchanged.
         let size = ahead / radius;
         let away = -light.slope * size * size * step.y;
         let right = vec2f(0.0, size * step.x);
         let down = vec2f(sign(turned.x), xy.x) * away;
-        place.right = select(right.yx, right, along_v);
-        place.down = select(down.yx, down, along_v);
-        place.gain = light.slope * size;
-        place.gain_down = light.slope * away;
-        place.far = light.map_t_span * light.slope;
+        found.right = select(right.yx, right, along_v);
+        found.down = select(down.yx, down, along_v);
+        found.gain = light.slope * size;
+        found.gain_down = light.slope * away;
+        found.far = light.map_t_span * light.slope;
     }
-    return place;
+    return found;
 }

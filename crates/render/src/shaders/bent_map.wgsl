@@ -1,4 +1,4 @@
-// World triangles into tube space, slab by slab. Follows curve.wgsl.
+// World triangles into tube space, slab by slab. Follows curve.wgsl, frame.wgsl and solve.wgsl.
 //
 // A slab is a piece of the tube between two planes square to its curve; inside it and its box the map is one
 // to one. Slabs overlap a little, so that what is mapped slab by slab has no seams. A triangle is clipped in
@@ -82,7 +82,7 @@ struct BentCounts {
     masked_first_vertex: u32,
     masked_first_instance: u32,
     // Which of `items` the running pass reads; it appends to the next.
-    stage: u32,
+    level: u32,
     // (triangle, slab) pairs, then patches level by level.
     items: array<atomic<u32>, 12>,
 }
@@ -109,7 +109,7 @@ fn map_to_slab(c: Curve, q: vec3f) -> vec4f {
         && length(curve_offset(c, q, roots.right)) < length(curve_offset(c, q, roots.left)) {
         u = roots.right;
     }
-    let across = curve_cross_section(c, curve_u_hat(c, u), bent.frame_up != 0u, bent.up);
+    let across = cross_section(c, curve_u_hat(c, u), bent.frame_up != 0u, bent.up);
     let vw = curve_offset(c, q, u) * across;
     return vec4f(vw, max(curve_radius(c, u), 0.0), c.t_start + c.t_span * u);
 }

@@ -4,9 +4,9 @@
 @group(0) @binding(3) var<storage, read_write> workgroups: vec3u;
 
 @compute @workgroup_size(1)
-fn next_stage() {
-    let stage = counts.stage + 1u;
-    counts.stage = stage;
-    let capacity = select(bent.patch_capacity, bent.work_capacity, stage == 0u);
-    workgroups = vec3u((min(atomicLoad(&counts.items[stage]), capacity) + 63u) / 64u, 1u, 1u);
+fn next_level() {
+    let level = counts.level + 1u;
+    counts.level = level;
+    let capacity = select(bent.patch_capacity, bent.work_capacity, level == 0u);
+    workgroups = vec3u((min(atomicLoad(&counts.items[level]), capacity) + 63u) / 64u, 1u, 1u);
 }

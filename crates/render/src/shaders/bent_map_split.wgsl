@@ -19,7 +19,7 @@ struct MaskedPlace {
 }
 
 // The last entry of `items` that patches are appended to; patches there are drawn as they are.
-const LAST_STAGE = 11u;
+const LAST_LEVEL = 11u;
 
 fn draw(p: Patch) {
     if p.masked != NOT_MASKED {
@@ -54,8 +54,8 @@ fn pass_on(slot: u32, parent: Patch, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f, q
 
 @compute @workgroup_size(64)
 fn split_patches(@builtin(global_invocation_id) id: vec3u) {
-    let stage = counts.stage;
-    if id.x >= min(atomicLoad(&counts.items[stage]), bent.patch_capacity) {
+    let level = counts.level;
+    if id.x >= min(atomicLoad(&counts.items[level]), bent.patch_capacity) {
         return;
     }
     let p = patches_in[id.x];
@@ -66,11 +66,11 @@ fn split_patches(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let splits = u32(ab.split) + u32(bc.split) + u32(ca.split);
-    if splits == 0u || stage == LAST_STAGE {
+    if splits == 0u || level == LAST_LEVEL {
         draw(p);
         return;
     }
-    let slot = atomicAdd(&counts.items[stage + 1u], splits + 1u);
+    let slot = atomicAdd(&counts.items[level + 1u], splits + 1u);
     if splits == 3u {
         pass_on(slot, p, p.a, p.mapped_a, ab.q, ab.mapped, ca.q, ca.mapped);
         pass_on(slot + 1u, p, p.b, p.mapped_b, bc.q, bc.mapped, ab.q, ab.mapped);

@@ -5,7 +5,7 @@
 
 use wgpu::naga::{AddressSpace, Block, Expression, Function, Handle, Module, Statement, front::wgsl};
 
-use super::all;
+use super::compiled::all;
 
 /// What a value is computed from; of several the last counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

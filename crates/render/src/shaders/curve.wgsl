@@ -1,6 +1,5 @@
-// One quadratic piece of a tube and where it is square to a point: the twin of bendy's segment.rs and
-// solve.rs, in their order and with their names. Every division is guarded: WGSL promises neither NaN nor
-// infinity.
+// One quadratic piece of a tube, as bendy's curve.rs has it: see twins.rs. Every division is guarded: WGSL promises
+// neither NaN nor infinity.
 
 struct Curve {
     b0: vec3f,
@@ -25,19 +24,12 @@ struct Curve {
     box_half_2: f32,
 }
 
-const NEWTON_STEPS = 3u;
-
 fn curve_d(c: Curve, u: f32) -> vec3f {
     return select(c.d0 + c.a * u, c.d1, u == 1.0);
 }
 
 fn curve_offset(c: Curve, q: vec3f, u: f32) -> vec3f {
     return (q - c.b0) - (c.d0 * 2.0 + c.a * u) * u;
-}
-
-// Half the derivative of the squared distance.
-fn curve_f(c: Curve, q: vec3f, u: f32) -> f32 {
-    return -dot(curve_offset(c, q, u), curve_d(c, u));
 }
 
 fn curve_radius(c: Curve, u: f32) -> f32 {
@@ -57,167 +49,24 @@ fn curve_u_hat(c: Curve, u: f32) -> vec3f {
     return normalize(select(-c.a, c.a, u < 0.5));
 }
 
+// Derivative of the unit tangent, from half the first and the second derivative of position.
+fn curve_u_hat_derivative(d: vec3f, a: vec3f, u_hat: vec3f) -> vec3f {
+    let speed = length(d);
+    if speed > 0.0 {
+        return (a - u_hat * dot(a, u_hat)) / speed;
+    }
+    return vec3f(0.0);
+}
+
 // v_hat and w_hat of the rotation-minimising frame, as the columns of a matrix.
 fn curve_rotation_minimizing(c: Curve, u_hat: vec3f) -> mat2x3f {
     let m = cross(c.n_hat, u_hat);
     return mat2x3f(c.n_hat * c.alpha + m * c.beta, c.n_hat * c.beta - m * c.alpha);
 }
 
-// w_hat from `up`, or from the least-aligned axis where they are parallel.
-fn perpendicular_up(up: vec3f, u_hat: vec3f) -> vec3f {
-    let perp = up - u_hat * dot(up, u_hat);
-    if dot(perp, perp) >= 1e-12 {
-        // Once more: what rounding left along `u_hat` is large against a small `perp`.
-        let unit = normalize(perp);
-        return normalize(unit - u_hat * dot(unit, u_hat));
-    }
-    let m = abs(u_hat);
-    var axis = vec3f(0.0, 0.0, 1.0);
-    if m.x <= m.y && m.x <= m.z {
-        axis = vec3f(1.0, 0.0, 0.0);
-    } else if m.y <= m.z {
-        axis = vec3f(0.0, 1.0, 0.0);
-    }
-    return normalize(axis - u_hat * dot(axis, u_hat));
-}
-
-// v_hat and w_hat, as the columns of a matrix: rotation-minimising, or oriented by `up` everywhere.
-fn curve_cross_section(c: Curve, u_hat: vec3f, frame_up: bool, up: vec3f) -> mat2x3f {
-    let w_hat = perpendicular_up(up, u_hat);
-    let v_hat = cross(w_hat, u_hat);
-    let minimizing = curve_rotation_minimizing(c, u_hat);
-    return mat2x3f(select(minimizing[0], v_hat, frame_up), select(minimizing[1], w_hat, frame_up));
-}
-
-fn curve_box_contains(c: Curve, q: vec3f) -> bool {
+fn tube_box_contains(c: Curve, q: vec3f) -> bool {
     let p = q - c.box_center;
     return abs(dot(p, c.box_axis_0)) <= c.box_half_0
         && abs(dot(p, c.box_axis_1)) <= c.box_half_1
         && abs(dot(p, c.box_axis_2)) <= c.box_half_2;
-}
-
-fn sdiv(n: f32, d: f32) -> f32 {
-    if abs(n) <= 64.0 * abs(d) {
-        if d == 0.0 {
-            return 0.0;
-        }
-        return n / d;
-    }
-    return select(-64.0, 64.0, (n < 0.0) == (d < 0.0));
-}
-
-fn cbrt_above(x: f32) -> f32 {
-    return bitcast<f32>(bitcast<u32>(x) / 3u + 709921077u) * 1.06;
-}
-
-struct Cubic {
-    c1: f32,
-    c2: f32,
-    c3: f32,
-}
-
-fn cubic_slope(c: Cubic, u: f32) -> f32 {
-    return (3.0 * c.c3 * u + 2.0 * c.c2) * u + c.c1;
-}
-
-fn cubic_half_curvature(c: Cubic, u: f32) -> f32 {
-    return 3.0 * c.c3 * u + c.c2;
-}
-
-fn climb(f: f32, g: f32, h: f32, a: f32, t_max: f32) -> f32 {
-    var t = t_max;
-    if f < g * t {
-        t = f / g;
-    }
-    if f < h * t * t {
-        t = sqrt(f / h);
-    }
-    if f < a * t * t * t {
-        t = min(cbrt_above(f / a), t);
-    }
-    for (var i = 0u; i < NEWTON_STEPS; i++) {
-        let value = ((a * t + h) * t + g) * t - f;
-        let slope = (3.0 * a * t + 2.0 * h) * t + g;
-        if slope > 0.0 {
-            t = clamp(t - value / slope, 0.0, t_max);
-        }
-    }
-    return t;
-}
-
-fn polish(c: Curve, q: vec3f, u: f32, low: f32, high: f32) -> f32 {
-    let r = curve_offset(c, q, u);
-    let d = curve_d(c, u);
-    let n = dot(r, d);
-    let slope = 2.0 * dot(d, d) - dot(r, c.a);
-    var step = 0.0;
-    // So short that the slope changes by less than half: near a cusp both n and the slope may be rounding noise.
-    let half_curvature = 3.0 * dot(c.a, d);
-    if abs(n) <= slope * 0.015625 && abs(n * half_curvature) <= 0.25 * slope * slope && slope > 0.0 {
-        step = n / slope;
-    }
-    return clamp(u + step, low, high);
-}
-
-struct Roots {
-    left: f32,
-    right: f32,
-    has_left: bool,
-    has_right: bool,
-}
-
-// The value that a piece's split point has: the caller's at an end, the cubic's inside.
-fn at_split(u: f32, start: f32, end: f32, inside: f32) -> f32 {
-    return select(select(inside, end, u == 1.0), start, u == 0.0);
-}
-
-fn increasing_roots(c: Curve, q: vec3f, f0: f32, f1: f32) -> Roots {
-    let from_start = q - c.b0;
-    let cubic = Cubic(
-        2.0 * dot(c.d0, c.d0) - dot(from_start, c.a),
-        3.0 * dot(c.d0, c.a),
-        dot(c.a, c.a),
-    );
-    let e0 = select(-dot(from_start, c.a), f0, dot(c.d0, c.d0) > 0.0);
-    let e1 = select(dot(q - c.b2, c.a), f1, dot(c.d1, c.d1) > 0.0);
-
-    var cl: f32;
-    var ch: f32;
-    let discriminant = cubic.c2 * cubic.c2 - 3.0 * cubic.c3 * cubic.c1;
-    if discriminant > 0.0 {
-        let root = sqrt(discriminant);
-        let qd = -(cubic.c2 + select(root, -root, cubic.c2 < 0.0));
-        let x = sdiv(qd, 3.0 * cubic.c3);
-        let y = sdiv(cubic.c1, qd);
-        cl = saturate(min(x, y));
-        ch = saturate(max(x, y));
-    } else {
-        cl = saturate(sdiv(-cubic.c2, 3.0 * cubic.c3));
-        ch = cl;
-    }
-
-    // From the geometry: near P' = 0 the roots lie so close together that the rounding of the coefficients is
-    // larger than all of f between them.
-    let fl = at_split(cl, f0, f1, curve_f(c, q, cl));
-    let fh = at_split(ch, f0, f1, min(curve_f(c, q, ch), fl));
-    let sl = at_split(cl, e0, e1, fl);
-    let sh = at_split(ch, e0, e1, fh);
-
-    // A piece without length counts only where f rises.
-    var roots = Roots(0.0, 0.0, false, false);
-    if e0 <= 0.0 && 0.0 <= sl && (cl > 0.0 || cubic_slope(cubic, cl) >= 0.0) {
-        let g = max(cubic_slope(cubic, cl), 0.0);
-        let h = max(-cubic_half_curvature(cubic, cl), 0.0);
-        let u = cl - climb(abs(fl), g, h, cubic.c3, cl);
-        roots.left = polish(c, q, u, 0.0, cl);
-        roots.has_left = true;
-    }
-    if sh <= 0.0 && 0.0 <= e1 && (ch < 1.0 || cubic_slope(cubic, ch) >= 0.0) {
-        let g = max(cubic_slope(cubic, ch), 0.0);
-        let h = max(cubic_half_curvature(cubic, ch), 0.0);
-        let u = ch + climb(abs(fh), g, h, cubic.c3, 1.0 - ch);
-        roots.right = polish(c, q, u, ch, 1.0);
-        roots.has_right = true;
-    }
-    return roots;
 }

@@ -1,14 +1,11 @@
 // What one light adds to the picture, or one of its own quantities. Each kind of light brings
-// `fn sample_light(surface: Surface) -> LightSample`; the entry points are named after the AOVs.
+// `fn sample_light(surface: Surface) -> LightSample`; the entry points are named after the AOVs. Follows filter.wgsl.
 
 struct LightSample {
     // Whether the light's volume holds the surface, shadow or not; the rest is 0 outside.
     inside: bool,
-    t: f32,
-    vw: vec2f,
-    // Unit vector from the surface towards the arriving light.
-    to_light: vec3f,
-    // Perpendicular to `to_light`, without the shadow.
+    place: Place,
+    // On a surface square to the light, without the shadow.
     irradiance: vec3f,
     // 1 lit, 0 in shadow.
     visibility: f32,
@@ -36,26 +33,26 @@ fn fs_beauty(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     if !light.inside {
         return vec4f(0.0);
     }
-    let radiance = reflected(surface, light.to_light) * light.irradiance * light.visibility;
+    let radiance = reflected(surface, light.place.direction) * light.irradiance * light.visibility;
     return vec4f(radiance * view.sample_weight, 0.0);
 }
 
 @fragment
 fn fs_t(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     let light = light_at(pixel);
-    return value(light, vec3f(light.t));
+    return value(light, vec3f(light.place.t));
 }
 
 @fragment
 fn fs_vw(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     let light = light_at(pixel);
-    return value(light, vec3f(light.vw, 0.0));
+    return value(light, vec3f(light.place.vw, 0.0));
 }
 
 @fragment
 fn fs_direction(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     let light = light_at(pixel);
-    return value(light, light.to_light);
+    return value(light, light.place.direction);
 }
 
 @fragment

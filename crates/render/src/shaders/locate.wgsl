@@ -44,9 +44,9 @@ fn locate(@builtin(global_invocation_id) id: vec3u) {
             if !has[side] || same {
                 continue;
             }
-            let place = place_at(i, q, us[side]);
-            if place.found {
-                report(point, count, root_at(place, q));
+            let inside = inside_at(i, q, us[side]);
+            if inside.found {
+                report(point, count, root_at(inside, q));
                 count += 1u;
                 last_segment = i;
                 last_u = us[side];

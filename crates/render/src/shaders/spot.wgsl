@@ -1,66 +1,17 @@
-// A spotlight drawn by its own perspective matrix (light model, section 6). Light space: source at the
-// origin, the light shines along -z.
+// A spotlight's share of the picture, its shadow from its own perspective map. Follows cone.wgsl, spot_faces.wgsl,
+// lighting.wgsl, shadow_filter.wgsl and nearby.wgsl.
 
-struct Spot {
-    light_from_scene: mat4x4f,
-    // Colour times intensity.
-    intensity: vec3f,
-    tan_outer: f32,
-    // Irradiance falls as 1 / (x + y s + z s^2) with the distance s.
-    decay: vec3f,
-    // Axial distance at which the light ends; 0 never.
-    range: f32,
-    // 1 - cos of the outer angle, and 1 over its excess over that of the inner angle; 0 for a hard edge.
-    versine_outer: f32,
-    inverse_versine_span: f32,
-    // Near plane of the shadow map.
-    shadow_near: f32,
-    // How far what casts shadows may stray from the surface.
-    mesh_error: f32,
-    // Light is no brighter nearer to the source.
-    least_distance: f32,
-    // See fit_of.
-    fits: array<vec4f, 5>,
-}
-
-@group(2) @binding(0) var<uniform> spot: Spot;
 @group(2) @binding(1) var shadow_map: texture_2d_array<f32>;
 @group(2) @binding(2) var shadow_sampler: sampler;
 
-// Largest factor of decay: the source itself has none that is finite.
-const MAX_DECAY: f32 = 1e15;
-
 fn sample_light(surface: Surface) -> LightSample {
-    let rotation = mat3x3f(spot.light_from_scene[0].xyz, spot.light_from_scene[1].xyz, spot.light_from_scene[2].xyz);
-    let position = (spot.light_from_scene * vec4f(surface.position, 1.0)).xyz;
-    let depth = -position.z;
-    let slope = position.xy / select(1.0, depth, depth > 0.0);
-    let tan2 = dot(slope, slope);
-    let in_range = depth <= select(spot.range, depth, spot.range == 0.0);
-    if !(depth > 0.0 && tan2 <= spot.tan_outer * spot.tan_outer && in_range) {
+    let located = locate(surface.position);
+    if !located.inside {
         return LightSample();
     }
-    let distance = max(length(position), spot.least_distance);
-    let decay = min(1.0 / dot(spot.decay, vec3f(1.0, distance, distance * distance)), MAX_DECAY);
-
-    var light: LightSample;
-    light.inside = true;
-    light.t = select(depth / spot.range, 0.0, spot.range == 0.0);
-    // The axes of a BendyLight's cross-section: w_hat is up, v_hat = w_hat x u_hat is to the left of +x.
-    light.vw = vec2f(-slope.x, slope.y) / spot.tan_outer;
-    light.to_light = normalize(-position * rotation);
-    light.irradiance = spot.intensity * cone_profile(tan2) * decay;
-    light.visibility = shadow_visibility(surface, light.to_light, rotation);
-    return light;
-}
-
-// Smoothstep in the cosine of the angle off the axis, given its squared tangent. The cosines come as 1 - cos,
-// which does not cancel in a narrow cone.
-fn cone_profile(tan2: f32) -> f32 {
-    let secant = sqrt(1.0 + tan2);
-    let versine = tan2 / (secant * (1.0 + secant));
-    let s = saturate((spot.versine_outer - versine) * spot.inverse_versine_span);
-    return select(s * s * (3.0 - 2.0 * s), 1.0, spot.inverse_versine_span == 0.0);
+    let place = located.place;
+    let unshadowed = irradiance(spot.light_filter, spot.emission, place);
+    return LightSample(true, place, unshadowed, shadow_visibility(surface, place.direction));
 }
 
 // A receiver's place on the map, and what its own plane looks like there.
@@ -87,7 +38,7 @@ const REACH = 48.0;
 //
 // Each texel is compared with the depth that the receiver's own plane has on the ray through that texel's centre, so
 // that a plane cannot shadow itself.
-fn shadow_visibility(surface: Surface, to_light: vec3f, rotation: mat3x3f) -> f32 {
+fn shadow_visibility(surface: Surface, to_light: vec3f) -> f32 {
     // Light that arrives from behind meets the surface's other side.
     if dot(surface.normal, to_light) <= 0.0 || is_in_its_own_way(surface, to_light) {
         return 0.0;
@@ -98,7 +49,7 @@ fn shadow_visibility(surface: Surface, to_light: vec3f, rotation: mat3x3f) -> f3
     let position_in_light = (spot.light_from_scene * vec4f(shadow_position(surface), 1.0)).xyz;
     let face = face_of(position_in_light);
     let position = on_face(face, position_in_light);
-    let normal = on_face(face, rotation * world_normal);
+    let normal = on_face(face, scene_axes() * world_normal);
     let depth = max(position.z, 1e-30);
     let resolution = vec2f(textureDimensions(shadow_map));
     let fit = fit_of(face);

@@ -1,6 +1,8 @@
 //! Whatever lies in a light lies on its faces.
 
 use glam::DQuat;
+use light::Light;
+use light::parameters::CONE_ANGLE;
 
 use super::*;
 
@@ -34,7 +36,7 @@ fn shows(fitted: &FittedFaces, side: f64, position: DVec3, share: f64) -> bool {
 fn faces_show_all_that_casts_shadows() {
     let (side, mut checked, mut empty, mut caught) = (1024.0, 0, 0, 0);
     for k in 0..180 {
-        let light = SpotLight { cone_angle: 10.0 + 79.9 * (k as f64 / 180.0), ..SpotLight::default() };
+        let light = Light::spot().with(CONE_ANGLE, 10.0 + 79.9 * (k as f64 / 180.0));
         let rotation = DQuat::from_scaled_axis(vector(k) * 3.0);
         let light_from_scene = DAffine3::from_rotation_translation(rotation, vector(k + 100) * 2.0);
         let scene_from_light = light_from_scene.inverse();
@@ -53,7 +55,7 @@ fn faces_show_all_that_casts_shadows() {
         let indices: Vec<u32> = (0..positions.len() as u32).collect();
         let clusters = Clusters::new(&positions, &indices);
         let fitted = FittedFaces::new(&light, side, light_from_scene, (&clusters, 0.0));
-        let tan_outer = light.cone_angle.to_radians().tan();
+        let tan_outer = light.get(CONE_ANGLE).to_radians().tan();
         let inside = |p: &DVec3| p.truncate().length() <= -p.z * tan_outer && p.z < -1e-9;
         let in_light: Vec<_> = positions
             .as_chunks::<3>()

@@ -2,15 +2,19 @@
 //! light model in f64.
 
 use glam::{DAffine3, DQuat, DVec3};
-use light::{BendyLight, Decay, SpotLight, Tube, bend};
-use light::{Light, LightKind};
+use light::parameters::{
+    CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, RANGE, SCALE, TRANSLATION,
+};
+use light::{CheckedLight, Decay, Light, LightError, Tube, bend};
 use render::{Aov, Picture, RenderError, View};
 use scene::{Material, Scene};
 
-use crate::support::{EPS, floor, named, picture, ray_in_world, renderer, scene_of, spot, square, view};
+use crate::support::{
+    EPS, floor, instances, named, picture, ray_in_world, renderer, scene_of, spot, square, view,
+};
 
-fn bendy(light: BendyLight) -> [Light; 1] {
-    [Light { name: "key".into(), kind: LightKind::Bendy(light) }]
+fn bendy(light: Light) -> [Light; 1] {
+    [named(light)]
 }
 
 /// A floor with two tilted squares above it, in a glossy and a rough material.
@@ -41,7 +45,7 @@ fn on_boundary(a: &Picture, b: &Picture, pixel: usize) -> bool {
 }
 
 /// The largest difference in radiance off the boundary, and the share of lit pixels on it.
-fn difference(spot: &SpotLight, bent: &BendyLight) -> (f32, f64) {
+fn difference(spot: &Light, bent: &Light) -> (f32, f64) {
     let scene = tilted();
     let shoot = |aov, lights: &[Light]| picture(&scene, &view(EYE, DVec3::Y * 0.3, [200, 150], aov), lights);
     let (spot, bent) = ([named(spot.clone())], bendy(bent.clone()));
@@ -69,9 +73,9 @@ fn difference(spot: &SpotLight, bent: &BendyLight) -> (f32, f64) {
 #[test]
 fn a_bent_spotlight_is_that_spotlight() {
     let base = spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::new(0.1, 0.0, 0.0));
-    let with_range = SpotLight { range: Some(6.0), ..base.clone() };
-    let cinematic = SpotLight { decay: Decay::None, intensity: 2.0, cone_softness: 0.6, ..base.clone() };
-    let linear = SpotLight { decay: Decay::Linear, intensity: 4.0, ..base.clone() };
+    let with_range = base.clone().with(RANGE, Some(6.0));
+    let cinematic = base.clone().with(DECAY, Decay::None).with(INTENSITY, 2.0).with(CONE_SOFTNESS, 0.6);
+    let linear = base.clone().with(DECAY, Decay::Linear).with(INTENSITY, 4.0);
     // 250 segments are more slabs than one turn maps.
     let cases =
         [(&base, 3), (&with_range, 1), (&with_range, 3), (&cinematic, 5), (&linear, 8), (&with_range, 250)];
@@ -82,24 +86,23 @@ fn a_bent_spotlight_is_that_spotlight() {
     }
     // The planted faults: no decay, and a cone one percent wider.
     let bent = bend(&with_range, 3).expect("valid");
-    assert!(difference(&with_range, &BendyLight { decay: Decay::None, ..bent.clone() }).0 > 1.0 / 255.0);
-    let wider = BendyLight { radii: bent.radii.iter().map(|r| r * 1.01).collect(), ..bent };
+    assert!(difference(&with_range, &bent.clone().with(DECAY, Decay::None)).0 > 1.0 / 255.0);
+    let wider = bent.with_points(|_, point| point.radius *= 1.01);
     assert!(difference(&with_range, &wider).0 > 1.0 / 255.0);
 }
 
 /// Three segments that wind through the scene.
-fn winding() -> BendyLight {
+fn winding() -> Light {
     let points = [(0., 0., 0.), (0.2, 0.5, -0.9), (-0.7, 0.1, -1.9), (0.5, -0.3, -2.9), (0.9, 0.2, -4.0)];
     let points = points.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec();
-    let mut light = BendyLight::new(points, vec![0.2, 0.35, 0.45, 0.6, 1.2]);
-    light.transform = spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::ZERO).transform;
-    light
+    Light::bendy(points, vec![0.2, 0.35, 0.45, 0.6, 1.2])
+        .placed(spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::ZERO).transform())
 }
 
 /// The largest error of the AOVs t, vw and direction over their bound, and at how many pixels.
-fn worst_over_bound(light: &BendyLight, shown: &BendyLight) -> (f64, usize) {
+fn worst_over_bound(light: &Light, shown: &Light) -> (f64, usize) {
     let scene = tilted();
-    let shoot = |aov, light: &BendyLight| {
+    let shoot = |aov, light: &Light| {
         let view: View = view(EYE, DVec3::Y * 0.3, [240, 180], aov);
         (picture(&scene, &view, &bendy(light.clone())), view)
     };
@@ -120,7 +123,7 @@ fn worst_over_bound(light: &BendyLight, shown: &BendyLight) -> (f64, usize) {
             continue;
         }
         count += 1;
-        let segment = &tube.segments[root.segment];
+        let segment = &tube.segments[root.segment].curve;
         let speed = 2.0 * segment.d(root.u).length();
         let bend = segment.u_hat_derivative(root.u, root.u_hat).dot(root.r) / speed;
         let length = segment.d0.length() + segment.d1.length();
@@ -152,46 +155,40 @@ fn aovs_are_the_models() {
     let light = winding();
     for frame in [light::Frame::RotationMinimizing, light::Frame::Up] {
         for direction in [light::Direction::Tube, light::Direction::Path] {
-            let light = BendyLight { frame, direction, ..light.clone() };
+            let light = light.clone().with(FRAME, frame).with(DIRECTION, direction);
             let (worst, count) = worst_over_bound(&light, &light);
             assert!(count > 1000, "only {count} pixels lie in the light");
             assert!(worst <= 1.0, "{worst} times the bound with {frame:?}, {direction:?}");
         }
     }
     // The planted fault: a control point moved by a ten-thousandth of the light's length.
-    let mut moved = light.clone();
-    moved.points[2].x += 4e-4;
+    let moved = light.clone().with_points(|i, point| point.position.x += if i == 2 { 4e-4 } else { 0.0 });
     assert!(worst_over_bound(&light, &moved).0 > 1.0);
 }
 
 /// No NaN and no infinity (`picture` asserts it) under lights that are legal and unkind, in any AOV.
 #[test]
 fn unkind_lights_have_no_nan() {
-    let bright =
-        BendyLight { intensities: vec![1e300; 5], colors: vec![DVec3::splat(1e300); 5], ..winding() };
-    let at_a_surface = {
-        let mut light = bright.clone();
-        (light.transform.translation, light.decay) = (DVec3::ZERO, Decay::InverseSquare);
-        light
-    };
-    let dark = BendyLight { intensities: vec![-1.0, 1.0, -1e300, 0.0, 1e-300], ..winding() };
-    let thin = BendyLight { radii: vec![0.0; 5], ..winding() };
-    let pointed =
-        BendyLight { radii: vec![0.0, 0.3, 0.0, 0.4, 0.0], end_mode: light::EndMode::Extend, ..winding() };
-    let mut tiny = winding();
-    tiny.transform.scale = 1e-9;
-    let mut huge = winding();
-    huge.transform.scale = 1e7;
+    let bright = winding().with_points(|_, point| {
+        (point.intensity, point.color) = (1e300, DVec3::splat(1e300));
+    });
+    let at_a_surface = bright.clone().with(TRANSLATION, DVec3::ZERO).with(DECAY, Decay::InverseSquare);
+    let dark = winding().with_points(|i, point| point.intensity = [-1.0, 1.0, -1e300, 0.0, 1e-300][i]);
+    let thin = winding().with_points(|_, point| point.radius = 0.0);
+    let pointed = winding()
+        .with_points(|i, point| point.radius = [0.0, 0.3, 0.0, 0.4, 0.0][i])
+        .with(END_MODE, light::EndMode::Extend);
+    let tiny = winding().with(SCALE, 1e-9);
+    let huge = winding().with(SCALE, 1e7);
     let corner = {
-        let mut light = winding();
-        light.points[2] = light.points[1];
-        light
+        let second = winding().points()[1].position;
+        winding().with_points(|i, point| point.position = if i == 2 { second } else { point.position })
     };
     let many = bend(&spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::ZERO), 250).expect("valid");
     let all = [bright, at_a_surface, dark, thin, pointed, tiny, huge, corner, many];
     for light in all {
         for frame in [light::Frame::RotationMinimizing, light::Frame::Up] {
-            let light = bendy(BendyLight { frame, ..light.clone() });
+            let light = bendy(light.clone().with(FRAME, frame));
             for aov in [Aov::Beauty, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility] {
                 picture(&tilted(), &view(EYE, DVec3::Y * 0.3, [41, 31], aov), &light);
             }
@@ -200,18 +197,18 @@ fn unkind_lights_have_no_nan() {
     picture(&Scene::default(), &view(EYE, DVec3::ZERO, [5, 4], Aov::Visibility), &bendy(winding()));
 }
 
-/// A light out of reach of f32 is refused; one that folds says so.
+/// A light out of reach of f32 is refused; one that folds says so, and never comes to a renderer.
 #[test]
 fn impossible_lights_are_refused() {
-    let refused = |change: fn(&mut BendyLight)| {
-        let mut light = winding();
-        change(&mut light);
+    let refused = |light: Light| {
         let view = view(EYE, DVec3::ZERO, [5, 4], Aov::Visibility);
-        renderer(&tilted()).render(&view, &bendy(light)).expect_err("refused")
+        renderer(&tilted()).render(&view, &instances(&bendy(light))).expect_err("refused")
     };
-    assert!(matches!(refused(|l| l.transform.translation.x = 1e200), RenderError::OutOfReach(_)));
-    assert!(matches!(refused(|l| l.transform.scale = 1e-30), RenderError::OutOfReach(_)));
-    assert!(matches!(refused(|l| l.radii[2] = 9.0), RenderError::Light(light::LightError::Fold { .. })));
+    let far = DVec3 { x: 1e200, ..winding().transform().translation };
+    assert!(matches!(refused(winding().with(TRANSLATION, far)), RenderError::OutOfReach(_)));
+    assert!(matches!(refused(winding().with(SCALE, 1e-30)), RenderError::OutOfReach(_)));
+    let folded = winding().with_points(|i, point| point.radius = if i == 2 { 9.0 } else { point.radius });
+    assert!(matches!(CheckedLight::new(folded), Err(LightError::Fold { .. })));
 }
 
 /// The world moved by a million units, lights and all, gives the same picture: everything is composed in f64.
@@ -224,8 +221,7 @@ fn far_from_the_origin_nothing_changes() {
         for node in &mut scene.nodes {
             node.parent_from_local = DAffine3::from_translation(offset) * node.parent_from_local;
         }
-        let mut light = winding();
-        light.transform.translation += offset;
+        let light = winding().with(TRANSLATION, winding().transform().translation + offset);
         picture(&scene, &view(EYE + offset, DVec3::Y * 0.3 + offset, [120, 90], Aov::Beauty), &bendy(light))
     };
     let (near, far) = (shoot(DVec3::ZERO), shoot(offset));
@@ -238,25 +234,22 @@ fn far_from_the_origin_nothing_changes() {
 fn shadow_maps_are_kept_while_the_shape_is() {
     let mut renderer = renderer(&tilted());
     let view = view(EYE, DVec3::ZERO, [9, 7], Aov::Beauty);
-    let mut shadows_after = |light: BendyLight| {
-        renderer.render(&view, &bendy(light)).expect("drawn");
+    let mut shadows_after = |light: Light| {
+        renderer.render(&view, &instances(&bendy(light))).expect("drawn");
         (renderer.counts().shadow, renderer.counts().gbuffer)
     };
     let light = winding();
     assert_eq!(shadows_after(light.clone()), (1, 1));
     assert_eq!(shadows_after(light.clone()), (1, 1));
-    assert_eq!(shadows_after(BendyLight { intensities: vec![2.0; 5], ..light.clone() }), (1, 1));
-    assert_eq!(
-        shadows_after(BendyLight { decay: Decay::Linear, cone_softness: 0.7, ..light.clone() }),
-        (1, 1)
-    );
-    let mut moved = light;
-    moved.points[4].x += 0.1;
+    assert_eq!(shadows_after(light.clone().with_points(|_, point| point.color = DVec3::X)), (1, 1));
+    assert_eq!(shadows_after(light.clone().with_points(|_, point| point.intensity = 2.0)), (1, 1));
+    assert_eq!(shadows_after(light.clone().with(DECAY, Decay::Linear).with(CONE_SOFTNESS, 0.7)), (1, 1));
+    let moved = light.with_points(|i, point| point.position.x += if i == 4 { 0.1 } else { 0.0 });
     assert_eq!(shadows_after(moved), (2, 1));
 }
 
 /// How many pixels of a floor alone are shadowed by it, and how many lie in the light, which falls straight down.
-fn self_shadowed(light: &BendyLight) -> (usize, usize) {
+fn self_shadowed(light: &Light) -> (usize, usize) {
     let scene = scene_of([floor(1.0, 0.0)], vec![Material::default()]);
     let seen = view(DVec3::new(0.3, 1.5, 0.6), DVec3::ZERO, [160, 120], Aov::Visibility);
     let visibility = picture(&scene, &seen, &bendy(light.clone()));
@@ -265,11 +258,9 @@ fn self_shadowed(light: &BendyLight) -> (usize, usize) {
 }
 
 /// A light with control points at these distances down its axis, two units above a floor.
-fn straight_down(depths: &[f64], radii: &[f64], lean: f64) -> BendyLight {
-    let mut light =
-        BendyLight::new(depths.iter().map(|&z| DVec3::new(0.0, 0.0, -z)).collect(), radii.to_vec());
-    light.transform = spot(DVec3::new(2.0 * lean, 2.0, lean), DVec3::ZERO).transform;
-    light
+fn straight_down(depths: &[f64], radii: &[f64], lean: f64) -> Light {
+    Light::bendy(depths.iter().map(|&z| DVec3::new(0.0, 0.0, -z)).collect(), radii.to_vec())
+        .placed(spot(DVec3::new(2.0 * lean, 2.0, lean), DVec3::ZERO).transform())
 }
 
 /// Where two control points coincide the curve stops for a moment; what lies past it is lit all the same.
@@ -294,7 +285,7 @@ fn an_edge_through_the_axis_is_split() {
 #[test]
 fn a_tube_as_thin_as_rounding_is_drawn() {
     for radius in [1e-6, 1e-9, 1e-12] {
-        let (_, inside) = self_shadowed(&BendyLight { radii: vec![radius; 5], ..winding() });
+        let (_, inside) = self_shadowed(&winding().with_points(|_, point| point.radius = radius));
         assert!(inside < 10, "{inside}");
     }
 }
@@ -302,7 +293,7 @@ fn a_tube_as_thin_as_rounding_is_drawn() {
 /// A spotlight below zero is dark, as the BendyLight that is made from it is.
 #[test]
 fn no_light_takes_light_away() {
-    let below = SpotLight { intensity: -3.0, ..spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::ZERO) };
+    let below = spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::ZERO).with(INTENSITY, -3.0);
     let seen = view(EYE, DVec3::ZERO, [40, 30], Aov::Beauty);
     let dark = |lights: &[Light]| {
         let beauty = picture(&tilted(), &seen, lights);

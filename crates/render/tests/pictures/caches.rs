@@ -3,18 +3,18 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use light::SpotLight;
-use light::{Light, LightKind};
+use light::parameters::{COLOR, CONE_ANGLE, CONE_SOFTNESS, INTENSITY, NAME, RANGE, TRANSLATION};
+use light::{Light, LightInstance, Setting};
 use render::{Aov, Gpu, PassCounts, Picture, RenderError, Renderer, View, ViewSlot};
 use scene::{Material, Scene};
 
-use crate::support::{floor, named, picture, renderer, scene_of, spot, view};
+use crate::support::{floor, instances, named, picture, renderer, scene_of, spot, view};
 
 fn tables() -> Scene {
     scene_of([floor(3.0, 0.0), floor(0.5, 1.0)], vec![Material::default()])
 }
 
-fn key() -> SpotLight {
+fn key() -> Light {
     spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO)
 }
 
@@ -23,11 +23,11 @@ fn runs(change: impl FnOnce(&mut Renderer, &mut View, &mut Vec<Light>)) -> PassC
     let mut renderer = renderer(&tables());
     let mut view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
     let mut lights = vec![named(key()), named(spot(DVec3::new(-1.0, 3.0, 0.5), DVec3::ZERO))];
-    renderer.render(&view, &lights).unwrap();
+    renderer.render(&view, &instances(&lights)).unwrap();
     let before = renderer.counts();
     assert_eq!(before, PassCounts { gbuffer: 1, shadow: 2, lighting: 1, display: 0 });
     change(&mut renderer, &mut view, &mut lights);
-    renderer.render(&view, &lights).unwrap();
+    renderer.render(&view, &instances(&lights)).unwrap();
     since(before, renderer.counts())
 }
 
@@ -40,12 +40,9 @@ fn since(before: PassCounts, after: PassCounts) -> PassCounts {
     }
 }
 
-/// Changes the first light.
-fn edit(lights: &mut [Light], change: impl FnOnce(&mut SpotLight)) {
-    match &mut lights[0].kind {
-        LightKind::Spot(spot) => change(spot),
-        LightKind::Bendy(_) => unreachable!("the tests' lights are spots"),
-    }
+/// Changes the first light, which keeps its id.
+fn edit(lights: &mut [Light], change: Setting) {
+    lights[0].set(change);
 }
 
 const LIT: PassCounts = PassCounts { gbuffer: 0, shadow: 0, lighting: 1, display: 0 };
@@ -53,27 +50,27 @@ const LIT: PassCounts = PassCounts { gbuffer: 0, shadow: 0, lighting: 1, display
 #[test]
 fn only_what_changed_is_drawn_again() {
     assert_eq!(runs(|_, _, _| {}), PassCounts::default());
-    assert_eq!(runs(|_, _, lights| edit(lights, |l| l.intensity = 5.0)), LIT);
-    assert_eq!(runs(|_, _, lights| edit(lights, |l| l.color = DVec3::X)), LIT);
-    assert_eq!(runs(|_, _, lights| edit(lights, |l| l.cone_softness = 0.5)), LIT);
-    assert_eq!(runs(|_, _, lights| edit(lights, |l| l.range = Some(9.0))), LIT);
+    assert_eq!(runs(|_, _, lights| edit(lights, INTENSITY.to(5.0))), LIT);
+    assert_eq!(runs(|_, _, lights| edit(lights, COLOR.to(DVec3::X))), LIT);
+    assert_eq!(runs(|_, _, lights| edit(lights, CONE_SOFTNESS.to(0.5))), LIT);
+    assert_eq!(runs(|_, _, lights| edit(lights, RANGE.to(Some(9.0)))), LIT);
     let shadow = PassCounts { shadow: 1, ..LIT };
-    assert_eq!(runs(|_, _, lights| edit(lights, |l| l.transform.translation.x = 1.5)), shadow);
-    assert_eq!(runs(|_, _, lights| edit(lights, |l| l.cone_angle = 20.0)), shadow);
+    assert_eq!(runs(|_, _, lights| edit(lights, TRANSLATION.to(DVec3::new(1.5, 3.0, 0.5)))), shadow);
+    assert_eq!(runs(|_, _, lights| edit(lights, CONE_ANGLE.to(20.0))), shadow);
     let gbuffer = PassCounts { gbuffer: 1, ..LIT };
     assert_eq!(runs(|_, view, _| view.camera.translation.x += 0.1), gbuffer);
     assert_eq!(runs(|_, view, _| view.width = 34), gbuffer);
     assert_eq!(runs(|_, view, _| view.camera.name = "other".into()), LIT);
     let everything = PassCounts { gbuffer: 1, shadow: 2, ..LIT };
-    assert_eq!(runs(|renderer, _, _| renderer.set_scene(&tables()).unwrap()), everything);
+    assert_eq!(runs(|renderer, _, _| renderer.set_scene(&scene::pose(tables())).unwrap()), everything);
     // Each sample has its own G-buffer, but shadows are drawn once.
     assert_eq!(runs(|_, view, _| view.samples = 4), PassCounts { gbuffer: 4, lighting: 4, ..LIT });
     assert_eq!(runs(|renderer, view, _| renderer.forget(view.slot)), everything);
     // Quantities of the surface need no light, those of a light only that one.
     let one_light = |renderer: &mut Renderer, view: &mut View, lights: &mut Vec<Light>| {
         (view.aov, view.light) = (Aov::T, 1);
-        edit(lights, |l| l.cone_angle = 20.0);
-        assert_eq!(renderer.render(view, lights).unwrap().pixels.len(), 33 * 21);
+        edit(lights, CONE_ANGLE.to(20.0));
+        assert_eq!(renderer.render(view, &instances(lights)).unwrap().pixels.len(), 33 * 21);
     };
     assert_eq!(runs(one_light), LIT);
 }
@@ -82,23 +79,22 @@ fn only_what_changed_is_drawn_again() {
 /// seen and back, no map is drawn again, and a picture is that of a renderer that has seen nothing else.
 #[test]
 fn a_moved_camera_draws_no_map() {
-    let wide = SpotLight { cone_angle: 85.0, ..key() };
-    let bent = |spot: &SpotLight| Light {
-        name: "bent".into(),
-        kind: LightKind::Bendy(light::bend(&SpotLight { range: Some(5.0), ..spot.clone() }, 2).unwrap()),
+    let wide = key().with(CONE_ANGLE, 85.0);
+    let bent = |spot: &Light| {
+        light::bend(&spot.clone().with(RANGE, Some(5.0)), 2).unwrap().with(NAME, "bent".into())
     };
     let lights = [named(key()), bent(&key()), bent(&wide), named(wide)];
     let mut kept = renderer(&tables());
     let eyes = [DVec3::new(2.0, 3.0, 4.0), DVec3::new(0.1, 1.2, 0.1), DVec3::new(-9.0, 4.0, 2.0)];
     for (k, eye) in eyes.into_iter().enumerate() {
         let view = view(eye, DVec3::new(0.3, 0.0, 0.2), [33, 21], Aov::Beauty);
-        let drawn = kept.render(&view, &lights).unwrap();
+        let drawn = kept.render(&view, &instances(&lights)).unwrap();
         assert_eq!(kept.counts().shadow, 4, "camera {k}");
         assert_eq!(drawn, picture(&tables(), &view, &lights));
     }
     // The planted fault: a scene that changes has maps of its own.
-    kept.set_scene(&scene_of([floor(3.0, 0.0)], vec![Material::default()])).unwrap();
-    kept.render(&view(eyes[0], DVec3::ZERO, [33, 21], Aov::Beauty), &lights).unwrap();
+    kept.set_scene(&scene::pose(scene_of([floor(3.0, 0.0)], vec![Material::default()]))).unwrap();
+    kept.render(&view(eyes[0], DVec3::ZERO, [33, 21], Aov::Beauty), &instances(&lights)).unwrap();
     assert_eq!(kept.counts().shadow, 8);
 }
 
@@ -106,7 +102,7 @@ fn a_moved_camera_draws_no_map() {
 #[test]
 fn a_light_with_nothing_in_it_has_an_empty_map() {
     let up = spot(DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.1, 9.0, 0.0));
-    let bent = Light { name: "bent".into(), kind: LightKind::Bendy(light::bend(&up, 2).unwrap()) };
+    let bent = light::bend(&up, 2).unwrap().with(NAME, "bent".into());
     let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
     for light in [named(up), bent] {
         let dark = picture(&tables(), &view, std::slice::from_ref(&light));
@@ -116,9 +112,9 @@ fn a_light_with_nothing_in_it_has_an_empty_map() {
 }
 
 /// What each picture makes run, in a renderer that has drawn nothing before.
-fn steps<'a>(pictures: impl IntoIterator<Item = (&'a View, &'a [Light])>) -> Vec<PassCounts> {
+fn steps<'a>(pictures: impl IntoIterator<Item = (&'a View, &'a [LightInstance])>) -> Vec<PassCounts> {
     let mut renderer = renderer(&tables());
-    let mut step = |(view, lights): (&View, &[Light])| {
+    let mut step = |(view, lights): (&View, &[LightInstance])| {
         let before = renderer.counts();
         renderer.render(view, lights).unwrap();
         since(before, renderer.counts())
@@ -129,7 +125,7 @@ fn steps<'a>(pictures: impl IntoIterator<Item = (&'a View, &'a [Light])>) -> Vec
 /// Two viewers who move nothing cost each other nothing; in one slot they would.
 #[test]
 fn viewers_keep_their_pictures() {
-    let lights = [[named(key())], [named(SpotLight { intensity: 3.0, ..key() })]];
+    let lights = [key(), key().with(INTENSITY, 3.0)].map(|light| instances(&[named(light)]));
     let near = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
     let mut far = View { width: 24, slot: ViewSlot(7), ..near.clone() };
     far.camera.translation *= 2.0;
@@ -152,8 +148,9 @@ fn viewers_see_their_own_cameras() {
     far.camera.translation *= 2.0;
     let mut shared = renderer(&tables());
     for view in [&near, &far, &near, &far] {
-        assert_eq!(shared.render(view, &lights).unwrap(), picture(&tables(), view, &lights));
+        assert_eq!(shared.render(view, &instances(&lights)).unwrap(), picture(&tables(), view, &lights));
     }
+    let lights = instances(&lights);
     assert_ne!(shared.render(&near, &lights).unwrap(), shared.render(&far, &lights).unwrap());
 }
 
@@ -162,45 +159,48 @@ fn viewers_see_their_own_cameras() {
 fn shadow_maps_follow_their_lights() {
     let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
     let light = |x: f64| named(spot(DVec3::new(x, 3.0, 0.5), DVec3::ZERO));
-    let bent = |x: f64| {
-        let spot = spot(DVec3::new(x, 3.0, 0.5), DVec3::ZERO);
-        Light { name: "bent".into(), kind: LightKind::Bendy(light::bend(&spot, 2).unwrap()) }
-    };
+    let bent = light::bend(&light(1.0), 2).unwrap().with(NAME, "bent".into());
+    let all = instances(&[light(0.0), bent, light(2.0), light(0.5)]);
+    let [first, bent, last, late] = &all[..] else { unreachable!("an instance a light") };
     let lists = [
-        vec![light(0.0), bent(1.0), light(2.0)],
+        vec![first, bent, last],
         // One more in the middle; two gone; the order turned; one back at the front.
-        vec![light(0.0), light(0.5), bent(1.0), light(2.0)],
-        vec![light(0.5), light(2.0)],
-        vec![light(2.0), light(0.5)],
-        vec![bent(1.0), light(2.0), light(0.5)],
-    ];
+        vec![first, late, bent, last],
+        vec![late, last],
+        vec![last, late],
+        vec![bent, last, late],
+    ]
+    .map(|lights| lights.into_iter().cloned().collect::<Vec<_>>());
     let runs = steps(lists.iter().map(|lights| (&view, &lights[..])));
     assert_eq!(runs.iter().map(|run| run.shadow).collect::<Vec<_>>(), [3, 1, 0, 0, 0]);
 
     let mut kept = renderer(&tables());
     let pictures: Vec<Picture> = lists.iter().map(|lights| kept.render(&view, lights).unwrap()).collect();
     for (lights, kept) in lists.iter().zip(&pictures) {
-        assert_eq!(*kept, picture(&tables(), &view, lights));
+        let lights: Vec<_> = lights.iter().map(|instance| instance.light.light().clone()).collect();
+        assert_eq!(*kept, picture(&tables(), &view, &lights));
     }
     // The planted fault: a map that stayed at its old place would show another light's shadow.
     assert_ne!(pictures[0], pictures[1]);
 }
 
-/// Lights of one place and cone share a map, and keep colours of their own.
+/// Maps are known by their lights' ids: two lights of one place and cone have a map each, and colours of their own.
 #[test]
-fn lights_share_a_map() {
+fn each_light_has_a_map_of_its_own() {
     let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
-    let red = SpotLight { color: DVec3::X, ..key() };
-    let blue = SpotLight { color: DVec3::Z, ..key() };
-    let both = [named(red.clone()), named(blue)];
-    let mut shared = renderer(&tables());
-    let picture = shared.render(&view, &both).unwrap();
-    assert_eq!(shared.counts().shadow, 1);
+    let red = key().with(COLOR, DVec3::X);
+    let blue = key().with(COLOR, DVec3::Z);
+    let both = instances(&[named(red.clone()), named(blue)]);
+    let mut kept = renderer(&tables());
+    let picture = kept.render(&view, &both).unwrap();
+    assert_eq!(kept.counts().shadow, 2);
     let lit = picture.pixels.iter().filter(|p| p[0] > 0.0 || p[2] > 0.0);
     assert!(lit.clone().count() > 50 && lit.clone().all(|p| p[0] == p[2]), "as much of each");
     // The planted fault: one colour for both.
-    let twice = shared.render(&view, &[named(red.clone()), named(red)]).unwrap();
+    let twice = kept.render(&view, &instances(&[named(red.clone()), named(red)])).unwrap();
     assert!(twice.pixels.iter().any(|p| p[0] != p[2]));
+    // Another colour needs no other map.
+    assert_eq!(kept.counts().shadow, 2);
 }
 
 #[test]
@@ -209,14 +209,14 @@ fn what_is_kept_shows_the_new_state() {
     let mut kept = renderer(&tables());
     let lights = [
         key(),
-        SpotLight { intensity: 5.0, ..key() },
-        SpotLight { cone_angle: 20.0, ..key() },
+        key().with(INTENSITY, 5.0),
+        key().with(CONE_ANGLE, 20.0),
         spot(DVec3::new(-1.0, 2.0, 0.5), DVec3::ZERO),
         key(),
     ];
     let mut pictures = Vec::new();
     for light in lights {
-        let lights = [named(light)];
+        let lights = instances(&[named(light)]);
         let from_kept = kept.render(&view, &lights).unwrap();
         assert_eq!(from_kept, renderer(&tables()).render(&view, &lights).unwrap());
         pictures.push(from_kept);
@@ -233,7 +233,7 @@ fn a_failed_scene_leaves_the_one_before() {
     let before = renderer.render(&view, &[]).unwrap();
     let mut huge = tables();
     huge.nodes[0].parent_from_local.translation.x = 1e200;
-    assert!(matches!(renderer.set_scene(&huge), Err(RenderError::TooLarge { .. })));
+    assert!(matches!(renderer.set_scene(&scene::pose(huge.clone())), Err(RenderError::TooLarge { .. })));
     assert_eq!(renderer.render(&view, &[]).unwrap(), before);
 }
 
@@ -248,9 +248,9 @@ fn renderers_share_a_device() {
     assert!(!gpu.adapter_name().is_empty());
 
     // By the same pipelines, and still each its own scene, viewers and counts.
-    let mut another = full.another().unwrap();
+    let mut another = full.with_same_pipelines().unwrap();
     assert_eq!(another.render(&view, &[]).unwrap(), empty.render(&view, &[]).unwrap());
-    another.set_scene(&tables()).unwrap();
+    another.set_scene(&scene::pose(tables())).unwrap();
     assert_eq!(another.render(&view, &[]).unwrap(), full.render(&view, &[]).unwrap());
     assert_eq!(another.counts(), PassCounts { gbuffer: 2, lighting: 2, ..PassCounts::default() });
 }
@@ -260,10 +260,11 @@ fn renderers_share_a_device() {
 fn warming_up_leaves_the_scene() {
     let mut renderer = renderer(&tables());
     let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
-    let before = renderer.render(&view, &[named(key())]).unwrap();
+    let lights = instances(&[named(key())]);
+    let before = renderer.render(&view, &lights).unwrap();
     let counts = renderer.counts();
-    renderer.warm(|| true).unwrap();
+    renderer.compile_pipelines(|| true).unwrap();
     assert_eq!(renderer.counts(), counts);
     renderer.forget(view.slot);
-    assert_eq!(renderer.render(&view, &[named(key())]).unwrap(), before);
+    assert_eq!(renderer.render(&view, &lights).unwrap(), before);
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use render::{Aov, PictureFormat, View};
 use scene::Material;
 
-use crate::support::{floor, named, renderer, scene_of, spot, view};
+use crate::support::{floor, instances, named, renderer, scene_of, spot, view};
 
 /// Khronos PBR Neutral, as published, then sRGB (IEC 61966-2-1), to 0 to 255.
 fn expected(linear: DVec3) -> DVec3 {
@@ -69,7 +69,7 @@ fn the_background_is_black() {
 fn files_hold_the_picture() {
     let mut renderer = renderer(&scene_of([floor(1.0, 0.0)], vec![Material::default()]));
     let mut view = view(DVec3::Y * 2.0, DVec3::ZERO, [4, 3], Aov::Beauty);
-    let lights = [named(spot(DVec3::Y * 3.0, DVec3::ZERO))];
+    let lights = instances(&[named(spot(DVec3::Y * 3.0, DVec3::ZERO))]);
     let mut decoded = |view: &View, format| {
         let file = renderer.render_file(view, &lights, format, |_| {}).unwrap();
         image::load_from_memory(&file).unwrap()

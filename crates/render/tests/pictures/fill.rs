@@ -1,7 +1,7 @@
 //! How much of the scene's fill a picture has.
 
 use glam::DVec3;
-use light::Light;
+use light::LightInstance;
 use render::{Aov, Picture, RenderError, Renderer, View};
 use scene::{Fill, Material};
 
@@ -48,7 +48,7 @@ fn a_factor_that_is_none_is_refused() {
     let scene = scene_of([floor(1.0, 0.0)], vec![Material::default()]);
     let mut renderer: Renderer = renderer(&scene);
     let view = view(DVec3::Y * 2.0, DVec3::ZERO, [3, 3], Aov::Beauty);
-    let none: &[Light] = &[];
+    let none: &[LightInstance] = &[];
     for fill in [-0.1, 1.1e6, f64::NAN, f64::INFINITY] {
         let refused = renderer.render(&View { fill, ..view.clone() }, none);
         assert!(matches!(refused, Err(RenderError::InvalidView(_))), "{fill}: {refused:?}");

@@ -4,14 +4,15 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use glam::DVec3;
-use light::SpotLight;
-use light::{Light, LightKind};
+use light::parameters::{CONE_ANGLE, INTENSITY, NAME, RANGE, TRANSLATION};
+use light::{Light, LightInstance};
 use render::{
-    Aov, Gpu, Ledger, MemoryKind, Picture, PictureFormat, Pixels, Renderer, TiledPicture, View, ViewSlot,
+    Aov, Gpu, MemoryBudget, MemoryKind, Picture, PictureFormat, Pixels, Renderer, TiledPicture, View,
+    ViewSlot,
 };
 use scene::{Material, Scene};
 
-use crate::support::{floor, named, scene_of, spot, view};
+use crate::support::{floor, instances, named, scene_of, spot, view};
 
 /// Bytes of a map of 2048 x 2048 texels.
 const MAP: u64 = 4 << 22;
@@ -21,12 +22,12 @@ fn tables() -> Scene {
 }
 
 /// A renderer of its own device, which keeps at most so much.
-fn renderer(budget: u64) -> (Renderer, Ledger) {
-    let ledger = Ledger::new(budget);
-    let gpu = Gpu::with_ledger(ledger.clone()).expect("tests need a graphics driver");
+fn renderer(budget: u64) -> (Renderer, MemoryBudget) {
+    let memory = MemoryBudget::new(budget);
+    let gpu = Gpu::with_memory_budget(memory.clone()).expect("tests need a graphics driver");
     let mut renderer = Renderer::new(Arc::new(gpu)).unwrap();
-    renderer.set_scene(&tables()).unwrap();
-    (renderer, ledger)
+    renderer.set_scene(&scene::pose(tables())).unwrap();
+    (renderer, memory)
 }
 
 /// Spots and bent lights in turn, around the table.
@@ -34,12 +35,12 @@ fn lights(count: usize) -> Vec<Light> {
     let light = |k: usize| {
         let (z, x) = (k as f64 * 2.4).sin_cos();
         let intensity = 1.0 + k as f64;
-        let spot = SpotLight { intensity, ..spot(DVec3::new(x, 3.0, z), DVec3::ZERO) };
+        let spot = spot(DVec3::new(x, 3.0, z), DVec3::ZERO).with(INTENSITY, intensity);
         if k.is_multiple_of(2) {
             return named(spot);
         }
-        let bent = light::bend(&SpotLight { range: Some(6.0), ..spot }, 2).unwrap();
-        Light { name: "bent".into(), kind: LightKind::Bendy(bent) }
+        let bent = light::bend(&spot.with(RANGE, Some(6.0)), 2).unwrap();
+        bent.with(NAME, "bent".into())
     };
     (0..count).map(light).collect()
 }
@@ -50,12 +51,16 @@ fn camera(slot: u64) -> View {
 }
 
 /// At once and in tiles; the most that was kept meanwhile.
-fn pictures(renderer: &mut Renderer, ledger: &Ledger, lights: &[Light]) -> (Picture, Pixels, u64) {
+fn pictures(
+    renderer: &mut Renderer,
+    memory: &MemoryBudget,
+    lights: &[LightInstance],
+) -> (Picture, Pixels, u64) {
     let whole = renderer.render(&camera(1), lights).unwrap();
-    let mut most = ledger.total();
+    let mut most = memory.total();
     let mut picture = TiledPicture::for_file(&camera(2), lights, PictureFormat::Exr).unwrap();
     while !renderer.draw_some(&mut picture, Duration::ZERO).unwrap() {
-        most = most.max(ledger.total());
+        most = most.max(memory.total());
     }
     (whole, picture.into_pixels(), most)
 }
@@ -64,7 +69,7 @@ fn pictures(renderer: &mut Renderer, ledger: &Ledger, lights: &[Light]) -> (Pict
 /// picture is the same to the last bit.
 #[test]
 fn little_memory_makes_the_same_pictures() {
-    let lights = lights(7);
+    let lights = instances(&lights(7));
     let (mut rich, rich_ledger) = renderer(1 << 30);
     let (whole, tiled, _) = pictures(&mut rich, &rich_ledger, &lights);
     assert_eq!(rich_ledger.bytes(MemoryKind::ShadowMaps), 7 * MAP);
@@ -86,18 +91,16 @@ fn little_memory_makes_the_same_pictures() {
 /// A very wide light's map has five faces of half the size, and no other light's room will do for it.
 #[test]
 fn wide_lights_are_counted_by_their_faces() {
-    let (mut renderer, ledger) = renderer(1 << 30);
+    let (mut renderer, memory) = renderer(1 << 30);
     let maps = |angles: &[f64], renderer: &mut Renderer| {
         let spots =
-            angles.iter().map(|&cone_angle| SpotLight { cone_angle, ..spot(DVec3::Y * 3.0, DVec3::ZERO) });
-        let bent = |spot: &SpotLight| {
-            let kind =
-                LightKind::Bendy(light::bend(&SpotLight { range: Some(6.0), ..spot.clone() }, 2).unwrap());
-            Light { name: "bent".into(), kind }
+            angles.iter().map(|&cone_angle| spot(DVec3::Y * 3.0, DVec3::ZERO).with(CONE_ANGLE, cone_angle));
+        let bent = |spot: &Light| {
+            light::bend(&spot.clone().with(RANGE, Some(6.0)), 2).unwrap().with(NAME, "bent".into())
         };
         let lights: Vec<_> = spots.flat_map(|spot| [bent(&spot), named(spot)]).collect();
-        renderer.render(&camera(1), &lights).unwrap();
-        ledger.bytes(MemoryKind::ShadowMaps)
+        renderer.render(&camera(1), &instances(&lights)).unwrap();
+        memory.bytes(MemoryKind::ShadowMaps)
     };
     assert_eq!(maps(&[25.0], &mut renderer), 2 * MAP);
     assert_eq!(maps(&[25.0, 85.0], &mut renderer), 2 * MAP + 2 * 5 * MAP / 4);
@@ -114,44 +117,44 @@ fn shared() -> &'static Arc<Gpu> {
 
 #[test]
 fn what_nobody_looks_at_is_given_back() {
-    let ledger = shared().ledger();
+    let memory = shared().memory();
     let mut renderer = Renderer::new(Arc::clone(shared())).unwrap();
-    renderer.set_scene(&tables()).unwrap();
-    let lights = lights(3);
+    renderer.set_scene(&scene::pose(tables())).unwrap();
+    let at_rest = lights(3);
+    let lights = instances(&at_rest);
     // The work buffers of bent maps stay with the scene.
     renderer.render(&camera(1), &lights).unwrap();
     renderer.forget(ViewSlot(1));
-    let before = ledger.total();
+    let before = memory.total();
 
     // Views that close; the maps go with the last who needs them.
     renderer.render(&camera(1), &lights).unwrap();
     renderer.render(&camera(2), &lights[..2]).unwrap();
-    assert_eq!(ledger.bytes(MemoryKind::ShadowMaps), 3 * MAP);
-    assert_eq!(ledger.bytes(MemoryKind::Views), 2 * 150 * 140 * 44);
+    assert_eq!(memory.bytes(MemoryKind::ShadowMaps), 3 * MAP);
+    assert_eq!(memory.bytes(MemoryKind::Views), 2 * 150 * 140 * 44);
     renderer.forget(ViewSlot(1));
-    assert_eq!(ledger.bytes(MemoryKind::ShadowMaps), 2 * MAP);
+    assert_eq!(memory.bytes(MemoryKind::ShadowMaps), 2 * MAP);
     renderer.forget(ViewSlot(2));
-    assert_eq!(ledger.total(), before);
+    assert_eq!(memory.total(), before);
 
     // A still that is given up in the middle.
     let mut still = TiledPicture::for_file(&camera(3), &lights, PictureFormat::Exr).unwrap();
     for _ in 0..4 {
         assert!(!renderer.draw_some(&mut still, Duration::ZERO).unwrap());
     }
-    assert!(ledger.bytes(MemoryKind::Tiled) > 150 * 140 * 16 && ledger.bytes(MemoryKind::ShadowMaps) > 0);
+    assert!(memory.bytes(MemoryKind::Tiled) > 150 * 140 * 16 && memory.bytes(MemoryKind::ShadowMaps) > 0);
     drop(still);
     renderer.forget(ViewSlot(3));
-    assert_eq!(ledger.total(), before);
+    assert_eq!(memory.total(), before);
 
     // A drag leaves no trail of maps.
     for step in 0..5 {
-        let mut moved = lights.clone();
-        if let LightKind::Spot(spot) = &mut moved[0].kind {
-            spot.transform.translation.x += 0.1 * f64::from(step);
-        }
-        renderer.render(&camera(1), &moved).unwrap();
-        assert_eq!(ledger.bytes(MemoryKind::ShadowMaps), 3 * MAP);
+        let mut moved = at_rest.clone();
+        let translation = moved[0].transform().translation + DVec3::X * (0.1 * f64::from(step));
+        moved[0].set(TRANSLATION.to(translation));
+        renderer.render(&camera(1), &instances(&moved)).unwrap();
+        assert_eq!(memory.bytes(MemoryKind::ShadowMaps), 3 * MAP);
     }
     drop(renderer);
-    assert_eq!(ledger.total(), 0);
+    assert_eq!(memory.total(), 0);
 }

@@ -1,12 +1,12 @@
 //! Input that is legal and unkind.
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
-use light::Light;
-use light::{LightError, SpotLight};
+use light::parameters::{CONE_ANGLE, INTENSITY, NAME, RANGE, SCALE, TRANSLATION};
+use light::{CheckedLight, Light, LightError, Reach};
 use render::{Aov, RenderError, View};
 use scene::{Material, Primitive, Projection, Scene};
 
-use crate::support::{floor, named, picture, renderer, scene_of, spot, square, view};
+use crate::support::{floor, instances, named, picture, renderer, scene_of, spot, square, view};
 
 const ALL: [Aov; 7] =
     [Aov::Beauty, Aov::Depth, Aov::Normal, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility];
@@ -17,7 +17,7 @@ fn tables() -> Scene {
 
 #[test]
 fn every_size_works() {
-    let lights = [named(spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO))];
+    let lights = instances(&[named(spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO))]);
     let mut renderer = renderer(&tables());
     for size in [[1, 1], [1, 7], [5, 1], [63, 65], [257, 3], [1, 1]] {
         for aov in ALL {
@@ -70,7 +70,7 @@ fn unkind_geometry_has_no_nan() {
             // Sources on a surface, in its plane, at a vertex, behind the camera; intensities at both ends.
             let sources = [DVec3::ZERO, DVec3::X * 3.0, DVec3::new(1.0, 0.0, 1.0), DVec3::new(2.0, 3.0, 4.1)];
             for (source, intensity) in sources.into_iter().zip([1e300, 0.0, -1e300, 1e-300]) {
-                let light = SpotLight { intensity, cone_angle: 89.9, ..spot(source, DVec3::NEG_Y) };
+                let light = spot(source, DVec3::NEG_Y).with(INTENSITY, intensity).with(CONE_ANGLE, 89.9);
                 for aov in ALL {
                     picture(
                         &scene,
@@ -121,7 +121,7 @@ fn an_empty_scene_is_black() {
 /// The error of rendering `view` under `lights`.
 fn refused(view: &View, lights: &[Light]) -> RenderError {
     let mut renderer = renderer(&tables());
-    let error = renderer.render(view, lights).expect_err("this view has no picture");
+    let error = renderer.render(view, &instances(lights)).expect_err("this view has no picture");
     // The renderer still works.
     let good = crate::support::view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [5, 4], Aov::Depth);
     assert!(renderer.render(&good, &[]).unwrap().pixels.iter().any(|p| p[3] == 1.0));
@@ -167,11 +167,12 @@ fn impossible_views_are_refused_with_a_sentence() {
     assert!(ALL.iter().all(|aov| aov.name().parse() == Ok(*aov)));
 }
 
+/// One that holds no numbers never comes to a renderer; one that is out of reach has no picture of its own.
 #[test]
 fn impossible_lights_are_refused() {
     let good = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [5, 4], Aov::Beauty);
-    let nan = SpotLight { intensity: f64::NAN, ..SpotLight::default() };
-    assert_eq!(refused(&good, &[named(nan)]), RenderError::Light(LightError::NotFinite("intensity")));
+    let nan = Light::spot().with(INTENSITY, f64::NAN);
+    assert_eq!(CheckedLight::new(named(nan)).expect_err("refused"), LightError::NotFinite("intensity"));
     let far = named(spot(DVec3::new(1e200, 0.0, 0.0), DVec3::ZERO));
     assert!(matches!(refused(&View { aov: Aov::T, ..good }, &[far]), RenderError::OutOfReach(_)));
 }
@@ -180,37 +181,34 @@ fn impossible_lights_are_refused() {
 #[test]
 fn lights_out_of_reach_are_left_out() {
     let near = named(spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO));
-    let bent = light::bend(&SpotLight { range: Some(6.0), ..spot(DVec3::Y * 3.0, DVec3::ZERO) }, 2).unwrap();
-    let bent = |change: fn(&mut light::BendyLight)| {
-        let mut light = bent.clone();
-        change(&mut light);
-        Light { name: "bent".into(), kind: light::LightKind::Bendy(light) }
-    };
+    let ranged = spot(DVec3::Y * 3.0, DVec3::ZERO).with(RANGE, Some(6.0));
+    let bent = || light::bend(&ranged, 2).unwrap().with(NAME, "bent".into());
+    let checked = |light: &Light| CheckedLight::new(light.clone()).expect("a light");
     let far = [
         named(spot(DVec3::new(1e200, 0.0, 0.0), DVec3::ZERO)),
         named(spot(DVec3::new(1.1e15, 0.0, 0.0), DVec3::ZERO)),
-        bent(|light| light.transform.translation = DVec3::splat(3.4e38)),
-        bent(|light| light.transform.scale = 1e30),
-        bent(|light| light.transform.scale = 1e-30),
+        bent().with(TRANSLATION, DVec3::splat(3.4e38)),
+        bent().with(SCALE, 1e30),
+        bent().with(SCALE, 1e-30),
     ];
     let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [41, 31], Aov::Beauty);
     let alone = picture(&tables(), &view, std::slice::from_ref(&near));
     for light in far {
-        assert_eq!(light::Reach::from(&tables()).left_out([&light]).len(), 1, "{light:?}");
+        assert_eq!(Reach::from(&tables()).left_out([&checked(&light)]).len(), 1, "{light:?}");
         assert_eq!(picture(&tables(), &view, &[light, near.clone()]), alone);
     }
     // The planted fault: the near one left out as well.
     assert_ne!(picture(&tables(), &view, &[]), alone);
     // Just within reach everything is finite.
     let edge = [
-        named(SpotLight { intensity: 1e300, ..spot(DVec3::new(0.9e15, 0.0, 0.0), DVec3::ZERO) }),
-        bent(|light| light.transform.translation = DVec3::new(0.0, 0.9e15, 0.0)),
-        bent(|light| light.transform.scale = 1e13),
-        bent(|light| light.transform.scale = 1e-13),
-        bent(|light| light.intensities.fill(3.4e38)),
+        named(spot(DVec3::new(0.9e15, 0.0, 0.0), DVec3::ZERO).with(INTENSITY, 1e300)),
+        bent().with(TRANSLATION, DVec3::new(0.0, 0.9e15, 0.0)),
+        bent().with(SCALE, 1e13),
+        bent().with(SCALE, 1e-13),
+        bent().with_points(|_, point| point.intensity = 3.4e38),
     ];
     for light in edge {
-        assert_eq!(light::Reach::from(&tables()).check(&light), Ok(()), "{light:?}");
+        assert_eq!(Reach::from(&tables()).check(&checked(&light)), Ok(()), "{light:?}");
         picture(&tables(), &view, &[light]);
     }
 }

@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec4};
-use light::{Decay, SpotLight};
+use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, DECAY, INTENSITY, RANGE};
+use light::{Decay, Light, Transform};
 use render::{Aov, Picture, View};
 use scene::{Material, Scene};
 
@@ -16,7 +17,7 @@ fn plane(base_color: f32, metallic: f32, roughness: f32) -> Scene {
 }
 
 /// Oblique, so that nothing is symmetric.
-fn key() -> SpotLight {
+fn key() -> Light {
     spot(DVec3::new(1.0, 3.0, 0.5), DVec3::new(0.2, 0.0, -0.3))
 }
 
@@ -25,24 +26,25 @@ fn camera(aov: Aov) -> View {
 }
 
 /// Cosine off the axis and distance to the source.
-fn polar(light: &SpotLight, point: DVec3) -> (f64, f64) {
-    let from_source = point - light.transform.translation;
-    let axis = light.transform.rotation * DVec3::NEG_Z;
+fn polar(light: &Light, point: DVec3) -> (f64, f64) {
+    let Transform { translation, rotation, .. } = light.transform();
+    let from_source = point - translation;
+    let axis = rotation * DVec3::NEG_Z;
     (axis.dot(from_source.normalize()), from_source.length())
 }
 
 /// Irradiance perpendicular to the light, light model section 6.
-fn irradiance(light: &SpotLight, point: DVec3) -> f64 {
+fn irradiance(light: &Light, point: DVec3) -> f64 {
     let (cosine, distance) = polar(light, point);
-    let outer = light.cone_angle.to_radians();
-    let inner = outer * (1.0 - light.cone_softness);
+    let outer = light.get(CONE_ANGLE).to_radians();
+    let inner = outer * (1.0 - light.get(CONE_SOFTNESS));
     let s = ((cosine - outer.cos()) / (inner.cos() - outer.cos())).clamp(0.0, 1.0);
-    let decay = match light.decay {
+    let decay = match light.get(DECAY) {
         Decay::None => 1.0,
         Decay::Linear => 1.0 / distance,
         Decay::InverseSquare => 1.0 / (distance * distance),
     };
-    light.intensity * s * s * (3.0 - 2.0 * s) * decay
+    light.get(INTENSITY) * s * s * (3.0 - 2.0 * s) * decay
 }
 
 /// glTF 2.0, appendix B, for a floor.
@@ -78,9 +80,10 @@ fn radiance_is_the_closed_form() {
     let eye = camera(Aov::Beauty).camera.translation;
     for decay in [Decay::None, Decay::Linear, Decay::InverseSquare] {
         for (base, metallic, roughness) in [(1.0, 0.0, 1.0), (0.25, 0.0, 0.5), (1.0, 1.0, 0.4)] {
-            let light = SpotLight { decay, ..key() };
+            let light = key().with(DECAY, decay);
+            let source = light.transform().translation;
             let radiance = |point: DVec3| {
-                let to_light = (light.transform.translation - point).normalize();
+                let to_light = (source - point).normalize();
                 let to_eye = (eye - point).normalize();
                 let f = brdf(to_light, to_eye, base, metallic, roughness);
                 f * irradiance(&light, point) * to_light.y
@@ -95,10 +98,10 @@ fn radiance_is_the_closed_form() {
                 "{decay:?} {base} {metallic} {roughness}: {worst} of the tolerance"
             );
             // Planted faults: no cosine; no 1 / pi; the profile's angle 1 % off.
-            let flat = |p: DVec3| radiance(p) / (light.transform.translation - p).normalize().y;
+            let flat = |p: DVec3| radiance(p) / (source - p).normalize().y;
             assert!(worst_ratio(&beauty, flat) > 100.0);
             assert!(worst_ratio(&beauty, |p| radiance(p) * PI) > 100.0);
-            let wider = SpotLight { cone_angle: light.cone_angle * 1.01, ..light.clone() };
+            let wider = light.clone().with(CONE_ANGLE, light.get(CONE_ANGLE) * 1.01);
             let other = |p: DVec3| radiance(p) * irradiance(&wider, p) / irradiance(&light, p).max(1e-9);
             assert!(worst_ratio(&beauty, other) > 100.0);
         }
@@ -109,7 +112,10 @@ fn radiance_is_the_closed_form() {
 fn narrow_wide_hard_and_soft_cones_keep_their_edge() {
     for cone_angle in [0.5, 25.0, 80.0] {
         for cone_softness in [0.0, 1e-7, 0.5, 1.0] {
-            let light = SpotLight { cone_angle, cone_softness, decay: Decay::None, ..key() };
+            let light = key()
+                .with(CONE_ANGLE, cone_angle)
+                .with(CONE_SOFTNESS, cone_softness)
+                .with(DECAY, Decay::None);
             let scene = plane(1.0, 0.0, 1.0);
             let view = camera(Aov::Visibility);
             let lit = picture(&scene, &view, &[named(light.clone())]);
@@ -135,9 +141,10 @@ fn narrow_wide_hard_and_soft_cones_keep_their_edge() {
 
 #[test]
 fn coordinates_in_the_light_are_the_closed_form() {
-    let light = SpotLight { range: Some(4.0), ..key() };
+    let light = key().with(RANGE, Some(4.0));
     let scene = plane(1.0, 0.0, 1.0);
-    let slope = light.cone_angle.to_radians().tan();
+    let slope = light.get(CONE_ANGLE).to_radians().tan();
+    let Transform { translation, rotation, .. } = light.transform();
     let aov = |aov| picture(&scene, &camera(aov), &[named(light.clone())]);
     let (ts, vws, directions) = (aov(Aov::T), aov(Aov::Vw), aov(Aov::Direction));
     let view = camera(Aov::T);
@@ -145,13 +152,13 @@ fn coordinates_in_the_light_are_the_closed_form() {
     let (vws, directions) = (at(&vws), at(&directions));
     let mut compared = 0;
     for (i, (point, t)) in on_plane(&ts, &view, DVec3::Y, 0.0).enumerate().filter(|(_, (_, t))| t[3] == 1.0) {
-        let local = light.transform.rotation.inverse() * (point - light.transform.translation);
+        let local = rotation.inverse() * (point - translation);
         // u x v = w with u forward, along -z, and w up, along +y: v points along -x.
         let vw = DVec3::new(-local.x, local.y, 0.0) / (-local.z * slope);
         // A point is known to a few ulps of 20, the size of the floor: 1e-5; v and w magnify by 1 / (3 slope).
         assert!((t[0] - -local.z / 4.0).abs() < 1e-5, "{point}");
         assert!((DVec3::new(vws[i][0], vws[i][1], 0.0) - vw).length() < 2e-5, "{point}");
-        let direction = (light.transform.translation - point).normalize();
+        let direction = (translation - point).normalize();
         assert!(
             (DVec3::new(directions[i][0], directions[i][1], directions[i][2]) - direction).length() < 1e-5
         );
@@ -162,13 +169,15 @@ fn coordinates_in_the_light_are_the_closed_form() {
 
 #[test]
 fn a_light_ends_at_its_range() {
-    let light = SpotLight { range: Some(2.9), ..key() };
+    let light = key().with(RANGE, Some(2.9));
+    let slope = light.get(CONE_ANGLE).to_radians().tan();
+    let Transform { translation, rotation, .. } = light.transform();
     let view = camera(Aov::T);
     let ts = picture(&plane(1.0, 0.0, 1.0), &view, &[named(light.clone())]);
     let mut ended = 0;
     for (point, t) in on_plane(&ts, &view, DVec3::Y, 0.0) {
-        let local = light.transform.rotation.inverse() * (point - light.transform.translation);
-        let in_cone = local.truncate().length() < -local.z * light.cone_angle.to_radians().tan() * 0.999;
+        let local = rotation.inverse() * (point - translation);
+        let in_cone = local.truncate().length() < -local.z * slope * 0.999;
         if in_cone && (-local.z - 2.9).abs() > 1e-4 {
             assert_eq!(t[3] == 1.0, -local.z < 2.9, "{point}");
             ended += usize::from(t[3] == 0.0);
@@ -181,7 +190,7 @@ fn a_light_ends_at_its_range() {
 fn lights_add_up() {
     let (a, b) = (named(key()), named(spot(DVec3::new(-1.0, 2.5, 0.0), DVec3::ZERO)));
     let scene = plane(1.0, 0.0, 1.0);
-    let beauty = |lights: &[light::Light]| picture(&scene, &camera(Aov::Beauty), lights);
+    let beauty = |lights: &[Light]| picture(&scene, &camera(Aov::Beauty), lights);
     let (both, one, other) =
         (beauty(&[a.clone(), b.clone()]), beauty(std::slice::from_ref(&a)), beauty(std::slice::from_ref(&b)));
     for ((sum, a), b) in both.pixels.iter().zip(&one.pixels).zip(&other.pixels) {

@@ -1,7 +1,8 @@
 //! Shadows of a spotlight where similar triangles say.
 
 use glam::{DAffine3, DQuat, DVec3};
-use light::{Decay, SpotLight};
+use light::parameters::{CONE_ANGLE, DECAY};
+use light::{Decay, Light};
 use render::{Aov, View};
 use scene::{Material, Projection};
 
@@ -16,8 +17,8 @@ fn blocker() -> scene::Scene {
 }
 
 /// Straight down from height 3 with an angle of 40 degrees.
-fn lamp() -> SpotLight {
-    SpotLight { cone_angle: 40.0, decay: Decay::None, ..spot(DVec3::Y * 3.0, DVec3::ZERO) }
+fn lamp() -> Light {
+    spot(DVec3::Y * 3.0, DVec3::ZERO).with(CONE_ANGLE, 40.0).with(DECAY, Decay::None)
 }
 
 /// From below the blocker, so that it hides nothing of the floor.
@@ -58,7 +59,7 @@ fn a_bare_plane_never_shadows_itself() {
     // From straight down to grazing, near the camera's near plane and far from it.
     for height in [4.0, 1.0, 0.2, 0.05] {
         for znear in [1e-3, 0.05] {
-            let light = SpotLight { cone_angle: 60.0, ..spot(DVec3::new(-1.5, height, 0.4), DVec3::X) };
+            let light = spot(DVec3::new(-1.5, height, 0.4), DVec3::X).with(CONE_ANGLE, 60.0);
             let scene = scene_of([floor(50.0, 0.0)], vec![Material::default()]);
             let mut view = view(DVec3::new(0.4, 0.7, 3.0), DVec3::ZERO, [173, 127], Aov::Visibility);
             view.camera.projection =
@@ -85,7 +86,7 @@ fn contact_shadows_reach_the_contact() {
         [floor(4.0, 0.0), (square(), wall)],
         vec![Material { double_sided: true, ..Material::default() }],
     );
-    let light = SpotLight { cone_angle: 30.0, ..spot(DVec3::new(0.0, 3.0, -3.0), DVec3::ZERO) };
+    let light = spot(DVec3::new(0.0, 3.0, -3.0), DVec3::ZERO).with(CONE_ANGLE, 30.0);
     let view = view(DVec3::new(0.0, 1.5, 2.0), DVec3::ZERO, [151, 401], Aov::Visibility);
     let lit = picture(&scene, &view, &[named(light)]);
     let texel = 2.0 * 18.0_f64.sqrt() * 30.0_f64.to_radians().tan() / 2048.0;

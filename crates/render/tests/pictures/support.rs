@@ -3,8 +3,8 @@
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
-use light::{Light, LightKind};
-use light::{SpotLight, Transform};
+use light::parameters::{INTENSITY, NAME};
+use light::{Light, LightInstance, Transform};
 use render::{Aov, Gpu, Picture, Renderer, View, ViewSlot};
 use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
 
@@ -21,7 +21,7 @@ pub fn gpu() -> Arc<Gpu> {
 pub fn renderer(scene: &Scene) -> Renderer {
     scene.check().expect("test scenes keep their promises");
     let mut renderer = Renderer::new(gpu()).expect("the device works");
-    renderer.set_scene(scene).expect("test scenes fit");
+    renderer.set_scene(&scene::pose(scene.clone())).expect("test scenes fit");
     renderer
 }
 
@@ -33,8 +33,8 @@ pub fn picture(scene: &Scene, view: &View, lights: &[Light]) -> Picture {
     let shared = SHARED.get_or_init(|| Mutex::new(renderer(&Scene::default())));
     // A test that failed with the lock held has left nothing half done: drawing starts anew with the scene.
     let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
-    shared.set_scene(scene).expect("test scenes fit");
-    let picture = shared.render(view, lights).expect("test pictures can be made");
+    shared.set_scene(&scene::pose(scene.clone())).expect("test scenes fit");
+    let picture = shared.render(view, &instances(lights)).expect("test pictures can be made");
     assert!(picture.pixels.iter().flatten().all(|x| x.is_finite()), "{:?} holds NaN or infinity", view.aov);
     picture
 }
@@ -100,18 +100,19 @@ pub fn view(eye: DVec3, target: DVec3, size: [u32; 2], aov: Aov) -> View {
 }
 
 /// A spotlight of 10 cd and 25 degrees from `source` to `target`.
-pub fn spot(source: DVec3, target: DVec3) -> SpotLight {
+pub fn spot(source: DVec3, target: DVec3) -> Light {
     let rotation = DQuat::from_mat3(&looking(source, target));
-    SpotLight {
-        transform: Transform { translation: source, rotation, scale: 1.0 },
-        intensity: 10.0,
-        ..SpotLight::default()
-    }
+    Light::spot().placed(Transform { translation: source, rotation, scale: 1.0 }).with(INTENSITY, 10.0)
 }
 
-/// The light as a scene holds it.
-pub fn named(spot: SpotLight) -> Light {
-    Light { name: "key".into(), kind: LightKind::Spot(spot) }
+/// The light with a name, as scenes have it.
+pub fn named(light: Light) -> Light {
+    light.with(NAME, "key".into())
+}
+
+/// The lights as a renderer takes them: checked, and numbered from 0.
+pub fn instances(lights: &[Light]) -> Vec<LightInstance> {
+    LightInstance::numbered(lights.to_vec()).expect("lights")
 }
 
 /// Origin and direction of the ray through the centre of a pixel; the direction is 1 long along the view axis.

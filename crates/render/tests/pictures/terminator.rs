@@ -1,11 +1,12 @@
 //! Where light grazes a smooth mesh of few facets.
 
 use glam::{DAffine3, DVec3, Vec3};
-use light::{Light, LightKind};
+use light::Light;
+use light::parameters::DIRECTION;
 use render::{Aov, Picture};
 use scene::{Material, Primitive, Scene};
 
-use crate::support::{picture, scene_of, spot, view};
+use crate::support::{named, picture, scene_of, spot, view};
 
 /// A ball of radius 1 with its own normals, `n` facets from pole to pole and twice as many around.
 fn ball(n: u32) -> Primitive {
@@ -46,15 +47,13 @@ fn wrong(scene: &Scene, light: &Light, margin: f64) -> (usize, usize) {
 
 #[test]
 fn the_terminator_of_a_coarse_ball_is_smooth() {
-    let key = spot(DVec3::new(5.0, 2.0, 0.5), DVec3::ZERO);
-    let bent =
-        light::BendyLight { direction: light::Direction::Path, ..light::bend(&key, 3).expect("valid") };
+    let key = named(spot(DVec3::new(5.0, 2.0, 0.5), DVec3::ZERO));
+    let bent = light::bend(&key, 3).expect("valid").with(DIRECTION, light::Direction::Path);
     for facets in [6, 12, 24] {
         let scene = scene_of([(ball(facets), DAffine3::IDENTITY)], vec![Material::default()]);
-        for kind in [LightKind::Spot(key.clone()), LightKind::Bendy(bent.clone())] {
-            let light = Light { name: "key".into(), kind };
+        for light in [&key, &bent] {
             // Normals are packed to 2^-15 an axis.
-            let (wrong, in_light) = wrong(&scene, &light, 1e-4);
+            let (wrong, in_light) = wrong(&scene, light, 1e-4);
             assert!(in_light > 2500);
             assert_eq!(wrong, 0, "{facets} facets, of {in_light}");
         }
@@ -68,8 +67,11 @@ fn the_terminator_of_a_coarse_ball_is_smooth() {
         let faceted = scene_of([(faceted, DAffine3::IDENTITY)], vec![Material::default()]);
         let lit = |scene: &Scene| {
             let seen = view(DVec3::new(0.5, 1.0, 4.0), DVec3::ZERO, [160, 120], Aov::Visibility);
-            let light = Light { name: "key".into(), kind: LightKind::Spot(key.clone()) };
-            picture(scene, &seen, &[light]).pixels.iter().map(|pixel| pixel[0] == 1.0).collect::<Vec<_>>()
+            picture(scene, &seen, std::slice::from_ref(&key))
+                .pixels
+                .iter()
+                .map(|pixel| pixel[0] == 1.0)
+                .collect::<Vec<_>>()
         };
         let differ = lit(&scene).iter().zip(lit(&faceted)).filter(|(a, b)| **a != *b).count();
         assert!(differ > 600 / facets as usize, "{facets} facets: {differ}");

@@ -3,12 +3,12 @@
 use std::time::Duration;
 
 use glam::{DAffine3, DQuat, DVec3, Vec3, Vec4};
-use light::SpotLight;
-use light::{Light, LightKind};
+use light::LightInstance;
+use light::parameters::{COLOR, NAME, RANGE};
 use render::{Aov, Picture, PictureFormat, Pixels, Progress, Renderer, TiledPicture, View, ViewSlot};
 use scene::{Image, Material, Primitive, Sampler, Scene, TextureRef};
 
-use crate::support::{named, renderer, scene_of, spot, square, view};
+use crate::support::{instances, named, renderer, scene_of, spot, square, view};
 
 /// A textured floor, a smooth ball of few triangles and a double-sided sheet on edge.
 fn things() -> Scene {
@@ -62,11 +62,11 @@ fn ball() -> Primitive {
     }
 }
 
-fn lights() -> [Light; 3] {
+fn lights() -> Vec<LightInstance> {
     let key = spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO);
-    let low = SpotLight { color: DVec3::new(1.0, 0.3, 0.2), ..spot(DVec3::new(-2.0, 1.0, 2.0), DVec3::ZERO) };
-    let bent = light::bend(&SpotLight { range: Some(6.0), ..low.clone() }, 3).unwrap();
-    [named(key), named(low), Light { name: "bent".into(), kind: LightKind::Bendy(bent) }]
+    let low = spot(DVec3::new(-2.0, 1.0, 2.0), DVec3::ZERO).with(COLOR, DVec3::new(1.0, 0.3, 0.2));
+    let bent = light::bend(&low.clone().with(RANGE, Some(6.0)), 3).unwrap();
+    instances(&[named(key), named(low), bent.with(NAME, "bent".into())])
 }
 
 fn camera(size: [u32; 2], aov: Aov, samples: u32) -> View {

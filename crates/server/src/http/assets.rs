@@ -11,10 +11,11 @@ use serde::Deserialize;
 use store::{MAX_ASSET_BYTES, check_scene_name};
 use tokio::io::AsyncWriteExt;
 
-use super::{Answer, created, next_part, read_query};
+use super::answer::{Answer, created};
+use super::read::{next_part, read_query};
 use crate::ServerError;
 use crate::limits::MAX_UPLOADS;
-use crate::server::Shared;
+use crate::state::AppState;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -23,14 +24,14 @@ struct Query {
 }
 
 /// Keeps a scene's file once it is known to decode, and names it.
-pub async fn add(State(shared): State<Arc<Shared>>, uri: Uri, body: Body) -> Answer {
+pub async fn add(State(state): State<Arc<AppState>>, uri: Uri, body: Body) -> Answer {
     let Query { name } = read_query(&uri)?;
     // Before the file has come, which may take long.
     name.as_deref().map_or(Ok(()), check_scene_name)?;
     let too_many = |_| ServerError::TooMany { what: "scenes on their way here", limit: MAX_UPLOADS };
-    let _permit = shared.uploads.try_acquire().map_err(too_many)?;
-    let file = receive(body, shared.backend.storage.folder()).await?;
-    Ok(created(&shared.backend.scenes.add(file, name).await?))
+    let _permit = state.uploads.try_acquire().map_err(too_many)?;
+    let file = receive(body, state.backend.storage.folder()).await?;
+    Ok(created(&state.backend.scenes.add(file, name).await?))
 }
 
 /// Puts what comes into a file in `folder` that has no name, and so never outlives the request: a slow sender takes room

@@ -4,20 +4,20 @@ use std::sync::Arc;
 
 use axum::Extension;
 use axum::extract::{Request, State};
-use axum::http::{HeaderMap, HeaderValue, header};
+use axum::http::{HeaderMap, HeaderValue, Method, Uri, header};
 use axum::middleware::Next;
 use axum::response::Response;
 
-use super::{excerpt, read_body};
+use super::read::{excerpt, read_body};
 use crate::ServerError;
 use crate::connections::Connection;
 use crate::limits::{MAX_BODY_BYTES, MAX_REQUESTS};
-use crate::server::Shared;
+use crate::state::AppState;
 
 /// Refuses pages of other places, and names that lead here by no doing of ours. They could not know the token, but need
 /// not be let near it.
 pub async fn refuse_strange_pages(
-    State(shared): State<Arc<Shared>>,
+    State(state): State<Arc<AppState>>,
     request: Request,
     next: Next,
 ) -> Result<Response, ServerError> {
@@ -25,12 +25,12 @@ pub async fn refuse_strange_pages(
     let readable = |value: &HeaderValue| value.to_str().unwrap_or("an unreadable name").to_owned();
     // No browser leaves it out, so nobody's page does.
     let host = headers.get(header::HOST).map(readable).unwrap_or_default();
-    if !host.is_empty() && !shared.hosts.answers_to(&host) {
+    if !host.is_empty() && !state.hosts.answers_to(&host) {
         return Err(ServerError::ForeignHost(excerpt(&host)));
     }
     if let Some(origin) = headers.get(header::ORIGIN) {
         let origin = readable(origin);
-        if !shared.hosts.is_own(&origin, &host) {
+        if !state.hosts.is_own(&origin, &host) {
             return Err(ServerError::ForeignOrigin(excerpt(&origin)));
         }
     }
@@ -45,34 +45,39 @@ pub async fn believe_no_guesses(mut response: Response) -> Response {
     response
 }
 
-/// Lets pass who has the token.
+/// Lets pass who has the token, and says so with the request.
 pub async fn need_token(
-    State(shared): State<Arc<Shared>>,
+    State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Connection>,
-    request: Request,
+    mut request: Request,
     next: Next,
 ) -> Result<Response, ServerError> {
     let (scheme, token) = text(request.headers(), header::AUTHORIZATION)
         .and_then(|value| value.split_once(' '))
         .unwrap_or_default();
-    if !(scheme.eq_ignore_ascii_case("bearer") && shared.token.is(token.trim_start_matches(' '))) {
-        return Err(ServerError::Unauthorized);
-    }
+    let token = Some(token).filter(|_| scheme.eq_ignore_ascii_case("bearer"));
+    let credential = token.and_then(|token| state.token.verify(token.trim_start_matches(' ')));
+    request.extensions_mut().insert(credential.ok_or(ServerError::Unauthorized)?);
     connection.is_known();
     Ok(next.run(request).await)
 }
 
 /// Lets pass while there is room, once all of the request is here: what is slow to come keeps nobody out.
 pub async fn limit_requests(
-    State(shared): State<Arc<Shared>>,
+    State(state): State<Arc<AppState>>,
     request: Request,
     next: Next,
 ) -> Result<Response, ServerError> {
     let (head, body) = request.into_parts();
     let body = read_body(body, "a request", MAX_BODY_BYTES).await?;
     let too_many = |_| ServerError::TooMany { what: "requests", limit: MAX_REQUESTS };
-    let _permit = shared.requests.try_acquire().map_err(too_many)?;
+    let _permit = state.requests.try_acquire().map_err(too_many)?;
     Ok(next.run(Request::from_parts(head, body.into())).await)
+}
+
+/// A known address with a method that it does not take. The router adds the header `Allow`.
+pub async fn wrong_method(method: Method, uri: Uri) -> ServerError {
+    ServerError::MethodNotAllowed { path: excerpt(uri.path()), method: excerpt(method.as_str()) }
 }
 
 fn text(headers: &HeaderMap, name: header::HeaderName) -> Option<&str> {

@@ -4,7 +4,9 @@ use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{Html, IntoResponse, Response};
 use rust_embed::RustEmbed;
 
-use super::{Answer, excerpt};
+use super::answer::Answer;
+use super::guard::wrong_method;
+use super::read::excerpt;
 use crate::ServerError;
 
 #[derive(RustEmbed)]
@@ -31,7 +33,7 @@ pub async fn page(method: Method, uri: Uri) -> Answer {
     let found = Page::get(path);
     let is_known = found.is_some() || path == INDEX;
     if is_known && method != Method::GET && method != Method::HEAD {
-        let error = super::wrong_method(method, uri).await;
+        let error = wrong_method(method, uri).await;
         return Ok(([(header::ALLOW, "GET,HEAD")], error).into_response());
     }
     match found {

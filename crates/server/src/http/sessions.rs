@@ -2,34 +2,36 @@
 
 use std::sync::Arc;
 
+use axum::Extension;
 use axum::body::{Body, Bytes};
 use axum::extract::State;
 use axum::http::{HeaderMap, Uri, header};
 use axum::response::{IntoResponse, Response};
-use document::Command;
+use document::{Command, Context};
 use edit::{Actor, Request, Session, Sources};
 use futures_util::stream::try_unfold;
 use protocol::{Edit, Edits, NewSession, SessionEntry, SessionList, SessionState};
 use serde::Deserialize;
 use store::{SessionRow, Store};
 
-use super::{Answer, SessionName, created, json, read_json, read_query};
+use super::answer::{Answer, created, json};
+use super::read::{SessionName, read_json, read_query};
 use crate::ServerError;
-use crate::ask::{actor, edit_request, step};
+use crate::access::{Credential, Principal, random_digits};
 use crate::limits::{MAX_EDITS, MAX_LOG_RECORDS};
-use crate::room::{Message, Snapshot, Step, time_ms};
-use crate::scenes::Scenes;
-use crate::server::Shared;
+use crate::request::{Step, actor, edit_request, step};
+use crate::room::{Message, Snapshot, time_ms};
+use crate::scenes::{Decoded, Scenes};
+use crate::state::AppState;
 use crate::storage::Storage;
-use crate::token::random_digits;
 
 /// Records that are read from the store at a time.
 const PAGE: usize = 256;
 
 /// `GET /sessions`.
-pub async fn list(State(shared): State<Arc<Shared>>) -> Answer {
-    let rows = shared.backend.storage.read(Store::sessions).await?;
-    let clients = shared.rooms.count_clients().await?;
+pub async fn list(State(state): State<Arc<AppState>>) -> Answer {
+    let rows = state.backend.storage.read(Store::sessions).await?;
+    let clients = state.rooms.count_clients().await?;
     let entry = |row: SessionRow| SessionEntry {
         clients: clients.get(row.name.as_str()).copied().unwrap_or_default(),
         name: row.name,
@@ -39,13 +41,13 @@ pub async fn list(State(shared): State<Arc<Shared>>) -> Answer {
 }
 
 /// `POST /sessions`.
-pub async fn create(State(shared): State<Arc<Shared>>, headers: HeaderMap, body: Bytes) -> Answer {
+pub async fn create(State(state): State<Arc<AppState>>, headers: HeaderMap, body: Bytes) -> Answer {
     let NewSession { name, scene } = read_json(&headers, &body)?;
     let load = match scene {
         None => None,
         Some(scene) => {
             let command = protocol::Command::LoadScene { scene, name: None };
-            Some(edit_request(command, None, &shared.backend.scenes).await?)
+            Some(edit_request(command, None, &state.backend.scenes).await?)
         }
     };
     let mut session = Session::default();
@@ -53,41 +55,42 @@ pub async fn create(State(shared): State<Arc<Shared>>, headers: HeaderMap, body:
     if let Some(load) = load {
         let scene = match &load {
             Request::Edit { command: Command::LoadScene { asset, .. }, .. } => {
-                let decoded = shared.backend.scenes.load(*asset).await?;
-                notes = decoded.notes.to_vec();
-                Some(decoded.scene)
+                state.backend.scenes.load(*asset).await?
             }
-            _ => None,
+            _ => Decoded::default(),
         };
-        let sources = Sources { scene: &|_| scene.clone(), taken_back: None };
+        notes = scene.notes.to_vec();
+        let context = Context { reach: scene.posed.reach(), loaded: Some(&scene.contents) };
+        let sources = Sources { context, taken_back: None };
         records.push(session.request(load, &program(), &new_op_id()?, time_ms(), sources)?);
     }
     let hash = session.document().hash();
-    let epoch = shared.backend.storage.begin_session(&name, records, hash).await?;
+    let epoch = state.backend.storage.begin_session(&name, records, hash).await?;
     let (seq, document) = (session.seq(), session.document().into());
     Ok(created(&SessionState { name, epoch, seq, hash: hash.to_string(), document, notes }))
 }
 
 /// `GET /sessions/S`.
-pub async fn show(State(shared): State<Arc<Shared>>, SessionName(name): SessionName) -> Answer {
-    let snapshot = shared.rooms.find(&name).await?.ask(Message::Look).await?;
-    Ok(json(&state(&snapshot)))
+pub async fn show(State(state): State<Arc<AppState>>, SessionName(name): SessionName) -> Answer {
+    let snapshot = state.rooms.find(&name).await?.request(Message::Snapshot).await?;
+    Ok(json(&session_state(&snapshot)))
 }
 
-fn state(snapshot: &Snapshot) -> SessionState {
+fn session_state(snapshot: &Snapshot) -> SessionState {
     SessionState {
         name: snapshot.name.clone(),
         epoch: snapshot.epoch.clone(),
         seq: snapshot.seq,
         hash: snapshot.document.hash().to_string(),
         document: (&snapshot.document).into(),
-        notes: snapshot.notes.to_vec(),
+        notes: snapshot.scene.notes.to_vec(),
     }
 }
 
 /// `POST /sessions/S/edits`.
 pub async fn edit(
-    State(shared): State<Arc<Shared>>,
+    State(state): State<Arc<AppState>>,
+    Extension(credential): Extension<Credential>,
     SessionName(name): SessionName,
     headers: HeaderMap,
     body: Bytes,
@@ -96,18 +99,18 @@ pub async fn edit(
     if edits.len() > MAX_EDITS {
         return Err(ServerError::TooLarge { what: "a request", limit: MAX_EDITS, unit: "edits" });
     }
-    let actor = who.map_or_else(|| Ok(program()), actor)?;
+    let principal = Principal { credential, actor: who.map_or_else(|| Ok(program()), actor)? };
     let mut steps = Vec::with_capacity(edits.len());
     for edit in edits {
-        steps.push(understand(edit, &shared.backend.scenes).await?);
+        steps.push(parse_edit(edit, &state.backend.scenes).await?);
     }
-    let room = shared.rooms.find(&name).await?;
-    let results = room.ask(|reply| Message::Edit { actor, steps, reply }).await?;
+    let room = state.rooms.find(&name).await?;
+    let results = room.request(|reply| Message::Edit { principal, steps, reply }).await?;
     Ok(json(&results))
 }
 
 /// One edit; what is wrong with its command is its own result, not that of the request.
-async fn understand(edit: Edit, scenes: &Scenes) -> Result<Step, ServerError> {
+async fn parse_edit(edit: Edit, scenes: &Scenes) -> Result<Step, ServerError> {
     let Edit { op_id, base_seq, command, undo, redo } = edit;
     let request = match (command, undo, redo) {
         (Some(command), None, None) => edit_request(command, base_seq, scenes).await,
@@ -141,13 +144,13 @@ struct LogQuery {
 }
 
 /// `GET /sessions/S/log`, sent as it is read.
-pub async fn log(State(shared): State<Arc<Shared>>, SessionName(name): SessionName, uri: Uri) -> Answer {
+pub async fn log(State(state): State<Arc<AppState>>, SessionName(name): SessionName, uri: Uri) -> Answer {
     let LogQuery { from, limit } = read_query(&uri)?;
     let limit = limit.unwrap_or(MAX_LOG_RECORDS);
     if limit > MAX_LOG_RECORDS {
         return Err(ServerError::TooLarge { what: "an answer", limit: MAX_LOG_RECORDS, unit: "records" });
     }
-    let storage = shared.backend.storage.clone();
+    let storage = state.backend.storage.clone();
     let session = name.clone();
     storage.read(move |store| store.session(&session)).await?;
     let pages = try_unfold((from.unwrap_or(1).max(1), limit), move |(from, left)| {

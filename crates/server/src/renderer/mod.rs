@@ -1,13 +1,13 @@
-//! The one thread that owns the graphics device, and the way to it.
+//! The one thread that owns the graphics device, and how others have it draw.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::thread::{self, JoinHandle};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use light::Light;
+use light::LightInstance;
 use render::{PictureFormat, Pixels, RenderError, View, ViewSlot};
-use scene::Scene;
+use scene::PosedScene;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use crate::ServerError;
@@ -15,18 +15,18 @@ use crate::limits::RENDER_QUEUE;
 use crate::metrics::Metrics;
 
 mod schedule;
-mod studio;
+mod thread;
 
 pub use schedule::Urgency;
-use studio::Studio;
+use thread::RenderLoop;
 
-/// How the pipelines stand.
+/// Whether the pipelines are ready.
 #[derive(Clone, Debug)]
-pub enum Warmth {
+pub enum Readiness {
     /// They are drawn for the first time, which compiles them.
-    Warming,
+    WarmingUp,
     /// Each has drawn once.
-    Warm,
+    Ready,
     /// One could not: why.
     Failed(RenderError),
 }
@@ -57,7 +57,7 @@ impl Lease {
 impl Drop for Lease {
     fn drop(&mut self) {
         // Wakes it. Where the queue is full it is awake.
-        let _ = self.jobs.try_send(Job::Look);
+        let _ = self.jobs.try_send(Job::Wake);
     }
 }
 
@@ -69,14 +69,14 @@ pub struct Request {
     /// Who sees it; the slot of `view` is this one's.
     pub viewer: Arc<Lease>,
     /// Geometry and materials.
-    pub scene: Arc<Scene>,
+    pub scene: Arc<PosedScene>,
     /// From where, how large, of what.
     pub view: View,
     /// All lights that shine in it.
-    pub lights: Vec<Light>,
+    pub lights: Vec<LightInstance>,
     /// In which form.
     pub output: Output,
-    /// When.
+    /// How soon it is wanted.
     pub urgency: Urgency,
 }
 
@@ -91,11 +91,11 @@ pub struct Drawn {
     pub took: Duration,
 }
 
-/// The way to the render thread.
+/// Hands pictures to the render thread.
 #[derive(Clone, Debug)]
 pub struct Renders {
     jobs: mpsc::Sender<Job>,
-    warmth: watch::Receiver<Warmth>,
+    readiness: watch::Receiver<Readiness>,
     leases: Arc<AtomicU64>,
 }
 
@@ -112,7 +112,7 @@ impl Drop for RenderThread {
     fn drop(&mut self) {
         self.ending.store(true, Ordering::Relaxed);
         // Wakes it. Where the queue is full it is awake.
-        let _ = self.jobs.try_send(Job::Look);
+        let _ = self.jobs.try_send(Job::Wake);
         if let Some(thread) = self.thread.take()
             && thread.join().is_err()
         {
@@ -128,22 +128,22 @@ type Answer = oneshot::Sender<Result<Drawn, RenderError>>;
 enum Job {
     Draw(Box<Request>, Answer),
     /// Somebody is gone, or nothing will be drawn any more.
-    Look,
+    Wake,
 }
 
 impl Renders {
     /// Opens the device on a thread of its own, which then warms up. Blocks until the device is open.
     pub fn start(metrics: Arc<Metrics>) -> Result<(Self, RenderThread), ServerError> {
         let (jobs, inbox) = mpsc::channel(RENDER_QUEUE);
-        let (warm, warmth) = watch::channel(Warmth::Warming);
+        let (noted, readiness) = watch::channel(Readiness::WarmingUp);
         let (opened, is_open) = std::sync::mpsc::sync_channel(1);
         let ending = Arc::new(AtomicBool::new(false));
         let ended = Arc::clone(&ending);
-        let thread = thread::spawn(move || match Studio::open(metrics, inbox, ended) {
-            Ok(studio) => {
+        let thread = std::thread::spawn(move || match RenderLoop::open(metrics, inbox, ended) {
+            Ok(render_loop) => {
                 if opened.send(Ok(())).is_ok() {
-                    warm.send_replace(studio.warm_up());
-                    studio.run();
+                    noted.send_replace(render_loop.warm_up());
+                    render_loop.run();
                 }
             }
             // The other end waits for exactly this.
@@ -151,12 +151,12 @@ impl Renders {
         });
         let thread = RenderThread { jobs: jobs.clone(), ending, thread: Some(thread) };
         is_open.recv().map_err(|_| ServerError::Fault)??;
-        Ok((Self { jobs, warmth, leases: Arc::default() }, thread))
+        Ok((Self { jobs, readiness, leases: Arc::default() }, thread))
     }
 
-    /// How the pipelines stand.
-    pub fn warmth(&self) -> Warmth {
-        self.warmth.borrow().clone()
+    /// Whether the pipelines are ready.
+    pub fn readiness(&self) -> Readiness {
+        self.readiness.borrow().clone()
     }
 
     /// Draws a picture. Dropping the future gives it up.

@@ -1,62 +1,47 @@
 //! Who is here: coming, going, presence.
 
-use axum::extract::ws::Utf8Bytes;
-use edit::Actor;
-use protocol::{Document, Presence, Resync, ServerMessage, Settings, State, Welcome};
-use stream::Pace;
+use protocol::{
+    Document, GestureState, GestureStatus, Presence, Resync, ServerMessage, Settings, State, Welcome,
+};
 
 use super::Room;
-use super::message::{ClientId, Join};
+use super::message::Join;
 use super::tick::Tick;
-use super::views::Source;
 use crate::ServerError;
-use crate::lane::{Lane, complaint, text};
+use crate::access::Principal;
 use crate::limits::{MAX_CLIENTS, MAX_TAIL, MAX_VIEW_SIDE};
+use crate::outbox::Outbox;
+use crate::outboxes::ClientId;
 
 /// One connection.
 pub(super) struct Client {
-    pub actor: Actor,
-    pub lane: Lane,
+    pub principal: Principal,
     /// The light it has selected.
     pub selection: Option<u64>,
-    /// What it looks at.
-    pub source: Source,
-    /// Whose view it is shown, and how large, as it was last told.
-    pub shown: Option<(ClientId, [u32; 2])>,
-    /// When it gets its next frame.
-    pub pace: Pace,
-    /// Number of its latest frame.
-    pub frame: u64,
 }
 
 impl Room {
     /// Takes in a client, or tells it why not. All that was done before is committed.
     pub(super) async fn join(&mut self, join: Join) {
-        let Join { actor, epoch, last_seq, mut lane, joined } = join;
+        let Join { principal, epoch, last_seq, mut outbox, joined } = join;
         if self.draining {
-            return lane.complain(&ServerError::Draining, true);
+            return outbox.send_error(&ServerError::Draining, true);
         }
         if self.clients.len() >= MAX_CLIENTS {
             let error = ServerError::TooMany { what: "clients in a session", limit: MAX_CLIENTS };
-            return lane.complain(&error, true);
+            return outbox.send_error(&error, true);
         }
         let known = last_seq.filter(|_| epoch.as_ref() == Some(&self.epoch));
         let state = self.state_from(known).await;
         self.last_client += 1;
         let id = self.last_client;
-        let client = Client {
-            actor,
-            lane,
-            selection: None,
-            source: Source::Nothing,
-            shown: None,
-            pace: Pace::new(),
-            frame: 0,
-        };
-        self.clients.insert(id, client);
+        tracing::debug!("client {id} of session {}: {principal}", self.name);
+        self.clients.insert(id, Client { principal, selection: None });
+        self.outboxes.insert(id, outbox);
+        self.views.insert(id);
         self.backend.metrics.clients.inc();
         let welcome = self.welcome(id, state);
-        self.say_to(id, &ServerMessage::Welcome(Box::new(welcome)));
+        self.outboxes.send(id, &ServerMessage::Welcome(Box::new(welcome)));
         self.presence_changed = true;
         self.note_client_count();
         if joined.send(id).is_err() {
@@ -68,7 +53,7 @@ impl Room {
 
     fn welcome(&self, client: ClientId, state: State) -> Welcome {
         let document = self.session.document();
-        let camera = document.cameras().values().next().unwrap_or(&self.surroundings.framing);
+        let camera = document.cameras().values().next().unwrap_or(&self.scene.framing);
         Welcome {
             protocol: protocol::PROTOCOL,
             session: self.name.to_string(),
@@ -77,17 +62,23 @@ impl Room {
             seq: self.session.seq(),
             hash: document.hash().to_string(),
             state,
-            bounds: self.surroundings.bounds,
-            notes: self.surroundings.notes.to_vec(),
+            bounds: self.scene.bounds,
+            notes: self.scene.decoded.notes.to_vec(),
             camera: camera.into(),
             clients: self.presence(),
-            gestures: self.session.gestures().map(|gesture| self.gesture_state(gesture)).collect(),
+            gestures: self.gesture_states(),
             settings: Settings {
                 ack_window: stream::WINDOW as u32,
                 lease_ms: edit::LEASE_MS,
                 max_view_side: MAX_VIEW_SIDE,
             },
         }
+    }
+
+    /// The gestures under way.
+    fn gesture_states(&self) -> Vec<GestureState> {
+        let held = |gesture| self.gesture_state(gesture, GestureStatus::Held { refused: None });
+        self.session.gestures().map(held).collect()
     }
 
     /// The records after the one that the client knows; all of the document where it knows none or too few.
@@ -109,11 +100,14 @@ impl Room {
 
     /// A client goes, and its gestures with it. Who looked at its view goes on from there.
     pub(super) fn leave(&mut self, id: ClientId, tick: &mut Tick) {
-        let Some(client) = self.clients.remove(&id) else { return };
+        if self.clients.remove(&id).is_none() {
+            return;
+        }
         self.backend.metrics.clients.dec();
-        self.hand_over(id, &client.source);
+        self.outboxes.remove(id);
+        self.views.remove(id);
         for gesture in self.session.end_gestures_of(id) {
-            self.end_gesture(gesture, protocol::GestureEnd::Cancelled, None, tick);
+            self.end_gesture(gesture, GestureStatus::Cancelled { refused: None }, tick);
         }
         self.presence_changed = true;
         self.note_client_count();
@@ -121,55 +115,44 @@ impl Room {
 
     /// Lets go of clients whose connection is over, though they have not said so.
     pub(super) fn drop_lost_clients(&mut self) {
-        let lost: Vec<ClientId> =
-            self.clients.iter().filter(|(_, client)| client.lane.is_over()).map(|(id, _)| *id).collect();
-        for id in lost {
+        for id in self.outboxes.closed() {
             let mut tick = Tick::default();
             self.leave(id, &mut tick);
-            self.utter(tick);
+            self.publish(tick);
         }
     }
 
-    pub(super) fn say_presence(&mut self) {
+    pub(super) fn broadcast_presence(&mut self) {
         self.presence_changed = false;
         let clients = self.presence();
-        self.say_to_all(&ServerMessage::Presence { clients }, None);
+        self.outboxes.broadcast(&ServerMessage::Presence { clients }, None);
     }
 
     fn presence(&self) -> Vec<Presence> {
         let presence = |(&id, client): (&ClientId, &Client)| Presence {
             client: id,
-            actor: (&client.actor).into(),
+            actor: (&client.principal.actor).into(),
             selection: client.selection,
-            following: match client.source {
-                Source::Follow(leader) => Some(leader),
-                Source::Nothing | Source::Own(_) => None,
-            },
-            camera: match &client.source {
-                Source::Own(view) => Some((&view.camera).into()),
-                Source::Nothing | Source::Follow(_) => None,
-            },
+            following: self.views.leader_of(id),
+            camera: self.views.camera_of(id).map(Into::into),
         };
         self.clients.iter().map(presence).collect()
     }
 
-    /// Tells clients that were behind, and have taken what they were sent, how things are.
+    /// Sends clients that were behind, and have taken what they were sent, the session as it is.
     pub(super) fn catch_up_clients(&mut self) {
-        self.catch_up(|client| client.lane.can_catch_up());
+        self.catch_up(Outbox::can_catch_up);
     }
 
-    /// Tells all clients that are behind how things are: there will be no other time.
+    /// Sends all clients that are behind the session as it is: there will be no other time.
     pub(super) fn catch_up_all(&mut self) {
-        self.catch_up(|client| client.lane.is_behind());
+        self.catch_up(Outbox::is_behind);
     }
 
-    fn catch_up(&mut self, chosen: impl Fn(&Client) -> bool) {
-        if !self.clients.values().any(&chosen) {
-            return;
-        }
-        let resync = text(&ServerMessage::Resync(Box::new(self.resync())));
-        for client in self.clients.values_mut().filter(|client| chosen(client)) {
-            client.lane.catch_up(resync.clone());
+    fn catch_up(&mut self, chosen: impl Fn(&Outbox) -> bool) {
+        if self.outboxes.any(&chosen) {
+            let resync = ServerMessage::Resync(Box::new(self.resync()));
+            self.outboxes.catch_up(chosen, &resync);
         }
     }
 
@@ -179,45 +162,10 @@ impl Room {
             seq: self.session.seq(),
             hash: document.hash().to_string(),
             document: document.into(),
-            bounds: self.surroundings.bounds,
-            notes: self.surroundings.notes.to_vec(),
+            bounds: self.scene.bounds,
+            notes: self.scene.decoded.notes.to_vec(),
             clients: self.presence(),
-            gestures: self.session.gestures().map(|gesture| self.gesture_state(gesture)).collect(),
-        }
-    }
-
-    pub(super) fn has_clients_behind(&self) -> bool {
-        self.clients.values().any(|client| client.lane.is_behind())
-    }
-
-    /// Tells a client what it has asked for, or alone is to know.
-    pub(super) fn say_to(&mut self, client: ClientId, message: &ServerMessage) {
-        if let Some(client) = self.clients.get_mut(&client) {
-            client.lane.say(message);
-        }
-    }
-
-    /// Tells all clients but those that are behind; they are told the outcome. `asker` is told in any case.
-    pub(super) fn say_to_all(&mut self, message: &ServerMessage, asker: Option<ClientId>) {
-        let text: Utf8Bytes = text(message);
-        for (id, client) in &mut self.clients {
-            if Some(*id) == asker {
-                client.lane.say_text(text.clone());
-            } else {
-                client.lane.spread(text.clone());
-            }
-        }
-    }
-
-    /// Tells a client what was wrong with what it has asked for.
-    pub(super) fn complain_to(&mut self, client: ClientId, error: &ServerError) {
-        self.say_to(client, &complaint(error, false));
-    }
-
-    /// Tells a client, unless it is behind, what is wrong without its doing.
-    pub(super) fn warn(&mut self, client: ClientId, error: &ServerError) {
-        if let Some(client) = self.clients.get_mut(&client) {
-            client.lane.spread(text(&complaint(error, false)));
+            gestures: self.gesture_states(),
         }
     }
 }

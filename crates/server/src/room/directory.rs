@@ -12,14 +12,14 @@ use crate::ServerError;
 use crate::backend::Backend;
 use crate::limits::{MAX_ROOMS, ROOM_QUEUE};
 
-/// The way to the directory.
+/// Reaches the directory of open sessions.
 #[derive(Clone, Debug)]
 pub struct Rooms {
-    errands: mpsc::Sender<Errand>,
+    requests: mpsc::Sender<DirectoryRequest>,
 }
 
 #[derive(Debug)]
-enum Errand {
+enum DirectoryRequest {
     Find {
         name: String,
         reply: Reply<RoomHandle>,
@@ -38,47 +38,47 @@ struct Entry {
     number: u64,
     /// `None` once it was told to close.
     handle: Option<RoomHandle>,
-    signs: Arc<Signs>,
+    status: Arc<RoomStatus>,
     task: JoinHandle<()>,
 }
 
 /// What the directory sees of an open session.
 #[derive(Debug, Default)]
-pub(super) struct Signs {
+pub(super) struct RoomStatus {
     pub clients: AtomicUsize,
-    /// When it was last told anything, in milliseconds since the server started.
+    /// When it was last sent anything, in milliseconds since the server started.
     pub used_ms: AtomicU64,
 }
 
 impl Rooms {
     /// Starts the directory, with no session open.
     pub fn start(backend: Backend) -> Self {
-        let (errands, inbox) = mpsc::channel(ROOM_QUEUE);
-        let rooms = Self { errands };
+        let (requests, inbox) = mpsc::channel(ROOM_QUEUE);
+        let rooms = Self { requests };
         let directory = Directory { backend, rooms: rooms.clone(), entries: BTreeMap::new(), last_number: 0 };
         tokio::spawn(directory.run(inbox));
         rooms
     }
 
-    /// The way to a session, which is opened where it is not.
+    /// A session, which is opened where it is not.
     pub async fn find(&self, name: &str) -> Result<RoomHandle, ServerError> {
         let (reply, found) = oneshot::channel();
-        let errand = Errand::Find { name: name.into(), reply };
-        self.errands.send(errand).await.map_err(|_| ServerError::Draining)?;
+        let request = DirectoryRequest::Find { name: name.into(), reply };
+        self.requests.send(request).await.map_err(|_| ServerError::Draining)?;
         found.await.map_err(|_| ServerError::Draining)??.opened().await
     }
 
     /// How many clients each open session has.
     pub async fn count_clients(&self) -> Result<BTreeMap<Arc<str>, usize>, ServerError> {
         let (reply, counts) = oneshot::channel();
-        self.errands.send(Errand::CountClients(reply)).await.map_err(|_| ServerError::Draining)?;
+        self.requests.send(DirectoryRequest::CountClients(reply)).await.map_err(|_| ServerError::Draining)?;
         counts.await.map_err(|_| ServerError::Draining)
     }
 
     /// Closes all sessions. Returns when each has committed what it had accepted and told its clients.
     pub async fn drain(&self) {
         let (reply, done) = oneshot::channel();
-        if self.errands.send(Errand::Drain(reply)).await.is_ok() {
+        if self.requests.send(DirectoryRequest::Drain(reply)).await.is_ok() {
             // An error means that the directory has ended, and with it all rooms.
             let _ = done.await;
         }
@@ -86,7 +86,7 @@ impl Rooms {
 
     /// A room has nothing to do and may be closed. Where the queue is full it will say so again.
     pub(super) fn idle(&self, name: &Arc<str>, number: u64) {
-        let _ = self.errands.try_send(Errand::Idle { name: Arc::clone(name), number });
+        let _ = self.requests.try_send(DirectoryRequest::Idle { name: Arc::clone(name), number });
     }
 }
 
@@ -98,14 +98,14 @@ struct Directory {
 }
 
 impl Directory {
-    async fn run(mut self, mut inbox: mpsc::Receiver<Errand>) {
-        while let Some(errand) = inbox.recv().await {
+    async fn run(mut self, mut inbox: mpsc::Receiver<DirectoryRequest>) {
+        while let Some(request) = inbox.recv().await {
             // Whoever asked may not be waiting any more.
-            match errand {
-                Errand::Find { name, reply } => drop(reply.send(self.find(name.into()))),
-                Errand::Idle { name, number } => self.retire(&name, number),
-                Errand::CountClients(reply) => drop(reply.send(self.count_clients())),
-                Errand::Drain(done) => {
+            match request {
+                DirectoryRequest::Find { name, reply } => drop(reply.send(self.find(name.into()))),
+                DirectoryRequest::Idle { name, number } => self.retire(&name, number),
+                DirectoryRequest::CountClients(reply) => drop(reply.send(self.count_clients())),
+                DirectoryRequest::Drain(done) => {
                     inbox.close();
                     self.drain().await;
                     let _ = done.send(());
@@ -117,36 +117,36 @@ impl Directory {
 
     fn find(&mut self, name: Arc<str>) -> Result<RoomHandle, ServerError> {
         if let Some(handle) = self.entries.get(&name).and_then(|entry| entry.handle.as_ref())
-            && !handle.is_over()
+            && !handle.is_closed()
         {
             return Ok(handle.clone());
         }
         self.entries.retain(|_, entry| !entry.task.is_finished());
         let before = self.entries.remove(&name).map(|entry| entry.task);
-        self.make_way()?;
+        self.close_unused()?;
         self.last_number += 1;
-        let (number, signs) = (self.last_number, Arc::new(Signs::default()));
+        let (number, status) = (self.last_number, Arc::new(RoomStatus::default()));
         let (sender, inbox) = mpsc::channel(ROOM_QUEUE);
         let (opening, opened) = watch::channel(Opening::UnderWay);
         let named = (Arc::clone(&name), number);
         let shared = (self.backend.clone(), self.rooms.clone());
-        let room = super::run(inbox, named, (opening, Arc::clone(&signs)), shared, before);
+        let room = super::run(inbox, named, (opening, Arc::clone(&status)), shared, before);
         let handle = RoomHandle::new(sender, opened);
-        let entry = Entry { number, handle: Some(handle.clone()), signs, task: tokio::spawn(room) };
+        let entry = Entry { number, handle: Some(handle.clone()), status, task: tokio::spawn(room) };
         self.entries.insert(name, entry);
         Ok(handle)
     }
 
     /// Sees to it that one more room may be open: closes the one of those that nobody else has a way to which was unused
     /// for longest. It finishes by itself; whoever asks for its session meanwhile waits for that.
-    fn make_way(&mut self) -> Result<(), ServerError> {
+    fn close_unused(&mut self) -> Result<(), ServerError> {
         let open = self.entries.values().filter(|entry| entry.handle.is_some()).count();
         if open < MAX_ROOMS {
             return Ok(());
         }
-        let unused = |entry: &&mut Entry| entry.handle.as_ref().is_some_and(RoomHandle::is_last);
+        let unused = |entry: &&mut Entry| entry.handle.as_ref().is_some_and(RoomHandle::is_only_one);
         let candidates = self.entries.values_mut().filter(unused);
-        let oldest = candidates.min_by_key(|entry| entry.signs.used_ms.load(Ordering::Relaxed));
+        let oldest = candidates.min_by_key(|entry| entry.status.used_ms.load(Ordering::Relaxed));
         let too_many = ServerError::TooMany { what: "open sessions", limit: MAX_ROOMS };
         oldest.ok_or(too_many)?.handle = None;
         Ok(())
@@ -156,21 +156,21 @@ impl Directory {
     fn retire(&mut self, name: &str, number: u64) {
         if let Some(entry) = self.entries.get_mut(name)
             && entry.number == number
-            && entry.handle.as_ref().is_some_and(RoomHandle::is_last)
+            && entry.handle.as_ref().is_some_and(RoomHandle::is_only_one)
         {
             entry.handle = None;
         }
     }
 
     fn count_clients(&self) -> BTreeMap<Arc<str>, usize> {
-        let count = |entry: &Entry| entry.signs.clients.load(Ordering::Relaxed);
+        let count = |entry: &Entry| entry.status.clients.load(Ordering::Relaxed);
         self.entries.iter().map(|(name, entry)| (Arc::clone(name), count(entry))).collect()
     }
 
     async fn drain(&mut self) {
         for handle in self.entries.values().filter_map(|entry| entry.handle.as_ref()) {
-            // One that is over needs no telling.
-            let _ = handle.tell(Message::Drain).await;
+            // One that is over needs none.
+            let _ = handle.send(Message::Drain).await;
         }
         for (_, entry) in std::mem::take(&mut self.entries) {
             let _ = entry.task.await;

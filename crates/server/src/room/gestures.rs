@@ -1,14 +1,14 @@
 //! Drags: live for everybody, in the log only once they are committed.
 
-use document::{Change, Command};
+use document::{Change, Command, Context};
 use edit::{Actor, Gesture, Refusal};
 use light::LightId;
-use protocol::{GestureEnd, GestureState, Problem, ServerMessage};
+use protocol::{GestureState, GestureStatus};
 
 use super::Room;
-use super::message::ClientId;
-use super::tick::{Say, Tick};
+use super::tick::{Outgoing, Tick};
 use crate::ServerError;
+use crate::outboxes::ClientId;
 
 impl Room {
     pub(super) fn begin_gesture(
@@ -21,7 +21,8 @@ impl Room {
     ) {
         let now_ms = self.clock_ms();
         match self.session.begin_gesture(id, light, base_seq, holder, now_ms).cloned() {
-            Ok(gesture) => tick.say(Say::All(ServerMessage::GestureState(self.gesture_state(&gesture)))),
+            Ok(gesture) => tick
+                .send(Outgoing::Gesture(self.gesture_state(&gesture, GestureStatus::Held { refused: None }))),
             Err(refusal) => self.refuse_gesture((id, light.0), holder.0, &refusal.into(), tick),
         }
     }
@@ -40,27 +41,27 @@ impl Room {
         };
         let now_ms = self.clock_ms();
         let updated = command.and_then(|command| {
-            // A gesture is of a light, and lights need no scene.
-            Ok(self.session.update_gesture(id, update, command, actor, now_ms, &|_| None).cloned()?)
+            let context = Context { reach: self.scene.decoded.posed.reach(), loaded: None };
+            Ok(self.session.update_gesture(id, update, command, actor, now_ms, context).cloned()?)
         });
         match updated {
             Ok(gesture) => {
                 tick.shows |= shows(&before) || shows(&gesture);
                 self.live_revision = self.live_revision.wrapping_add(1);
-                tick.say(Say::All(ServerMessage::GestureState(self.gesture_state(&gesture))));
+                tick.send(Outgoing::Gesture(
+                    self.gesture_state(&gesture, GestureStatus::Held { refused: None }),
+                ));
             }
             Err(error) => {
-                let Problem { code, message } = error.problem();
-                let state = self.gesture_state(&before);
-                let state = GestureState { code: Some(code), message: Some(message), ..state };
-                tick.say(Say::To(client, ServerMessage::GestureState(state)));
+                let status = GestureStatus::Held { refused: Some(error.problem()) };
+                tick.send(Outgoing::GestureRefusal(client, self.gesture_state(&before, status)));
             }
         }
     }
 
     pub(super) fn cancel_gesture(&mut self, id: &str, (client, actor): (ClientId, &Actor), tick: &mut Tick) {
         match self.session.end_gesture(id, actor) {
-            Ok(gesture) => self.end_gesture(gesture, GestureEnd::Cancelled, None, tick),
+            Ok(gesture) => self.end_gesture(gesture, GestureStatus::Cancelled { refused: None }, tick),
             Err(refusal) => self.refuse_gesture((id, 0), client, &refusal.into(), tick),
         }
     }
@@ -70,25 +71,17 @@ impl Room {
         let mut tick = Tick::default();
         let now_ms = self.clock_ms();
         for gesture in self.session.expire_gestures(now_ms) {
-            self.end_gesture(gesture, GestureEnd::Expired, None, &mut tick);
+            self.end_gesture(gesture, GestureStatus::Expired, &mut tick);
         }
-        self.utter(tick);
+        self.publish(tick);
     }
 
     /// Tells everybody that a gesture is over and changes nothing any more.
-    pub(super) fn end_gesture(
-        &mut self,
-        mut gesture: Gesture,
-        end: GestureEnd,
-        problem: Option<Problem>,
-        tick: &mut Tick,
-    ) {
+    pub(super) fn end_gesture(&mut self, mut gesture: Gesture, status: GestureStatus, tick: &mut Tick) {
         tick.shows |= shows(&gesture);
         self.live_revision = self.live_revision.wrapping_add(1);
-        gesture.changes.clear();
-        let (code, message) = problem.map(|problem| (problem.code, problem.message)).unzip();
-        let state = GestureState { ended: Some(end), code, message, ..self.gesture_state(&gesture) };
-        tick.say(Say::All(ServerMessage::GestureState(state)));
+        gesture.shown = None;
+        tick.send(Outgoing::Gesture(self.gesture_state(&gesture, status)));
     }
 
     /// Tells a client that it holds no such gesture.
@@ -99,7 +92,6 @@ impl Room {
         error: &ServerError,
         tick: &mut Tick,
     ) {
-        let Problem { code, message } = error.problem();
         let state = GestureState {
             gesture: id.to_owned(),
             client,
@@ -107,11 +99,9 @@ impl Room {
             update: 0,
             live_revision: self.live_revision,
             changes: Vec::new(),
-            ended: Some(GestureEnd::Rejected),
-            code: Some(code),
-            message: Some(message),
+            status: GestureStatus::Rejected(error.problem()),
         };
-        tick.say(Say::To(client, ServerMessage::GestureState(state)));
+        tick.send(Outgoing::GestureRefusal(client, state));
     }
 
     /// The gesture that an actor holds under that name.
@@ -119,21 +109,19 @@ impl Room {
         self.session.gestures().find(|held| held.id == id && held.actor.id == actor.id).cloned()
     }
 
-    pub(super) fn gesture_state(&self, gesture: &Gesture) -> GestureState {
+    pub(super) fn gesture_state(&self, gesture: &Gesture, status: GestureStatus) -> GestureState {
         GestureState {
             gesture: gesture.id.clone(),
             client: gesture.client,
             light: gesture.light.0,
             update: gesture.update,
             live_revision: self.live_revision,
-            changes: gesture.changes.iter().map(protocol::Change::from).collect(),
-            ended: None,
-            code: None,
-            message: None,
+            changes: gesture.changes().iter().map(protocol::Change::from).collect(),
+            status,
         }
     }
 }
 
 fn shows(gesture: &Gesture) -> bool {
-    gesture.changes.iter().any(Change::changes_picture)
+    gesture.changes().iter().any(Change::changes_picture)
 }

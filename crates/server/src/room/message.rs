@@ -1,49 +1,47 @@
-//! What a session's task can be told.
+//! What a session's task is sent.
 
 use std::sync::Arc;
 
-use document::{Command, Document};
-use edit::{Actor, Request};
-use light::LightId;
+use document::Document;
 use protocol::EditResults;
-use scene::Camera;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use crate::ServerError;
-use crate::lane::Lane;
+use crate::access::Principal;
+use crate::outbox::Outbox;
+use crate::outboxes::ClientId;
 use crate::renderer::Lease;
+use crate::request::{ClientRequest, Step};
+use crate::scenes::Decoded;
 
-/// A client of a session. Counts from 1 while the session is open.
-pub type ClientId = u64;
-
-/// One answer to one question.
+/// Where the one answer to a request goes.
 pub type Reply<T> = oneshot::Sender<Result<T, ServerError>>;
 
-/// What a session's task can be told.
+/// What a session's task is sent.
 #[derive(Debug)]
 pub enum Message {
     /// A client has said hello.
     Join(Box<Join>),
-    /// A client asks for something.
-    Ask {
+    /// A client requests something.
+    Client {
         /// Which.
         client: ClientId,
-        /// For what.
-        ask: Ask,
+        /// What.
+        request: ClientRequest,
     },
     /// A client is gone.
     Leave(ClientId),
     /// A program edits.
     Edit {
         /// On whose behalf.
-        actor: Actor,
+        principal: Principal,
         /// In order.
         steps: Vec<Step>,
         /// One result a step.
         reply: Reply<EditResults>,
     },
-    /// A program looks.
-    Look(Reply<Snapshot>),
+    /// A program wants to see the session.
+    Snapshot(Reply<Snapshot>),
     /// The server is asked to stop: finish what is waiting and end.
     Drain,
 }
@@ -52,81 +50,15 @@ pub enum Message {
 #[derive(Debug)]
 pub struct Join {
     /// Who.
-    pub actor: Actor,
+    pub principal: Principal,
     /// The history that the client knows.
     pub epoch: Option<String>,
     /// The latest record that it knows.
     pub last_seq: Option<u64>,
-    /// The way to it.
-    pub lane: Lane,
+    /// What is sent to it.
+    pub outbox: Outbox,
     /// Told the client's number after its welcome.
     pub joined: oneshot::Sender<ClientId>,
-}
-
-/// What clients ask for.
-#[derive(Debug)]
-pub enum Ask {
-    /// A view of one's own.
-    OpenView {
-        /// From where.
-        camera: Camera,
-        /// The client's number for it.
-        camera_revision: u32,
-        /// Width and height in pixels.
-        size: [u32; 2],
-    },
-    /// To see what another client sees.
-    Follow(ClientId),
-    /// Another camera of one's own view.
-    SetCamera {
-        /// Which.
-        camera: Camera,
-        /// The client's number for it.
-        camera_revision: u32,
-    },
-    /// Another size of one's own view, in pixels.
-    Resize([u32; 2]),
-    /// A frame is shown.
-    Ack(u64),
-    /// Something that ends in a record.
-    Step(Step),
-    /// To drag a light.
-    BeginGesture {
-        /// The client's name for it.
-        gesture: String,
-        /// Which light.
-        light: LightId,
-        /// The latest record that the client knew.
-        base_seq: u64,
-    },
-    /// The latest state of a drag.
-    UpdateGesture {
-        /// Which.
-        gesture: String,
-        /// The client's number for it.
-        update: u64,
-        /// The state, or why it has no meaning.
-        command: Result<Command, ServerError>,
-    },
-    /// To end a drag without a trace.
-    CancelGesture(String),
-    /// The light that the client looks at.
-    Select(Option<u64>),
-    /// What undo and redo would take back.
-    History,
-    /// A sign of life; the number comes back.
-    Ping(f64),
-    /// What could not be read or is not allowed: why.
-    Nonsense(ServerError),
-}
-
-/// A request for a record, under its sender's name for it; or why it has no meaning.
-#[derive(Debug)]
-pub struct Step {
-    /// The sender's name.
-    pub op_id: String,
-    /// What is asked for.
-    pub request: Result<Request, ServerError>,
 }
 
 /// A session as it stood after a record.
@@ -140,8 +72,8 @@ pub struct Snapshot {
     pub seq: u64,
     /// The document after it.
     pub document: Document,
-    /// What of its scene's file is not drawn or was changed, a sentence each.
-    pub notes: Arc<[String]>,
+    /// Its scene.
+    pub scene: Decoded,
     /// Keeps what the renderer has of it.
     pub lease: Arc<Lease>,
 }
@@ -157,7 +89,7 @@ pub(super) enum Opening {
     Failed(Arc<ServerError>),
 }
 
-/// The way to a session's task. The session stays open while there is one besides the directory's.
+/// Reaches a session's task. The session stays open while there is one besides the directory's.
 #[derive(Clone, Debug)]
 pub struct RoomHandle {
     inbox: mpsc::Sender<Message>,
@@ -179,25 +111,25 @@ impl RoomHandle {
         failed.map_or(Ok(self), |error| Err(ServerError::Opening(error)))
     }
 
-    /// Tells it something; waits while its queue is full.
-    pub async fn tell(&self, message: Message) -> Result<(), ServerError> {
+    /// Sends it a message; waits while its queue is full.
+    pub async fn send(&self, message: Message) -> Result<(), ServerError> {
         self.inbox.send(message).await.map_err(|_| ServerError::Draining)
     }
 
-    /// Asks it something.
-    pub async fn ask<T>(&self, question: impl FnOnce(Reply<T>) -> Message) -> Result<T, ServerError> {
+    /// Sends it a message that is answered, and waits for the answer.
+    pub async fn request<T>(&self, message: impl FnOnce(Reply<T>) -> Message) -> Result<T, ServerError> {
         let (reply, answer) = oneshot::channel();
-        self.tell(question(reply)).await?;
+        self.send(message(reply)).await?;
         answer.await.map_err(|_| ServerError::Draining)?
     }
 
     /// Whether its task is gone.
-    pub(super) fn is_over(&self) -> bool {
+    pub(super) fn is_closed(&self) -> bool {
         self.inbox.is_closed()
     }
 
-    /// Whether nobody else has a way to it.
-    pub(super) fn is_last(&self) -> bool {
+    /// Whether nobody else can reach it.
+    pub(super) fn is_only_one(&self) -> bool {
         self.inbox.strong_count() == 1
     }
 }

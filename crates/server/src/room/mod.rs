@@ -1,18 +1,18 @@
 //! One session: one task that owns its document, its clients and their views.
 //!
 //! The task takes a message, and what else is waiting; carries it out; commits the records that came of it together; and
-//! only then tells anybody (`tick`). A program's long request is carried out in parts, so that others come in between. In
-//! between it keeps the views' pictures going (`views`).
+//! only then publishes them (`commit`). A program's long request is carried out in parts, so that others come in between. In
+//! between it keeps the views' pictures going (`crate::views`).
 
 mod clients;
+mod commit;
 mod directory;
 mod gestures;
+mod inbox;
 mod message;
 mod past;
-mod pictures;
 mod steps;
 mod tick;
-mod views;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::future::ready;
@@ -20,26 +20,28 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use document::Document;
-use protocol::Bounds;
+use protocol::{Bounds, ServerMessage};
 use scene::Camera;
 use store::Opened;
 use tokio::sync::{mpsc, watch};
-use tokio::task::{JoinHandle, JoinSet, spawn_blocking};
+use tokio::task::JoinHandle;
 use tokio::time::{Instant, sleep_until};
 
 pub use directory::Rooms;
-pub use message::{Ask, ClientId, Join, Message, RoomHandle, Snapshot, Step};
-pub(crate) use tick::time_ms;
+pub use message::{Join, Message, RoomHandle, Snapshot};
+pub use steps::time_ms;
 
 use crate::ServerError;
 use crate::backend::Backend;
 use crate::limits::{IDLE_AT_MOST, LEASE_CHECK_EVERY, PRESENCE_EVERY, RETRY_AFTER, STALLED_CHECK_EVERY};
+use crate::outbox::Outbox;
+use crate::outboxes::{ClientId, Outboxes};
 use crate::renderer::Lease;
-use crate::scenes::Scenes;
+use crate::scenes::{Decoded, Scenes};
+use crate::views::{Live, Views};
 use clients::Client;
-use directory::Signs;
+use directory::RoomStatus;
 use message::Opening;
-use pictures::Picture;
 use tick::Batch;
 
 /// What the task owns.
@@ -56,34 +58,35 @@ struct Room {
     tail: store::Tail,
     /// Bytes of that checkpoint.
     checkpoint_bytes: u64,
-    surroundings: Surroundings,
+    scene: OpenScene,
     clients: BTreeMap<ClientId, Client>,
+    /// What waits to be sent to them.
+    outboxes: Outboxes,
+    /// What they look at.
+    views: Views,
     last_client: ClientId,
     /// What programs have asked for and is not all carried out, next first.
     batches: VecDeque<Batch>,
     /// For the directory to see.
-    signs: Arc<Signs>,
+    status: Arc<RoomStatus>,
     /// Counts what gestures show; frames carry it.
     live_revision: u32,
-    /// Counts what views show.
-    content_revision: u64,
-    pictures: JoinSet<Picture>,
     /// Somebody came, went, selected or moved since presence was last sent.
     presence_changed: bool,
     presence_due: Instant,
     leases_due: Instant,
     opened: Instant,
-    /// When it was last told anything.
+    /// When it was last sent anything.
     used: Instant,
     draining: bool,
 }
 
-/// What is known of a scene besides the document.
+/// The scene of the document as it is now, and what is known of it.
 #[derive(Clone)]
-struct Surroundings {
+struct OpenScene {
+    /// As its bytes have it.
+    decoded: Decoded,
     bounds: Bounds,
-    /// What of its file is not drawn or was changed, a sentence each.
-    notes: Arc<[String]>,
     /// A camera that sees everything.
     framing: Camera,
 }
@@ -93,7 +96,7 @@ struct Surroundings {
 async fn run(
     mut inbox: mpsc::Receiver<Message>,
     (name, number): (Arc<str>, u64),
-    (opening, signs): (watch::Sender<Opening>, Arc<Signs>),
+    (opening, status): (watch::Sender<Opening>, Arc<RoomStatus>),
     (backend, rooms): (Backend, Rooms),
     before: Option<JoinHandle<()>>,
 ) {
@@ -101,7 +104,7 @@ async fn run(
         // It may have failed; what it had committed is in the store.
         let _ = before.await;
     }
-    match Room::open((&name, number), signs, backend.clone()).await {
+    match Room::open((&name, number), status, backend.clone()).await {
         Ok(mut room) => {
             opening.send_replace(Opening::Open);
             backend.metrics.rooms.inc();
@@ -116,13 +119,11 @@ async fn run(
 impl Room {
     async fn open(
         (name, number): (&Arc<str>, u64),
-        signs: Arc<Signs>,
+        status: Arc<RoomStatus>,
         backend: Backend,
     ) -> Result<Self, ServerError> {
-        let (session_name, scenes) = (Arc::clone(name), Arc::clone(&backend.scenes));
-        let opened = backend.storage.read_with_scenes(&scenes, move |store, find_scene| {
-            store.open_session(&session_name, find_scene)
-        });
+        let session_name = Arc::clone(name);
+        let opened = backend.storage.read(move |store| store.open_session(&session_name));
         let Opened { row, session, tail, checkpoint_failed } = opened.await?;
         if checkpoint_failed {
             tracing::warn!(
@@ -130,25 +131,25 @@ impl Room {
             );
         }
         tracing::info!("session {name} is open at record {}, {} replayed", session.seq(), tail.records);
-        let surroundings = Surroundings::of(session.document(), &scenes).await?;
-        let now = Instant::now();
+        let scene = OpenScene::of(session.document(), &backend.scenes).await?;
+        let (now, lease) = (Instant::now(), backend.renders.lease());
         Ok(Self {
             name: Arc::clone(name),
             number,
             epoch: row.epoch,
-            lease: backend.renders.lease(),
+            outboxes: Outboxes::default(),
+            views: Views::new(backend.clone(), Arc::clone(&lease)),
+            lease,
             backend,
-            surroundings,
+            scene,
             session,
             tail,
             checkpoint_bytes: 0,
             clients: BTreeMap::new(),
             last_client: 0,
             batches: VecDeque::new(),
-            signs,
+            status,
             live_revision: 0,
-            content_revision: 0,
-            pictures: JoinSet::new(),
             presence_changed: false,
             presence_due: now,
             leases_due: now,
@@ -160,14 +161,16 @@ impl Room {
 
     async fn serve(&mut self, inbox: &mut mpsc::Receiver<Message>, rooms: &Rooms) {
         loop {
-            let wake = self.attend(rooms);
+            let wake = self.do_what_is_due(rooms);
             tokio::select! {
                 message = inbox.recv(), if self.batches.is_empty() => match message {
                     Some(message) => self.tick(Some(message), inbox).await,
                     None => break,
                 },
                 () = ready(()), if !self.batches.is_empty() => self.tick(None, inbox).await,
-                Some(picture) = self.pictures.join_next_with_id() => self.take_picture(picture),
+                Some(picture) = self.views.next_picture() => {
+                    self.views.take_picture(picture, &mut self.outboxes);
+                }
                 () = sleep_until(wake) => {}
             }
             if self.draining {
@@ -179,13 +182,15 @@ impl Room {
     }
 
     /// Does what is due and says when to look again.
-    fn attend(&mut self, rooms: &Rooms) -> Instant {
+    fn do_what_is_due(&mut self, rooms: &Rooms) -> Instant {
         let now = Instant::now();
         self.drop_lost_clients();
         self.catch_up_clients();
-        self.configure_views();
-        let mut wake = self.pump(now);
-        if self.has_clients_behind() {
+        self.views.configure(&mut self.outboxes);
+        let live =
+            Live { session: &self.session, scene: &self.scene.decoded.posed, revision: self.live_revision };
+        let mut wake = Instant::from(self.views.update(now.into_std(), live, &mut self.outboxes));
+        if self.outboxes.any(Outbox::is_behind) {
             wake = wake.min(now + STALLED_CHECK_EVERY);
         }
         if self.session.gestures().next().is_some() {
@@ -197,7 +202,7 @@ impl Room {
         }
         if self.presence_changed {
             if self.presence_due <= now {
-                self.say_presence();
+                self.broadcast_presence();
                 self.presence_due = now + PRESENCE_EVERY;
             } else {
                 wake = wake.min(self.presence_due);
@@ -216,9 +221,7 @@ impl Room {
     fn drain(&mut self) {
         self.draining = true;
         let retry_after_ms = RETRY_AFTER.as_millis() as u64;
-        for client in self.clients.values_mut() {
-            client.lane.say(&protocol::ServerMessage::Draining { retry_after_ms });
-        }
+        self.outboxes.send_all(&ServerMessage::Draining { retry_after_ms });
     }
 
     /// Milliseconds since the room was opened: the clock of leases.
@@ -226,36 +229,22 @@ impl Room {
         self.opened.elapsed().as_millis() as u64
     }
 
-    /// It was told something.
+    /// It was sent something.
     fn note_use(&mut self) {
         self.used = Instant::now();
         let used_ms = self.backend.started.elapsed().as_millis() as u64;
-        self.signs.used_ms.store(used_ms, Ordering::Relaxed);
+        self.status.used_ms.store(used_ms, Ordering::Relaxed);
     }
 
     fn note_client_count(&self) {
-        self.signs.clients.store(self.clients.len(), Ordering::Relaxed);
+        self.status.clients.store(self.clients.len(), Ordering::Relaxed);
     }
 }
 
-impl Surroundings {
-    /// Of a document whose scene has just been decoded, and so is at hand.
+impl OpenScene {
     async fn of(document: &Document, scenes: &Scenes) -> Result<Self, ServerError> {
-        let notes = match document.scene_ref() {
-            Some(scene) => scenes.load(scene.asset).await?.notes,
-            None => Arc::default(),
-        };
-        let scene = Arc::clone(document.scene());
-        let looked = spawn_blocking(move || Self {
-            bounds: Bounds::of(&scene),
-            notes,
-            framing: scene::framing_camera(&scene, scene::DEFAULT_ASPECT),
-        });
-        looked.await.map_err(|_| ServerError::Fault)
+        let decoded = scenes.of(document).await?;
+        let framing = scene::framing_camera(&decoded.posed.reach(), scene::DEFAULT_ASPECT);
+        Ok(Self { bounds: Bounds::of(&decoded.posed), framing, decoded })
     }
-}
-
-/// The clock of views, which tests can stop.
-fn now() -> std::time::Instant {
-    Instant::now().into_std()
 }

@@ -3,13 +3,13 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use document::{Change, FindScene, deed};
+use document::{Change, deed};
 use edit::{Action, FindRecord, Record, Request, Scope, Session, TakenBack};
 use protocol::{History, HistoryStep, HistorySteps, ServerMessage};
 
 use super::Room;
-use super::message::ClientId;
 use crate::ServerError;
+use crate::outboxes::ClientId;
 
 impl Room {
     /// What `request` of that actor takes back; `new` are the records that are not in the store yet.
@@ -20,17 +20,19 @@ impl Room {
         new: &[Arc<Record>],
     ) -> Result<Option<TakenBack>, ServerError> {
         let (request, actor_id) = (request.clone(), actor_id.to_owned());
-        let found = self.look_back(new.to_vec(), move |session, find_record, find_scene| {
-            session.taken_back(&request, &actor_id, find_record, find_scene)
+        let found = self.look_back(new.to_vec(), move |session, find_record| {
+            session.taken_back(&request, &actor_id, find_record)
         });
         Ok(found.await??)
     }
 
-    /// Tells a client what its undo and redo would take back. All that was done before is committed.
-    pub(super) async fn tell_history(&mut self, id: ClientId) {
-        let Some(actor_id) = self.clients.get(&id).map(|client| client.actor.id.clone()) else { return };
-        let looked = self.look_back(Vec::new(), move |session, find_record, find_scene| {
-            let step = |request| step(session, &request, &actor_id, find_record, find_scene);
+    /// Sends a client what its undo and redo would take back. All that was done before is committed.
+    pub(super) async fn send_history(&mut self, id: ClientId) {
+        let Some(actor_id) = self.clients.get(&id).map(|client| client.principal.actor.id.clone()) else {
+            return;
+        };
+        let looked = self.look_back(Vec::new(), move |session, find_record| {
+            let step = |request| step(session, &request, &actor_id, find_record);
             let both = |of: fn(Scope) -> Request| HistorySteps {
                 mine: step(of(Scope::Mine)),
                 session: step(of(Scope::Session)),
@@ -38,19 +40,19 @@ impl Room {
             History { seq: session.seq(), undo: both(Request::Undo), redo: both(Request::Redo) }
         });
         match looked.await {
-            Ok(history) => self.say_to(id, &ServerMessage::History(Box::new(history))),
-            Err(error) => self.complain_to(id, &error),
+            Ok(history) => self.outboxes.send(id, &ServerMessage::History(Box::new(history))),
+            Err(error) => self.outboxes.send_error(id, &error),
         }
     }
 
-    /// Asks something that needs records of the past. Where one, or a scene, cannot be had, that is what is wrong.
+    /// Asks something that needs records of the past. Where one cannot be had, that is what is wrong.
     async fn look_back<T: Send + 'static>(
         &self,
         new: Vec<Arc<Record>>,
-        question: impl FnOnce(&Session, FindRecord, FindScene) -> T + Send + 'static,
+        question: impl FnOnce(&Session, FindRecord) -> T + Send + 'static,
     ) -> Result<T, ServerError> {
         let (session, name) = (self.session.clone(), Arc::clone(&self.name));
-        let answer = self.backend.storage.read_with_scenes(&self.backend.scenes, move |store, find_scene| {
+        let answer = self.backend.storage.read(move |store| {
             let failed = RefCell::new(None);
             let find_record = |seq| {
                 if let Some(record) = new.iter().find(|record| record.seq == seq) {
@@ -64,7 +66,7 @@ impl Room {
                     }
                 }
             };
-            let answer = question(&session, &find_record, find_scene);
+            let answer = question(&session, &find_record);
             failed.into_inner().map_or(Ok(answer), Err)
         });
         answer.await
@@ -76,10 +78,9 @@ fn step(
     request: &Request,
     actor_id: &str,
     find_record: FindRecord,
-    find_scene: FindScene,
 ) -> Option<HistoryStep> {
     let TakenBack { target, changes, .. } =
-        session.taken_back(request, actor_id, find_record, find_scene).ok().flatten()?;
+        session.taken_back(request, actor_id, find_record).ok().flatten()?;
     let done: Vec<Change> = match request {
         Request::Undo(_) => changes.iter().rev().map(Change::inverse).collect(),
         _ => changes,

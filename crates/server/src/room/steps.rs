@@ -2,58 +2,34 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::time::{SystemTime, UNIX_EPOCH};
 
-use document::{AssetHash, Change, Command};
+use document::{Change, Command, Context, SceneContents};
 use edit::{Actor, Record, Request, Sources, TakenBack};
-use protocol::{EditResult, EditStatus, GestureEnd, Problem, ServerMessage, SessionCheckpoint};
-use scene::Scene;
-use store::{Outcome, Rejection, StoreError};
+use protocol::{EditResult, GestureStatus, Outcome, ServerMessage, SessionCheckpoint};
+use store::{Rejection, StoreError};
 use tokio::task::spawn_blocking;
 
-use super::message::Step;
-use super::tick::{Say, Tick, time_ms};
-use super::{Room, Surroundings};
+use super::tick::{Answer, EarlierOutcomes, OperationKey, Outgoing, Tick, refused};
+use super::{OpenScene, Room};
 use crate::ServerError;
+use crate::access::Principal;
 use crate::limits::{CHECKPOINT_AFTER_BYTES, CHECKPOINT_AFTER_RECORDS};
-
-/// An operation: its actor and that one's name for it.
-pub(super) type OperationKey = (String, String);
-
-/// What became of operations in earlier ticks. Where the store cannot tell, none is carried out.
-pub(super) struct Outcomes(Result<HashMap<OperationKey, Outcome>, ServerError>);
-
-impl Default for Outcomes {
-    fn default() -> Self {
-        Self(Ok(HashMap::new()))
-    }
-}
-
-/// The answer to a request for a record.
-pub(super) struct Answer {
-    pub result: EditResult,
-    /// It rests on what this tick commits; others were given before.
-    is_new: bool,
-}
-
-impl Answer {
-    /// What it becomes where the tick is not committed.
-    pub fn taken_back(self, error: &ServerError) -> Self {
-        if self.is_new { Self { result: refused(self.result.op_id, error), ..self } } else { self }
-    }
-}
+use crate::request::Step;
 
 /// What a request needs of other places, found before it is carried out.
 #[derive(Default)]
 struct Found {
-    scenes: Vec<(AssetHash, Arc<Scene>)>,
+    /// What comes with the scene that it loads.
+    loaded: Option<Arc<SceneContents>>,
     taken_back: Option<TakenBack>,
 }
 
 impl Room {
     /// What became of these operations, as the store knows it.
-    pub(super) async fn outcomes(&self, keys: Vec<OperationKey>) -> Outcomes {
+    pub(super) async fn outcomes(&self, keys: Vec<OperationKey>) -> EarlierOutcomes {
         if keys.is_empty() {
-            return Outcomes::default();
+            return EarlierOutcomes::default();
         }
         let name = Arc::clone(&self.name);
         let read = self.backend.storage.read(move |store| {
@@ -65,46 +41,57 @@ impl Room {
             }
             Ok(outcomes)
         });
-        Outcomes(read.await)
+        EarlierOutcomes(read.await)
     }
 
-    /// Carries out a request for a record, unless it came before; its answer, to be told once the tick is committed.
-    pub(super) async fn take_step(&mut self, step: Step, actor: &Actor, tick: &mut Tick) -> Answer {
+    /// Carries out a request for a record, unless it came before; its answer, to be sent once the tick is committed.
+    pub(super) async fn take_step(&mut self, step: Step, principal: &Principal, tick: &mut Tick) -> Answer {
         let Step { op_id, request } = step;
-        let key = (actor.id.clone(), op_id.clone());
-        if let Some(result) = tick.answers.get(&key) {
-            return Answer { result: result.clone(), is_new: true };
+        let (outcome, is_new) = self.outcome_of(&op_id, request, &principal.actor, tick).await;
+        Answer { result: EditResult { op_id, outcome }, is_new }
+    }
+
+    /// What becomes of a request for a record, and whether that rests on this tick.
+    async fn outcome_of(
+        &mut self,
+        op_id: &str,
+        request: Result<Request, ServerError>,
+        actor: &Actor,
+        tick: &mut Tick,
+    ) -> (Outcome, bool) {
+        let key = (actor.id.clone(), op_id.to_owned());
+        if let Some(outcome) = tick.outcomes.get(&key) {
+            return (outcome.clone(), true);
         }
         match &tick.earlier.0 {
             Ok(outcomes) => {
                 if let Some(outcome) = outcomes.get(&key) {
-                    return Answer { result: result_of(op_id, outcome.clone()), is_new: false };
+                    return (outcome.clone(), false);
                 }
             }
             // It may have been carried out before.
             Err(error) => {
-                let error = ServerError::Store(StoreError::Unknown(error.to_string()));
-                return Answer { result: refused(op_id, &error), is_new: false };
+                return (refused(&ServerError::Store(StoreError::Unknown(error.to_string()))), false);
             }
         }
-        let outcome = match request {
-            Ok(request) => self.carry_out(request, actor, &op_id, tick).await,
+        let carried_out = match request {
+            Ok(request) => self.carry_out(request, actor, op_id, tick).await,
             Err(error) => Err(error),
         };
-        let result = match outcome {
-            Ok(record) => committed(&record),
+        let outcome = match carried_out {
+            Ok(record) => {
+                let (rebased, skipped) = (record.action.rebased(), record.action.skipped().to_vec());
+                Outcome::Committed { seq: record.seq, rebased, skipped }
+            }
+            Err(error) if error.is_of_the_moment() => return (refused(&error), true),
             Err(error) => {
-                let result = refused(op_id.clone(), &error);
-                if error.is_of_the_moment() {
-                    return Answer { result, is_new: true };
-                }
-                let Problem { code, message } = error.problem();
-                tick.rejections.push(Rejection { actor_id: actor.id.clone(), op_id, code, message });
-                result
+                let (actor_id, op_id) = key.clone();
+                tick.rejections.push(Rejection { actor_id, op_id, problem: error.problem() });
+                refused(&error)
             }
         };
-        tick.answers.insert(key, result.clone());
-        Answer { result, is_new: true }
+        tick.outcomes.insert(key, outcome.clone());
+        (outcome, true)
     }
 
     async fn carry_out(
@@ -119,12 +106,10 @@ impl Room {
             Request::Commit(id) => self.gesture_of(id, actor),
             Request::Edit { .. } | Request::Undo(_) | Request::Redo(_) => None,
         };
-        tick.before.get_or_insert_with(|| Box::new((self.session.clone(), self.surroundings.clone())));
-        let Found { scenes, taken_back } = found;
-        let scene = |asset: &AssetHash| {
-            scenes.iter().find(|(known, _)| known == asset).map(|(_, scene)| Arc::clone(scene))
-        };
-        let sources = Sources { scene: &scene, taken_back };
+        tick.before.get_or_insert_with(|| Box::new((self.session.clone(), self.scene.clone())));
+        let Found { loaded, taken_back } = found;
+        let context = Context { reach: self.scene.decoded.posed.reach(), loaded: loaded.as_deref() };
+        let sources = Sources { context, taken_back };
         let committed = self.session.request(request, actor, op_id, time_ms(), sources);
         // A gesture whose commit is refused has ended all the same.
         let ended = held.filter(|held| self.gesture_of(&held.id, actor).is_none());
@@ -133,13 +118,15 @@ impl Room {
             self.log(record, tick).await;
         }
         if let Some(gesture) = ended {
-            let (end, problem) = match &committed {
-                Ok(_) => (GestureEnd::Committed, None),
+            let status = match &committed {
+                Ok(_) => GestureStatus::Committed,
                 // There was never anything to see of it, so nothing is refused.
-                Err(error) if gesture.command.is_none() => (GestureEnd::Cancelled, Some(error.problem())),
-                Err(error) => (GestureEnd::Rejected, Some(error.problem())),
+                Err(error) if gesture.command.is_none() => {
+                    GestureStatus::Cancelled { refused: Some(error.problem()) }
+                }
+                Err(error) => GestureStatus::Rejected(error.problem()),
             };
-            self.end_gesture(gesture, end, problem, tick);
+            self.end_gesture(gesture, status, tick);
         }
         committed
     }
@@ -150,15 +137,16 @@ impl Room {
         let hash = document.hash().to_string();
         let (mut bounds, mut notes) = (None, None);
         if record.changes.iter().any(|change| matches!(change, Change::Scene { .. })) {
-            match Surroundings::of(document, &self.backend.scenes).await {
-                Ok(surroundings) => self.surroundings = surroundings,
+            match OpenScene::of(document, &self.backend.scenes).await {
+                Ok(scene) => self.scene = scene,
                 Err(error) => tracing::error!("the bounds and notes of a scene are not known: {error}"),
             }
-            bounds = Some(self.surroundings.bounds);
-            notes = Some(self.surroundings.notes.to_vec());
+            bounds = Some(self.scene.bounds);
+            notes = Some(self.scene.decoded.notes.to_vec());
         }
         tick.shows |= record.changes.iter().any(Change::changes_picture);
-        tick.say(Say::Log(ServerMessage::Log { record: Box::new(record.into()), hash, bounds, notes }));
+        let record_message = ServerMessage::Log { record: Box::new(record.into()), hash, bounds, notes };
+        tick.send(Outgoing::Record(record_message));
         tick.records.push(Arc::new(record.clone()));
     }
 
@@ -169,12 +157,13 @@ impl Room {
             found.taken_back = self.taken_back(request, actor_id, &tick.records).await?;
             for change in found.taken_back.iter().flat_map(|taken| &taken.changes) {
                 if let Change::Scene { new: Some(scene), .. } = change {
-                    found.scenes.push((scene.asset, self.backend.scenes.load(scene.asset).await?.scene));
+                    // So that an undo is refused here where the scene cannot be had.
+                    self.backend.scenes.load(scene.asset).await?;
                 }
             }
         }
         if let Request::Edit { command: Command::LoadScene { asset, .. }, .. } = request {
-            found.scenes.push((*asset, self.backend.scenes.load(*asset).await?.scene));
+            found.loaded = Some(self.backend.scenes.load(*asset).await?.contents);
         }
         Ok(found)
     }
@@ -199,28 +188,7 @@ impl Room {
     }
 }
 
-fn committed(record: &Record) -> EditResult {
-    let (seq, rebased) = (record.seq, record.action.rebased());
-    let skipped = record.action.skipped().to_vec();
-    result_of(record.op_id.clone(), Outcome::Committed { seq, rebased, skipped })
-}
-
-fn result_of(op_id: String, outcome: Outcome) -> EditResult {
-    match outcome {
-        Outcome::Committed { seq, rebased, skipped } => {
-            let status = if rebased { EditStatus::Rebased } else { EditStatus::Committed };
-            EditResult { op_id, status, seq: Some(seq), skipped, code: None, message: None }
-        }
-        Outcome::Rejected { code, message } => {
-            let (code, message) = (Some(code), Some(message));
-            EditResult { op_id, status: EditStatus::Rejected, seq: None, skipped: Vec::new(), code, message }
-        }
-    }
-}
-
-fn refused(op_id: String, error: &ServerError) -> EditResult {
-    let Problem { code, message } = error.problem();
-    let status = if error.is_unknown() { EditStatus::Unknown } else { EditStatus::Rejected };
-    let (code, message) = (Some(code), Some(message));
-    EditResult { op_id, status, seq: None, skipped: Vec::new(), code, message }
+/// The time of day, in milliseconds since 1970.
+pub fn time_ms() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_millis() as u64)
 }

@@ -1,8 +1,9 @@
 //! Stopping.
 
+use light::parameters::CONE_ANGLE;
 use std::time::Duration;
 
-use protocol::{ClientMessage, Command, EditStatus, LightParameter, ServerMessage};
+use protocol::{ClientMessage, Command, ServerMessage};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::task::spawn_blocking;
@@ -17,7 +18,7 @@ async fn a_server_that_stops_finishes_what_it_has_accepted() {
     let own = Own::start().await;
     let (mut client, welcome) = Client::join(&own.door, "main", "Ada").await;
     for step in 0..10 {
-        let parameter = LightParameter::ConeAngle(20.0 + f64::from(step));
+        let parameter = CONE_ANGLE.to(20.0 + f64::from(step)).into();
         let command = Command::SetLight { light: 1, parameter };
         client
             .say(&ClientMessage::Edit { op_id: format!("edit {step}"), base_seq: welcome.seq, command })
@@ -31,7 +32,7 @@ async fn a_server_that_stops_finishes_what_it_has_accepted() {
     let (mut committed, mut told) = (1, false);
     loop {
         match client.next().await {
-            Came::Control(ServerMessage::EditResult(result)) if result.status == EditStatus::Committed => {
+            Came::Control(ServerMessage::EditResult(result)) if result.outcome.seq().is_some() => {
                 committed += 1;
             }
             Came::Control(ServerMessage::Draining { retry_after_ms }) => {

@@ -1,6 +1,6 @@
 //! The first message, and messages that cannot be read.
 
-use protocol::{ClientMessage, ServerMessage};
+use protocol::{ClientMessage, GestureStatus, ServerMessage};
 
 use crate::client::{Came, Client, hello};
 use crate::server::{Own, SHARED};
@@ -48,17 +48,17 @@ async fn hello_and_gestures_have_their_time() {
     let mut silent = Client::connect(&own.door).await;
     let begin = ClientMessage::GestureBegin { gesture: "g".into(), light: 1, base_seq: welcome.seq };
     client.say(&begin).await;
-    let ended = |came| match came {
-        Came::Control(ServerMessage::GestureState(state)) => Some(state.ended),
+    let status = |came| match came {
+        Came::Control(ServerMessage::GestureState(state)) => Some(state.status),
         _ => None,
     };
-    assert_eq!(client.until(ended).await, None, "it is under way");
+    assert_eq!(client.until(status).await, GestureStatus::Held { refused: None });
     // From here on time passes as soon as everybody waits.
     tokio::time::pause();
     let began = tokio::time::Instant::now();
     assert_eq!(fatal(&mut silent).await, "helloTooLate");
     assert!(began.elapsed().as_secs() < 30, "the gesture's lease is longer than the time for a hello");
-    assert_eq!(client.until(ended).await, Some(protocol::GestureEnd::Expired));
+    assert_eq!(client.until(status).await, GestureStatus::Expired);
 }
 
 /// Rules: SOCK-6

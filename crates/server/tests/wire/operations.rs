@@ -1,8 +1,8 @@
 //! Operations that come again, undo past a restart, and a disk that takes nothing.
 
+use light::parameters::CONE_ANGLE;
 use protocol::{
-    ClientMessage, Command, EditResult, EditStatus, ErrorCode, GestureEnd, GestureState, LightParameter,
-    Scope, ServerMessage,
+    ClientMessage, Command, ErrorCode, GestureState, GestureStatus, Outcome, Scope, ServerMessage,
 };
 use rusqlite::{Connection, TransactionBehavior};
 use serde_json::{Value, json};
@@ -19,7 +19,7 @@ fn edits(door: &Door, session: &str, edits: &Value) -> Value {
 }
 
 fn cone_angle(degrees: f64) -> Command {
-    Command::SetLight { light: 1, parameter: LightParameter::ConeAngle(degrees) }
+    Command::SetLight { light: 1, parameter: CONE_ANGLE.to(degrees).into() }
 }
 
 /// Stops a server and gives its folder.
@@ -29,17 +29,25 @@ async fn stopped(own: Own) -> TempDir {
     folder
 }
 
-async fn result(client: &mut Client, op_id: &str) -> EditResult {
+async fn result(client: &mut Client, op_id: &str) -> Outcome {
     let answer = |came| match came {
-        Came::Control(ServerMessage::EditResult(result)) if result.op_id == op_id => Some(result),
+        Came::Control(ServerMessage::EditResult(result)) if result.op_id == op_id => Some(result.outcome),
         _ => None,
     };
     client.until(answer).await
 }
 
-async fn edit(client: &mut Client, op_id: &str, base_seq: u64, command: Command) -> EditResult {
+async fn edit(client: &mut Client, op_id: &str, base_seq: u64, command: Command) -> Outcome {
     client.say(&ClientMessage::Edit { op_id: op_id.into(), base_seq, command }).await;
     result(client, op_id).await
+}
+
+fn committed(seq: u64) -> Outcome {
+    Outcome::Committed { seq, rebased: false, skipped: Vec::new() }
+}
+
+fn has_ended(state: &GestureState) -> bool {
+    !matches!(state.status, GestureStatus::Held { .. })
 }
 
 /// Rules: REC-4, SOCK-5
@@ -50,17 +58,15 @@ async fn an_operation_that_comes_again_gets_its_first_answer() {
     let (mut ben, _) = Client::join(&own.door, "main", "Ben").await;
     let known = welcome.seq;
     let theirs = edit(&mut ben, "x", known, cone_angle(30.0)).await;
-    assert_eq!(theirs.status, EditStatus::Committed);
+    assert_eq!(theirs, committed(known + 1));
     let rebased = edit(&mut ada, "x", known, cone_angle(31.0)).await;
-    assert_eq!((rebased.status, rebased.seq), (EditStatus::Rebased, Some(known + 2)), "another actor's x");
+    let skipped = Vec::new();
+    assert_eq!(rebased, Outcome::Committed { seq: known + 2, rebased: true, skipped }, "another actor's x");
     let folded = edit(&mut ada, "y", known, cone_angle(95.0)).await;
-    assert_eq!(
-        (folded.status, folded.code.map(ErrorCode::name)),
-        (EditStatus::Rejected, Some("invalidLight"))
-    );
+    assert!(matches!(&folded, Outcome::Rejected(problem) if problem.code == ErrorCode::InvalidLight));
     ada.say(&ClientMessage::Undo { op_id: "z".into(), scope: Scope::Mine }).await;
     let undone = result(&mut ada, "z").await;
-    assert_eq!(undone.seq, Some(known + 3));
+    assert_eq!(undone.seq(), Some(known + 3));
     let first = [rebased, folded, undone];
 
     let folder = stopped(own).await;
@@ -71,7 +77,29 @@ async fn an_operation_that_comes_again_gets_its_first_answer() {
         assert_eq!(edit(&mut ada, op_id, known + 3, cone_angle(40.0)).await, expected);
     }
     let fresh = edit(&mut ada, "w", known + 3, cone_angle(40.0)).await;
-    assert_eq!(fresh.seq, Some(known + 4), "nothing was carried out twice");
+    assert_eq!(fresh.seq(), Some(known + 4), "nothing was carried out twice");
+    stopped(own).await;
+}
+
+/// A page and a script of one person are one actor, under whatever name; without the token a named actor is nobody.
+///
+/// Rules: WHO-1, UNDO-1
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn what_is_mine_is_what_the_named_actor_did_under_the_token() {
+    let own = Own::start().await;
+    let (mut ada, welcome) = Client::join(&own.door, "main", "Ada").await;
+    assert_eq!(edit(&mut ada, "x", welcome.seq, cone_angle(30.0)).await, committed(welcome.seq + 1));
+    let undo = |door: &Door, actor: Value| {
+        let body = json!({"actor": actor, "edits": [{"undo": "mine"}]}).to_string();
+        post(door, "/sessions/main/edits", &body)
+    };
+    let stranger = Door { token: "0".repeat(32), ..own.door.clone() };
+    let the_same = json!({"id": "ada", "name": "Ada's script"});
+    assert_eq!(undo(&stranger, the_same.clone()).refusal(), (401, "unauthorized".into()));
+    let by_ben = undo(&own.door, json!({"id": "ben", "name": "Ada"})).json();
+    assert_eq!(by_ben["results"][0]["code"], "nothingToUndo", "a name is not who somebody is");
+    let by_ada = undo(&own.door, the_same).json();
+    assert_eq!(by_ada["results"][0]["seq"], welcome.seq + 2);
     stopped(own).await;
 }
 
@@ -186,35 +214,32 @@ async fn a_drag_that_the_disk_refuses_frees_its_light() {
     let gesture = || "drag".to_owned();
     ada.say(&ClientMessage::GestureBegin { gesture: gesture(), light: 1, base_seq }).await;
     ada.say(&ClientMessage::GestureUpdate { gesture: gesture(), update: 1, command: cone_angle(40.0) }).await;
-    let state = |update: u64, ended: Option<GestureEnd>| {
-        move |came: Came| match came {
-            Came::Control(ServerMessage::GestureState(state))
-                if (state.update, state.ended) == (update, ended) =>
-            {
-                Some(state)
-            }
-            _ => None,
-        }
+    let state = |came: Came| match came {
+        Came::Control(ServerMessage::GestureState(state)) if state.update == 1 => Some(state),
+        _ => None,
     };
-    let _: GestureState = ben.until(state(1, None)).await;
+    let dragged: GestureState = ben.until(state).await;
+    assert_eq!(dragged.status, GestureStatus::Held { refused: None });
 
     let path = own.folder.path().join("bendylights.sqlite");
     let mut other = Connection::open(path).expect("a database");
     let held = other.transaction_with_behavior(TransactionBehavior::Immediate).expect("it is free");
     ada.say(&ClientMessage::GestureCommit { gesture: gesture(), op_id: "commit".into() }).await;
     for client in [&mut ada, &mut ben] {
-        let ended = client.until(state(1, Some(GestureEnd::Rejected))).await;
-        assert_eq!((ended.code.map(ErrorCode::name), ended.changes), (Some("storage"), Vec::new()));
+        let ended = client.until(|came| state(came).filter(has_ended)).await;
+        let GestureStatus::Rejected(problem) = ended.status else { panic!("{ended:?}") };
+        assert_eq!((problem.code, ended.changes), (ErrorCode::Storage, Vec::new()));
     }
     let refused = result(&mut ada, "commit").await;
-    assert_eq!((refused.status, refused.code.map(ErrorCode::name)), (EditStatus::Rejected, Some("storage")));
-    assert!(refused.message.expect("a sentence").contains("cannot write"));
+    let Outcome::Rejected(problem) = refused else { panic!("{refused:?}") };
+    assert_eq!(problem.code, ErrorCode::Storage);
+    assert!(problem.message.contains("cannot write"));
     held.rollback().expect("let go");
 
     let free = edit(&mut ben, "mine", base_seq, cone_angle(41.0)).await;
-    assert_eq!((free.status, free.seq), (EditStatus::Committed, Some(base_seq + 1)), "the light is free");
+    assert_eq!(free, committed(base_seq + 1), "the light is free");
     let again = edit(&mut ada, "commit", base_seq + 1, cone_angle(40.0)).await;
-    assert_eq!(again.seq, Some(base_seq + 2), "what the disk refused is no answer for good");
+    assert_eq!(again.seq(), Some(base_seq + 2), "what the disk refused is no answer for good");
     stopped(own).await;
 }
 
@@ -226,20 +251,17 @@ async fn an_operation_that_may_have_come_before_is_not_called_refused() {
     let own = Own::start().await;
     let (mut ada, welcome) = Client::join(&own.door, "main", "Ada").await;
     let first = edit(&mut ada, "x", welcome.seq, cone_angle(30.0)).await;
-    assert_eq!(first.status, EditStatus::Committed);
+    assert_eq!(first, committed(welcome.seq + 1));
     let database = Connection::open(own.folder.path().join("bendylights.sqlite")).expect("a database");
     let rename = |from: &str, to: &str| {
         database.execute_batch(&format!("ALTER TABLE {from} RENAME TO {to}")).expect("a planted fault");
     };
     rename("rejection", "lost");
     let fresh = edit(&mut ada, "y", welcome.seq + 1, cone_angle(31.0)).await;
-    assert_eq!(
-        (fresh.status, fresh.code.map(ErrorCode::name)),
-        (EditStatus::Unknown, Some("unknownOutcome"))
-    );
+    assert!(matches!(fresh, Outcome::Unknown(problem) if problem.code == ErrorCode::UnknownOutcome));
     rename("lost", "rejection");
     let again = edit(&mut ada, "y", welcome.seq + 1, cone_angle(31.0)).await;
-    assert_eq!(again.seq, Some(welcome.seq + 2), "and it may be sent again");
+    assert_eq!(again.seq(), Some(welcome.seq + 2), "and it may be sent again");
     assert_eq!(edit(&mut ada, "x", welcome.seq + 2, cone_angle(32.0)).await, first);
     stopped(own).await;
 }

@@ -1,6 +1,7 @@
 //! Pictures over HTTP, and frames that are shared.
 
-use protocol::{ClientMessage, Command, LightParameter, ViewSource};
+use light::parameters::{CONE_ANGLE, NAME};
+use protocol::{ClientMessage, Command, ViewSource};
 use serde_json::json;
 use stream::Codec;
 
@@ -72,8 +73,8 @@ async fn who_follows_sees_the_same_frames() {
         command: Command::SetLight { light: 1, parameter },
     };
     // A name shows nowhere: the next frame is that of the edit after it.
-    ada.say(&edit("name", LightParameter::Name("lamp".into()))).await;
-    ada.say(&edit("narrow", LightParameter::ConeAngle(15.0))).await;
+    ada.say(&edit("name", NAME.to("lamp".into()).into())).await;
+    ada.say(&edit("narrow", CONE_ANGLE.to(15.0).into())).await;
     for _ in 0..2 {
         let (hers, his) = (ada.frame().await, bob.frame().await);
         assert_eq!((hers.log_seq, his.log_seq), (3, 3));

@@ -1,6 +1,7 @@
 //! Clients that read slowly, or while much happens at once.
 
-use protocol::{ClientMessage, Command, Document, LightParameter, ServerMessage};
+use light::parameters::NAME;
+use protocol::{ClientMessage, Command, Document, ServerMessage};
 use serde_json::{Value, json};
 use tokio::task::{JoinHandle, spawn, spawn_blocking};
 
@@ -54,7 +55,7 @@ impl Known {
 }
 
 fn hash_of(document: Document) -> String {
-    document.into_domain(0, &|_| None).expect("a document without a scene").hash().to_string()
+    document.into_domain(0).expect("a document without a scene").hash().to_string()
 }
 
 /// Reads on until record `last` is known.
@@ -103,12 +104,12 @@ async fn a_long_request_does_not_make_others_wait_for_its_end() {
     let long = spawn_blocking(|| batch("shared", &cone_angles(1_000)));
     let record = |came| matches!(came, Came::Control(ServerMessage::Log { .. })).then_some(());
     ada.until(record).await;
-    let parameter = LightParameter::Name("lamp".into());
+    let parameter = NAME.to("lamp".into()).into();
     let command = Command::SetLight { light: 1, parameter };
     ada.say(&ClientMessage::Edit { op_id: "between".into(), base_seq: 1, command }).await;
     let result = ada.until(result).await;
     let seqs = long.await.unwrap();
-    assert!(result.seq < *seqs.last().unwrap(), "{:?} of {:?}", result.seq, seqs.last());
+    assert!(result.outcome.seq() < *seqs.last().unwrap(), "{:?} of {:?}", result.outcome, seqs.last());
 }
 
 /// Rules: SOCK-10
@@ -130,7 +131,7 @@ async fn who_has_not_read_for_a_while_is_told_the_outcome_and_then_its_answers()
     };
     let last = spawn_blocking(insert_and_remove).await.unwrap().pop().flatten();
     assert_eq!(last, Some(601));
-    let parameter = LightParameter::Name("lamp".into());
+    let parameter = NAME.to("lamp".into()).into();
     let command = Command::SetLight { light: 1, parameter };
     ada.say(&ClientMessage::Edit { op_id: "late".into(), base_seq: 1, command }).await;
     let mut known = Known { seq: welcome.seq, hash: welcome.hash, resyncs: 0 };
@@ -144,7 +145,7 @@ async fn who_has_not_read_for_a_while_is_told_the_outcome_and_then_its_answers()
             Came::Frame(_) | Came::End => None,
         })
         .await;
-    assert_eq!(answer.seq, Some(602));
+    assert_eq!(answer.outcome.seq(), Some(602));
     assert_eq!((known.resyncs, known.seq), (1, 602), "an answer comes after what it refers to");
     let hash = spawn_blocking(|| get(&SHARED, "/sessions/late").json()["hash"].clone()).await.unwrap();
     assert_eq!(known.hash, hash.as_str().unwrap());

@@ -5,14 +5,14 @@ use protocol::{ErrorCode, SessionCheckpoint};
 use rusqlite::Connection;
 use store::{Store, Tail};
 
-use crate::support::{Folder, Log, SCENE, find_scene, stored_log};
+use crate::support::{Folder, Log, SCENE, is_here, stored_log};
 
 fn database(folder: &Folder) -> Connection {
     Connection::open(folder.data().join("bendylights.sqlite")).expect("a database")
 }
 
 fn opened(store: &Store) -> store::Opened {
-    store.open_session("main", &find_scene).expect("a log")
+    store.open_session("main").expect("a log")
 }
 
 /// A session of 62 records with a checkpoint after record 42.
@@ -43,7 +43,7 @@ fn only_what_follows_a_checkpoint_is_replayed() {
     assert_eq!(found.session.document().hash(), log.hash());
     assert_eq!(found.session.past(), log.session.past(), "undo reaches past the checkpoint");
     // The log alone says the same.
-    let replayed = store.replay("main", None, &find_scene).expect("a log");
+    let replayed = store.replay("main", None).expect("a log");
     assert_eq!(replayed.past(), log.session.past());
 }
 
@@ -94,7 +94,7 @@ fn what_follows_a_checkpoint_is_proven() {
         let fault = format!("UPDATE record SET json = replace(json, '{was}', '{now}') WHERE seq = 61");
         database.execute_batch(&format!("BEGIN; {fault}")).expect("a change");
         database.execute_batch("COMMIT").expect("a change");
-        let error = store.open_session("main", &find_scene).expect_err(was);
+        let error = store.open_session("main").expect_err(was);
         assert_eq!(error.code(), ErrorCode::BadLog, "{was}: {error}");
         let back = format!("UPDATE record SET json = replace(json, '{now}', '{was}') WHERE seq = 61");
         database.execute_batch(&back).expect("a change");
@@ -133,13 +133,13 @@ fn a_log_does_not_grow_by_what_it_holds() {
         "{} bytes of {in_full}, the lights alone stand there twice: {lights}",
         text.len()
     );
-    let replayed = store.replay("main", None, &find_scene).expect("a log");
+    let replayed = store.replay("main", None).expect("a log");
     assert_eq!(replayed.document().hash(), log.hash());
     let again = store.records("main", 40, 3).expect("from the middle");
     let wire: Vec<_> = log.records[39..42].iter().map(protocol::Record::from).collect();
     assert_eq!(again, wire, "in full");
     // And in and out of a file.
-    let row = store.import(&*text, Some("copy"), &find_scene).expect("a sound log");
+    let row = store.import(&*text, Some("copy"), &is_here).expect("a sound log");
     assert_eq!(
         (row.seq, row.hash, row.proof),
         (56, log.hash().to_string(), store.session("main").unwrap().proof)
@@ -150,10 +150,14 @@ fn a_log_does_not_grow_by_what_it_holds() {
     let line = |record: &edit::Record| protocol::Record { format: 1, ..record.into() }.to_json();
     let lines: Vec<_> = log.records.iter().map(line).collect();
     let header = r#"{"format":1,"session":"old"}"#;
-    let checkpoint = format!(r#"{{"checkpoint":{{"seq":56,"hash":"{}"}}}}"#, log.hash());
+    let checkpoint =
+        format!(r#"{{"checkpoint":{{"seq":56,"hash":"{}"}}}}"#, log.session.document().hash_of_format(1));
     let old = format!("{header}\n{}\n{checkpoint}\n", lines.join("\n"));
-    assert_eq!(store::replay_log(old.as_bytes(), None, &find_scene).expect("format 1").differs, None);
-    let row = store.import(old.as_bytes(), None, &find_scene).expect("format 1");
+    assert_eq!(store::replay_log(old.as_bytes(), None).expect("format 1").differs, None);
+    // The planted fault: the hash of today's format, which a log of that time cannot have.
+    let planted = old.replace(&log.session.document().hash_of_format(1).to_string(), &log.hash().to_string());
+    assert_eq!(store::replay_log(planted.as_bytes(), None).expect("format 1").differs, Some(56));
+    let row = store.import(old.as_bytes(), None, &is_here).expect("format 1");
     assert_eq!(row.proof, store.session("main").expect("a session").proof, "upgraded");
-    store.replay("old", None, &find_scene).expect("a log");
+    store.replay("old", None).expect("a log");
 }

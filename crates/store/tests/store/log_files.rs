@@ -4,7 +4,7 @@ use protocol::ErrorCode;
 use protocol::{FIRST_PROOF, next_proof};
 use store::{Store, StoreError, replay_log};
 
-use crate::support::{Folder, Log, empty_hash, find_none, find_scene, stored_log};
+use crate::support::{Folder, Log, empty_hash, is_here, stored_log};
 
 fn exported(store: &Store, session: &str) -> String {
     let mut text = Vec::new();
@@ -20,7 +20,7 @@ fn log_file(edits: u64) -> (String, Log) {
 }
 
 fn import(text: &str, name: Option<&str>) -> Result<store::SessionRow, StoreError> {
-    Folder::new().store().import(text.as_bytes(), name, &find_scene)
+    Folder::new().store().import(text.as_bytes(), name, &is_here)
 }
 
 /// Rules: LOG-1, LOG-2, SOCK-2
@@ -31,20 +31,20 @@ fn a_log_goes_out_and_comes_in_again() {
     let log = stored_log(&mut store, "main", 250);
     let text = exported(&store, "main");
     let lines: Vec<_> = text.lines().collect();
-    assert_eq!(lines[0], r#"{"format":2,"session":"main"}"#);
+    assert_eq!(lines[0], r#"{"format":3,"session":"main"}"#);
     assert_eq!(lines.len(), 1 + 252 + 26, "records 10, 20, ..., 250 and 252 have checkpoints");
-    let is_record = |line: &&&str| line.starts_with("{\"format\":2,\"seq\"");
+    let is_record = |line: &&&str| line.starts_with("{\"format\":3,\"seq\"");
     let proof =
         lines.iter().filter(is_record).fold(FIRST_PROOF.to_owned(), |proof, line| next_proof(&proof, line));
     assert_eq!(lines.last(), Some(&&*checkpoint(252, &log.hash().to_string(), &proof)));
 
-    let row = store.import(text.as_bytes(), Some("copy"), &find_scene).expect("a sound log");
+    let row = store.import(text.as_bytes(), Some("copy"), &is_here).expect("a sound log");
     assert_eq!((row.name.as_str(), row.seq, &row.hash), ("copy", 252, &log.hash().to_string()));
     assert_ne!(row.epoch, store.session("main").expect("a session").epoch, "another history");
     assert_eq!(exported(&store, "copy"), text.replace("\"session\":\"main\"", "\"session\":\"copy\""));
-    let copy = store.replay("copy", None, &find_scene).expect("a log");
+    let copy = store.replay("copy", None).expect("a log");
     assert_eq!(copy.document().hash(), log.hash());
-    let taken = store.import(text.as_bytes(), None, &find_scene).expect_err("`main` is there");
+    let taken = store.import(text.as_bytes(), None, &is_here).expect_err("`main` is there");
     assert_eq!(taken.code(), ErrorCode::Exists);
 }
 
@@ -55,8 +55,8 @@ fn an_empty_log_is_a_log() {
     store.create_session("main").expect("a new name");
     let text = exported(&store, "main");
     let checkpoint = checkpoint(0, &empty_hash(), FIRST_PROOF);
-    assert_eq!(text, format!("{{\"format\":2,\"session\":\"main\"}}\n{checkpoint}\n"));
-    let row = store.import(text.as_bytes(), Some("copy"), &find_none).expect("a log");
+    assert_eq!(text, format!("{{\"format\":3,\"session\":\"main\"}}\n{checkpoint}\n"));
+    let row = store.import(text.as_bytes(), Some("copy"), &|_| false).expect("a log");
     assert_eq!((row.seq, row.hash), (0, empty_hash()));
     assert!(matches!(store.export("none", &mut Vec::new()), Err(StoreError::NoSession(_))));
 }
@@ -65,7 +65,7 @@ fn an_empty_log_is_a_log() {
 #[test]
 fn a_log_file_replays_to_any_record() {
     let (text, log) = log_file(30);
-    let replayed = |to| replay_log(text.as_bytes(), to, &find_scene);
+    let replayed = |to| replay_log(text.as_bytes(), to);
     let whole = replayed(None).expect("a log");
     assert_eq!((whole.session.document().hash(), whole.differs), (log.hash(), None));
     for to in [0, 1, 17, 32] {
@@ -123,9 +123,9 @@ fn a_changed_log_is_refused_by_line_or_record() {
     {
         refused(was, "record 22", &|l| l[23] = l[23].replace(was, now));
     }
-    refused("a newer format", "format 3", &|l| l[0] = l[0].replace("\"format\":2", "\"format\":3"));
-    refused("a newer record", "line 5: format 3", &|l| {
-        l[4] = l[4].replace("\"format\":2", "\"format\":3,\"later\":0");
+    refused("a newer format", "format 4", &|l| l[0] = l[0].replace("\"format\":3", "\"format\":4"));
+    refused("a newer record", "line 5: format 4", &|l| {
+        l[4] = l[4].replace("\"format\":3", "\"format\":4,\"later\":0");
     });
     refused("an unknown field", "`gobo`", &|l| l[4] = l[4].replacen('{', "{\"gobo\":1,", 1));
     refused("no JSON", "line 5: ", &|l| l[4] = "{".into());
@@ -142,16 +142,16 @@ fn a_refused_log_leaves_nothing_behind() {
     let mut store = folder.store();
     let (text, _) = log_file(20);
     let cut = &text[..text.len() - 80];
-    store.import(cut.as_bytes(), None, &find_scene).expect_err("cut");
-    store.import(text.as_bytes(), None, &find_none).expect_err("no scene");
-    store.import(text.as_bytes(), Some("a b"), &find_scene).expect_err("no name");
+    store.import(cut.as_bytes(), None, &is_here).expect_err("cut");
+    store.import(text.as_bytes(), None, &|_| false).expect_err("no scene");
+    store.import(text.as_bytes(), Some("a b"), &is_here).expect_err("no name");
     let latin1: &[u8] = b"{\"format\":1,\"session\":\"\xe9\"}\n";
-    store.import(latin1, None, &find_scene).expect_err("not UTF-8");
+    store.import(latin1, None, &is_here).expect_err("not UTF-8");
     let endless = std::io::BufReader::new(std::io::repeat(b' '));
-    let refused = store.import(endless, None, &find_scene).expect_err("a line without end");
+    let refused = store.import(endless, None, &is_here).expect_err("a line without end");
     assert_eq!(refused.code(), ErrorCode::TooLarge);
     assert_eq!(store.sessions().expect("a list"), []);
-    store.import(text.as_bytes(), None, &find_scene).expect("the name is free");
+    store.import(text.as_bytes(), None, &is_here).expect("the name is free");
 }
 
 /// Rules: LOG-2
@@ -159,10 +159,10 @@ fn a_refused_log_leaves_nothing_behind() {
 fn a_replay_says_which_checkpoint_differs_and_goes_on() {
     let (text, log) = log_file(250);
     let planted = text.replace("\"seq\":100,\"hash\":\"", "\"seq\":100,\"hash\":\"0");
-    let replayed = replay_log(planted.as_bytes(), None, &find_scene).expect("a log");
+    let replayed = replay_log(planted.as_bytes(), None).expect("a log");
     assert_eq!((replayed.differs, replayed.session.document().hash()), (Some(100), log.hash()));
-    let before = replay_log(planted.as_bytes(), Some(99), &find_scene).expect("a log");
+    let before = replay_log(planted.as_bytes(), Some(99)).expect("a log");
     assert_eq!(before.differs, None);
-    let there = replay_log(planted.as_bytes(), Some(100), &find_scene).expect("a log");
+    let there = replay_log(planted.as_bytes(), Some(100)).expect("a log");
     assert_eq!(there.differs, Some(100), "the checkpoint of the last record counts");
 }

@@ -3,15 +3,19 @@
 use document::Command;
 use edit::Action;
 use light::LightId;
-use protocol::ErrorCode;
+use protocol::{ErrorCode, Outcome, Problem};
 use rusqlite::Connection;
-use store::{Batch, MAX_REJECTIONS, Outcome, Rejection, Store, StoreError};
+use store::{Batch, MAX_REJECTIONS, Rejection, Store, StoreError};
 
-use crate::support::{Folder, Log, find_scene, stored_log};
+use crate::support::{Folder, Log, stored_log};
+
+fn folded(message: &str) -> Problem {
+    Problem { code: ErrorCode::InvalidLight, message: message.into() }
+}
 
 fn rejection(actor_id: &str, op_id: &str, message: &str) -> Rejection {
     let (actor_id, op_id) = (actor_id.into(), op_id.into());
-    Rejection { actor_id, op_id, code: ErrorCode::InvalidLight, message: message.into() }
+    Rejection { actor_id, op_id, problem: folded(message) }
 }
 
 fn reject(store: &mut Store, session: &str, rejections: &[Rejection]) {
@@ -34,14 +38,27 @@ fn an_operation_has_its_first_outcome() {
         |session: &str, actor: &str, op: &str| store.outcome(session, actor, op).expect("an answer");
     let committed = Outcome::Committed { seq: 7, rebased: false, skipped: Vec::new() };
     assert_eq!(outcome("main", "a", "op 7"), Some(committed));
-    let rejected = Outcome::Rejected { code: ErrorCode::InvalidLight, message: "it folds".into() };
-    assert_eq!(outcome("main", "a", "x"), Some(rejected));
+    assert_eq!(outcome("main", "a", "x"), Some(Outcome::Rejected(folded("it folds"))));
     for (session, actor, op) in
         [("main", "c", "x"), ("other", "a", "op 7"), ("other", "a", "x"), ("main", "a", "y")]
     {
         assert_eq!(outcome(session, actor, op), None, "{session} {actor} {op}");
     }
     assert!(matches!(store.outcome("none", "a", "x"), Err(StoreError::NoSession(_))));
+}
+
+/// Rules: REC-4
+#[test]
+fn a_refusal_with_a_code_of_a_newer_program_is_named() {
+    let folder = Folder::new();
+    let mut store = folder.store();
+    store.create_session("main").expect("a new name");
+    reject(&mut store, "main", &[rejection("a", "x", "it folds")]);
+    let database = Connection::open(folder.data().join("bendylights.sqlite")).expect("a database");
+    database.execute_batch("UPDATE rejection SET code = 'tooBright'").expect("a planted code");
+    let error = store.outcome("main", "a", "x").expect_err("it is not known");
+    assert!(matches!(&error, StoreError::UnknownCode(code) if code == "tooBright"), "{error}");
+    assert_eq!(error.code(), ErrorCode::Storage);
 }
 
 /// A record that brings a long light back refers to where that stands. Whoever sends its operation again is not made to
@@ -113,7 +130,7 @@ fn a_log_file_with_an_operation_twice_is_refused() {
     let mut text = Vec::new();
     store.export("main", &mut text).expect("a log");
     let text = String::from_utf8(text).expect("JSON").replace("\"opId\":\"op 4\"", "\"opId\":\"op 3\"");
-    let error = store::replay_log(text.as_bytes(), None, &find_scene).expect_err("twice");
+    let error = store::replay_log(text.as_bytes(), None).expect_err("twice");
     assert_eq!(
         error.to_string().split(':').next(),
         Some("record 4 repeats operation op 3 of the same actor")

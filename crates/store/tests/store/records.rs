@@ -5,7 +5,7 @@ use protocol::ErrorCode;
 use rusqlite::Connection;
 use store::{Batch, Store, StoreError};
 
-use crate::support::{Folder, Log, find_none, find_scene, stored_log};
+use crate::support::{Folder, Log, stored_log};
 
 /// The records as they come out of the store.
 fn all(store: &Store, session: &str) -> Vec<Record> {
@@ -108,19 +108,16 @@ fn replay_gives_the_document_of_any_record() {
     let folder = Folder::new();
     let mut store = folder.store();
     let log = stored_log(&mut store, "main", 40);
-    let replayed = |to| store.replay("main", to, &find_scene).expect("a log");
+    let replayed = |to| store.replay("main", to).expect("a log");
     assert_eq!(replayed(None).document().hash(), log.hash());
     let mut step_by_step = edit::Session::default();
     assert_eq!(replayed(Some(0)).document().hash(), step_by_step.document().hash());
     for record in &log.records {
-        step_by_step.replay(record, &find_scene).expect("it goes on");
+        step_by_step.replay(record).expect("it goes on");
         let session = replayed(Some(record.seq));
         assert_eq!((session.seq(), session.document().hash()), (record.seq, step_by_step.document().hash()));
     }
-    assert!(matches!(
-        store.replay("main", Some(43), &find_scene),
-        Err(StoreError::NoRecord { asked: 43, last: 42 })
-    ));
+    assert!(matches!(store.replay("main", Some(43)), Err(StoreError::NoRecord { asked: 43, last: 42 })));
 }
 
 /// Rules: LOG-2, LOG-3, REC-3
@@ -134,7 +131,7 @@ fn replay_names_the_record_that_was_tampered_with() {
     let error = |change: &str| {
         database.execute_batch(&format!("SAVEPOINT before; {change}; RELEASE before")).expect("a change");
         let store = Store::open(&folder.data()).expect("a store");
-        let error = store.replay("main", None, &find_scene).expect_err(change);
+        let error = store.replay("main", None).expect_err(change);
         (error.to_string(), error)
     };
     // A value that nothing later starts from: only the hash tells.
@@ -145,10 +142,4 @@ fn replay_names_the_record_that_was_tampered_with() {
     assert!(conflict, "the next record starts from the value that was: {said}");
     let (said, broken) = error("UPDATE record SET json = '{' WHERE seq = 2");
     assert!(matches!(broken, StoreError::DamagedRecord { seq: 2, .. }), "{said}");
-
-    let missing = Folder::new();
-    stored_log(&mut missing.store(), "main", 1);
-    let error = missing.store().replay("main", None, &find_none).expect_err("no scene");
-    assert_eq!(error.code(), ErrorCode::UnknownAsset);
-    assert!(error.to_string().contains("0707070707"), "it says which: {error}");
 }

@@ -3,26 +3,20 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use document::{AssetHash, Command, Document, DocumentHash, LightParameter, PointParameter};
+use document::{AssetHash, Command, Context, Document, DocumentHash, SceneContents};
 use edit::{Actor, Record, Request, Scope, Session, Sources};
 use glam::DVec3;
-use light::BendyLight;
-use light::{Light, LightId, LightKind};
-use scene::Scene;
+use light::parameters::{NAME, POINT_INTENSITY, TRANSLATION};
+use light::{CheckedLight, Light, LightId};
 use store::{Batch, Store};
 use tempfile::TempDir;
 
-/// A scene that [`find_scene`] finds.
+/// A scene that [`is_here`], and is empty.
 pub const SCENE: AssetHash = AssetHash([7; 32]);
 
-/// Finds [`SCENE`], which is empty.
-pub fn find_scene(asset: &AssetHash) -> Option<Arc<Scene>> {
-    (*asset == SCENE).then(Arc::default)
-}
-
-/// Finds nothing.
-pub fn find_none(_: &AssetHash) -> Option<Arc<Scene>> {
-    None
+/// Whether a scene is there.
+pub fn is_here(asset: &AssetHash) -> bool {
+    *asset == SCENE
 }
 
 /// A folder for one test's data.
@@ -45,7 +39,11 @@ impl Folder {
 
 fn bent_light() -> Light {
     let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.5, 0.0, -2.0)];
-    Light { name: "key".into(), kind: LightKind::Bendy(BendyLight::new(points, vec![0.1, 0.4, 0.8])) }
+    Light::bendy(points, vec![0.1, 0.4, 0.8]).with(NAME, "key".into())
+}
+
+fn checked(light: Light) -> Arc<CheckedLight> {
+    Arc::new(CheckedLight::new(light).expect("a valid light"))
 }
 
 /// A log under way: its records, and the session after them.
@@ -60,19 +58,19 @@ impl Log {
     pub fn of(edits: u64) -> Self {
         let mut log = Self::default();
         log.edit(Command::LoadScene { asset: SCENE, name: "empty".into() });
-        log.edit(Command::AddLight(Box::new(bent_light())));
+        log.edit(Command::AddLight(checked(bent_light())));
         let light = LightId(1);
         for step in 0..edits {
             let value = step as f64;
             match step % 7 {
                 3 => {
-                    let parameter = PointParameter::Intensity(value + 1.5);
-                    log.edit(Command::SetPoint { light, point: 1, parameter });
+                    let setting = POINT_INTENSITY.to(value + 1.5);
+                    log.edit(Command::SetPoint { light, point: 1, setting });
                 }
                 6 => log.take(Request::Undo(Scope::Mine)),
                 _ => {
-                    let parameter = LightParameter::Translation(DVec3::splat(value));
-                    log.edit(Command::SetLight { light, parameter });
+                    let setting = TRANSLATION.to(DVec3::splat(value));
+                    log.edit(Command::SetLight { light, setting });
                 }
             }
         }
@@ -91,16 +89,18 @@ impl Log {
     pub fn add_long_light(&mut self) {
         let seq = self.session.seq() as f64;
         let points = (0..64).map(|i| DVec3::new(0.0, 0.0, -0.1 * f64::from(i))).collect();
-        let light = BendyLight::new(points, vec![0.01 + 1e-5 * seq; 64]);
-        self.edit(Command::AddLight(Box::new(Light { name: "long".into(), kind: LightKind::Bendy(light) })));
+        let light = Light::bendy(points, vec![0.01 + 1e-5 * seq; 64]);
+        self.edit(Command::AddLight(checked(light.with(NAME, "long".into()))));
     }
 
     fn take(&mut self, request: Request) {
         let actor = Actor { id: "a".into(), name: "Ada".into() };
         let op_id = format!("op {}", self.session.seq() + 1);
         let record = |seq: u64| self.records.get(seq as usize - 1).cloned();
-        let taken_back = self.session.taken_back(&request, &actor.id, &record, &find_scene);
-        let sources = Sources { scene: &find_scene, taken_back: taken_back.expect("something to take back") };
+        let taken_back = self.session.taken_back(&request, &actor.id, &record);
+        let contents = SceneContents::default();
+        let context = Context { loaded: Some(&contents), ..Context::default() };
+        let sources = Sources { context, taken_back: taken_back.expect("something to take back") };
         let record = self.session.request(request, &actor, &op_id, 1_790_000_000_000, sources);
         self.records.push(record.expect("a valid request"));
     }
@@ -116,11 +116,16 @@ impl Log {
 
     /// The document's hash after record `seq`.
     pub fn hash_after(&self, seq: u64) -> DocumentHash {
+        self.document_after(seq).hash()
+    }
+
+    /// The document after record `seq`.
+    pub fn document_after(&self, seq: u64) -> Document {
         let mut session = Session::default();
         for record in self.records.iter().filter(|record| record.seq <= seq) {
-            session.replay(record, &find_scene).expect("it goes on");
+            session.replay(record).expect("it goes on");
         }
-        session.document().hash()
+        session.document().clone()
     }
 }
 
@@ -136,7 +141,7 @@ pub fn stored_log(store: &mut Store, name: &str, edits: u64) -> Log {
     let mut replayed = Session::default();
     for records in log.records.chunks(10) {
         for record in records {
-            replayed.replay(record, &find_scene).expect("it goes on");
+            replayed.replay(record).expect("it goes on");
         }
         let hash = replayed.document().hash();
         store.append(&[Batch { session: name, records, rejections: &[], hash }]).expect("a commit");

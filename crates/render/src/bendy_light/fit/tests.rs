@@ -1,7 +1,8 @@
 //! Whatever lies in a light lies in its fit.
 
 use glam::DQuat;
-use light::{BendyLight, EndMode, SpotLight};
+use light::parameters::{CONE_ANGLE, END_MODE, FRAME, RANGE, ROTATION, SCALE, TRANSLATION, UP};
+use light::{EndMode, Light, Tube};
 
 use super::*;
 use crate::bendy_light::walk;
@@ -21,32 +22,32 @@ impl Numbers {
 }
 
 /// Tubes that bend, taper, twist, go on, and open wide.
-fn lights() -> Vec<BendyLight> {
+fn lights() -> Vec<Light> {
     let mut numbers = Numbers(7);
     let mut lights = Vec::new();
     for k in 0..120 {
         let segments = 1 + k % 5;
         let mut light = if k % 3 == 0 {
-            let spot = SpotLight { cone_angle: 30.0 + 59.9 * numbers.next(), ..SpotLight::default() };
+            let spot = Light::spot().with(CONE_ANGLE, 30.0 + 59.9 * numbers.next());
             let range = (k % 2 == 0).then_some(4.0);
-            light::bend(&SpotLight { range, ..spot }, segments).expect("a cone can be bent")
+            light::bend(&spot.with(RANGE, range), segments).expect("a cone can be bent")
         } else {
             let points = (0..segments + 2).map(|i| DVec3::new(0.0, 0.0, i as f64 * -1.2)).collect();
-            BendyLight::new(points, (0..segments + 2).map(|_| 0.1 + 0.6 * numbers.next()).collect())
+            Light::bendy(points, (0..segments + 2).map(|_| 0.1 + 0.6 * numbers.next()).collect())
         };
         let reach = if k % 6 == 0 { 0.02 } else { 0.4 * numbers.next() };
-        for point in &mut light.points[1..] {
-            *point += numbers.vector() * reach;
+        for point in &mut light.points_mut().expect("it is bent")[1..] {
+            point.position += numbers.vector() * reach;
         }
         if k % 4 == 1 {
-            (light.frame, light.up) = (Frame::Up, DVec3::Y);
+            light = light.with(FRAME, Frame::Up).with(UP, DVec3::Y);
         }
         if k % 5 == 2 {
-            light.end_mode = EndMode::Extend;
+            light.set(END_MODE.to(EndMode::Extend));
         }
-        light.transform.translation = numbers.vector() * 3.0;
-        light.transform.rotation = DQuat::from_scaled_axis(numbers.vector() * 3.0);
-        light.transform.scale = 0.5 + numbers.next();
+        light.set(TRANSLATION.to(numbers.vector() * 3.0));
+        light.set(ROTATION.to(DQuat::from_scaled_axis(numbers.vector() * 3.0)));
+        light.set(SCALE.to(0.5 + numbers.next()));
         if Tube::new(&light).is_ok() {
             lights.push(light);
         }
@@ -61,7 +62,7 @@ fn soup(tube: &Tube<f64>, seed: u64) -> Vec<[f32; 3]> {
     let mut numbers = Numbers(seed);
     let mut positions = Vec::new();
     for lump in 0..=seed % 3 {
-        let segment = &tube.segments[(numbers.next() * tube.n as f64) as usize];
+        let segment = &tube.segments[(numbers.next() * tube.n as f64) as usize].curve;
         let u = numbers.next();
         let beside = segment.position(u) + numbers.vector() * (1.2 * segment.radius(u));
         let middle = tube.placement.world_from_tube(beside) - ORIGIN;

@@ -3,12 +3,12 @@
 use std::f64::consts::FRAC_PI_2;
 
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
-use light::{Decay, SpotLight};
-use light::{Light, LightKind};
+use light::parameters::{CONE_ANGLE, DECAY, RANGE, ROTATION, TRANSLATION};
+use light::{Decay, Light};
 use scene::{Image, Material, Mesh, Node, Primitive, Sampler, Scene, TextureRef, Wrap};
 
-use crate::bendy_light::shadow::Room;
-use crate::bendy_light::tests::{renderer, view};
+use crate::bendy_light::shadow_buffers::Room;
+use crate::bendy_light::tests::{alone, renderer, view};
 use crate::{Aov, Picture, ShadowSettings};
 
 const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::MirroredRepeat, Wrap::ClampToEdge];
@@ -91,18 +91,20 @@ fn scene(wraps: [Wrap; 3]) -> Scene {
 
 /// The same light, by each way to make a shadow.
 fn lights() -> [Light; 2] {
-    let mut spot =
-        SpotLight { cone_angle: 18.0, range: Some(7.0), decay: Decay::None, ..SpotLight::default() };
-    spot.transform.translation = DVec3::Y * 6.0;
-    spot.transform.rotation = DQuat::from_rotation_x(-FRAC_PI_2);
+    let spot = Light::spot()
+        .with(CONE_ANGLE, 18.0)
+        .with(RANGE, Some(7.0))
+        .with(DECAY, Decay::None)
+        .with(TRANSLATION, DVec3::Y * 6.0)
+        .with(ROTATION, DQuat::from_rotation_x(-FRAC_PI_2));
     let bent = light::bend(&spot, 2).expect("sound");
-    [LightKind::Spot(spot), LightKind::Bendy(bent)].map(|kind| Light { name: "key".into(), kind })
+    [spot, bent]
 }
 
 fn visibility(scene: &Scene, light: &Light, shadows: ShadowSettings) -> Picture {
     let mut renderer = renderer(scene);
     renderer.set_shadow_settings(shadows).expect("sound");
-    renderer.render(&view(Aov::Visibility), std::slice::from_ref(light)).expect("drawn")
+    renderer.render(&view(Aov::Visibility), &alone(light)).expect("drawn")
 }
 
 /// The share of the pixels in the light that one picture shows lit and the other does not.
@@ -138,10 +140,10 @@ fn simplified_casters_keep_their_holes() {
     let mut renderer = renderer(&scene(WRAPS));
     let shadows = ShadowSettings { mesh_error: 0.02, ..ShadowSettings::default() };
     renderer.set_shadow_settings(shadows).expect("sound");
-    let staged = renderer.staged().1;
+    let staged = renderer.gpu_scene().1;
     let (before, after) = (staged.surface.vertex_count, staged.casters.vertex_count);
     assert!(after + 300 < before, "{after} of {before} vertices");
-    let found = renderer.render(&view(Aov::Visibility), std::slice::from_ref(&bent)).expect("drawn");
+    let found = renderer.render(&view(Aov::Visibility), &alone(&bent)).expect("drawn");
     let found = differing(&found, &exact);
     assert!(found < 0.01, "{found}");
 }
@@ -153,14 +155,14 @@ fn only_holes_take_room() {
     let expected = visibility(&scene(WRAPS), &bent, ShadowSettings::default());
     let mut cramped = renderer(&scene(WRAPS));
     cramped.bent_work().room = Room { work: 1, patches: 1, split_vertices: 3, masked_vertices: 3 };
-    let found = cramped.render(&view(Aov::Visibility), std::slice::from_ref(&bent)).expect("drawn");
+    let found = cramped.render(&view(Aov::Visibility), &alone(&bent)).expect("drawn");
     assert_eq!(found, expected);
     assert!(cramped.bent_work().room.masked_vertices >= 3 * 2 * CARDS * CARDS);
 
     let mut solid = scene(WRAPS);
     solid.materials.iter_mut().for_each(|material| material.alpha_cutoff = None);
     let mut solid = renderer(&solid);
-    solid.render(&view(Aov::Visibility), std::slice::from_ref(&bent)).expect("drawn");
+    solid.render(&view(Aov::Visibility), &alone(&bent)).expect("drawn");
     assert_eq!(solid.bent_work().room.masked_vertices, 0);
-    assert!(solid.staged().1.alpha_tests.is_none());
+    assert!(solid.gpu_scene().1.alpha_tests.is_none());
 }

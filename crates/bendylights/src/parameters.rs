@@ -1,0 +1,94 @@
+//! `bendylights parameters`: all that can be set.
+
+use cli::answer;
+use protocol::{Parameter, ParameterKind, parameter_table};
+
+use crate::error::Error;
+
+#[derive(clap::Args)]
+#[command(after_help = "\
+Prints a line for each thing that can be set: what has it, its name in commands, light files and logs, its range or its
+choices, its default, and what a change makes stale: nothing, the light's radiance in pictures, or its shadow map too.
+With --json the table that the server gives at /parameters, with addresses for the command `set`.
+
+Example:
+  bendylights parameters --of bendy")]
+pub struct Args {
+    /// Only what this has: spot, bendy, point or camera
+    #[arg(long, value_parser = ["spot", "bendy", "point", "camera"], value_name = "OWNER")]
+    of: Option<String>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> Result<(), Error> {
+    let mut table = parameter_table();
+    if let Some(owner) = &args.of {
+        table.parameters.retain(|row| row.address.contains_key(owner));
+    }
+    if args.json {
+        return Ok(answer(&serde_json::to_string_pretty(&table).expect("plain data with string keys"))?);
+    }
+    let rows: Vec<[String; 5]> = table.parameters.iter().map(line).collect();
+    let head = ["of", "name", "values", "default", "touches"].map(String::from);
+    let width =
+        |column: usize| rows.iter().chain([&head]).map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: [usize; 5] = std::array::from_fn(width);
+    let text = |row: &[String; 5]| {
+        let cells: Vec<String> =
+            row.iter().zip(widths).map(|(cell, width)| format!("{cell:width$}")).collect();
+        cells.join("  ").trim_end().to_owned()
+    };
+    let lines: Vec<String> = [&head].into_iter().chain(&rows).map(text).collect();
+    Ok(answer(&lines.join("\n"))?)
+}
+
+fn line(row: &Parameter) -> [String; 5] {
+    let owners: Vec<&str> = row.address.keys().map(String::as_str).collect();
+    let mut defaults: Vec<String> = row.default.values().map(ToString::to_string).collect();
+    defaults.dedup();
+    let default = match (row.default.len(), &defaults[..]) {
+        (_, []) => "-".into(),
+        (_, [one]) => one.clone(),
+        _ => {
+            row.default.iter().map(|(owner, value)| format!("{owner} {value}")).collect::<Vec<_>>().join(", ")
+        }
+    };
+    let touches = serde_json::to_value(row.touches).ok();
+    let touches = touches.as_ref().and_then(serde_json::Value::as_str).unwrap_or_default().to_owned();
+    [owners.join(", "), row.name.clone(), values(&row.kind), default, touches]
+}
+
+/// What values there are, as people write it.
+fn values(kind: &ParameterKind) -> String {
+    match kind {
+        ParameterKind::Number { unit, min, max, exclusive_min, exclusive_max, none, .. } => {
+            let mut said = match (min.or(*exclusive_min), max.or(*exclusive_max)) {
+                (Some(low), Some(high)) => format!("{low} to {high}"),
+                (Some(low), None) => format!("from {low}"),
+                (None, Some(high)) => format!("to {high}"),
+                (None, None) => "any number".into(),
+            };
+            if exclusive_min.is_some() || exclusive_max.is_some() {
+                said.push_str(", ends left out");
+            }
+            if !unit.is_empty() {
+                said = format!("{said}, {unit}");
+            }
+            if let Some(none) = none {
+                said = format!("{said}; null: {}", none.to_lowercase());
+            }
+            said
+        }
+        ParameterKind::Choice { choices } => {
+            choices.iter().map(|choice| choice.name.as_str()).collect::<Vec<_>>().join(" | ")
+        }
+        ParameterKind::Color => "[r, g, b], linear".into(),
+        ParameterKind::Vector { unit, .. } if unit.is_empty() => "[x, y, z]".into(),
+        ParameterKind::Vector { unit, .. } => format!("[x, y, z], {unit}"),
+        ParameterKind::Rotation => "[x, y, z, w]".into(),
+        ParameterKind::Text { max_bytes } => format!("text, at most {max_bytes} bytes"),
+        ParameterKind::Projection => "a projection".into(),
+    }
+}

@@ -1,0 +1,28 @@
+//! What the commands of `bendylights` and of `bendylights-studies` share: where answers and files go, and how sizes are
+//! written.
+
+mod error;
+mod headless;
+mod output;
+mod size;
+
+pub use error::CliError;
+pub use headless::without_window_system;
+pub use output::{Output, make_folder};
+pub use size::{LIMITS, Size};
+
+use std::io::{self, Write};
+
+/// A line on standard error. Where that is closed there is nobody to tell.
+pub fn say(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// Writes a command's answer to standard output. A reader that has gone away (`| head`) has had enough: no error.
+pub fn answer(text: &str) -> Result<(), CliError> {
+    let mut stdout = io::stdout().lock();
+    match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(CliError::Stdout(error)),
+        _ => Ok(()),
+    }
+}

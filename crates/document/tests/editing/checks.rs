@@ -1,0 +1,118 @@
+//! How often a light is checked: once, where a change is made.
+
+use std::sync::Arc;
+
+use document::{CameraParameter, Change, Command, Context, Document, edited};
+use glam::{DQuat, DVec3};
+use light::parameters::{CONE_ANGLE, NAME, POSITION, RADIUS};
+use light::{CheckedLight, Setting};
+
+use crate::support::{
+    BENDY, EYE, ROOM, SPOT, bendy, checked, edit, eye, find_scene, light_change, light_of, plan,
+    point_change, sample, spot,
+};
+
+/// How many checks `work` makes.
+fn checks<T>(work: impl FnOnce() -> T) -> u64 {
+    let before = CheckedLight::made();
+    work();
+    CheckedLight::made() - before
+}
+
+/// How many checks a command makes that must be valid.
+fn checks_of(command: &Command) -> u64 {
+    let document = sample();
+    checks(|| edit(&document, command).expect("a valid command"))
+}
+
+fn set(setting: Setting) -> Command {
+    Command::SetLight { light: SPOT, setting }
+}
+
+fn place(translation: DVec3) -> Command {
+    let (rotation, scale) = (Some(DQuat::from_rotation_y(0.5)), Some(2.0));
+    Command::PlaceLight { light: BENDY, translation: Some(translation), rotation, scale }
+}
+
+fn insert(point: usize) -> Command {
+    Command::InsertPoint { light: BENDY, point, position: None, radius: None, color: None, intensity: None }
+}
+
+#[test]
+fn an_edit_of_a_light_checks_it_once() {
+    for command in [
+        set(CONE_ANGLE.to(40.0)),
+        set(NAME.to("rim".into())),
+        place(DVec3::ONE),
+        Command::SetPoint { light: BENDY, point: 1, setting: RADIUS.to(0.3) },
+        insert(2),
+        insert(5),
+        Command::RemovePoint { light: BENDY, point: 2 },
+    ] {
+        assert_eq!(checks_of(&command), 1, "{command:?}");
+    }
+}
+
+/// What a command or a scene brings was checked where it was read.
+#[test]
+fn what_is_carried_whole_is_not_checked_again() {
+    let added = Command::AddLight(checked(spot()));
+    let unchanged = set(CONE_ANGLE.to(light_of(&sample(), SPOT).get(CONE_ANGLE)));
+    for command in [
+        added,
+        Command::RemoveLight(BENDY),
+        unchanged,
+        Command::AddCamera(plan()),
+        Command::RemoveCamera(EYE),
+        Command::PlaceCamera { camera: EYE, translation: Some(DVec3::ONE), rotation: None },
+        Command::SetCamera { camera: EYE, parameter: CameraParameter::Name("side".into()) },
+    ] {
+        assert_eq!(checks_of(&command), 0, "{command:?}");
+    }
+    let (scene, command) = (find_scene(ROOM), Command::LoadScene { asset: ROOM, name: "room".into() });
+    let context = Context { loaded: scene.as_ref(), ..Context::default() };
+    let load = || edited(&Document::default(), &command, context).expect("it loads");
+    assert_eq!(checks(load), 0);
+}
+
+/// As undo and replay do.
+#[test]
+fn changes_check_each_light_once() {
+    let several = [
+        light_change(SPOT, CONE_ANGLE, 25.0, 40.0),
+        point_change(1, 1, RADIUS, 0.25, 0.3),
+        point_change(1, 2, RADIUS, 0.375, 0.3),
+        light_change(BENDY, NAME, "key".into(), "rim".into()),
+        Change::Camera { camera: EYE, old: Some(eye()), new: None },
+    ];
+    let mut document = sample();
+    assert_eq!(checks(|| document.apply(&several).expect("valid changes")), 2);
+    let back: Vec<_> = several.iter().rev().map(Change::inverse).collect();
+    assert_eq!(checks(|| document.apply(&back).expect("what was done")), 2);
+    let removed = [
+        several[0].clone(),
+        Change::Light { light: BENDY, old: document.lights().get(&BENDY).cloned(), new: None },
+    ];
+    assert_eq!(checks(|| document.apply(&removed).expect("valid changes")), 1, "what goes is not checked");
+}
+
+/// The other lights are carried on as they are.
+#[test]
+fn what_is_not_touched_is_shared() {
+    let before = sample();
+    let after = edit(&before, &set(CONE_ANGLE.to(40.0))).expect("a valid command").document;
+    let is_shared = |id| Arc::ptr_eq(&before.lights()[&id].light, &after.lights()[&id].light);
+    assert!(is_shared(BENDY) && !is_shared(SPOT));
+}
+
+/// The count counts, for lights that are refused as well.
+#[test]
+fn a_check_by_hand_is_counted() {
+    assert_eq!(checks(|| checked(bendy())), 1);
+    let fold =
+        || CheckedLight::new(bendy().with_points(|_, point| point.radius = 20.0)).expect_err("it folds");
+    assert_eq!(checks(fold), 1);
+    let command = Command::SetPoint { light: BENDY, point: 3, setting: POSITION.to(DVec3::NEG_X * 3.0) };
+    let document = sample();
+    assert_eq!(checks(|| edit(&document, &command).expect_err("it folds")), 1);
+}

@@ -1,0 +1,151 @@
+//! The document's hash and the table of parameters: every row counts, and none that has its default.
+
+use std::collections::BTreeMap;
+
+use document::{Document, Layout, PlacedLight};
+use glam::{DQuat, DVec3};
+use light::parameters::{
+    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, POINT_COLOR,
+    POINT_INTENSITY, POSITION, RADIUS, RANGE, ROTATION, SCALE, TRANSLATION, UP,
+};
+use light::{
+    CheckedLight, ControlPoint, Kind, Light, Of, Owner, Parameter, Setting, Value, parameters, parameters_of,
+};
+use sha2::{Digest, Sha256};
+
+use crate::hash::{HASHES, all_differ};
+use crate::support::{BENDY, checked};
+
+/// The rows that lights and control points had in formats 1 and 2.
+const OF_FORMAT_2: [&Parameter; 18] = [
+    NAME.row(),
+    TRANSLATION.row(),
+    ROTATION.row(),
+    SCALE.row(),
+    COLOR.row(),
+    INTENSITY.row(),
+    DECAY.row(),
+    CONE_ANGLE.row(),
+    CONE_SOFTNESS.row(),
+    RANGE.row(),
+    END_MODE.row(),
+    DIRECTION.row(),
+    FRAME.row(),
+    UP.row(),
+    POSITION.row(),
+    RADIUS.row(),
+    POINT_INTENSITY.row(),
+    POINT_COLOR.row(),
+];
+
+/// A spotlight and a BendyLight with all defaults.
+fn plain_lights() -> [Light; 2] {
+    let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.25, 0.0, -2.0)];
+    [Light::spot(), Light::bendy(points, vec![0.125, 0.25, 0.375])]
+}
+
+fn holding(light: Light) -> Document {
+    let placed = PlacedLight { layout: Layout(1), light: checked(light) };
+    Document::restore(None, BTreeMap::from([(BENDY, placed)]), BTreeMap::new(), 0)
+}
+
+/// A value that `parameter` may have, other than `now` and not far from it.
+fn another(parameter: &Parameter, now: &Value) -> Value {
+    let candidates: Vec<Value> = match now {
+        Value::Number(number) => {
+            [number * 0.5, number + 0.5, number + 1.0, number - 1.0].map(Value::Number).into()
+        }
+        Value::Absent => [0.5, 1.0, -1.0].map(Value::Number).into(),
+        Value::Choice(_) => match parameter.kind {
+            Kind::Choice(choices) => choices.iter().map(|choice| Value::Choice(choice.name)).collect(),
+            other => panic!("a choice of {other}"),
+        },
+        Value::Vector(vector) => vec![Value::Vector(*vector + DVec3::new(0.125, 0.0625, 0.03125))],
+        Value::Rotation(rotation) => vec![Value::Rotation(*rotation * DQuat::from_rotation_y(0.5))],
+        Value::Text(text) => vec![Value::Text(format!("{text}e"))],
+    };
+    let mut others = candidates.into_iter().filter(|value| value != now && parameter.check(value).is_ok());
+    others.next().expect("it may have another value")
+}
+
+/// `light` with each of `rows` in turn at another value: its own ones, and those of each control point where it may move.
+fn each_set(light: &Light, rows: &[&'static Parameter]) -> Vec<(String, Light)> {
+    let mut set = Vec::new();
+    for parameter in rows {
+        if let (Some(_), Some(now)) = (parameter.of(light.owner()), light.value(parameter)) {
+            let mut other = light.clone();
+            other.set(Setting { parameter, value: another(parameter, now) });
+            set.push((format!("the light's {}", parameter.name), other));
+        }
+        let first = usize::from(**parameter == *POSITION);
+        for (index, point) in light.points().iter().enumerate().skip(first) {
+            let Some(now) = parameter.of(Owner::Point).and_then(|_| point.value(parameter)) else { continue };
+            let setting = Setting { parameter, value: another(parameter, &now) };
+            let change = |i: usize, point: &mut ControlPoint| {
+                if i == index {
+                    point.set(&setting);
+                }
+            };
+            set.push((format!("point {index}'s {}", parameter.name), light.clone().with_points(change)));
+        }
+    }
+    set
+}
+
+/// The next parameter counts without a word here; the hash of old logs counts what there was then.
+///
+/// Rules: DOC-4
+#[test]
+fn every_row_of_the_table_counts() {
+    for (hash, rows) in HASHES.into_iter().zip([parameters(), &OF_FORMAT_2]) {
+        let mut are_set = 0;
+        for light in plain_lights() {
+            let set = each_set(&light, rows);
+            are_set += set.len();
+            let documents: Vec<_> = set.into_iter().map(|(what, light)| (what, holding(light))).collect();
+            all_differ(hash, &holding(light), &documents);
+        }
+        // Each row of a light once for each kind of light, each of a control point for all three; the source stays.
+        let of_a_point = |of: &Of| if of.owner == Owner::Point { 3 } else { 1 };
+        let expected: usize = rows.iter().flat_map(|row| row.of).map(of_a_point).sum();
+        assert_eq!(are_set, expected - 1);
+    }
+}
+
+/// Rules: DOC-4
+#[test]
+fn a_default_leaves_no_trace() {
+    for light in plain_lights() {
+        let plain = holding(light.clone()).hash();
+        for parameter in parameters_of(light.owner()) {
+            let default = parameter.default(light.owner()).expect("parameters of lights have defaults");
+            let mut set = light.clone();
+            set.set(Setting { parameter, value: another(parameter, &default) });
+            assert_ne!(holding(set.clone()).hash(), plain, "{}", parameter.name);
+            set.set(Setting { parameter, value: default });
+            assert_eq!(holding(set).hash(), plain, "{}", parameter.name);
+        }
+    }
+}
+
+/// A light with all defaults is hashed by its shape and what has no default, so that a row that is added to the table
+/// changes no hash of before.
+///
+/// Rules: DOC-4
+#[test]
+fn what_has_its_default_is_not_walked() {
+    let [spot, bendy] = plain_lights();
+    let text = |text: &str| [&(text.len() as u64).to_le_bytes(), text.as_bytes()].concat();
+    let reals = |reals: &[f64]| reals.iter().flat_map(|real| real.to_le_bytes()).collect::<Vec<_>>();
+    let positions: Vec<_> = bendy.points().iter().flat_map(|point| point.position.to_array()).collect();
+    let radii: Vec<_> = bendy.points().iter().map(|point| point.radius).collect();
+    let count = |points: u64| points.to_le_bytes().to_vec();
+    let walked_spot = [vec![0], count(0)].concat();
+    let walked_bendy =
+        [vec![1], count(3), text("position"), reals(&positions), text("radius"), reals(&radii)].concat();
+    for (light, walked) in [(spot, walked_spot), (bendy, walked_bendy)] {
+        let digest = |light| CheckedLight::new(light).expect("a valid light").digest().0;
+        assert_eq!(digest(light.clone())[..], Sha256::digest(&walked)[..]);
+        assert_ne!(digest(light.with(CONE_ANGLE, 24.0))[..], Sha256::digest(&walked)[..]);
+    }
+}

@@ -1,0 +1,101 @@
+//! A light that can be evaluated.
+
+use std::cell::Cell;
+use std::sync::Arc;
+
+use crate::revision::{Digest, Revisions};
+use crate::{Cone, Light, LightError, LightId, Shape, Tube};
+
+thread_local! {
+    static MADE: Cell<u64> = const { Cell::new(0) };
+}
+
+/// A light that passed every check, with what evaluates it: made once, where a change is applied, and carried from there
+/// to all who evaluate it. Nothing downstream checks a light again.
+#[derive(Clone, Debug)]
+pub struct CheckedLight {
+    light: Light,
+    rays: Rays,
+    revisions: Revisions,
+}
+
+/// How a point is found in a light.
+#[derive(Clone, Debug)]
+pub enum Rays {
+    /// Straight lines from a point, in a cone.
+    Cone(Cone),
+    /// Curves along a tube.
+    Bent(Tube<f64>),
+}
+
+/// A light under the name that it keeps for as long as its session lives.
+#[derive(Clone, Debug)]
+pub struct LightInstance {
+    /// Its name.
+    pub id: LightId,
+    /// As it is now.
+    pub light: Arc<CheckedLight>,
+}
+
+impl LightInstance {
+    /// Lights of no session, checked, which go by their numbers from 0.
+    pub fn numbered(lights: impl IntoIterator<Item = Light>) -> Result<Vec<Self>, LightError> {
+        let checked = lights.into_iter().zip(0..).map(|(light, number)| {
+            Ok(Self { id: LightId(number), light: Arc::new(CheckedLight::new(light)?) })
+        });
+        checked.collect()
+    }
+}
+
+impl CheckedLight {
+    /// Checks a light: every value against its row, a BendyLight's control points, its tube for folds.
+    pub fn new(light: Light) -> Result<Self, LightError> {
+        MADE.set(MADE.get() + 1);
+        let rays = match light.shape() {
+            Shape::Spot => Rays::Cone(Cone::new(&light)?),
+            Shape::Bendy(_) => Rays::Bent(Tube::new(&light)?),
+        };
+        let revisions = Revisions::of(&light);
+        Ok(Self { light, rays, revisions })
+    }
+
+    /// How many checks this thread has made: what tests count to see that a light is checked once.
+    pub fn made() -> u64 {
+        MADE.get()
+    }
+
+    /// The light as it is written down.
+    pub fn light(&self) -> &Light {
+        &self.light
+    }
+
+    /// How a point is found in it.
+    pub fn rays(&self) -> &Rays {
+        &self.rays
+    }
+
+    /// The tube of a BendyLight.
+    pub fn tube(&self) -> Option<&Tube<f64>> {
+        match &self.rays {
+            Rays::Cone(_) => None,
+            Rays::Bent(tube) => Some(tube),
+        }
+    }
+
+    /// Names of what pictures keep of it.
+    pub fn revisions(&self) -> Revisions {
+        self.revisions
+    }
+
+    /// Of all its values.
+    pub fn digest(&self) -> Digest {
+        self.revisions.content
+    }
+}
+
+impl PartialEq for CheckedLight {
+    /// Whether all values are the same.
+    fn eq(&self, other: &Self) -> bool {
+        self.light == other.light
+    }
+}

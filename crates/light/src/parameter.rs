@@ -1,0 +1,439 @@
+//! What can be set, a row each: a parameter apart from its value.
+//!
+//! A row says all that anybody needs to know of a parameter: commands, the undo of them, JSON and its schema, the document's
+//! hash, the page's fields and the renderer's caches follow from it. [`crate::parameters`] has the rows.
+
+use std::fmt;
+use std::marker::PhantomData;
+use std::ops::{Bound, Deref, RangeBounds};
+
+use glam::{DQuat, DVec3};
+
+use crate::LightError;
+
+/// Bytes that a name has at most.
+pub const MAX_NAME_BYTES: usize = 256;
+
+/// A row of the table.
+#[derive(Clone, Copy)]
+pub struct Parameter {
+    /// The word for it in commands, files and logs, in camelCase.
+    pub name: &'static str,
+    /// Where its value stands in its owner's JSON, fields within fields parted by dots. Of a control point, the list that
+    /// has one value for each.
+    pub path: &'static str,
+    /// What has it.
+    pub of: &'static [Of],
+    /// What its values are.
+    pub kind: Kind,
+    /// Whether keyframes may drive it.
+    pub animates: bool,
+    /// The heading that it stands under, for people.
+    pub group: &'static str,
+    /// Its name for people.
+    pub label: &'static str,
+    /// A sentence about it, for people.
+    pub doc: &'static str,
+}
+
+/// One kind of thing that has a parameter.
+#[derive(Clone, Copy, Debug)]
+pub struct Of {
+    /// What has it.
+    pub owner: Owner,
+    /// The value where none is given; `None` where one has to be. Hashes leave out what has its default, so that a new
+    /// parameter changes no old hash: a default never changes.
+    pub default: Option<Value<&'static str>>,
+    /// What a change of it makes stale.
+    pub touches: Touches,
+}
+
+/// What can have parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Owner {
+    /// A spotlight.
+    Spot,
+    /// A BendyLight.
+    Bendy,
+    /// A control point of a BendyLight.
+    Point,
+    /// A camera.
+    Camera,
+}
+
+/// What a change makes stale of what is kept of a light from picture to picture; each includes those before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Touches {
+    /// Nothing: no picture shows it.
+    Nothing,
+    /// What the light adds to the picture.
+    Radiance,
+    /// Its shadow map.
+    ShadowMap,
+    /// Everything: the scene is another.
+    Scene,
+}
+
+/// What the values of a parameter are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// A number.
+    Number(Number),
+    /// One of several words.
+    Choice(&'static [Choice]),
+    /// Linear RGB.
+    Color,
+    /// Three numbers.
+    Vector {
+        /// What they count, if anything.
+        unit: &'static str,
+        /// What a step of a control changes one by.
+        step: f64,
+    },
+    /// A unit quaternion `[x, y, z, w]`.
+    Rotation,
+    /// Text of at most so many bytes of UTF-8.
+    Text {
+        /// So many.
+        max_bytes: usize,
+    },
+    /// How a camera projects, as a whole.
+    Projection,
+}
+
+/// The numbers that a parameter may have, and how a control offers them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Number {
+    /// What it counts, if anything.
+    pub unit: &'static str,
+    /// What is refused below.
+    pub min: Bound<f64>,
+    /// What is refused above.
+    pub max: Bound<f64>,
+    /// The ends of a slider, where one makes sense.
+    pub slider: Option<[f64; 2]>,
+    /// What a step of a control changes it by.
+    pub step: f64,
+    /// How a slider is divided.
+    pub scale: Scale,
+    /// What it means that there is none, for people; `None` where there has to be one.
+    pub absent: Option<&'static str>,
+}
+
+/// How a slider is divided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Evenly.
+    Linear,
+    /// Evenly in the logarithm.
+    Logarithmic,
+}
+
+/// One of the words that a parameter may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Choice {
+    /// As in files.
+    pub name: &'static str,
+    /// For people.
+    pub label: &'static str,
+}
+
+/// A value of any parameter; `S` holds text.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value<S = String> {
+    /// Of [`Kind::Number`].
+    Number(f64),
+    /// Of [`Kind::Number`], where it is optional and absent.
+    Absent,
+    /// Of [`Kind::Choice`]: the choice's name.
+    Choice(&'static str),
+    /// Of [`Kind::Color`] and [`Kind::Vector`].
+    Vector(DVec3),
+    /// Of [`Kind::Rotation`].
+    Rotation(DQuat),
+    /// Of [`Kind::Text`].
+    Text(S),
+}
+
+impl Value<&'static str> {
+    /// The same with text of its own.
+    pub fn to_value(self) -> Value {
+        match self {
+            Self::Number(number) => Value::Number(number),
+            Self::Absent => Value::Absent,
+            Self::Choice(name) => Value::Choice(name),
+            Self::Vector(vector) => Value::Vector(vector),
+            Self::Rotation(rotation) => Value::Rotation(rotation),
+            Self::Text(text) => Value::Text(text.into()),
+        }
+    }
+}
+
+/// A parameter and a value for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// What is set.
+    pub parameter: &'static Parameter,
+    /// What it is set to.
+    pub value: Value,
+}
+
+impl fmt::Debug for Parameter {
+    /// Its path alone: changes and commands carry whole rows.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.path)
+    }
+}
+
+impl PartialEq for Parameter {
+    /// Whether it is the same row; of one owner no two have one name.
+    fn eq(&self, other: &Self) -> bool {
+        (self.name, self.path) == (other.name, other.path)
+    }
+}
+
+/// A parameter whose values have the Rust type `T`.
+#[derive(Debug)]
+pub struct Key<T> {
+    row: &'static Parameter,
+    of: PhantomData<fn() -> T>,
+}
+
+impl<T> Clone for Key<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Key<T> {}
+
+impl<T> Deref for Key<T> {
+    type Target = Parameter;
+
+    fn deref(&self) -> &Parameter {
+        self.row
+    }
+}
+
+impl<T> Key<T> {
+    /// The values of `row` are of type `T`.
+    pub const fn new(row: &'static Parameter) -> Self {
+        Self { row, of: PhantomData }
+    }
+
+    /// The row itself.
+    pub const fn row(self) -> &'static Parameter {
+        self.row
+    }
+}
+
+impl<T: Typed> Key<T> {
+    /// This parameter, set to `value`.
+    pub fn to(self, value: T) -> Setting {
+        Setting { parameter: self.row, value: value.into_value() }
+    }
+}
+
+/// A Rust type that values have.
+pub trait Typed: Sized {
+    /// The value.
+    fn into_value(self) -> Value;
+    /// What a value is; `None` for a value of another type.
+    fn from_value(value: &Value) -> Option<Self>;
+}
+
+impl Typed for f64 {
+    fn into_value(self) -> Value {
+        Value::Number(self)
+    }
+
+    fn from_value(value: &Value) -> Option<Self> {
+        if let Value::Number(number) = value { Some(*number) } else { None }
+    }
+}
+
+impl Typed for Option<f64> {
+    fn into_value(self) -> Value {
+        self.map_or(Value::Absent, Value::Number)
+    }
+
+    fn from_value(value: &Value) -> Option<Self> {
+        match value {
+            Value::Number(number) => Some(Some(*number)),
+            Value::Absent => Some(None),
+            _ => None,
+        }
+    }
+}
+
+impl Typed for DVec3 {
+    fn into_value(self) -> Value {
+        Value::Vector(self)
+    }
+
+    fn from_value(value: &Value) -> Option<Self> {
+        if let Value::Vector(vector) = value { Some(*vector) } else { None }
+    }
+}
+
+impl Typed for DQuat {
+    fn into_value(self) -> Value {
+        Value::Rotation(self)
+    }
+
+    fn from_value(value: &Value) -> Option<Self> {
+        if let Value::Rotation(rotation) = value { Some(*rotation) } else { None }
+    }
+}
+
+impl Typed for String {
+    fn into_value(self) -> Value {
+        Value::Text(self)
+    }
+
+    fn from_value(value: &Value) -> Option<Self> {
+        if let Value::Text(text) = value { Some(text.clone()) } else { None }
+    }
+}
+
+/// Gives an enum its words.
+macro_rules! choices {
+    ($name:ident { $($variant:ident: $word:literal, $label:literal;)+ }) => {
+        impl $name {
+            /// The words for its variants.
+            pub const CHOICES: &'static [$crate::parameter::Choice] =
+                &[$($crate::parameter::Choice { name: $word, label: $label }),+];
+
+            /// The word for it, as in files.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $word,)+
+                }
+            }
+        }
+
+        impl $crate::parameter::Typed for $name {
+            fn into_value(self) -> $crate::Value {
+                $crate::Value::Choice(self.name())
+            }
+
+            fn from_value(value: &$crate::Value) -> Option<Self> {
+                match value {
+                    $($crate::Value::Choice($word) => Some(Self::$variant),)+
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+pub(crate) use choices;
+
+impl Parameter {
+    /// What a change of it makes stale, whatever has it.
+    pub fn touches(&self) -> Touches {
+        self.of.iter().map(|of| of.touches).max().unwrap_or(Touches::Nothing)
+    }
+
+    /// How `owner` has it; `None` where it has no such parameter.
+    pub fn of(&self, owner: Owner) -> Option<&Of> {
+        self.of.iter().find(|of| of.owner == owner)
+    }
+
+    /// The value that `owner` has where none is given; `None` where one has to be, or it has no such parameter.
+    pub fn default(&self, owner: Owner) -> Option<Value> {
+        Some(self.of(owner)?.default?.to_value())
+    }
+
+    /// Whether a value is of its type, in range or not.
+    pub fn takes(&self, value: &Value) -> bool {
+        !matches!(self.check(value), Err(LightError::OtherType { .. }))
+    }
+
+    /// Refuses a value that no owner may have: of another type, not finite, out of range, too long.
+    pub fn check(&self, value: &Value) -> Result<(), LightError> {
+        let field = self.path;
+        match (&self.kind, value) {
+            (Kind::Number(number), Value::Absent) if number.absent.is_some() => Ok(()),
+            (Kind::Number(number), Value::Number(value)) => {
+                if !value.is_finite() {
+                    return Err(LightError::NotFinite(field));
+                }
+                if (number.min, number.max).contains(value) {
+                    return Ok(());
+                }
+                Err(LightError::OutOfDomain { field, value: *value, domain: number.domain() })
+            }
+            (Kind::Choice(choices), Value::Choice(name)) if choices.iter().any(|c| c.name == *name) => Ok(()),
+            (Kind::Color | Kind::Vector { .. }, Value::Vector(vector)) if vector.is_finite() => Ok(()),
+            (Kind::Color | Kind::Vector { .. }, Value::Vector(_)) => Err(LightError::NotFinite(field)),
+            (Kind::Rotation, Value::Rotation(rotation)) => {
+                if !rotation.is_finite() {
+                    return Err(LightError::NotFinite(field));
+                }
+                // Rounding may leave a unit quaternion a little off; what is far off was meant as something else.
+                let length = rotation.length();
+                let unit = (0.5..=2.0).contains(&length);
+                if unit { Ok(()) } else { Err(LightError::NotARotation { field, length }) }
+            }
+            (Kind::Text { max_bytes }, Value::Text(text)) if text.len() <= *max_bytes => Ok(()),
+            (Kind::Text { max_bytes }, Value::Text(_)) => {
+                Err(LightError::TooLong { field, limit: *max_bytes })
+            }
+            _ => Err(LightError::OtherType { field, expected: self.kind.to_string() }),
+        }
+    }
+}
+
+impl Number {
+    /// Any number, in steps of 0.01.
+    pub const ANY: Self = Self {
+        unit: "",
+        min: Bound::Unbounded,
+        max: Bound::Unbounded,
+        slider: None,
+        step: 0.01,
+        scale: Scale::Linear,
+        absent: None,
+    };
+
+    /// The range, as the end of a sentence.
+    fn domain(&self) -> String {
+        use Bound::{Excluded, Included, Unbounded};
+        let unit = |x: f64| if self.unit.is_empty() { x.to_string() } else { format!("{x} {}", self.unit) };
+        match (self.min, self.max) {
+            (Included(min), Included(max)) => format!("it must lie from {min} to {}", unit(max)),
+            (Excluded(min), Excluded(max)) => format!("it must lie between {min} and {}", unit(max)),
+            (Included(min), Excluded(max)) => format!("it must be {min} or more and less than {}", unit(max)),
+            (Excluded(min), Included(max)) => format!("it must be more than {min} and at most {}", unit(max)),
+            (Included(min), Unbounded) => format!("it must be {} or more", unit(min)),
+            (Excluded(min), Unbounded) => format!("it must be more than {}", unit(min)),
+            (Unbounded, Included(max)) => format!("it must be at most {}", unit(max)),
+            (Unbounded, Excluded(max)) => format!("it must be less than {}", unit(max)),
+            (Unbounded, Unbounded) => "it must be a number".into(),
+        }
+    }
+}
+
+impl fmt::Display for Kind {
+    /// What is expected, as the end of a sentence.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) if number.absent.is_some() => f.write_str("a number or null"),
+            Self::Number(_) => f.write_str("a number"),
+            Self::Choice(choices) => {
+                let names: Vec<_> = choices.iter().map(|choice| format!("\"{}\"", choice.name)).collect();
+                let (last, others) = names.split_last().ok_or(fmt::Error)?;
+                if others.is_empty() {
+                    f.write_str(last)
+                } else {
+                    write!(f, "{} or {last}", others.join(", "))
+                }
+            }
+            Self::Color => f.write_str("three numbers [r, g, b]"),
+            Self::Vector { .. } => f.write_str("three numbers [x, y, z]"),
+            Self::Rotation => f.write_str("four numbers [x, y, z, w]"),
+            Self::Text { .. } => f.write_str("text"),
+            Self::Projection => f.write_str("a projection"),
+        }
+    }
+}

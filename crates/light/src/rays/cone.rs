@@ -1,0 +1,61 @@
+//! Straight rays from a point: a spotlight.
+
+use glam::{DMat3, DVec2, DVec3};
+
+use crate::build::check_values;
+use crate::filter::{LightFilter, irradiance};
+use crate::parameters::{COLOR, CONE_ANGLE, INTENSITY, RANGE};
+use crate::{Light, LightError, Place, emission};
+
+/// A checked spotlight, prepared for evaluation (light model, section 6). It shines along its -z.
+#[derive(Clone, Debug)]
+pub struct Cone {
+    /// World position of the source.
+    pub translation: DVec3,
+    /// World axes from the light's.
+    pub rotation: DMat3,
+    /// Tangent of the half angle.
+    pub tan_outer: f64,
+    /// Axial distance at which the light ends, in world units; `None` never.
+    pub range: Option<f64>,
+    /// Colour times intensity, linear RGB.
+    pub emission: DVec3,
+    /// What follows from the place.
+    pub light_filter: LightFilter,
+}
+
+impl Cone {
+    /// Checks a spotlight and prepares it.
+    pub fn new(light: &Light) -> Result<Self, LightError> {
+        check_values(light)?;
+        let transform = light.transform();
+        Ok(Self {
+            translation: transform.translation,
+            rotation: DMat3::from_quat(transform.rotation.normalize()),
+            tan_outer: libm::tan(light.get(CONE_ANGLE).to_radians()),
+            range: light.get(RANGE),
+            emission: emission(light.get(COLOR), light.get(INTENSITY)),
+            light_filter: LightFilter::of(light, 0.0),
+        })
+    }
+
+    /// Where a point lies, given from the source in world axes; `None` outside the cone.
+    pub fn locate(&self, from_source: DVec3) -> Option<Place> {
+        let position = self.rotation.transpose() * from_source;
+        let (depth, s) = (-position.z, position.length());
+        let slope = position.truncate() / depth;
+        let in_range = self.range.is_none_or(|range| depth <= range);
+        if !(depth > 0.0 && slope.length() <= self.tan_outer && in_range) {
+            return None;
+        }
+        // The axes of a BendyLight's cross-section: w_hat is up, v_hat = w_hat x u_hat is to the left of +x.
+        let DVec2 { x: v, y: w } = DVec2::new(-slope.x, slope.y) / self.tan_outer;
+        let t = self.range.map_or(0.0, |range| depth / range);
+        Some(Place { t, v, w, s, direction: self.rotation * (-position / s) })
+    }
+
+    /// Irradiance at a place on a surface square to the light, linear RGB, without visibility.
+    pub fn irradiance(&self, place: &Place) -> DVec3 {
+        irradiance(&self.light_filter, self.emission, place)
+    }
+}

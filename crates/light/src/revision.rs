@@ -1,0 +1,109 @@
+//! What caches go by: names for a light's values.
+
+use std::fmt;
+
+use sha2::{Digest as _, Sha256};
+
+use crate::{Light, Owner, Parameter, Touches, Value};
+
+/// SHA-256 over some of a light's values: equal where they are.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Digest(pub [u8; 32]);
+
+/// Names for what is kept of a light from picture to picture: another name wherever a change has touched it
+/// ([`Touches`]), and the earlier one where that is undone.
+///
+/// They are made of the values themselves. A count of changes would give one number to two contents, where a drag and an
+/// edit both go on from one document.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Revisions {
+    /// Of what its shadow map depends on, besides the scene.
+    pub shadow_map: Digest,
+    /// Of what the picture depends on, the shadow map included.
+    pub radiance: Digest,
+    /// Of everything.
+    pub content: Digest,
+}
+
+impl Revisions {
+    pub(crate) fn of(light: &Light) -> Self {
+        let digest = |least| digest(light, least);
+        Self {
+            shadow_map: digest(Touches::ShadowMap),
+            radiance: digest(Touches::Radiance),
+            content: digest(Touches::Nothing),
+        }
+    }
+}
+
+impl fmt::Debug for Digest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+/// Over the shape and the values of parameters that touch `least` or more. What has its default is left out, so that a
+/// parameter that comes later changes no digest of before; -0 counts as 0. What has a length says it first.
+fn digest(light: &Light, least: Touches) -> Digest {
+    let owner = light.owner();
+    let mut walk = Walk(Sha256::new());
+    walk.0.update([owner as u8]);
+    let mut values: Vec<_> = light.values().collect();
+    values.sort_unstable_by_key(|(row, _)| row.name);
+    for (row, value) in values {
+        if touches(row, owner, least) && row.default(owner).as_ref() != Some(value) {
+            walk.text(row.name);
+            walk.value(value);
+        }
+    }
+    let points = light.points();
+    walk.number(points.len() as u64);
+    let mut rows = crate::parameters_of(Owner::Point).to_vec();
+    rows.sort_unstable_by_key(|row| row.name);
+    for row in rows.into_iter().filter(|row| touches(row, Owner::Point, least)) {
+        let values: Vec<_> = points.iter().filter_map(|point| point.value(row)).collect();
+        if values.iter().any(|value| row.default(Owner::Point).as_ref() != Some(value)) {
+            walk.text(row.name);
+            for value in &values {
+                walk.value(value);
+            }
+        }
+    }
+    Digest(walk.0.finalize().into())
+}
+
+fn touches(row: &Parameter, owner: Owner, least: Touches) -> bool {
+    row.of(owner).is_some_and(|of| of.touches >= least)
+}
+
+struct Walk(Sha256);
+
+impl Walk {
+    fn number(&mut self, number: u64) {
+        self.0.update(number.to_le_bytes());
+    }
+
+    fn text(&mut self, text: &str) {
+        self.number(text.len() as u64);
+        self.0.update(text);
+    }
+
+    fn reals(&mut self, reals: &[f64]) {
+        for real in reals {
+            // Adding 0 makes -0 to 0 and leaves all else.
+            self.0.update((real + 0.0).to_bits().to_le_bytes());
+        }
+    }
+
+    fn value(&mut self, value: &Value) {
+        match value {
+            Value::Number(number) => self.reals(&[*number]),
+            // No number that a light may have.
+            Value::Absent => self.reals(&[f64::NAN]),
+            Value::Choice(name) => self.text(name),
+            Value::Vector(vector) => self.reals(&vector.to_array()),
+            Value::Rotation(rotation) => self.reals(&rotation.to_array()),
+            Value::Text(text) => self.text(text),
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Whole pictures.
+
+use glam::{DVec2, DVec3};
+use light::LightInstance;
+use rayon::prelude::*;
+use scene::{Aov, View};
+
+use crate::camera::sample_in_pixel;
+use crate::{Reference, ReferenceError, Source, Surface, reflected};
+
+/// Raw values, linear, with the meaning that [`Aov`] states.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Rows from the top, `width * height` of them.
+    pub pixels: Vec<[f64; 4]>,
+}
+
+impl Reference {
+    /// The picture of `view` under `lights`, on all cores. `row_done` is called once for each row, from any
+    /// thread.
+    pub fn render(
+        &self,
+        view: &View,
+        lights: &[LightInstance],
+        row_done: impl Fn() + Sync,
+    ) -> Result<Picture, ReferenceError> {
+        if view.width == 0 || view.height == 0 || view.samples == 0 {
+            return Err(ReferenceError::EmptyView);
+        }
+        view.camera.check().map_err(ReferenceError::Camera)?;
+        if !View::FILL.contains(&view.fill) {
+            return Err(ReferenceError::Fill(view.fill));
+        }
+        let sources: Vec<_> =
+            wanted(view, lights)?.iter().map(|instance| Source::new(&instance.light)).collect();
+        let mut pixels = vec![[0.0; 4]; view.width as usize * view.height as usize];
+        pixels.par_chunks_exact_mut(view.width as usize).enumerate().for_each(|(y, row)| {
+            for (x, pixel) in row.iter_mut().enumerate() {
+                *pixel = self.pixel(view, &sources, DVec2::new(x as f64, y as f64));
+            }
+            row_done();
+        });
+        Ok(Picture { width: view.width, height: view.height, pixels })
+    }
+
+    fn pixel(&self, view: &View, sources: &[Source], corner: DVec2) -> [f64; 4] {
+        let samples = if view.aov.takes_samples() { view.samples } else { 1 };
+        let mut sum = [0.0; 4];
+        for index in 0..samples {
+            let at = corner + sample_in_pixel(index, samples);
+            let value = self.surface(view, at).and_then(|surface| self.value(view, sources, &surface));
+            for (total, channel) in sum.iter_mut().zip(value.unwrap_or_default()) {
+                *total += channel / f64::from(samples);
+            }
+        }
+        sum
+    }
+
+    /// What a surface shows; `None` outside the light that is asked for.
+    fn value(&self, view: &View, sources: &[Source], surface: &Surface) -> Option<[f64; 4]> {
+        let first = || sources.first().and_then(|source| self.sample_unshadowed(source, surface));
+        let value = match view.aov {
+            Aov::Beauty => self.radiance(sources, view.fill, surface),
+            Aov::Depth => DVec3::splat(surface.depth),
+            Aov::Normal => surface.normal,
+            Aov::T => DVec3::splat(first()?.place.t),
+            Aov::Vw => {
+                let place = first()?.place;
+                DVec3::new(place.v, place.w, 0.0)
+            }
+            Aov::Direction => first()?.place.direction,
+            Aov::Visibility => {
+                let visible = self.sample(sources.first()?, surface)?.visible;
+                DVec3::splat(if visible { 1.0 } else { 0.0 })
+            }
+            Aov::Wireframe => return None,
+        };
+        Some(value.extend(1.0).to_array())
+    }
+
+    /// Radiance towards the eye under `sources` and `fill` times the scene's fill, linear RGB.
+    pub fn radiance(&self, sources: &[Source], fill: f64, surface: &Surface) -> DVec3 {
+        let lit: DVec3 = sources
+            .iter()
+            .map(|source| {
+                let Some(light) = self.sample_unshadowed(source, surface) else { return DVec3::ZERO };
+                let radiance = reflected(surface, light.place.direction) * light.irradiance;
+                // A shadow is only looked for where it could be seen.
+                let lit = radiance != DVec3::ZERO && self.reaches(source, surface, &light);
+                if lit { radiance } else { DVec3::ZERO }
+            })
+            .sum();
+        lit + self.fill(surface) * fill
+    }
+
+    /// Light from everywhere: a hemisphere that goes from `ground` to `sky` with the height of a direction.
+    /// Dielectrics scatter what arrives about the normal, metals mirror what arrives about the reflected ray.
+    fn fill(&self, surface: &Surface) -> DVec3 {
+        let fill = &self.bvh.posed.scene.fill;
+        let hemisphere = |toward: DVec3| fill.ground.lerp(fill.sky, toward.y * 0.5 + 0.5);
+        let n = surface.normal;
+        let mirrored = n * (2.0 * n.dot(surface.to_eye)) - surface.to_eye;
+        let specular = hemisphere(mirrored.lerp(n, surface.roughness));
+        surface.base_color * hemisphere(n).lerp(specular, surface.metallic)
+    }
+}
+
+/// The lights that the view needs: all, the one it is of, or none.
+fn wanted<'a>(view: &View, lights: &'a [LightInstance]) -> Result<&'a [LightInstance], ReferenceError> {
+    let (index, count) = (view.light, lights.len());
+    match view.aov {
+        Aov::Beauty => Ok(lights),
+        Aov::Wireframe => Err(ReferenceError::NoShadowMap),
+        aov if !aov.is_of_light() => Ok(&[]),
+        _ => lights.get(index..=index).ok_or(ReferenceError::NoSuchLight { index, count }),
+    }
+}

@@ -1,0 +1,72 @@
+//! The solver on the adapter: its answers, and how long they take.
+
+use std::time::{Duration, Instant};
+
+use glam::Vec3;
+use light::{Curve, Roots};
+use wgpu::BufferUsages;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+
+use super::gpu_curve;
+use crate::{Gpu, RenderError, readback, shaders};
+
+/// Threads of a workgroup, as in the shader.
+const WORKGROUP: usize = 64;
+
+/// [`light::increasing_roots`] of each curve and point on the adapter, by the shader code that lights pictures.
+///
+/// All are solved once, and then `dispatches` times more by the clock, uploads and read-back apart; the duration is
+/// that of solving all once. At most 500 000 cases, which fit into the buffers that every device has.
+pub fn increasing_roots(
+    gpu: &Gpu,
+    cases: &[(Curve<f32>, Vec3)],
+    dispatches: u32,
+) -> Result<(Vec<Roots<f32>>, Duration), RenderError> {
+    gpu.checked(|| {
+        let init = |label, contents: &[u8], usage| {
+            gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
+        };
+        let curves: Vec<_> = cases.iter().map(|(curve, _)| gpu_curve(curve, 0.0, 1.0)).collect();
+        let points: Vec<[f32; 4]> = cases.iter().map(|(_, q)| q.extend(0.0).to_array()).collect();
+        let curves = init("curves", bytemuck::cast_slice(&curves), BufferUsages::STORAGE);
+        let points = init("points", bytemuck::cast_slice(&points), BufferUsages::STORAGE);
+        // Filled so that a case that was not solved does not look like one without roots.
+        let unsolved = vec![[f32::NAN; 4]; cases.len()];
+        let results = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
+        let found = init("found", bytemuck::cast_slice(&unsolved), results);
+
+        let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("increasing_roots"),
+            layout: None,
+            module: &gpu.module("increasing_roots", shaders::INCREASING_ROOTS),
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        let buffers = [&curves, &points, &found].map(wgpu::Buffer::as_entire_binding);
+        let group = gpu.group("increasing_roots", &pipeline.get_bind_group_layout(0), &buffers);
+        let solve = |times: u32| {
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            for _ in 0..times {
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+                pass.set_pipeline(&pipeline);
+                pass.set_bind_group(0, &group, &[]);
+                pass.dispatch_workgroups(cases.len().div_ceil(WORKGROUP) as u32, 1, 1);
+            }
+            gpu.queue.submit([encoder.finish()]);
+            gpu.wait()
+        };
+        // A driver compiles at the first dispatch.
+        solve(1)?;
+        let start = Instant::now();
+        solve(dispatches)?;
+        let each = start.elapsed() / dispatches;
+        let found = readback::buffer::<[f32; 4]>(gpu, &found)?;
+        Ok((found.into_iter().map(roots).collect(), each))
+    })
+}
+
+/// A NaN where the shader wrote none is kept as a root, to be seen.
+fn roots([left, right, has_left, has_right]: [f32; 4]) -> Roots<f32> {
+    [(left, has_left), (right, has_right)].map(|(u, has)| (has != 0.0).then_some(u))
+}

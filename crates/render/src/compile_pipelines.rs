@@ -1,0 +1,83 @@
+//! The common pipelines drawn once, so that no first picture waits for a compiler.
+
+use glam::{DAffine3, DQuat, DVec3, Vec3};
+use light::parameters::{DECAY, RANGE};
+use light::{Decay, Light, LightInstance, Transform};
+use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
+
+use crate::{Aov, RenderError, Renderer, View, ViewSlot};
+
+/// Most segments of the lights that are compiled for: a software driver takes a second for each.
+const SEGMENTS: usize = 4;
+
+impl Renderer {
+    /// Draws what pictures for screens are commonly made of once, in a small scene of its own: drivers compile
+    /// a pipeline at its first draw. Serves every renderer that shares the pipelines.
+    ///
+    /// Each way to evaluate a BendyLight is compiled by itself. These are the ones of lights of up to 4
+    /// segments with all else at its default; another one makes its first picture wait, and so do AOVs.
+    ///
+    /// Ends early, between two pictures, where `keep_going` says no.
+    pub fn compile_pipelines(&self, mut keep_going: impl FnMut() -> bool) -> Result<(), RenderError> {
+        let mut renderer = self.with_same_pipelines()?;
+        renderer.set_scene(&scene::pose(scene()))?;
+        let spot = spot();
+        renderer.render_display(&view(), &LightInstance::numbered([spot.clone()])?)?;
+        for segments in 1..=SEGMENTS {
+            if !keep_going() {
+                return Ok(());
+            }
+            let bent = light::bend(&spot, segments)?;
+            renderer.render_display(&view(), &LightInstance::numbered([bent])?)?;
+        }
+        Ok(())
+    }
+}
+
+/// Three squares: one-sided, double-sided and cut out by alpha, each drawn by another pipeline.
+fn scene() -> Scene {
+    let square = |material| Primitive {
+        positions: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
+            .map(|(x, z)| Vec3::new(x, 0.0, z))
+            .into(),
+        normals: vec![Vec3::Y; 4],
+        indices: vec![0, 1, 2, 0, 2, 3],
+        material,
+        ..Primitive::default()
+    };
+    let one_sided = Material::default();
+    let double_sided = Material { double_sided: true, ..one_sided.clone() };
+    let cut_out = Material { alpha_cutoff: Some(0.5), ..one_sided.clone() };
+    let primitives = (0..3).map(square).collect();
+    let node =
+        Node { name: String::new(), parent: None, parent_from_local: DAffine3::IDENTITY, mesh: Some(0) };
+    Scene {
+        materials: vec![one_sided, double_sided, cut_out],
+        meshes: vec![Mesh { name: String::new(), primitives }],
+        nodes: vec![node],
+        ..Scene::default()
+    }
+}
+
+/// From above; the sides are no powers of two, as drivers may compile those apart.
+fn view() -> View {
+    let camera = Camera {
+        name: String::new(),
+        translation: DVec3::Y * 3.0,
+        rotation: downwards(),
+        projection: Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.1, zfar: None },
+    };
+    let (aov, slot) = (Aov::Beauty, ViewSlot::default());
+    View { camera, width: 42, height: 22, samples: 1, aov, light: 0, fill: 1.0, slot }
+}
+
+/// A light over the middle of the squares.
+fn spot() -> Light {
+    let transform = Transform { translation: DVec3::Y * 2.0, rotation: downwards(), scale: 1.0 };
+    Light::spot().placed(transform).with(RANGE, Some(4.0)).with(DECAY, Decay::None)
+}
+
+/// Turns what looks along -Z to look along -Y.
+fn downwards() -> DQuat {
+    DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2)
+}

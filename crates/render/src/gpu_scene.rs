@@ -1,0 +1,118 @@
+//! A scene on the GPU.
+
+use std::sync::Arc;
+
+use scene::PosedScene;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages};
+
+use crate::alpha_test::AlphaTests;
+use crate::casters::Casters;
+use crate::clusters::Clusters;
+use crate::geometry::{Geometry, Vertices};
+use crate::material::{MaterialDraw, Materials};
+use crate::memory::{MemoryKind, Reservation};
+use crate::{Gpu, RenderError, gpu_structs};
+
+/// What is made once a scene.
+#[derive(Debug)]
+pub(crate) struct GpuScene {
+    /// Which scene of its renderer: whatever was made from another one is stale.
+    pub revision: u64,
+    pub posed: Arc<PosedScene>,
+    pub geometry: Geometry,
+    /// The scene's own triangles as casters: they share the buffers of `geometry`.
+    pub surface: Casters,
+    /// What casts shadows.
+    pub casters: Casters,
+    /// Boxes around the surface.
+    pub clusters: Clusters,
+    pub draws: Vec<MaterialDraw>,
+    /// Those of `draws` that have one; none where no draw has.
+    pub alpha_tests: Option<AlphaTests>,
+    /// Group 0 of the passes that have a camera; see `view.wgsl`.
+    pub view: BindGroup,
+    /// Group 2 of the fill's pass; see `fill.wgsl`.
+    pub fill: BindGroup,
+    /// Counts its buffers and textures.
+    _memory: Reservation,
+}
+
+/// The layouts of the bind groups that a scene fills.
+#[derive(Debug)]
+pub(crate) struct SceneGroupLayouts {
+    pub view: BindGroupLayout,
+    pub material: BindGroupLayout,
+    pub fill: BindGroupLayout,
+}
+
+impl GpuScene {
+    /// Casters that may stray from the surface by `mesh_error`, in world units.
+    pub fn simplified(&self, gpu: &Gpu, mesh_error: f64) -> Result<Casters, RenderError> {
+        self.surface.simplified(gpu, &Vertices::new(&self.posed)?, mesh_error)
+    }
+
+    /// Uploads a scene. `view_uniform` will hold the camera of each picture; casters may stray
+    /// from the surface by `mesh_error`, in world units.
+    pub fn new(
+        gpu: &Gpu,
+        group_layouts: &SceneGroupLayouts,
+        view_uniform: &Buffer,
+        posed: &Arc<PosedScene>,
+        revision: u64,
+        mesh_error: f64,
+    ) -> Result<Self, RenderError> {
+        let (scene, vertices) = (&posed.scene, Vertices::new(posed)?);
+        let opaque =
+            vertices.draws.iter().rfind(|draw| scene.materials[draw.material].alpha_cutoff.is_none());
+        let opaque_indices = opaque.map_or(0, |draw| draw.indices.end);
+        let geometry = Geometry::new(gpu, &vertices)?;
+        let Materials { draws, alpha_tests, texture_bytes } =
+            Materials::new(gpu, &group_layouts.material, scene, &vertices.draws)?;
+        let no_tests;
+        let tests = if let Some(tests) = &alpha_tests {
+            tests
+        } else {
+            no_tests = AlphaTests::none(gpu)?;
+            &no_tests
+        };
+        let Geometry { positions, attributes, indices, planes, hierarchy, hierarchy_triangles } = &geometry;
+        let view_resources = [view_uniform, planes, positions, indices, attributes]
+            .into_iter()
+            .chain([hierarchy, hierarchy_triangles, &tests.tests, &tests.texels])
+            .map(Buffer::as_entire_binding)
+            .collect::<Vec<_>>();
+        let view = gpu.group("view", &group_layouts.view, &view_resources);
+        let fill_uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
+            label: Some("fill"),
+            contents: bytemuck::bytes_of(&gpu_structs::Fill {
+                sky: scene.fill.sky.as_vec3().to_array(),
+                ground: scene.fill.ground.as_vec3().to_array(),
+                ..gpu_structs::Fill::default()
+            }),
+            usage: BufferUsages::UNIFORM,
+        });
+        let surface = Casters {
+            positions: geometry.positions.clone(),
+            indices: geometry.indices.clone(),
+            vertex_count: vertices.positions.len() as u32,
+            triangle_count: vertices.planes.len() as u32,
+            opaque_indices,
+        };
+        let casters = surface.simplified(gpu, &vertices, mesh_error)?;
+        let bytes = texture_bytes + geometry.bytes() + alpha_tests.as_ref().map_or(0, AlphaTests::bytes);
+        Ok(Self {
+            revision,
+            posed: Arc::clone(posed),
+            geometry,
+            surface,
+            casters,
+            clusters: Clusters::new(&vertices.positions, &vertices.indices),
+            draws,
+            alpha_tests,
+            view,
+            fill: gpu.group("fill", &group_layouts.fill, &[fill_uniform.as_entire_binding()]),
+            _memory: gpu.memory.reserve(MemoryKind::Scenes, bytes),
+        })
+    }
+}

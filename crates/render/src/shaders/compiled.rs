@@ -1,0 +1,34 @@
+//! Every module as it is compiled, for tests to walk.
+
+use super::{
+    BENDY, BENT_MAP_CLIP, BENT_MAP_NEXT, BENT_MAP_SPLIT, BENT_MAP_TRIANGLES, BENT_MAP_VERTICES, BENT_MASKED,
+    BENT_SHADOW, DISPLAY, FILL, GBUFFER, INCREASING_ROOTS, INSPECT, LOCATE, SHADOW, SHADOW_MASKED, SPOT,
+    WIREFRAME,
+};
+use crate::bendy_light::Baked;
+use crate::spot::BakedSpot;
+
+/// Every module by name, those of bent lights as several lights have them compiled.
+pub(super) fn all() -> Vec<(&'static str, String)> {
+    let fixed = [
+        ("gbuffer", GBUFFER),
+        ("fill", FILL),
+        ("inspect", INSPECT),
+        ("shadow", SHADOW),
+        ("shadow_masked", SHADOW_MASKED),
+        ("increasing_roots", INCREASING_ROOTS),
+        ("bent_map_vertices", BENT_MAP_VERTICES),
+        ("bent_map_triangles", BENT_MAP_TRIANGLES),
+        ("bent_map_clip", BENT_MAP_CLIP),
+        ("bent_map_split", BENT_MAP_SPLIT),
+        ("bent_map_next", BENT_MAP_NEXT),
+        ("bent_shadow", BENT_SHADOW),
+        ("bent_masked", BENT_MASKED),
+        ("wireframe", WIREFRAME),
+        ("display", DISPLAY),
+    ];
+    let baked = Baked::samples().into_iter();
+    let baked = baked.flat_map(|b| [("bendy", b.into_wgsl(BENDY)), ("locate", b.into_wgsl(LOCATE))]);
+    let spots = BakedSpot::all().map(|baked| ("spot", baked.into_wgsl(SPOT)));
+    fixed.map(|(name, wgsl)| (name, wgsl.to_owned())).into_iter().chain(spots).chain(baked).collect()
+}

@@ -1,0 +1,45 @@
+// Straight rays from a point, as bendy has them in cone.rs: a spotlight and where a point lies in it. Follows
+// filter.wgsl. Light space: source at the origin, the light shines along -z.
+
+struct Spot {
+    light_from_scene: mat4x4f,
+    // Colour times intensity.
+    emission: vec3f,
+    tan_outer: f32,
+    light_filter: LightFilter,
+    // Axial distance at which the light ends; 0 never.
+    range: f32,
+    // Near plane of the shadow map.
+    shadow_near: f32,
+    // How far what casts shadows may stray from the surface.
+    mesh_error: f32,
+    // See fit_of.
+    fits: array<vec4f, 5>,
+}
+
+@group(2) @binding(0) var<uniform> spot: Spot;
+
+struct Located {
+    inside: bool,
+    place: Place,
+}
+
+// Where a position in the scene lies.
+fn locate(scene_position: vec3f) -> Located {
+    let position = (spot.light_from_scene * vec4f(scene_position, 1.0)).xyz;
+    let depth = -position.z;
+    let slope = position.xy / select(1.0, depth, depth > 0.0);
+    let in_range = depth <= select(spot.range, depth, spot.range == 0.0);
+    if !(depth > 0.0 && dot(slope, slope) <= spot.tan_outer * spot.tan_outer && in_range) {
+        return Located();
+    }
+    let t = select(depth / spot.range, 0.0, spot.range == 0.0);
+    // The axes of a BendyLight's cross-section: w_hat is up, v_hat = w_hat x u_hat is to the left of +x.
+    let vw = vec2f(-slope.x, slope.y) / spot.tan_outer;
+    return Located(true, Place(t, vw, length(position), normalize(-position * scene_axes())));
+}
+
+// Light axes from the scene's.
+fn scene_axes() -> mat3x3f {
+    return mat3x3f(spot.light_from_scene[0].xyz, spot.light_from_scene[1].xyz, spot.light_from_scene[2].xyz);
+}

@@ -1,0 +1,97 @@
+//! The one secret: who has the token may use the server.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::Path;
+
+use subtle::ConstantTimeEq;
+
+use super::principal::Credential;
+use crate::ServerError;
+
+/// 128 random bits, kept in the data folder so that pages stay signed in over a restart.
+#[derive(Clone)]
+pub struct Token([u8; DIGITS]);
+
+const DIGITS: usize = 32;
+const FILE: &str = "token";
+
+impl Token {
+    /// The folder's token, made at the first start. Only the owner can read the file, which is there whole or not at all.
+    pub(crate) fn of(folder: &Path) -> Result<Self, ServerError> {
+        let path = folder.join(FILE);
+        let unusable = |reason| ServerError::Data { path: path.clone(), reason };
+        match fs::read_to_string(&path) {
+            Ok(text) => Self::parse(text.trim()).ok_or_else(|| ServerError::BadToken(path.clone())),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                let token = Self::random().map_err(unusable)?;
+                token.write(&path).map_err(unusable)?;
+                Ok(token)
+            }
+            Err(error) => Err(unusable(error)),
+        }
+    }
+
+    /// First beside its place. Temporary files are their owner's alone.
+    fn write(&self, path: &Path) -> io::Result<()> {
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let mut file = tempfile::NamedTempFile::new_in(folder)?;
+        file.write_all(&self.0)?;
+        file.as_file().sync_all()?;
+        file.persist(path)?;
+        File::open(folder)?.sync_all()
+    }
+
+    fn random() -> io::Result<Self> {
+        Ok(Self::parse(&random_digits()?).expect("32 digits"))
+    }
+
+    fn parse(text: &str) -> Option<Self> {
+        let sound = text.bytes().all(|digit| matches!(digit, b'0'..=b'9' | b'a'..=b'f'));
+        text.as_bytes().try_into().ok().filter(|_| sound).map(Self)
+    }
+
+    /// What `text` lets somebody in as, if it is the token. How long that takes says nothing of where they differ.
+    pub(crate) fn verify(&self, text: &str) -> Option<Credential> {
+        let is_equal: bool = self.0.as_slice().ct_eq(text.as_bytes()).into();
+        is_equal.then_some(Credential::SharedToken)
+    }
+
+    /// The 32 hexadecimal digits.
+    pub fn digits(&self) -> &str {
+        std::str::from_utf8(&self.0).expect("digits")
+    }
+}
+
+/// 128 random bits as hexadecimal digits.
+pub fn random_digits() -> io::Result<String> {
+    let mut bytes = [0; DIGITS / 2];
+    getrandom::fill(&mut bytes).map_err(io::Error::from)?;
+    Ok(format!("{:032x}", u128::from_be_bytes(bytes)))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::os::unix::fs::PermissionsExt;
+
+    use super::*;
+
+    #[test]
+    fn a_token_stays_over_a_restart_and_is_its_owners_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = Token::of(folder.path()).unwrap();
+        assert!(Token::of(folder.path()).unwrap().verify(first.digits()).is_some());
+        let mode = fs::metadata(folder.path().join(FILE)).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o600);
+        let other = Token::of(tempfile::tempdir().unwrap().path()).unwrap();
+        assert_eq!(other.verify(first.digits()), None);
+        assert_eq!([first.verify(""), first.verify(&first.digits()[1..])], [None, None]);
+    }
+
+    #[test]
+    fn a_file_that_is_no_token_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join(FILE), "secret").unwrap();
+        assert!(matches!(Token::of(folder.path()), Err(ServerError::BadToken(_))));
+    }
+}

@@ -1,0 +1,91 @@
+//! The data folder: one server has it, and whatever it holds is its owner's alone.
+
+use std::fs::{self, DirBuilder, File, Permissions, TryLockError};
+use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt, PermissionsExt};
+use std::path::Path;
+
+use store::{DATABASE, FILES};
+
+use crate::ServerError;
+
+/// The file that holds the folder against a second server.
+const LOCK: &str = "lock";
+
+/// Makes the folder where it is missing. What an earlier version, or a copy, lets others do with one from before is taken
+/// from them; any other folder is not ours to close, but only what the server will put there.
+pub fn make(folder: &Path) -> Result<(), ServerError> {
+    let unusable = |reason| ServerError::Data { path: folder.into(), reason };
+    DirBuilder::new().recursive(true).mode(0o700).create(folder).map_err(unusable)?;
+    if folder.join(DATABASE).is_file() {
+        close(folder);
+        close(&folder.join(LOCK));
+        for name in FILES {
+            close(&folder.join(name));
+        }
+    } else if fs::metadata(folder).map_err(unusable)?.permissions().mode() & 0o077 != 0 {
+        let folder = folder.display();
+        tracing::warn!(
+            "{folder}: others may look into this folder, though not read its files: chmod 700 {folder}"
+        );
+    }
+    Ok(())
+}
+
+/// Leaves a file or folder to its owner alone, or says that the system does not allow it. One that is missing is passed over.
+fn close(path: &Path) {
+    let Ok(metadata) = fs::metadata(path) else { return };
+    let mode = metadata.permissions().mode() & 0o777;
+    let closed = mode & 0o700;
+    if mode == closed {
+        return;
+    }
+    let shown = path.display();
+    match fs::set_permissions(path, Permissions::from_mode(closed)) {
+        Ok(()) => tracing::info!("{shown}: was open to others (mode {mode:o}) and is no longer"),
+        Err(reason) => tracing::warn!("{shown}: is open to others (mode {mode:o}): {reason}"),
+    }
+}
+
+/// Takes the folder for as long as the file is open; refuses where another server has it.
+pub fn lock(data: &Path) -> Result<File, ServerError> {
+    let path = data.join(LOCK);
+    let unusable = |reason| ServerError::Data { path: path.clone(), reason };
+    let file =
+        File::options().create(true).truncate(false).write(true).mode(0o600).open(&path).map_err(unusable)?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(ServerError::Locked(data.into())),
+        Err(TryLockError::Error(reason)) => Err(unusable(reason)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mode(path: &Path) -> u32 {
+        fs::metadata(path).unwrap().permissions().mode() & 0o777
+    }
+
+    #[test]
+    fn a_folder_from_before_is_closed_and_any_other_is_left_alone() {
+        let parent = tempfile::tempdir().unwrap();
+        let (new, other) = (parent.path().join("new"), parent.path().join("other"));
+        make(&new).unwrap();
+        fs::create_dir(&other).unwrap();
+        for folder in [&new, &other] {
+            fs::set_permissions(folder, Permissions::from_mode(0o755)).unwrap();
+            make(folder).unwrap();
+            assert_eq!(mode(folder), 0o755, "it holds nothing of ours");
+        }
+        for name in [DATABASE, LOCK] {
+            fs::write(new.join(name), "").unwrap();
+            fs::set_permissions(new.join(name), Permissions::from_mode(0o644)).unwrap();
+        }
+        make(&new).unwrap();
+        assert_eq!(
+            [&new, &new.join(DATABASE), &new.join(LOCK)].map(|path| mode(path)),
+            [0o700, 0o600, 0o600]
+        );
+    }
+}

@@ -1,0 +1,30 @@
+//! What handlers answer.
+
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use protocol::ErrorBody;
+use serde::Serialize;
+
+use crate::ServerError;
+
+/// What a handler answers.
+pub type Answer = Result<Response, ServerError>;
+
+impl IntoResponse for ServerError {
+    fn into_response(self) -> Response {
+        let problem = self.problem();
+        let status = StatusCode::from_u16(problem.code.http_status()).unwrap_or(StatusCode::BAD_REQUEST);
+        (status, json(&ErrorBody { error: problem })).into_response()
+    }
+}
+
+/// A body of JSON.
+pub fn json(value: &impl Serialize) -> Response {
+    let text = serde_json::to_string(value).expect("plain data with string keys");
+    ([(header::CONTENT_TYPE, "application/json")], text + "\n").into_response()
+}
+
+/// 201 with a body of JSON.
+pub fn created(value: &impl Serialize) -> Response {
+    (StatusCode::CREATED, json(value)).into_response()
+}

@@ -1,0 +1,185 @@
+//! What clients and programs request of a session, read from what they send.
+
+use document::Command;
+use edit::{Actor, Request};
+use light::LightId;
+use protocol::{ClientMessage, ViewSource};
+use scene::Camera;
+use store::check_scene_name;
+
+use crate::ServerError;
+use crate::limits::{MAX_LABEL_BYTES, MAX_VIEW_PIXELS, MAX_VIEW_SIDE};
+use crate::outboxes::ClientId;
+use crate::scenes::Scenes;
+
+/// What a client requests of its session.
+#[derive(Debug)]
+pub enum ClientRequest {
+    /// A view of one's own.
+    OpenView {
+        /// From where.
+        camera: Camera,
+        /// The client's number for it.
+        camera_revision: u32,
+        /// Width and height in pixels.
+        size: [u32; 2],
+    },
+    /// To see what another client sees.
+    Follow(ClientId),
+    /// Another camera of one's own view.
+    SetCamera {
+        /// Which.
+        camera: Camera,
+        /// The client's number for it.
+        camera_revision: u32,
+    },
+    /// Another size of one's own view, in pixels.
+    Resize([u32; 2]),
+    /// A frame is shown.
+    Ack(u64),
+    /// Something that ends in a record.
+    Step(Step),
+    /// To drag a light.
+    BeginGesture {
+        /// The client's name for it.
+        gesture: String,
+        /// Which light.
+        light: LightId,
+        /// The latest record that the client knew.
+        base_seq: u64,
+    },
+    /// The latest state of a drag.
+    UpdateGesture {
+        /// Which.
+        gesture: String,
+        /// The client's number for it.
+        update: u64,
+        /// The state, or why it has no meaning.
+        command: Result<Command, ServerError>,
+    },
+    /// To end a drag without a trace.
+    CancelGesture(String),
+    /// The light that the client looks at.
+    Select(Option<u64>),
+    /// What undo and redo would take back.
+    History,
+    /// A sign of life; the number comes back.
+    Ping(f64),
+    /// What could not be read or is not allowed: why.
+    Invalid(ServerError),
+}
+
+/// A request that ends in a record, under its sender's name for it; or why it has no meaning.
+#[derive(Debug)]
+pub struct Step {
+    /// The sender's name.
+    pub op_id: String,
+    /// What is asked for.
+    pub request: Result<Request, ServerError>,
+}
+
+/// What a message of a client requests. What is wrong with it is for the session to answer, in its turn.
+pub async fn client_request(message: ClientMessage, scenes: &Scenes) -> ClientRequest {
+    parse(message, scenes).await.unwrap_or_else(ClientRequest::Invalid)
+}
+
+async fn parse(message: ClientMessage, scenes: &Scenes) -> Result<ClientRequest, ServerError> {
+    Ok(match message {
+        ClientMessage::Hello { .. } => return Err(ServerError::Hello),
+        ClientMessage::OpenView { source: ViewSource::Own(camera), width, height, camera_revision } => {
+            ClientRequest::OpenView {
+                camera: valid_camera(camera)?,
+                camera_revision,
+                size: view_size(width, height)?,
+            }
+        }
+        ClientMessage::OpenView { source: ViewSource::Follow(client), .. } => ClientRequest::Follow(client),
+        ClientMessage::SetCamera { camera, camera_revision } => {
+            ClientRequest::SetCamera { camera: valid_camera(camera)?, camera_revision }
+        }
+        ClientMessage::Viewport { width, height } => ClientRequest::Resize(view_size(width, height)?),
+        ClientMessage::Ack { frame } => ClientRequest::Ack(frame),
+        ClientMessage::Edit { op_id, base_seq, command } => {
+            let request = edit_request(command, Some(base_seq), scenes).await;
+            ClientRequest::Step(step(op_id, request)?)
+        }
+        ClientMessage::GestureCommit { gesture, op_id } => {
+            ClientRequest::Step(step(op_id, label(gesture).map(Request::Commit))?)
+        }
+        ClientMessage::Undo { op_id, scope } => {
+            ClientRequest::Step(step(op_id, Ok(Request::Undo(scope.into())))?)
+        }
+        ClientMessage::Redo { op_id, scope } => {
+            ClientRequest::Step(step(op_id, Ok(Request::Redo(scope.into())))?)
+        }
+        ClientMessage::GestureBegin { gesture, light, base_seq } => {
+            ClientRequest::BeginGesture { gesture: label(gesture)?, light: LightId(light), base_seq }
+        }
+        ClientMessage::GestureUpdate { gesture, update, command } => {
+            let command = Command::try_from(command).map_err(ServerError::from);
+            ClientRequest::UpdateGesture { gesture: label(gesture)?, update, command }
+        }
+        ClientMessage::GestureCancel { gesture } => ClientRequest::CancelGesture(label(gesture)?),
+        ClientMessage::Presence { selection } => ClientRequest::Select(selection),
+        ClientMessage::History {} => ClientRequest::History,
+        ClientMessage::Ping { sent } => ClientRequest::Ping(sent),
+    })
+}
+
+/// A step under its sender's name for it.
+pub fn step(op_id: String, request: Result<Request, ServerError>) -> Result<Step, ServerError> {
+    Ok(Step { op_id: label(op_id)?, request })
+}
+
+/// The request for a command. A scene that it loads is decoded here, outside of the session's task, a demo's
+/// name becomes that of its bytes, and what it is called is looked up where the command does not say.
+pub async fn edit_request(
+    mut command: protocol::Command,
+    base_seq: Option<u64>,
+    scenes: &Scenes,
+) -> Result<Request, ServerError> {
+    if let protocol::Command::LoadScene { scene, name } = &mut command {
+        name.as_deref().map_or(Ok(()), check_scene_name)?;
+        let (asset, called) = scenes.resolve(scene).await?;
+        *scene = asset.to_string();
+        name.get_or_insert(called);
+    }
+    Ok(Request::Edit { base_seq, command: command.try_into()? })
+}
+
+/// Who it is, within limits.
+pub fn actor(wire: protocol::Actor) -> Result<Actor, ServerError> {
+    Ok(Actor { id: label(wire.id)?, name: label(wire.name)? })
+}
+
+/// A name that a client chose, within limits.
+fn label(text: String) -> Result<String, ServerError> {
+    if text.len() > MAX_LABEL_BYTES {
+        let what = "a name of an actor, an operation or a gesture";
+        return Err(ServerError::TooLarge { what, limit: MAX_LABEL_BYTES, unit: "bytes" });
+    }
+    Ok(text)
+}
+
+/// A camera that makes a picture.
+fn valid_camera(wire: protocol::Camera) -> Result<Camera, ServerError> {
+    let camera = Camera::from(wire);
+    camera.check().map_err(|why| edit::Refusal::from(document::EditError::InvalidCamera(why)))?;
+    Ok(camera)
+}
+
+/// A size that can be streamed.
+fn view_size(width: u32, height: u32) -> Result<[u32; 2], ServerError> {
+    if width == 0 || height == 0 {
+        return Err(ServerError::BadMessage("a view has no pixels: give it a width and a height".into()));
+    }
+    if width > MAX_VIEW_SIDE || height > MAX_VIEW_SIDE {
+        let (what, limit) = ("a side of a view", MAX_VIEW_SIDE as usize);
+        return Err(ServerError::TooLarge { what, limit, unit: "pixels" });
+    }
+    if width * height > MAX_VIEW_PIXELS {
+        let (what, limit) = ("a view", MAX_VIEW_PIXELS as usize);
+        return Err(ServerError::TooLarge { what, limit, unit: "pixels" });
+    }
+    Ok([width, height])
+}

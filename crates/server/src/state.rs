@@ -1,0 +1,26 @@
+//! What every request can use. How it comes to be is in `server`.
+
+use std::sync::Arc;
+
+use tokio::sync::Semaphore;
+
+use crate::access::{Hosts, Token};
+use crate::backend::Backend;
+use crate::room::Rooms;
+
+/// One a server; requests share it.
+pub struct AppState {
+    pub backend: Backend,
+    pub rooms: Rooms,
+    pub token: Token,
+    /// The names that it answers to.
+    pub hosts: Hosts,
+    /// A permit for each socket that has said hello.
+    pub sockets: Arc<Semaphore>,
+    /// A permit for each request under way.
+    pub requests: Semaphore,
+    /// A permit for each picture for HTTP under way.
+    pub stills: Semaphore,
+    /// A permit for each scene on its way here.
+    pub uploads: Semaphore,
+}

@@ -1,0 +1,227 @@
+//! What each client of a session looks at: a view of its own, or another's.
+//!
+//! Views know no session's task. They are told what clients ask and what the session is now, and put what is to be sent
+//! into outboxes.
+
+mod frame;
+mod pictures;
+mod view;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use protocol::{ServerMessage, ViewSource};
+use scene::{Camera, PosedScene};
+use stream::{Content, Pace};
+use tokio::task::JoinSet;
+use tokio::time::Instant;
+
+use crate::ServerError;
+use crate::backend::Backend;
+use crate::outboxes::{ClientId, Outboxes};
+use crate::renderer::Lease;
+use frame::Picture;
+use view::{Source, View};
+
+/// What the clients of one session look at.
+pub struct Views {
+    viewers: BTreeMap<ClientId, Viewer>,
+    /// Counts what views show.
+    content_revision: u64,
+    /// Those that are being made.
+    pictures: JoinSet<Picture>,
+    /// Keeps what the renderer has of the session's scenes.
+    session: Arc<Lease>,
+    backend: Backend,
+}
+
+/// The session that views show, as it is now.
+#[derive(Clone, Copy)]
+pub struct Live<'a> {
+    /// Its document, with the gestures under way.
+    pub session: &'a edit::Session,
+    /// Its scene, in place.
+    pub scene: &'a Arc<PosedScene>,
+    /// Counts what gestures show; frames carry it.
+    pub revision: u32,
+}
+
+/// A client, as views know it.
+struct Viewer {
+    source: Source,
+    /// Whose view it is shown, and how large, as it was last sent.
+    configured: Option<(ClientId, [u32; 2])>,
+    /// When it gets its next frame.
+    pace: Pace,
+    /// Number of its latest frame.
+    frame: u64,
+}
+
+impl Views {
+    /// Nobody is here yet. `session` keeps what the renderer has of the session.
+    pub fn new(backend: Backend, session: Arc<Lease>) -> Self {
+        let (viewers, pictures) = (BTreeMap::new(), JoinSet::new());
+        Self { viewers, content_revision: 0, pictures, session, backend }
+    }
+
+    /// A client comes. It looks at nothing yet.
+    pub fn insert(&mut self, id: ClientId) {
+        let (source, pace) = (Source::Nothing, Pace::new());
+        self.viewers.insert(id, Viewer { source, configured: None, pace, frame: 0 });
+    }
+
+    /// A client goes. Who looked at its view goes on from there.
+    pub fn remove(&mut self, gone: ClientId) {
+        let Some(Viewer { source, .. }) = self.viewers.remove(&gone) else { return };
+        let content = self.new_content();
+        for viewer in self.viewers.values_mut() {
+            if !matches!(viewer.source, Source::Follow(leader) if leader == gone) {
+                continue;
+            }
+            viewer.source = match &source {
+                Source::Own(view) => {
+                    let (camera, lease) = (view.camera.clone(), self.backend.renders.lease());
+                    let view = View::new((camera, view.camera_revision), view.size, content, lease);
+                    Source::Own(Box::new(view))
+                }
+                Source::Follow(leader) => Source::Follow(*leader),
+                Source::Nothing => Source::Nothing,
+            };
+            viewer.configured = None;
+        }
+    }
+
+    /// Opens a view of a client's own. `size` is its width and height in pixels.
+    pub fn open(&mut self, id: ClientId, camera: Camera, camera_revision: u32, size: [u32; 2]) {
+        let (content, lease) = (self.new_content(), self.backend.renders.lease());
+        let Some(viewer) = self.viewers.get_mut(&id) else { return };
+        let view = View::new((camera, camera_revision), size, content, lease);
+        viewer.source = Source::Own(Box::new(view));
+        viewer.configured = None;
+    }
+
+    /// Shows a client what another sees. Nobody follows in a circle.
+    pub fn follow(&mut self, id: ClientId, leader: ClientId) -> Result<(), ServerError> {
+        if self.leads_to(leader, id) {
+            let sentence = "that view is your own, or follows it: open one with a camera of its own";
+            return Err(ServerError::BadMessage(sentence.into()));
+        }
+        if self.owner_of(leader).is_none() {
+            let remedy = "follow one that presence lists with a camera";
+            return Err(ServerError::NotFound { what: "view of client", name: leader.to_string(), remedy });
+        }
+        if let Some(viewer) = self.viewers.get_mut(&id) {
+            viewer.source = Source::Follow(leader);
+            viewer.configured = None;
+        }
+        Ok(())
+    }
+
+    /// Moves the camera of a client's own view.
+    pub fn set_camera(
+        &mut self,
+        id: ClientId,
+        camera: Camera,
+        camera_revision: u32,
+    ) -> Result<(), ServerError> {
+        let content = self.new_content();
+        let Some(view) = self.own_view(id) else {
+            let sentence = "you have no view of your own: open one, then move its camera";
+            return Err(ServerError::BadMessage(sentence.into()));
+        };
+        (view.camera, view.camera_revision) = (camera, camera_revision);
+        view.touch(content);
+        Ok(())
+    }
+
+    /// Gives a client's own view another size in pixels. Who follows another sees that one's size, and so nothing changes.
+    pub fn resize(&mut self, id: ClientId, size: [u32; 2]) {
+        let content = self.new_content();
+        if let Some(view) = self.own_view(id).filter(|view| view.size != size) {
+            view.size = size;
+            view.touch(content);
+        }
+    }
+
+    /// Something changed that every picture can show.
+    pub fn touch(&mut self) {
+        let content = self.new_content();
+        for view in self.viewers.values_mut().filter_map(|viewer| viewer.source.own()) {
+            view.touch(content);
+        }
+    }
+
+    /// Whom a client follows, if anybody.
+    pub fn leader_of(&self, id: ClientId) -> Option<ClientId> {
+        match self.viewers.get(&id)?.source {
+            Source::Follow(leader) => Some(leader),
+            Source::Nothing | Source::Own(_) => None,
+        }
+    }
+
+    /// The camera of a client's own view, if it has one.
+    pub fn camera_of(&self, id: ClientId) -> Option<&Camera> {
+        match &self.viewers.get(&id)?.source {
+            Source::Own(view) => Some(&view.camera),
+            Source::Nothing | Source::Follow(_) => None,
+        }
+    }
+
+    /// Sends each client how its view is served, where that has changed.
+    pub fn configure(&mut self, outboxes: &mut Outboxes) {
+        let ids: Vec<ClientId> = self.viewers.keys().copied().collect();
+        for id in ids {
+            let owner = self.owner_of(id);
+            let configured = owner.and_then(|owner| Some((owner, self.own_view(owner)?.size)));
+            let Some(viewer) = self.viewers.get_mut(&id) else { continue };
+            if viewer.configured == configured || outboxes.is_behind(id) {
+                continue;
+            }
+            if viewer.configured.map(|(owner, _)| owner) != owner {
+                viewer.pace = Pace::new();
+            }
+            viewer.configured = configured;
+            let source = match &viewer.source {
+                Source::Nothing => continue,
+                Source::Own(view) => ViewSource::Own((&view.camera).into()),
+                Source::Follow(leader) => ViewSource::Follow(*leader),
+            };
+            if let Some((_, [width, height])) = configured {
+                outboxes.send(id, &ServerMessage::ViewConfig { width, height, source });
+            }
+        }
+    }
+
+    /// The client whose own view `id` sees in the end.
+    fn owner_of(&self, id: ClientId) -> Option<ClientId> {
+        match self.viewers.get(&id)?.source {
+            Source::Nothing => None,
+            Source::Own(_) => Some(id),
+            Source::Follow(leader) => self.owner_of(leader),
+        }
+    }
+
+    /// Whether who follows `from` sees, directly or by others, what `to` looks at.
+    fn leads_to(&self, from: ClientId, to: ClientId) -> bool {
+        std::iter::successors(Some(from), |id| self.leader_of(*id)).any(|id| id == to)
+    }
+
+    /// Who sees the view of `owner`, itself included.
+    fn watchers_of(&self, owner: ClientId) -> Vec<ClientId> {
+        self.viewers.keys().copied().filter(|&id| self.owner_of(id) == Some(owner)).collect()
+    }
+
+    fn own_view(&mut self, id: ClientId) -> Option<&mut View> {
+        self.viewers.get_mut(&id)?.source.own()
+    }
+
+    fn new_content(&mut self) -> Content {
+        self.content_revision += 1;
+        Content { revision: self.content_revision, changed_at: now() }
+    }
+}
+
+/// The clock of views, which tests can stop.
+fn now() -> std::time::Instant {
+    Instant::now().into_std()
+}

@@ -1,0 +1,122 @@
+//! What is read from the database.
+
+use std::ops::{ControlFlow, RangeInclusive};
+
+use document::Document;
+use protocol::{ErrorCode, FIRST_PROOF, Problem};
+use rusqlite::{Connection, OptionalExtension, Row, named_params, params};
+
+use super::Database;
+use crate::StoreError;
+use crate::stored::{Found, SessionKey, SessionRow, StoredCheckpoint, StoredRecord};
+
+/// Each session with its latest record. `:name` is a session's name, or null for all of them.
+const SESSIONS: &str = "
+    SELECT name, epoch, coalesce(seq, 0) AS seq, coalesce(hash, :empty) AS hash,
+        coalesce(proof, :first) AS proof, id
+    FROM session
+    LEFT JOIN record ON session = id AND seq = (SELECT max(seq) FROM record WHERE session = id)
+    WHERE :name IS NULL OR name = :name
+    ORDER BY name";
+
+impl Database {
+    /// All sessions, in the order of names.
+    pub fn sessions(&self) -> Result<Vec<SessionRow>, StoreError> {
+        let mut statement = self.connection.prepare_cached(SESSIONS)?;
+        let empty = Document::default().hash().to_string();
+        let all = named_params! {":name": None::<&str>, ":empty": empty, ":first": FIRST_PROOF};
+        let rows = statement.query_map(all, session_row)?;
+        Ok(rows.collect::<Result<_, _>>()?)
+    }
+
+    /// The session of that name.
+    pub fn find(&self, name: &str) -> Result<Found, StoreError> {
+        find(&self.connection, name)
+    }
+
+    /// Gives the records with numbers of `range` to `visit`, in order, until it says that it has enough.
+    pub fn visit_records(
+        &self,
+        key: SessionKey,
+        range: RangeInclusive<u64>,
+        mut visit: impl FnMut(StoredRecord) -> Result<ControlFlow<()>, StoreError>,
+    ) -> Result<(), StoreError> {
+        let select = "
+            SELECT seq, json, hash, proof FROM record WHERE session = ? AND seq BETWEEN ? AND ? ORDER BY seq";
+        let mut statement = self.connection.prepare_cached(select)?;
+        let mut rows = statement.query(params![key.0, range.start(), range.end()])?;
+        while let Some(row) = rows.next()? {
+            let (seq, line) = (row.get("seq")?, row.get("json")?);
+            let record = StoredRecord { seq, line, hash: row.get("hash")?, proof: row.get("proof")? };
+            if visit(record)?.is_break() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// The line of record `seq`, with its references.
+    pub fn line(&self, key: SessionKey, seq: u64) -> Result<Option<String>, StoreError> {
+        let select = "SELECT json FROM record WHERE session = ? AND seq = ?";
+        let mut statement = self.connection.prepare_cached(select)?;
+        Ok(statement.query_row(params![key.0, seq], |row| row.get(0)).optional()?)
+    }
+
+    /// The record of an actor's operation.
+    pub fn record_of(&self, key: SessionKey, actor_id: &str, op_id: &str) -> Result<Option<u64>, StoreError> {
+        let select = "SELECT seq FROM record WHERE session = ? AND actor = ? AND op_id = ?";
+        let mut statement = self.connection.prepare_cached(select)?;
+        Ok(statement.query_row(params![key.0, actor_id, op_id], |row| row.get(0)).optional()?)
+    }
+
+    /// Why an actor's operation was refused, where that is kept.
+    pub fn rejection_of(
+        &self,
+        key: SessionKey,
+        actor_id: &str,
+        op_id: &str,
+    ) -> Result<Option<Problem>, StoreError> {
+        let select = "SELECT code, message FROM rejection WHERE session = ? AND actor = ? AND op_id = ?";
+        let mut statement = self.connection.prepare_cached(select)?;
+        let kept = statement.query_row(params![key.0, actor_id, op_id], |row| {
+            Ok((row.get::<_, String>("code")?, row.get("message")?))
+        });
+        let Some((code, message)) = kept.optional()? else { return Ok(None) };
+        let code = ErrorCode::named(&code).ok_or(StoreError::UnknownCode(code))?;
+        Ok(Some(Problem { code, message }))
+    }
+
+    /// A session's checkpoint.
+    pub fn checkpoint(&self, key: SessionKey) -> Result<Option<StoredCheckpoint>, StoreError> {
+        let select = "
+            SELECT checkpoint.json, digest, hash, proof, record.json AS line
+            FROM checkpoint JOIN record USING (session, seq) WHERE session = ?";
+        let mut statement = self.connection.prepare_cached(select)?;
+        let row = statement.query_row([key.0], |row| {
+            let (json, digest, line) = (row.get("json")?, row.get("digest")?, row.get("line")?);
+            Ok(StoredCheckpoint { json, digest, line, hash: row.get("hash")?, proof: row.get("proof")? })
+        });
+        Ok(row.optional()?)
+    }
+}
+
+/// The session of that name.
+pub(super) fn find(connection: &Connection, name: &str) -> Result<Found, StoreError> {
+    let mut statement = connection.prepare_cached(SESSIONS)?;
+    let empty = Document::default().hash().to_string();
+    let params = named_params! {":name": name, ":empty": empty, ":first": FIRST_PROOF};
+    let found = statement
+        .query_row(params, |row| Ok(Found { key: SessionKey(row.get("id")?), row: session_row(row)? }))
+        .optional()?;
+    found.ok_or_else(|| StoreError::NoSession(name.into()))
+}
+
+fn session_row(row: &Row<'_>) -> rusqlite::Result<SessionRow> {
+    Ok(SessionRow {
+        name: row.get("name")?,
+        epoch: row.get("epoch")?,
+        seq: row.get("seq")?,
+        hash: row.get("hash")?,
+        proof: row.get("proof")?,
+    })
+}

@@ -1,0 +1,74 @@
+//! What is kept, in plain values: what the store's logic and its database say to each other.
+
+use protocol::Problem;
+
+/// A session and how far its log goes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SessionRow {
+    /// Its name.
+    pub name: String,
+    /// Names this history: 128 random bits in hexadecimal, another one for each session that is made or imported.
+    pub epoch: String,
+    /// The latest record, 0 before the first.
+    pub seq: u64,
+    /// The document's hash after it, 64 hexadecimal digits.
+    pub hash: String,
+    /// The log's proof up to it ([`protocol::next_proof`]), 64 hexadecimal digits.
+    pub proof: String,
+}
+
+/// The database's own name for a session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SessionKey(pub i64);
+
+/// A session with its key.
+pub struct Found {
+    pub key: SessionKey,
+    pub row: SessionRow,
+}
+
+/// A record as it is kept.
+pub struct StoredRecord {
+    pub seq: u64,
+    /// Its line in a log file.
+    pub line: String,
+    /// Of the document after it, where that was noted.
+    pub hash: Option<String>,
+    /// Of all lines up to it, where that was noted.
+    pub proof: Option<String>,
+}
+
+/// A record to keep, the next of its log.
+pub struct NewRecord<'a> {
+    pub seq: u64,
+    pub actor_id: &'a str,
+    pub op_id: &'a str,
+    /// Its line in a log file.
+    pub line: &'a str,
+    /// The long values that it is the first to hold: the hash of each, and the byte of the line where it begins.
+    pub first_holds: &'a [(String, usize)],
+}
+
+/// A checkpoint as it is kept, with what the log says of its record.
+pub struct StoredCheckpoint {
+    pub json: String,
+    /// SHA-256 of `json`, in hexadecimal.
+    pub digest: String,
+    /// Its record's line in a log file.
+    pub line: String,
+    /// Of the document after its record.
+    pub hash: Option<String>,
+    /// Of the log up to its record.
+    pub proof: Option<String>,
+}
+
+/// An operation that was refused.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Rejection {
+    /// Who asked.
+    pub actor_id: String,
+    /// The sender's name for the operation.
+    pub op_id: String,
+    /// Why.
+    pub problem: Problem,
+}

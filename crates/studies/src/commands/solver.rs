@@ -1,0 +1,60 @@
+//! `bendylights-studies solver`: which solver, how fast, how accurate, and does it ever fail.
+
+use std::path::PathBuf;
+
+use cli::{Output, answer};
+use indicatif::{ProgressBar, ProgressStyle};
+use render::Gpu;
+use studies::StudyError;
+use studies::solver::{self, FAMILIES, METHODS, Method};
+
+#[derive(clap::Args)]
+#[command(after_help = "\
+Each pixel asks each segment of a light: where is your curve square to me? This puts the question to the product's solver
+and to eight others, in f32 and f64, for 15 families of segments and points (nearly straight, hairpins, cusps, far away,
+near the evolute, ...), and compares the answers with roots known to thirty digits. Prints JSON:
+  ours       solves, wrong roots and NaN of the product's solver; with either, the exit code is not 0
+  methods    run time on one core, error (p50, p99.9, max), roots missed, made up (spurious) or over the bars
+             (inaccurate), NaN. errorU is in the curve's own parameter, and large where the question itself is
+             ill-conditioned; errorEpsCond divides by that condition and the width's epsilon: about 1 is as good as
+             the width can, and the bars are stated in it
+  eightWide  the product's solver eight at once on one core, and on the adapter: solves a second
+
+Examples:
+  bendylights-studies solver -o solver.svg
+  bendylights-studies solver --only ours --inputs 6700000     1e8 inputs, each in f32 and f64; some minutes")]
+pub struct Args {
+    /// Points of each of the 15 families
+    #[arg(long, default_value_t = 60_000, value_name = "N", value_parser = clap::value_parser!(u64).range(100..=1_000_000_000))]
+    inputs: u64,
+    /// Method to measure beside the product's own, by its name in the answer; all if left out. May be given several times
+    #[arg(long, value_name = "METHOD", value_parser = method)]
+    only: Vec<Method>,
+    /// Chart to write: run time against error
+    #[arg(short, value_name = "OUT.svg")]
+    output: Option<PathBuf>,
+}
+
+/// A method by its name in the answer.
+fn method(name: &str) -> Result<Method, serde_json::Error> {
+    serde_json::from_value(name.into())
+}
+
+pub fn run(args: &Args) -> Result<(), StudyError> {
+    cli::without_window_system();
+    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
+    let methods = if args.only.is_empty() { METHODS.to_vec() } else { args.only.clone() };
+    let style = ProgressStyle::with_template("{bar:30} {human_pos}/{human_len} points, {eta} left")
+        .expect("a valid template");
+    let bar = ProgressBar::new(args.inputs * FAMILIES.len() as u64).with_style(style);
+    let options = solver::Options { inputs_per_family: args.inputs, methods };
+    // Without an adapter the processor's figures are still worth having.
+    let report = solver::run(&options, Gpu::new().ok().as_ref(), |judged| bar.inc(judged))?;
+    bar.finish_and_clear();
+    if let Some(output) = output {
+        output.write(solver::chart(&report)?.as_bytes())?;
+    }
+    answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?;
+    let (wrong, nan) = (report.ours.wrong, report.ours.nan);
+    if wrong + nan > 0 { Err(StudyError::SolverWrong { wrong, nan }) } else { Ok(()) }
+}

@@ -1,0 +1,50 @@
+//! `bendylights-studies`: a command for each study. Exit codes as those of `bendylights`: 0, done; 2, the input is wrong
+//! and one sentence on standard error says how to mend it; 1, this machine cannot do it, or the product is wrong.
+
+mod commands;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use commands::{direction, solver, stress};
+
+/// Studies of the light model: what its decisions rest on, measured again, and what breaks it.
+#[derive(Parser)]
+#[command(version, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    study: Study,
+}
+
+#[derive(Subcommand)]
+enum Study {
+    /// From where should light be said to arrive? Along the tube, along its path, or in between, at bends and joints
+    Direction(direction::Args),
+    /// Which solver finds a point's place in a light, how fast, how accurately, and does it ever fail?
+    Solver(solver::Args),
+    /// Does anything break, for any light and scene? Random and unkind cases against bounds, for as long as you like
+    Stress(stress::Args),
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  bendylights-studies solver -o solver.svg
+  bendylights-studies direction -o direction.svg --pictures .
+  bendylights-studies stress --minutes 10
+
+'bendylights-studies help STUDY' says more about each. What users ask, `bendylights bench` answers.";
+
+fn main() -> ExitCode {
+    let done = match Cli::parse().study {
+        Study::Direction(args) => direction::run(&args),
+        Study::Solver(args) => solver::run(&args),
+        Study::Stress(args) => stress::run(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            cli::say(&format!("error: {error}"));
+            ExitCode::from(error.exit_code())
+        }
+    }
+}

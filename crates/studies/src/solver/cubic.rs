@@ -1,0 +1,73 @@
+//! The cubic as every other method needs it: four numbers, and which of its roots are wanted.
+
+use light::Curve;
+use num_traits::Float;
+
+use super::found::Found;
+use super::width::Width;
+
+/// `c3 u^3 + c2 u^2 + c1 u + c0`, half the derivative of the squared distance from the curve to a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Cubic<F> {
+    pub c0: F,
+    pub c1: F,
+    pub c2: F,
+    pub c3: F,
+}
+
+impl<F: Width> Cubic<F> {
+    /// Of a segment and a point (light model, section 5).
+    pub fn of(curve: &Curve<F>, q: F::Vec3) -> Self {
+        let (d0, a, from_start) = (curve.d0, curve.a, q - curve.b0);
+        Self {
+            c0: -F::dot(from_start, d0),
+            c1: F::of(2.0) * F::dot(d0, d0) - F::dot(from_start, a),
+            c2: F::of(3.0) * F::dot(d0, a),
+            c3: F::dot(a, a),
+        }
+    }
+
+    /// Those of `roots` that are wanted: on the segment, and where the distance has a minimum. NaN stays in.
+    pub fn wanted(&self, roots: impl IntoIterator<Item = F>) -> Found<F> {
+        let slack = F::of(F::END_SLACK);
+        let outside = |u: F| u < -slack || u > F::one() + slack;
+        let mut found = Found::none();
+        for u in roots {
+            let is_maximum = self.slope(u) < F::zero();
+            if !outside(u) && !is_maximum {
+                found.push(clamp01(u));
+            }
+        }
+        found
+    }
+}
+
+/// Limited to the segment; NaN stays NaN, which `min` and `max` would hide.
+pub fn clamp01<F: Float>(u: F) -> F {
+    if u < F::zero() {
+        F::zero()
+    } else if u > F::one() {
+        F::one()
+    } else {
+        u
+    }
+}
+
+impl<F: Float> Cubic<F> {
+    /// Value at `u`.
+    pub fn value(&self, u: F) -> F {
+        ((self.c3 * u + self.c2) * u + self.c1) * u + self.c0
+    }
+
+    /// Slope at `u`.
+    pub fn slope(&self, u: F) -> F {
+        let two = F::one() + F::one();
+        ((two + F::one()) * self.c3 * u + two * self.c2) * u + self.c1
+    }
+
+    /// Second derivative at `u`.
+    pub fn bend(&self, u: F) -> F {
+        let two = F::one() + F::one();
+        two * ((two + F::one()) * self.c3 * u + self.c2)
+    }
+}

@@ -1,0 +1,298 @@
+//! The kinds of input that the solvers are compared on: what a light can be bent to, and where points can lie.
+
+use fastrand::Rng;
+use glam::DVec3;
+use light::{Curve, TubeBox};
+use serde::Serialize;
+
+use super::width::Width;
+
+/// A kind of segment and point; cases are numbered, and the same number gives the same case on every machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub enum Family {
+    /// Bends of up to 60 degrees, the point inside the tube or around it.
+    Ordinary,
+    /// Bends of 10^-1 to 10^-10: the cubic's leading coefficients vanish in rounding.
+    NearlyStraight,
+    /// No bend at all, with constant and with changing speed.
+    Straight,
+    /// One end tangent 10 to 10^4 times as long as the other.
+    Uneven,
+    /// The curve turns back on itself.
+    Hairpin,
+    /// One end tangent 10^-2 to 10^-7 of the other: P' all but vanishes at that end.
+    Cusp,
+    /// Two control points in one place: P' is zero at an end.
+    Coincident,
+    /// Segment and point together 10^3 to 10^6 away from the origin.
+    FarOffset,
+    /// Everything 10^-4 to 10^4 times as large.
+    Scaled,
+    /// The point on the curve itself.
+    OnCurve,
+    /// The point on the tube's surface, the tube as wide as the bend lets it be.
+    Boundary,
+    /// The point 10 to 10^4 lengths away.
+    FarPoint,
+    /// The point near the evolute, `1 - kappa r.N` of 10^-1 to 10^-7: two roots all but meet.
+    NearEvolute,
+    /// The point on the plane across one end, or within rounding of it.
+    AtEnd,
+    /// Control points and point anywhere in a box.
+    Anywhere,
+}
+
+/// Every family.
+pub const FAMILIES: [Family; 15] = [
+    Family::Ordinary,
+    Family::NearlyStraight,
+    Family::Straight,
+    Family::Uneven,
+    Family::Hairpin,
+    Family::Cusp,
+    Family::Coincident,
+    Family::FarOffset,
+    Family::Scaled,
+    Family::OnCurve,
+    Family::Boundary,
+    Family::FarPoint,
+    Family::NearEvolute,
+    Family::AtEnd,
+    Family::Anywhere,
+];
+
+/// One question: where on `curve` is the point `q` square to it?
+#[derive(Clone, Debug)]
+pub struct Case<F: Width> {
+    /// Only positions and derivatives count.
+    pub curve: Curve<F>,
+    /// The point.
+    pub q: F::Vec3,
+}
+
+impl Case<f64> {
+    /// The same case with every number rounded to `F`, as a light is prepared for it.
+    pub fn rounded<F: Width>(&self) -> Case<F> {
+        Case { curve: F::curve(&self.curve), q: F::vec(self.q) }
+    }
+}
+
+impl Family {
+    /// Whether `P'` all but vanishes somewhere on its curves.
+    pub fn may_stop(self) -> bool {
+        matches!(self, Self::Hairpin | Self::Cusp | Self::Coincident)
+    }
+
+    /// Case `index` of this family.
+    pub fn case(self, index: u64) -> Case<f64> {
+        let rng = &mut Rng::with_seed((self as u64 + 1) << 48 | index);
+        let strength = (index % 10) as f64;
+        match self {
+            Self::Ordinary => {
+                let curve = bent(rng, 1.0);
+                let q = if rng.bool() { in_tube(rng, &curve, 0.9) } else { around(rng, &curve, 1.0) };
+                Case { curve, q }
+            }
+            Self::NearlyStraight => {
+                let curve = bent(rng, libm::exp10(-1.0 - strength));
+                let q = in_tube(rng, &curve, 0.9);
+                Case { curve, q }
+            }
+            Self::Straight => {
+                let (b0, d0) = (cube(rng), direction(rng));
+                let speed = if rng.bool() { 1.0 } else { between(rng, 0.2, 5.0) };
+                let curve = curve_of(b0, d0, d0 * speed);
+                let q = if rng.bool() { in_tube(rng, &curve, 0.9) } else { around(rng, &curve, 1.0) };
+                Case { curve, q }
+            }
+            Self::Uneven => {
+                let mut curve = bent(rng, 1.0);
+                let ratio = magnitude(rng, -4.0, -1.0);
+                curve = if rng.bool() {
+                    curve_of(curve.b0, curve.d0 * ratio, curve.d1)
+                } else {
+                    curve_of(curve.b0, curve.d0, curve.d1 * ratio)
+                };
+                let q = around(rng, &curve, 1.0);
+                Case { curve, q }
+            }
+            Self::Hairpin => {
+                let (b0, d0) = (cube(rng), direction(rng));
+                let width = magnitude(rng, -3.0, -0.5);
+                let curve = curve_of(b0, d0, d0 * -between(rng, 0.5, 2.0) + direction(rng) * width);
+                let q = near_slowest(rng, &curve);
+                Case { curve, q }
+            }
+            Self::Cusp => end_speed(rng, libm::exp10(-2.0 - strength % 6.0)),
+            Self::Coincident => end_speed(rng, 0.0),
+            Self::FarOffset => {
+                let Case { curve, q } = Self::Ordinary.case(index);
+                let offset = direction(rng) * magnitude(rng, 3.0, 6.0);
+                Case { curve: curve_of(curve.b0 + offset, curve.d0, curve.d1), q: q + offset }
+            }
+            Self::Scaled => {
+                let Case { curve, q } = Self::Ordinary.case(index);
+                let scale = magnitude(rng, -4.0, 4.0);
+                Case { curve: curve_of(curve.b0 * scale, curve.d0 * scale, curve.d1 * scale), q: q * scale }
+            }
+            Self::OnCurve => {
+                let curve = bent(rng, 1.0);
+                let q = curve.position(rng.f64());
+                Case { curve, q }
+            }
+            Self::Boundary => {
+                let curve = bent(rng, 1.0);
+                let u = rng.f64();
+                let q = curve.position(u) + across(rng, &curve, u) * (0.9 * narrowest(&curve));
+                Case { curve, q }
+            }
+            Self::FarPoint => {
+                let curve = bent(rng, 1.0);
+                let q = curve.b0 + direction(rng) * magnitude(rng, 1.0, 4.0);
+                Case { curve, q }
+            }
+            Self::NearEvolute => {
+                let curve = bent(rng, 1.0);
+                let u = rng.f64();
+                let (d, a) = (curve.d(u), curve.a);
+                // P'' across P' points to the centre of curvature, |d|^2 / (2 a_across) away where |P'|^2 = 4 |d|^2.
+                let a_across = a - d * (a.dot(d) / d.length_squared());
+                let sign = if rng.bool() { 1.0 } else { -1.0 };
+                let short = 1.0 - sign * magnitude(rng, -7.0, -1.0);
+                let to_center = a_across * (2.0 * d.length_squared() / a_across.length_squared());
+                let q = curve.position(u)
+                    + to_center * short
+                    + d.cross(a).normalize_or_zero() * between(rng, -1.0, 1.0);
+                Case { curve, q }
+            }
+            Self::AtEnd => {
+                let curve = bent(rng, 1.0);
+                let u = f64::from(rng.bool());
+                let q = curve.position(u) + across(rng, &curve, u) * (rng.f64() * narrowest(&curve));
+                let past =
+                    if rng.bool() { 0.0 } else { between(rng, -1.0, 1.0) * magnitude(rng, -9.0, -5.0) };
+                Case { q: q + curve.d(u) * past, curve }
+            }
+            Self::Anywhere => {
+                let (c0, c1, c2) = (cube(rng), cube(rng), cube(rng));
+                Case { curve: curve_of(c0, c1 - c0, c2 - c1), q: cube(rng) * 2.0 }
+            }
+        }
+    }
+}
+
+/// A curve one of whose end tangents is `ratio` times as long as the other.
+fn end_speed(rng: &mut Rng, ratio: f64) -> Case<f64> {
+    let curve = bent(rng, 1.0);
+    let curve = if rng.bool() {
+        curve_of(curve.b0, curve.d0 * ratio, curve.d1)
+    } else {
+        curve_of(curve.b0, curve.d0, curve.d1 * ratio)
+    };
+    let q = near_slowest(rng, &curve);
+    Case { curve, q }
+}
+
+/// From `10^low` to `10^high`, every order as likely as the others.
+fn magnitude(rng: &mut Rng, low: f64, high: f64) -> f64 {
+    libm::exp10(between(rng, low, high))
+}
+
+fn between(rng: &mut Rng, low: f64, high: f64) -> f64 {
+    low + (high - low) * rng.f64()
+}
+
+/// Uniform in the cube of half width 1.
+fn cube(rng: &mut Rng) -> DVec3 {
+    DVec3::new(between(rng, -1.0, 1.0), between(rng, -1.0, 1.0), between(rng, -1.0, 1.0))
+}
+
+/// Uniform over the unit sphere.
+fn direction(rng: &mut Rng) -> DVec3 {
+    loop {
+        let v = cube(rng);
+        if (0.01..=1.0).contains(&v.length_squared()) {
+            return v.normalize();
+        }
+    }
+}
+
+/// A segment whose end tangents differ by up to `bend` times their length.
+fn bent(rng: &mut Rng, bend: f64) -> Curve<f64> {
+    let (b0, d0) = (cube(rng), direction(rng) * between(rng, 0.5, 1.0));
+    curve_of(b0, d0, d0 + direction(rng) * (d0.length() * bend * between(rng, 0.1, 0.9)))
+}
+
+/// The narrowest radius of curvature, or the segment's length where that is less.
+fn narrowest(curve: &Curve<f64>) -> f64 {
+    (1.0 / kappa_max(curve)).min(curve.d0.length() + curve.d1.length())
+}
+
+/// The largest curvature over the segment: `kappa = |d0 x d1| / (2 |d|^3)` is greatest where `|d|` is least.
+pub fn kappa_max(curve: &Curve<f64>) -> f64 {
+    let slowest = slowest(curve);
+    curve.d0.cross(curve.d1).length() / (2.0 * slowest * slowest * slowest)
+}
+
+/// The least `|d|` over the segment.
+pub fn slowest(curve: &Curve<f64>) -> f64 {
+    curve.d(u_of_slowest(curve)).length()
+}
+
+fn u_of_slowest(curve: &Curve<f64>) -> f64 {
+    let u = -curve.d0.dot(curve.a) / curve.a.length_squared();
+    if u.is_finite() { u.clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// A unit vector across the curve at `u`.
+fn across(rng: &mut Rng, curve: &Curve<f64>, u: f64) -> DVec3 {
+    loop {
+        let (v, u_hat) = (direction(rng), curve.u_hat(u));
+        let across = v - u_hat * v.dot(u_hat);
+        if across.length_squared() > 0.01 {
+            return across.normalize();
+        }
+    }
+}
+
+/// A point within `share` of the widest tube that the curve's bend allows.
+fn in_tube(rng: &mut Rng, curve: &Curve<f64>, share: f64) -> DVec3 {
+    let u = rng.f64();
+    let radius = share * rng.f64() * narrowest(curve);
+    curve.position(u) + across(rng, curve, u) * radius
+}
+
+/// A point of the cube around the segment, `reach` lengths wider than it.
+fn around(rng: &mut Rng, curve: &Curve<f64>, reach: f64) -> DVec3 {
+    curve.position(rng.f64()) + cube(rng) * (reach * curve.d0.length().max(curve.d1.length()))
+}
+
+/// A point around the segment, or one 10^-5 to 10^-1 lengths from where the curve is slowest: there P' all but vanishes
+/// and roots lie close together.
+fn near_slowest(rng: &mut Rng, curve: &Curve<f64>) -> DVec3 {
+    if rng.bool() {
+        return around(rng, curve, 1.0);
+    }
+    let length = curve.d0.length() + curve.d1.length();
+    curve.position(u_of_slowest(curve)) + cube(rng) * (length * magnitude(rng, -5.0, -1.0))
+}
+
+/// A curve; radius and frame do not matter here and are zero.
+fn curve_of(b0: DVec3, d0: DVec3, d1: DVec3) -> Curve<f64> {
+    let a = d1 - d0;
+    Curve {
+        b0,
+        b2: b0 + d0 + d1,
+        d0,
+        d1,
+        a,
+        n_hat: DVec3::ZERO,
+        alpha: 0.0,
+        beta: 0.0,
+        r0: 0.0,
+        e0: 0.0,
+        ar: 0.0,
+        bounds: TubeBox { center: DVec3::ZERO, axes: [DVec3::ZERO; 3], half: [0.0; 3] },
+    }
+}

@@ -1,0 +1,185 @@
+//! What a solver's answers are worth: the error of each root, and whether it is one at all.
+
+use twofloat::TwoFloat;
+
+use super::family::{Case, Family, kappa_max, slowest};
+use super::found::Found;
+use super::histogram::Histogram;
+use super::truth::{TrueRoot, Truth};
+use super::width::{Precision, Width};
+
+/// A root further than this from every true one is another root.
+const SAME: f64 = 1.0 / 64.0;
+
+/// What is known about the answers to some cases.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    /// Cases.
+    pub inputs: u64,
+    /// Errors in u, of the wanted roots that were found.
+    pub error: Histogram,
+    /// The same in units of `eps cond`, where the light model bounds it: see [`Bars::well_shaped`].
+    pub error_eps_cond: Histogram,
+    /// Wanted roots that were not found.
+    pub missed: u64,
+    /// Reported parameters at which there is no wanted root.
+    pub spurious: u64,
+    /// Roots found that are over the bars of the light model, section 5.
+    pub inaccurate: u64,
+    /// Reported parameters that are no number.
+    pub nan: u64,
+    /// The first case with anything wrong, to look at.
+    pub first_wrong: Option<WrongCase>,
+}
+
+/// A case with a wrong answer: the same numbers give the same case again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct WrongCase {
+    /// Its family.
+    pub family: Family,
+    /// Its number there.
+    pub index: u64,
+    /// The width it was solved in.
+    pub precision: Precision,
+}
+
+impl Tally {
+    /// Wrong roots of all three kinds: missed, spurious and inaccurate.
+    pub fn wrong(&self) -> u64 {
+        self.missed + self.spurious + self.inaccurate
+    }
+
+    /// Of several.
+    pub fn sum<'a>(tallies: impl IntoIterator<Item = &'a Self>) -> Self {
+        let mut sum = Self::default();
+        tallies.into_iter().for_each(|tally| sum.add(tally));
+        sum
+    }
+
+    /// Adds the answers to other cases.
+    pub fn add(&mut self, other: &Self) {
+        self.inputs += other.inputs;
+        self.error.add(&other.error);
+        self.error_eps_cond.add(&other.error_eps_cond);
+        self.missed += other.missed;
+        self.spurious += other.spurious;
+        self.inaccurate += other.inaccurate;
+        self.nan += other.nan;
+        self.first_wrong = self.first_wrong.or(other.first_wrong);
+    }
+
+    /// Adds the answer to one case.
+    pub fn count<F: Width>(&mut self, family: Family, index: u64, bars: &Bars<F>, found: &Found<F>) {
+        let before = self.wrong() + self.nan;
+        self.inputs += 1;
+        let reported = found.roots();
+        self.nan += reported.iter().filter(|u| u.is_nan()).count() as u64;
+        let numbers = || reported.iter().filter(|u| !u.is_nan()).map(|u| u.f64());
+        self.spurious += numbers().filter(|&u| !bars.is_root(u)).count() as u64;
+        for root in bars.truth.roots.iter().flatten() {
+            let nearest = numbers().min_by(|x, y| root.error(*x).total_cmp(&root.error(*y)));
+            match nearest.filter(|&u| bars.is_answer(root, u)) {
+                Some(u) => self.measure(bars, root, u),
+                None => self.missed += u64::from(root.is_wanted() && !bars.may_miss(root)),
+            }
+        }
+        if self.wrong() + self.nan > before && self.first_wrong.is_none() {
+            self.first_wrong = Some(WrongCase { family, index, precision: F::PRECISION });
+        }
+    }
+
+    fn measure<F: Width>(&mut self, bars: &Bars<F>, root: &TrueRoot, u: f64) {
+        let (error, eps_cond) = (root.error(u), F::PRECISION.eps() * bars.cond(root.u.hi()));
+        self.error.record(error);
+        if bars.well_shaped {
+            self.error_eps_cond.record(error / eps_cond);
+        }
+        let held = bars.well_shaped && error <= 16.0 * eps_cond;
+        self.inaccurate += u64::from(!held && !bars.is_within_backward(u));
+    }
+}
+
+/// The truth about a case, and how far from it an answer in `F` may be (light model, section 5).
+pub struct Bars<F: Width> {
+    truth: Truth,
+    case: Case<F>,
+    /// The bar `K` on the backward error.
+    backward: f64,
+    /// `|d0| + |d1|`.
+    length: f64,
+    /// Whether the bar on u holds: a tube as wide as the point is off the curve has `R kappa <= 0.9`, and
+    /// `|P'| >= 0.1 L`. Elsewhere only the backward error is bounded.
+    well_shaped: bool,
+}
+
+impl<F: Width> Bars<F> {
+    /// The bars for a case as it is in `F`.
+    pub fn new(family: Family, exact: &Case<f64>) -> Self {
+        let case = exact.rounded::<F>();
+        let truth = Truth::of(&case.curve, case.q);
+        let s = &exact.curve;
+        let length = s.d0.length() + s.d1.length();
+        let widest = truth.roots.iter().flatten().map(|root| (exact.q - s.position(root.u.hi())).length());
+        let radius = widest.fold(0.0, f64::max);
+        let well_shaped = radius * kappa_max(s) <= 0.9 && 2.0 * slowest(s) >= 0.1 * length;
+        Self { truth, case, backward: F::BACKWARD[usize::from(family.may_stop())], length, well_shaped }
+    }
+
+    /// The case in `F`.
+    pub fn case(&self) -> &Case<F> {
+        &self.case
+    }
+
+    /// `(|r| + L) / (|P'| (1 - kappa r.N))` at `u`, with `|P'| (1 - kappa r.N) = 2 f' / |P'|`, and
+    /// `1 + |world offset| / size` for a segment away from the origin.
+    fn cond(&self, u: f64) -> f64 {
+        let (r, d) = self.at(u);
+        let offset = 1.0 + F::vec_f64(self.case.curve.b0).length() / self.length;
+        offset * (r + self.length) * d / self.truth.slope(u).abs()
+    }
+
+    /// `|r|` and `|d|` at `u`.
+    fn at(&self, u: f64) -> (f64, f64) {
+        let s = &self.case.curve;
+        let [b0, d0, a, q] = [s.b0, s.d0, s.a, self.case.q].map(F::vec_f64);
+        (((q - b0) - (d0 * 2.0 + a * u) * u).length(), (d0 + a * u).length())
+    }
+
+    /// `K eps ((|r| + |q| + L) |d| + |r| L)`.
+    fn backward_bar(&self, u: f64) -> f64 {
+        let (r, d) = self.at(u);
+        let q = F::vec_f64(self.case.q).length();
+        self.backward * F::PRECISION.eps() * ((r + q + self.length) * d + r * self.length)
+    }
+
+    /// Whether `u` can be meant for `root`.
+    fn is_answer(&self, root: &TrueRoot, u: f64) -> bool {
+        let [low, high] = root.piece;
+        root.error(u) <= SAME || (root.is_wanted() && (low..=high).contains(&u) && self.is_within_backward(u))
+    }
+
+    fn is_within_backward(&self, u: f64) -> bool {
+        self.truth.value(TwoFloat::from(u)).abs() <= self.backward_bar(u)
+    }
+
+    /// Whether `f` is within the bar where it turns, at `u` on the segment: there two roots meet or part in rounding.
+    fn is_double(&self, u: f64) -> bool {
+        let rounding = 16.0 * F::PRECISION.eps();
+        (-rounding..=1.0 + rounding).contains(&u)
+            && self.truth.value(TwoFloat::from(u)).abs() <= 2.0 * self.backward_bar(u)
+    }
+
+    /// Whether a wanted root lies at `u`, but for what rounding can do.
+    fn is_root(&self, u: f64) -> bool {
+        let near = self.truth.roots.iter().flatten().any(|root| root.error(u) <= SAME);
+        let rising =
+            || self.truth.slope(u) >= 0.0 || self.truth.turns.iter().any(|&turn| self.is_double(turn));
+        near || (self.is_within_backward(u) && rising())
+    }
+
+    /// Whether rounding can make a true root vanish: it lies at an end of the segment, or all but meets another.
+    fn may_miss(&self, root: &TrueRoot) -> bool {
+        root.piece.iter().any(|&end| self.is_double(end))
+    }
+}

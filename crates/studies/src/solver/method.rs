@@ -1,0 +1,86 @@
+//! The solvers that are compared.
+
+use light::Curve;
+use serde::{Deserialize, Serialize};
+
+use super::closed_form::RealRoots;
+use super::cubic::Cubic;
+use super::found::Found;
+use super::width::Width;
+use super::{blinn, closed_form, iterative};
+
+/// A way to find where a curve is square to a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub enum Method {
+    /// The product's: [`light::increasing_roots`].
+    Ours,
+    /// The general cubic formula.
+    Naive,
+    /// Cardano's method as the paper has it.
+    Cardano,
+    /// Trigonometric and hyperbolic.
+    Viete,
+    /// Blinn's homogeneous cubic.
+    Blinn,
+    /// Newton's method between brackets.
+    Yuksel,
+    /// Newton's method, fixed steps.
+    Newton,
+    /// Halley's method, fixed steps.
+    Halley,
+    /// The cubic of a well-known distance to a Bezier curve.
+    Quilez,
+}
+
+/// Every method.
+pub const METHODS: [Method; 9] = [
+    Method::Ours,
+    Method::Naive,
+    Method::Cardano,
+    Method::Viete,
+    Method::Blinn,
+    Method::Yuksel,
+    Method::Newton,
+    Method::Halley,
+    Method::Quilez,
+];
+
+/// A solver: the parameters on the segment at which the distance to the point has a minimum.
+pub type Solve<F> = fn(&Curve<F>, <F as light::Real>::Vec3) -> Found<F>;
+
+impl Method {
+    /// The solver itself.
+    pub fn solver<F: Width>(self) -> Solve<F> {
+        match self {
+            Self::Ours => ours,
+            Self::Naive => |s, q| from_cubic(s, q, closed_form::naive),
+            Self::Cardano => |s, q| from_cubic(s, q, closed_form::cardano),
+            Self::Viete => |s, q| from_cubic(s, q, closed_form::viete),
+            Self::Blinn => |s, q| from_cubic(s, q, blinn::blinn),
+            Self::Yuksel => |s, q| from_cubic(s, q, iterative::yuksel),
+            Self::Newton => |s, q| from_cubic(s, q, iterative::newton),
+            Self::Halley => |s, q| from_cubic(s, q, iterative::halley),
+            Self::Quilez => |s, q| from_cubic(s, q, closed_form::quilez),
+        }
+    }
+}
+
+fn ours<F: Width>(curve: &Curve<F>, q: F::Vec3) -> Found<F> {
+    let f0 = -F::dot(q - curve.b0, curve.d0);
+    let f1 = -F::dot(q - curve.b2, curve.d1);
+    let mut found = Found::none();
+    found.extend(light::increasing_roots(curve, q, f0, f1).into_iter().flatten());
+    found
+}
+
+/// Inlined, so that each method's code is one piece.
+#[inline]
+fn from_cubic<F: Width>(
+    curve: &Curve<F>,
+    q: F::Vec3,
+    roots: impl FnOnce(&Cubic<F>) -> RealRoots<F>,
+) -> Found<F> {
+    let cubic = Cubic::of(curve, q);
+    cubic.wanted(roots(&cubic).into_iter().flatten())
+}

@@ -1,0 +1,194 @@
+//! Which solver finds where a curve is square to a point, how fast, how accurately, and does it ever fail?
+//!
+//! The question that each pixel asks of each segment of each BendyLight (light model, section 5): the parameters `u` in
+//! `[0, 1]` at which `(P(u) - q) . P'(u) = 0` with the distance at a minimum. The product's solver and eight others
+//! answer it in f32 and f64 for fifteen [families](FAMILIES) of inputs; the truth is known to thirty digits.
+//!
+//! A root is *wrong* where a wanted one is missed, where one is reported that is none, or where it is over the bars of
+//! section 5: 16 eps cond in u for tubes that are far from folding, a bound on the backward error elsewhere.
+
+mod blinn;
+mod chart;
+mod closed_form;
+mod cubic;
+mod eight;
+mod family;
+mod found;
+mod histogram;
+mod iterative;
+mod judge;
+mod method;
+mod report;
+#[cfg(test)]
+mod tests;
+mod truth;
+mod width;
+
+pub use family::{FAMILIES, Family};
+pub use judge::WrongCase;
+pub use method::{METHODS, Method};
+pub use report::{Accuracy, InFamily, Measured, Quantiles, Report, Throughput, Verdict};
+pub use width::Precision;
+
+use rayon::prelude::*;
+use render::Gpu;
+
+use self::eight::{Cases8, LANES, increasing_roots_8};
+use self::family::Case;
+use self::found::Found;
+use self::judge::{Bars, Tally};
+
+use self::width::Width;
+use crate::StudyError;
+use crate::timing::nanoseconds;
+
+/// Cases that one thread judges in one go.
+const CHUNK: u64 = 4096;
+/// Cases by which run times are measured.
+const TIMED: u64 = 2048;
+/// Most cases of a family that are solved eight-wide and on the adapter: they fit into its buffers.
+const MOST_IN_BULK: u64 = 60_000;
+/// How often the adapter solves them for its run time.
+const DISPATCHES: u32 = 8;
+
+/// What to compare.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Cases of each family.
+    pub inputs_per_family: u64,
+    /// The methods to compare; the product's own is always among them.
+    pub methods: Vec<Method>,
+}
+
+/// Judges and times the methods; `judged` is called with the number of cases that have just been judged.
+///
+/// Cases are made as they are needed and every thread keeps counts only, so any number can be asked for. The adapter
+/// is left out where `gpu` is `None`.
+pub fn run(options: &Options, gpu: Option<&Gpu>, judged: impl Fn(u64) + Sync) -> Result<Report, StudyError> {
+    let mut contestants = vec![Method::Ours];
+    contestants.extend(options.methods.iter().filter(|&&m| m != Method::Ours));
+    // In f32 each, then in f64 each.
+    let mut times = times_in::<f32>(&contestants);
+    times.extend(times_in::<f64>(&contestants));
+    let tallies = FAMILIES.map(|family| judge(family, options.inputs_per_family, &contestants, &judged));
+
+    let measured = times.iter().enumerate().map(|(row, times)| {
+        let precision = if row < contestants.len() { Precision::F32 } else { Precision::F64 };
+        Measured::new(
+            contestants[row % contestants.len()],
+            precision,
+            times,
+            tallies.each_ref().map(|t| &t[row]),
+        )
+    });
+    let mut methods: Vec<_> = measured.collect();
+    Measured::find_front(&mut methods);
+    let ours = tallies.iter().flat_map(|of_family| [&of_family[0], &of_family[contestants.len()]]);
+    let in_bulk = options.inputs_per_family.min(MOST_IN_BULK);
+    Ok(Report {
+        inputs_per_family: options.inputs_per_family,
+        ours: Verdict::of(&Tally::sum(ours)),
+        methods,
+        eight_wide: eight_wide(in_bulk),
+        adapter: gpu.map(|gpu| on_adapter(gpu, in_bulk)).transpose()?,
+    })
+}
+
+/// Run time against error as an SVG.
+pub fn chart(report: &Report) -> Result<String, StudyError> {
+    chart::chart(report).map_err(|error| StudyError::Chart(error.to_string()))
+}
+
+/// Nanoseconds a solve in `F` of each method, in each family.
+fn times_in<F: Width>(methods: &[Method]) -> Vec<[f64; FAMILIES.len()]> {
+    let cases = FAMILIES.map(|family| (0..TIMED).map(|i| family.case(i).rounded::<F>()).collect::<Vec<_>>());
+    let of_method = |method: &Method| {
+        let solve = method.solver::<F>();
+        cases.each_ref().map(|cases| nanoseconds(cases, |case| solve(&case.curve, case.q)))
+    };
+    methods.iter().map(of_method).collect()
+}
+
+/// What each method's answers to a family are worth, in f32 and then in f64.
+fn judge(family: Family, inputs: u64, methods: &[Method], judged: &(impl Fn(u64) + Sync)) -> Vec<Tally> {
+    let none = || vec![Tally::default(); 2 * methods.len()];
+    let chunk = |chunk: u64| {
+        let indices = chunk * CHUNK..inputs.min((chunk + 1) * CHUNK);
+        let mut tallies = none();
+        let (single, double) = tallies.split_at_mut(methods.len());
+        for index in indices.clone() {
+            let exact = family.case(index);
+            judge_in::<f32>(family, index, &exact, methods, single);
+            judge_in::<f64>(family, index, &exact, methods, double);
+        }
+        judged(indices.end - indices.start);
+        tallies
+    };
+    let add = |mut tallies: Vec<Tally>, others: Vec<Tally>| {
+        tallies.iter_mut().zip(&others).for_each(|(tally, other)| tally.add(other));
+        tallies
+    };
+    (0..inputs.div_ceil(CHUNK)).into_par_iter().map(chunk).reduce(none, add)
+}
+
+fn judge_in<F: Width>(
+    family: Family,
+    index: u64,
+    exact: &Case<f64>,
+    methods: &[Method],
+    tallies: &mut [Tally],
+) {
+    let bars = Bars::<F>::new(family, exact);
+    for (method, tally) in methods.iter().zip(tallies) {
+        let found = method.solver::<F>()(&bars.case().curve, bars.case().q);
+        tally.count(family, index, &bars, &found);
+    }
+}
+
+/// The eight-wide twin over the first `inputs` cases of each family.
+fn eight_wide(inputs: u64) -> Throughput {
+    let eights = |family: Family, inputs: u64| {
+        let eight = move |first: u64| std::array::from_fn(|lane| family.case(first + lane as u64).rounded());
+        (0..inputs).step_by(LANES).map(move |first| (first, Cases8::new(&eight(first))))
+    };
+    let mut tally = Tally::default();
+    for family in FAMILIES {
+        for (first, cases) in eights(family, inputs) {
+            let found = increasing_roots_8(&cases).found();
+            for (index, found) in (first..inputs).zip(&found) {
+                tally.count(family, index, &Bars::<f32>::new(family, &family.case(index)), found);
+            }
+        }
+    }
+    let time = |family| {
+        let cases: Vec<_> = eights(family, TIMED).collect();
+        nanoseconds(&cases, |(_, cases)| increasing_roots_8(cases)) / LANES as f64
+    };
+    Throughput {
+        on: format!("one core, {LANES} at once"),
+        solves_per_second: FAMILIES.len() as f64 * 1e9 / FAMILIES.map(time).iter().sum::<f64>(),
+        verdict: Verdict::of(&tally),
+    }
+}
+
+/// The shaders' twin over the first `inputs` cases of each family.
+fn on_adapter(gpu: &Gpu, inputs: u64) -> Result<Throughput, StudyError> {
+    let mut tally = Tally::default();
+    let mut seconds = 0.0;
+    for family in FAMILIES {
+        let cases: Vec<Case<f32>> = (0..inputs).map(|index| family.case(index).rounded()).collect();
+        let questions: Vec<_> = cases.iter().map(|case| (case.curve, case.q)).collect();
+        let (answers, each) = render::increasing_roots(gpu, &questions, DISPATCHES)?;
+        seconds += each.as_secs_f64();
+        for (index, roots) in (0..inputs).zip(answers) {
+            let mut found = Found::none();
+            found.extend(roots.into_iter().flatten());
+            tally.count(family, index, &Bars::<f32>::new(family, &family.case(index)), &found);
+        }
+    }
+    Ok(Throughput {
+        on: gpu.adapter_name().to_owned(),
+        solves_per_second: tally.inputs as f64 / seconds,
+        verdict: Verdict::of(&tally),
+    })
+}

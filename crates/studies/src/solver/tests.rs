@@ -1,0 +1,201 @@
+use glam::DVec3;
+use render::Gpu;
+
+use super::eight::{Cases8, LANES, increasing_roots_8};
+use super::family::Case;
+use super::found::Found;
+use super::judge::{Bars, Tally};
+use super::truth::Truth;
+use super::width::Width;
+use super::{Accuracy, FAMILIES, Family, METHODS, Measured, Method, Options, Precision, Report, chart, run};
+
+/// The tally of a method's answers, each passed through `alter` first.
+fn tally<F: Width>(
+    family: Family,
+    inputs: u64,
+    method: Method,
+    alter: impl Fn(Found<F>) -> Found<F>,
+) -> Tally {
+    let mut tally = Tally::default();
+    for index in 0..inputs {
+        let bars = Bars::<F>::new(family, &family.case(index));
+        let found = method.solver::<F>()(&bars.case().curve, bars.case().q);
+        tally.count(family, index, &bars, &alter(found));
+    }
+    tally
+}
+
+fn found<F: Width>(roots: impl IntoIterator<Item = F>) -> Found<F> {
+    let mut found = Found::none();
+    found.extend(roots);
+    found
+}
+
+/// None of the others is a straw man: where nothing is degenerate they find every root, half of them to 20 eps.
+#[test]
+fn all_solve_the_ordinary() {
+    fn solves<F: Width>(method: Method) {
+        let tally = tally::<F>(Family::Ordinary, 2000, method, |found| found);
+        assert_eq!(
+            (tally.missed, tally.spurious, tally.nan),
+            (0, 0, 0),
+            "{method:?}: {:?}",
+            tally.first_wrong
+        );
+        assert!(tally.error.quantile(0.5) < 20.0 * F::PRECISION.eps(), "{method:?}");
+    }
+    for method in METHODS {
+        solves::<f32>(method);
+        solves::<f64>(method);
+    }
+}
+
+/// What the paper's own method does to the default light, a straight one, and to one that is bent a little.
+#[test]
+fn cardano_fails_near_straight() {
+    let straight = tally::<f32>(Family::Straight, 500, Method::Cardano, |found| found);
+    assert!(straight.nan > 100, "{}", straight.nan);
+    let nearly = tally::<f32>(Family::NearlyStraight, 500, Method::Cardano, |found| found);
+    assert!(nearly.nan > 100 && nearly.missed > 100, "{} {}", nearly.nan, nearly.missed);
+}
+
+#[test]
+fn ours_is_never_wrong() {
+    fn holds<F: Width>(family: Family) {
+        let tally = tally::<F>(family, 1000, Method::Ours, |found| found);
+        assert_eq!((tally.wrong(), tally.nan), (0, 0), "{:?}", tally.first_wrong);
+    }
+    for family in FAMILIES {
+        holds::<f32>(family);
+        holds::<f64>(family);
+    }
+}
+
+/// Each kind of wrong answer, planted into right ones, is counted as what it is.
+#[test]
+fn planted_faults_are_judged() {
+    let judge = |alter: fn(Found<f32>) -> Found<f32>| {
+        let tally = tally(Family::Ordinary, 300, Method::Ours, alter);
+        [tally.missed, tally.spurious, tally.inaccurate, tally.nan].map(|count| count > 0)
+    };
+    assert_eq!(judge(|right| right), [false, false, false, false]);
+    assert_eq!(judge(|_| Found::none()), [true, false, false, false]);
+    assert_eq!(
+        judge(|right| found(right.roots().iter().copied().chain([0.123]))),
+        [false, true, false, false]
+    );
+    // 1e-4 is some thousand eps; well past the bar, and still the same root.
+    assert_eq!(judge(|right| found(right.roots().iter().map(|u| u + 1e-4))), [false, false, true, false]);
+    assert_eq!(
+        judge(|right| found(right.roots().iter().copied().chain([f32::NAN]))),
+        [false, false, false, true]
+    );
+}
+
+/// A parabola's nearest point, known by construction, and every root's residual in 106 bits.
+#[test]
+fn truth_is_true() {
+    let mut case: Case<f64> = Family::Ordinary.case(0);
+    let s = &mut case.curve;
+    (s.b0, s.d0, s.a) = (DVec3::ZERO, DVec3::X, DVec3::Y);
+    // At u = 1/2: P = (1, 1/4), d = (1, 1/2); one step to the outer side, across d.
+    let q = DVec3::new(1.5, -0.75, 0.0);
+    let truth = Truth::of(&case.curve, q);
+    let root = truth.roots.iter().flatten().next().expect("one root");
+    assert!(root.error(0.5) < 1e-30, "{:?}", root.u);
+    for family in FAMILIES {
+        for index in 0..200 {
+            let Case { curve, q } = family.case(index);
+            let truth = Truth::of(&curve, q);
+            let size = (q - curve.b0).length() + curve.d0.length() + curve.d1.length();
+            for root in truth.roots.iter().flatten() {
+                // f is a sum of products of two lengths, each rounded to 2^-104; f64 would leave 1e-16.
+                let bar = 1e-29 * size * size;
+                assert!(
+                    truth.value(root.u).abs() <= bar,
+                    "{family:?} {index}: {}",
+                    truth.value(root.u) / bar
+                );
+            }
+        }
+    }
+}
+
+/// The eight-wide twin gives the scalar's bits in every lane, and one bit more in one lane is seen.
+#[test]
+fn eight_are_as_one() {
+    let scalar = Method::Ours.solver::<f32>();
+    let bits = |found: &Found<f32>| found.roots().iter().map(|u| u.to_bits()).collect::<Vec<_>>();
+    let mut differ = 0;
+    for family in FAMILIES {
+        for first in (0..800).step_by(LANES) {
+            let cases: [Case<f32>; LANES] =
+                std::array::from_fn(|lane| family.case(first + lane as u64).rounded());
+            let mut eight = increasing_roots_8(&Cases8::new(&cases)).found();
+            for (lane, case) in cases.iter().enumerate() {
+                let one = scalar(&case.curve, case.q);
+                assert_eq!(bits(&eight[lane]), bits(&one), "{family:?} {}", first + lane as u64);
+            }
+            eight[3] = found(eight[3].roots().iter().map(|u| u.next_up()));
+            differ += usize::from(bits(&eight[3]) != bits(&scalar(&cases[3].curve, cases[3].q)));
+        }
+    }
+    assert!(differ > 500, "{differ}");
+}
+
+/// What the README says: over all families ours alone is never wrong, and the most accurate; but far from the origin
+/// some others are never wrong either, and in f32 more accurate.
+fn says_what_the_readme_says(report: &Report) {
+    let failures = |a: &Accuracy| a.missed + a.spurious + a.inaccurate + a.nan;
+    for precision in [Precision::F32, Precision::F64] {
+        let (ours, others): (Vec<_>, Vec<_>) = report
+            .methods
+            .iter()
+            .filter(|measured| measured.precision == precision)
+            .partition(|measured| measured.method == Method::Ours);
+        assert_eq!(failures(&ours[0].accuracy), 0);
+        for other in others {
+            assert!(failures(&other.accuracy) > 0, "{:?} {precision:?}", other.method);
+            assert!(other.error() > ours[0].error(), "{:?} {precision:?}", other.method);
+        }
+    }
+    let far_offset = |measured: &Measured| {
+        let of_family = measured.families.iter().find(|f| f.family == Family::FarOffset);
+        of_family.expect("every family").accuracy
+    };
+    let in_f32 = |method: Method| {
+        let of_width = report.methods.iter().filter(|measured| measured.precision == Precision::F32);
+        let measured = of_width.into_iter().find(|measured| measured.method == method);
+        far_offset(measured.expect("every method"))
+    };
+    let ours = in_f32(Method::Ours).error_eps_cond.p999;
+    for better in [Method::Blinn, Method::Yuksel] {
+        let accuracy = in_f32(better);
+        assert!(failures(&accuracy) == 0 && accuracy.error_eps_cond.p999 < ours, "{better:?}");
+    }
+}
+
+/// The whole question, small: processor and adapter are never wrong, and ours is beaten by nothing in both respects.
+#[test]
+fn whole_run() {
+    let gpu = Gpu::new().expect("a GPU, be it software");
+    let judged = std::sync::atomic::AtomicU64::new(0);
+    let options = Options { inputs_per_family: 300, methods: METHODS.to_vec() };
+    let report = run(&options, Some(&gpu), |count| {
+        judged.fetch_add(count, std::sync::atomic::Ordering::Relaxed);
+    })
+    .expect("an adapter that computes");
+    assert_eq!(judged.into_inner(), 300 * FAMILIES.len() as u64);
+    assert_eq!(report.methods.len(), 2 * METHODS.len());
+    let adapter = report.adapter.as_ref().expect("it was asked for");
+    for (who, verdict) in
+        [("ours", report.ours), ("eight", report.eight_wide.verdict), ("adapter", adapter.verdict)]
+    {
+        assert!(verdict.solves >= 300 * 15, "{who}");
+        assert_eq!((verdict.wrong, verdict.nan), (0, 0), "{who}: {:?}", verdict.first_wrong);
+    }
+    assert!(adapter.solves_per_second > 0.0 && report.eight_wide.solves_per_second > 0.0);
+    says_what_the_readme_says(&report);
+    let svg = chart(&report).expect("a chart");
+    assert!(svg.contains("Cardano") && svg.contains("Ours"), "{svg}");
+}

@@ -1,0 +1,169 @@
+//! What the adapter finds against the model in f64: points located in a light, and mapped for its shadows.
+
+use std::cell::RefCell;
+use std::sync::Arc;
+
+use glam::{DVec3, Vec4};
+use light::{Direction, LightInstance, Root, Tube};
+use proptest::prelude::*;
+use render::{Aov, Gpu, Picture, RenderError, Renderer, ShadowSettings, View};
+use scene::Scene;
+
+use super::light::{Lights, lights, placement};
+use super::place::{Bounds, bounds, eps, places, root_at, split};
+use super::runner::{Check, Tally};
+use super::solver::Case;
+
+/// The device, and a renderer that is kept because compiling for a new one takes longer than drawing.
+pub struct Adapter {
+    pub gpu: Arc<Gpu>,
+    renderer: RefCell<Renderer>,
+}
+
+impl Adapter {
+    /// Opens the best device.
+    pub fn open() -> Result<Self, RenderError> {
+        let gpu = Arc::new(Gpu::new()?);
+        let renderer = RefCell::new(Renderer::new(Arc::clone(&gpu))?);
+        Ok(Self { gpu, renderer })
+    }
+
+    /// Pictures of one view, a quantity each.
+    pub fn pictures<const N: usize>(
+        &self,
+        scene: &Scene,
+        view: &View,
+        lights: &[LightInstance],
+        shadows: ShadowSettings,
+        aovs: [Aov; N],
+    ) -> Result<[Picture; N], String> {
+        let mut renderer = self.renderer.borrow_mut();
+        let why = |error: RenderError| format!("no picture can be made: {error}");
+        renderer.set_shadow_settings(shadows).map_err(why)?;
+        renderer.set_scene(&scene::pose(scene.clone())).map_err(why)?;
+        let mut pictures = Vec::with_capacity(N);
+        for aov in aovs {
+            pictures.push(renderer.render(&View { aov, ..view.clone() }, lights).map_err(why)?);
+        }
+        Ok(pictures.try_into().expect("a picture an AOV"))
+    }
+}
+
+/// Lights anywhere, and enough points to be worth a dispatch.
+pub fn cases() -> impl Strategy<Value = Case> {
+    let lights = lights(Lights { segments: 8, fold: 1.0, pinched: true, flipping: true });
+    let places = prop::collection::vec(places(), 1..256);
+    (lights, placement(), places).prop_map(|(light, transform, places)| Case::new(light, transform, &places))
+}
+
+/// What was found at a point: (V, W, R) in tube units, t, and perhaps the direction in the world.
+struct Found {
+    t: f64,
+    vwr: [f64; 3],
+    direction: Option<DVec3>,
+}
+
+/// Holds for the roots that the picture's shaders find.
+pub fn locates(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
+    let tube = Tube::new(&case.light).expect("cases are valid");
+    let points: Vec<DVec3> = case.points.iter().map(|&p| p.into()).collect();
+    let located = render::locate(&adapter.gpu, &tube, &points).map_err(|error| error.to_string())?;
+    for (&point, location) in points.iter().zip(&located) {
+        let q = tube.placement.tube_from_world(point);
+        let size = tube.placement.world_per_tube;
+        let found = location.point.map(|p| {
+            let radius = p.radius / size;
+            let v = if tally.planted { -p.v } else { p.v };
+            let direction = (tube.direction == Direction::Tube).then_some(p.direction);
+            Found { t: p.t, vwr: [v * radius, p.w * radius, radius], direction }
+        });
+        agrees(&tube, q, 0.0, found.as_ref(), tally)?;
+    }
+    Ok(())
+}
+
+/// Holds for what the shadow map's shaders make of vertices.
+pub fn maps(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
+    let tube = Tube::new(&case.light).expect("cases are valid");
+    let points: Vec<DVec3> = case.points.iter().map(|&p| p.into()).collect();
+    let mapped = render::map_points(&adapter.gpu, &tube, &points).map_err(|error| error.to_string())?;
+    let bound = |pick: fn(DVec3, DVec3) -> DVec3| points.iter().copied().reduce(pick).unwrap_or_default();
+    // Positions are rounded at their distance from the middle of all, and so is the way from there to the light.
+    let (min, max) = (bound(DVec3::min), bound(DVec3::max));
+    let middle = tube.placement.tube_from_world((min + max) / 2.0);
+    let reach = (max - min).length() / 2.0 / tube.placement.world_per_tube + middle.length();
+    for (&point, mapped) in points.iter().zip(&mapped) {
+        // What lies in slabs of two parts of the tube is mapped piece by piece after it is clipped.
+        let Some(mapped) = mapped.map(Vec4::as_dvec4) else { continue };
+        let w = if tally.planted { -mapped.y } else { mapped.y };
+        let found = Found { t: mapped.w, vwr: [mapped.x, w, mapped.z], direction: None };
+        if mapped.x.hypot(mapped.y) <= mapped.z {
+            agrees(
+                &tube,
+                tube.placement.tube_from_world(point),
+                4.0 * eps::<f32>() * reach,
+                Some(&found),
+                tally,
+            )?;
+        }
+    }
+    Ok(())
+}
+
+/// Whether rounding may have put a root's point on the other side of the rim or of an end.
+fn on_edge(tube: &Tube<f64>, root: &Root<f64>, bound: &Bounds) -> bool {
+    let t = root.segment as f64 + root.u;
+    let ends = t < bound.t || (tube.segments.len() == tube.n && tube.n as f64 - t < bound.t);
+    root.radius - root.r.length() < 4.0 * (bound.across + bound.radius) || ends
+}
+
+/// Compares with the root of the f64 model that is nearest in t; `dq` is the error of the point as the adapter
+/// sees it.
+fn agrees(tube: &Tube<f64>, q: DVec3, dq: f64, found: Option<&Found>, tally: &mut Tally) -> Check {
+    let mut roots = Vec::new();
+    tube.for_each_root(q, |root| roots.push(root));
+    let eps = eps::<f32>();
+    let Some(found) = found else {
+        let clear = roots
+            .iter()
+            .find(|root| bounds(tube, root, q, eps, dq).is_some_and(|bound| !on_edge(tube, root, &bound)));
+        return tally.holds(clear.is_none(), || {
+            let t = clear.map(|root| root.segment as f64 + root.u);
+            format!("the adapter does not find the root t = {t:?} of q = {:?}", q.to_array())
+        });
+    };
+    tally.holds(found.vwr.into_iter().chain([found.t]).all(f64::is_finite), || {
+        format!("the adapter finds t = {}, (V, W, R) = {:?} for q = {:?}", found.t, found.vwr, q.to_array())
+    })?;
+    let off = |root: &Root<f64>| (root.segment as f64 + root.u - found.t).abs();
+    let nearest = roots.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+    let known = nearest.map(|root| (root, bounds(tube, &root, q, eps, dq)));
+    let (root, bound) = match known {
+        Some((_, None)) => return Ok(()),
+        Some((root, Some(bound))) if off(&root) <= bound.t => (root, bound),
+        _ => return only_rounding(tube, q, found.t, dq, tally),
+    };
+    if on_edge(tube, &root, &bound) {
+        return Ok(());
+    }
+    let place = format!("at q = {:?}, where t = {:?}", q.to_array(), root.segment as f64 + root.u);
+    let [v, w, radius] = found.vwr;
+    tally.within(format_args!("t {place}"), off(&root), bound.t)?;
+    tally.within(format_args!("V {place}"), (v - root.v_len).abs(), bound.across)?;
+    tally.within(format_args!("W {place}"), (w - root.w_len).abs(), bound.across)?;
+    tally.within(format_args!("R {place}"), (radius - root.radius).abs(), bound.radius)?;
+    // The curvature jumps at a joint, and with it what rounding does to the direction.
+    let same_side = split(tube, found.t).0 == root.segment;
+    let Some(direction) = found.direction.filter(|_| same_side) else { return Ok(()) };
+    let error = (direction - tube.describe(&root).direction).length();
+    tally.within(format_args!("the direction {place}"), error, bound.direction)
+}
+
+/// Whether rounding alone may have made a root where the f64 model has none: at the rim, an end or a joint.
+fn only_rounding(tube: &Tube<f64>, q: DVec3, t: f64, dq: f64, tally: &mut Tally) -> Check {
+    let (segment, u) = split(tube, t);
+    let claimed = root_at(tube, segment, u, q);
+    let may_be = bounds(tube, &claimed, q, eps::<f32>(), dq)
+        .is_none_or(|bound| on_edge(tube, &claimed, &bound) || (t - t.round()).abs() <= bound.t);
+    tally.holds(may_be, || format!("the adapter finds t = {t} for q = {:?}, where no root is", q.to_array()))
+}

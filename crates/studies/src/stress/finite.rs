@@ -1,0 +1,144 @@
+//! Pictures of everything that is legal and unkind hold numbers.
+
+use glam::{DVec3, Vec4};
+use light::parameters::{CONE_ANGLE, INTENSITY};
+use light::{Light, LightInstance, Transform};
+use proptest::prelude::*;
+use reference::Reference;
+use render::{Aov, Picture, ShadowSettings, View};
+use scene::{Material, Scene};
+use serde::Serialize;
+
+use super::adapter::Adapter;
+use super::light::{Lights, unit_cube};
+use super::runner::{Check, Tally};
+use super::scenes::{Shot, obstacle, shots, square};
+
+/// A shot, a spotlight beside its light, a material, and how far the shadow mesh may stray.
+#[derive(Clone, Debug, Serialize)]
+pub struct Case {
+    #[serde(flatten)]
+    pub shot: Shot,
+    /// Of both lights.
+    pub intensity: f64,
+    /// Light-local place and direction of a spotlight, and its half angle in degrees.
+    pub spot: ([f64; 3], [f64; 3], f64),
+    pub roughness: f32,
+    pub metallic: f32,
+    /// The scene's own scale along each axis; 0 flattens it.
+    pub squash: [f64; 3],
+    /// World units.
+    pub mesh_error: f64,
+}
+
+/// Lights up to the fold, with pinches; facets without area; everything flattened now and then.
+pub fn cases() -> impl Strategy<Value = Case> {
+    let any_light = Lights { segments: 4, fold: 1.0, pinched: true, flipping: true };
+    let shot = shots(any_light, square(0.5..60.0), prop::collection::vec(obstacle(true), 0..6));
+    let intensity = prop_oneof![Just(1.0), Just(1e300), Just(-1e300), Just(0.0), Just(1e-300)];
+    let part = || prop_oneof![Just(0.0_f32).boxed(), Just(1.0_f32).boxed(), (0.0..1.0_f32).boxed()];
+    let squash = prop_oneof![
+        6 => Just([1.0; 3]), 1 => Just([1.0, 0.0, 1.0]), 1 => Just([0.0; 3]), 1 => Just([-1.0, 1.0, 1e-30])
+    ];
+    let spot = (unit_cube(), unit_cube(), prop_oneof![Just(25.0), Just(89.9), Just(0.01)])
+        .prop_map(|(place, towards, angle)| (place.to_array(), towards.to_array(), angle));
+    let mesh_error = prop_oneof![3 => Just(0.0), 1 => Just(1e-3), 1 => Just(0.3), 1 => Just(1e300)];
+    (shot, intensity, spot, part(), part(), squash, mesh_error).prop_map(
+        |(shot, intensity, spot, roughness, metallic, squash, mesh_error)| Case {
+            shot,
+            intensity,
+            spot,
+            roughness,
+            metallic,
+            squash,
+            mesh_error,
+        },
+    )
+}
+
+impl Case {
+    fn lights(&self) -> Vec<LightInstance> {
+        let bendy = self.shot.light.clone().with_points(|_, point| point.intensity = self.intensity);
+        let (place, towards, cone_angle) = self.spot;
+        let transform = bendy.transform();
+        let towards = DVec3::from(towards).try_normalize().unwrap_or(DVec3::NEG_Y);
+        let spot = Light::spot()
+            .placed(Transform {
+                translation: transform.world_from_local(place.into()),
+                rotation: glam::DQuat::from_rotation_arc(DVec3::NEG_Z, towards),
+                ..transform
+            })
+            .with(INTENSITY, self.intensity)
+            .with(CONE_ANGLE, cone_angle);
+        LightInstance::numbered([bendy, spot]).expect("cases are valid")
+    }
+}
+
+const OF_THE_CAMERA: [Aov; 3] = [Aov::Beauty, Aov::Depth, Aov::Normal];
+const OF_A_LIGHT: [Aov; 4] = [Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility];
+/// By the adapter alone: the reference has no shadow maps.
+const OF_A_MAP: [Aov; 1] = [Aov::Wireframe];
+
+/// Holds for every AOV of the camera and of both lights, by the adapter and by the reference.
+pub fn check(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
+    let material = Material {
+        roughness: case.roughness,
+        metallic: case.metallic,
+        base_color: Vec4::ONE,
+        double_sided: true,
+        ..Material::default()
+    };
+    let mut scene = case.shot.scene(&case.shot.facets, vec![material]);
+    scene.nodes[0].parent_from_local *= glam::DAffine3::from_scale(case.squash.into());
+    let (lights, mut view) = (case.lights(), case.shot.view());
+    let shadows =
+        ShadowSettings { resolution: 512, mesh_error: case.mesh_error, ..ShadowSettings::default() };
+    let mut pictures = adapter.pictures(&scene, &view, &lights, shadows, OF_THE_CAMERA)?;
+    if tally.planted {
+        pictures[0].pixels[0][1] = f32::NAN;
+    }
+    all_sound(&OF_THE_CAMERA, &pictures, tally)?;
+    for light in 0..lights.len() {
+        view.light = light;
+        let pictures = adapter.pictures(&scene, &view, &lights, shadows, OF_A_LIGHT)?;
+        all_sound(&OF_A_LIGHT, &pictures, tally)?;
+        let pictures = adapter.pictures(&scene, &view, &lights, shadows, OF_A_MAP)?;
+        all_sound(&OF_A_MAP, &pictures, tally)?;
+    }
+    by_the_reference(&scene, &view, &lights, tally)
+}
+
+/// The same for a small picture in f64, of the last light.
+fn by_the_reference(scene: &Scene, view: &View, lights: &[LightInstance], tally: &mut Tally) -> Check {
+    let reference = Reference::new(scene::pose(scene.clone()));
+    for aov in OF_THE_CAMERA.into_iter().chain(OF_A_LIGHT) {
+        let view = View { width: 24, height: 16, aov, ..view.clone() };
+        let frame = reference.render(&view, lights, || ()).map_err(|error| error.to_string())?;
+        frame.pixels.iter().try_for_each(|&pixel| sound("reference", aov, pixel, tally))?;
+    }
+    Ok(())
+}
+
+fn all_sound(aovs: &[Aov], pictures: &[Picture], tally: &mut Tally) -> Check {
+    let pixels =
+        aovs.iter().zip(pictures).flat_map(|(&aov, picture)| picture.pixels.iter().map(move |p| (aov, p)));
+    pixels.into_iter().try_for_each(|(aov, pixel)| sound("adapter", aov, pixel.map(f64::from), tally))
+}
+
+/// Holds where a pixel holds numbers, each in the range of its AOV.
+fn sound(whose: &str, aov: Aov, pixel: [f64; 4], tally: &mut Tally) -> Check {
+    let [x, y, z, alpha] = pixel;
+    let length = DVec3::new(x, y, z).length();
+    let in_range = match aov {
+        _ if alpha == 0.0 => true,
+        Aov::Visibility => (0.0..=1.0).contains(&x),
+        // A few roundings of f32 each.
+        Aov::Direction => (length - 1.0).abs() < 1e-6,
+        Aov::Vw => x.hypot(y) < 1.0 + 1e-5,
+        Aov::Beauty | Aov::Depth => x.min(y).min(z) >= 0.0,
+        Aov::Wireframe => (0.0..=1.0).contains(&y),
+        Aov::T | Aov::Normal => true,
+    };
+    let sound = pixel.iter().all(|x| x.is_finite()) && (alpha == 0.0 || alpha == 1.0) && in_range;
+    tally.holds(sound, || format!("a pixel of the {whose}'s {} is {pixel:?}", aov.name()))
+}

@@ -1,0 +1,182 @@
+//! Lights that are valid and unkind.
+
+use glam::{DQuat, DVec3};
+use light::parameters::{DECAY, DIRECTION, END_MODE, FRAME, UP};
+use light::{Decay, Direction, EndMode, Frame, Light, LightError, Transform, Tube};
+use proptest::prelude::*;
+use serde::{Serialize, Serializer};
+
+/// Writes a light as a light file has it.
+pub fn as_file<S: Serializer>(light: &Light, serializer: S) -> Result<S::Ok, S::Error> {
+    protocol::Light::from(light).serialize(serializer)
+}
+
+/// A vector with each component in `[-1, 1]`.
+pub fn unit_cube() -> impl Strategy<Value = DVec3> {
+    (-1.0..1.0, -1.0..1.0, -1.0..1.0).prop_map(|(x, y, z)| DVec3::new(x, y, z))
+}
+
+/// A rotation; the identity when shrunk.
+pub fn rotation() -> impl Strategy<Value = DQuat> {
+    (unit_cube(), 0.0..std::f64::consts::PI)
+        .prop_map(|(axis, angle)| DQuat::from_axis_angle(axis.try_normalize().unwrap_or(DVec3::Y), angle))
+}
+
+/// A size between `10^low` and `10^high`.
+pub fn decades(low: f64, high: f64) -> impl Strategy<Value = f64> {
+    (low..high).prop_map(|exponent| 10_f64.powf(exponent))
+}
+
+/// How the control points lie.
+#[derive(Clone, Copy, Debug)]
+enum Family {
+    /// Along -Z, strayed by up to this much.
+    Wandering(f64),
+    /// To and fro, this far apart.
+    Hairpin(f64),
+    /// Around a circle, this many radians a step.
+    Ring(f64),
+    /// Wandering, with neighbours only this far from each other here and there.
+    Clustered(f64),
+    /// Wandering, with steps that differ in length by up to this many decades.
+    Uneven(f64),
+}
+
+fn family() -> impl Strategy<Value = Family> {
+    prop_oneof![
+        (0.0..1.5).prop_map(Family::Wandering),
+        Just(Family::Wandering(0.0)),
+        decades(-9.0, -2.0).prop_map(Family::Wandering),
+        decades(-4.0, 0.0).prop_map(Family::Hairpin),
+        (0.2..2.5).prop_map(Family::Ring),
+        decades(-9.0, -1.0).prop_map(Family::Clustered),
+        Just(Family::Clustered(0.0)),
+        (0.5..3.0).prop_map(Family::Uneven),
+    ]
+}
+
+/// Control points of a family: each knot is where its point strays to.
+fn points(family: Family, knots: &[DVec3]) -> Vec<DVec3> {
+    let mut points: Vec<DVec3> = Vec::with_capacity(knots.len());
+    for (i, &knot) in knots.iter().enumerate() {
+        let along = i as f64;
+        let before = points.last().copied().unwrap_or_default();
+        points.push(match family {
+            Family::Wandering(bend) => knot * bend - DVec3::Z * along,
+            Family::Hairpin(width) => {
+                DVec3::new(width * along, 0.0, if i.is_multiple_of(2) { 0.0 } else { -1.0 })
+                    + knot * (0.3 * width)
+            }
+            Family::Ring(turn) => {
+                let (sin, cos) = (turn * along).sin_cos();
+                DVec3::new(sin, 0.3 * knot.y, cos)
+            }
+            Family::Clustered(gap) if i > 0 && knot.x > 0.0 => before + knot * gap,
+            Family::Clustered(_) => before + knot * 0.6 - DVec3::Z,
+            Family::Uneven(decades) => before + (knot * 0.6 - DVec3::Z) * 10_f64.powf(decades * knot.z),
+        });
+    }
+    let source = points[0];
+    // About a unit a step, whatever the family; by a power of two, so that what coincides still does.
+    let length: f64 = points.windows(2).map(|leg| leg[1].distance(leg[0])).sum();
+    let size = if length > 0.0 { ((points.len() - 1) as f64 / length).log2().round().exp2() } else { 1.0 };
+    points.iter().map(|&point| (point - source) * size).collect()
+}
+
+/// Whether no tangent comes near `up`: each lies between two legs of the control polygon.
+fn leans_away(family: Family, knots: &[(DVec3, f64)], up: DVec3) -> bool {
+    let strays: Vec<DVec3> = knots.iter().map(|knot| knot.0).collect();
+    let legs = points(family, &strays);
+    legs.windows(2).all(|leg| (leg[1] - leg[0]).normalize_or_zero().dot(up.normalize_or_zero()).abs() < 0.8)
+}
+
+/// What a light is made from.
+#[derive(Clone, Debug)]
+struct Recipe {
+    family: Family,
+    /// Where each control point strays to, and its share of `width`.
+    knots: Vec<(DVec3, f64)>,
+    /// The largest radius, in steps between control points.
+    width: f64,
+    /// The largest `R kappa` that the radii are made smaller for.
+    fold: f64,
+    up: DVec3,
+    frame: Frame,
+    direction: Direction,
+    end_mode: EndMode,
+    decay: Decay,
+}
+
+/// Radii of a tube that cannot fold, whatever its curve.
+const THIN: f64 = 1e-12;
+
+impl Recipe {
+    /// The light, its radii made small enough not to fold; refused where its curve is.
+    fn light(self) -> Result<Light, LightError> {
+        let (strays, shares): (Vec<DVec3>, Vec<f64>) = self.knots.into_iter().unzip();
+        let points = points(self.family, &strays);
+        let with = |width: f64| {
+            Light::bendy(points.clone(), shares.iter().map(|share| share * width).collect())
+                .with(UP, self.up)
+                .with(FRAME, self.frame)
+                .with(DIRECTION, self.direction)
+                .with(END_MODE, self.end_mode)
+                .with(DECAY, self.decay)
+        };
+        // `R kappa` grows with the radii: from that of a thin tube follows how wide one may be.
+        let thin = Tube::new(&with(THIN))?.r_kappa_max().into_iter().fold(0.0, f64::max);
+        let widest = if thin > 0.0 { self.fold * THIN / thin } else { f64::INFINITY };
+        Ok(with(self.width.min(widest)))
+    }
+}
+
+/// Which lights to make.
+#[derive(Clone, Copy, Debug)]
+pub struct Lights {
+    /// Most segments.
+    pub segments: usize,
+    /// Largest `R kappa`.
+    pub fold: f64,
+    /// Whether the radius may be zero past the source.
+    pub pinched: bool,
+    /// Whether the "up" frame may come near the tangent, where it flips.
+    pub flipping: bool,
+}
+
+/// Valid lights at the origin, about a unit a step.
+pub fn lights(wanted: Lights) -> impl Strategy<Value = Light> {
+    let share = prop_oneof![4 => (0.1..1.0).boxed(), u32::from(wanted.pinched) => Just(0.0).boxed()];
+    let width = prop_oneof![4 => (0.05..0.6).boxed(), 1 => decades(-4.0, 1.5).boxed()];
+    let fold = prop_oneof![(0.3..0.9), Just(0.9), Just(0.99), Just(0.999_99)];
+    let frame = prop_oneof![3 => Just(Frame::RotationMinimizing), 1 => Just(Frame::Up)];
+    let direction = prop_oneof![Just(Direction::Tube), Just(Direction::Path)];
+    let end_mode = prop_oneof![2 => Just(EndMode::Cut), 1 => Just(EndMode::Extend)];
+    let decay = prop_oneof![Just(Decay::None), Just(Decay::Linear), Just(Decay::InverseSquare)];
+    let up = prop_oneof![Just(DVec3::Y), Just(DVec3::NEG_Z), unit_cube()];
+    let knots = prop::collection::vec((unit_cube(), share), 3..=wanted.segments + 2);
+    let apex = prop_oneof![3 => Just(false), 1 => Just(true)];
+    ((family(), knots, apex), (width, fold, up), (frame, direction, end_mode, decay)).prop_filter_map(
+        "the curve has no direction",
+        move |((family, mut knots, apex), (width, fold, up), (frame, direction, end_mode, decay))| {
+            if apex {
+                knots[0].1 = 0.0;
+            }
+            let fold = f64::min(fold, wanted.fold);
+            let frame =
+                if wanted.flipping || leans_away(family, &knots, up) { frame } else { Frame::default() };
+            let recipe = Recipe { family, knots, width, fold, up, frame, direction, end_mode, decay };
+            recipe.light().ok().filter(|light| Tube::new(light).is_ok())
+        },
+    )
+}
+
+/// A placement up to a million units from the world's origin, at sizes from a ten-thousandth to ten thousand.
+pub fn placement() -> impl Strategy<Value = Transform> {
+    let far = prop_oneof![Just(0.0), (0.0..10.0), Just(1e3), Just(1e6)];
+    let scale = prop_oneof![Just(1.0).boxed(), decades(-4.0, 4.0).boxed()];
+    (unit_cube(), far, rotation(), scale).prop_map(|(towards, far, rotation, scale)| Transform {
+        translation: towards * far,
+        rotation,
+        scale,
+    })
+}

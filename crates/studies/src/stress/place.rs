@@ -1,0 +1,176 @@
+//! Points to ask a light about, and how well each is conditioned.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use light::{Frame, Real, Root, Tube};
+use proptest::prelude::*;
+
+use super::light::unit_cube;
+
+/// A point by its place in a light.
+#[derive(Clone, Copy, Debug)]
+pub enum Place {
+    /// At a share of the light's length, at `rho` radii from its curve in a direction across it.
+    InTube {
+        /// 0 to 1; past 1 on an extension.
+        share: f64,
+        /// 1 is the edge.
+        rho: f64,
+        /// Radians from `v_hat`.
+        angle: f64,
+    },
+    /// On the plane through a joint.
+    AtJoint {
+        /// Which one, modulo their number.
+        joint: usize,
+        /// Radii from the curve; 1 is the edge.
+        rho: f64,
+        /// Radians from `v_hat`.
+        angle: f64,
+    },
+    /// At a share of the way to the centre of curvature, however wide the tube is.
+    NearEvolute {
+        /// Along the curve, 0 to 1.
+        share: f64,
+        /// 1 is the centre of curvature.
+        way: f64,
+    },
+    /// Anywhere, in tube units.
+    Free(DVec3),
+}
+
+impl Place {
+    /// The point in tube space.
+    pub fn in_tube_space(self, tube: &Tube<f64>) -> DVec3 {
+        let n = tube.n as f64;
+        match self {
+            Self::InTube { share, rho, angle } => {
+                point_at(tube, share * n, rho * angle.cos(), rho * angle.sin())
+            }
+            Self::AtJoint { joint, rho, angle } => {
+                point_at(tube, (joint % (tube.n + 1)) as f64, rho * angle.cos(), rho * angle.sin())
+            }
+            Self::NearEvolute { share, way } => {
+                let (i, u) = split(tube, share * n);
+                let segment = &tube.segments[i].curve;
+                let u_hat = segment.u_hat(u);
+                let curvature = segment.u_hat_derivative(u, u_hat) / (2.0 * segment.d(u).length());
+                let normal = curvature / curvature.length_squared();
+                segment.position(u) + if normal.is_finite() { normal * way } else { DVec3::ZERO }
+            }
+            Self::Free(q) => q,
+        }
+    }
+}
+
+/// Places of every kind.
+pub fn places() -> impl Strategy<Value = Place> {
+    let decade = prop_oneof![3 => -1.0..1.0, 1 => -4.0..6.0];
+    let near = (decade, unit_cube()).prop_map(|(decade, q)| Place::Free(q * 10_f64.powf(decade)));
+    let evolute = (0.0..1.0, 0.9..1.1).prop_map(|(share, way)| Place::NearEvolute { share, way });
+    prop_oneof![4 => in_tube(1.2), 2 => at_joint(), 2 => near, 1 => evolute]
+}
+
+/// Places in a tube and a little around it.
+pub fn in_tube(rho_max: f64) -> impl Strategy<Value = Place> {
+    let rho = prop_oneof![4 => (0.0..rho_max).boxed(), 1 => Just(0.0).boxed()];
+    (0.0..1.0, rho, 0.0..TAU).prop_map(|(share, rho, angle)| Place::InTube { share, rho, angle })
+}
+
+/// Places on the planes where segments meet.
+pub fn at_joint() -> impl Strategy<Value = Place> {
+    (0..64_usize, 0.0..1.0, 0.0..TAU).prop_map(|(joint, rho, angle)| Place::AtJoint { joint, rho, angle })
+}
+
+/// The index of the segment that holds `t`, and the parameter in it; a joint belongs to the lower one.
+pub fn split(tube: &Tube<f64>, t: f64) -> (usize, f64) {
+    let i = (t.ceil() as usize).saturating_sub(1).min(tube.segments.len() - 1);
+    (i, t - i as f64)
+}
+
+/// The tube-space point at `(t, v, w)`: `P + R (v v_hat + w w_hat)`.
+pub fn point_at(tube: &Tube<f64>, t: f64, v: f64, w: f64) -> DVec3 {
+    let (i, u) = split(tube, t);
+    point_in(tube, i, u, v, w)
+}
+
+/// The same by the index of a segment and the parameter in it.
+pub fn point_in(tube: &Tube<f64>, i: usize, u: f64, v: f64, w: f64) -> DVec3 {
+    let segment = &tube.segments[i].curve;
+    let (v_hat, w_hat) = tube.cross_section(segment, segment.u_hat(u));
+    segment.position(u) + (v_hat * v + w_hat * w) * segment.radius(u)
+}
+
+/// What the light model says of `q` where the root is known to be `u` of a segment.
+pub fn root_at(tube: &Tube<f64>, segment: usize, u: f64, q: DVec3) -> Root<f64> {
+    let s = &tube.segments[segment].curve;
+    let (u_hat, r) = (s.u_hat(u), s.offset(q, u));
+    let (v_hat, w_hat) = tube.cross_section(s, u_hat);
+    Root { segment, u, r, v_len: r.dot(v_hat), w_len: r.dot(w_hat), radius: s.radius(u), v_hat, u_hat }
+}
+
+/// By how much what is found at a root may be off, in tube units (light model, section 5).
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    /// Of the parameter.
+    pub t: f64,
+    /// Of `V` and `W`, as lengths.
+    pub across: f64,
+    /// Of the radius.
+    pub radius: f64,
+    /// Of the "tube" direction.
+    pub direction: f64,
+    /// Change of the parameter for a point that moves along the curve, per length.
+    pub rate: f64,
+}
+
+/// The bounds for a computation whose numbers carry `eps`, asked at `q`, with a further error `dq` of the
+/// point; `None` where so much is off that the derivatives here say nothing.
+///
+/// A point moved by `e` moves the root by `e / sigma`, `sigma = |P'| (1 - kappa r.N)`, and by half of `H_t e^2`
+/// (section 4). The numbers of point and segment are rounded at the size of `|q| + |r| + L`; and each direction is
+/// good to `eps L / |d|`, because `d` is a difference of vectors of length `L`. `V` does not change with u in the
+/// rotation-minimising frame, and turns by `tau` in the other one.
+pub fn bounds(tube: &Tube<f64>, root: &Root<f64>, q: DVec3, eps: f64, dq: f64) -> Option<Bounds> {
+    let (s, u) = (&tube.segments[root.segment].curve, root.u);
+    let (d, turn) = (s.d(u).length(), s.u_hat_derivative(u, root.u_hat));
+    let (rho, length) = (root.r.length(), s.d0.length() + s.d1.length());
+    let sigma = 2.0 * d - root.r.dot(turn);
+    let rounding = 16.0 * eps * (rho + length + q.length() + s.b0.length());
+    let off = rounding + dq;
+    let h_t = (2.0 * turn.length() + 2.0 * s.a.length() * (1.0 + rho * turn.length() / d) / sigma)
+        / (sigma * sigma);
+    // A direction that is off by an angle moves the plane square to the curve by that much at `r`.
+    let along = off + 16.0 * eps * rho * length / d;
+    let bent = h_t * along * along;
+    let t = along / sigma + bent;
+    // Mostly first order, little of the bend's radius and of the segment, and a tube that is wider than that.
+    let known =
+        sigma > 0.0 && bent < 0.1 * t && t < 0.02 && t * s.a.length() < 0.02 * d && root.radius > 8.0 * off;
+    if !known {
+        return None;
+    }
+    let frame = 32.0 * eps * (1.0 + length / d);
+    let twist = if tube.frame == Frame::Up {
+        let lean = (tube.up - root.u_hat * tube.up.dot(root.u_hat)).length().max(1e-6);
+        (turn.length() * t + frame) / lean
+    } else {
+        0.0
+    };
+    let across = off + (frame + twist) * rho;
+    let slope = s.radius_derivative(u).abs();
+    let radius = (slope + s.ar.abs() * t) * t + 16.0 * eps * (root.radius + s.r0.abs() + s.e0.abs());
+    // T = P' + (R'/R) r, each factor's change in turn.
+    let per_radius = 1.0 / root.radius.max(f64::MIN_POSITIVE);
+    let spread =
+        rho * per_radius * (2.0 * s.ar.abs() * t + slope * radius * per_radius) + slope * per_radius * across;
+    let tangent = s.d(u) * 2.0 + root.r * (s.radius_derivative(u) * per_radius);
+    let direction = (2.0 * s.a.length() * t + spread) / tangent.length() + frame;
+    Some(Bounds { t, across, radius, direction, rate: 1.0 / sigma })
+}
+
+/// 2^-52 or 2^-24, as the light model's bounds have it.
+pub fn eps<F: Real>() -> f64 {
+    if size_of::<F>() == 8 { f64::EPSILON } else { f64::from(f32::EPSILON) / 2.0 }
+}

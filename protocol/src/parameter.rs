@@ -1,0 +1,244 @@
+//! Values of parameters in JSON, by the rows of the table.
+
+use std::fmt;
+
+use glam::{DQuat, DVec3};
+use light::{Choice, Kind, Owner, Parameter, Value};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{self, DeserializeSeed, MapAccess, Visitor};
+use serde::ser::{SerializeMap, SerializeSeq};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::{Map, json};
+
+/// A value as it stands in JSON.
+pub(crate) struct Written<'a>(pub &'a Value);
+
+impl Serialize for Written<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0 {
+            Value::Number(number) => number.serialize(serializer),
+            Value::Absent => serializer.serialize_none(),
+            Value::Choice(name) => name.serialize(serializer),
+            Value::Vector(vector) => vector.to_array().serialize(serializer),
+            Value::Rotation(rotation) => rotation.to_array().serialize(serializer),
+            Value::Text(text) => text.serialize(serializer),
+        }
+    }
+}
+
+/// Values as a JSON array.
+pub(crate) struct WrittenList<'a>(pub &'a [Value]);
+
+impl Serialize for WrittenList<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut list = serializer.serialize_seq(Some(self.0.len()))?;
+        self.0.iter().try_for_each(|value| list.serialize_element(&Written(value)))?;
+        list.end()
+    }
+}
+
+/// Reads a value of a row's kind. Whether it is in range is for the domain to say.
+#[derive(Clone, Copy)]
+pub(crate) struct ValueOf(pub &'static Parameter);
+
+impl<'de> DeserializeSeed<'de> for ValueOf {
+    type Value = Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Value, D::Error> {
+        Ok(match self.0.kind {
+            Kind::Number(number) if number.absent.is_some() => {
+                Option::<f64>::deserialize(deserializer)?.map_or(Value::Absent, Value::Number)
+            }
+            Kind::Number(_) => Value::Number(f64::deserialize(deserializer)?),
+            Kind::Color | Kind::Vector { .. } => {
+                Value::Vector(DVec3::from(<[f64; 3]>::deserialize(deserializer)?))
+            }
+            Kind::Rotation => Value::Rotation(DQuat::from_array(<[f64; 4]>::deserialize(deserializer)?)),
+            Kind::Text { .. } => Value::Text(String::deserialize(deserializer)?),
+            Kind::Choice(choices) => {
+                let word = String::deserialize(deserializer)?;
+                let known = choices.iter().find(|choice| choice.name == word);
+                Value::Choice(known.ok_or_else(|| unknown("variant", &word, names(choices)))?.name)
+            }
+            Kind::Projection => return Err(de::Error::custom("a projection is set with setCamera")),
+        })
+    }
+}
+
+/// Reads an array of such values.
+#[derive(Clone, Copy)]
+pub(crate) struct ListOf(pub &'static Parameter);
+
+impl<'de> DeserializeSeed<'de> for ListOf {
+    type Value = Vec<Value>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Vec<Value>, D::Error> {
+        struct Items(&'static Parameter);
+        impl<'de> Visitor<'de> for Items {
+            type Value = Vec<Value>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a sequence")
+            }
+
+            fn visit_seq<A: de::SeqAccess<'de>>(self, mut items: A) -> Result<Vec<Value>, A::Error> {
+                let mut values = Vec::new();
+                while let Some(value) = items.next_element_seed(ValueOf(self.0))? {
+                    values.push(value);
+                }
+                Ok(values)
+            }
+        }
+        deserializer.deserialize_seq(Items(self.0))
+    }
+}
+
+fn names(choices: &[Choice]) -> impl Iterator<Item = &'static str> {
+    choices.iter().map(|choice| choice.name)
+}
+
+/// That a word is none of those expected.
+pub(crate) fn unknown<E: de::Error>(
+    what: &str,
+    word: &str,
+    expected: impl IntoIterator<Item = &'static str>,
+) -> E {
+    let expected: Vec<_> = expected.into_iter().map(|name| format!("`{name}`")).collect();
+    let expected = match &expected[..] {
+        [a, b] => format!("{a} or {b}"),
+        all => format!("one of {}", all.join(", ")),
+    };
+    de::Error::custom(format!("unknown {what} `{word}`, expected {expected}"))
+}
+
+/// The schema of a row's values.
+pub(crate) fn schema(row: &Parameter) -> Map<String, serde_json::Value> {
+    use std::ops::Bound::{Excluded, Included};
+    let vector = |length: usize| json!({"type": "array", "items": {"type": "number", "format": "double"}, "minItems": length, "maxItems": length});
+    let mut schema = match row.kind {
+        Kind::Number(number) => {
+            let mut schema = if number.absent.is_some() {
+                json!({"type": ["number", "null"], "format": "double"})
+            } else {
+                json!({"type": "number", "format": "double"})
+            };
+            for (bound, included, excluded) in
+                [(number.min, "minimum", "exclusiveMinimum"), (number.max, "maximum", "exclusiveMaximum")]
+            {
+                match bound {
+                    Included(end) => schema[included] = end.into(),
+                    Excluded(end) => schema[excluded] = end.into(),
+                    std::ops::Bound::Unbounded => {}
+                }
+            }
+            schema
+        }
+        Kind::Choice(choices) => json!({"type": "string", "enum": names(choices).collect::<Vec<_>>()}),
+        Kind::Color | Kind::Vector { .. } => vector(3),
+        Kind::Rotation => vector(4),
+        Kind::Text { .. } => json!({"type": "string"}),
+        Kind::Projection => json!({}),
+    };
+    schema["description"] = row.doc.into();
+    match schema {
+        serde_json::Value::Object(fields) => fields,
+        _ => Map::new(),
+    }
+}
+
+/// Settings of the rows of some owners: in JSON an object whose one field is the parameter's name.
+macro_rules! setting {
+    ($(#[$doc:meta])* $name:ident of $owners:expr) => {
+        $(#[$doc])*
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct $name(pub light::Setting);
+
+        impl $name {
+            fn row(name: &str) -> Option<&'static Parameter> {
+                $owners.iter().find_map(|owner| light::parameter_of(*owner, name))
+            }
+
+            fn rows() -> Vec<&'static Parameter> {
+                let of_any = |row: &&'static Parameter| $owners.iter().any(|owner| row.of(*owner).is_some());
+                light::parameters().iter().copied().filter(of_any).collect()
+            }
+        }
+
+        impl Serialize for $name {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                let mut map = serializer.serialize_map(Some(1))?;
+                map.serialize_entry(self.0.parameter.name, &Written(&self.0.value))?;
+                map.end()
+            }
+        }
+
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                struct One;
+                impl<'de> Visitor<'de> for One {
+                    type Value = $name;
+
+                    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                        f.write_str("an object with one parameter")
+                    }
+
+                    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<$name, A::Error> {
+                        let Some(name) = map.next_key::<String>()? else {
+                            return Err(de::Error::custom("expected an object with one parameter"));
+                        };
+                        let names = || $name::rows().into_iter().map(|row| row.name);
+                        let parameter = $name::row(&name).ok_or_else(|| unknown("parameter", &name, names()))?;
+                        let value = map.next_value_seed(ValueOf(parameter))?;
+                        if let Some(second) = map.next_key::<String>()? {
+                            let sentence = format!("expected an object with one parameter, not `{name}` and `{second}`");
+                            return Err(de::Error::custom(sentence));
+                        }
+                        Ok($name(light::Setting { parameter, value }))
+                    }
+                }
+                deserializer.deserialize_map(One)
+            }
+        }
+
+        impl JsonSchema for $name {
+            fn schema_name() -> std::borrow::Cow<'static, str> {
+                stringify!($name).into()
+            }
+
+            fn json_schema(_: &mut SchemaGenerator) -> Schema {
+                let one = |row: &'static Parameter| {
+                    json!({
+                        "type": "object",
+                        "description": row.doc,
+                        "properties": {row.name: schema(row)},
+                        "required": [row.name],
+                        "additionalProperties": false,
+                    })
+                };
+                let options: Vec<_> = Self::rows().into_iter().map(one).collect();
+                json_schema!({"description": "A parameter and its value: an object with one field.", "oneOf": options})
+            }
+        }
+
+        impl From<light::Setting> for $name {
+            fn from(setting: light::Setting) -> Self {
+                Self(setting)
+            }
+        }
+
+        impl From<$name> for light::Setting {
+            fn from(wire: $name) -> Self {
+                wire.0
+            }
+        }
+    };
+}
+
+setting! {
+    /// [`light::Setting`] of a light in JSON: an object with one field.
+    LightParameter of [Owner::Spot, Owner::Bendy]
+}
+setting! {
+    /// [`light::Setting`] of a control point in JSON: an object with one field.
+    PointParameter of [Owner::Point]
+}

@@ -1,0 +1,256 @@
+//! The table of parameters in JSON: what pages and programs make their controls of.
+
+use std::collections::BTreeMap;
+use std::ops::Bound;
+
+use light::Owner;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::parameter::Written;
+
+/// A row for each thing that can be set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct ParameterTable {
+    /// The rows, in the order in which people see them.
+    pub parameters: Vec<Parameter>,
+}
+
+/// [`light::Parameter`] in JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Parameter {
+    /// The word for it in commands, light files and logs.
+    pub name: String,
+    /// What has it.
+    pub of: Vec<ParameterOwner>,
+    /// What it is called in a document, by owner: `/lights/ID/coneAngle`, for the command `set`.
+    pub address: BTreeMap<String, String>,
+    /// What its values are.
+    pub kind: ParameterKind,
+    /// By owner, the value where none is given, as in light files; none where the owner must have one of its own.
+    pub default: BTreeMap<String, Value>,
+    /// Where it stands in its owner's JSON, fields within fields parted by `/`. Of a control point, the light's list.
+    pub path: String,
+    /// What becomes stale when it changes.
+    pub touches: ParameterTouches,
+    /// Whether keyframes may drive it.
+    pub animates: bool,
+    /// The heading that it stands under.
+    pub group: String,
+    /// Its name for people.
+    pub label: String,
+    /// A sentence about it.
+    pub doc: String,
+}
+
+/// [`light::Owner`] in JSON.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum ParameterOwner {
+    /// A light of type `spot`.
+    Spot,
+    /// A light of type `bendy`.
+    Bendy,
+    /// A control point of a `bendy` light.
+    Point,
+    /// A camera.
+    Camera,
+}
+
+/// [`light::Touches`] in JSON.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum ParameterTouches {
+    /// No picture shows it.
+    Nothing,
+    /// What the light adds to pictures.
+    Radiance,
+    /// That and the light's shadow map.
+    ShadowMap,
+    /// Everything.
+    Scene,
+}
+
+/// [`light::Kind`] in JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "camelCase", rename_all_fields = "camelCase", deny_unknown_fields)]
+pub enum ParameterKind {
+    /// A number.
+    Number {
+        /// What it counts.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        unit: String,
+        /// The least that it may be.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        min: Option<f64>,
+        /// The most that it may be.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        max: Option<f64>,
+        /// What it must be more than.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        exclusive_min: Option<f64>,
+        /// What it must be less than.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        exclusive_max: Option<f64>,
+        /// The ends of a slider; what is typed may go on to the range.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        slider: Option<[f64; 2]>,
+        /// What a step of a control changes it by.
+        step: f64,
+        /// How a slider is divided.
+        scale: ParameterScale,
+        /// What `null` means, for people; where it is left out there has to be a number.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        none: Option<String>,
+    },
+    /// One of several words.
+    Choice {
+        /// The words.
+        choices: Vec<ParameterChoice>,
+    },
+    /// Linear RGB.
+    Color,
+    /// Three numbers.
+    Vector {
+        /// What they count.
+        #[serde(default, skip_serializing_if = "String::is_empty")]
+        unit: String,
+        /// What a step of a control changes one by.
+        step: f64,
+    },
+    /// A unit quaternion `[x, y, z, w]`.
+    Rotation,
+    /// Text.
+    Text {
+        /// Bytes of UTF-8 that it has at most.
+        max_bytes: usize,
+    },
+    /// How a camera projects, as a whole.
+    Projection,
+}
+
+/// [`light::Scale`] in JSON.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum ParameterScale {
+    /// Evenly.
+    Linear,
+    /// Evenly in the logarithm.
+    Logarithmic,
+}
+
+/// [`light::Choice`] in JSON.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterChoice {
+    /// The word.
+    pub name: String,
+    /// For people.
+    pub label: String,
+}
+
+/// The table that this program goes by.
+pub fn parameter_table() -> ParameterTable {
+    ParameterTable { parameters: document::parameters().map(Parameter::from).collect() }
+}
+
+impl ParameterOwner {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Spot => "spot",
+            Self::Bendy => "bendy",
+            Self::Point => "point",
+            Self::Camera => "camera",
+        }
+    }
+
+    /// How addresses of what it has begin.
+    fn place(self) -> &'static str {
+        match self {
+            Self::Spot | Self::Bendy => "/lights/ID",
+            Self::Point => "/lights/ID/points/INDEX",
+            Self::Camera => "/cameras/ID",
+        }
+    }
+}
+
+impl From<Owner> for ParameterOwner {
+    fn from(owner: Owner) -> Self {
+        match owner {
+            Owner::Spot => Self::Spot,
+            Owner::Bendy => Self::Bendy,
+            Owner::Point => Self::Point,
+            Owner::Camera => Self::Camera,
+        }
+    }
+}
+
+impl From<&light::Parameter> for Parameter {
+    fn from(row: &light::Parameter) -> Self {
+        let of: Vec<_> = row.of.iter().map(|of| ParameterOwner::from(of.owner)).collect();
+        let default = |of: &light::Of| {
+            let default = serde_json::to_value(Written(&row.default(of.owner)?)).ok()?;
+            Some((ParameterOwner::from(of.owner).name().into(), default))
+        };
+        let address =
+            |owner: &ParameterOwner| (owner.name().into(), format!("{}/{}", owner.place(), row.name));
+        Self {
+            name: row.name.into(),
+            address: of.iter().map(address).collect(),
+            of,
+            kind: row.kind.into(),
+            default: row.of.iter().filter_map(default).collect(),
+            path: row.path.replace('.', "/"),
+            touches: match row.touches() {
+                light::Touches::Nothing => ParameterTouches::Nothing,
+                light::Touches::Radiance => ParameterTouches::Radiance,
+                light::Touches::ShadowMap => ParameterTouches::ShadowMap,
+                light::Touches::Scene => ParameterTouches::Scene,
+            },
+            animates: row.animates,
+            group: row.group.into(),
+            label: row.label.into(),
+            doc: row.doc.into(),
+        }
+    }
+}
+
+impl From<light::Kind> for ParameterKind {
+    fn from(kind: light::Kind) -> Self {
+        match kind {
+            light::Kind::Number(number) => {
+                let included = |bound| if let Bound::Included(end) = bound { Some(end) } else { None };
+                let excluded = |bound| if let Bound::Excluded(end) = bound { Some(end) } else { None };
+                Self::Number {
+                    unit: number.unit.into(),
+                    min: included(number.min),
+                    max: included(number.max),
+                    exclusive_min: excluded(number.min),
+                    exclusive_max: excluded(number.max),
+                    slider: number.slider,
+                    step: number.step,
+                    scale: match number.scale {
+                        light::Scale::Linear => ParameterScale::Linear,
+                        light::Scale::Logarithmic => ParameterScale::Logarithmic,
+                    },
+                    none: number.absent.map(Into::into),
+                }
+            }
+            light::Kind::Choice(choices) => {
+                let choice = |choice: &light::Choice| ParameterChoice {
+                    name: choice.name.into(),
+                    label: choice.label.into(),
+                };
+                Self::Choice { choices: choices.iter().map(choice).collect() }
+            }
+            light::Kind::Color => Self::Color,
+            light::Kind::Vector { unit, step } => Self::Vector { unit: unit.into(), step },
+            light::Kind::Rotation => Self::Rotation,
+            light::Kind::Text { max_bytes } => Self::Text { max_bytes },
+            light::Kind::Projection => Self::Projection,
+        }
+    }
+}

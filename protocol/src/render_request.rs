@@ -1,0 +1,225 @@
+//! What a picture is asked to be, by `bendylights render` and by `GET /sessions/S/render`: parameters, defaults, limits and
+//! refusals of both.
+
+use scene::{Aov, Camera, DEFAULT_ASPECT, UnknownAov, View, ViewSlot};
+use serde::Deserialize;
+use thiserror::Error;
+
+use crate::ErrorCode;
+
+/// How large a picture may be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RenderLimits {
+    /// Pixels along a side.
+    pub max_side: u32,
+    /// Samples a pixel.
+    pub max_samples: u32,
+}
+
+impl RenderLimits {
+    /// Over HTTP, where others wait.
+    pub const HTTP: Self = Self { max_side: 4096, max_samples: 64 };
+    /// On the command line. The side is that of the largest texture that every GPU of WebGPU's default limits holds.
+    pub const COMMAND_LINE: Self = Self { max_side: 8192, max_samples: 4096 };
+
+    /// Reads width and height in pixels: `1920x1080`.
+    pub fn parse_size(self, text: &str) -> Result<[u32; 2], RenderRefusal> {
+        let side = |text: &str| text.parse().ok().filter(|side: &u32| *side > 0 && !text.starts_with('+'));
+        let sides = text.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
+        let max_side = self.max_side;
+        match sides {
+            None => Err(RenderRefusal::Size { text: text.chars().take(20).collect(), max_side }),
+            Some(size) if size.iter().any(|side| *side > max_side) => {
+                Err(RenderRefusal::TooLarge { max_side })
+            }
+            Some(size) => Ok(size),
+        }
+    }
+
+    /// Checks a number of samples a pixel.
+    pub fn check_samples(self, samples: u32) -> Result<u32, RenderRefusal> {
+        let max_samples = self.max_samples;
+        match samples {
+            0 => Err(RenderRefusal::NoSamples { max_samples }),
+            _ if samples > max_samples => Err(RenderRefusal::TooManySamples { max_samples }),
+            _ => Ok(samples),
+        }
+    }
+}
+
+/// What a picture is asked to be. Which camera and which light a name means depends on where they are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderRequest {
+    /// The camera, as it is named; by default the first, or one that frames the scene.
+    pub camera: Option<String>,
+    /// Width and height in pixels; by default of the camera's shape, about as many as 640x360.
+    pub size: Option<[u32; 2]>,
+    /// What the picture shows.
+    pub aov: Aov,
+    /// Samples a pixel.
+    pub samples: u32,
+    /// The light that some AOVs are of, as it is named; by default the first.
+    pub light: Option<String>,
+    /// How much of the scene's fill the beauty has.
+    pub fill: f64,
+}
+
+impl Default for RenderRequest {
+    fn default() -> Self {
+        Self { camera: None, size: None, aov: Aov::Beauty, samples: 1, light: None, fill: 1.0 }
+    }
+}
+
+impl RenderRequest {
+    /// Checks how much of the fill the beauty is to have.
+    pub fn check_fill(factor: f64) -> Result<f64, RenderRefusal> {
+        if View::FILL.contains(&factor) { Ok(factor) } else { Err(RenderRefusal::Fill(factor.to_string())) }
+    }
+
+    /// Reads the same.
+    pub fn parse_fill(text: &str) -> Result<f64, RenderRefusal> {
+        let refused = || RenderRefusal::Fill(text.chars().take(20).collect());
+        Self::check_fill(text.parse().map_err(|_| refused())?)
+    }
+
+    /// Width over height of the picture, for a camera that is made to frame the scene.
+    pub fn framing_aspect(&self) -> f64 {
+        self.size.map_or(DEFAULT_ASPECT, |[width, height]| f64::from(width) / f64::from(height))
+    }
+
+    /// The view that it asks for, from `camera` and of the light of index `light`.
+    pub fn view(&self, camera: Camera, light: usize, limits: RenderLimits, slot: ViewSlot) -> View {
+        let [width, height] = self.size.unwrap_or_else(|| camera.projection.default_size(limits.max_side));
+        let Self { aov, samples, fill, .. } = *self;
+        View { camera, width, height, samples, aov, light, fill, slot }
+    }
+}
+
+/// The parameters of `GET /sessions/S/render`, as they come.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RenderParameters {
+    /// As [`RenderRequest::camera`].
+    pub camera: Option<String>,
+    /// As [`RenderLimits::parse_size`] reads it.
+    pub size: Option<String>,
+    /// One of [`Aov::NAMES`].
+    pub aov: Option<String>,
+    /// As [`RenderRequest::samples`].
+    pub samples: Option<u32>,
+    /// As [`RenderRequest::light`].
+    pub light: Option<String>,
+    /// As [`RenderRequest::fill`].
+    pub fill: Option<f64>,
+    /// The record after which the document is shown; by default the latest.
+    pub at: Option<u64>,
+    /// What file the picture comes as.
+    #[serde(default)]
+    pub format: RenderFormat,
+}
+
+/// What file a picture comes as.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RenderFormat {
+    /// For people.
+    #[default]
+    Png,
+    /// Linear values.
+    Exr,
+}
+
+impl RenderParameters {
+    /// What they ask for, within the limits of HTTP.
+    pub fn request(&self) -> Result<RenderRequest, RenderRefusal> {
+        let (limits, default) = (RenderLimits::HTTP, RenderRequest::default());
+        Ok(RenderRequest {
+            size: self.size.as_deref().map(|size| limits.parse_size(size)).transpose()?,
+            samples: self.samples.map_or(Ok(default.samples), |samples| limits.check_samples(samples))?,
+            fill: self.fill.map_or(Ok(default.fill), RenderRequest::check_fill)?,
+            aov: self.aov.as_deref().map_or(Ok(default.aov), str::parse)?,
+            camera: self.camera.clone(),
+            light: self.light.clone(),
+        })
+    }
+}
+
+/// Why a picture is not made.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum RenderRefusal {
+    /// Something else than a size.
+    #[error("the size is `{text}`: write it as WIDTHxHEIGHT in pixels, each from 1 to {max_side}")]
+    Size {
+        /// The start of what came.
+        text: String,
+        /// Pixels along a side at most.
+        max_side: u32,
+    },
+    /// A side over the limit.
+    #[error("each side of a picture has 1 to {max_side} pixels: make it smaller")]
+    TooLarge {
+        /// Pixels along a side at most.
+        max_side: u32,
+    },
+    /// No sample at all.
+    #[error("a pixel has 1 to {max_samples} samples: ask for more than 0")]
+    NoSamples {
+        /// Samples a pixel at most.
+        max_samples: u32,
+    },
+    /// Samples over the limit.
+    #[error("a pixel has 1 to {max_samples} samples: ask for fewer")]
+    TooManySamples {
+        /// Samples a pixel at most.
+        max_samples: u32,
+    },
+    /// A factor that the fill cannot have.
+    #[error("the fill's factor is `{0}`: give a number from {start} to {end}", start = View::FILL.start(), end = View::FILL.end())]
+    Fill(String),
+    /// A quantity that pictures do not show.
+    #[error(transparent)]
+    Aov(#[from] UnknownAov),
+}
+
+impl RenderRefusal {
+    /// The code that programs act on.
+    pub fn code(&self) -> ErrorCode {
+        match self {
+            Self::Size { .. } | Self::NoSamples { .. } | Self::Fill(_) => ErrorCode::BadMessage,
+            Self::TooLarge { .. } | Self::TooManySamples { .. } => ErrorCode::TooLarge,
+            Self::Aov(_) => ErrorCode::Render,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is refused has the number that is allowed in its sentence, which each place that takes pictures has of its own.
+    #[test]
+    fn limits_are_held_and_named() {
+        for limits in [RenderLimits::HTTP, RenderLimits::COMMAND_LINE] {
+            let RenderLimits { max_side, max_samples } = limits;
+            assert_eq!(limits.parse_size(&format!("{max_side}x1")), Ok([max_side, 1]));
+            for text in [format!("{}x1", max_side + 1), "0x1".into(), "+1x1".into(), "640".into()] {
+                let refusal = limits.parse_size(&text).expect_err(&text);
+                assert!(refusal.to_string().contains(&format!("1 to {max_side}")), "{refusal}");
+            }
+            assert_eq!(limits.check_samples(max_samples), Ok(max_samples));
+            for samples in [0, max_samples + 1] {
+                let refusal = limits.check_samples(samples).expect_err("refused");
+                assert!(refusal.to_string().contains(&format!("1 to {max_samples}")), "{refusal}");
+            }
+        }
+        for factor in ["-1", "NaN", "1000001", "none"] {
+            let refusal = RenderRequest::parse_fill(factor).expect_err(factor);
+            assert!(refusal.to_string().contains("from 0 to 1000000"), "{refusal}");
+        }
+    }
+
+    #[test]
+    fn what_is_left_out_has_its_default() {
+        assert_eq!(RenderParameters::default().request(), Ok(RenderRequest::default()));
+    }
+}

@@ -1,0 +1,21 @@
+//! Scripts of the page's browser tests, run on a server.
+
+use std::path::Path;
+use std::process::Command;
+
+use bench::Address;
+
+/// Runs a script in Chromium on session `main` of the server there. It fails with a sentence, also where one of its pictures
+/// breaks a rule of accessibility.
+pub fn run_in_browser(script: &str, Address { host, token }: &Address) {
+    let client = Path::new(env!("CARGO_MANIFEST_DIR")).join("../web-client");
+    let is_built =
+        client.join("node_modules/playwright-core").is_dir() && client.join("dist/index.html").is_file();
+    assert!(is_built, "the page is not built: `make page` builds it");
+    let pictures = tempfile::tempdir().expect("a folder");
+    let address = format!("http://{host}/#token={token}&session=main");
+    let script = client.join("test/browser").join(script);
+    let status =
+        Command::new("node").arg(script).arg(address).arg(pictures.path()).status().expect("node runs");
+    assert!(status.success(), "the page does not do what it should");
+}
