@@ -31,8 +31,8 @@ const OLD_LOGS: &[OldLog] = &[
     OldLog {
         file: "format-3.jsonl",
         format: 3,
-        records: 52,
-        hash: "89959f9bc90ca86f150c39ad62a11ad972e46ff0988e6fb91aff300c4c8a34a7",
+        records: 60,
+        hash: "5f0aa993b13873a8e5447787bcdda76c746c308c28aa2119a56c07e9c6ea4fd6",
     },
 ];
 

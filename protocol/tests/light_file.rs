@@ -83,6 +83,7 @@ fn json_has_a_line_a_field() {
   "radii": [0.1, 0.4, 0.8],
   "colors": [[1.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 1.0, 1.0]],
   "intensities": [1.0, 1.0, 1.0],
+  "exposure": 0.0,
   "decay": "none",
   "coneAngle": 25.0,
   "coneSoftness": 0.2,
@@ -172,8 +173,8 @@ fn broken_json_is_refused_with_its_line_and_column() {
 #[test]
 fn a_wrong_shape_is_refused_with_its_place() {
     let bendy_fields = "`type`, `name`, `transform`, `points`, `radii`, `colors`, `intensities`, \
-                        `decay`, `coneAngle`, `coneSoftness`, `endMode`, `direction`, `frame`, `up`";
-    let spot_fields = "`type`, `name`, `transform`, `color`, `intensity`, `decay`, `coneAngle`, \
+                        `exposure`, `decay`, `coneAngle`, `coneSoftness`, `endMode`, `direction`, `frame`, `up`";
+    let spot_fields = "`type`, `name`, `transform`, `color`, `intensity`, `exposure`, `decay`, `coneAngle`, \
                        `coneSoftness`, `range`";
     let light = "a light: an object with `type`, `points`, `radii` and so on";
     for (said, expected) in [

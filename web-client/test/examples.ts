@@ -34,6 +34,7 @@ export const BENDY: Bendy = {
   frame: "rotationMinimizing",
   direction: "tube",
   endMode: "cut",
+  exposure: 0,
   decay: "none",
 };
 
@@ -45,6 +46,7 @@ export const SPOT: Spot = {
   intensity: 1,
   coneAngle: 20,
   coneSoftness: 0.2,
+  exposure: 0,
   decay: "none",
 };
 

@@ -33,12 +33,12 @@ test("each owner has its own rows, in the table's order and under its headings",
     sectionsOf(TABLE, owner).map(({ group, rows }) => [group, ...rows.map(({ name }) => name)].join(" "));
   expect(names("spot")).toEqual([
     "Light name translation rotation scale",
-    "Emission color intensity decay",
+    "Emission color intensity exposure decay",
     "Shape coneAngle coneSoftness range",
   ]);
   expect(names("bendy")).toEqual([
     "Light name translation rotation scale",
-    "Emission decay",
+    "Emission exposure decay",
     "Shape coneAngle coneSoftness endMode direction frame up",
   ]);
   expect(names("point")).toEqual(["Control point position radius color intensity"]);
@@ -70,6 +70,7 @@ test("values stand where their paths say", () => {
 });
 
 test("what is left out is the default, or none where there may be none", () => {
+  expect(valueIn(row("spot", "exposure"), "spot", SPOT)).toBe(0);
   expect(valueIn(row("spot", "range"), "spot", SPOT)).toBeNull();
   const { decay: _, ...plain } = SPOT;
   expect(valueIn(row("spot", "decay"), "spot", plain)).toBe("inverseSquare");
@@ -143,6 +144,7 @@ test("steps end where the slider does, and go on beyond it", () => {
 });
 
 test("a slider goes as far as its row says, or twice as far as the largest value", () => {
+  expect(sliderEnds(kindOf("spot", "exposure"), [40])).toEqual([-10, 10]);
   const radius = kindOf("point", "radius");
   expect(sliderEnds(radius, [0.1, 3, 2])).toEqual([0, 6]);
   expect(sliderEnds(radius, [0, 0])).toEqual([0, 1]);

@@ -3,12 +3,14 @@
 
 use glam::DVec3;
 
-use crate::parameters::{CONE_ANGLE, CONE_SOFTNESS, DECAY};
+use crate::parameters::{CONE_ANGLE, CONE_SOFTNESS, DECAY, EXPOSURE};
 use crate::{Decay, Light, Place};
 
-/// How a light falls off across and along it.
+/// How bright a light is as a whole, and how it falls off across and along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightFilter {
+    /// Stops by which all of it is brightened.
+    pub exposure: f64,
     /// Across the light.
     pub profile: Profile,
     /// Along it.
@@ -22,6 +24,7 @@ impl LightFilter {
     /// What a checked light does to what it emits.
     pub fn of(light: &Light, least_distance: f64) -> Self {
         Self {
+            exposure: light.get(EXPOSURE),
             profile: Profile::new(light.get(CONE_ANGLE), light.get(CONE_SOFTNESS)),
             decay: light.get(DECAY),
             least_distance,
@@ -30,11 +33,11 @@ impl LightFilter {
 }
 
 /// Irradiance on a surface square to the light, linear RGB, without visibility:
-/// `emission profile(rho^2) decay(s)`.
+/// `emission 2^exposure profile(rho^2) decay(s)`.
 pub fn irradiance(filter: &LightFilter, emission: DVec3, place: &Place) -> DVec3 {
     let rho2 = place.v * place.v + place.w * place.w;
     let falloff = filter.profile.at(rho2) * filter.decay.at(place.s.max(filter.least_distance));
-    emission * falloff
+    emission * (libm::exp2(filter.exposure) * falloff)
 }
 
 /// The smooth profile over `rho = |(v, w)|`: 1 inside, then an S-curve to 0 at the light's edge.

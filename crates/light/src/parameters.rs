@@ -105,6 +105,22 @@ rows! { LIGHT_ROWS:
         label: "Intensity",
         ..ROW
     };
+    EXPOSURE: f64 = "Stops by which all that it emits is brightened: a factor of 2 to this.", Parameter {
+        name: "exposure",
+        path: "exposure",
+        of: &[of(Spot, Value::Number(0.0), Radiance), of(Bendy, Value::Number(0.0), Radiance)],
+        kind: Kind::Number(Number {
+            unit: "stops",
+            min: Included(-100.0),
+            max: Included(100.0),
+            slider: Some([-10.0, 10.0]),
+            step: 0.1,
+            ..Number::ANY
+        }),
+        group: "Emission",
+        label: "Exposure",
+        ..ROW
+    };
     DECAY: Decay = "How irradiance falls with the distance travelled.", Parameter {
         name: "decay",
         path: "decay",

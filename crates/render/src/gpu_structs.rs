@@ -133,13 +133,13 @@ gpu_struct! {
         tan2_outer: f32,
         edge: f32,
         inverse_span: f32,
-        pad0: f32,
+        exposure: f32,
     }
 }
 
 impl From<&light::LightFilter> for LightFilter {
     fn from(filter: &light::LightFilter) -> Self {
-        let light::LightFilter { profile, decay, least_distance } = filter;
+        let light::LightFilter { exposure, profile, decay, least_distance } = filter;
         // A profile that steep is a step, in single precision too.
         let inverse_span = profile.inverse_span.min(1e30);
         Self {
@@ -148,7 +148,7 @@ impl From<&light::LightFilter> for LightFilter {
             tan2_outer: profile.tan2_outer as f32,
             edge: profile.edge as f32,
             inverse_span: inverse_span as f32,
-            pad0: 0.0,
+            exposure: *exposure as f32,
         }
     }
 }

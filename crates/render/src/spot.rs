@@ -21,7 +21,7 @@ use crate::{Gpu, ShadowFilter, ShadowSettings, gpu_structs, shaders};
 /// Group 2 of a spotlight's lighting pass; see `spot.wgsl`.
 const BINDINGS: [BindingType; 3] = [UNIFORM, RAW_TEXTURE_LAYERS, NON_FILTERING];
 
-/// Largest emission of a channel: `filter.wgsl` then keeps it, decay and the BRDF within f32.
+/// Largest emission of a channel: `filter.wgsl` then keeps it, exposure, decay and the BRDF within f32.
 const MAX_EMISSION: f64 = 1e30;
 
 /// The near plane of a shadow map that starts inside the scene, as a share of the way to the scene's far end:

@@ -63,6 +63,7 @@ export type LightParameter =
   | LightScale
   | LightColor
   | LightIntensity
+  | LightExposure
   | LightDecay
   | LightConeAngle
   | LightConeSoftness
@@ -508,6 +509,10 @@ export interface Bendy {
    */
   endMode: "cut" | "extend";
   /**
+   * Stops by which all that it emits is brightened: a factor of 2 to this.
+   */
+  exposure: number;
+  /**
    * How the cross-section is oriented along the curve.
    */
   frame: "rotationMinimizing" | "up";
@@ -579,6 +584,10 @@ export interface Spot {
    * How irradiance falls with the distance travelled.
    */
   decay: "none" | "linear" | "inverseSquare";
+  /**
+   * Stops by which all that it emits is brightened: a factor of 2 to this.
+   */
+  exposure: number;
   /**
    * How bright it is: candela with inverse-square decay.
    */
@@ -740,6 +749,15 @@ export interface LightIntensity {
    * How bright it is: candela with inverse-square decay.
    */
   intensity: number;
+}
+/**
+ * Stops by which all that it emits is brightened: a factor of 2 to this.
+ */
+export interface LightExposure {
+  /**
+   * Stops by which all that it emits is brightened: a factor of 2 to this.
+   */
+  exposure: number;
 }
 /**
  * How irradiance falls with the distance travelled.

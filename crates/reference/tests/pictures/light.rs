@@ -1,7 +1,7 @@
 //! What the reference says of light and shadow, against closed forms and against itself.
 
 use glam::{DAffine3, DQuat, DVec2, DVec3};
-use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, RANGE, TRANSLATION};
+use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, EXPOSURE, RANGE, TRANSLATION};
 use light::{CheckedLight, Decay, Direction, Light};
 use reference::{Picture, Reference, Source, reflected};
 use scene::{Aov, Scene, View};
@@ -20,15 +20,16 @@ fn table() -> Scene {
     ])
 }
 
-/// Irradiance under a cone, as the light model has it in section 6: `E = I profile decay cos / pi` seen by a white Lambert
+/// Irradiance under a cone, as the light model has it in section 6: `E = I 2^exposure profile decay cos / pi` seen by a white Lambert
 /// surface, for every decay and both kinds of straight light.
 #[test]
 fn a_plane_under_a_cone_has_the_closed_form() {
     let scene = scene_of([floor(3.0)]);
     let source = DVec3::new(0.3, 2.0, -0.2);
     let height = source.y;
-    for decay in [Decay::None, Decay::Linear, Decay::InverseSquare] {
-        let spot = spot(source, DVec3::new(0.3, 0.0, -0.2)).with(DECAY, decay);
+    let cases: [(Decay, f64); 3] = [(Decay::None, 0.0), (Decay::Linear, 1.5), (Decay::InverseSquare, -2.25)];
+    for (decay, exposure) in cases {
+        let spot = spot(source, DVec3::new(0.3, 0.0, -0.2)).with(DECAY, decay).with(EXPOSURE, exposure);
         let bent = light::bend(&spot, 3).unwrap();
         let view = view(DVec3::new(1.0, 4.0, 2.0), DVec3::ZERO, Aov::Beauty);
         let softness = spot.get(CONE_SOFTNESS);
@@ -50,14 +51,17 @@ fn a_plane_under_a_cone_has_the_closed_form() {
                     Decay::Linear => 1.0 / s,
                     Decay::InverseSquare => 1.0 / (s * s),
                 };
-                let expected = 10.0 * profile * fall * cos;
+                let expected = 10.0 * exposure.exp2() * profile * fall * cos;
                 let found = reference.sample(&source_of_light, &surface).map_or(0.0, |light| {
                     lit += 1;
                     light.irradiance.x * surface.normal.dot(light.place.direction)
                 });
                 // Some ulps of everything in it; the issue asks for 1e-6. At the edge itself the profile is
                 // flat zero.
-                assert!((found - expected).abs() <= 1e-12 * 10.0, "{decay:?} {position}: {found} {expected}");
+                assert!(
+                    (found - expected).abs() <= 1e-12 * 10.0 * exposure.exp2(),
+                    "{decay:?} {position}: {found} {expected}"
+                );
             }
             assert!(lit > 100, "{lit}");
         }

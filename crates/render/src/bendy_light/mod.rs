@@ -36,8 +36,8 @@ pub(crate) use shadow_buffers::BentWork;
 /// Length of the array of segments in `tube.wgsl`: all that a light may have, and the extension.
 const SEGMENT_ROOM: usize = light::MAX_SEGMENTS + 1;
 
-/// Largest colour and intensity: their product is still finite in f32; `filter.wgsl` then keeps it, decay
-/// and the BRDF within f32.
+/// Largest colour and intensity: their product is still finite in f32; `filter.wgsl` then keeps it,
+/// exposure, decay and the BRDF within f32.
 const MAX_INTENSITY: f32 = 1e15;
 
 /// Columns of the matrix from scene space (world axes about `scene_origin`) to tube space, composed in f64.

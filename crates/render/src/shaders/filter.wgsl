@@ -21,6 +21,8 @@ struct LightFilter {
     tan2_outer: f32,
     edge: f32,
     inverse_span: f32,
+    // Stops by which all of the light is brightened.
+    exposure: f32,
 }
 
 // Largest emission that stays finite through decay and the BRDF.
@@ -32,7 +34,8 @@ const MAX_DECAY = 1e15;
 // Irradiance on a surface square to the light, without visibility. What is emitted is held to what stays finite.
 fn irradiance(f: LightFilter, emission: vec3f, place: Place) -> vec3f {
     let s = max(place.s, f.least_distance);
-    return min(emission, vec3f(MAX_EMISSION)) * (profile_at(f, dot(place.vw, place.vw)) * decay_at(f, s));
+    let exposed = min(emission * exp2(f.exposure), vec3f(MAX_EMISSION));
+    return exposed * (profile_at(f, dot(place.vw, place.vw)) * decay_at(f, s));
 }
 
 // An S-curve in the cosine of the angle that rho = |(v, w)| stands for, by 1 - cos as a share of that at the edge.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use light::parameters::{COLOR, CONE_ANGLE, CONE_SOFTNESS, INTENSITY, NAME, RANGE, TRANSLATION};
+use light::parameters::{COLOR, CONE_ANGLE, CONE_SOFTNESS, EXPOSURE, INTENSITY, NAME, RANGE, TRANSLATION};
 use light::{Light, LightInstance, Setting};
 use render::{Aov, Gpu, PassCounts, Picture, RenderError, Renderer, View, ViewSlot};
 use scene::{Material, Scene};
@@ -51,6 +51,7 @@ const LIT: PassCounts = PassCounts { gbuffer: 0, shadow: 0, lighting: 1, display
 fn only_what_changed_is_drawn_again() {
     assert_eq!(runs(|_, _, _| {}), PassCounts::default());
     assert_eq!(runs(|_, _, lights| edit(lights, INTENSITY.to(5.0))), LIT);
+    assert_eq!(runs(|_, _, lights| edit(lights, EXPOSURE.to(-2.0))), LIT);
     assert_eq!(runs(|_, _, lights| edit(lights, COLOR.to(DVec3::X))), LIT);
     assert_eq!(runs(|_, _, lights| edit(lights, CONE_SOFTNESS.to(0.5))), LIT);
     assert_eq!(runs(|_, _, lights| edit(lights, RANGE.to(Some(9.0)))), LIT);

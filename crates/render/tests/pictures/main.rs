@@ -6,6 +6,7 @@ mod antialiasing;
 mod bendy_light;
 mod caches;
 mod display;
+mod exposure;
 mod fill;
 mod memory;
 mod robustness;
