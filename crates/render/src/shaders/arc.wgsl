@@ -1,4 +1,4 @@
-// Arc length of a curve, as bendy has it in arc.rs. Follows curve.wgsl.
+// Arc length of a curve, as `light` has it in arc.rs. Follows curve.wgsl.
 
 // Abscissae and weights of light::GAUSS_LEGENDRE.
 const GAUSS_LEGENDRE = array<vec2f, 4>(

@@ -1,4 +1,4 @@
-// Straight rays from a point, as bendy has them in cone.rs: a spotlight and where a point lies in it. Follows
+// Straight rays from a point, as `light` has them in cone.rs: a spotlight and where a point lies in it. Follows
 // filter.wgsl. Light space: source at the origin, the light shines along -z.
 
 struct Spot {

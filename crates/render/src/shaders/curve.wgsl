@@ -1,4 +1,4 @@
-// One quadratic piece of a tube, as bendy's curve.rs has it: see twins.rs. Every division is guarded: WGSL promises
+// One quadratic piece of a tube, as `light` has it in curve.rs: see twins.rs. Every division is guarded: WGSL promises
 // neither NaN nor infinity.
 
 struct Curve {

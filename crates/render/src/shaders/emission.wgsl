@@ -1,4 +1,4 @@
-// What leaves a light, as bendy has it in emission.rs.
+// What leaves a light, as `light` has it in emission.rs.
 
 // Colour times intensity, neither below zero.
 fn emission(color: vec3f, intensity: f32) -> vec3f {

@@ -1,4 +1,4 @@
-// What becomes of light on its way, as bendy has it in filter.rs: functions of the place alone, for lights of every
+// What becomes of light on its way, as `light` has it in filter.rs: functions of the place alone, for lights of every
 // shape.
 
 // Where a point lies in a light, whatever its shape.

@@ -1,4 +1,4 @@
-// The frame across a curve, as bendy has it in frame.rs. Follows curve.wgsl.
+// The frame across a curve, as `light` has it in frame.rs. Follows curve.wgsl.
 
 // w_hat from `up`, or from the least-aligned axis where they are parallel.
 fn perpendicular_up(up: vec3f, u_hat: vec3f) -> vec3f {

@@ -1,4 +1,4 @@
-// A curve and what it carries, as bendy has it in segment.rs. Follows curve.wgsl and emission.wgsl.
+// A curve and what it carries, as `light` has it in segment.rs. Follows curve.wgsl and emission.wgsl.
 
 struct Segment {
     curve: Curve,

@@ -1,4 +1,4 @@
-// A BendyLight and where a point lies in it, as bendy has it in tube.rs. Follows curve.wgsl, frame.wgsl, solve.wgsl,
+// A BendyLight and where a point lies in it, as `light` has it in tube.rs. Follows curve.wgsl, frame.wgsl, solve.wgsl,
 // arc.wgsl, segment.wgsl and filter.wgsl.
 // Positions `q` are in tube space; the caller goes there with a matrix composed in f64.
 

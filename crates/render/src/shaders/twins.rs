@@ -1,5 +1,5 @@
 //! What is written in Rust and in WGSL has one name: where a light is followed in f32, each function and struct of a shader is
-//! one of `bendy`'s, in the file of the same name.
+//! one of `light`'s, in the file of the same name.
 //!
 //! A method `offset` of `Curve` is `curve_offset` in WGSL; those of `Tube` or `Cone`, the one light that a shader has, go by
 //! their own names.
