@@ -18,6 +18,7 @@ impl Serialize for Written<'_> {
         match self.0 {
             Value::Number(number) => number.serialize(serializer),
             Value::Absent => serializer.serialize_none(),
+            Value::Flag(flag) => flag.serialize(serializer),
             Value::Choice(name) => name.serialize(serializer),
             Value::Vector(vector) => vector.to_array().serialize(serializer),
             Value::Rotation(rotation) => rotation.to_array().serialize(serializer),
@@ -50,6 +51,7 @@ impl<'de> DeserializeSeed<'de> for ValueOf {
                 Option::<f64>::deserialize(deserializer)?.map_or(Value::Absent, Value::Number)
             }
             Kind::Number(_) => Value::Number(f64::deserialize(deserializer)?),
+            Kind::Flag => Value::Flag(bool::deserialize(deserializer)?),
             Kind::Color | Kind::Vector { .. } => {
                 Value::Vector(DVec3::from(<[f64; 3]>::deserialize(deserializer)?))
             }
@@ -133,6 +135,7 @@ pub(crate) fn schema(row: &Parameter) -> Map<String, serde_json::Value> {
             }
             schema
         }
+        Kind::Flag => json!({"type": "boolean"}),
         Kind::Choice(choices) => json!({"type": "string", "enum": names(choices).collect::<Vec<_>>()}),
         Kind::Color | Kind::Vector { .. } => vector(3),
         Kind::Rotation => vector(4),

@@ -106,6 +106,8 @@ pub enum ParameterKind {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         none: Option<String>,
     },
+    /// Yes or no.
+    Flag,
     /// One of several words.
     Choice {
         /// The words.
@@ -239,6 +241,7 @@ impl From<light::Kind> for ParameterKind {
                     none: number.absent.map(Into::into),
                 }
             }
+            light::Kind::Flag => Self::Flag,
             light::Kind::Choice(choices) => {
                 let choice = |choice: &light::Choice| ParameterChoice {
                     name: choice.name.into(),

@@ -1,7 +1,16 @@
 // A session's beginnings for tests, and numbers that look random and are the same every time.
 
+import { type Owner, rowsOf } from "../src/core/parameters";
 import type { Bendy, Camera, Change, Document, Record, ServerLog, Spot, Welcome } from "../src/core/protocol";
 import type { Vec3 } from "../src/core/vector";
+import { TABLE } from "./parameters_fixture";
+
+/** The fields of a light that have defaults, at those. */
+function defaults<L>(owner: Owner): L {
+  const rows = rowsOf(TABLE, owner);
+  const fields = rows.filter(({ path, default: initial }) => !path.includes("/") && initial[owner] !== null);
+  return Object.fromEntries(fields.map(({ path, default: initial }) => [path, initial[owner]])) as L;
+}
 
 export const CAMERA: Camera = {
   name: "camera",
@@ -11,6 +20,7 @@ export const CAMERA: Camera = {
 };
 
 export const BENDY: Bendy = {
+  ...defaults<Bendy>("bendy"),
   type: "bendy",
   name: "key",
   transform: { translation: [0, 2, -3], rotation: [0, 0, 0, 1], scale: 1.5 },
@@ -28,25 +38,14 @@ export const BENDY: Bendy = {
     [1, 0.9, 0.8],
   ],
   intensities: [4, 4, 4, 4],
-  up: [0, 1, 0],
-  coneAngle: 25,
-  coneSoftness: 0.2,
-  frame: "rotationMinimizing",
-  direction: "tube",
-  endMode: "cut",
-  exposure: 0,
-  decay: "none",
 };
 
 export const SPOT: Spot = {
+  ...defaults<Spot>("spot"),
   type: "spot",
   name: "rim",
   transform: { translation: [0, 2.5, -3], rotation: [0, Math.SQRT1_2, 0, Math.SQRT1_2], scale: 1 },
-  color: [1, 1, 1],
-  intensity: 1,
   coneAngle: 20,
-  coneSoftness: 0.2,
-  exposure: 0,
   decay: "none",
 };
 

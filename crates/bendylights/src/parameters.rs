@@ -87,6 +87,7 @@ fn values(kind: &ParameterKind) -> String {
         ParameterKind::Color => "[r, g, b], linear".into(),
         ParameterKind::Vector { unit, .. } if unit.is_empty() => "[x, y, z]".into(),
         ParameterKind::Vector { unit, .. } => format!("[x, y, z], {unit}"),
+        ParameterKind::Flag => "true or false".into(),
         ParameterKind::Rotation => "[x, y, z, w]".into(),
         ParameterKind::Text { max_bytes } => format!("text, at most {max_bytes} bytes"),
         ParameterKind::Projection => "a projection".into(),

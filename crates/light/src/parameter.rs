@@ -79,6 +79,8 @@ pub enum Touches {
 pub enum Kind {
     /// A number.
     Number(Number),
+    /// Yes or no.
+    Flag,
     /// One of several words.
     Choice(&'static [Choice]),
     /// Linear RGB.
@@ -145,6 +147,8 @@ pub enum Value<S = String> {
     Number(f64),
     /// Of [`Kind::Number`], where it is optional and absent.
     Absent,
+    /// Of [`Kind::Flag`].
+    Flag(bool),
     /// Of [`Kind::Choice`]: the choice's name.
     Choice(&'static str),
     /// Of [`Kind::Color`] and [`Kind::Vector`].
@@ -161,6 +165,7 @@ impl Value<&'static str> {
         match self {
             Self::Number(number) => Value::Number(number),
             Self::Absent => Value::Absent,
+            Self::Flag(flag) => Value::Flag(flag),
             Self::Choice(name) => Value::Choice(name),
             Self::Vector(vector) => Value::Vector(vector),
             Self::Rotation(rotation) => Value::Rotation(rotation),
@@ -266,6 +271,16 @@ impl Typed for Option<f64> {
     }
 }
 
+impl Typed for bool {
+    fn into_value(self) -> Value {
+        Value::Flag(self)
+    }
+
+    fn from_value(value: &Value) -> Option<Self> {
+        if let Value::Flag(flag) = value { Some(*flag) } else { None }
+    }
+}
+
 impl Typed for DVec3 {
     fn into_value(self) -> Value {
         Value::Vector(self)
@@ -363,6 +378,7 @@ impl Parameter {
                 }
                 Err(LightError::OutOfDomain { field, value: *value, domain: number.domain() })
             }
+            (Kind::Flag, Value::Flag(_)) => Ok(()),
             (Kind::Choice(choices), Value::Choice(name)) if choices.iter().any(|c| c.name == *name) => Ok(()),
             (Kind::Color | Kind::Vector { .. }, Value::Vector(vector)) if vector.is_finite() => Ok(()),
             (Kind::Color | Kind::Vector { .. }, Value::Vector(_)) => Err(LightError::NotFinite(field)),
@@ -429,6 +445,7 @@ impl fmt::Display for Kind {
                     write!(f, "{} or {last}", others.join(", "))
                 }
             }
+            Self::Flag => f.write_str("true or false"),
             Self::Color => f.write_str("three numbers [r, g, b]"),
             Self::Vector { .. } => f.write_str("three numbers [x, y, z]"),
             Self::Rotation => f.write_str("four numbers [x, y, z, w]"),

@@ -31,6 +31,16 @@ const fn of(owner: Owner, default: Value<&'static str>, touches: Touches) -> Of 
     Of { owner, default: Some(default), touches }
 }
 
+/// Lights of every shape, with the same default.
+const fn every(default: Value<&'static str>, touches: Touches) -> [Of; 2] {
+    [of(Spot, default, touches), of(Bendy, default, touches)]
+}
+
+/// Lights that have a cone, with the same default.
+const fn conical(default: Value<&'static str>, touches: Touches) -> [Of; 2] {
+    [of(Spot, default, touches), of(Bendy, default, touches)]
+}
+
 /// What most rows are.
 const ROW: Parameter = Parameter {
     name: "",
@@ -50,7 +60,7 @@ rows! { LIGHT_ROWS:
     NAME: String = "Name for people and for `--light`.", Parameter {
         name: "name",
         path: "name",
-        of: &[of(Spot, Value::Text(""), Nothing), of(Bendy, Value::Text(""), Nothing)],
+        of: &every(Value::Text(""), Nothing),
         kind: Kind::Text { max_bytes: MAX_NAME_BYTES },
         animates: false,
         group: "Light",
@@ -60,7 +70,7 @@ rows! { LIGHT_ROWS:
     TRANSLATION: DVec3 = "World position of the source.", Parameter {
         name: "translation",
         path: "transform.translation",
-        of: &[of(Spot, Value::Vector(DVec3::ZERO), ShadowMap), of(Bendy, Value::Vector(DVec3::ZERO), ShadowMap)],
+        of: &every(Value::Vector(DVec3::ZERO), ShadowMap),
         kind: Kind::Vector { unit: "world units", step: 0.01 },
         group: "Light",
         label: "Position",
@@ -69,10 +79,7 @@ rows! { LIGHT_ROWS:
     ROTATION: DQuat = "Rotation from light-local to world axes. A spotlight shines along its local -Z.", Parameter {
         name: "rotation",
         path: "transform.rotation",
-        of: &[
-            of(Spot, Value::Rotation(DQuat::IDENTITY), ShadowMap),
-            of(Bendy, Value::Rotation(DQuat::IDENTITY), ShadowMap),
-        ],
+        of: &every(Value::Rotation(DQuat::IDENTITY), ShadowMap),
         kind: Kind::Rotation,
         group: "Light",
         label: "Rotation",
@@ -85,6 +92,15 @@ rows! { LIGHT_ROWS:
         kind: Kind::Number(Number { min: Excluded(0.0), slider: Some([0.1, 3.0]), ..Number::ANY }),
         group: "Light",
         label: "Scale",
+        ..ROW
+    };
+    ENABLED: bool = "Whether it shines.", Parameter {
+        name: "enabled",
+        path: "enabled",
+        of: &every(Value::Flag(true), Radiance),
+        kind: Kind::Flag,
+        group: "Light",
+        label: "Enabled",
         ..ROW
     };
     COLOR: DVec3 = "Linear RGB.", Parameter {
@@ -154,7 +170,7 @@ rows! { LIGHT_ROWS:
     CONE_SOFTNESS: f64 = "Share of the cone angle over which the profile falls to zero.", Parameter {
         name: "coneSoftness",
         path: "coneSoftness",
-        of: &[of(Spot, Value::Number(0.2), Radiance), of(Bendy, Value::Number(0.2), Radiance)],
+        of: &conical(Value::Number(0.2), Radiance),
         kind: Kind::Number(Number {
             min: Included(0.0),
             max: Included(1.0),

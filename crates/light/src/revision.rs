@@ -100,6 +100,7 @@ impl Walk {
             Value::Number(number) => self.reals(&[*number]),
             // No number that a light may have.
             Value::Absent => self.reals(&[f64::NAN]),
+            Value::Flag(flag) => self.0.update([u8::from(*flag)]),
             Value::Choice(name) => self.text(name),
             Value::Vector(vector) => self.reals(&vector.to_array()),
             Value::Rotation(rotation) => self.reals(&rotation.to_array()),

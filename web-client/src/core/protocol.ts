@@ -61,6 +61,7 @@ export type LightParameter =
   | LightTranslation
   | LightRotation
   | LightScale
+  | LightEnabled
   | LightColor
   | LightIntensity
   | LightExposure
@@ -239,7 +240,7 @@ export type ServerHistory = History & {
  * `light::Kind` in JSON.
  */
 export type ParameterKind =
-  NumberKind | ChoiceKind | ColorKind | VectorKind | RotationKind | TextKind | ProjectionKind;
+  NumberKind | FlagKind | ChoiceKind | ColorKind | VectorKind | RotationKind | TextKind | ProjectionKind;
 /**
  * `light::Scale` in JSON.
  *
@@ -505,6 +506,10 @@ export interface Bendy {
    */
   direction: "tube" | "path";
   /**
+   * Whether it shines.
+   */
+  enabled: boolean;
+  /**
    * What happens past the last control point.
    */
   endMode: "cut" | "extend";
@@ -584,6 +589,10 @@ export interface Spot {
    * How irradiance falls with the distance travelled.
    */
   decay: "none" | "linear" | "inverseSquare";
+  /**
+   * Whether it shines.
+   */
+  enabled: boolean;
   /**
    * Stops by which all that it emits is brightened: a factor of 2 to this.
    */
@@ -728,6 +737,15 @@ export interface LightScale {
    * World units per light-local unit. To a spotlight it only matters once it is bent.
    */
   scale: number;
+}
+/**
+ * Whether it shines.
+ */
+export interface LightEnabled {
+  /**
+   * Whether it shines.
+   */
+  enabled: boolean;
 }
 /**
  * Linear RGB.
@@ -1796,6 +1814,12 @@ export interface NumberKind {
    * What it counts.
    */
   unit?: string;
+}
+/**
+ * Yes or no.
+ */
+export interface FlagKind {
+  type: "flag";
 }
 /**
  * One of several words.

@@ -48,6 +48,8 @@ export function ParameterField({ row, value, initial, among, binding, disabled }
       ) : (
         <NumberSlider kind={kind} among={(among ?? [value]) as number[]} {...props<number>()} />
       );
+    case "flag":
+      return <Checkbox {...props<boolean>()} />;
     case "choice":
       return <Choice choices={kind.choices} {...props<string>()} />;
     case "color":
@@ -141,6 +143,8 @@ function textOf(kind: Kind, value: unknown): string {
     case "number":
       if (value === null) return (kind.none ?? "none").toLowerCase();
       return `${formatNumber(value as number, 3)}${SIGNS[kind.unit ?? ""] ?? ""}`;
+    case "flag":
+      return value === true ? "on" : "off";
     case "choice":
       return kind.choices.find(({ name }) => name === value)?.label ?? String(value);
     case "color":

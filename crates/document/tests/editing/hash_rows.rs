@@ -56,6 +56,7 @@ fn another(parameter: &Parameter, now: &Value) -> Value {
             [number * 0.5, number + 0.5, number + 1.0, number - 1.0].map(Value::Number).into()
         }
         Value::Absent => [0.5, 1.0, -1.0].map(Value::Number).into(),
+        Value::Flag(flag) => vec![Value::Flag(!flag)],
         Value::Choice(_) => match parameter.kind {
             Kind::Choice(choices) => choices.iter().map(|choice| Value::Choice(choice.name)).collect(),
             other => panic!("a choice of {other}"),
