@@ -4,11 +4,14 @@ use document::{CameraId, Target};
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
-use light::LightId;
+use light::{LightId, Owner, Setting};
 use schemars::JsonSchema;
+use serde::de::DeserializeSeed;
 use serde::{Deserialize, Serialize};
 
 use crate::document::{Quat, Vec3};
+use crate::error::excerpt;
+use crate::parameter::{ValueOf, unknown};
 use crate::{Camera, Light, LightParameter, PointParameter, Projection, Refused};
 
 /// [`document::Command`] in JSON; `type` says which (SPEC, section 2).
@@ -190,29 +193,35 @@ impl TryFrom<Command> for document::Command {
     }
 }
 
-/// The command that sets what an address names.
+/// The command that sets what an address names. A refusal says what the parameter takes, whatever came instead.
 fn set(address: &str, value: &serde_json::Value) -> Result<document::Command, Refused> {
-    let shown: String = address.chars().take(80).collect();
-    let refused = |why: String| Refused::Address(format!("`{shown}` cannot be set: {why}"));
+    let refused = |why: String| Refused::Address(format!("`{}` cannot be set: {why}", excerpt(address)));
     let (target, name) = Target::of_address(address).ok_or_else(|| {
         refused(
             "write an address as /lights/ID/NAME, /lights/ID/points/INDEX/NAME or /cameras/ID/NAME".into(),
         )
     })?;
-    let named = serde_json::json!({ (name): value });
-    let read = |error: serde_json::Error| refused(error.to_string());
+    let rows = match target {
+        Target::Light(_) => LightParameter::rows(),
+        Target::Point(..) => PointParameter::rows(),
+        Target::Camera(_) => document::parameters().filter(|row| row.of(Owner::Camera).is_some()).collect(),
+    };
+    let names = || rows.iter().map(|row| row.name);
+    let row = rows.iter().copied().find(|row| row.name == name);
+    let row =
+        row.ok_or_else(|| refused(unknown::<serde_json::Error>("parameter", name, names()).to_string()))?;
+    let other_type = || refused(format!("`{name}` must be {}", row.kind));
+    let setting = || match ValueOf(row).deserialize(value) {
+        Ok(value) => Ok(Setting { parameter: row, value }),
+        Err(_) => Err(other_type()),
+    };
     Ok(match target {
-        Target::Light(light) => {
-            let parameter: LightParameter = serde_json::from_value(named).map_err(read)?;
-            document::Command::SetLight { light, setting: parameter.into() }
-        }
-        Target::Point(light, point) => {
-            let parameter: PointParameter = serde_json::from_value(named).map_err(read)?;
-            document::Command::SetPoint { light, point, setting: parameter.into() }
-        }
+        Target::Light(light) => document::Command::SetLight { light, setting: setting()? },
+        Target::Point(light, point) => document::Command::SetPoint { light, point, setting: setting()? },
         Target::Camera(camera) => {
-            let parameter: CameraParameter = serde_json::from_value(named).map_err(read)?;
-            document::Command::SetCamera { camera, parameter: parameter.into() }
+            let parameter = CameraParameter::deserialize(serde_json::json!({ (name): value }));
+            let parameter = parameter.map_err(|_| other_type())?.into();
+            document::Command::SetCamera { camera, parameter }
         }
     })
 }

@@ -89,6 +89,18 @@ impl FileError {
     }
 }
 
+/// Characters of the input that a sentence quotes.
+const MAX_QUOTED: usize = 80;
+
+/// A piece of the input within a sentence, its beginning where it is long: sentences are kept as the results of operations.
+pub(crate) fn excerpt(text: &str) -> String {
+    let mut said: String = text.chars().take(MAX_QUOTED).collect();
+    if said.len() < text.len() {
+        said.push('…');
+    }
+    said
+}
+
 /// Reads a `T` from the text of one JSON value, all of it.
 pub(crate) fn from_json<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
     seeded_from_json(text, PhantomData)

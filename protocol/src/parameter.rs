@@ -10,6 +10,8 @@ use serde::ser::{SerializeMap, SerializeSeq};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, json};
 
+use crate::error::excerpt;
+
 /// A value as it stands in JSON.
 pub(crate) struct Written<'a>(pub &'a Value);
 
@@ -110,7 +112,7 @@ pub(crate) fn unknown<E: de::Error>(
         [a, b] => format!("{a} or {b}"),
         all => format!("one of {}", all.join(", ")),
     };
-    de::Error::custom(format!("unknown {what} `{word}`, expected {expected}"))
+    de::Error::custom(format!("unknown {what} `{}`, expected {expected}", excerpt(word)))
 }
 
 /// The schema of a row's values.
@@ -161,7 +163,7 @@ macro_rules! setting {
                 $owners.iter().find_map(|owner| light::parameter_of(*owner, name))
             }
 
-            fn rows() -> Vec<&'static Parameter> {
+            pub(crate) fn rows() -> Vec<&'static Parameter> {
                 let of_any = |row: &&'static Parameter| $owners.iter().any(|owner| row.of(*owner).is_some());
                 light::parameters().iter().copied().filter(of_any).collect()
             }
@@ -193,6 +195,7 @@ macro_rules! setting {
                         let parameter = $name::row(&name).ok_or_else(|| unknown("parameter", &name, names()))?;
                         let value = map.next_value_seed(ValueOf(parameter))?;
                         if let Some(second) = map.next_key::<String>()? {
+                            let second = excerpt(&second);
                             let sentence = format!("expected an object with one parameter, not `{name}` and `{second}`");
                             return Err(de::Error::custom(sentence));
                         }

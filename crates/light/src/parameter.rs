@@ -450,7 +450,9 @@ impl fmt::Display for Kind {
             Self::Vector { .. } => f.write_str("three numbers [x, y, z]"),
             Self::Rotation => f.write_str("four numbers [x, y, z, w]"),
             Self::Text { .. } => f.write_str("text"),
-            Self::Projection => f.write_str("a projection"),
+            Self::Projection => f.write_str(
+                r#"{"perspective": {"yfov", "znear"}} or {"orthographic": {"ymag", "znear", "zfar"}}, with numbers"#,
+            ),
         }
     }
 }

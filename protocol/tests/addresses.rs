@@ -1,0 +1,74 @@
+//! The command `set`: what it refuses, in words of its own and few of the sender's.
+
+use document::Command;
+use protocol::Refused;
+use serde_json::{Value, json};
+
+fn set(target: &str, value: &Value) -> Result<Command, Refused> {
+    let wire: protocol::Command =
+        serde_json::from_value(json!({"type": "set", "target": target, "value": value}))
+            .expect("the right shape");
+    wire.try_into()
+}
+
+fn refusal(target: &str, value: &Value) -> String {
+    set(target, value).expect_err(target).to_string()
+}
+
+/// Rules: CMD-8, CMD-10
+#[test]
+fn a_value_of_another_type_is_told_what_the_parameter_takes() {
+    for (target, value, takes) in [
+        ("/lights/1/coneAngle", json!("x"), "a number"),
+        ("/lights/1/coneAngle", json!(null), "a number"),
+        ("/lights/1/range", json!([]), "a number or null"),
+        ("/lights/1/enabled", json!(1), "true or false"),
+        ("/lights/1/color", json!([1, 2]), "three numbers [r, g, b]"),
+        ("/lights/1/up", json!([1, 2, 3, 4]), "three numbers [x, y, z]"),
+        ("/lights/1/rotation", json!([1, 2, 3]), "four numbers [x, y, z, w]"),
+        ("/lights/1/endMode", json!("x"), "\"cut\" or \"extend\""),
+        ("/lights/1/name", json!(1), "text"),
+        ("/lights/1/points/2/radius", json!({}), "a number"),
+        ("/cameras/2/rotation", json!(3), "four numbers [x, y, z, w]"),
+        ("/cameras/2/name", json!({}), "text"),
+    ] {
+        let name = target.rsplit('/').next().expect("a name");
+        let expected = format!("`{target}` cannot be set: `{name}` must be {takes}");
+        assert_eq!(refusal(target, &value), expected, "{value}");
+    }
+    let projection = refusal("/cameras/2/projection", &json!({"perspective": {"yfov": 1}}));
+    assert!(projection.contains("`projection` must be {\"perspective\""), "{projection}");
+    set("/lights/1/range", &json!(null)).expect("endless");
+    set("/cameras/2/projection", &json!({"perspective": {"yfov": 1, "znear": 0.1}})).expect("a projection");
+}
+
+/// A refusal is kept as the result of its operation, so it may not hold what came.
+///
+/// Rules: CMD-10
+#[test]
+fn no_refusal_repeats_a_long_input() {
+    let long = "é".repeat(1 << 20);
+    for (target, value) in [
+        (long.clone(), json!(1)),
+        (format!("/{long}/1/coneAngle"), json!(1)),
+        (format!("/lights/{long}/coneAngle"), json!(1)),
+        (format!("/lights/1/{long}"), json!(1)),
+        (format!("/lights/1/points/2/{long}"), json!(1)),
+        (format!("/lights/1/points/{long}/radius"), json!(1)),
+        (format!("/cameras/1/{long}"), json!(1)),
+        ("/lights/1/coneAngle".into(), json!(long)),
+        ("/lights/1/endMode".into(), json!(long)),
+        ("/lights/1/up".into(), json!({ (&*long): 1 })),
+        ("/lights/1/points/2/radius".into(), json!([long])),
+        ("/cameras/1/translation".into(), json!(long)),
+        ("/cameras/1/projection".into(), json!(long)),
+        ("/cameras/1/projection".into(), json!({"perspective": { (&*long): 1 }})),
+    ] {
+        let said = refusal(&target, &value);
+        assert!(said.len() < 1_000, "{} bytes: {}", said.len(), said.chars().take(200).collect::<String>());
+        assert!(target.len() < 100 || said.contains("é…"), "{said}");
+    }
+    assert!(
+        refusal("/lights/1/gobo", &json!(1)).contains("unknown parameter `gobo`, expected one of `name`")
+    );
+}
