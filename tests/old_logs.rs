@@ -90,6 +90,56 @@ fn a_planted_change_of_any_value_is_noticed() {
     }
 }
 
+/// The hash of a format passes over what came after it, so its records may hold none of that.
+///
+/// Rules: REC-5, LOG-2
+#[test]
+fn a_planted_parameter_of_a_later_format_is_refused_by_name() {
+    /// A place for a parameter in a record: in a whole light, or as what is set.
+    type Place = fn(&mut Value) -> Option<&mut Value>;
+    fn change<'a>(record: &'a mut Value, of: &str, side: &str) -> Option<&'a mut Value> {
+        let changes = record["changes"].as_array_mut()?;
+        changes.iter_mut().find(|change| change["type"] == of && change[side].is_object())?.get_mut(side)
+    }
+    let inside: [Place; 3] = [
+        |record| change(record, "light", "new")?.get_mut("light"),
+        |record| change(record, "light", "old")?.get_mut("light"),
+        |record| record["action"]["command"].get_mut("light").filter(|light| light.is_object()),
+    ];
+    let set: [Place; 3] = [
+        |record| change(record, "lightParameter", "new"),
+        |record| change(record, "point", "new"),
+        |record| record["action"]["command"].get_mut("parameter"),
+    ];
+    let add: fn(&mut Value) = |light| light["exposure"] = 50.into();
+    let add_default: fn(&mut Value) = |light| light["exposure"] = 0.into();
+    let replace: fn(&mut Value) = |setting| *setting = serde_json::json!({"exposure": 9});
+    let plants = inside.map(|place| (place, add)).into_iter();
+    let plants = plants.chain(inside.map(|place| (place, add_default)));
+    let plants: Vec<_> = plants.chain(set.map(|place| (place, replace))).collect();
+    for log in &OLD_LOGS[..2] {
+        for (index, (place, plant)) in plants.iter().enumerate() {
+            let mut lines: Vec<String> = text(log).lines().map(String::from).collect();
+            let planted = lines.iter_mut().find_map(|line| {
+                let mut record: Value = serde_json::from_str(line).expect("JSON");
+                // A value that another line holds has no fields of its own here.
+                let value = place(&mut record).filter(|value| value.get("sameAs").is_none())?;
+                plant(value);
+                *line = record.to_string();
+                record["seq"].as_u64()
+            });
+            let planted = planted.unwrap_or_else(|| panic!("{}: a place for {index}", log.file));
+            let refused = replay_log(lines.join("\n").as_bytes(), None).expect_err(log.file);
+            let said = refused.to_string();
+            // Only lights have an exposure; what control points have is read by name.
+            let of_points = said.contains("unknown parameter `exposure`");
+            let expected = format!("record {planted}: format {} has no `exposure`", log.format);
+            assert!(said.contains(&expected) || of_points, "{}: {index}: {said}", log.file);
+            assert_eq!(refused.code(), protocol::ErrorCode::BadLog);
+        }
+    }
+}
+
 /// The first number of a change's new value that is not whole, and so no index or id.
 fn a_number(change: &mut Value) -> Option<&mut Value> {
     fn within(value: &mut Value) -> Option<&mut Value> {

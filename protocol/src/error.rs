@@ -63,6 +63,14 @@ pub enum Refused {
         /// What it says.
         found: u32,
     },
+    /// A record that holds what its format did not have.
+    #[error("format {format} has no `{what}`, which came later: the log was changed; export it again")]
+    Younger {
+        /// Of the record.
+        format: u32,
+        /// A parameter, or a light's type.
+        what: &'static str,
+    },
 }
 
 impl Refused {
@@ -73,6 +81,7 @@ impl Refused {
             Self::Asset(_) | Self::Address(_) => ErrorCode::BadMessage,
             Self::Edit(error) => error.into(),
             Self::Format { .. } => ErrorCode::Format,
+            Self::Younger { .. } => ErrorCode::BadLog,
         }
     }
 }

@@ -6,6 +6,7 @@
 use std::borrow::Cow;
 use std::fmt;
 
+use document::was_in_format_2;
 use light::{CheckedLight, ControlPoint, LightError, Owner, Parameter, Setting, Shape, Value};
 use schemars::generate::Contract;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -244,6 +245,16 @@ impl<'de> DeserializeSeed<'de> for OneOf<'_> {
 }
 
 impl Light {
+    /// What it holds that formats 1 and 2 did not have.
+    pub(crate) fn younger_than_format_3(&self) -> Option<&'static str> {
+        // Lights of every type had a name.
+        let is_known = was_in_format_2(self.owner, light::parameters::NAME.name);
+        let settings = self.settings.iter().map(|setting| (self.owner, setting.parameter));
+        let lists = self.lists.iter().map(|(row, _)| (Owner::Point, *row));
+        let mut younger = settings.chain(lists).filter(|(owner, row)| !was_in_format_2(*owner, row.name));
+        if is_known { younger.next().map(|(_, row)| row.path) } else { Some(type_of(self.owner)) }
+    }
+
     fn value(&self, row: &Parameter) -> Option<&Value> {
         self.settings.iter().find(|setting| *setting.parameter == *row).map(|setting| &setting.value)
     }

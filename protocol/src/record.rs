@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use document::{CameraId, EditError, Layout};
-use light::{ControlPoint, LightError, LightId, Setting};
+use document::{CameraId, EditError, Layout, was_in_format_2};
+use light::{ControlPoint, LightError, LightId, Owner, Setting};
 use schemars::JsonSchema;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
@@ -172,10 +172,47 @@ impl Record {
         Some((action.rebased, action.skipped))
     }
 
+    /// What it holds that formats 1 and 2 did not have, and that their hashes would pass over.
+    fn younger_than_format_3(&self) -> Option<&'static str> {
+        let commanded = match &self.action {
+            Action::Edit { command, .. } | Action::Gesture { command, .. } => match command {
+                Command::AddLight { light } => light.younger_than_format_3(),
+                Command::SetLight { parameter, .. } => younger(&[Owner::Spot, Owner::Bendy], &parameter.0),
+                Command::SetPoint { parameter, .. } => younger(&[Owner::Point], &parameter.0),
+                _ => None,
+            },
+            Action::Undo { .. } | Action::Redo { .. } => None,
+        };
+        commanded.or_else(|| self.changes.iter().find_map(Change::younger_than_format_3))
+    }
+
     /// One line of JSON, in full.
     pub fn to_json(&self) -> String {
         crate::log_file::to_line(self)
     }
+}
+
+impl Change {
+    fn younger_than_format_3(&self) -> Option<&'static str> {
+        match self {
+            Self::Light { old, new, .. } => {
+                [old, new].into_iter().flatten().find_map(|placed| placed.light.younger_than_format_3())
+            }
+            // Of old and new alike, or the change is refused.
+            Self::LightParameter { new, .. } => younger(&[Owner::Spot, Owner::Bendy], &new.0),
+            Self::Point { new, .. } => younger(&[Owner::Point], &new.0),
+            Self::Scene { .. }
+            | Self::ControlPoints { .. }
+            | Self::Camera { .. }
+            | Self::CameraParameter { .. } => None,
+        }
+    }
+}
+
+/// The name of what is set, where none of `owners` had it in formats 1 and 2.
+fn younger(owners: &[Owner], setting: &Setting) -> Option<&'static str> {
+    let name = setting.parameter.name;
+    (!owners.iter().any(|owner| was_in_format_2(*owner, name))).then_some(name)
 }
 
 /// Refuses a format that this version cannot read.
@@ -374,6 +411,9 @@ impl TryFrom<Record> for edit::Record {
 
     fn try_from(wire: Record) -> Result<Self, Refused> {
         known_format(wire.format)?;
+        if let (1 | 2, Some(what)) = (wire.format, wire.younger_than_format_3()) {
+            return Err(Refused::Younger { format: wire.format, what });
+        }
         let action = match wire.action {
             Action::Edit { command, rebased } => edit::Action::Edit { command: command.try_into()?, rebased },
             Action::Gesture { command, rebased } => {

@@ -10,6 +10,8 @@ use sha2::{Digest, Sha256};
 
 use crate::{Document, PlacedLight};
 
+pub use format_2::was_in_format_2;
+
 /// SHA-256 over a document's content, shown as 64 hexadecimal digits.
 ///
 /// Covered is all that [`Document::apply`] can change, ids and numberings included: the scene by the hash of its
@@ -39,14 +41,20 @@ impl Document {
         self.hash_by(walk, |walk, placed| walk.0.update(placed.light.digest().0))
     }
 
-    /// The hash as logs of that format have it: 1 and 2 walked the fields that lights had then.
+    /// The hash as logs of that format have it: 1 and 2 walked the fields that lights had then. A light that has more is told
+    /// apart from one that has not, so that no log of that time can hide it.
     pub fn hash_of_format(&self, format: u32) -> DocumentHash {
         if format > 2 {
             return self.hash();
         }
         let mut walk = Walk(Sha256::new());
         walk.text("bendylights document 1");
-        self.hash_by(walk, |walk, placed| walk.light(placed.light.light()))
+        self.hash_by(walk, |walk, placed| {
+            walk.light(placed.light.light());
+            if !format_2::covers(placed.light.light()) {
+                walk.0.update(placed.light.digest().0);
+            }
+        })
     }
 
     fn hash_by(&self, mut walk: Walk, light: impl Fn(&mut Walk, &PlacedLight)) -> DocumentHash {

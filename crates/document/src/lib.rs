@@ -20,6 +20,6 @@ pub use document::{
     AssetHash, CameraId, ControlPoints, Document, Layout, NotAnAssetHash, PlacedLight, SceneContents,
     SceneRef,
 };
-pub use hash::DocumentHash;
+pub use hash::{DocumentHash, was_in_format_2};
 pub use naming::deed;
 pub use parameters::{Target, parameters};

@@ -1,13 +1,63 @@
 //! Lights as the hashes of formats 1 and 2 walk them: the fields that lights had then, in their order. It stays as it is for
 //! good, whatever lights come to have; a log of today never asks for it.
+//!
+//! What came later has its default in a log of that time. Whoever puts more into one gets a hash that no such log has.
 
 use glam::DVec3;
 use light::parameters::{
     COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, RANGE, UP,
 };
-use light::{Decay, Direction, EndMode, Frame, Light, Shape, Transform};
+use light::{Decay, Direction, EndMode, Frame, Light, Owner, Shape, Transform, Value};
 
 use super::Walk;
+
+/// Whether what has parameters had the one of that name in formats 1 and 2.
+pub fn was_in_format_2(owner: Owner, name: &str) -> bool {
+    let names: &[&str] = match owner {
+        Owner::Spot => &[
+            "name",
+            "translation",
+            "rotation",
+            "scale",
+            "color",
+            "intensity",
+            "coneAngle",
+            "coneSoftness",
+            "range",
+            "decay",
+        ],
+        Owner::Bendy => &[
+            "name",
+            "translation",
+            "rotation",
+            "scale",
+            "up",
+            "coneAngle",
+            "coneSoftness",
+            "frame",
+            "direction",
+            "endMode",
+            "decay",
+        ],
+        Owner::Point => &["position", "radius", "color", "intensity"],
+        Owner::Camera => &["name", "translation", "rotation", "projection"],
+    };
+    names.contains(&name)
+}
+
+/// Whether the walk says all of a light: what came later has its default.
+pub(super) fn covers(light: &Light) -> bool {
+    let is_covered = |owner, row: &light::Parameter, value: Option<&Value>| {
+        was_in_format_2(owner, row.name) || row.default(owner).as_ref() == value
+    };
+    let owner = light.owner();
+    let mut values = light.values();
+    let mut of_points = light::parameters_of(Owner::Point).iter();
+    values.all(|(row, value)| is_covered(owner, row, Some(value)))
+        && of_points.all(|row| {
+            light.points().iter().all(|point| is_covered(Owner::Point, row, point.value(row).as_ref()))
+        })
+}
 
 impl Walk {
     pub(super) fn light(&mut self, light: &Light) {

@@ -4,10 +4,7 @@ use std::collections::BTreeMap;
 
 use document::{Document, Layout, PlacedLight};
 use glam::{DQuat, DVec3};
-use light::parameters::{
-    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, POINT_COLOR,
-    POINT_INTENSITY, POSITION, RADIUS, RANGE, ROTATION, SCALE, TRANSLATION, UP,
-};
+use light::parameters::{CONE_ANGLE, POSITION};
 use light::{
     CheckedLight, ControlPoint, Kind, Light, Of, Owner, Parameter, Setting, Value, parameters, parameters_of,
 };
@@ -15,28 +12,6 @@ use sha2::{Digest, Sha256};
 
 use crate::hash::{HASHES, all_differ};
 use crate::support::{BENDY, checked};
-
-/// The rows that lights and control points had in formats 1 and 2.
-const OF_FORMAT_2: [&Parameter; 18] = [
-    NAME.row(),
-    TRANSLATION.row(),
-    ROTATION.row(),
-    SCALE.row(),
-    COLOR.row(),
-    INTENSITY.row(),
-    DECAY.row(),
-    CONE_ANGLE.row(),
-    CONE_SOFTNESS.row(),
-    RANGE.row(),
-    END_MODE.row(),
-    DIRECTION.row(),
-    FRAME.row(),
-    UP.row(),
-    POSITION.row(),
-    RADIUS.row(),
-    POINT_INTENSITY.row(),
-    POINT_COLOR.row(),
-];
 
 /// A spotlight and a BendyLight with all defaults.
 fn plain_lights() -> [Light; 2] {
@@ -93,12 +68,13 @@ fn each_set(light: &Light, rows: &[&'static Parameter]) -> Vec<(String, Light)> 
     set
 }
 
-/// The next parameter counts without a word here; the hash of old logs counts what there was then.
+/// The next parameter counts without a word here; in the hash of old logs too, in which it may not hide.
 ///
 /// Rules: DOC-4
 #[test]
 fn every_row_of_the_table_counts() {
-    for (hash, rows) in HASHES.into_iter().zip([parameters(), &OF_FORMAT_2]) {
+    let rows = parameters();
+    for hash in HASHES {
         let mut are_set = 0;
         for light in plain_lights() {
             let set = each_set(&light, rows);

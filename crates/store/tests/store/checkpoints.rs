@@ -5,7 +5,7 @@ use protocol::{ErrorCode, SessionCheckpoint};
 use rusqlite::Connection;
 use store::{Store, Tail};
 
-use crate::support::{Folder, Log, SCENE, is_here, stored_log};
+use crate::support::{Folder, Log, SCENE, is_here, of_format_1, stored_log};
 
 fn database(folder: &Folder) -> Connection {
     Connection::open(folder.data().join("bendylights.sqlite")).expect("a database")
@@ -147,8 +147,7 @@ fn a_log_does_not_grow_by_what_it_holds() {
     store.keep_checkpoint("main", &SessionCheckpoint::from(&log.session)).expect("kept");
     assert_eq!(opened(&store).tail, Tail::default());
     // A file of format 1, which holds everything in full, comes to the same.
-    let line = |record: &edit::Record| protocol::Record { format: 1, ..record.into() }.to_json();
-    let lines: Vec<_> = log.records.iter().map(line).collect();
+    let lines: Vec<_> = log.records.iter().map(of_format_1).collect();
     let header = r#"{"format":1,"session":"old"}"#;
     let checkpoint =
         format!(r#"{{"checkpoint":{{"seq":56,"hash":"{}"}}}}"#, log.session.document().hash_of_format(1));
@@ -157,7 +156,13 @@ fn a_log_does_not_grow_by_what_it_holds() {
     // The planted fault: the hash of today's format, which a log of that time cannot have.
     let planted = old.replace(&log.session.document().hash_of_format(1).to_string(), &log.hash().to_string());
     assert_eq!(store::replay_log(planted.as_bytes(), None).expect("format 1").differs, Some(56));
+    let younger = old.replacen(r#""type":"bendy""#, r#""type":"bendy","exposure":50"#, 1);
+    let refused = store.import(younger.as_bytes(), None, &is_here).expect_err("a parameter of today");
+    assert!(refused.to_string().contains("record 1: format 1 has no `exposure`"), "{refused}");
     let row = store.import(old.as_bytes(), None, &is_here).expect("format 1");
-    assert_eq!(row.proof, store.session("main").expect("a session").proof, "upgraded");
+    let today = old.replace(r#""format":1,"opId""#, r#""format":3,"opId""#);
+    let today = today.replace(&log.session.document().hash_of_format(1).to_string(), &log.hash().to_string());
+    let of_today = store.import(today.as_bytes(), Some("today"), &is_here).expect("format 3");
+    assert_eq!(row.proof, of_today.proof, "upgraded");
     store.replay("old", None).expect("a log");
 }

@@ -3,7 +3,7 @@
 use protocol::{ErrorCode, FIRST_PROOF, next_proof};
 use store::{Batch, MAX_NAME_CHARS, Store, StoreError};
 
-use crate::support::{Folder, Log, empty_hash};
+use crate::support::{Folder, Log, empty_hash, of_format_1};
 
 /// Rules: SOCK-2
 #[test]
@@ -67,11 +67,14 @@ fn a_folder_of_an_earlier_version_is_brought_up_to_date() {
     let database = rusqlite::Connection::open(&path).expect("a database");
     database.execute_batch(include_str!("../../src/sqlite/schema-1.sql")).expect("version 1");
     let log = Log::of(30);
-    for name in ["one", "two"] {
+    for name in ["one", "two", "planted"] {
         database.execute("INSERT INTO session (name) VALUES (?)", [name]).expect("a session");
         let session = database.last_insert_rowid();
         for record in &log.records {
-            let json = protocol::Record { format: 1, ..record.into() }.to_json();
+            let mut json = of_format_1(record);
+            if name == "planted" {
+                json = json.replace(r#""type":"bendy""#, r#""type":"bendy","exposure":50.0"#);
+            }
             let hash =
                 (record.seq % 4 == 0).then(|| log.document_after(record.seq).hash_of_format(1).to_string());
             let insert =
@@ -83,11 +86,13 @@ fn a_folder_of_an_earlier_version_is_brought_up_to_date() {
     }
     drop(database);
     let mut store = Store::open(&folder.data()).expect("a store of this version");
+    // What came later, which the hash of that version passes over.
+    let refused = store.open_session("planted").expect_err("what came later");
+    assert!(refused.to_string().contains("format 1 has no `exposure`"), "{refused}");
     let replayed = store.replay("two", None).expect("a log");
     assert_eq!((replayed.seq(), replayed.document().hash()), (32, log.hash()));
-    let lines = |json: &dyn Fn(&edit::Record) -> String| log.records.iter().map(json).collect::<Vec<_>>();
-    let lines = lines(&|record| protocol::Record { format: 1, ..record.into() }.to_json());
-    let proof = lines.iter().fold(FIRST_PROOF.to_owned(), |proof, line| next_proof(&proof, line));
+    let lines = log.records.iter().map(of_format_1);
+    let proof = lines.fold(FIRST_PROOF.to_owned(), |proof, line| next_proof(&proof, &line));
     assert_eq!(store.session("one").expect("a session").proof, proof);
     // And it goes on from there.
     let mut longer = log;

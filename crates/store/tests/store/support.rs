@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use document::{AssetHash, Command, Context, Document, DocumentHash, SceneContents};
+use document::{AssetHash, Command, Context, Document, DocumentHash, SceneContents, was_in_format_2};
 use edit::{Actor, Record, Request, Scope, Session, Sources};
 use glam::DVec3;
 use light::parameters::{NAME, POINT_INTENSITY, TRANSLATION};
-use light::{CheckedLight, Light, LightId};
+use light::{CheckedLight, Light, LightId, Owner};
+use serde_json::Value;
 use store::{Batch, Store};
 use tempfile::TempDir;
 
@@ -127,6 +128,28 @@ impl Log {
         }
         session.document().clone()
     }
+}
+
+/// A record as format 1 wrote it, in full: without what lights came to have later.
+pub fn of_format_1(record: &Record) -> String {
+    fn strip(value: &mut Value) {
+        if let Value::Object(fields) = value {
+            let owner = match fields.get("type").and_then(Value::as_str) {
+                Some("spot") => Some(Owner::Spot),
+                Some("bendy") => Some(Owner::Bendy),
+                _ => None,
+            };
+            let groups = ["type", "transform", "points", "radii", "colors", "intensities"];
+            let had = |name: &str| owner.is_none_or(|owner| was_in_format_2(owner, name));
+            fields.retain(|name, _| groups.contains(&name.as_str()) || had(name));
+            fields.values_mut().for_each(strip);
+        } else if let Value::Array(items) = value {
+            items.iter_mut().for_each(strip);
+        }
+    }
+    let mut json = serde_json::to_value(protocol::Record { format: 1, ..record.into() }).expect("plain data");
+    strip(&mut json);
+    json.to_string()
 }
 
 /// The hash of a document without anything.
