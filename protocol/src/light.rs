@@ -7,7 +7,9 @@ use std::borrow::Cow;
 use std::fmt;
 
 use document::was_in_format_2;
-use light::{CheckedLight, ControlPoint, LightError, Owner, Parameter, Setting, Shape, Value};
+use light::{
+    CheckedLight, ControlPoint, LightError, MAX_NAME_BYTES, Owner, Parameter, Setting, Shape, Value,
+};
 use schemars::generate::Contract;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, Visitor};
@@ -253,6 +255,17 @@ impl Light {
         let lists = self.lists.iter().map(|(row, _)| (Owner::Point, *row));
         let mut younger = settings.chain(lists).filter(|(owner, row)| !was_in_format_2(*owner, row.name));
         if is_known { younger.next().map(|(_, row)| row.path) } else { Some(type_of(self.owner)) }
+    }
+
+    /// Cuts a name that is longer than a document holds.
+    pub(crate) fn cut_name(&mut self) {
+        for Setting { parameter, value } in &mut self.settings {
+            if **parameter == *light::parameters::NAME
+                && let Value::Text(name) = value
+            {
+                name.truncate(name.floor_char_boundary(MAX_NAME_BYTES));
+            }
+        }
     }
 
     fn value(&self, row: &Parameter) -> Option<&Value> {

@@ -10,7 +10,8 @@ use crate::error::{from_json, seeded_from_json};
 use crate::light::LightOf;
 use crate::{FileError, Light};
 
-/// Reads a light file's text: one light, or an array of them, each valid. An empty array holds no lights.
+/// Reads a light file's text: one light, or an array of them, each valid. An empty array holds no lights. Long names are
+/// cut, as those of glTF files are.
 pub fn parse(text: &str) -> Result<Vec<CheckedLight>, FileError> {
     if !text.trim_start().starts_with('[') {
         return Ok(vec![parse_light(text)?]);
@@ -39,7 +40,8 @@ fn parse_light(text: &str) -> Result<CheckedLight, FileError> {
         Type::Bendy => Owner::Bendy,
         Type::Spot => Owner::Spot,
     };
-    let light = seeded_from_json(text, LightOf(owner))?;
+    let mut light = seeded_from_json(text, LightOf(owner))?;
+    light.cut_name();
     CheckedLight::try_from(light).map_err(|reason| FileError::Model { place: String::new(), reason })
 }
 

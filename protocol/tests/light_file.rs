@@ -66,6 +66,20 @@ fn every_field_is_read() {
     assert_eq!(one(text), light.with(NAME, "lamp".into()));
 }
 
+/// As those of glTF files, at the end of a character.
+#[test]
+fn a_long_name_is_cut() {
+    for (name, cut) in [
+        ("n".repeat(256), "n".repeat(256)),
+        ("n".repeat(257), "n".repeat(256)),
+        (format!("n{}", "é".repeat(128)), format!("n{}", "é".repeat(127))),
+        ("\u{1f4a1}".repeat(1 << 16), "\u{1f4a1}".repeat(64)),
+    ] {
+        let light = one(&SHORT.replacen('}', &format!(", \"name\": \"{name}\"}}"), 1));
+        assert_eq!(light.name(), cut);
+    }
+}
+
 #[test]
 fn a_file_holds_one_light_or_an_array() {
     assert_eq!(light_file::parse(&format!("[{FULL}, {{\"type\": \"spot\"}}]")).expect("two lights").len(), 2);
