@@ -170,7 +170,9 @@ impl<'de> Visitor<'de> for LightOf {
                     let value = map.next_value_seed(ValueOf(parameter))?;
                     light.settings.push(Setting { parameter, value });
                 }
-                Field::List(row) => light.lists.push((row, map.next_value_seed(ListOf(row))?)),
+                Field::List(row) => {
+                    light.lists.extend(map.next_value_seed(ListOf(row))?.map(|values| (row, values)));
+                }
             }
         }
         for (field, given) in fields.iter().zip(given) {

@@ -69,14 +69,34 @@ impl<'de> DeserializeSeed<'de> for ValueOf {
     }
 }
 
-/// Reads an array of such values.
+/// Reads an array of such values. `null` gives none, where they have a default: as if the array were left out.
 #[derive(Clone, Copy)]
 pub(crate) struct ListOf(pub &'static Parameter);
 
 impl<'de> DeserializeSeed<'de> for ListOf {
-    type Value = Vec<Value>;
+    type Value = Option<Vec<Value>>;
 
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Vec<Value>, D::Error> {
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Option<Vec<Value>>, D::Error> {
+        struct Optional(&'static Parameter);
+        impl<'de> Visitor<'de> for Optional {
+            type Value = Option<Vec<Value>>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a sequence or null")
+            }
+
+            fn visit_none<E: de::Error>(self) -> Result<Self::Value, E> {
+                Ok(None)
+            }
+
+            fn visit_unit<E: de::Error>(self) -> Result<Self::Value, E> {
+                Ok(None)
+            }
+
+            fn visit_some<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+                deserializer.deserialize_seq(Items(self.0)).map(Some)
+            }
+        }
         struct Items(&'static Parameter);
         impl<'de> Visitor<'de> for Items {
             type Value = Vec<Value>;
@@ -93,7 +113,10 @@ impl<'de> DeserializeSeed<'de> for ListOf {
                 Ok(values)
             }
         }
-        deserializer.deserialize_seq(Items(self.0))
+        if self.0.default(Owner::Point).is_some() {
+            return deserializer.deserialize_option(Optional(self.0));
+        }
+        deserializer.deserialize_seq(Items(self.0)).map(Some)
     }
 }
 

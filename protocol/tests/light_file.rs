@@ -66,6 +66,32 @@ fn every_field_is_read() {
     assert_eq!(one(text), light.with(NAME, "lamp".into()));
 }
 
+/// Rules: CMD-11
+#[test]
+fn lists_that_have_a_default_may_be_null() {
+    let of_nulls = SHORT.replacen('}', r#", "colors": null, "intensities": null}"#, 1);
+    assert_eq!(one(&of_nulls), one(SHORT));
+    let command = |light: &str| {
+        let text = format!(r#"{{"type": "addLight", "light": {light}}}"#);
+        let wire: protocol::Command = protocol::parse_body(&text).expect("a light");
+        document::Command::try_from(wire).expect("a valid light")
+    };
+    assert_eq!(command(&of_nulls), command(SHORT));
+    for (field, expected) in [
+        ("radii", "radii: invalid type: null, expected a sequence"),
+        ("points", "points: invalid type: null, expected a sequence"),
+        ("name", "name: invalid type: null, expected a string"),
+        ("coneAngle", "coneAngle: invalid type: null, expected a number"),
+        ("transform", "transform: invalid type: null, expected an object: a transform"),
+    ] {
+        let mut light: serde_json::Value = serde_json::from_str(SHORT).expect("JSON");
+        light[field] = serde_json::Value::Null;
+        assert_eq!(refusal(&light.to_string()), expected);
+    }
+    let twice = SHORT.replacen('}', r#", "colors": null, "colors": null}"#, 1);
+    assert_eq!(refusal(&twice), "duplicate field `colors`");
+}
+
 /// As those of glTF files, at the end of a character.
 #[test]
 fn a_long_name_is_cut() {
