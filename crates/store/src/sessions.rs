@@ -1,5 +1,7 @@
 //! The sessions of a data folder.
 
+use protocol::{FORMAT, Record};
+
 use crate::limits::{MAX_NAME_CHARS, MAX_SESSIONS};
 use crate::sqlite::Writer;
 use crate::stored::{SessionKey, SessionRow};
@@ -14,6 +16,20 @@ impl Store {
     /// All sessions, in the order of names.
     pub fn sessions(&self) -> Result<Vec<SessionRow>, StoreError> {
         self.database.sessions()
+    }
+
+    /// The hash of a session's document, as this version makes it: the one in its row but where an earlier version has
+    /// written that, whose log is then read.
+    pub fn document_hash(&self, row: &SessionRow) -> Result<String, StoreError> {
+        let key = self.database.find(&row.name)?.key;
+        let last = self.database.line(key, row.seq)?;
+        let unreadable = |reason| StoreError::DamagedRecord { seq: row.seq, reason };
+        match last.map(|line| Record::format_of(&line)).transpose().map_err(unreadable)? {
+            Some(format) if format < FORMAT => {
+                Ok(self.open_session(&row.name)?.session.document().hash().to_string())
+            }
+            _ => Ok(row.hash.clone()),
+        }
     }
 
     /// The session of that name.

@@ -11,7 +11,7 @@ pub struct SessionRow {
     pub epoch: String,
     /// The latest record, 0 before the first.
     pub seq: u64,
-    /// The document's hash after it, 64 hexadecimal digits.
+    /// The document's hash after it, 64 hexadecimal digits, as the version made it that wrote the record.
     pub hash: String,
     /// The log's proof up to it ([`protocol::next_proof`]), 64 hexadecimal digits.
     pub proof: String,

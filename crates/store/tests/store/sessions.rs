@@ -94,12 +94,23 @@ fn a_folder_of_an_earlier_version_is_brought_up_to_date() {
     let lines = log.records.iter().map(of_format_1);
     let proof = lines.fold(FIRST_PROOF.to_owned(), |proof, line| next_proof(&proof, &line));
     assert_eq!(store.session("one").expect("a session").proof, proof);
+    // Their hash is that of today, whoever asks.
+    let row = store.session("two").expect("a session");
+    assert_eq!(row.hash, log.session.document().hash_of_format(1).to_string(), "as it was written");
+    assert_eq!(store.document_hash(&row).expect("a log"), log.hash().to_string());
+    let planted = store.session("planted").expect("a session");
+    assert!(store.document_hash(&planted).is_err(), "no document, no hash");
     // And it goes on from there.
     let mut longer = log;
     longer.add_long_light();
     store.append(&[Batch { records: &longer.records[32..], ..longer.batch("one") }]).expect("a commit");
     let replayed = Store::open(&folder.data()).expect("a store").replay("one", None).expect("a log");
     assert_eq!((replayed.seq(), replayed.document().hash()), (33, longer.hash()));
+    let row = store.session("one").expect("a session");
+    assert_eq!(
+        [row.hash.clone(), store.document_hash(&row).expect("a log")],
+        [(); 2].map(|()| longer.hash().to_string())
+    );
 }
 
 /// Rules: HTTP-4
