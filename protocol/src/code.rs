@@ -4,6 +4,7 @@ use std::fmt;
 
 use document::EditError;
 use edit::Refusal;
+use light::LightError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -154,16 +155,23 @@ impl fmt::Display for ErrorCode {
     }
 }
 
+impl From<&LightError> for ErrorCode {
+    fn from(error: &LightError) -> Self {
+        if matches!(error, LightError::TooLong { .. }) { Self::TooMany } else { Self::InvalidLight }
+    }
+}
+
 impl From<&EditError> for ErrorCode {
     fn from(error: &EditError) -> Self {
         match error {
             EditError::NoLight(_) | EditError::NoCamera(_) | EditError::NoPoint { .. } => Self::NotFound,
             EditError::WrongKind { .. } | EditError::NoPointParameter(_) => Self::WrongKind,
             EditError::Source => Self::Source,
-            EditError::InvalidLight { .. } | EditError::OutOfReach(_) => Self::InvalidLight,
+            EditError::InvalidLight { reason, .. } => reason.into(),
+            EditError::OutOfReach(_) => Self::InvalidLight,
             EditError::InvalidCamera(_) => Self::InvalidCamera,
             EditError::UnknownAsset(_) => Self::UnknownAsset,
-            EditError::TooMany { .. } => Self::TooMany,
+            EditError::TooMany { .. } | EditError::TooLong { .. } => Self::TooMany,
             EditError::Conflict(_) => Self::Conflict,
         }
     }

@@ -77,7 +77,7 @@ impl Refused {
     /// The code that programs act on.
     pub fn code(&self) -> ErrorCode {
         match self {
-            Self::Light(_) => ErrorCode::InvalidLight,
+            Self::Light(error) => error.into(),
             Self::Asset(_) | Self::Address(_) => ErrorCode::BadMessage,
             Self::Edit(error) => error.into(),
             Self::Format { .. } => ErrorCode::Format,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use light::{CheckedLight, Light, LightError, LightId, MAX_NAME_BYTES, Owner, Reach, Setting};
+use light::{CheckedLight, Light, LightId, MAX_NAME_BYTES, Owner, Reach, Setting};
 use scene::Camera;
 
 use crate::camera::{camera_parameter, set_camera};
@@ -258,10 +258,7 @@ impl Draft {
     fn checked(mut self) -> Result<Document, EditError> {
         for (id, light) in self.unchecked {
             let name = quoted(light.name()).unwrap_or_else(|| format!("light {id}"));
-            let invalid = |reason| match reason {
-                LightError::TooLong { limit, .. } => EditError::TooMany { what: "bytes in a name", limit },
-                reason => EditError::InvalidLight { light: name.clone(), reason },
-            };
+            let invalid = |reason| EditError::InvalidLight { light: name, reason };
             let checked = CheckedLight::new(light).map_err(invalid)?;
             if let Some(placed) = self.after.lights.get_mut(&id) {
                 placed.light = Arc::new(checked);
@@ -272,7 +269,7 @@ impl Draft {
 }
 
 fn check_name(name: &str) -> Result<(), EditError> {
-    let too_long = EditError::TooMany { what: "bytes in a name", limit: MAX_NAME_BYTES };
+    let too_long = EditError::TooLong { field: "name", limit: MAX_NAME_BYTES };
     if name.len() <= MAX_NAME_BYTES { Ok(()) } else { Err(too_long) }
 }
 

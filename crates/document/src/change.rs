@@ -144,6 +144,14 @@ pub enum EditError {
         /// How many it may hold.
         limit: usize,
     },
+    /// Text of a camera or a scene that is too long.
+    #[error("`{field}` has more than {limit} bytes: shorten it")]
+    TooLong {
+        /// Which.
+        field: &'static str,
+        /// How many it may have.
+        limit: usize,
+    },
     /// The document does not hold a change's old value.
     #[error("the document does not hold what the change of {0} starts from: the log does not belong to it")]
     Conflict(String),

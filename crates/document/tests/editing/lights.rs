@@ -128,7 +128,8 @@ fn numbers_without_a_meaning_are_refused() {
     }
     let long = NAME.to("x".repeat(MAX_NAME_BYTES + 1));
     let error = refused(&document, &Command::SetLight { light: SPOT, setting: long });
-    assert!(matches!(error, EditError::TooMany { .. }));
+    let sentence = format!("“{}…”: `name` has more than 256 bytes: shorten it", "x".repeat(40));
+    assert_eq!(error.to_string(), sentence);
 }
 
 /// Rules: CMD-1

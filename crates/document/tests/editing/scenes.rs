@@ -47,5 +47,5 @@ fn a_scene_that_is_not_here_is_refused() {
     assert_eq!(error, EditError::UnknownAsset(nowhere));
     assert!(error.to_string().contains(&nowhere.hex()));
     let long = "x".repeat(MAX_NAME_BYTES + 1);
-    assert!(matches!(refused(&sample(), &load(ROOM, &long)), EditError::TooMany { .. }));
+    assert!(matches!(refused(&sample(), &load(ROOM, &long)), EditError::TooLong { field: "name", .. }));
 }

@@ -1,7 +1,7 @@
-//! The command `set`: what it refuses, in words of its own and few of the sender's.
+//! What commands refuse, above all `set`: in words of its own and few of the sender's.
 
-use document::Command;
-use protocol::Refused;
+use document::{Command, Context, Document, edited};
+use protocol::{ErrorCode, Refused};
 use serde_json::{Value, json};
 
 fn set(target: &str, value: &Value) -> Result<Command, Refused> {
@@ -71,4 +71,39 @@ fn no_refusal_repeats_a_long_input() {
     assert!(
         refusal("/lights/1/gobo", &json!(1)).contains("unknown parameter `gobo`, expected one of `name`")
     );
+}
+
+/// Clients of before know one code for a long name, whichever command brings it.
+///
+/// Rules: CMD-9
+#[test]
+fn a_name_that_is_too_long_is_told_so_alike_by_all_commands() {
+    let mut document = Document::default();
+    let mut edit = |command: Value| {
+        let wire: protocol::Command = serde_json::from_value(command).expect("the right shape");
+        let edited = Command::try_from(wire)
+            .and_then(|command| Ok(edited(&document, &command, Context::default())?.document));
+        edited.map(|after| document = after).map_err(|error| (error.code(), error.to_string()))
+    };
+    let camera = |name: &str| {
+        json!({"name": name, "translation": [0, 0, 0], "rotation": [0, 0, 0, 1],
+            "projection": {"perspective": {"yfov": 1, "znear": 0.1}}})
+    };
+    edit(json!({"type": "addLight", "light": {"type": "spot"}})).expect("a light");
+    edit(json!({"type": "addCamera", "camera": camera("eye")})).expect("a camera");
+    let long = "n".repeat(257);
+    for command in [
+        json!({"type": "addLight", "light": {"type": "spot", "name": long}}),
+        json!({"type": "setLight", "light": 1, "parameter": {"name": long}}),
+        json!({"type": "set", "target": "/lights/1/name", "value": long}),
+        json!({"type": "addCamera", "camera": camera(&long)}),
+        json!({"type": "setCamera", "camera": 2, "parameter": {"name": long}}),
+        json!({"type": "set", "target": "/cameras/2/name", "value": long}),
+    ] {
+        let (code, said) = edit(command.clone()).expect_err("too long");
+        assert_eq!(code, ErrorCode::TooMany, "{command}");
+        assert!(said.ends_with("`name` has more than 256 bytes: shorten it"), "{command}: {said}");
+        assert!(said.len() < 200, "{said}");
+    }
+    edit(json!({"type": "set", "target": "/lights/1/name", "value": "n".repeat(256)})).expect("not too long");
 }
