@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 use crate::arc::arc_length;
 use crate::curve::{Curve, TubeBox};
 use crate::frame::{STRAIGHT, orient};
-use crate::parameters::{END_MODE, UP};
+use crate::parameters::{END_MODE, SCALE, UP};
 use crate::{ControlPoint, EndMode, Light, LightError, Segment, validity};
 
 /// Most segments of one light: far past what an artist handles, and small enough for any GPU buffer.
@@ -121,9 +121,12 @@ pub fn segments(light: &Light) -> Result<(Vec<Segment<f64>>, Placement), LightEr
             point: 1,
         });
     }
-    if !(polygon * transform.scale).is_finite() || polygon < f64::MIN_POSITIVE * 1e20 {
-        let domain = "the light's size must be a number that can be worked with".into();
-        return Err(LightError::OutOfDomain { field: "points", value: polygon, domain });
+    let domain = || "the light's size must be a number that can be worked with".into();
+    if !polygon.is_finite() || polygon < f64::MIN_POSITIVE * 1e20 {
+        return Err(LightError::OutOfDomain { field: "points", value: polygon, domain: domain() });
+    }
+    if !(polygon * transform.scale).is_finite() {
+        return Err(LightError::OutOfDomain { field: SCALE.path, value: transform.scale, domain: domain() });
     }
     let unit = libm::exp2(libm::floor(libm::log2(polygon)));
     let in_tube =

@@ -38,6 +38,13 @@ fn shapes_that_cannot_be() {
         LightError::OutOfDomain { field: "coneAngle", .. }
     ));
     assert!(matches!(refusal(|l| l.set(SCALE.to(0.0))), LightError::OutOfDomain { .. }));
+    let too_large = |light: LightError| match light {
+        LightError::OutOfDomain { field, value, .. } => (field, value),
+        other => panic!("{other}"),
+    };
+    // Three units long.
+    assert_eq!(too_large(refusal(|l| l.set(SCALE.to(1e308)))), ("transform.scale", 1e308));
+    assert_eq!(too_large(refusal(|l| points(l)[3].position.z = -1e308)), ("points", f64::INFINITY));
     let all_equal = refusal(|l| points(l).fill(ControlPoint::new(DVec3::ZERO, 0.1)));
     assert!(matches!(all_equal, LightError::Degenerate { segment: 0, .. }));
     let doubled = refusal(|l| points(l)[2].position = DVec3::new(0.0, 0.0, 1.0));
