@@ -36,6 +36,15 @@ fn all_can_be_done_by_keys() {
     in_a_browser("keyboard.mjs");
 }
 
+/// One's own exposure and lights seen alone, which nobody else sees; mute and copies, which all do; new lights and formats.
+///
+/// Rules: SOCK-7, SOCK-12, HTTP-21
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn what_is_ones_own_is_and_lights_come_and_go_dark() {
+    in_a_browser("own_view.mjs");
+}
+
 /// Defaults come back, a parameter that the page has never heard of is a field, and without a table the page says so.
 ///
 /// Rules: CMD-1
@@ -43,6 +52,24 @@ fn all_can_be_done_by_keys() {
 #[ignore = "needs the page and a browser: make page test-packages"]
 fn fields_follow_from_the_table_of_parameters() {
     in_a_browser("parameters.mjs");
+}
+
+/// Bends the demo's light in place, and takes it back.
+///
+/// Rules: CMD-12
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn a_light_is_bent_in_place_on_the_page() {
+    in_a_browser("bend.mjs");
+}
+
+/// Picks nodes of the scene that a light leaves out, and takes them back.
+///
+/// Rules: LINK-3, HTTP-20
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn nodes_are_linked_on_the_page() {
+    in_a_browser("links.mjs");
 }
 
 /// States that are seldom seen, and planted faults.

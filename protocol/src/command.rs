@@ -99,6 +99,29 @@ pub enum Command {
         /// Its index, 1 or more.
         point: usize,
     },
+    /// Makes a straight light a BendyLight under the same id. One that was a spotlight lights every point as it did.
+    BendLight {
+        /// Its id.
+        light: u64,
+        /// Quadratic segments: two control points fewer than it gets. 3 by default.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        segments: Option<usize>,
+        /// How far its control points reach along its axis, in world units, where it has no range of its own; by default to
+        /// where its axis meets the scene.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        range: Option<f64>,
+        /// Half angle of the cone that an omni or directional light is given, in degrees; 45 by default.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        cone_angle: Option<f64>,
+        /// World position at which such a light then shines, the scene's middle by default.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        toward: Option<Vec3>,
+    },
+    /// Makes a BendyLight a spotlight under the same id, from its source to its last control point.
+    StraightenLight {
+        /// Its id.
+        light: u64,
+    },
     /// Adds a camera.
     AddCamera {
         /// The camera.
@@ -179,6 +202,14 @@ impl TryFrom<Command> for document::Command {
                 intensity,
             },
             Command::RemovePoint { light, point } => Self::RemovePoint { light: LightId(light), point },
+            Command::BendLight { light, segments, range, cone_angle, toward } => Self::BendLight {
+                light: LightId(light),
+                segments: segments.unwrap_or(document::BENT_SEGMENTS),
+                range,
+                cone_angle,
+                toward: vector(toward),
+            },
+            Command::StraightenLight { light } => Self::StraightenLight(LightId(light)),
             Command::AddCamera { camera } => Self::AddCamera(camera.into()),
             Command::RemoveCamera { camera } => Self::RemoveCamera(CameraId(camera)),
             Command::PlaceCamera { camera, translation, rotation: r } => Self::PlaceCamera {
@@ -258,6 +289,14 @@ impl From<&document::Command> for Command {
                 intensity: *intensity,
             },
             C::RemovePoint { light, point } => Self::RemovePoint { light: light.0, point: *point },
+            C::BendLight { light, segments, range, cone_angle, toward } => Self::BendLight {
+                light: light.0,
+                segments: Some(*segments),
+                range: *range,
+                cone_angle: *cone_angle,
+                toward: vector(toward),
+            },
+            C::StraightenLight(light) => Self::StraightenLight { light: light.0 },
             C::AddCamera(camera) => Self::AddCamera { camera: camera.into() },
             C::RemoveCamera(camera) => Self::RemoveCamera { camera: camera.0 },
             C::PlaceCamera { camera, translation, rotation: r } => Self::PlaceCamera {

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Actor, Command, Document, EditResult, Problem, Scope};
+use crate::{Actor, Camera, Command, Document, EditResult, Problem, Scope, Vec3};
 
 /// `POST /sessions`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -54,6 +54,16 @@ pub struct SessionState {
     pub notes: Vec<String>,
 }
 
+/// `GET /sessions/S/nodes`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct SceneNodes {
+    /// Paths of nodes, for links, in the order of the scene.
+    pub paths: Vec<String>,
+    /// How many more there are.
+    pub left_out: usize,
+}
+
 /// `POST /sessions/S/edits`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
@@ -96,6 +106,22 @@ pub struct EditResults {
     pub seq: u64,
     /// The document's hash after it.
     pub hash: String,
+}
+
+/// The body of `POST /sessions/S/pick`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Pick {
+    /// Who looks; it need not be one of the document's.
+    pub camera: Camera,
+}
+
+/// The answer to [`Pick`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Picked {
+    /// The point of the scene in the middle of the camera's picture, in the world; `null` where there is none.
+    pub point: Option<Vec3>,
 }
 
 /// The answer to `POST /assets`.

@@ -37,14 +37,15 @@ pub use error::{FileError, Refused};
 pub use evaluation::{Evaluation, TubePoint, Visibility};
 pub use held::{CompactLine, MIN_HELD_BYTES, Place, compact};
 pub use http::{
-    Asset, Edit, EditResults, Edits, ErrorBody, NewSession, SessionEntry, SessionList, SessionState,
+    Asset, Edit, EditResults, Edits, ErrorBody, NewSession, Pick, Picked, SceneNodes, SessionEntry,
+    SessionList, SessionState,
 };
 pub use log_file::{
     Checkpoint, CheckpointLine, FIRST_PROOF, FindLine, LogHeader, LogLine, LogReader, ReadError, next_proof,
 };
 pub use message::{
     ClientMessage, History, HistoryStep, HistorySteps, PROTOCOL, Presence, Resync, ServerMessage, Settings,
-    State, ViewSource, Welcome, parse_body,
+    State, ViewSettings, ViewSource, Welcome, parse_body,
 };
 pub use openapi::openapi;
 pub use outcome::{EditResult, GestureState, GestureStatus, Outcome};

@@ -29,16 +29,49 @@ pub struct Light {
     lists: Vec<(&'static Parameter, Vec<Value>)>,
 }
 
-/// The word that `type` has for each shape.
-const TYPES: [(&str, Owner); 2] = [("bendy", Owner::Bendy), ("spot", Owner::Spot)];
+/// A shape in JSON.
+struct Type {
+    /// The word that `type` has.
+    name: &'static str,
+    owner: Owner,
+    /// What lights of it are called in schemas, and a sentence.
+    schema: (&'static str, &'static str),
+}
+
+/// Every shape.
+const TYPES: [Type; 4] = [
+    Type {
+        name: "bendy",
+        owner: Owner::Bendy,
+        schema: (
+            "Bendy",
+            "Light along a spline. Each list has one value a control point, three or more; the first is the source.",
+        ),
+    },
+    Type { name: "spot", owner: Owner::Spot, schema: ("Spot", "Light along straight lines, in a cone.") },
+    Type { name: "omni", owner: Owner::Omni, schema: ("Omni", "Light from a point to all sides.") },
+    Type {
+        name: "directional",
+        owner: Owner::Directional,
+        schema: ("Directional", "Light along parallel lines from infinitely far away."),
+    },
+];
 
 fn type_of(owner: Owner) -> &'static str {
-    TYPES.iter().find(|(_, known)| *known == owner).map_or("", |(name, _)| name)
+    TYPES.iter().find(|known| known.owner == owner).map_or("", |known| known.name)
 }
 
 /// The shape that `type` names.
-pub(crate) fn owner_of(name: &str) -> Option<Owner> {
-    TYPES.iter().find(|(known, _)| *known == name).map(|(_, owner)| *owner)
+pub(crate) struct TypeOf(pub Owner);
+
+impl<'de> Deserialize<'de> for TypeOf {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let word = String::deserialize(deserializer)?;
+        let known = TYPES.iter().find(|known| known.name == word);
+        known
+            .map(|known| Self(known.owner))
+            .ok_or_else(|| unknown("variant", &word, TYPES.iter().map(|known| known.name)))
+    }
 }
 
 /// A field of a light's object.
@@ -123,9 +156,9 @@ impl<'de> Deserialize<'de> for Light {
     /// By `type`; the reason for a refusal names the field.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let value = serde_json::Value::deserialize(deserializer)?;
-        let Some(owner) = value.get("type").and_then(serde_json::Value::as_str).and_then(owner_of) else {
-            return Err(de::Error::custom("light.type: expected \"bendy\" or \"spot\""));
-        };
+        let named = value.get("type").unwrap_or(&serde_json::Value::Null);
+        let TypeOf(owner) =
+            TypeOf::deserialize(named).map_err(|error| de::Error::custom(format!("light.type: {error}")))?;
         let mut track = serde_path_to_error::Track::new();
         let tracked = serde_path_to_error::Deserializer::new(value, &mut track);
         LightOf(owner).deserialize(tracked).map_err(|error| match track.path().to_string() {
@@ -324,6 +357,8 @@ impl TryFrom<Light> for CheckedLight {
     fn try_from(wire: Light) -> Result<Self, LightError> {
         let shape = match wire.owner {
             Owner::Bendy => Shape::Bendy(wire.points()?),
+            Owner::Omni => Shape::Omni,
+            Owner::Directional => Shape::Directional,
             _ => Shape::Spot,
         };
         let mut light = light::Light::new(shape);
@@ -332,10 +367,8 @@ impl TryFrom<Light> for CheckedLight {
     }
 }
 
-/// The names that lights of each shape have in schemas.
-struct BendySchema;
-/// See [`BendySchema`].
-struct SpotSchema;
+/// Lights of the shape with that index in [`TYPES`].
+struct OfType<const TYPE: usize>;
 
 fn light_schema(owner: Owner, doc: &str, generator: &SchemaGenerator) -> Schema {
     let written = generator.settings().contract == Contract::Serialize;
@@ -380,24 +413,14 @@ fn light_schema(owner: Owner, doc: &str, generator: &SchemaGenerator) -> Schema 
     schema.try_into().unwrap_or_default()
 }
 
-impl JsonSchema for BendySchema {
+impl<const TYPE: usize> JsonSchema for OfType<TYPE> {
     fn schema_name() -> Cow<'static, str> {
-        "Bendy".into()
+        TYPES[TYPE].schema.0.into()
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let doc = "Light along a spline. Each list has one value a control point, three or more; the first is the source.";
-        light_schema(Owner::Bendy, doc, generator)
-    }
-}
-
-impl JsonSchema for SpotSchema {
-    fn schema_name() -> Cow<'static, str> {
-        "Spot".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        light_schema(Owner::Spot, "Light along straight lines.", generator)
+        let Type { owner, schema: (_, doc), .. } = TYPES[TYPE];
+        light_schema(owner, doc, generator)
     }
 }
 
@@ -407,7 +430,12 @@ impl JsonSchema for Light {
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let shapes = [generator.subschema_for::<BendySchema>(), generator.subschema_for::<SpotSchema>()];
+        let shapes = [
+            generator.subschema_for::<OfType<0>>(),
+            generator.subschema_for::<OfType<1>>(),
+            generator.subschema_for::<OfType<2>>(),
+            generator.subschema_for::<OfType<3>>(),
+        ];
         schemars::json_schema!({"description": "One light. The field `type` says which.", "anyOf": shapes})
     }
 }

@@ -1,13 +1,13 @@
 //! Light files: JSON with one light, or an array of lights.
 
-use light::{CheckedLight, Owner};
+use light::CheckedLight;
 use serde::{Deserialize, Serialize};
 use serde_json::ser::Formatter;
 use serde_json::value::RawValue;
 use std::io::{self, Write};
 
 use crate::error::{from_json, seeded_from_json};
-use crate::light::LightOf;
+use crate::light::{LightOf, TypeOf};
 use crate::{FileError, Light};
 
 /// Reads a light file's text: one light, or an array of them, each valid. An empty array holds no lights. Long names are
@@ -26,20 +26,11 @@ pub fn parse(text: &str) -> Result<Vec<CheckedLight>, FileError> {
 
 fn parse_light(text: &str) -> Result<CheckedLight, FileError> {
     #[derive(Deserialize)]
-    #[serde(rename_all = "camelCase")]
-    enum Type {
-        Bendy,
-        Spot,
-    }
-    #[derive(Deserialize)]
     #[serde(expecting = "a light: an object with `type`, `points`, `radii` and so on")]
     struct Typed {
-        r#type: Type,
+        r#type: TypeOf,
     }
-    let owner = match from_json::<Typed>(text)?.r#type {
-        Type::Bendy => Owner::Bendy,
-        Type::Spot => Owner::Spot,
-    };
+    let TypeOf(owner) = from_json::<Typed>(text)?.r#type;
     let mut light = seeded_from_json(text, LightOf(owner))?;
     light.cut_name();
     CheckedLight::try_from(light).map_err(|reason| FileError::Model { place: String::new(), reason })

@@ -43,12 +43,23 @@ pub enum ClientMessage {
         height: u32,
         /// The client's number for its camera.
         camera_revision: u32,
+        /// How the view is from the start; not of one that follows another.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        settings: Option<ViewSettings>,
     },
     /// Moves one's own view; never logged.
     SetCamera {
         /// Where to.
         camera: Camera,
         /// The client's number for it.
+        camera_revision: u32,
+    },
+    /// Sets how one's own view is; never logged.
+    SetView {
+        /// How, all of it.
+        settings: ViewSettings,
+        /// The client's number for its camera, which is another although the camera stays: frames say by it which settings
+        /// they show.
         camera_revision: u32,
     },
     /// The view has another size.
@@ -138,6 +149,17 @@ pub enum ViewSource {
     Own(Camera),
     /// Another client's view, by the client's number.
     Follow(u64),
+}
+
+/// What is a viewer's own, besides the camera: it is in no document, and others see their own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct ViewSettings {
+    /// Stops by which the picture is brightened before it is tone-mapped, -32 to 32.
+    pub exposure: f64,
+    /// Ids of the lights that shine alone; empty for all. One that is not there counts for nothing, and where none is left
+    /// all shine.
+    pub solo: Vec<u64>,
 }
 
 /// What the server sends.
@@ -327,6 +349,8 @@ pub struct Presence {
     pub following: Option<u64>,
     /// Where its own view is; `null` without a view.
     pub camera: Option<Camera>,
+    /// How its own view is; `null` without a view.
+    pub settings: Option<ViewSettings>,
 }
 
 impl ClientMessage {

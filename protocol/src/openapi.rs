@@ -9,8 +9,8 @@ use serde_json::{Map, Value, json};
 use crate::ErrorCode as Code;
 use crate::schema::{Face, definitions, generator, name};
 use crate::{
-    Asset, Document, EditResults, Edits, ErrorBody, NewSession, PROTOCOL, ParameterTable, Record,
-    RenderLimits, RenderRequest, SessionList, SessionState,
+    Asset, Document, EditResults, Edits, ErrorBody, NewSession, PROTOCOL, ParameterTable, Pick, Picked,
+    Record, RenderLimits, RenderRequest, SceneNodes, SessionList, SessionState,
 };
 
 /// Where schemas stand.
@@ -140,6 +140,14 @@ fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
             ..of_session.clone()
         },
         Operation {
+            path: "/sessions/{session}/nodes",
+            id: "getNodes",
+            summary: "Paths of the nodes of the session's scene under which something is drawn, for links.",
+            answer: json_content(&name::<SceneNodes>(g)),
+            codes: &[ANYBODY, WITH_TOKEN, OF_SESSION],
+            ..of_session.clone()
+        },
+        Operation {
             path: "/sessions/{session}/edits",
             method: "post",
             id: "editSession",
@@ -156,6 +164,16 @@ fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
             answer: text("application/jsonl"),
             codes: &[ANYBODY, WITH_TOKEN, OF_STORE, &[Code::NotFound]],
             ..of_session.clone().with(log_parameters())
+        },
+        Operation {
+            path: "/sessions/{session}/pick",
+            method: "post",
+            id: "pickPoint",
+            summary: "The point of the scene that a camera has in the middle of its picture.",
+            body: Some(json_content(&name::<Pick>(g))),
+            answer: json_content(&name::<Picked>(g)),
+            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_SESSION, OF_PICTURE, &[Code::InvalidCamera]],
+            ..of_session.clone()
         },
         Operation {
             path: "/sessions/{session}/render",
@@ -319,7 +337,7 @@ fn log_parameters() -> Vec<Value> {
 
 fn picture_parameters() -> Vec<Value> {
     let RenderLimits { max_side, max_samples } = RenderLimits::HTTP;
-    let RenderRequest { aov, samples, fill, .. } = RenderRequest::default();
+    let RenderRequest { aov, samples, fill, exposure, .. } = RenderRequest::default();
     vec![
         query("camera", "Id or name of a camera; the first by default.", &json!({"type": "string"})),
         query(
@@ -349,6 +367,11 @@ fn picture_parameters() -> Vec<Value> {
             "fill",
             "How much of the scene's fill the beauty has: 0 leaves the lights' own radiance.",
             &json!({"type": "number", "minimum": View::FILL.start(), "maximum": View::FILL.end(), "default": fill as u32}),
+        ),
+        query(
+            "exposure",
+            "Stops by which a PNG of the beauty is brightened, before it is tone-mapped; an EXR holds the radiance itself.",
+            &json!({"type": "number", "minimum": View::EXPOSURE.start(), "maximum": View::EXPOSURE.end(), "default": exposure as u32}),
         ),
         query(
             "at",

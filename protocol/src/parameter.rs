@@ -3,7 +3,7 @@
 use std::fmt;
 
 use glam::{DQuat, DVec3};
-use light::{Choice, Kind, Owner, Parameter, Value};
+use light::{Choice, Kind, MAX_LINKS, Owner, Parameter, Value};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, DeserializeSeed, MapAccess, Visitor};
 use serde::ser::{SerializeMap, SerializeSeq};
@@ -11,6 +11,16 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, json};
 
 use crate::error::excerpt;
+
+/// [`light::Links`] in JSON, as they are read.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Links {
+    #[serde(default)]
+    include: Vec<String>,
+    #[serde(default)]
+    exclude: Vec<String>,
+}
 
 /// A value as it stands in JSON.
 pub(crate) struct Written<'a>(pub &'a Value);
@@ -25,6 +35,13 @@ impl Serialize for Written<'_> {
             Value::Vector(vector) => vector.to_array().serialize(serializer),
             Value::Rotation(rotation) => rotation.to_array().serialize(serializer),
             Value::Text(text) => text.serialize(serializer),
+            Value::Links(links) => {
+                let mut map = serializer.serialize_map(None)?;
+                let lists = [("include", links.include()), ("exclude", links.exclude())];
+                let mut lists = lists.into_iter().filter(|(_, paths)| !paths.is_empty());
+                lists.try_for_each(|(name, paths)| map.serialize_entry(name, paths))?;
+                map.end()
+            }
         }
     }
 }
@@ -63,6 +80,12 @@ impl<'de> DeserializeSeed<'de> for ValueOf {
                 let word = String::deserialize(deserializer)?;
                 let known = choices.iter().find(|choice| choice.name == word);
                 Value::Choice(known.ok_or_else(|| unknown("variant", &word, names(choices)))?.name)
+            }
+            Kind::Links => {
+                let links = Option::<Links>::deserialize(deserializer)?;
+                links
+                    .and_then(|links| light::Links::new(links.include, links.exclude))
+                    .map_or(Value::Absent, Value::Links)
             }
             Kind::Projection => return Err(de::Error::custom("a projection is set with setCamera")),
         })
@@ -165,6 +188,17 @@ pub(crate) fn schema(row: &Parameter) -> Map<String, serde_json::Value> {
         Kind::Color | Kind::Vector { .. } => vector(3),
         Kind::Rotation => vector(4),
         Kind::Text { .. } => json!({"type": "string"}),
+        Kind::Links => {
+            let paths = |description| json!({"type": "array", "items": {"type": "string"}, "maxItems": MAX_LINKS, "description": description});
+            json!({
+                "type": ["object", "null"],
+                "properties": {
+                    "include": paths("Paths of nodes; where there are none, all nodes."),
+                    "exclude": paths("Paths of nodes that are left out."),
+                },
+                "additionalProperties": false,
+            })
+        }
         Kind::Projection => json!({}),
     };
     schema["description"] = row.doc.into();
@@ -265,7 +299,7 @@ macro_rules! setting {
 
 setting! {
     /// [`light::Setting`] of a light in JSON: an object with one field.
-    LightParameter of [Owner::Spot, Owner::Bendy]
+    LightParameter of [Owner::Spot, Owner::Bendy, Owner::Omni, Owner::Directional]
 }
 setting! {
     /// [`light::Setting`] of a control point in JSON: an object with one field.

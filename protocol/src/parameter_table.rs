@@ -54,6 +54,10 @@ pub enum ParameterOwner {
     Spot,
     /// A light of type `bendy`.
     Bendy,
+    /// A light of type `omni`.
+    Omni,
+    /// A light of type `directional`.
+    Directional,
     /// A control point of a `bendy` light.
     Point,
     /// A camera.
@@ -130,6 +134,13 @@ pub enum ParameterKind {
         /// Bytes of UTF-8 that it has at most.
         max_bytes: usize,
     },
+    /// Some nodes of the scene: `{"include": [PATH, ...], "exclude": [PATH, ...]}`, or `null` for all of them.
+    Links {
+        /// Nodes that both lists name at most.
+        max_paths: usize,
+        /// Bytes of UTF-8 that all their paths have at most.
+        max_bytes: usize,
+    },
     /// How a camera projects, as a whole.
     Projection,
 }
@@ -164,6 +175,8 @@ impl ParameterOwner {
         match self {
             Self::Spot => "spot",
             Self::Bendy => "bendy",
+            Self::Omni => "omni",
+            Self::Directional => "directional",
             Self::Point => "point",
             Self::Camera => "camera",
         }
@@ -172,7 +185,7 @@ impl ParameterOwner {
     /// How addresses of what it has begin.
     fn place(self) -> &'static str {
         match self {
-            Self::Spot | Self::Bendy => "/lights/ID",
+            Self::Spot | Self::Bendy | Self::Omni | Self::Directional => "/lights/ID",
             Self::Point => "/lights/ID/points/INDEX",
             Self::Camera => "/cameras/ID",
         }
@@ -184,6 +197,8 @@ impl From<Owner> for ParameterOwner {
         match owner {
             Owner::Spot => Self::Spot,
             Owner::Bendy => Self::Bendy,
+            Owner::Omni => Self::Omni,
+            Owner::Directional => Self::Directional,
             Owner::Point => Self::Point,
             Owner::Camera => Self::Camera,
         }
@@ -253,6 +268,9 @@ impl From<light::Kind> for ParameterKind {
             light::Kind::Vector { unit, step } => Self::Vector { unit: unit.into(), step },
             light::Kind::Rotation => Self::Rotation,
             light::Kind::Text { max_bytes } => Self::Text { max_bytes },
+            light::Kind::Links => {
+                Self::Links { max_paths: light::MAX_LINKS, max_bytes: light::MAX_LINK_BYTES }
+            }
             light::Kind::Projection => Self::Projection,
         }
     }

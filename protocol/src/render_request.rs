@@ -62,11 +62,13 @@ pub struct RenderRequest {
     pub light: Option<String>,
     /// How much of the scene's fill the beauty has.
     pub fill: f64,
+    /// Stops by which a PNG of the beauty is brightened; an EXR holds the radiance itself.
+    pub exposure: f64,
 }
 
 impl Default for RenderRequest {
     fn default() -> Self {
-        Self { camera: None, size: None, aov: Aov::Beauty, samples: 1, light: None, fill: 1.0 }
+        Self { camera: None, size: None, aov: Aov::Beauty, samples: 1, light: None, fill: 1.0, exposure: 0.0 }
     }
 }
 
@@ -82,6 +84,21 @@ impl RenderRequest {
         Self::check_fill(text.parse().map_err(|_| refused())?)
     }
 
+    /// Checks by how many stops a picture is to be brightened.
+    pub fn check_exposure(stops: f64) -> Result<f64, RenderRefusal> {
+        if View::EXPOSURE.contains(&stops) {
+            Ok(stops)
+        } else {
+            Err(RenderRefusal::Exposure(stops.to_string()))
+        }
+    }
+
+    /// Reads the same.
+    pub fn parse_exposure(text: &str) -> Result<f64, RenderRefusal> {
+        let refused = || RenderRefusal::Exposure(text.chars().take(20).collect());
+        Self::check_exposure(text.parse().map_err(|_| refused())?)
+    }
+
     /// Width over height of the picture, for a camera that is made to frame the scene.
     pub fn framing_aspect(&self) -> f64 {
         self.size.map_or(DEFAULT_ASPECT, |[width, height]| f64::from(width) / f64::from(height))
@@ -90,8 +107,8 @@ impl RenderRequest {
     /// The view that it asks for, from `camera` and of the light of index `light`.
     pub fn view(&self, camera: Camera, light: usize, limits: RenderLimits, slot: ViewSlot) -> View {
         let [width, height] = self.size.unwrap_or_else(|| camera.projection.default_size(limits.max_side));
-        let Self { aov, samples, fill, .. } = *self;
-        View { camera, width, height, samples, aov, light, fill, slot }
+        let Self { aov, samples, fill, exposure, .. } = *self;
+        View { camera, width, height, samples, aov, light, fill, exposure, slot }
     }
 }
 
@@ -111,6 +128,8 @@ pub struct RenderParameters {
     pub light: Option<String>,
     /// As [`RenderRequest::fill`].
     pub fill: Option<f64>,
+    /// As [`RenderRequest::exposure`].
+    pub exposure: Option<f64>,
     /// The record after which the document is shown; by default the latest.
     pub at: Option<u64>,
     /// What file the picture comes as.
@@ -137,6 +156,7 @@ impl RenderParameters {
             size: self.size.as_deref().map(|size| limits.parse_size(size)).transpose()?,
             samples: self.samples.map_or(Ok(default.samples), |samples| limits.check_samples(samples))?,
             fill: self.fill.map_or(Ok(default.fill), RenderRequest::check_fill)?,
+            exposure: self.exposure.map_or(Ok(default.exposure), RenderRequest::check_exposure)?,
             aov: self.aov.as_deref().map_or(Ok(default.aov), str::parse)?,
             camera: self.camera.clone(),
             light: self.light.clone(),
@@ -176,6 +196,9 @@ pub enum RenderRefusal {
     /// A factor that the fill cannot have.
     #[error("the fill's factor is `{0}`: give a number from {start} to {end}", start = View::FILL.start(), end = View::FILL.end())]
     Fill(String),
+    /// Stops that an exposure cannot have.
+    #[error("the exposure is `{0}`: give a number of stops from {start} to {end}", start = View::EXPOSURE.start(), end = View::EXPOSURE.end())]
+    Exposure(String),
     /// A quantity that pictures do not show.
     #[error(transparent)]
     Aov(#[from] UnknownAov),
@@ -185,7 +208,9 @@ impl RenderRefusal {
     /// The code that programs act on.
     pub fn code(&self) -> ErrorCode {
         match self {
-            Self::Size { .. } | Self::NoSamples { .. } | Self::Fill(_) => ErrorCode::BadMessage,
+            Self::Size { .. } | Self::NoSamples { .. } | Self::Fill(_) | Self::Exposure(_) => {
+                ErrorCode::BadMessage
+            }
             Self::TooLarge { .. } | Self::TooManySamples { .. } => ErrorCode::TooLarge,
             Self::Aov(_) => ErrorCode::Render,
         }
@@ -215,6 +240,10 @@ mod tests {
         for factor in ["-1", "NaN", "1000001", "none"] {
             let refusal = RenderRequest::parse_fill(factor).expect_err(factor);
             assert!(refusal.to_string().contains("from 0 to 1000000"), "{refusal}");
+        }
+        for stops in ["-32.5", "NaN", "33", "inf", "bright"] {
+            let refusal = RenderRequest::parse_exposure(stops).expect_err(stops);
+            assert!(refusal.to_string().contains("from -32 to 32"), "{refusal}");
         }
     }
 

@@ -2,10 +2,10 @@
 
 use glam::{DQuat, DVec3};
 use light::parameters::{
-    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, RANGE, TRANSLATION,
-    UP,
+    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, LIGHT_LINK, NAME, RANGE,
+    SHADOW_LINK, TRANSLATION, UP, WIDTH,
 };
-use light::{Decay, Direction, EndMode, Frame, Light, Transform};
+use light::{Decay, Direction, EndMode, Frame, Light, Links, Owner, Transform};
 use proptest::prelude::*;
 use protocol::{light_file, point_file};
 
@@ -27,6 +27,27 @@ fn everything_but_type_points_and_radii_has_its_documented_default() {
     let expected = one(FULL).placed(Transform::default()).with(NAME, String::new());
     assert_eq!(one(SHORT), expected);
     assert_eq!(one(r#"{"type": "spot"}"#), Light::spot());
+}
+
+/// However they are written, equal links are one value, and all nodes are the default.
+///
+/// Rules: LINK-4
+#[test]
+fn links_are_sets() {
+    let links = |json: &str| one(&format!(r#"{{"type": "spot", "lightLink": {json}, "shadowLink": null}}"#));
+    let list = |paths: &[&str]| paths.iter().map(|path| String::from(*path)).collect::<Vec<_>>();
+    let some = Light::spot().with(LIGHT_LINK, Links::new(list(&["a/b", "c"]), list(&["d#2"])));
+    assert_eq!(links(r#"{"include": ["c", "a/b", "c"], "exclude": ["d#2"]}"#), some);
+    for all in ["null", "{}", r#"{"include": []}"#, r#"{"exclude": [], "include": []}"#] {
+        assert_eq!(links(all), Light::spot());
+    }
+    let written = |light: &Light| serde_json::to_value(protocol::Light::from(light)).expect("JSON");
+    let some = written(&some.with(SHADOW_LINK, Links::new(Vec::new(), list(&["e"]))));
+    assert_eq!(some["lightLink"], serde_json::json!({"include": ["a/b", "c"], "exclude": ["d#2"]}));
+    assert_eq!(some["shadowLink"], serde_json::json!({"exclude": ["e"]}));
+    assert_eq!(written(&Light::spot()).get("lightLink"), None);
+    let refused = refusal(r#"{"type": "spot", "lightLink": {"only": ["a"]}}"#);
+    assert_eq!(refused, "lightLink.only: unknown field `only`, expected `include` or `exclude`");
 }
 
 #[test]
@@ -115,7 +136,7 @@ fn a_file_holds_one_light_or_an_array() {
 #[test]
 fn json_has_a_line_a_field() {
     let json = light_file::to_json(&one(SHORT));
-    let expected = r#"{
+    let begins = r#"{
   "type": "bendy",
   "name": "",
   "transform": {"translation": [0.0, 0.0, 0.0], "rotation": [0.0, 0.0, 0.0, 1.0], "scale": 1.0},
@@ -123,16 +144,18 @@ fn json_has_a_line_a_field() {
   "radii": [0.1, 0.4, 0.8],
   "colors": [[1.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 1.0, 1.0]],
   "intensities": [1.0, 1.0, 1.0],
-  "exposure": 0.0,
-  "decay": "none",
-  "coneAngle": 25.0,
-  "coneSoftness": 0.2,
-  "endMode": "cut",
-  "direction": "tube",
-  "frame": "rotationMinimizing",
-  "up": [0.0, 1.0, 0.0]
-}"#;
-    assert_eq!(json, expected);
+  "enabled": true,
+  "color": [1.0, 1.0, 1.0],
+"#;
+    assert!(json.starts_with(begins), "{json}");
+    let lines: Vec<_> = json.lines().collect();
+    for field in ["exposure", "coneAngle", "frame", "up"] {
+        assert!(lines.iter().any(|line| line.starts_with(&format!("  \"{field}\": "))), "{json}");
+    }
+    assert!(
+        lines.last() == Some(&"}")
+            && lines.iter().filter(|line| line.ends_with(',')).count() == lines.len() - 3
+    );
 }
 
 proptest! {
@@ -158,6 +181,10 @@ proptest! {
         let spot = Light::spot().with(COLOR, color).with(INTENSITY, e).with(RANGE, Some(a + 1.0));
         let spot = spot.with(NAME, "s".into());
         prop_assert_eq!(&one(&light_file::to_json(&spot)), &spot);
+        let omni = Light::omni().with(COLOR, color).with(RANGE, Some(a + 1.0));
+        prop_assert_eq!(&one(&light_file::to_json(&omni)), &omni);
+        let directional = Light::directional().with(INTENSITY, e).with(WIDTH, Some(a + 1.0));
+        prop_assert_eq!(&one(&light_file::to_json(&directional)), &directional);
     }
 
     #[test]
@@ -210,18 +237,32 @@ fn broken_json_is_refused_with_its_line_and_column() {
     }
 }
 
+/// The fields of a light by the table, as sentences list them; control points' come after the transform.
+fn fields(owner: Owner) -> String {
+    let mut names = vec!["type"];
+    for row in light::parameters_of(owner) {
+        let name = row.path.split('.').next().expect("a path");
+        if !names.contains(&name) {
+            names.push(name);
+            let points = light::parameters_of(Owner::Point).iter().map(|row| row.path);
+            names.extend(points.filter(|_| name == "transform" && owner == Owner::Bendy));
+        }
+    }
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
 #[test]
 fn a_wrong_shape_is_refused_with_its_place() {
-    let bendy_fields = "`type`, `name`, `transform`, `points`, `radii`, `colors`, `intensities`, \
-                        `exposure`, `decay`, `coneAngle`, `coneSoftness`, `endMode`, `direction`, `frame`, `up`";
-    let spot_fields = "`type`, `name`, `transform`, `color`, `intensity`, `exposure`, `decay`, `coneAngle`, \
-                       `coneSoftness`, `range`";
+    let (bendy_fields, spot_fields) = (fields(Owner::Bendy), fields(Owner::Spot));
     let light = "a light: an object with `type`, `points`, `radii` and so on";
     for (said, expected) in [
         (refusal("3"), format!("invalid type: integer `3`, expected {light}")),
         (refusal("[3]"), format!("light 0: invalid type: integer `3`, expected {light}")),
         (refusal("{}"), "missing field `type`".into()),
-        (spoilt("bendy", "omni"), "type: unknown variant `omni`, expected `bendy` or `spot`".into()),
+        (
+            spoilt("bendy", "area"),
+            "type: unknown variant `area`, expected one of `bendy`, `spot`, `omni`, `directional`".into(),
+        ),
         (
             spoilt("\"radii\"", "\"radius\""),
             format!("radius: unknown field `radius`, expected one of {bendy_fields}"),

@@ -18,6 +18,9 @@ fn from_the_client() -> Vec<Value> {
         json!({"type": "openView", "source": {"own": camera()}, "width": 686, "height": 382, "cameraRevision": 1}),
         json!({"type": "openView", "source": {"follow": 2}, "width": 686, "height": 382, "cameraRevision": 0}),
         json!({"type": "setCamera", "camera": camera(), "cameraRevision": 2}),
+        json!({"type": "openView", "source": {"own": camera()}, "width": 686, "height": 382, "cameraRevision": 1,
+            "settings": {"exposure": 0.5, "solo": []}}),
+        json!({"type": "setView", "settings": {"exposure": -1.5, "solo": [1, 4]}, "cameraRevision": 3}),
         json!({"type": "viewport", "width": 800, "height": 600}),
         json!({"type": "ack", "frame": 9}),
         json!({"type": "edit", "opId": "x", "baseSeq": 7, "command": command}),
@@ -96,8 +99,7 @@ fn from_the_server() -> Vec<Value> {
     let actor = json!({"id": "a", "name": "Ada"});
     let bounds = json!({"min": [-1.0, 0.0, -1.0], "max": [1.0, 2.0, 1.0]});
     let notes = ["points and lines are not drawn: fence"];
-    let presence =
-        json!({"client": 1, "actor": actor, "selection": null, "following": 2, "camera": camera()});
+    let presence = json!({"client": 1, "actor": actor, "selection": null, "following": 2, "camera": camera(), "settings": {"exposure": 0.5, "solo": [2]}});
     let gesture =
         json!({"gesture": "g", "client": 1, "light": 1, "update": 3, "liveRevision": 4, "changes": []});
     let action = json!({"type": "edit", "command": {"type": "removeLight", "light": 1}});

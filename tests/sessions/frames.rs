@@ -3,10 +3,11 @@
 use std::time::{Duration, Instant};
 
 use bench::Incoming;
-use protocol::{ClientMessage, Document, Vec3, ViewSource};
+use protocol::{ClientMessage, Command, Document, ServerMessage, Vec3, ViewSettings, ViewSource};
+use serde_json::json;
 use stream::{Codec, FrameHeader};
 
-use crate::support::{Mirror, Server, move_point, moved, rename};
+use crate::support::{Mirror, Server, move_point, moved, pixels, rename};
 
 /// How often the server rendered and encoded.
 fn work(server: &Server) -> [f64; 2] {
@@ -152,7 +153,13 @@ fn followers_share_one_render_and_one_encoding() {
     let mut followers = [server.connect("ben"), server.connect("cyd")];
     for follower in &mut followers {
         let source = ViewSource::Follow(ada.client.welcome.client);
-        follower.send(&ClientMessage::OpenView { source, width: 999, height: 77, camera_revision: 1 });
+        follower.send(&ClientMessage::OpenView {
+            source,
+            width: 999,
+            height: 77,
+            camera_revision: 1,
+            settings: None,
+        });
         let (header, _) = frame(follower, |header| header.flags.settle);
         assert_eq!((header.width, header.height), (160, 90), "the followed one's size");
     }
@@ -187,9 +194,70 @@ fn moving_ones_view_is_no_edit() {
     ada.send(&ClientMessage::SetCamera { camera, camera_revision: 7 });
     let (header, payload) = frame(&mut ada, |header| header.flags.settle && header.camera_revision == 7);
     assert_eq!(header.log_seq, ada.seq);
-    assert_ne!(crate::support::pixels(&payload), before);
+    assert_ne!(pixels(&payload), before);
     assert_eq!(server.state().0, ada.seq);
     let bounds = ada.client.welcome.bounds;
     assert!(bounds.min.iter().zip(bounds.max).all(|(min, max)| *min < max));
     assert_eq!(Document::from(&ada.document).cameras.len(), 1);
+}
+
+/// One's exposure and the lights that one sees alone are one's own: no record, and no frame for anybody else.
+///
+/// Rules: SOCK-7, SOCK-12, FRAME-1
+#[test]
+fn what_is_a_viewers_own_is_seen_by_nobody_else() {
+    let server = Server::start();
+    let [mut ada, mut ben] = ["ada", "ben"].map(|name| server.connect(name));
+    let spot = Command::AddLight { light: lamp() };
+    let seq = ada.edited(spot).seq().expect("committed");
+    let (key, added) = (ada.light(), ada.document.lights().keys().map(|id| id.0).max().expect("a light"));
+    assert_ne!(key, added);
+    ada.open_view();
+    ben.open_view();
+    let (both, bens) = (ada.settled(seq), ben.settled(seq));
+    let mut revision = 1;
+    let mut seen_with = |ada: &mut Mirror, exposure: f64, solo: &[u64]| {
+        revision += 1;
+        let settings = ViewSettings { exposure, solo: solo.to_vec() };
+        ada.send(&ClientMessage::SetView { settings, camera_revision: revision });
+        let (_, payload) = frame(ada, |header| header.flags.settle && header.camera_revision == revision);
+        pixels(&payload)
+    };
+    let sum = |picture: &[u8]| picture.iter().map(|byte| u64::from(*byte)).sum::<u64>();
+    let before = work(&server);
+    let [alone, lamp_alone] = [&[key], &[added]].map(|solo| seen_with(&mut ada, 0.0, solo));
+    assert!(sum(&alone) < sum(&both) && sum(&lamp_alone) < sum(&both) && alone != lamp_alone);
+    // Both, whichever way it is said; a light that there is not counts for nothing.
+    assert!(seen_with(&mut ada, 0.0, &[added, 99, key]) == both);
+    assert!(seen_with(&mut ada, 0.0, &[99]) == both);
+    assert!(sum(&seen_with(&mut ada, 1.0, &[])) > sum(&both));
+    assert!(sum(&seen_with(&mut ada, -1.0, &[])) < sum(&both));
+    // Ada's alone were drawn, each at most twice, moving and lossless.
+    assert!(work(&server)[0] - before[0] <= 12.0);
+    assert_eq!(server.state().0, seq, "nothing was logged");
+    // Who follows sees what is followed.
+    seen_with(&mut ada, 0.0, &[key]);
+    let source = ViewSource::Follow(ada.client.welcome.client);
+    ben.send(&ClientMessage::OpenView { source, width: 9, height: 9, camera_revision: 1, settings: None });
+    let (_, followed) = frame(&mut ben, |header| header.flags.settle && header.camera_revision == revision);
+    assert!(pixels(&followed) == alone && bens == both);
+    // The light goes, and with it being alone.
+    let gone = ada.edited(Command::RemoveLight { light: key }).seq().expect("committed");
+    assert!(ada.settled(gone) == lamp_alone);
+
+    for (exposure, solo, sentence) in [(33.0, vec![], "from -32 to 32"), (0.0, vec![1; 257], "256")] {
+        ada.send(&ClientMessage::SetView { settings: ViewSettings { exposure, solo }, camera_revision: 99 });
+        let said = ada.wait_for("a refusal", |message| match message {
+            ServerMessage::Error { message, fatal: false, .. } => Some(message.clone()),
+            _ => None,
+        });
+        assert!(said.contains(sentence), "{said}");
+    }
+}
+
+/// A spotlight beside the demo's own.
+fn lamp() -> protocol::Light {
+    let json = json!({"type": "spot", "name": "lamp", "intensity": 30,
+        "transform": {"translation": [0, 3, 4], "rotation": [0, 0, 0, 1], "scale": 1}});
+    serde_json::from_value(json).expect("a light")
 }

@@ -2,7 +2,8 @@
 
 use bench::ServerProcess;
 use protocol::{
-    Asset, EditResults, ErrorBody, ErrorCode, Outcome, Record, SessionList, SessionState, parse_body,
+    Asset, EditResults, ErrorBody, ErrorCode, Outcome, Picked, Record, SessionList, SessionState, Vec3,
+    parse_body,
 };
 use serde_json::json;
 
@@ -116,10 +117,19 @@ fn pictures_come_in_every_form() {
     assert!(black(&alone) > 64 * 36 / 4 && black(&beauty) == 0, "{} {}", black(&alone), black(&beauty));
     assert_eq!(pixels(&picture("fill=1").body), pixels(&beauty.body));
     assert_ne!(pixels(&dim.body), pixels(&beauty.body));
+    let sum =
+        |picture: &bench::Response| pixels(&picture.body).iter().map(|byte| u64::from(*byte)).sum::<u64>();
+    let [darker, brighter] = ["exposure=-1.5", "exposure=1"].map(picture);
+    assert!(sum(&darker) < sum(&beauty) && sum(&beauty) < sum(&brighter));
+    assert_eq!(pixels(&picture("exposure=0").body), pixels(&beauty.body));
+    // Values themselves know no exposure.
+    assert_eq!(picture("format=exr&exposure=3").body, picture("format=exr").body);
     for wrong in [
         "fill=-1",
         "fill=NaN",
         "fill=all",
+        "exposure=32.1",
+        "exposure=NaN",
         "size=0x9",
         "aov=shade",
         "samples=100000",
@@ -133,6 +143,39 @@ fn pictures_come_in_every_form() {
         assert!((400..500).contains(&refused.status), "{wrong}: {}", refused.status);
         assert!(!code(&refused).is_empty());
     }
+}
+
+/// Straight down from two heights the same point is seen, and nothing above.
+///
+/// Rules: HTTP-21
+#[test]
+fn a_camera_is_told_what_it_looks_at() {
+    let server = Server::start();
+    let down = std::f64::consts::FRAC_1_SQRT_2;
+    let pick = |translation: Vec3, rotation: [f64; 4], projection: serde_json::Value| {
+        let camera =
+            json!({"name": "", "translation": translation, "rotation": rotation, "projection": projection});
+        let answer = post(&server, "/sessions/main/pick", &json!({ "camera": camera }));
+        assert_eq!(answer.status, 200, "{}", answer.text());
+        parse_body::<Picked>(&answer.text()).expect("a point").point
+    };
+    let perspective = || json!({"perspective": {"yfov": 0.7, "aspectRatio": 2.4, "znear": 0.01}});
+    let orthographic = json!({"orthographic": {"ymag": 1.5, "znear": 0.0, "zfar": 50.0}});
+    let turned = [-down, 0.0, 0.0, down];
+    let low = pick([0.3, 7.0, 0.2], turned, perspective()).expect("the scene is below");
+    let high = [pick([0.3, 12.0, 0.2], turned, perspective()), pick([0.3, 9.0, 0.2], turned, orthographic)];
+    for other in high {
+        let other = other.expect("the scene is below");
+        // A depth is an f32 of at most 20.
+        let apart = other.iter().zip(low).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 20.0 * f64::from(f32::EPSILON), "{low:?} {other:?}");
+    }
+    assert!((low[0] - 0.3).abs() < 1e-12 && (low[2] - 0.2).abs() < 1e-12 && low[1] < 6.0, "{low:?}");
+    assert_eq!(pick([0.3, 12.0, 0.2], [down, 0.0, 0.0, down], perspective()), None, "the sky");
+    let flat = json!({"camera": {"name": "", "translation": [0, 0, 0], "rotation": [0, 0, 0, 1],
+        "projection": {"perspective": {"yfov": 0, "znear": 1}}}});
+    let refused = post(&server, "/sessions/main/pick", &flat);
+    assert_eq!((refused.status / 100, code(&refused)), (4, "invalidCamera".into()));
 }
 
 /// Rules: HTTP-10, DOC-5

@@ -60,7 +60,7 @@ fn resident_bytes(server: &Server) -> f64 {
 
 fn see(mirror: &mut Mirror, [width, height]: [u32; 2]) {
     let source = ViewSource::Own(mirror.client.welcome.camera.clone());
-    mirror.send(&ClientMessage::OpenView { source, width, height, camera_revision: 1 });
+    mirror.send(&ClientMessage::OpenView { source, width, height, camera_revision: 1, settings: None });
     mirror.receive_until("a frame", |incoming| matches!(incoming, Incoming::Frame(..)).then_some(()));
 }
 

@@ -1,5 +1,6 @@
 //! Whole sessions: the program as a server, clients on real sockets, what they see and what is left on disk.
 
+mod bending;
 mod crash;
 mod disk;
 mod frames;

@@ -168,7 +168,13 @@ impl Mirror {
     /// Opens a view of 160 x 90 from where the session suggests.
     pub fn open_view(&mut self) {
         let source = protocol::ViewSource::Own(self.client.welcome.camera.clone());
-        self.send(&ClientMessage::OpenView { source, width: 160, height: 90, camera_revision: 1 });
+        self.send(&ClientMessage::OpenView {
+            source,
+            width: 160,
+            height: 90,
+            camera_revision: 1,
+            settings: None,
+        });
     }
 
     /// The pixels of the next lossless frame that shows record `log_seq`.

@@ -6,7 +6,7 @@ import { BENDY, CAMERA, DOCUMENT } from "./examples";
 import { TABLE } from "./parameters_fixture";
 import { vectors } from "./vectors";
 
-const { freeName, lightLabel, lightName, lightOf } = core;
+const { copyName, freeName, lightLabel, lightName, lightOf } = core;
 const applyChange = (document: Document, change: Change) => core.applyChange(TABLE, document, change);
 const predict = (document: Document, command: Command) => core.predict(TABLE, document, command);
 const changesPicture = (change: Change) => core.changesPicture(TABLE, DOCUMENT, change);
@@ -134,4 +134,14 @@ test("names and cameras change no picture", () => {
   ];
   expect(silent.filter(changesPicture)).toEqual([]);
   expect(visible.filter((change) => !changesPicture(change))).toEqual([]);
+});
+
+test("a copy has its light's name with the next number that is free", () => {
+  const copy = (name: string, ...others: string[]) => copyName({ ...BENDY, name }, [name, ...others]);
+  expect(copy("key")).toBe("key 2");
+  expect(copy("key", "key 2")).toBe("key 3");
+  expect(copy("spot 7")).toBe("spot 2");
+  expect(copy("spot 2", "spot 3")).toBe("spot 4");
+  expect(copy("route 66 sign")).toBe("route 66 sign 2");
+  expect(copy("  ")).toBe("bendy 2");
 });

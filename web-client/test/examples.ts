@@ -1,7 +1,18 @@
 // A session's beginnings for tests, and numbers that look random and are the same every time.
 
 import { type Owner, rowsOf } from "../src/core/parameters";
-import type { Bendy, Camera, Change, Document, Record, ServerLog, Spot, Welcome } from "../src/core/protocol";
+import type {
+  Bendy,
+  Camera,
+  Change,
+  Directional,
+  Document,
+  Omni,
+  Record,
+  ServerLog,
+  Spot,
+  Welcome,
+} from "../src/core/protocol";
 import type { Vec3 } from "../src/core/vector";
 import { TABLE } from "./parameters_fixture";
 
@@ -47,6 +58,20 @@ export const SPOT: Spot = {
   transform: { translation: [0, 2.5, -3], rotation: [0, Math.SQRT1_2, 0, Math.SQRT1_2], scale: 1 },
   coneAngle: 20,
   decay: "none",
+};
+
+export const OMNI: Omni = {
+  ...defaults<Omni>("omni"),
+  type: "omni",
+  name: "bulb",
+  transform: SPOT.transform,
+};
+
+export const DIRECTIONAL: Directional = {
+  ...defaults<Directional>("directional"),
+  type: "directional",
+  name: "sun",
+  transform: SPOT.transform,
 };
 
 export const DOCUMENT: Document = {

@@ -12,10 +12,10 @@ import {
   turnAxis,
   turnRadius,
 } from "../src/core/handles";
-import { circle, ringAt, sideways, tubeOf } from "../src/core/outline";
+import { arrowHead, circle, ringAt, sideways, silhouette, sphereOf, tubeOf } from "../src/core/outline";
 import type { Light } from "../src/core/protocol";
 import { add, cross, dot, perpendicular, rotate, scale, sub } from "../src/core/vector";
-import { BENDY, CAMERA, DOCUMENT, SPOT } from "./examples";
+import { BENDY, CAMERA, DIRECTIONAL, DOCUMENT, OMNI, SPOT } from "./examples";
 import { TABLE } from "./parameters_fixture";
 
 const VIEW: View = { camera: CAMERA, width: 900, height: 600 };
@@ -113,12 +113,39 @@ test("a spotlight's cone opens and closes within the model's angles", () => {
   expect(handle).toEqual({ kind: "cone" });
   const angles = [-4000, -20, 0, 20, 4000].map((x) => {
     const { after } = dragged(SPOT, { kind: "cone" }, { x: 0, y: x });
-    return after.coneAngle;
+    return after.type === "spot" ? after.coneAngle : NaN;
   });
   expect(angles[2]).toBeCloseTo(SPOT.coneAngle, 9);
   expect(Math.min(...angles)).toBeGreaterThan(0);
   expect(Math.max(...angles)).toBeLessThan(90);
   expect(new Set(angles).size).toBe(5);
+});
+
+test("omni and directional lights are moved and turned", () => {
+  for (const light of [OMNI, DIRECTIONAL]) {
+    expect(handlesOf(light)).toEqual([]);
+    const { to, at } = dragged(light, { kind: "source" }, { x: 41, y: -17 });
+    expect(distance(to, at)).toBeLessThan(PIXEL_ROUNDING);
+    const { after } = dragged(light, { kind: "turn", axis: 1 }, { x: 60, y: 9 });
+    expect(after.transform.rotation).not.toEqual(light.transform.rotation);
+  }
+});
+
+test("an omni light is a sphere of its range, a directional light parallel lines", () => {
+  const spheres = sphereOf(drawn({ ...OMNI, range: 3 }).tube, OMNI.transform.rotation);
+  expect(spheres).toHaveLength(3);
+  for (const point of spheres.flat()) {
+    expect(Math.hypot(...sub(point, OMNI.transform.translation))).toBeCloseTo(3, 12);
+  }
+  const { tube } = drawn({ ...DIRECTIONAL, width: 4 });
+  expect(tube.radii).toEqual([2, 2, 2]);
+  const axis = rotate(DIRECTIONAL.transform.rotation, [0, 0, -1]);
+  const { right, left } = silhouette(tube, CAMERA);
+  const ends = [right.at(-1), left.at(-1), arrowHead(tube, CAMERA)[1]];
+  for (const end of ends) {
+    const along = dot(sub(end ?? [NaN, NaN, NaN], DIRECTIONAL.transform.translation), axis);
+    expect(along).toBeCloseTo(REACH, 12);
+  }
 });
 
 test("rings are round, closed and across the tube", () => {

@@ -85,6 +85,7 @@ describe("the mirror", () => {
       selection: null,
       following: null,
       camera: null,
+      settings: null,
     };
     receive({
       type: "resync",
@@ -354,6 +355,7 @@ describe("views", () => {
     selection: null,
     following: null,
     camera: { ...CAMERA, name: "ada's" },
+    settings: { exposure: 2, solo: [1] },
   };
 
   test("start at the welcome's camera and move at most once a frame", () => {
@@ -408,10 +410,11 @@ describe("views", () => {
   });
 
   test("of somebody who follows are the followed one's", () => {
-    const bob = { ...ada, client: 9, following: 8, camera: null };
+    const bob = { ...ada, client: 9, following: 8, camera: null, settings: null };
     welcome({ clients: [ada, bob] });
     session.viewer.follow(9);
     expect(session.viewer.cameraOf(null)?.name).toBe("ada's");
+    expect(session.viewer.shownSettings.value).toEqual(ada.settings);
   });
 
   test("are one's own again when the followed one has left, from where that was", () => {
@@ -420,5 +423,48 @@ describe("views", () => {
     receive({ type: "presence", clients: [] });
     expect(session.viewer.following.value).toBeNull();
     expect(sent("openView").at(-1)).toMatchObject({ source: { own: { name: "ada's" } } });
+  });
+
+  // Rules: SOCK-12
+  test("have settings of their own, which frames count like cameras", () => {
+    session = sessionOn(host);
+    const { viewer } = session;
+    viewer.set({ exposure: 1 });
+    welcome();
+    viewer.resize(640, 360);
+    expect(sent("openView")).toMatchObject([{ cameraRevision: 1, settings: { exposure: 1, solo: [] } }]);
+    viewer.set({ solo: [1] });
+    viewer.move((from) => ({ ...from, camera: { ...from.camera, name: "moved" } }));
+    viewer.set({ exposure: -0.5 });
+    expect([viewer.revision.value, sent("setView")]).toEqual([3, []]);
+    host.frame();
+    expect(sent("setCamera")).toMatchObject([{ camera: { name: "moved" }, cameraRevision: 2 }]);
+    const settings = { exposure: -0.5, solo: [1] };
+    expect(sent("setView")).toEqual([{ type: "setView", settings, cameraRevision: 3 }]);
+
+    // Another's view is as the other has it, and one's own afterwards as it was.
+    receive({ type: "presence", clients: [ada] });
+    viewer.follow(8);
+    expect(viewer.shownSettings.value).toEqual(ada.settings);
+    viewer.set({ exposure: 3 });
+    host.frame();
+    expect(sent("setView")).toHaveLength(1);
+    viewer.follow(null);
+    expect(sent("openView").at(-1)?.settings).toEqual({ exposure: 3, solo: [1] });
+    expect(viewer.shownSettings.value).toEqual(viewer.settings.value);
+  });
+
+  // Rules: SOCK-12
+  test("show no light alone that was removed, also when it is back", () => {
+    welcome();
+    session.viewer.set({ solo: [1] });
+    host.frame();
+    const placed = { layout: 0, light: BENDY };
+    const removed = { type: "light", light: 1, old: placed, new: null } as const;
+    receive(log(record(4, [removed])));
+    host.frame();
+    expect(sent("setView").map(({ settings }) => settings.solo)).toEqual([[1], []]);
+    receive(log(record(5, [{ ...removed, old: null, new: placed }])));
+    expect(session.viewer.settings.value.solo).toEqual([]);
   });
 });

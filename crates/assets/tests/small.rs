@@ -6,8 +6,8 @@ use std::path::Path;
 use assets::{AssetError, Fault, Limit, Loaded};
 use document::SceneContents;
 use glam::{DVec3, Vec2, Vec3, Vec4};
-use light::Shape;
-use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, INTENSITY, RANGE};
+use light::parameters::{COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, INTENSITY, RANGE};
+use light::{Decay, Shape};
 use scene::{Primitive, Projection, Sampler, Wrap};
 
 /// A file in the making: JSON members as text, and one buffer.
@@ -262,7 +262,8 @@ fn lights_and_cameras_stand_rigid_in_the_world() {
         .with(
             r#""extensions":{"KHR_lights_punctual":{"lights":[
             {"type":"spot","intensity":40,"color":[1,0.5,0],"range":9,"spot":{"innerConeAngle":0.4,"outerConeAngle":0.5}},
-            {"type":"point","name":"bulb"},{"type":"spot","intensity":-1,"spot":{}}]}}"#,
+            {"type":"point","name":"bulb","intensity":60,"range":4},{"type":"spot","intensity":-1,"spot":{"outerConeAngle":0}},
+            {"type":"directional","intensity":3,"color":[1,-2,0.5],"range":0}]}}"#,
         )
         .with(
             r#""cameras":[{"type":"perspective","perspective":{"yfov":1.0471975511965976,"znear":0.1}},
@@ -271,13 +272,14 @@ fn lights_and_cameras_stand_rigid_in_the_world() {
         .with(
             r#""nodes":[{"name":"rig","translation":[1,2,3],"scale":[5,1,2],"rotation":[0,0.7071067811865476,0,0.7071067811865476],
             "camera":0,"extensions":{"KHR_lights_punctual":{"light":0}}},
-            {"camera":1,"extensions":{"KHR_lights_punctual":{"light":1}}},{"extensions":{"KHR_lights_punctual":{"light":2}}}]"#,
+            {"camera":1,"extensions":{"KHR_lights_punctual":{"light":1}}},{"extensions":{"KHR_lights_punctual":{"light":2}}},
+            {"name":"sun","rotation":[-0.7071067811865476,0,0,0.7071067811865476],"extensions":{"KHR_lights_punctual":{"light":3}}}]"#,
         )
         .load()
         .unwrap();
     let SceneContents { lights, cameras } = loaded.contents;
     let spot = lights[0].light();
-    assert_eq!((lights.len(), spot.shape(), spot.name()), (1, &Shape::Spot, "rig"));
+    assert_eq!((lights.len(), spot.shape(), spot.name()), (4, &Shape::Spot, "rig"));
     assert!((spot.get(CONE_ANGLE) - 0.5_f64.to_degrees()).abs() < 1e-5);
     assert!((spot.get(CONE_SOFTNESS) - 0.2).abs() < 1e-6);
     assert_eq!((spot.get(RANGE), spot.get(INTENSITY)), (Some(9.0), 40.0));
@@ -286,6 +288,15 @@ fn lights_and_cameras_stand_rigid_in_the_world() {
         (shines_along - DVec3::NEG_X).length() < 1e-6,
         "a quarter turn about Y takes -Z to -X: {shines_along}"
     );
+    let [bulb, broken, sun] = [1, 2, 3].map(|index| lights[index].light());
+    assert_eq!((bulb.shape(), bulb.name(), bulb.get(DECAY)), (&Shape::Omni, "bulb", Decay::InverseSquare));
+    assert_eq!((bulb.get(RANGE), bulb.get(INTENSITY)), (Some(4.0), 60.0));
+    assert_eq!((sun.shape(), sun.name(), sun.get(INTENSITY)), (&Shape::Directional, "sun", 3.0));
+    assert_eq!(sun.get(COLOR), DVec3::new(1.0, 0.0, 0.5));
+    assert!((sun.transform().rotation * DVec3::NEG_Z - DVec3::NEG_Y).length() < 1e-6);
+    // What makes no light is repaired, so that whoever put it there finds it.
+    assert_eq!((broken.shape(), broken.get(INTENSITY)), (&Shape::Spot, 0.0));
+    assert_eq!(broken.get(CONE_ANGLE), 45.0);
     let looks_along = cameras[0].rotation * DVec3::NEG_Z;
     assert!((looks_along - DVec3::NEG_X).length() < 1e-6, "{looks_along}");
     let Projection::Perspective { yfov, .. } = cameras[0].projection else { panic!("perspective") };
@@ -294,8 +305,26 @@ fn lights_and_cameras_stand_rigid_in_the_world() {
         cameras[1].projection,
         Projection::Orthographic { ymag: 1.0, aspect_ratio: Some(2.0), znear: 0.0, zfar: 5.0 }
     );
-    let notes = loaded.notes.join("; ");
-    assert!(notes.contains("point lights are not drawn") && notes.contains("make no light"), "{notes}");
+    let repaired = [
+        "colors and intensities below 0 are taken as 0: light 2 and 1 more",
+        "cone angles that are not more than 0 are taken as 45 degrees: light 2",
+    ];
+    assert_eq!(loaded.notes, repaired);
+}
+
+/// A name takes more bytes than letters.
+#[test]
+fn no_light_is_lost_for_its_name() {
+    let name = "\u{5149}".repeat(300);
+    let file = File::default()
+        .with(r#""extensions":{"KHR_lights_punctual":{"lights":[{"type":"directional"}]}}"#)
+        .with(format!(
+            r#""nodes":[{{"name":"{name}","extensions":{{"KHR_lights_punctual":{{"light":0}}}}}}]"#
+        ));
+    let loaded = file.load().unwrap();
+    let lights = loaded.contents.lights;
+    assert_eq!(lights.len(), 1);
+    assert_eq!(lights[0].light().name(), "\u{5149}".repeat(85), "256 bytes hold so many");
 }
 
 #[test]

@@ -142,6 +142,7 @@ pub(crate) fn open_view(client: &mut Client, [width, height]: [u32; 2]) -> Resul
         width,
         height,
         camera_revision: 1,
+        settings: None,
     })?;
     client.wait_for("a first lossless picture", |incoming| {
         matches!(incoming, Incoming::Frame(header, _) if header.flags.settle).then_some(())

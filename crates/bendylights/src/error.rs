@@ -32,9 +32,14 @@ pub enum Error {
     /// A command for one light was given a file with none or several.
     #[error("{file}: holds {count} lights, but this command takes one: keep one in the file")]
     NotOneLight { file: String, count: usize },
-    /// `eval` was given a spotlight.
-    #[error("{file}: is a spotlight, which has no tube: turn it into one with `bendylights bend` first")]
-    EvalOfSpot { file: String },
+    /// `eval` was given a light of another shape.
+    #[error(
+        "{file}: is no BendyLight and has no tube: turn a spotlight into one with `bendylights bend` first"
+    )]
+    EvalWithoutTube { file: String },
+    /// `bend` was given a scene without a light that it could bend.
+    #[error("{scene}: has no spotlight to bend: name a light file")]
+    NoSpot { scene: String },
     /// `bend` was given a BendyLight.
     #[error("{file}: is a BendyLight already: `bendylights bend` takes a light of type `spot`")]
     BendOfBendy { file: String },

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use cli::answer;
 use glam::DVec3;
-use light::{Location, Tube};
+use light::{CheckedLight, Location, Tube};
 use protocol::point_file::WrittenPoint;
 use protocol::{Evaluation, Visibility};
-use reference::Reference;
+use reference::{Linked, Reference};
 use render::Gpu;
 use scene::Scene;
 
@@ -75,7 +75,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     }
     let file = args.light.display().to_string();
     let light = files::read_one_light(&args.light)?;
-    let Some(tube) = light.tube() else { return Err(Error::EvalOfSpot { file }) };
+    let Some(tube) = light.tube() else { return Err(Error::EvalWithoutTube { file }) };
     let written = files::read_points(&args.points)?;
     let points: Vec<DVec3> = written.iter().map(|point| point.position).collect();
     let locations: Vec<Location> = match args.on {
@@ -89,7 +89,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         On::Gpu => render::locate(&Gpu::new()?, tube, &points)?,
     };
     let scene = args.scene.as_deref().map(open_scene).transpose()?.map(|loaded| loaded.scene);
-    let shadows = scene.map(|scene| Shadows::new(scene, args.precision));
+    let shadows = scene.map(|scene| Shadows::new(scene, &light, args.precision));
     let objects: Vec<String> = locations
         .iter()
         .zip(&written)
@@ -111,6 +111,8 @@ fn length(text: &str) -> Result<f64, String> {
 /// What a scene shadows, and how finely its points are known.
 struct Shadows {
     reference: Reference,
+    /// What of the scene throws shadows.
+    linked: Linked,
     /// Of every point, where it is given.
     precision: Option<f64>,
     /// The most that is taken from a point's decimals: coarser ones were typed, not read.
@@ -121,10 +123,10 @@ struct Shadows {
 const COARSEST: f64 = 0.01;
 
 impl Shadows {
-    fn new(scene: Scene, precision: Option<f64>) -> Self {
+    fn new(scene: Scene, light: &CheckedLight, precision: Option<f64>) -> Self {
         let posed = scene::pose(scene);
         let coarsest = COARSEST * 2.0 * posed.half_extent.length();
-        Self { reference: Reference::new(posed), precision, coarsest }
+        Self { linked: Linked::new(&posed, light), reference: Reference::new(posed), precision, coarsest }
     }
 
     /// How far `point` may lie from the surface that it was read from: half a unit of the last digit along each axis.
@@ -145,7 +147,7 @@ impl Shadows {
         let point = surface.unwrap_or(written.position);
         // Always in double precision. At the light's rim the surface may lie just outside.
         let place = tube.locate(point).point;
-        let node = self.reference.occluder(tube, place.as_ref().unwrap_or(inside), point);
+        let node = self.reference.occluder((tube, &self.linked), place.as_ref().unwrap_or(inside), point);
         let occluder = node.map(|node| self.reference.bvh.posed.scene.nodes[node].name.clone());
         Some(Visibility { visible: occluder.is_none(), occluder })
     }

@@ -14,8 +14,8 @@ With --json the table that the server gives at /parameters, with addresses for t
 Example:
   bendylights parameters --of bendy")]
 pub struct Args {
-    /// Only what this has: spot, bendy, point or camera
-    #[arg(long, value_parser = ["spot", "bendy", "point", "camera"], value_name = "OWNER")]
+    /// Only what this has: bendy, spot, omni, directional, point or camera
+    #[arg(long, value_parser = ["bendy", "spot", "omni", "directional", "point", "camera"], value_name = "OWNER")]
     of: Option<String>,
     /// Print JSON
     #[arg(long)]
@@ -90,6 +90,7 @@ fn values(kind: &ParameterKind) -> String {
         ParameterKind::Flag => "true or false".into(),
         ParameterKind::Rotation => "[x, y, z, w]".into(),
         ParameterKind::Text { max_bytes } => format!("text, at most {max_bytes} bytes"),
+        ParameterKind::Links { .. } => "{include, exclude}, paths of nodes; null: all".into(),
         ParameterKind::Projection => "a projection".into(),
     }
 }

@@ -31,7 +31,7 @@ AOVs, what a picture shows:
   visibility  1 where the light reaches, 0 in its shadow
   wireframe   the triangles of the light's shadow map as the light sees them, bent straight; the camera is not used
 
-EXR holds the linear values themselves. In PNG the beauty is tone-mapped and the others are made readable: near is
+EXR holds the linear values themselves. In PNG the beauty is tone-mapped, after --exposure, and the others are made readable: near is
 bright, directions and normals are shown as (x + 1) / 2, t as a ramp with a line at each joint, (v, w) by hue and
 distance from the curve; a wireframe is drawn in white over t's ramp, darker outside the light.
 
@@ -65,6 +65,9 @@ pub struct Args {
     /// How much of the fill the beauty has: 0 leaves the lights' own radiance, 1 is as the scene has it, at most 1000000
     #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = RenderRequest::parse_fill, allow_negative_numbers = true)]
     fill: f64,
+    /// Stops by which a PNG of the beauty is brightened before it is tone-mapped, -32 to 32; an EXR holds the radiance itself
+    #[arg(long, default_value_t = 0.0, value_name = "STOPS", value_parser = RenderRequest::parse_exposure, allow_negative_numbers = true)]
+    exposure: f64,
     /// What draws the picture
     #[arg(long, value_enum, default_value = "gpu")]
     backend: Backend,
@@ -109,6 +112,7 @@ impl From<&Args> for RenderRequest {
             samples: args.samples,
             light: args.light.clone(),
             fill: args.fill,
+            exposure: args.exposure,
         }
     }
 }
@@ -259,12 +263,15 @@ fn choose_camera(
 
 fn choose_light(args: &Args, lights: &[LightInstance]) -> Result<usize, Error> {
     let Some(wanted) = &args.light else { return Ok(0) };
-    lights.iter().position(|light| light.light.light().name() == *wanted).ok_or_else(|| Error::NoSuch {
-        whose: args.lights.as_ref().map_or(args.scene.clone(), |file| file.display().to_string()),
-        what: "light",
-        name: wanted.clone(),
-        choices: choices(lights.iter().map(|light| light.light.light().name())),
+    lights.iter().position(|light| light.light.light().name() == *wanted).ok_or_else(|| {
+        let whose = args.lights.as_ref().map_or(args.scene.clone(), |file| file.display().to_string());
+        no_such_light(whose, wanted, lights.iter().map(|light| light.light.light().name()))
     })
+}
+
+/// That a scene or a file has no light of that name, and which it has.
+pub fn no_such_light<'a>(whose: String, name: &str, names: impl Iterator<Item = &'a str>) -> Error {
+    Error::NoSuch { whose, what: "light", name: name.into(), choices: choices(names) }
 }
 
 /// What there is to choose from, as the end of a sentence.

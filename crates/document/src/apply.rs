@@ -6,6 +6,7 @@ use std::sync::Arc;
 use light::{CheckedLight, Light, LightId, MAX_NAME_BYTES, Owner, Reach, Setting};
 use scene::Camera;
 
+use crate::bending::{bent, reshaped};
 use crate::camera::{camera_parameter, set_camera};
 use crate::naming::quoted;
 use crate::points::renumbered;
@@ -78,6 +79,13 @@ fn changes_of(document: &Document, command: &Command, context: Context) -> Resul
         }
         Command::InsertPoint { light, .. } | Command::RemovePoint { light, .. } => {
             vec![renumbered(document, *light, bendy(document, *light)?, command)?]
+        }
+        Command::BendLight { light: id, segments, range, cone_angle, toward } => {
+            let bend = |straight: &Light| bent(straight, *segments, *range, (*cone_angle, *toward));
+            vec![reshaped(document, (*id, light(document, *id)?), bend)?]
+        }
+        Command::StraightenLight(id) => {
+            vec![reshaped(document, (*id, light(document, *id)?), light::straighten)?]
         }
         Command::AddCamera(camera) => {
             let id = CameraId(document.next_number());
@@ -294,6 +302,8 @@ fn bendy(document: &Document, id: LightId) -> Result<&PlacedLight, EditError> {
 fn wrong_shape<T>(document: &Document, id: LightId, what: &'static str) -> Result<T, EditError> {
     let kind = match light(document, id)?.light.light().owner() {
         Owner::Spot => "spotlight",
+        Owner::Directional => "directional light",
+        Owner::Omni => "omni light",
         _ => "BendyLight",
     };
     Err(EditError::WrongKind { light: document.light_name(id), kind, what })

@@ -76,6 +76,25 @@ pub enum Command {
         /// Its index.
         point: usize,
     },
+    /// Makes a straight light a BendyLight under the same id. One that was a spotlight lights every point as it did; an omni
+    /// or directional light is bent as the spotlight that [`light::with_cone`] has of it.
+    BendLight {
+        /// Which.
+        light: LightId,
+        /// Its quadratic segments: two control points fewer than it gets.
+        segments: usize,
+        /// How far its control points reach along its axis, in world units. A light that has a range of its own ends there;
+        /// another goes on past its last control point. `None` is for [`crate::resolved`] to fill in, and otherwise a
+        /// unit of the light.
+        range: Option<f64>,
+        /// Half angle of the cone that an omni or directional light is given, in degrees; 45 unless said.
+        cone_angle: Option<f64>,
+        /// World position at which such a light shines then; `None` is for [`crate::resolved`] to fill in, and otherwise
+        /// along its own -Z.
+        toward: Option<DVec3>,
+    },
+    /// Makes a BendyLight a spotlight under the same id, from its source to its last control point.
+    StraightenLight(LightId),
     /// Adds a camera.
     AddCamera(Camera),
     /// Removes it.
@@ -120,7 +139,9 @@ impl Command {
             | Self::SetLight { light, .. }
             | Self::SetPoint { light, .. }
             | Self::InsertPoint { light, .. }
-            | Self::RemovePoint { light, .. } => Some(light),
+            | Self::RemovePoint { light, .. }
+            | Self::BendLight { light, .. }
+            | Self::StraightenLight(light) => Some(light),
             Self::LoadScene { .. }
             | Self::AddLight(_)
             | Self::AddCamera(_)

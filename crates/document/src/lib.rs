@@ -4,6 +4,7 @@
 //! [`Change`]s, [`Document::apply`] makes them, [`Document::hash`] proves them.
 
 mod apply;
+mod bending;
 mod camera;
 mod change;
 mod command;
@@ -14,6 +15,7 @@ mod parameters;
 mod points;
 
 pub use apply::{Context, Edited, MAX_CAMERAS, MAX_LIGHTS, edited};
+pub use bending::{BENT_SEGMENTS, axis_reach, resolved};
 pub use change::{Change, EditError};
 pub use command::{CameraParameter, Command};
 pub use document::{

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::{CameraId, Change, Document};
-use light::LightId;
+use light::{LightId, Owner};
 
 /// Characters of a name that are said.
 const SAID: usize = 40;
@@ -64,6 +64,10 @@ impl Change {
                 format!("loading {}", quoted(&scene.name).unwrap_or(subject))
             }
             Self::Light { old: None, .. } | Self::Camera { old: None, .. } => format!("adding {subject}"),
+            Self::Light { old: Some(_), new: Some(new), .. } => {
+                let is_bent = new.light.light().owner() == Owner::Bendy;
+                format!("{} {subject}", if is_bent { "bending" } else { "straightening" })
+            }
             Self::Light { new: None, .. } | Self::Camera { new: None, .. } => format!("removing {subject}"),
             _ => subject,
         }

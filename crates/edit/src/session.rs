@@ -145,7 +145,11 @@ impl Session {
         for change in &record.changes {
             let Some(light) = change.light() else { continue };
             self.touched.insert_mut((light, Arc::clone(&actor_id)), seq);
-            if matches!(change, Change::ControlPoints { .. }) {
+            let renumbers = matches!(
+                change,
+                Change::ControlPoints { .. } | Change::Light { old: Some(_), new: Some(_), .. }
+            );
+            if renumbers {
                 self.renumbered.insert_mut(light, seq);
             }
         }

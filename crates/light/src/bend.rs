@@ -1,10 +1,12 @@
-//! A spotlight as a BendyLight.
+//! A straight light as a BendyLight, and back.
 
-use glam::DVec3;
+use glam::{DMat3, DQuat, DVec3};
 
 use crate::build::{MAX_SEGMENTS, check_values};
-use crate::parameters::{COLOR, CONE_ANGLE, END_MODE, INTENSITY, RANGE, SCALE};
-use crate::{ControlPoint, EndMode, Light, LightError, Setting, Shape};
+use crate::parameters::{
+    COLOR, CONE_ANGLE, DECAY, END_MODE, INTENSITY, RANGE, ROTATION, SCALE, TRANSLATION, UP,
+};
+use crate::{CheckedLight, ControlPoint, Decay, EndMode, Light, LightError, Setting, Shape};
 
 /// The BendyLight equal to the spotlight `spot`, with `segments` quadratic segments to bend.
 ///
@@ -13,6 +15,11 @@ use crate::{ControlPoint, EndMode, Light, LightError, Setting, Shape};
 /// evenly. It ends at the spotlight's `range`; without one, its control points span one local unit and it is extended
 /// without end. Parameters that both shapes have keep their values.
 pub fn bend(spot: &Light, segments: usize) -> Result<Light, LightError> {
+    bend_to(spot, segments, spot.get(SCALE))
+}
+
+/// The same, with control points that span `reach` world units along the axis where the spotlight has no range of its own.
+pub fn bend_to(spot: &Light, segments: usize, reach: f64) -> Result<Light, LightError> {
     check_values(spot)?;
     if *spot.shape() != Shape::Spot {
         return Err(LightError::NotASpot);
@@ -21,23 +28,86 @@ pub fn bend(spot: &Light, segments: usize) -> Result<Light, LightError> {
         return Err(LightError::SegmentCount { count: segments, limit: MAX_SEGMENTS });
     }
     let range = spot.get(RANGE);
-    let length = range.map_or(1.0, |range| range / spot.get(SCALE));
+    let length = range.unwrap_or(reach) / spot.get(SCALE);
     let slope = libm::tan(spot.get(CONE_ANGLE).to_radians());
     let point = |g: f64| {
         let along = g / segments as f64 * length;
-        ControlPoint {
-            // Subtracted rather than negated: the source is at 0, not at -0.
-            position: DVec3::new(0.0, 0.0, 0.0 - along),
-            radius: along * slope,
-            color: spot.get(COLOR),
-            intensity: spot.get(INTENSITY),
-        }
+        // Subtracted rather than negated: the source is at 0, not at -0.
+        ControlPoint::new(DVec3::new(0.0, 0.0, 0.0 - along), along * slope)
     };
     let mut bent = Light::new(Shape::Bendy(greville(segments).into_iter().map(point).collect()));
     for (parameter, value) in spot.values() {
         bent.set(Setting { parameter, value: value.clone() });
     }
     Ok(bent.with(END_MODE, if range.is_some() { EndMode::Cut } else { EndMode::Extend }))
+}
+
+/// The spotlight that is bent in place of a light that has no cone: the part of its light that lies `cone_angle` degrees
+/// about its axis at most. A spotlight is that one itself.
+///
+/// An omni light is turned to shine at `toward`, in the world. A directional one keeps its direction, and shines from so far
+/// before `toward` as its control points are to reach: `reach` world units. Parameters that both shapes have keep their
+/// values. Without `toward` both shine along their own -Z from where they stand.
+pub fn with_cone(light: &Light, cone_angle: f64, toward: Option<DVec3>, reach: f64) -> Light {
+    if !matches!(light.shape(), Shape::Omni | Shape::Directional) {
+        return light.clone();
+    }
+    let mut spot = Light::new(Shape::Spot).with(DECAY, Decay::None);
+    for (parameter, value) in light.values() {
+        spot.set(Setting { parameter, value: value.clone() });
+    }
+    let rotation = light.get(ROTATION).normalize();
+    let spot = spot.with(CONE_ANGLE, cone_angle);
+    let Some(toward) = toward else { return spot };
+    if *light.shape() == Shape::Directional {
+        return spot.with(TRANSLATION, toward + rotation * DVec3::Z * reach);
+    }
+    let way = (toward - light.get(TRANSLATION)).try_normalize();
+    let turned = |way: DVec3| spot.clone().with(ROTATION, DQuat::from_mat3(&looking_along(way, DVec3::Y)));
+    way.map_or_else(|| spot.clone(), turned)
+}
+
+/// How far the angle of a straight tube may lie from `coneAngle`, in degrees, and still be it: roundings of its radii.
+const SAME_ANGLE: f64 = 1e-9;
+
+/// The spotlight from a BendyLight's source to its last control point, with that one's colour and intensity: of one that
+/// was made from a spotlight and is still straight, that spotlight.
+///
+/// Its cone has the tube's last radius at the last control point, which is as far as it shines unless the BendyLight is
+/// extended. `up` stays up. Parameters that both shapes have keep their values.
+pub fn straighten(bent: &Light) -> Result<Light, LightError> {
+    CheckedLight::new(bent.clone())?;
+    let Some(last) = bent.points().last() else { return Err(LightError::NotBent) };
+    let length = last.position.length();
+    if length == 0.0 {
+        return Err(LightError::NoWay);
+    }
+    let cone_angle = libm::atan2(last.radius, length).to_degrees();
+    let mut spot = Light::new(Shape::Spot);
+    for (parameter, value) in bent.values() {
+        spot.set(Setting { parameter, value: value.clone() });
+    }
+    if (cone_angle - bent.get(CONE_ANGLE)).abs() > SAME_ANGLE {
+        spot.set(CONE_ANGLE.to(cone_angle.max(SAME_ANGLE)));
+    }
+    let turn = looking_along(last.position / length, bent.get(UP));
+    if turn != DMat3::IDENTITY {
+        spot.set(ROTATION.to((bent.get(ROTATION).normalize() * DQuat::from_mat3(&turn)).normalize()));
+    }
+    let range = (bent.get(END_MODE) == EndMode::Cut).then(|| length * bent.get(SCALE));
+    let (color, intensity) = (bent.get(COLOR) * last.color, bent.get(INTENSITY) * last.intensity);
+    let spot = spot.with(RANGE, range).with(COLOR, color).with(INTENSITY, intensity);
+    check_values(&spot)?;
+    Ok(spot)
+}
+
+/// The rotation that takes -Z to `direction`, of length 1, and +Y to where `up` leans; any, where `up` is along it.
+fn looking_along(direction: DVec3, up: DVec3) -> DMat3 {
+    let back = -direction;
+    let across = up.cross(back);
+    let right =
+        if across.length() > 1e-9 * up.length() { across.normalize() } else { back.any_orthonormal_vector() };
+    DMat3::from_cols(right, back.cross(right), back)
 }
 
 /// The Greville abscissae of a clamped uniform quadratic B-spline with `n` segments: `0, 1/2, 3/2, ..., n -

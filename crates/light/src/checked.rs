@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use crate::revision::{Digest, Revisions};
-use crate::{Cone, Light, LightError, LightId, Shape, Tube};
+use crate::{Cone, Light, LightError, LightFilter, LightId, Omni, Parallel, Shape, Tube};
 
 thread_local! {
     static MADE: Cell<u64> = const { Cell::new(0) };
@@ -26,6 +26,10 @@ pub enum Rays {
     Cone(Cone),
     /// Curves along a tube.
     Bent(Tube<f64>),
+    /// Parallel lines.
+    Parallel(Parallel),
+    /// Straight lines from a point to all sides.
+    Omni(Omni),
 }
 
 /// A light under the name that it keeps for as long as its session lives.
@@ -54,6 +58,8 @@ impl CheckedLight {
         let rays = match light.shape() {
             Shape::Spot => Rays::Cone(Cone::new(&light)?),
             Shape::Bendy(_) => Rays::Bent(Tube::new(&light)?),
+            Shape::Directional => Rays::Parallel(Parallel::new(&light)?),
+            Shape::Omni => Rays::Omni(Omni::new(&light)?),
         };
         let revisions = Revisions::of(&light);
         Ok(Self { light, rays, revisions })
@@ -76,9 +82,16 @@ impl CheckedLight {
 
     /// The tube of a BendyLight.
     pub fn tube(&self) -> Option<&Tube<f64>> {
+        if let Rays::Bent(tube) = &self.rays { Some(tube) } else { None }
+    }
+
+    /// What becomes of its light on the way.
+    pub fn light_filter(&self) -> &LightFilter {
         match &self.rays {
-            Rays::Cone(_) => None,
-            Rays::Bent(tube) => Some(tube),
+            Rays::Cone(cone) => &cone.light_filter,
+            Rays::Omni(omni) => &omni.light_filter,
+            Rays::Parallel(parallel) => &parallel.light_filter,
+            Rays::Bent(tube) => &tube.light_filter,
         }
     }
 

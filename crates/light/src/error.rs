@@ -57,6 +57,16 @@ pub enum LightError {
         /// How many it may have.
         limit: usize,
     },
+    /// Links that name too many nodes.
+    #[error("`{field}` names {count} nodes, at most {limit} may be: name what they stand under instead")]
+    TooManyLinks {
+        /// The field.
+        field: &'static str,
+        /// How many it names.
+        count: usize,
+        /// How many it may name.
+        limit: usize,
+    },
     /// A value of another type than the parameter's.
     #[error("`{field}` must be {expected}: change it")]
     OtherType {
@@ -101,9 +111,19 @@ pub enum LightError {
         /// Index of the segment's middle control point.
         point: usize,
     },
-    /// Only a spotlight can be bent.
-    #[error("only a spotlight can be bent, and this light bends already: move its control points")]
+    /// Only a spotlight, or a light that is first given a cone, can be bent.
+    #[error(
+        "only a straight light with a cone can be bent, and this is none: move its control points, or add a spotlight"
+    )]
     NotASpot,
+    /// Only a BendyLight can be made straight.
+    #[error("only a BendyLight can be made straight, and this light is straight already: leave it as it is")]
+    NotBent,
+    /// A BendyLight that ends where it begins has no direction.
+    #[error(
+        "the light ends where it begins, which is no direction to shine along: move its last control point"
+    )]
+    NoWay,
     /// A spotlight cannot be divided into this many segments.
     #[error("a light is bent into 1 to {limit} segments, not {count}: choose another number")]
     SegmentCount {

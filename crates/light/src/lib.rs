@@ -27,6 +27,7 @@ mod error;
 mod filter;
 mod frame;
 mod light;
+mod links;
 mod parameter;
 pub mod parameters;
 mod part;
@@ -41,22 +42,29 @@ mod solve;
 mod validity;
 mod warning;
 
-pub use self::light::{ControlPoint, Decay, Direction, EndMode, Frame, Light, LightId, Shape, Transform};
+pub use self::light::{
+    ControlPoint, CrossSection, Decay, Direction, EndMode, Frame, Light, LightId, ProfileCurve, Shape,
+    Transform,
+};
 pub use arc::GAUSS_LEGENDRE;
-pub use bend::{bend, greville};
+pub use bend::{bend, bend_to, greville, straighten, with_cone};
 pub use build::{MAX_SEGMENTS, Placement};
 pub use checked::{CheckedLight, LightInstance, Rays};
 pub use curve::{Curve, TubeBox, quadratic_range};
 pub use emission::emission;
 pub use error::LightError;
-pub use filter::{LightFilter, Profile, irradiance};
+pub use filter::{Cut, LightFilter, Profile, Section, blackbody, irradiance};
+pub use links::{Links, MAX_LINK_BYTES, MAX_LINKS};
 pub use parameter::{
-    Choice, Key, Kind, MAX_NAME_BYTES, Number, Of, Owner, Parameter, Scale, Setting, Touches, Typed, Value,
+    Backing, Choice, Key, Kind, MAX_NAME_BYTES, Number, Of, Owner, Parameter, Scale, Setting, Touches, Typed,
+    Value,
 };
 pub use parameters::{add_parameters, parameter_of, parameters, parameters_of};
 pub use part::Part;
 pub use place::Place;
 pub use rays::cone::Cone;
+pub use rays::omni::Omni;
+pub use rays::parallel::Parallel;
 pub use rays::tube::{Location, Root, Tube, TubePoint};
 pub use reach::{MAX_EXTENT, OutOfReach, Reach};
 pub use real::Real;

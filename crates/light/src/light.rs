@@ -78,6 +78,37 @@ pub enum Decay {
     InverseSquare,
 }
 
+/// By which curve a light falls off across; [`crate::Profile`] has the formulas.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ProfileCurve {
+    /// An S-curve: no edge is seen at either end.
+    #[default]
+    Smooth,
+    /// Evenly with the distance from the axis.
+    Linear,
+    /// A power of how far the cosine has come from the inner angle's to the outer's.
+    Power,
+    /// A power of the cosine from the axis on, cut at the cone's angle.
+    Cosine,
+}
+
+/// What the outline of a cross-section is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CrossSection {
+    /// Of radius 1.
+    #[default]
+    Circle,
+    /// Between a rectangle and an ellipse.
+    Superellipse,
+}
+
+choices!(ProfileCurve {
+    Smooth: "smooth", "Smooth";
+    Linear: "linear", "Linear";
+    Power: "power", "Power";
+    Cosine: "cosine", "Cosine";
+});
+choices!(CrossSection { Circle: "circle", "Circle"; Superellipse: "superellipse", "Superellipse"; });
 choices!(Frame { RotationMinimizing: "rotationMinimizing", "Rotation minimizing"; Up: "up", "Up"; });
 choices!(Direction { Tube: "tube", "Tube (continuous)"; Path: "path", "Path (exact)"; });
 choices!(EndMode { Cut: "cut", "Cut at the last point"; Extend: "extend", "Extend straight on"; });
@@ -110,8 +141,12 @@ impl ControlPoint {
 /// What a light is, besides its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// Light along straight lines: along local -Z from the origin, as in glTF and USD.
+    /// Light along straight lines in a cone: along local -Z from the origin, as in glTF and USD.
     Spot,
+    /// Light along parallel lines from infinitely far away, along local -Z: the sun.
+    Directional,
+    /// Light along straight lines from the origin to all sides: a bulb.
+    Omni,
     /// Light along a quadratic B-spline (light model, section 1) through three control points or more; the first is the
     /// source and lies at the origin.
     Bendy(Vec<ControlPoint>),
@@ -141,6 +176,16 @@ impl Light {
         Self::new(Shape::Spot)
     }
 
+    /// A directional light.
+    pub fn directional() -> Self {
+        Self::new(Shape::Directional)
+    }
+
+    /// An omni light.
+    pub fn omni() -> Self {
+        Self::new(Shape::Omni)
+    }
+
     /// A white BendyLight of intensity 1 through `points` with `radii`, as many as there are of both.
     pub fn bendy(points: Vec<DVec3>, radii: Vec<f64>) -> Self {
         let points =
@@ -158,20 +203,14 @@ impl Light {
         self.shape.owner()
     }
 
-    /// Its control points; none of a spotlight.
+    /// Its control points; only a BendyLight has some.
     pub fn points(&self) -> &[ControlPoint] {
-        match &self.shape {
-            Shape::Spot => &[],
-            Shape::Bendy(points) => points,
-        }
+        if let Shape::Bendy(points) = &self.shape { points } else { &[] }
     }
 
-    /// Its control points, to change; `None` for a spotlight.
+    /// Its control points, to change; `None` for what is no BendyLight.
     pub fn points_mut(&mut self) -> Option<&mut Vec<ControlPoint>> {
-        match &mut self.shape {
-            Shape::Spot => None,
-            Shape::Bendy(points) => Some(points),
-        }
+        if let Shape::Bendy(points) = &mut self.shape { Some(points) } else { None }
     }
 
     /// Its parameters and their values, in the order of the table.
@@ -241,6 +280,8 @@ impl Shape {
         match self {
             Self::Spot => Owner::Spot,
             Self::Bendy(_) => Owner::Bendy,
+            Self::Directional => Owner::Directional,
+            Self::Omni => Owner::Omni,
         }
     }
 }

@@ -3,13 +3,14 @@
 //! A row says all that anybody needs to know of a parameter: commands, the undo of them, JSON and its schema, the document's
 //! hash, the page's fields and the renderer's caches follow from it. [`crate::parameters`] has the rows.
 
+use std::convert::Infallible;
 use std::fmt;
 use std::marker::PhantomData;
 use std::ops::{Bound, Deref, RangeBounds};
 
 use glam::{DQuat, DVec3};
 
-use crate::LightError;
+use crate::{LightError, Links, MAX_LINK_BYTES, MAX_LINKS};
 
 /// Bytes that a name has at most.
 pub const MAX_NAME_BYTES: usize = 256;
@@ -48,7 +49,7 @@ pub struct Of {
     pub touches: Touches,
 }
 
-/// What can have parameters.
+/// What can have parameters. Hashes of lights begin with its number, so that none ever changes: new ones come last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Owner {
     /// A spotlight.
@@ -59,6 +60,19 @@ pub enum Owner {
     Point,
     /// A camera.
     Camera,
+    /// A directional light.
+    Directional,
+    /// An omni light.
+    Omni,
+}
+
+impl Owner {
+    /// How many there are.
+    pub(crate) const COUNT: usize = Self::Omni as usize + 1;
+
+    /// Every one, in the order of their numbers.
+    pub(crate) const ALL: [Self; Self::COUNT] =
+        [Self::Spot, Self::Bendy, Self::Point, Self::Camera, Self::Directional, Self::Omni];
 }
 
 /// What a change makes stale of what is kept of a light from picture to picture; each includes those before it.
@@ -99,6 +113,8 @@ pub enum Kind {
         /// So many.
         max_bytes: usize,
     },
+    /// Some nodes of the scene, or all of them.
+    Links,
     /// How a camera projects, as a whole.
     Projection,
 }
@@ -140,12 +156,26 @@ pub struct Choice {
     pub label: &'static str,
 }
 
+/// What holds values that vary in size: memory of their own, or the program, which has text but no lists.
+pub trait Backing {
+    /// Of [`Kind::Links`].
+    type Links;
+}
+
+impl Backing for String {
+    type Links = Links;
+}
+
+impl Backing for &'static str {
+    type Links = Infallible;
+}
+
 /// A value of any parameter; `S` holds text.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Value<S = String> {
+pub enum Value<S: Backing = String> {
     /// Of [`Kind::Number`].
     Number(f64),
-    /// Of [`Kind::Number`], where it is optional and absent.
+    /// Of [`Kind::Number`], where it is optional and absent; of [`Kind::Links`] all nodes.
     Absent,
     /// Of [`Kind::Flag`].
     Flag(bool),
@@ -157,6 +187,8 @@ pub enum Value<S = String> {
     Rotation(DQuat),
     /// Of [`Kind::Text`].
     Text(S),
+    /// Of [`Kind::Links`].
+    Links(S::Links),
 }
 
 impl Value<&'static str> {
@@ -170,6 +202,7 @@ impl Value<&'static str> {
             Self::Vector(vector) => Value::Vector(vector),
             Self::Rotation(rotation) => Value::Rotation(rotation),
             Self::Text(text) => Value::Text(text.into()),
+            Self::Links(never) => match never {},
         }
     }
 }
@@ -311,6 +344,20 @@ impl Typed for String {
     }
 }
 
+impl Typed for Option<Links> {
+    fn into_value(self) -> Value {
+        self.map_or(Value::Absent, Value::Links)
+    }
+
+    fn from_value(value: &Value) -> Option<Self> {
+        match value {
+            Value::Links(links) => Some(Some(links.clone())),
+            Value::Absent => Some(None),
+            _ => None,
+        }
+    }
+}
+
 /// Gives an enum its words.
 macro_rules! choices {
     ($name:ident { $($variant:ident: $word:literal, $label:literal;)+ }) => {
@@ -378,7 +425,7 @@ impl Parameter {
                 }
                 Err(LightError::OutOfDomain { field, value: *value, domain: number.domain() })
             }
-            (Kind::Flag, Value::Flag(_)) => Ok(()),
+            (Kind::Flag, Value::Flag(_)) | (Kind::Links, Value::Absent) => Ok(()),
             (Kind::Choice(choices), Value::Choice(name)) if choices.iter().any(|c| c.name == *name) => Ok(()),
             (Kind::Color | Kind::Vector { .. }, Value::Vector(vector)) if vector.is_finite() => Ok(()),
             (Kind::Color | Kind::Vector { .. }, Value::Vector(_)) => Err(LightError::NotFinite(field)),
@@ -395,6 +442,15 @@ impl Parameter {
             (Kind::Text { max_bytes }, Value::Text(_)) => {
                 Err(LightError::TooLong { field, limit: *max_bytes })
             }
+            (Kind::Links, Value::Links(links)) => match links.size() {
+                (count, _) if count > MAX_LINKS => {
+                    Err(LightError::TooManyLinks { field, count, limit: MAX_LINKS })
+                }
+                (_, bytes) if bytes > MAX_LINK_BYTES => {
+                    Err(LightError::TooLong { field, limit: MAX_LINK_BYTES })
+                }
+                _ => Ok(()),
+            },
             _ => Err(LightError::OtherType { field, expected: self.kind.to_string() }),
         }
     }
@@ -450,6 +506,7 @@ impl fmt::Display for Kind {
             Self::Vector { .. } => f.write_str("three numbers [x, y, z]"),
             Self::Rotation => f.write_str("four numbers [x, y, z, w]"),
             Self::Text { .. } => f.write_str("text"),
+            Self::Links => f.write_str("null or an object {include, exclude} with lists of nodes' paths"),
             Self::Projection => f.write_str(
                 r#"{"perspective": {"yfov", "znear"}} or {"orthographic": {"ymag", "znear", "zfar"}}, with numbers"#,
             ),

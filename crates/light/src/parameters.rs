@@ -11,7 +11,7 @@ use glam::{DQuat, DVec3};
 use crate::parameter::{
     Key, Kind, MAX_NAME_BYTES, Number, Of, Owner, Parameter, Scale, Setting, Touches, Value,
 };
-use crate::{ControlPoint, Decay, Direction, EndMode, Frame};
+use crate::{ControlPoint, CrossSection, Decay, Direction, EndMode, Frame, Links, ProfileCurve};
 
 /// Rows, each with a constant that knows the type of its values.
 macro_rules! rows {
@@ -32,8 +32,15 @@ const fn of(owner: Owner, default: Value<&'static str>, touches: Touches) -> Of 
 }
 
 /// Lights of every shape, with the same default.
-const fn every(default: Value<&'static str>, touches: Touches) -> [Of; 2] {
-    [of(Spot, default, touches), of(Bendy, default, touches)]
+const fn every(default: Value<&'static str>, touches: Touches) -> [Of; 4] {
+    let [spot, bendy, omni] = sourced(default, touches);
+    [spot, bendy, omni, of(Directional, default, touches)]
+}
+
+/// Lights that come from a point, with the same default.
+const fn sourced(default: Value<&'static str>, touches: Touches) -> [Of; 3] {
+    let [spot, bendy] = conical(default, touches);
+    [spot, bendy, of(Omni, default, touches)]
 }
 
 /// Lights that have a cone, with the same default.
@@ -53,7 +60,32 @@ const ROW: Parameter = Parameter {
     doc: "",
 };
 
-use Owner::{Bendy, Point, Spot};
+/// A factor of light.
+const FACTOR: Number =
+    Number { min: Included(0.0), max: Included(1e6), slider: Some([0.0, 2.0]), step: 0.05, ..Number::ANY };
+
+/// A length along light's way.
+const LENGTH: Number =
+    Number { unit: "world units", min: Included(0.0), slider: Some([0.0, 20.0]), step: 0.05, ..Number::ANY };
+
+/// A half extent of a cross-section, in radii.
+const HALF_EXTENT: Number =
+    Number { min: Excluded(0.0), max: Included(1.0), slider: Some([0.01, 1.0]), ..Number::ANY };
+
+/// A side of a directional light's window.
+const fn window(absent: &'static str) -> Kind {
+    Kind::Number(Number {
+        unit: "world units",
+        min: Excluded(0.0),
+        slider: Some([0.1, 20.0]),
+        step: 0.05,
+        scale: Scale::Logarithmic,
+        absent: Some(absent),
+        ..Number::ANY
+    })
+}
+
+use Owner::{Bendy, Directional, Omni, Point, Spot};
 use Touches::{Nothing, Radiance, ShadowMap};
 
 rows! { LIGHT_ROWS:
@@ -67,7 +99,7 @@ rows! { LIGHT_ROWS:
         label: "Name",
         ..ROW
     };
-    TRANSLATION: DVec3 = "World position of the source.", Parameter {
+    TRANSLATION: DVec3 = "World position of the source; of a directional light, of a point of its axis.", Parameter {
         name: "translation",
         path: "transform.translation",
         of: &every(Value::Vector(DVec3::ZERO), ShadowMap),
@@ -76,7 +108,7 @@ rows! { LIGHT_ROWS:
         label: "Position",
         ..ROW
     };
-    ROTATION: DQuat = "Rotation from light-local to world axes. A spotlight shines along its local -Z.", Parameter {
+    ROTATION: DQuat = "Rotation from light-local to world axes. Spotlights and directional lights shine along their local -Z.", Parameter {
         name: "rotation",
         path: "transform.rotation",
         of: &every(Value::Rotation(DQuat::IDENTITY), ShadowMap),
@@ -85,10 +117,15 @@ rows! { LIGHT_ROWS:
         label: "Rotation",
         ..ROW
     };
-    SCALE: f64 = "World units per light-local unit. To a spotlight it only matters once it is bent.", Parameter {
+    SCALE: f64 = "World units per light-local unit. It only matters to a light that is bent.", Parameter {
         name: "scale",
         path: "transform.scale",
-        of: &[of(Spot, Value::Number(1.0), Nothing), of(Bendy, Value::Number(1.0), ShadowMap)],
+        of: &[
+            of(Spot, Value::Number(1.0), Nothing),
+            of(Bendy, Value::Number(1.0), ShadowMap),
+            of(Omni, Value::Number(1.0), Nothing),
+            of(Directional, Value::Number(1.0), Nothing),
+        ],
         kind: Kind::Number(Number { min: Excluded(0.0), slider: Some([0.1, 3.0]), ..Number::ANY }),
         group: "Light",
         label: "Scale",
@@ -103,19 +140,20 @@ rows! { LIGHT_ROWS:
         label: "Enabled",
         ..ROW
     };
-    COLOR: DVec3 = "Linear RGB.", Parameter {
+    COLOR: DVec3 = "Linear RGB of all that it emits. That of a BendyLight's control points is a factor of it.", Parameter {
         name: "color",
         path: "color",
-        of: &[of(Spot, Value::Vector(DVec3::ONE), Radiance)],
+        of: &every(Value::Vector(DVec3::ONE), Radiance),
         kind: Kind::Color,
         group: "Emission",
         label: "Color",
         ..ROW
     };
-    INTENSITY: f64 = "How bright it is: candela with inverse-square decay.", Parameter {
+    INTENSITY: f64 = "How bright it is: candela with inverse-square decay, lux without. That of a BendyLight's control points is a factor of it.",
+    Parameter {
         name: "intensity",
         path: "intensity",
-        of: &[of(Spot, Value::Number(1.0), Radiance)],
+        of: &every(Value::Number(1.0), Radiance),
         kind: Kind::Number(Number { slider: Some([0.0, 20.0]), step: 0.05, ..Number::ANY }),
         group: "Emission",
         label: "Intensity",
@@ -124,7 +162,7 @@ rows! { LIGHT_ROWS:
     EXPOSURE: f64 = "Stops by which all that it emits is brightened: a factor of 2 to this.", Parameter {
         name: "exposure",
         path: "exposure",
-        of: &[of(Spot, Value::Number(0.0), Radiance), of(Bendy, Value::Number(0.0), Radiance)],
+        of: &every(Value::Number(0.0), Radiance),
         kind: Kind::Number(Number {
             unit: "stops",
             min: Included(-100.0),
@@ -137,17 +175,107 @@ rows! { LIGHT_ROWS:
         label: "Exposure",
         ..ROW
     };
+    ENABLE_COLOR_TEMPERATURE: bool = "Whether the color is multiplied by that of the color temperature.", Parameter {
+        name: "enableColorTemperature",
+        path: "enableColorTemperature",
+        of: &every(Value::Flag(false), Radiance),
+        kind: Kind::Flag,
+        group: "Emission",
+        label: "Temperature",
+        ..ROW
+    };
+    COLOR_TEMPERATURE: f64 = "Color of a black body of this temperature, as bright as white. 6500 K is nearly white, less is warmer.",
+    Parameter {
+        name: "colorTemperature",
+        path: "colorTemperature",
+        of: &every(Value::Number(6500.0), Radiance),
+        kind: Kind::Number(Number {
+            unit: "K",
+            min: Included(1000.0),
+            max: Included(10000.0),
+            slider: Some([1000.0, 10000.0]),
+            step: 50.0,
+            ..Number::ANY
+        }),
+        group: "Emission",
+        label: "Kelvin",
+        ..ROW
+    };
+    DIFFUSE: f64 = "Factor of what surfaces scatter of it.", Parameter {
+        name: "diffuse",
+        path: "diffuse",
+        of: &every(Value::Number(1.0), Radiance),
+        kind: Kind::Number(FACTOR),
+        group: "Emission",
+        label: "Diffuse",
+        ..ROW
+    };
+    SPECULAR: f64 = "Factor of what surfaces mirror of it: highlights.", Parameter {
+        name: "specular",
+        path: "specular",
+        of: &every(Value::Number(1.0), Radiance),
+        kind: Kind::Number(FACTOR),
+        group: "Emission",
+        label: "Specular",
+        ..ROW
+    };
     DECAY: Decay = "How irradiance falls with the distance travelled.", Parameter {
         name: "decay",
         path: "decay",
         of: &[
             of(Spot, Value::Choice(Decay::InverseSquare.name()), Radiance),
             of(Bendy, Value::Choice(Decay::None.name()), Radiance),
+            of(Omni, Value::Choice(Decay::InverseSquare.name()), Radiance),
         ],
         kind: Kind::Choice(Decay::CHOICES),
         animates: false,
-        group: "Emission",
+        group: "Distance",
         label: "Decay",
+        ..ROW
+    };
+    DECAY_START: f64 = "Distance from the source nearer than which irradiance falls no further.", Parameter {
+        name: "decayStart",
+        path: "decayStart",
+        of: &sourced(Value::Number(0.0), Radiance),
+        kind: Kind::Number(LENGTH),
+        group: "Distance",
+        label: "Decay start",
+        ..ROW
+    };
+    CUT_ON: Option<f64> = "Distance from the source at which light is there in full; at the source without.", Parameter {
+        name: "cutOn",
+        path: "cutOn",
+        of: &sourced(Value::Absent, Radiance),
+        kind: Kind::Number(Number { absent: Some("No cut-on"), ..LENGTH }),
+        group: "Distance",
+        label: "Cut on",
+        ..ROW
+    };
+    NEAR_EDGE: f64 = "Distance before the cut-on over which light comes up.", Parameter {
+        name: "nearEdge",
+        path: "nearEdge",
+        of: &sourced(Value::Number(0.0), Radiance),
+        kind: Kind::Number(LENGTH),
+        group: "Distance",
+        label: "Near edge",
+        ..ROW
+    };
+    CUT_OFF: Option<f64> = "Distance from the source at which light begins to go; never without.", Parameter {
+        name: "cutOff",
+        path: "cutOff",
+        of: &sourced(Value::Absent, Radiance),
+        kind: Kind::Number(Number { absent: Some("No cut-off"), ..LENGTH }),
+        group: "Distance",
+        label: "Cut off",
+        ..ROW
+    };
+    FAR_EDGE: f64 = "Distance past the cut-off over which light goes.", Parameter {
+        name: "farEdge",
+        path: "farEdge",
+        of: &sourced(Value::Number(0.0), Radiance),
+        kind: Kind::Number(LENGTH),
+        group: "Distance",
+        label: "Far edge",
         ..ROW
     };
     CONE_ANGLE: f64 = "Half angle of the cone. Of a BendyLight, the angle that the tube's edge stands for in the profile.",
@@ -181,10 +309,80 @@ rows! { LIGHT_ROWS:
         label: "Softness",
         ..ROW
     };
-    RANGE: Option<f64> = "World distance along the axis at which the light ends; endless without.", Parameter {
+    PROFILE: ProfileCurve = "How light falls from the inner cone to the edge.", Parameter {
+        name: "profile",
+        path: "profile",
+        of: &conical(Value::Choice(ProfileCurve::Smooth.name()), Radiance),
+        kind: Kind::Choice(ProfileCurve::CHOICES),
+        animates: false,
+        group: "Shape",
+        label: "Profile",
+        ..ROW
+    };
+    PROFILE_POWER: f64 = "Exponent of the power and cosine profiles.", Parameter {
+        name: "profilePower",
+        path: "profilePower",
+        of: &conical(Value::Number(1.0), Radiance),
+        kind: Kind::Number(Number {
+            min: Excluded(0.0),
+            max: Included(1000.0),
+            slider: Some([0.1, 100.0]),
+            step: 0.1,
+            scale: Scale::Logarithmic,
+            ..Number::ANY
+        }),
+        group: "Shape",
+        label: "Profile power",
+        ..ROW
+    };
+    CROSS_SECTION: CrossSection = "What the light's outline is.", Parameter {
+        name: "crossSection",
+        path: "crossSection",
+        of: &conical(Value::Choice(CrossSection::Circle.name()), Radiance),
+        kind: Kind::Choice(CrossSection::CHOICES),
+        animates: false,
+        group: "Section",
+        label: "Outline",
+        ..ROW
+    };
+    SECTION_WIDTH: f64 = "Half width of a superellipse, in radii.", Parameter {
+        name: "sectionWidth",
+        path: "sectionWidth",
+        of: &conical(Value::Number(1.0), Radiance),
+        kind: Kind::Number(HALF_EXTENT),
+        group: "Section",
+        label: "Width",
+        ..ROW
+    };
+    SECTION_HEIGHT: f64 = "Half height of a superellipse, in radii.", Parameter {
+        name: "sectionHeight",
+        path: "sectionHeight",
+        of: &conical(Value::Number(1.0), Radiance),
+        kind: Kind::Number(HALF_EXTENT),
+        group: "Section",
+        label: "Height",
+        ..ROW
+    };
+    SECTION_ROUNDNESS: f64 = "From 0, a rectangle, to 1, an ellipse. What would reach past the light's radius is made smaller as a whole.",
+    Parameter {
+        name: "sectionRoundness",
+        path: "sectionRoundness",
+        of: &conical(Value::Number(1.0), Radiance),
+        kind: Kind::Number(Number {
+            min: Included(0.0),
+            max: Included(1.0),
+            slider: Some([0.0, 1.0]),
+            ..Number::ANY
+        }),
+        group: "Section",
+        label: "Roundness",
+        ..ROW
+    };
+    RANGE: Option<f64> = "World distance at which the light ends, along the axis of a spotlight; endless without.",
+    Parameter {
         name: "range",
         path: "range",
-        of: &[of(Spot, Value::Absent, Radiance)],
+        of: &[of(Spot, Value::Absent, Radiance), of(Omni, Value::Absent, Radiance)],
         kind: Kind::Number(Number {
             unit: "world units",
             min: Excluded(0.0),
@@ -196,6 +394,24 @@ rows! { LIGHT_ROWS:
         }),
         group: "Shape",
         label: "Range",
+        ..ROW
+    };
+    WIDTH: Option<f64> = "How far it shines across its local X; over all of the scene without.", Parameter {
+        name: "width",
+        path: "width",
+        of: &[of(Directional, Value::Absent, ShadowMap)],
+        kind: window("Any width"),
+        group: "Shape",
+        label: "Width",
+        ..ROW
+    };
+    HEIGHT: Option<f64> = "How far it shines across its local Y; over all of the scene without.", Parameter {
+        name: "height",
+        path: "height",
+        of: &[of(Directional, Value::Absent, ShadowMap)],
+        kind: window("Any height"),
+        group: "Shape",
+        label: "Height",
         ..ROW
     };
     END_MODE: EndMode = "What happens past the last control point.", Parameter {
@@ -237,6 +453,44 @@ rows! { LIGHT_ROWS:
         label: "Up",
         ..ROW
     };
+    SHADOW_ENABLE: bool = "Whether anything shadows it.", Parameter {
+        name: "shadowEnable",
+        path: "shadowEnable",
+        of: &every(Value::Flag(true), Radiance),
+        kind: Kind::Flag,
+        group: "Shadow",
+        label: "Shadows",
+        ..ROW
+    };
+    SHADOW_COLOR: DVec3 = "Linear RGB: the share of the light that reaches what is in its shadow.", Parameter {
+        name: "shadowColor",
+        path: "shadowColor",
+        of: &every(Value::Vector(DVec3::ZERO), Radiance),
+        kind: Kind::Color,
+        group: "Shadow",
+        label: "Shadow color",
+        ..ROW
+    };
+    LIGHT_LINK: Option<Links> = "Nodes that it lights, each with all that is under it. The deepest entry decides, and exclude over include.", Parameter {
+        name: "lightLink",
+        path: "lightLink",
+        of: &every(Value::Absent, Radiance),
+        kind: Kind::Links,
+        animates: false,
+        group: "Links",
+        label: "Lights",
+        ..ROW
+    };
+    SHADOW_LINK: Option<Links> = "Nodes that throw shadows in it, each with all that is under it. The deepest entry decides, and exclude over include.", Parameter {
+        name: "shadowLink",
+        path: "shadowLink",
+        of: &every(Value::Absent, ShadowMap),
+        kind: Kind::Links,
+        animates: false,
+        group: "Links",
+        label: "Shadows",
+        ..ROW
+    };
 }
 
 rows! { POINT_ROWS:
@@ -258,7 +512,7 @@ rows! { POINT_ROWS:
         label: "Radius",
         ..ROW
     };
-    POINT_COLOR: DVec3 = "Linear RGB there.", Parameter {
+    POINT_COLOR: DVec3 = "Linear RGB there, as a factor of the whole light's color.", Parameter {
         name: "color",
         path: "colors",
         of: &[of(Point, Value::Vector(DVec3::ONE), Radiance)],
@@ -267,7 +521,7 @@ rows! { POINT_ROWS:
         label: "Color",
         ..ROW
     };
-    POINT_INTENSITY: f64 = "How bright it is there: candela with inverse-square decay.", Parameter {
+    POINT_INTENSITY: f64 = "How bright it is there, as a factor of the whole light's intensity.", Parameter {
         name: "intensity",
         path: "intensities",
         of: &[of(Point, Value::Number(1.0), Radiance)],
@@ -283,14 +537,14 @@ static TABLE: OnceLock<Table> = OnceLock::new();
 struct Table {
     rows: Vec<&'static Parameter>,
     /// Those of each owner, in the order of [`Owner`].
-    by_owner: [Vec<&'static Parameter>; 4],
+    by_owner: [Vec<&'static Parameter>; Owner::COUNT],
 }
 
 impl Table {
     fn new(more: &[&'static Parameter]) -> Self {
         let rows: Vec<_> = [LIGHT_ROWS, more, POINT_ROWS].concat();
         let of = |owner| rows.iter().copied().filter(|row| row.of(owner).is_some()).collect();
-        let by_owner = [Owner::Spot, Owner::Bendy, Owner::Point, Owner::Camera].map(of);
+        let by_owner = Owner::ALL.map(of);
         Self { rows, by_owner }
     }
 }

@@ -54,14 +54,25 @@ impl Reach {
             if distance <= MAX_EXTENT { Ok(()) } else { Err(OutOfReach::Far { name: name(), distance }) }
         };
         let across = |source: DVec3| ((source - self.middle).abs() + self.half_extent).length();
+        let small = |sizes: f64| {
+            if sizes <= MAX_EXTENT { Ok(()) } else { Err(OutOfReach::Small { name: name(), sizes }) }
+        };
         let transform = light.light().transform();
-        let Rays::Bent(tube) = light.rays() else { return far(across(transform.translation)) };
+        let tube = match light.rays() {
+            Rays::Bent(tube) => tube,
+            Rays::Cone(_) | Rays::Omni(_) => return far(across(transform.translation)),
+            Rays::Parallel(parallel) => {
+                // It comes from infinitely far away: only its window stands anywhere, and only across the light.
+                let distance = parallel.beside(self.middle).length() + self.half_extent.length();
+                far(distance)?;
+                return parallel.half.into_iter().flatten().try_for_each(|half| small(distance / half));
+            }
+        };
         let reaches = light.light().points().iter().map(|point| {
             across(transform.translation) + (point.position.length() + point.radius) * transform.scale
         });
         far(reaches.fold(0.0, f64::max))?;
-        let sizes = across(tube.placement.translation) / tube.placement.world_per_tube.min(1.0);
-        if sizes <= MAX_EXTENT { Ok(()) } else { Err(OutOfReach::Small { name: name(), sizes }) }
+        small(across(tube.placement.translation) / tube.placement.world_per_tube.min(1.0))
     }
 
     /// Which of `lights` a picture leaves out, and why.

@@ -42,7 +42,7 @@ impl fmt::Debug for Digest {
     }
 }
 
-/// Over the shape and the values of parameters that touch `least` or more. What has its default is left out, so that a
+/// Over the shape, by the number that [`Owner`] has for it, and the values of parameters that touch `least` or more. What has its default is left out, so that a
 /// parameter that comes later changes no digest of before; -0 counts as 0. What has a length says it first.
 fn digest(light: &Light, least: Touches) -> Digest {
     let owner = light.owner();
@@ -105,6 +105,14 @@ impl Walk {
             Value::Vector(vector) => self.reals(&vector.to_array()),
             Value::Rotation(rotation) => self.reals(&rotation.to_array()),
             Value::Text(text) => self.text(text),
+            Value::Links(links) => {
+                for paths in [links.include(), links.exclude()] {
+                    self.number(paths.len() as u64);
+                    for path in paths {
+                        self.text(path);
+                    }
+                }
+            }
         }
     }
 }

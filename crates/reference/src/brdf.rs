@@ -11,11 +11,11 @@ use crate::Surface;
 const MIN_ALPHA: f64 = 0.002;
 
 /// `f(l, v) max(0, n.l)`: the share of unit irradiance across `to_light` that leaves towards the eye, linear RGB
-/// (Real-Time Rendering, eqs 7.20 and 7.21).
+/// (Real-Time Rendering, eqs 7.20 and 7.21), with factors of what is scattered and what is mirrored.
 ///
 /// Lambert under GGX (Walter et al. 2007) with height-correlated Smith visibility (Heitz 2014) and Schlick's
 /// Fresnel term.
-pub fn reflected(surface: &Surface, to_light: DVec3) -> DVec3 {
+pub fn reflected(surface: &Surface, to_light: DVec3, [scattered, mirrored]: [f64; 2]) -> DVec3 {
     let n = surface.normal;
     let n_l = n.dot(to_light);
     if n_l <= 0.0 {
@@ -41,5 +41,5 @@ pub fn reflected(surface: &Surface, to_light: DVec3) -> DVec3 {
     let squared = grazing * grazing;
     let fresnel = f0 + (DVec3::ONE - f0) * (grazing * (squared * squared));
     let diffuse = (DVec3::ONE - fresnel) * (1.0 - surface.metallic) * surface.base_color / PI;
-    (diffuse + fresnel * distribution * visibility) * n_l
+    (diffuse * scattered + fresnel * distribution * visibility * mirrored) * n_l
 }

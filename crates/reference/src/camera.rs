@@ -71,8 +71,17 @@ mod tests {
                 let (translation, rotation) = (DVec3::ZERO, DQuat::IDENTITY);
                 let camera = Camera { name: String::new(), translation, rotation, projection };
                 let slot = ViewSlot::default();
-                let view =
-                    View { camera, width, height, samples: 1, aov: Aov::Depth, light: 0, fill: 1.0, slot };
+                let view = View {
+                    camera,
+                    width,
+                    height,
+                    samples: 1,
+                    aov: Aov::Depth,
+                    light: 0,
+                    fill: 1.0,
+                    exposure: 0.0,
+                    slot,
+                };
                 let ray = ViewRay::new(&view, DVec2::new(x, y), DVec3::ZERO);
                 let point = ray.origin + ray.direction;
                 assert!(

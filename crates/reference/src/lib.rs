@@ -8,7 +8,7 @@
 //! use reference::Reference;
 //! # let scene = scene::Scene::default();
 //! # let (camera, slot) = (scene::framing_camera(&light::Reach::default(), 1.0), scene::ViewSlot::default());
-//! let view = scene::View { camera, width: 4, height: 4, samples: 1, aov: scene::Aov::Depth, light: 0, fill: 1.0, slot };
+//! let view = scene::View { camera, width: 4, height: 4, samples: 1, aov: scene::Aov::Depth, light: 0, fill: 1.0, exposure: 0.0, slot };
 //! let frame = Reference::new(scene::pose(scene.clone())).render(&view, &[], || {})?;
 //! assert_eq!(frame.pixels[0], [0.0; 4]);
 //! # Ok::<(), reference::ReferenceError>(())
@@ -17,6 +17,7 @@
 mod brdf;
 mod camera;
 mod error;
+mod linked;
 mod nearest;
 mod picture;
 mod reference;
@@ -27,6 +28,7 @@ mod visibility;
 
 pub use brdf::reflected;
 pub use error::ReferenceError;
+pub use linked::{Linked, LinkedSource};
 pub use picture::Picture;
 pub use reference::Reference;
 pub use source::{LightSample, Source};

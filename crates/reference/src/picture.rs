@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use scene::{Aov, View};
 
 use crate::camera::sample_in_pixel;
-use crate::{Reference, ReferenceError, Source, Surface, reflected};
+use crate::{LinkedSource, Reference, ReferenceError, Surface, reflected};
 
 /// Raw values, linear, with the meaning that [`Aov`] states.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,8 +35,8 @@ impl Reference {
         if !View::FILL.contains(&view.fill) {
             return Err(ReferenceError::Fill(view.fill));
         }
-        let sources: Vec<_> =
-            wanted(view, lights)?.iter().map(|instance| Source::new(&instance.light)).collect();
+        let source = |instance: &LightInstance| LinkedSource::new(&self.bvh.posed, &instance.light);
+        let sources: Vec<_> = wanted(view, lights)?.iter().map(source).collect();
         let mut pixels = vec![[0.0; 4]; view.width as usize * view.height as usize];
         pixels.par_chunks_exact_mut(view.width as usize).enumerate().for_each(|(y, row)| {
             for (x, pixel) in row.iter_mut().enumerate() {
@@ -47,7 +47,7 @@ impl Reference {
         Ok(Picture { width: view.width, height: view.height, pixels })
     }
 
-    fn pixel(&self, view: &View, sources: &[Source], corner: DVec2) -> [f64; 4] {
+    fn pixel(&self, view: &View, sources: &[LinkedSource], corner: DVec2) -> [f64; 4] {
         let samples = if view.aov.takes_samples() { view.samples } else { 1 };
         let mut sum = [0.0; 4];
         for index in 0..samples {
@@ -61,8 +61,8 @@ impl Reference {
     }
 
     /// What a surface shows; `None` outside the light that is asked for.
-    fn value(&self, view: &View, sources: &[Source], surface: &Surface) -> Option<[f64; 4]> {
-        let first = || sources.first().and_then(|source| self.sample_unshadowed(source, surface));
+    fn value(&self, view: &View, sources: &[LinkedSource], surface: &Surface) -> Option<[f64; 4]> {
+        let first = || sources.first().and_then(|source| self.sample_unshadowed(source.parts(), surface));
         let value = match view.aov {
             Aov::Beauty => self.radiance(sources, view.fill, surface),
             Aov::Depth => DVec3::splat(surface.depth),
@@ -74,7 +74,7 @@ impl Reference {
             }
             Aov::Direction => first()?.place.direction,
             Aov::Visibility => {
-                let visible = self.sample(sources.first()?, surface)?.visible;
+                let visible = self.sample_linked(sources.first()?.parts(), surface)?.visible;
                 DVec3::splat(if visible { 1.0 } else { 0.0 })
             }
             Aov::Wireframe => return None,
@@ -83,15 +83,17 @@ impl Reference {
     }
 
     /// Radiance towards the eye under `sources` and `fill` times the scene's fill, linear RGB.
-    pub fn radiance(&self, sources: &[Source], fill: f64, surface: &Surface) -> DVec3 {
+    pub fn radiance(&self, sources: &[LinkedSource], fill: f64, surface: &Surface) -> DVec3 {
         let lit: DVec3 = sources
             .iter()
             .map(|source| {
-                let Some(light) = self.sample_unshadowed(source, surface) else { return DVec3::ZERO };
-                let radiance = reflected(surface, light.place.direction) * light.irradiance;
+                let Some(light) = self.sample_unshadowed(source.parts(), surface) else { return DVec3::ZERO };
+                let filter = source.parts().0.light_filter();
+                let lobes = [filter.diffuse, filter.specular];
+                let radiance = reflected(surface, light.place.direction, lobes) * light.irradiance;
                 // A shadow is only looked for where it could be seen.
-                let lit = radiance != DVec3::ZERO && self.reaches(source, surface, &light);
-                if lit { radiance } else { DVec3::ZERO }
+                let lit = radiance != DVec3::ZERO && self.reaches(source.parts(), surface, &light);
+                radiance * filter.arriving(if lit { 1.0 } else { 0.0 })
             })
             .sum();
         lit + self.fill(surface) * fill

@@ -1,15 +1,19 @@
 //! Lights, and what they do at a point: everything but their shadows.
 
 use glam::{DVec2, DVec3};
-use light::{CheckedLight, Cone, Place, Rays, Tube};
+use light::{CheckedLight, Cone, LightFilter, Omni, Parallel, Place, Rays, Tube};
 
 /// A checked light, ready to be asked.
 #[derive(Clone, Debug)]
 pub enum Source {
     /// Light along a spline.
     Bendy(Tube<f64>),
-    /// Light along straight lines.
+    /// Light along straight lines, in a cone.
     Spot(Cone),
+    /// Light along parallel lines.
+    Directional(Parallel),
+    /// Light from a point to all sides.
+    Omni(Omni),
 }
 
 /// What a light does at a surface.
@@ -27,11 +31,13 @@ pub struct LightSample {
 }
 
 impl Source {
-    /// Where its light comes from, in the world.
-    pub fn position_in_world(&self) -> DVec3 {
+    /// What becomes of its light on the way.
+    pub fn light_filter(&self) -> &LightFilter {
         match self {
-            Self::Bendy(tube) => tube.placement.translation,
-            Self::Spot(cone) => cone.translation,
+            Self::Bendy(tube) => &tube.light_filter,
+            Self::Spot(cone) => &cone.light_filter,
+            Self::Omni(omni) => &omni.light_filter,
+            Self::Directional(parallel) => &parallel.light_filter,
         }
     }
 
@@ -40,6 +46,8 @@ impl Source {
         match light.rays() {
             Rays::Bent(tube) => Self::Bendy(tube.clone()),
             Rays::Cone(cone) => Self::Spot(cone.clone()),
+            Rays::Parallel(parallel) => Self::Directional(parallel.clone()),
+            Rays::Omni(omni) => Self::Omni(omni.clone()),
         }
     }
 }
@@ -48,6 +56,20 @@ impl Source {
 pub(crate) fn sample_cone(cone: &Cone, source: DVec3, point: DVec3) -> Option<LightSample> {
     let place = cone.locate(point - source)?;
     let irradiance = cone.irradiance(&place);
+    Some(LightSample { place, along_path: place.direction, irradiance, visible: true })
+}
+
+/// An omni light with its source at `source`, at `point`, or `None` past its range.
+pub(crate) fn sample_omni(omni: &Omni, source: DVec3, point: DVec3) -> Option<LightSample> {
+    let place = omni.locate(point - source)?;
+    let irradiance = omni.irradiance(&place);
+    Some(LightSample { place, along_path: place.direction, irradiance, visible: true })
+}
+
+/// A directional light at `point`, or `None` outside its window.
+pub(crate) fn sample_parallel(parallel: &Parallel, point: DVec3) -> Option<LightSample> {
+    let place = parallel.locate(point)?;
+    let irradiance = parallel.irradiance(&place);
     Some(LightSample { place, along_path: place.direction, irradiance, visible: true })
 }
 

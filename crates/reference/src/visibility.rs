@@ -1,48 +1,82 @@
 //! Shadows, by following light from its source to the surface.
 
 use glam::DVec3;
-use light::{Tube, TubePoint};
+use light::{Parallel, Tube, TubePoint};
 use raycast::BentHit;
 
-use crate::source::{place_beside, sample_cone, sample_tube};
-use crate::{LightSample, Reference, Source, Surface};
+use crate::source::{place_beside, sample_cone, sample_omni, sample_parallel, sample_tube};
+use crate::{LightSample, Linked, Reference, Source, Surface};
 
 /// Distance from a surface within which nothing shadows it, as a share of the light's size or of the way to the
 /// source: the surface itself, and what lies on it. Rounding places a point to 1e-15 of that.
 const CONTACT: f64 = 1e-9;
 
 impl Reference {
-    /// What a light does at a surface, its shadow included; `None` outside the light.
+    /// What a light for which all nodes count does at a surface, its shadow included; `None` outside the light.
     pub fn sample(&self, source: &Source, surface: &Surface) -> Option<LightSample> {
-        let mut sample = self.sample_unshadowed(source, surface)?;
-        sample.visible = self.reaches(source, surface, &sample);
+        self.sample_linked((source, &Linked::default()), surface)
+    }
+
+    /// What a light does at a surface, its shadow included; `None` outside the light, and on what it does not light.
+    pub(crate) fn sample_linked(&self, light: (&Source, &Linked), surface: &Surface) -> Option<LightSample> {
+        let mut sample = self.sample_unshadowed(light, surface)?;
+        sample.visible = self.reaches(light, surface, &sample);
         Some(sample)
     }
 
     /// The same without looking for a shadow: `visible` says yes.
-    pub(crate) fn sample_unshadowed(&self, source: &Source, surface: &Surface) -> Option<LightSample> {
-        let origin = self.in_scene(source);
+    pub(crate) fn sample_unshadowed(
+        &self,
+        (source, linked): (&Source, &Linked),
+        surface: &Surface,
+    ) -> Option<LightSample> {
+        if !linked.lights(surface.node) {
+            return None;
+        }
+        let point = surface.position;
         match source {
-            Source::Bendy(tube) => sample_tube(tube, origin, surface.position),
-            Source::Spot(cone) => sample_cone(cone, origin, surface.position),
+            Source::Bendy(tube) => sample_tube(tube, self.in_scene(tube.placement.translation), point),
+            Source::Spot(cone) => sample_cone(cone, self.in_scene(cone.translation), point),
+            Source::Omni(omni) => sample_omni(omni, self.in_scene(omni.translation), point),
+            Source::Directional(parallel) => sample_parallel(&self.beside_scene(parallel), point),
         }
     }
 
-    fn in_scene(&self, source: &Source) -> DVec3 {
-        source.position_in_world() - self.bvh.posed.origin_in_world
+    fn in_scene(&self, position_in_world: DVec3) -> DVec3 {
+        position_in_world - self.bvh.posed.origin_in_world
+    }
+
+    /// The light with its window's middle in scene space.
+    fn beside_scene(&self, parallel: &Parallel) -> Parallel {
+        Parallel { translation: self.in_scene(parallel.translation), ..parallel.clone() }
     }
 
     /// Whether nothing is in the way of the light that `sample` says arrives at the surface, as a smooth one
     /// ([`Surface::shadow_position`]). Light that arrives from behind that, or through the surface's own triangle, meets the other side.
-    pub(crate) fn reaches(&self, source: &Source, surface: &Surface, sample: &LightSample) -> bool {
-        if surface.normal.dot(sample.along_path) <= 0.0 || self.is_in_its_own_way(surface, sample) {
+    pub(crate) fn reaches(
+        &self,
+        (source, linked): (&Source, &Linked),
+        surface: &Surface,
+        sample: &LightSample,
+    ) -> bool {
+        if !source.light_filter().shadow_enable {
+            return true;
+        }
+        let is_in_its_own_way = || linked.stops_at(surface.node) && self.is_in_its_own_way(surface, sample);
+        if surface.normal.dot(sample.along_path) <= 0.0 || is_in_its_own_way() {
             return false;
         }
-        let (origin, point) = (self.in_scene(source), surface.shadow_position());
-        let Source::Bendy(tube) = source else { return self.sees(surface, origin) };
-        let (t, vw) = place_beside(tube, origin, sample, point);
-        let path = self.bvh.path(tube, vw.x, vw.y);
-        !self.bvh.blocks(&path, t, self.in_the_way_of(point, tube))
+        match source {
+            Source::Bendy(tube) => {
+                let (origin, point) = (self.in_scene(tube.placement.translation), surface.shadow_position());
+                let (t, vw) = place_beside(tube, origin, sample, point);
+                let path = self.bvh.path(tube, vw.x, vw.y);
+                !self.bvh.blocks(&path, t, self.in_the_way_of(point, tube, linked))
+            }
+            Source::Spot(cone) => self.sees(surface, self.in_scene(cone.translation), linked),
+            Source::Omni(omni) => self.sees(surface, self.in_scene(omni.translation), linked),
+            Source::Directional(parallel) => self.sees_out(surface, parallel.direction(), linked),
+        }
     }
 
     /// Whether light from behind the surface's triangle comes through it.
@@ -59,33 +93,53 @@ impl Reference {
     }
 
     /// The node that shadows a point, given where it lies in the light: the first on the light's way from its
-    /// source. `None` where nothing is in the way.
-    pub fn occluder(&self, tube: &Tube<f64>, place: &TubePoint, point_in_world: DVec3) -> Option<usize> {
+    /// source, of those that count for it. `None` where nothing is in the way.
+    pub fn occluder(
+        &self,
+        (tube, linked): (&Tube<f64>, &Linked),
+        place: &TubePoint,
+        point_in_world: DVec3,
+    ) -> Option<usize> {
         let path = self.bvh.path(tube, place.v, place.w);
         let point = point_in_world - self.bvh.posed.origin_in_world;
-        let hit = self.bvh.first_bent_hit(&path, place.t, self.in_the_way_of(point, tube))?;
+        let hit = self.bvh.first_bent_hit(&path, place.t, self.in_the_way_of(point, tube, linked))?;
         Some(self.bvh.triangles[hit.triangle].node)
     }
 
     /// Which hits stop light on its way to a point. Its own triangle may be one: a bent path can cross it
     /// elsewhere too.
-    fn in_the_way_of(&self, point: DVec3, tube: &Tube<f64>) -> impl Fn(&BentHit) -> bool {
+    fn in_the_way_of(&self, point: DVec3, tube: &Tube<f64>, linked: &Linked) -> impl Fn(&BentHit) -> bool {
         let contact = CONTACT * tube.placement.world_per_tube + rounding(point);
         move |hit| {
+            let triangle = &self.bvh.triangles[hit.triangle];
             hit.position.distance(point) > contact
-                && self.is_solid(&self.bvh.triangles[hit.triangle], hit.weights)
+                && linked.stops_at(triangle.node)
+                && self.is_solid(triangle, hit.weights)
         }
     }
 
-    /// Whether nothing lies on the straight way from a surface to another point.
-    fn sees(&self, surface: &Surface, there: DVec3) -> bool {
+    /// Whether nothing that counts lies on the straight way from a surface to another point.
+    fn sees(&self, surface: &Surface, there: DVec3, linked: &Linked) -> bool {
         let point = surface.shadow_position();
         let way = there - point;
         let near = CONTACT + rounding(point) / way.length();
+        self.is_free(surface, way, [near, 1.0], linked)
+    }
+
+    /// Whether nothing lies on the straight way from a surface out of the scene, along the unit vector `towards`.
+    fn sees_out(&self, surface: &Surface, towards: DVec3, linked: &Linked) -> bool {
+        let near = CONTACT * self.bvh.posed.half_extent.length() + rounding(surface.shadow_position());
+        self.is_free(surface, towards, [near, f64::INFINITY], linked)
+    }
+
+    /// Whether nothing but the surface's own triangle lies from `near` to `far` lengths of `way` from it.
+    fn is_free(&self, surface: &Surface, way: DVec3, [near, far]: [f64; 2], linked: &Linked) -> bool {
         self.bvh
-            .first_hit(point, way, [near, 1.0], |hit| {
+            .first_hit(surface.shadow_position(), way, [near, far], |hit| {
+                let triangle = &self.bvh.triangles[hit.triangle];
                 hit.triangle != surface.triangle
-                    && self.is_solid(&self.bvh.triangles[hit.triangle], hit.weights)
+                    && linked.stops_at(triangle.node)
+                    && self.is_solid(triangle, hit.weights)
             })
             .is_none()
     }

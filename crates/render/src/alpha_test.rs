@@ -6,10 +6,15 @@ use wgpu::{Buffer, BufferUsages};
 use crate::geometry::{Draw, upload};
 use crate::{Gpu, RenderError, gpu_structs};
 
+const TESTS: &str = "the scene's alpha tests in bytes";
+const TEXELS: &str = "the alpha of the scene's textures in bytes";
+
 /// See `alpha_test.wgsl`.
 #[derive(Debug)]
 pub(crate) struct AlphaTests {
     /// One a draw with an alpha test, by their triangles.
+    pub list: Vec<gpu_structs::AlphaTest>,
+    /// The same on the device.
     pub tests: Buffer,
     /// All their pictures.
     pub texels: Buffer,
@@ -28,22 +33,25 @@ impl AlphaTests {
     /// `texels` have eight bits each.
     pub fn new(
         gpu: &Gpu,
-        tests: &[gpu_structs::AlphaTest],
+        list: Vec<gpu_structs::AlphaTest>,
         mut texels: Vec<u8>,
     ) -> Result<Self, RenderError> {
         texels.resize(texels.len().next_multiple_of(4), 0);
-        let storage = BufferUsages::STORAGE;
-        Ok(Self {
-            tests: upload(gpu, "the scene's alpha tests in bytes", tests, storage)?,
-            texels: upload(gpu, "the alpha of the scene's textures in bytes", &texels, storage)?,
-        })
+        let texels = upload(gpu, TEXELS, &texels, BufferUsages::STORAGE)?;
+        Ok(Self { tests: upload(gpu, TESTS, &list, BufferUsages::STORAGE)?, list, texels })
+    }
+
+    /// Other tests by the same pictures.
+    pub fn with_tests(&self, gpu: &Gpu, list: Vec<gpu_structs::AlphaTest>) -> Result<Self, RenderError> {
+        let tests = upload(gpu, TESTS, &list, BufferUsages::STORAGE)?;
+        Ok(Self { list, tests, texels: self.texels.clone() })
     }
 
     /// One test that no triangle has: a binding may not be empty.
     pub fn none(gpu: &Gpu) -> Result<Self, RenderError> {
         Self::new(
             gpu,
-            &[gpu_structs::AlphaTest { first_index: u32::MAX, ..gpu_structs::AlphaTest::default() }],
+            vec![gpu_structs::AlphaTest { first_index: u32::MAX, ..gpu_structs::AlphaTest::default() }],
             vec![0],
         )
     }

@@ -27,6 +27,9 @@ impl Raster {
         if !View::FILL.contains(&view.fill) {
             return invalid("its factor of the fill is outside its domain; give one from 0 to 1000000");
         }
+        if !View::EXPOSURE.contains(&view.exposure) {
+            return invalid("its exposure is outside its domain; give one from -32 to 32 stops");
+        }
         let aspect_ratio = view.camera.projection.aspect_ratio();
         let sound = aspect_ratio.is_none_or(|aspect| aspect > 0.0 && aspect.is_finite());
         let sound = sound

@@ -3,7 +3,9 @@
 use glam::Vec3;
 use wgpu::{Buffer, BufferUsages};
 
+use crate::alpha_test::AlphaTests;
 use crate::geometry::{Vertices, upload};
+use crate::material::MaterialDraw;
 use crate::{Gpu, RenderError};
 
 #[cfg(test)]
@@ -48,6 +50,16 @@ impl Casters {
             opaque_indices: mesh.opaque_indices as u32,
         })
     }
+}
+
+/// What throws shadows in a light: all of a scene, or what its links leave.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Casting<'a> {
+    pub casters: &'a Casters,
+    /// The scene's own triangles that have an alpha test.
+    pub masked: &'a [MaterialDraw],
+    /// Those of `masked`; `None` where there are none.
+    pub alpha_tests: Option<&'a AlphaTests>,
 }
 
 /// Triangles by their corners.

@@ -22,6 +22,13 @@ impl Renderer {
         let mut renderer = self.with_same_pipelines()?;
         renderer.set_scene(&scene::pose(scene()))?;
         let spot = spot();
+        for straight in [Light::omni(), Light::directional()] {
+            let straight = straight.placed(spot.transform());
+            renderer.render_display(&view(), &LightInstance::numbered([straight])?)?;
+            if !keep_going() {
+                return Ok(());
+            }
+        }
         renderer.render_display(&view(), &LightInstance::numbered([spot.clone()])?)?;
         for segments in 1..=SEGMENTS {
             if !keep_going() {
@@ -68,7 +75,7 @@ fn view() -> View {
         projection: Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.1, zfar: None },
     };
     let (aov, slot) = (Aov::Beauty, ViewSlot::default());
-    View { camera, width: 42, height: 22, samples: 1, aov, light: 0, fill: 1.0, slot }
+    View { camera, width: 42, height: 22, samples: 1, aov, light: 0, fill: 1.0, exposure: 0.0, slot }
 }
 
 /// A light over the middle of the squares.

@@ -1,14 +1,28 @@
 //! Linear radiance to the bytes of a screen.
 
 use wgpu::{
-    BindGroup, BindGroupLayout, BindingResource, CommandEncoder, RenderPipeline, TextureFormat, TextureView,
+    BindGroup, BindGroupLayout, BindingResource, Buffer, CommandEncoder, RenderPipeline, TextureFormat,
+    TextureView,
 };
 
-use crate::pipeline::{RAW_TEXTURE, color_attachment};
-use crate::{Gpu, shaders};
+use crate::pipeline::{RAW_TEXTURE, UNIFORM, color_attachment};
+use crate::{Gpu, gpu_structs, shaders};
 
 /// Encoded by the shader: the texture only rounds to the nearest of 256 steps.
 pub(crate) const FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
+
+/// What exposed radiance is cut to, so that it stays a number.
+const BRIGHTEST: f32 = 1e30;
+
+/// What radiance is multiplied by at so many stops.
+pub(crate) fn factor(exposure: f64) -> f32 {
+    exposure.exp2() as f32
+}
+
+/// `radiance` times `factor`, as the shader has it.
+pub(crate) fn exposed(radiance: f32, factor: f32) -> f32 {
+    radiance.min(BRIGHTEST / factor) * factor
+}
 
 #[derive(Debug)]
 pub(crate) struct DisplayPass {
@@ -16,28 +30,47 @@ pub(crate) struct DisplayPass {
     layout: BindGroupLayout,
 }
 
+/// A picture's radiance as the pass reads it, with an exposure of its own.
+#[derive(Debug)]
+pub(crate) struct Exposed {
+    group: BindGroup,
+    uniform: Buffer,
+}
+
 impl DisplayPass {
     pub fn new(gpu: &Gpu) -> Self {
-        let layout = gpu.layout("display", &[RAW_TEXTURE]);
+        let layout = gpu.layout("display", &[RAW_TEXTURE, UNIFORM]);
         let module = gpu.module("display", shaders::DISPLAY);
         let pipeline_layout = gpu.pipeline_layout("display", &[&layout]);
         let pipeline = gpu.fullscreen_pipeline(&pipeline_layout, &module, "fs_display", FORMAT, None);
         Self { pipeline, layout }
     }
 
-    /// The group that reads `radiance`.
-    pub fn group(&self, gpu: &Gpu, radiance: &TextureView) -> BindGroup {
-        gpu.group("display", &self.layout, &[BindingResource::TextureView(radiance)])
+    /// What reads `radiance`.
+    pub fn exposed(&self, gpu: &Gpu, radiance: &TextureView) -> Exposed {
+        let uniform = gpu.uniform_buffer::<gpu_structs::Exposure>("exposure");
+        let resources = [BindingResource::TextureView(radiance), uniform.as_entire_binding()];
+        Exposed { group: gpu.group("display", &self.layout, &resources), uniform }
     }
 
-    pub fn draw(&self, encoder: &mut CommandEncoder, radiance: &BindGroup, into: &TextureView) {
+    /// Shows radiance, brightened by so many stops.
+    pub fn draw(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        (radiance, exposure): (&Exposed, f64),
+        into: &TextureView,
+    ) {
+        let factor = factor(exposure);
+        let uniform = gpu_structs::Exposure { factor, brightest: BRIGHTEST / factor };
+        gpu.queue.write_buffer(&radiance.uniform, 0, bytemuck::bytes_of(&uniform));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("display"),
             color_attachments: &[Some(color_attachment(into, true))],
             ..Default::default()
         });
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, radiance, &[]);
+        pass.set_bind_group(0, &radiance.group, &[]);
         pass.draw(0..3, 0..1);
     }
 }

@@ -44,6 +44,9 @@ pub enum RenderError {
         /// How many lights there are.
         count: usize,
     },
+    /// A wireframe of a light whose map is not mapped.
+    #[error("only a BendyLight or a spotlight has a wireframe: choose another light or another AOV")]
+    NoWireframe,
     /// A picture that its file format cannot hold.
     #[error("the picture cannot be encoded ({0}): make it smaller")]
     Encode(String),

@@ -22,6 +22,8 @@ pub(crate) struct Vertices {
     pub planes: Vec<[f32; 4]>,
     /// One a material in use; those without an alpha test first.
     pub draws: Vec<Draw>,
+    /// One a posed primitive, in the same order.
+    pub runs: Vec<Run>,
 }
 
 /// What a vertex has besides its position.
@@ -31,6 +33,18 @@ pub(crate) struct Attributes {
     pub normal: [f32; 3],
     pub uv: [f32; 2],
     pub color: [f32; 4],
+}
+
+/// The triangles of one posed primitive.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Run {
+    /// Index of the node that carries it.
+    pub node: usize,
+    /// Its own in [`PosedScene::primitives`].
+    pub primitive: usize,
+    /// Where its vertices begin.
+    pub first_vertex: u32,
+    pub indices: Range<u32>,
 }
 
 /// A run of triangles with one material.
@@ -52,15 +66,19 @@ impl Vertices {
             });
         }
         let mut vertices = Self::default();
-        let mut primitives: Vec<_> = scene.primitives.iter().collect();
-        primitives.sort_by_key(|posed| order(&scene.scene.materials, scene.geometry(posed).material));
-        for posed in primitives {
-            vertices.add(scene, posed)?;
+        let mut primitives: Vec<_> = scene.primitives.iter().enumerate().collect();
+        primitives.sort_by_key(|(_, posed)| order(&scene.scene.materials, scene.geometry(posed).material));
+        for primitive in primitives {
+            vertices.add(scene, primitive)?;
         }
         Ok(vertices)
     }
 
-    fn add(&mut self, scene: &PosedScene, posed: &PosedPrimitive) -> Result<(), RenderError> {
+    fn add(
+        &mut self,
+        scene: &PosedScene,
+        (index, posed): (usize, &PosedPrimitive),
+    ) -> Result<(), RenderError> {
         let primitive = scene.geometry(posed);
         let too_many = |count: usize| RenderError::TooLarge {
             what: "the number of vertices or indices",
@@ -85,6 +103,8 @@ impl Vertices {
             self.planes.push(plane(corners.map(|k| self.positions[k as usize])));
         }
         let end = u32::try_from(self.indices.len()).map_err(|_| too_many(self.indices.len()))?;
+        let indices = first_index..end;
+        self.runs.push(Run { node: posed.node, primitive: index, first_vertex, indices });
         match self.draws.last_mut() {
             Some(draw) if draw.material == primitive.material => draw.indices.end = end,
             _ => self.draws.push(Draw { material: primitive.material, indices: first_index..end }),

@@ -7,9 +7,9 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages};
 
 use crate::alpha_test::AlphaTests;
-use crate::casters::Casters;
+use crate::casters::{Casters, Casting};
 use crate::clusters::Clusters;
-use crate::geometry::{Geometry, Vertices};
+use crate::geometry::{Geometry, Run, Vertices};
 use crate::material::{MaterialDraw, Materials};
 use crate::memory::{MemoryKind, Reservation};
 use crate::{Gpu, RenderError, gpu_structs};
@@ -28,6 +28,8 @@ pub(crate) struct GpuScene {
     /// Boxes around the surface.
     pub clusters: Clusters,
     pub draws: Vec<MaterialDraw>,
+    /// Which triangles are of which node.
+    pub runs: Vec<Run>,
     /// Those of `draws` that have one; none where no draw has.
     pub alpha_tests: Option<AlphaTests>,
     /// Group 0 of the passes that have a camera; see `view.wgsl`.
@@ -44,9 +46,20 @@ pub(crate) struct SceneGroupLayouts {
     pub view: BindGroupLayout,
     pub material: BindGroupLayout,
     pub fill: BindGroupLayout,
+    pub links: BindGroupLayout,
 }
 
 impl GpuScene {
+    /// The draws that have an alpha test.
+    pub fn masked(&self) -> &[MaterialDraw] {
+        &self.draws[self.draws.partition_point(|draw| !draw.masked)..]
+    }
+
+    /// What throws shadows in lights without links.
+    pub fn casting(&self) -> Casting<'_> {
+        Casting { casters: &self.casters, masked: self.masked(), alpha_tests: self.alpha_tests.as_ref() }
+    }
+
     /// Casters that may stray from the surface by `mesh_error`, in world units.
     pub fn simplified(&self, gpu: &Gpu, mesh_error: f64) -> Result<Casters, RenderError> {
         self.surface.simplified(gpu, &Vertices::new(&self.posed)?, mesh_error)
@@ -109,6 +122,7 @@ impl GpuScene {
             casters,
             clusters: Clusters::new(&vertices.positions, &vertices.indices),
             draws,
+            runs: vertices.runs,
             alpha_tests,
             view,
             fill: gpu.group("fill", &group_layouts.fill, &[fill_uniform.as_entire_binding()]),

@@ -1,5 +1,7 @@
 //! The structs that Rust and WGSL share. A test holds every name and offset against the WGSL.
 
+use glam::DVec3;
+
 /// Declares a struct as WGSL lays it out. Fields whose names begin with `pad` are gaps that WGSL leaves by
 /// itself.
 macro_rules! gpu_struct {
@@ -36,9 +38,12 @@ pub(crate) const ALL: &[StructLayout] = &[
     Material::LAYOUT,
     AlphaTest::LAYOUT,
     Fill::LAYOUT,
+    Exposure::LAYOUT,
     ShadowView::LAYOUT,
     LightFilter::LAYOUT,
     Spot::LAYOUT,
+    Omni::LAYOUT,
+    Directional::LAYOUT,
     HierarchyNode::LAYOUT,
 ];
 
@@ -116,6 +121,14 @@ gpu_struct! {
 }
 
 gpu_struct! {
+    /// See `display.wgsl`.
+    Exposure {
+        factor: f32,
+        brightest: f32,
+    }
+}
+
+gpu_struct! {
     /// See `shadow.wgsl`.
     ShadowView {
         clip_from_scene: Mat4,
@@ -125,30 +138,55 @@ gpu_struct! {
 /// Length of the array of faces in `spot.wgsl`.
 pub(crate) const SPOT_FACES: usize = 5;
 
+/// Where f64 goes on and f32 does not: a ramp that steep is a step in single precision too, and `filter.wgsl` keeps light
+/// that strong within it.
+const LARGE: f64 = 1e30;
+
 gpu_struct! {
     /// See `filter.wgsl`.
     LightFilter {
-        decay: [f32; 3],
+        tint: [f32; 3],
         least_distance: f32,
+        decay: [f32; 3],
+        profile_power: f32,
+        shadow_color: [f32; 3],
         tan2_outer: f32,
+        lobes: [f32; 2],
         edge: f32,
         inverse_span: f32,
-        exposure: f32,
+        cut_starts: [f32; 2],
+        cut_inverse_widths: [f32; 2],
+        section_scale: [f32; 2],
+        section_power: f32,
+        pad0: f32,
     }
 }
 
 impl From<&light::LightFilter> for LightFilter {
     fn from(filter: &light::LightFilter) -> Self {
-        let light::LightFilter { exposure, profile, decay, least_distance } = filter;
-        // A profile that steep is a step, in single precision too.
-        let inverse_span = profile.inverse_span.min(1e30);
+        let light::LightFilter {
+            tint, diffuse, specular, shadow_color, profile, section, decay, cut, ..
+        } = filter;
+        let (section_scale, section_power) = match *section {
+            light::Section::Circle => ([1.0; 2], 2.0),
+            light::Section::Superellipse { scale, power } => (scale, power),
+        };
+        let f32s = |values: [f64; 2]| values.map(|value| value.clamp(-LARGE, LARGE) as f32);
         Self {
+            tint: tint.min(DVec3::splat(LARGE)).as_vec3().to_array(),
+            least_distance: filter.least_distance.min(LARGE) as f32,
             decay: decay.weights().map(|weight| weight as f32),
-            least_distance: *least_distance as f32,
+            shadow_color: shadow_color.min(DVec3::splat(LARGE)).as_vec3().to_array(),
+            profile_power: profile.power as f32,
+            lobes: f32s([*diffuse, *specular]),
             tan2_outer: profile.tan2_outer as f32,
             edge: profile.edge as f32,
-            inverse_span: inverse_span as f32,
-            exposure: *exposure as f32,
+            cut_starts: f32s([cut.on_start, cut.off_start]),
+            cut_inverse_widths: f32s([cut.on_inverse_width, cut.off_inverse_width]),
+            section_scale: f32s(section_scale),
+            section_power: section_power.min(LARGE) as f32,
+            pad0: 0.0,
+            inverse_span: profile.inverse_span.min(LARGE) as f32,
         }
     }
 }
@@ -157,13 +195,38 @@ gpu_struct! {
     /// See `cone.wgsl`.
     Spot {
         light_from_scene: Mat4,
-        emission: [f32; 3],
+        light_filter: LightFilter,
         tan_outer: f32,
+        range: f32,
+        shadow_near: f32,
+        mesh_error: f32,
+        fits: [[f32; 4]; SPOT_FACES],
+    }
+}
+
+gpu_struct! {
+    /// See `omni.wgsl`.
+    Omni {
+        light_from_scene: Mat4,
         light_filter: LightFilter,
         range: f32,
         shadow_near: f32,
         mesh_error: f32,
         pad0: f32,
-        fits: [[f32; 4]; SPOT_FACES],
+        fits: [[f32; 4]; crate::omni_faces::FACES],
+    }
+}
+
+gpu_struct! {
+    /// See `parallel.wgsl`.
+    Directional {
+        light_from_scene: Mat4,
+        window: [f32; 4],
+        fit: [f32; 4],
+        light_filter: LightFilter,
+        bottom: f32,
+        depth_scale: f32,
+        mesh_error: f32,
+        pad0: f32,
     }
 }

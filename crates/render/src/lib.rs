@@ -15,6 +15,7 @@
 )]
 
 mod alpha_test;
+mod baked_filter;
 mod bendy_light;
 mod camera;
 mod casters;
@@ -22,6 +23,7 @@ mod clusters;
 mod compile_pipelines;
 mod coverage;
 mod device;
+mod directional;
 mod display;
 mod error;
 mod gbuffer;
@@ -31,10 +33,13 @@ mod gpu_structs;
 mod hierarchy;
 mod lighting;
 mod lights;
+mod linked;
 mod map_key;
 mod material;
 mod memory;
 mod mipmap;
+mod omni;
+mod omni_faces;
 mod passes;
 mod picture;
 mod pipeline;
@@ -45,6 +50,7 @@ mod shadow;
 mod shadow_settings;
 mod spot;
 mod spot_faces;
+mod straight;
 mod targets;
 mod tile;
 mod tiled;

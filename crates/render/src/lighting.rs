@@ -8,6 +8,7 @@ use wgpu::{
     RenderPass, RenderPipeline, ShaderModule, TextureFormat,
 };
 
+use crate::linked::with_links;
 use crate::{Aov, Gpu};
 
 /// Radiance and every AOV: raw values, added up in f32.
@@ -22,23 +23,32 @@ const ADD: BlendState = {
     BlendState { color: sum, alpha: sum }
 };
 
-/// Passes of one module by the constants that it is compiled with, each made when first wanted.
+/// Passes of one module by the constants that it is compiled with and whether they are for lights with links, each made when
+/// first wanted.
 #[derive(Debug)]
-pub(crate) struct Variants<K>(Mutex<Vec<(K, Arc<LightingPass>)>>);
+pub(crate) struct Variants<K>(Mutex<Vec<Variant<K>>>);
+
+#[derive(Debug)]
+struct Variant<K> {
+    constants: K,
+    linked: bool,
+    pass: Arc<LightingPass>,
+}
 
 impl<K: Copy + PartialEq> Variants<K> {
     pub fn new() -> Self {
         Self(Mutex::default())
     }
 
-    /// The pass with those constants; the first time `make` makes it.
-    pub fn get(&self, constants: K, make: impl FnOnce() -> LightingPass) -> Arc<LightingPass> {
+    /// The pass with those constants, for lights with links where `linked`; the first time `make` makes it.
+    pub fn get(&self, constants: K, linked: bool, make: impl FnOnce() -> LightingPass) -> Arc<LightingPass> {
         let mut made = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, pass)) = made.iter().find(|(known, _)| *known == constants) {
-            return Arc::clone(pass);
+        let is_it = |known: &&Variant<K>| (known.constants, known.linked) == (constants, linked);
+        if let Some(known) = made.iter().find(is_it) {
+            return Arc::clone(&known.pass);
         }
         let pass = Arc::new(make());
-        made.push((constants, Arc::clone(&pass)));
+        made.push(Variant { constants, linked, pass: Arc::clone(&pass) });
         pass
     }
 }
@@ -62,16 +72,16 @@ impl LightingPass {
         }
     }
 
-    /// Adds `aov` within `pixels`, `[x, y, width, height]`. `group` is what the pass binds after view and
+    /// Of a light: `groups` are those of the view, the surface, the light and links. Which triangles count is compiled in
+    /// where it is not `linked`.
+    pub fn of_light(gpu: &Gpu, label: &str, wgsl: &str, linked: bool, groups: [&BindGroupLayout; 4]) -> Self {
+        let count = if linked { 4 } else { 3 };
+        Self::new(gpu, label, &with_links(linked, wgsl), &groups[..count])
+    }
+
+    /// Adds `aov` within `pixels`, `[x, y, width, height]`. `groups` are what the pass binds after view and
     /// surface.
-    pub fn draw(
-        &self,
-        gpu: &Gpu,
-        pass: &mut RenderPass,
-        aov: Aov,
-        group: Option<&BindGroup>,
-        pixels: [u32; 4],
-    ) {
+    pub fn draw(&self, gpu: &Gpu, pass: &mut RenderPass, aov: Aov, groups: &[&BindGroup], pixels: [u32; 4]) {
         let [x, y, width, height] = pixels;
         if width == 0 || height == 0 {
             return;
@@ -81,8 +91,8 @@ impl LightingPass {
             gpu.fullscreen_pipeline(&self.layout, &self.module, &entry_point, FORMAT, Some(ADD))
         });
         pass.set_pipeline(pipeline);
-        if let Some(group) = group {
-            pass.set_bind_group(2, group, &[]);
+        for (index, &group) in (2..).zip(groups) {
+            pass.set_bind_group(index, group, &[]);
         }
         pass.set_scissor_rect(x, y, width, height);
         pass.draw(0..3, 0..1);

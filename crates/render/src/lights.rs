@@ -1,5 +1,7 @@
 //! What is kept of each light from picture to picture: above all its shadow map.
 
+use std::sync::Arc;
+
 use light::{CheckedLight, LightInstance, Rays, Tube};
 use scene::ViewSlot;
 use wgpu::{BindGroup, CommandEncoder, TextureView};
@@ -7,11 +9,12 @@ use wgpu::{BindGroup, CommandEncoder, TextureView};
 use crate::bendy_light::{self, Baked, BendyPass, BendySlot, BentWork};
 use crate::camera::Raster;
 use crate::gpu_scene::GpuScene;
+use crate::linked::{KnownLinks, Linked};
 use crate::map_key::MapKey;
 use crate::memory::{Evictable, MemoryKind, Reservation};
 use crate::passes::Passes;
 use crate::shadow_settings::MapSize;
-use crate::spot::{self, BakedSpot, SpotSlot};
+use crate::straight::{BakedStraight, Straight, StraightSlot};
 use crate::{Gpu, RenderError, ShadowSettings};
 
 /// The shadow maps of one scene's lights, whoever needs them.
@@ -20,6 +23,7 @@ pub(crate) struct ShadowMaps {
     maps: Vec<KeptMap>,
     users: Vec<User>,
     pub bent_work: BentWork,
+    known_links: KnownLinks,
     shadows: ShadowSettings,
 }
 
@@ -28,6 +32,8 @@ struct KeptMap {
     slot: Evictable<LightSlot>,
     /// Whether one of the users has a light whose map this is.
     needed: bool,
+    /// What of the scene counts for its light, where that has links.
+    linked: Option<Arc<Linked>>,
 }
 
 /// Who draws, and the maps of the picture that is or was drawn last.
@@ -39,14 +45,14 @@ struct User {
 
 #[derive(Debug)]
 enum LightSlot {
-    Spot(Box<SpotSlot>),
+    Straight(Box<StraightSlot>),
     Bendy(Box<BendySlot>),
 }
 
 /// Which lighting pass draws a light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum LightingKind {
-    Spot(BakedSpot),
+    Straight(BakedStraight),
     Bendy(Baked),
 }
 
@@ -58,6 +64,8 @@ pub(crate) struct ReadyLight {
     pub group: BindGroup,
     /// What it may reach: `[x, y, width, height]`.
     pub pixels: [u32; 4],
+    /// What of the scene counts for it, where it has links.
+    pub linked: Option<Arc<Linked>>,
     /// Whether its shadow map had to be drawn.
     pub shadow_drawn: bool,
     /// There is no room to keep its map, which lives as long as this.
@@ -68,22 +76,22 @@ impl LightSlot {
     /// Whether a map of a light found by `rays`, which has that size, can be drawn here.
     fn fits(&self, rays: &Rays, size: MapSize) -> bool {
         match (self, rays) {
-            (Self::Spot(slot), Rays::Cone(_)) => slot.size() == size,
             (Self::Bendy(slot), Rays::Bent(_)) => slot.size() == size,
+            (Self::Straight(slot), Rays::Cone(_) | Rays::Omni(_) | Rays::Parallel(_)) => slot.size() == size,
             _ => false,
         }
     }
 
     fn shows(&self) -> Option<MapKey> {
         match self {
-            Self::Spot(slot) => slot.shows(),
+            Self::Straight(slot) => slot.shows(),
             Self::Bendy(slot) => slot.shows(),
         }
     }
 
     fn invalidate(&mut self) {
         match self {
-            Self::Spot(slot) => slot.invalidate(),
+            Self::Straight(slot) => slot.invalidate(),
             Self::Bendy(slot) => slot.invalidate(),
         }
     }
@@ -101,6 +109,7 @@ impl ShadowMaps {
             maps: Vec::new(),
             users: Vec::new(),
             bent_work: BentWork::new(),
+            known_links: KnownLinks::default(),
             shadows: ShadowSettings::default(),
         }
     }
@@ -201,40 +210,41 @@ impl ShadowMaps {
             None => Self::new_slot(gpu, passes, light, size),
         };
         let shadows = &self.shadows;
-        let (kind, group, corners_in_world, shadow_drawn) = match (&mut slot, light.rays()) {
-            (LightSlot::Spot(slot), Rays::Cone(cone)) => {
-                let spot = light.light();
-                let (placed, group, drawn) =
-                    passes.spot.prepare(gpu, encoder, slot, (key, spot, cone), (scene, shadows));
-                (
-                    LightingKind::Spot(BakedSpot::of(spot, shadows.filter)),
-                    group,
-                    placed.corners_in_world.to_vec(),
-                    drawn,
-                )
-            }
-            (LightSlot::Bendy(slot), Rays::Bent(tube)) => {
-                let work = (&mut self.bent_work, shadows);
-                let (placed, drawn) = passes.bendy.prepare(gpu, work, slot, (key, light, tube), scene)?;
-                (LightingKind::Bendy(placed.baked), placed.group, placed.corners_in_world, drawn)
-            }
-            _ => unreachable!("the slot was chosen or made for this kind of light"),
-        };
-        let passing = self.keep(gpu, index, slot, size);
+        let linked = self.known_links.get(gpu, &passes.group_layouts.links, scene, light.light());
+        let what = (scene, linked.as_deref(), shadows);
+        let (kind, group, corners_in_world, shadow_drawn) =
+            match (&mut slot, light.rays(), Straight::of(light)) {
+                (LightSlot::Bendy(slot), Rays::Bent(tube), _) => {
+                    let work = &mut self.bent_work;
+                    let (placed, drawn) = passes.bendy.prepare(gpu, work, slot, (key, light, tube), what)?;
+                    (LightingKind::Bendy(placed.baked), placed.group, placed.corners_in_world, drawn)
+                }
+                (LightSlot::Straight(slot), _, Some(straight)) => {
+                    let ready = passes.straight.prepare(gpu, encoder, slot, (key, straight), what)?;
+                    let kind = LightingKind::Straight(straight.baked(shadows.filter));
+                    (kind, ready.group, ready.corners_in_world, ready.drawn)
+                }
+                _ => unreachable!("the slot was chosen or made for this kind of light"),
+            };
+        let passing = self.keep(gpu, index, (slot, linked.clone()), size);
         let pixels = raster.bounds_of(&corners_in_world);
-        Ok(ReadyLight { kind, group, pixels, shadow_drawn, passing })
+        Ok(ReadyLight { kind, group, pixels, linked, shadow_drawn, passing })
     }
 
+    /// How large the map of `light` is; least, to have something to bind, where nothing shadows it.
     fn size_of(&self, light: &CheckedLight) -> MapSize {
-        match light.rays() {
-            Rays::Cone(_) => spot::map_size(light.light(), &self.shadows),
-            Rays::Bent(_) => bendy_light::map_size(light.light(), &self.shadows),
-        }
+        let size = match Straight::of(light) {
+            Some(straight) => straight.map_size(&self.shadows),
+            None => bendy_light::map_size(light.light(), &self.shadows),
+        };
+        if light.light_filter().shadow_enable { size } else { MapSize { side: 1, ..size } }
     }
 
     fn new_slot(gpu: &Gpu, passes: &Passes, light: &CheckedLight, size: MapSize) -> LightSlot {
         match light.rays() {
-            Rays::Cone(_) => LightSlot::Spot(Box::new(passes.spot.slot(gpu, size))),
+            Rays::Cone(_) | Rays::Omni(_) | Rays::Parallel(_) => {
+                LightSlot::Straight(Box::new(passes.straight.slot(gpu, size)))
+            }
             Rays::Bent(_) => LightSlot::Bendy(Box::new(BendyPass::slot(gpu, size))),
         }
     }
@@ -245,11 +255,11 @@ impl ShadowMaps {
         &mut self,
         gpu: &Gpu,
         index: Option<usize>,
-        slot: LightSlot,
+        (slot, linked): (LightSlot, Option<Arc<Linked>>),
         size: MapSize,
     ) -> Option<Reservation> {
         if let Some(map) = index.and_then(|index| self.maps.get_mut(index)) {
-            map.needed = true;
+            (map.needed, map.linked) = (true, linked);
             map.slot.set_needed(true);
             map.slot.put(slot);
             return None;
@@ -259,7 +269,7 @@ impl ShadowMaps {
             return Some(gpu.memory.reserve(MemoryKind::ShadowMaps, bytes));
         }
         let slot = gpu.memory.keep(MemoryKind::ShadowMaps, bytes, slot);
-        self.maps.push(KeptMap { slot, needed: true });
+        self.maps.push(KeptMap { slot, needed: true, linked });
         None
     }
 
@@ -273,9 +283,11 @@ impl ShadowMaps {
         picture: (&TextureView, [u32; 2]),
     ) -> Result<(), RenderError> {
         scene.posed.reach().check(light)?;
-        let work = (&mut self.bent_work, &self.shadows);
+        let linked = self.known_links.get(gpu, &passes.group_layouts.links, scene, light.light());
+        let (work, scene) = (&mut self.bent_work, (scene, linked.as_deref(), &self.shadows));
         match light.rays() {
             Rays::Bent(tube) => passes.bendy.draw_wireframe(gpu, work, (light.light(), tube), scene, picture),
+            Rays::Omni(_) | Rays::Parallel(_) => Err(RenderError::NoWireframe),
             Rays::Cone(_) => {
                 let bent = light::bend(light.light(), 1)?;
                 let tube = Tube::new(&bent)?;

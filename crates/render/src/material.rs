@@ -19,7 +19,7 @@ use crate::{Gpu, RenderError, gpu_structs};
 pub(crate) const BINDINGS: [BindingType; 5] = [UNIFORM, COLOR_TEXTURE, FILTERING, COLOR_TEXTURE, FILTERING];
 
 /// A run of triangles and what it is drawn with.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct MaterialDraw {
     pub indices: Range<u32>,
     pub material: BindGroup,
@@ -95,7 +95,7 @@ impl Materials {
             });
         }
         let Textures { texels, bytes: texture_bytes, .. } = textures;
-        let alpha_tests = (!tests.is_empty()).then(|| AlphaTests::new(gpu, &tests, texels)).transpose()?;
+        let alpha_tests = (!tests.is_empty()).then(|| AlphaTests::new(gpu, tests, texels)).transpose()?;
         Ok(Self { draws: material_draws, alpha_tests, texture_bytes })
     }
 }

@@ -9,8 +9,8 @@ use crate::gbuffer::GbufferPass;
 use crate::gpu_scene::SceneGroupLayouts;
 use crate::lighting::LightingPass;
 use crate::pipeline::{STORAGE, UNIFORM};
-use crate::spot::SpotPass;
-use crate::{material, shaders};
+use crate::straight::StraightPass;
+use crate::{linked, material, shaders};
 
 /// All of them: renderers on one device share these.
 #[derive(Debug)]
@@ -19,7 +19,7 @@ pub(crate) struct Passes {
     pub gbuffer: GbufferPass,
     pub fill: LightingPass,
     pub inspect: LightingPass,
-    pub spot: SpotPass,
+    pub straight: StraightPass,
     pub bendy: BendyPass,
     pub display: DisplayPass,
 }
@@ -30,6 +30,7 @@ impl Passes {
             view: gpu.layout("view", &[&[UNIFORM][..], &[STORAGE; 8]].concat()),
             material: gpu.layout("material", &material::BINDINGS),
             fill: gpu.layout("fill", &[UNIFORM]),
+            links: gpu.layout("links", &linked::BINDINGS),
         };
         let gbuffer = GbufferPass::new(gpu, &group_layouts.view, &group_layouts.material);
         let camera_groups: [&BindGroupLayout; 2] = [&group_layouts.view, &gbuffer.surface_layout];
@@ -37,8 +38,8 @@ impl Passes {
         Self {
             fill: LightingPass::new(gpu, "fill", shaders::FILL, &[view, surface, &group_layouts.fill]),
             inspect: LightingPass::new(gpu, "inspect", shaders::INSPECT, &camera_groups),
-            spot: SpotPass::new(gpu, camera_groups, &group_layouts.material),
-            bendy: BendyPass::new(gpu, camera_groups),
+            straight: StraightPass::new(gpu, camera_groups, &group_layouts),
+            bendy: BendyPass::new(gpu, camera_groups, &group_layouts.links),
             display: DisplayPass::new(gpu),
             gbuffer,
             group_layouts,

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use image::{DynamicImage, ImageFormat, Rgb, RgbImage, Rgba32FImage, RgbaImage};
 use light::LightInstance;
 
-use crate::{Aov, RenderError, View};
+use crate::{Aov, RenderError, View, display};
 
 /// Raw values, linear.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,7 +76,7 @@ impl Picture {
         format: PictureFormat,
     ) -> Result<Vec<u8>, RenderError> {
         let image: DynamicImage = match format {
-            PictureFormat::Png => readable(&self, view.aov, segments(lights.get(view.light))).into(),
+            PictureFormat::Png => readable(&self, view, segments(lights.get(view.light))).into(),
             PictureFormat::Exr => {
                 let values = self.pixels.into_flattened();
                 Rgba32FImage::from_raw(self.width, self.height, values).expect("four floats a pixel").into()
@@ -104,18 +104,19 @@ fn segments(instance: Option<&LightInstance>) -> usize {
 /// A colour, each channel 0 to 1, as a screen shows it.
 type Color = [f32; 3];
 
-/// The picture of `aov` for a screen; black where a pixel has no value. `segments` is the end of t's range.
+/// The picture of `view` for a screen; black where a pixel has no value. `segments` is the end of t's range.
 ///
 /// - depth: near is bright, far dark, over the range there is;
 /// - normal, direction: `(x + 1) / 2`;
 /// - t: a ramp over `[0, segments]`, dark at joints;
 /// - vw: hue by the angle around the curve, brightness by the distance from it in radii;
-/// - beauty: tone-mapped;
+/// - beauty: exposed and tone-mapped;
 /// - visibility: as it is;
 /// - wireframe: t's ramp with the edges in white, darker outside the tube.
-fn readable(picture: &Picture, aov: Aov, segments: usize) -> RgbImage {
-    let color: &dyn Fn(usize, [f32; 4]) -> Color = match aov {
-        Aov::Beauty => &|_, [x, y, z, _]| tone_mapped([x, y, z]),
+fn readable(picture: &Picture, view: &View, segments: usize) -> RgbImage {
+    let exposure = display::factor(view.exposure);
+    let color: &dyn Fn(usize, [f32; 4]) -> Color = match view.aov {
+        Aov::Beauty => &|_, [x, y, z, _]| tone_mapped([x, y, z].map(|c| display::exposed(c, exposure))),
         Aov::Visibility => &|_, [x, y, z, _]| [x, y, z],
         Aov::Normal | Aov::Direction => &|_, [x, y, z, _]| [x, y, z].map(|c| 0.5 + 0.5 * c),
         Aov::Depth => {
@@ -216,12 +217,16 @@ fn around(v: f32, w: f32) -> Color {
 
 #[cfg(test)]
 mod tests {
+    use scene::{Scene, framing_camera};
+
     use super::*;
 
     /// The bytes of a row of pixels.
     fn row(aov: Aov, pixels: &[[f32; 4]]) -> Vec<[u8; 3]> {
         let picture = Picture { width: pixels.len() as u32, height: 1, pixels: pixels.to_vec() };
-        readable(&picture, aov, 2).pixels().map(|pixel| pixel.0).collect()
+        let view =
+            View { aov, ..View::beauty(framing_camera(&scene::pose(Scene::default()).reach(), 1.0), [1, 1]) };
+        readable(&picture, &view, 2).pixels().map(|pixel| pixel.0).collect()
     }
 
     #[test]

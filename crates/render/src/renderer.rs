@@ -163,23 +163,23 @@ impl Renderer {
         Ok(Picture { width: view.width, height: view.height, pixels })
     }
 
-    /// The beauty of `view` under `lights` as a screen shows it, whatever `view.aov` says: tone-mapped sRGB,
+    /// The beauty of `view` under `lights` as a screen shows it, whatever `view.aov` says: exposed, tone-mapped, sRGB,
     /// RGBA, 8 bits a channel, rows from the top.
     pub fn render_display(&mut self, view: &View, lights: &[LightInstance]) -> Result<Vec<u8>, RenderError> {
         self.with_whole(view, Aov::Beauty, lights, |renderer, gpu, targets| {
-            renderer.read_display(gpu, targets, targets.size)
+            renderer.read_display(gpu, targets, (targets.size, view.exposure))
         })
     }
 
-    /// Tone-maps the corner of what is in `targets` and reads it back.
+    /// Tone-maps the corner of what is in `targets`, brightened by so many stops, and reads it back.
     pub(crate) fn read_display(
         &mut self,
         gpu: &Gpu,
         targets: &Targets,
-        size: [u32; 2],
+        (size, exposure): ([u32; 2], f64),
     ) -> Result<Vec<u8>, RenderError> {
         let mut encoder = gpu.encoder();
-        targets.draw_display(&mut encoder, &self.passes);
+        targets.draw_display(gpu, &mut encoder, &self.passes, exposure);
         gpu.queue.submit([encoder.finish()]);
         self.counts.display += 1;
         Ok(readback::read::<[u8; 4]>(gpu, &targets.display, size)?.into_flattened())
@@ -246,6 +246,9 @@ impl Renderer {
         let mut batch = Vec::new();
         let first = wanted.start + targets.lights_drawn.unwrap_or(0);
         for (index, light) in lights.iter().enumerate().take(wanted.end).skip(first) {
+            if view.aov == Aov::Beauty && light.light.light_filter().is_dark() {
+                continue;
+            }
             let ready = match shadow_maps.ready(gpu, &mut encoder, (passes, scene, raster), light) {
                 // Others shine all the same; `light::Reach` tells who asks.
                 Err(RenderError::OutOfReach(_)) if view.aov == Aov::Beauty => continue,

@@ -17,6 +17,10 @@ pub(crate) const INSPECT: &str = wgsl!("view", "encoding", "surface", "fullscree
 pub(crate) const SHADOW: &str = wgsl!("shadow");
 /// Draws shadow casters with an alpha test.
 pub(crate) const SHADOW_MASKED: &str = wgsl!("shadow", "material", "shadow_masked");
+/// Which triangles count for a light with links.
+pub(crate) const LINKS: &str = wgsl!("links");
+/// The same for one without.
+pub(crate) const NO_LINKS: &str = wgsl!("no_links");
 /// Adds a spotlight.
 pub(crate) const SPOT: &str = wgsl!(
     "view",
@@ -32,6 +36,36 @@ pub(crate) const SPOT: &str = wgsl!(
     "cone",
     "spot_faces",
     "spot"
+);
+/// Adds an omni light.
+pub(crate) const OMNI: &str = wgsl!(
+    "view",
+    "encoding",
+    "surface",
+    "fullscreen",
+    "brdf",
+    "filter",
+    "lighting",
+    "alpha_test",
+    "nearby",
+    "shadow_filter",
+    "omni",
+    "omni_lookup"
+);
+/// Adds a directional light.
+pub(crate) const DIRECTIONAL: &str = wgsl!(
+    "view",
+    "encoding",
+    "surface",
+    "fullscreen",
+    "brdf",
+    "filter",
+    "lighting",
+    "alpha_test",
+    "nearby",
+    "shadow_filter",
+    "parallel",
+    "parallel_lookup"
 );
 /// Adds a BendyLight.
 pub(crate) const BENDY: &str = wgsl!(

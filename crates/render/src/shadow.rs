@@ -2,7 +2,8 @@
 
 use wgpu::{BindGroupLayout, Buffer, CommandEncoder, RenderPipeline};
 
-use crate::gpu_scene::GpuScene;
+use crate::casters::Casting;
+use crate::geometry::Geometry;
 use crate::pipeline::{MapTarget, UNIFORM, cleared_depth, nearer_wins, vertex_buffers};
 use crate::shadow_settings::MapSize;
 use crate::{Gpu, gpu_structs, shaders};
@@ -72,14 +73,14 @@ impl ShadowPass {
         ShadowMap { target: gpu.map_target("shadow map", size), views: (0..size.layers).map(view).collect() }
     }
 
-    /// Draws each layer by its view; those without one are empty.
+    /// Draws what casts of a scene's geometry into each layer by its view; those without one are empty.
     pub fn draw(
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         into: &ShadowMap,
         views: &[Option<gpu_structs::ShadowView>],
-        scene: &GpuScene,
+        scene: (&Geometry, &Casting),
     ) {
         for ((layer, (uniform, group)), view) in into.target.layers.iter().zip(&into.views).zip(views) {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -95,22 +96,21 @@ impl ShadowPass {
         }
     }
 
-    fn draw_casters(&self, pass: &mut wgpu::RenderPass, scene: &GpuScene) {
-        let GpuScene { casters, geometry, draws, .. } = scene;
+    fn draw_casters(&self, pass: &mut wgpu::RenderPass, (geometry, casting): (&Geometry, &Casting)) {
+        let Casting { casters, masked, .. } = casting;
         if casters.opaque_indices > 0 {
             pass.set_pipeline(&self.opaque);
             pass.set_vertex_buffer(0, casters.positions.slice(..));
             pass.set_index_buffer(casters.indices.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(0..casters.opaque_indices, 0, 0..1);
         }
-        let masked = &draws[draws.partition_point(|draw| !draw.masked)..];
         if !masked.is_empty() {
             pass.set_pipeline(&self.masked);
             pass.set_vertex_buffer(0, geometry.positions.slice(..));
             pass.set_vertex_buffer(1, geometry.attributes.slice(..));
             pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
         }
-        for draw in masked {
+        for draw in *masked {
             pass.set_bind_group(1, &draw.material, &[]);
             pass.draw_indexed(draw.indices.clone(), 0, 0..1);
         }

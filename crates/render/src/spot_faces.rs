@@ -54,6 +54,9 @@ pub(crate) struct FittedFaces {
 }
 
 impl FittedFaces {
+    /// Of a light without a map.
+    pub const NONE: Self = Self { faces: Vec::new(), nearest: f64::INFINITY };
+
     /// Of `side` texels, fitted to what of `clusters`, grown by `mesh_error`, may lie in the light.
     pub fn new(
         light: &Light,

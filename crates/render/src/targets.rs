@@ -6,6 +6,7 @@ use scene::Projection;
 use wgpu::{BindGroup, CommandEncoder, Texture, TextureView, TextureViewDescriptor};
 
 use crate::camera::Raster;
+use crate::display::Exposed;
 use crate::gbuffer::Gbuffer;
 use crate::gpu_scene::GpuScene;
 use crate::lights::{LightingKind, ReadyLight};
@@ -32,7 +33,7 @@ pub(crate) struct Targets {
     gbuffer_key: Option<GbufferKey>,
     pub radiance: Texture,
     pub radiance_view: TextureView,
-    radiance_group: BindGroup,
+    exposed: Exposed,
     /// What the radiance shows: of which scene's revision, in which view, which tile, under which lights.
     shown: Option<(u64, View, Tile, Vec<Shown>)>,
     /// Samples a pixel of it that have been added up.
@@ -108,7 +109,7 @@ impl Targets {
             size,
             gbuffer: passes.gbuffer.targets(gpu, width, height),
             gbuffer_key: None,
-            radiance_group: passes.display.group(gpu, &radiance_view),
+            exposed: passes.display.exposed(gpu, &radiance_view),
             radiance,
             radiance_view,
             shown: None,
@@ -122,7 +123,8 @@ impl Targets {
     /// Starts anew, unless the radiance shows this picture or the beginning of it.
     pub fn begin(&mut self, revision: u64, view: &View, tile: Tile, lights: &[LightInstance]) {
         let shown = lights.iter().map(|instance| (instance.id, instance.light.revisions().radiance));
-        let shown = Some((revision, view.clone(), tile, shown.collect()));
+        // Radiance knows no exposure: a view that differs in it alone is only shown anew.
+        let shown = Some((revision, View { exposure: 0.0, ..view.clone() }, tile, shown.collect()));
         if self.shown != shown {
             self.shown = shown;
             (self.samples_drawn, self.lights_drawn) = (0, None);
@@ -180,21 +182,23 @@ impl Targets {
         pass.set_bind_group(1, &self.gbuffer.surface, &[]);
         let everywhere = [0, 0, tile.width, tile.height];
         match aov {
-            Aov::Beauty if base => passes.fill.draw(gpu, &mut pass, aov, Some(&scene.fill), everywhere),
-            Aov::Depth | Aov::Normal if base => passes.inspect.draw(gpu, &mut pass, aov, None, everywhere),
+            Aov::Beauty if base => passes.fill.draw(gpu, &mut pass, aov, &[&scene.fill], everywhere),
+            Aov::Depth | Aov::Normal if base => passes.inspect.draw(gpu, &mut pass, aov, &[], everywhere),
             _ => {}
         }
         for light in lights {
+            let links = light.linked.as_ref().map(|linked| &linked.group);
             let lighting = match light.kind {
-                LightingKind::Spot(baked) => passes.spot.lighting(gpu, baked),
-                LightingKind::Bendy(baked) => passes.bendy.lighting(gpu, baked),
+                LightingKind::Straight(baked) => passes.straight.lighting(gpu, baked, links.is_some()),
+                LightingKind::Bendy(baked) => passes.bendy.lighting(gpu, baked, links.is_some()),
             };
-            lighting.draw(gpu, &mut pass, aov, Some(&light.group), tile.cut(light.pixels));
+            let groups: Vec<&BindGroup> = [&light.group].into_iter().chain(links).collect();
+            lighting.draw(gpu, &mut pass, aov, &groups, tile.cut(light.pixels));
         }
     }
 
-    /// Tone-maps the radiance for a screen.
-    pub fn draw_display(&self, encoder: &mut CommandEncoder, passes: &Passes) {
-        passes.display.draw(encoder, &self.radiance_group, &self.display_view);
+    /// Tone-maps the radiance for a screen, brightened by so many stops.
+    pub fn draw_display(&self, gpu: &Gpu, encoder: &mut CommandEncoder, passes: &Passes, exposure: f64) {
+        passes.display.draw(gpu, encoder, (&self.exposed, exposure), &self.display_view);
     }
 }

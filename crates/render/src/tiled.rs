@@ -180,7 +180,7 @@ impl Renderer {
         if !done {
             return Ok(false);
         }
-        self.collect_tile(gpu, targets, tile, pixels)?;
+        self.collect_tile(gpu, targets, (tile, drawing.view.exposure), pixels)?;
         work.finished += std::mem::take(&mut work.begun);
         if whole {
             return Ok(true);
@@ -195,13 +195,13 @@ impl Renderer {
         &mut self,
         gpu: &Gpu,
         targets: &Targets,
-        tile: Tile,
+        (tile, exposure): (Tile, f64),
         pixels: &mut Pixels,
     ) -> Result<(), RenderError> {
         let size = [tile.width, tile.height];
         match pixels {
             Pixels::Display { width, bytes, .. } => {
-                let drawn = self.read_display(gpu, targets, size)?;
+                let drawn = self.read_display(gpu, targets, (size, exposure))?;
                 place(
                     bytes,
                     4 * *width as usize,

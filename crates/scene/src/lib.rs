@@ -4,11 +4,13 @@
 //! the promises stated on each field; [`Scene::check`] verifies them all and is called once by every importer.
 
 mod camera;
+mod node_tree;
 mod pose;
 mod scene;
 mod view;
 
 pub use camera::{Camera, DEFAULT_ASPECT, Projection, framing_camera};
+pub use node_tree::NodeTree;
 pub use pose::{PosedPrimitive, PosedScene, pose, world_bounds};
 pub use scene::{Fill, Image, Material, Mesh, Node, Primitive, Sampler, Scene, SceneError, TextureRef, Wrap};
 pub use view::{Aov, UnknownAov, View, ViewSlot};

@@ -1,13 +1,13 @@
 //! Where everything stands: the one place that knows where scene space begins, and which corners of a mirrored
 //! triangle change places.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::{DAffine3, DMat3, DVec3};
 
 use light::Reach;
 
-use crate::{Primitive, Scene};
+use crate::{NodeTree, Primitive, Scene};
 
 /// A scene with every vertex at its place, for whoever draws it, follows light through it or picks from it.
 ///
@@ -25,6 +25,8 @@ pub struct PosedScene {
     pub primitives: Vec<PosedPrimitive>,
     /// All their vertices in scene space, in the same order.
     pub positions: Vec<DVec3>,
+    /// Made when somebody asks.
+    nodes: OnceLock<NodeTree>,
 }
 
 /// A primitive at its place in the world.
@@ -52,13 +54,25 @@ pub fn pose(scene: impl Into<Arc<Scene>>) -> Arc<PosedScene> {
         let local = posed.of(&scene).positions.iter();
         positions.extend(local.map(|position| scene_from_local.transform_point3(position.as_dvec3())));
     }
-    Arc::new(PosedScene { scene, origin_in_world, half_extent, primitives, positions })
+    Arc::new(PosedScene {
+        scene,
+        origin_in_world,
+        half_extent,
+        primitives,
+        positions,
+        nodes: OnceLock::new(),
+    })
 }
 
 impl PosedScene {
     /// The box that lights are measured against.
     pub fn reach(&self) -> Reach {
         Reach { middle: self.origin_in_world, half_extent: self.half_extent }
+    }
+
+    /// Its nodes by their paths.
+    pub fn nodes(&self) -> &NodeTree {
+        self.nodes.get_or_init(|| NodeTree::new(&self.scene))
     }
 
     /// How many triangles there are.
@@ -77,6 +91,32 @@ impl PosedScene {
         let mirrors = posed.mirrors();
         let triangles = posed.of(&self.scene).indices.as_chunks::<3>().0.iter();
         triangles.map(move |&[a, b, c]| if mirrors { [a, c, b] } else { [a, b, c] })
+    }
+}
+
+impl PosedScene {
+    /// Distance along a ray, in lengths of `direction`, at which it first meets a triangle farther away than `near`, both
+    /// sides alike; `None` where it meets none. Looks at every triangle: for a ray or two, not for pictures.
+    ///
+    /// `origin` is in the world. Accuracy: some ulps of the largest coordinate, over the cosine between ray and normal.
+    pub fn first_hit(&self, origin: DVec3, direction: DVec3, near: f64) -> Option<f64> {
+        let origin = origin - self.origin_in_world;
+        let meets = |[a, b, c]: [DVec3; 3]| {
+            let (ab, ac, from_a) = (b - a, c - a, origin - a);
+            // 0 for a ray in the plane and for a triangle without area: what follows is then infinite or no number.
+            let volume = direction.cross(ac).dot(ab);
+            let beta = direction.cross(ac).dot(from_a) / volume;
+            let gamma = from_a.cross(ab).dot(direction) / volume;
+            let distance = from_a.cross(ab).dot(ac) / volume;
+            (beta >= 0.0 && gamma >= 0.0 && beta + gamma <= 1.0 && distance > near).then_some(distance)
+        };
+        let corners = |of: &PosedPrimitive| {
+            let positions = &self.positions[of.first_vertex..];
+            self.triangles(of)
+                .map(move |vertices| vertices.map(|vertex| positions[vertex as usize]))
+                .collect::<Vec<_>>()
+        };
+        self.primitives.iter().flat_map(corners).filter_map(meets).min_by(f64::total_cmp)
     }
 }
 

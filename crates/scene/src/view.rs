@@ -25,6 +25,9 @@ pub struct View {
     pub light: usize,
     /// How much of the scene's fill the beauty has: a factor from 0, the lights alone, 1, as the scene has it, and more; within [`View::FILL`].
     pub fill: f64,
+    /// Stops by which the beauty is brightened for a screen or a PNG: its radiance times 2 to this, before tone mapping, within
+    /// [`View::EXPOSURE`]. Values themselves, as [`Aov`] has them, know nothing of it.
+    pub exposure: f64,
     /// Whose picture it is.
     pub slot: ViewSlot,
 }
@@ -33,10 +36,13 @@ impl View {
     /// What [`View::fill`] may be. A million times a scene's fill is far from the largest radiance that f32 holds.
     pub const FILL: RangeInclusive<f64> = 0.0..=1e6;
 
+    /// What [`View::exposure`] may be, in stops. From starlight to the sun in the sky are 32.
+    pub const EXPOSURE: RangeInclusive<f64> = -32.0..=32.0;
+
     /// The lit scene as `camera` sees it in a picture of that width and height, with a sample at each pixel's centre.
     pub fn beauty(camera: Camera, [width, height]: [u32; 2]) -> Self {
         let (aov, slot) = (Aov::Beauty, ViewSlot::default());
-        Self { camera, width, height, samples: 1, aov, light: 0, fill: 1.0, slot }
+        Self { camera, width, height, samples: 1, aov, light: 0, fill: 1.0, exposure: 0.0, slot }
     }
 }
 

@@ -11,6 +11,7 @@ use crate::ServerError;
 use crate::limits::{MAX_LABEL_BYTES, MAX_VIEW_PIXELS, MAX_VIEW_SIDE};
 use crate::outboxes::ClientId;
 use crate::scenes::Scenes;
+use crate::views::ViewSettings;
 
 /// What a client requests of its session.
 #[derive(Debug)]
@@ -21,6 +22,8 @@ pub enum ClientRequest {
         camera: Camera,
         /// The client's number for it.
         camera_revision: u32,
+        /// How it is.
+        settings: ViewSettings,
         /// Width and height in pixels.
         size: [u32; 2],
     },
@@ -31,6 +34,13 @@ pub enum ClientRequest {
         /// Which.
         camera: Camera,
         /// The client's number for it.
+        camera_revision: u32,
+    },
+    /// How one's own view is.
+    SetView {
+        /// How.
+        settings: ViewSettings,
+        /// The client's number for its camera from now on.
         camera_revision: u32,
     },
     /// Another size of one's own view, in pixels.
@@ -86,16 +96,24 @@ pub async fn client_request(message: ClientMessage, scenes: &Scenes) -> ClientRe
 async fn parse(message: ClientMessage, scenes: &Scenes) -> Result<ClientRequest, ServerError> {
     Ok(match message {
         ClientMessage::Hello { .. } => return Err(ServerError::Hello),
-        ClientMessage::OpenView { source: ViewSource::Own(camera), width, height, camera_revision } => {
-            ClientRequest::OpenView {
-                camera: valid_camera(camera)?,
-                camera_revision,
-                size: view_size(width, height)?,
-            }
-        }
+        ClientMessage::OpenView {
+            source: ViewSource::Own(camera),
+            width,
+            height,
+            camera_revision,
+            settings,
+        } => ClientRequest::OpenView {
+            camera: valid_camera(camera)?,
+            camera_revision,
+            settings: settings.map(TryInto::try_into).transpose()?.unwrap_or_default(),
+            size: view_size(width, height)?,
+        },
         ClientMessage::OpenView { source: ViewSource::Follow(client), .. } => ClientRequest::Follow(client),
         ClientMessage::SetCamera { camera, camera_revision } => {
             ClientRequest::SetCamera { camera: valid_camera(camera)?, camera_revision }
+        }
+        ClientMessage::SetView { settings, camera_revision } => {
+            ClientRequest::SetView { settings: settings.try_into()?, camera_revision }
         }
         ClientMessage::Viewport { width, height } => ClientRequest::Resize(view_size(width, height)?),
         ClientMessage::Ack { frame } => ClientRequest::Ack(frame),
@@ -162,7 +180,7 @@ fn label(text: String) -> Result<String, ServerError> {
 }
 
 /// A camera that makes a picture.
-fn valid_camera(wire: protocol::Camera) -> Result<Camera, ServerError> {
+pub fn valid_camera(wire: protocol::Camera) -> Result<Camera, ServerError> {
     let camera = Camera::from(wire);
     camera.check().map_err(|why| edit::Refusal::from(document::EditError::InvalidCamera(why)))?;
     Ok(camera)

@@ -35,8 +35,12 @@ export const shotAspect = (camera: Camera): number => aspectOf(camera) ?? DEFAUL
 /** `camera` with a shape of its own: all of its shot is in a picture of any shape (SPEC, DOC-3), also when that
  * changes. */
 export function withShape(camera: Camera): Camera {
+  return withAspect(camera, shotAspect(camera));
+}
+
+/** `camera` with all of a shot of that width over height in its pictures. */
+export function withAspect(camera: Camera, aspectRatio: number): Camera {
   const { projection } = camera;
-  const aspectRatio = shotAspect(camera);
   return "perspective" in projection
     ? { ...camera, projection: { perspective: { ...projection.perspective, aspectRatio } } }
     : { ...camera, projection: { orthographic: { ...projection.orthographic, aspectRatio } } };

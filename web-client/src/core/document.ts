@@ -85,11 +85,17 @@ export function changesPicture(table: ParameterTable, document: Document, change
 /** Whether a name is none: nothing of it can be read. */
 export const isBlank = (name: string): boolean => name.trim() === "";
 
-/** `stem` with the first number from 1 that none of `names` has, such as "spot 2". */
-export function freeName(stem: string, names: readonly string[]): string {
-  let number = 1;
+/** `stem` with the first number from `first` that none of `names` has, such as "spot 2". */
+export function freeName(stem: string, names: readonly string[], first = 1): string {
+  let number = first;
   while (names.includes(`${stem} ${number}`)) number += 1;
   return `${stem} ${number}`;
+}
+
+/** What a copy of `light` is called: as it is, with another number. */
+export function copyName({ name, type }: Light, names: readonly string[]): string {
+  const stem = name.trim().replace(/ \d+$/, "");
+  return freeName(stem === "" ? type : stem, names, 2);
 }
 
 /** What stands for the light in lists. */

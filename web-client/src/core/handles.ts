@@ -53,6 +53,7 @@ export interface Drawn {
 /** The control points' and edges' handles of a light; its source and turning rings come with every light. */
 export function handlesOf(light: Light): Handle[] {
   if (light.type === "spot") return [{ kind: "cone" }];
+  if (light.type !== "bendy") return [];
   const points = light.points.map((_, point) => point);
   return [
     ...points.map((point): Handle => ({ kind: "radius", point })),

@@ -24,7 +24,12 @@ export const toWorld = (transform: Transform, local: Vec3): Vec3 =>
 export const toLocal = (transform: Transform, world: Vec3): Vec3 =>
   scale(rotate(inverse(transform.rotation), sub(world, transform.translation)), 1 / transform.scale);
 
-/** The light's tube; a spotlight's is its cone, drawn `reach` long where it has no range. */
+/** Half the width of what is drawn of a directional light that shines everywhere, and the radius of an omni light without
+ * a range, as shares of the reach. */
+const ENDLESS_SHARE = 0.05;
+
+/** The light's tube; a spotlight's is its cone, drawn `reach` long where it has no range, and a directional light's as
+ * wide as it shines. An omni light's has no length and the radius of its range. */
 export function tubeOf(light: Light, reach: number): Tube {
   const { transform } = light;
   if (light.type === "bendy") {
@@ -34,13 +39,49 @@ export function tubeOf(light: Light, reach: number): Tube {
     };
   }
   const axis = rotate(transform.rotation, [0, 0, -1]);
-  const end = light.range ?? reach;
-  const spread = Math.tan((light.coneAngle * Math.PI) / 180);
+  const [end, radiusAt] = straightTube(light, reach);
   const distances = [0, end / 2, end];
   return {
     points: distances.map((along) => add(transform.translation, scale(axis, along))),
-    radii: distances.map((along) => along * spread),
+    radii: distances.map(radiusAt),
   };
+}
+
+/** How long a straight light's tube is, and how wide. */
+function straightTube(
+  light: Exclude<Light, { type: "bendy" }>,
+  reach: number,
+): [number, (along: number) => number] {
+  switch (light.type) {
+    case "spot": {
+      const spread = Math.tan((light.coneAngle * Math.PI) / 180);
+      return [light.range ?? reach, (along) => along * spread];
+    }
+    case "directional":
+      return [reach, () => (light.width ?? light.height ?? 2 * ENDLESS_SHARE * reach) / 2];
+    case "omni":
+      return [0, () => light.range ?? ENDLESS_SHARE * reach];
+  }
+}
+
+/** Three circles of a sphere around an omni light, along its axes. */
+export function sphereOf({ points, radii }: Tube, rotation: Transform["rotation"]): Vec3[][] {
+  const centre: Vec3 = points[0] ?? [0, 0, 0];
+  const axes: Vec3[] = [
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+  ];
+  return axes.map((axis) => circle(centre, rotate(rotation, axis), radii[0] ?? 0));
+}
+
+/** The head of an arrow at the tube's end, across what the eye sees. */
+export function arrowHead(tube: Tube, camera: Camera): Vec3[] {
+  const end = tube.points.length - 2;
+  const [tip, size] = [positionAt(tube.points, end), numberAt(tube.radii, end) / 2];
+  const back = scale(unit(tangentAt(tube.points, end)), -size);
+  const aside = scale(sideways(tube, end, camera), size / 2);
+  return [add(tip, add(back, aside)), tip, add(tip, sub(back, aside))];
 }
 
 export const centreLine = (tube: Tube): Vec3[] =>

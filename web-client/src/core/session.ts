@@ -1,6 +1,6 @@
 // The page's side of a session: what it knows, what it has asked for, and what it shows.
 
-import { batch, computed, type ReadonlySignal, signal } from "@preact/signals-core";
+import { batch, computed, effect, type ReadonlySignal, signal } from "@preact/signals-core";
 
 import { connect, type Connection, type ConnectionState, type Host } from "./connection";
 import { applyChange, lightName, predict } from "./document";
@@ -124,6 +124,13 @@ export function startSession<T>(options: SessionOptions<T>): Session {
       (document, command) => predict(table, document, command),
       live,
     );
+  });
+
+  // A light that is gone is alone no more, also when an undo brings it back.
+  effect(() => {
+    const there = new Set(mirror.value.document.lights.map(({ id }) => id));
+    const { solo } = viewer.settings.peek();
+    if (solo.some((id) => !there.has(id))) viewer.set({ solo: solo.filter((id) => there.has(id)) });
   });
 
   function welcomed(welcome: Welcome): void {

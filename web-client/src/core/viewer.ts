@@ -1,6 +1,6 @@
 // Where this page looks from: its own camera, or another client's view. Never logged (SPEC, SOCK-7).
 
-import { type ReadonlySignal, signal } from "@preact/signals-core";
+import { computed, type ReadonlySignal, signal } from "@preact/signals-core";
 
 import type { Size } from "./camera";
 import type { Host } from "./connection";
@@ -8,7 +8,7 @@ import type { FrameHeader } from "./frame";
 import type { ClientId } from "./ids";
 import type { LatencyMeter } from "./latency";
 import { type Orbit, orbitFrom } from "./navigation";
-import type { Bounds, Camera, ClientMessage, Presence, ViewSource } from "./protocol";
+import type { Bounds, Camera, ClientMessage, Presence, ViewSettings, ViewSource } from "./protocol";
 
 /** Cameras of frames that may still arrive. */
 const REMEMBERED_CAMERAS = 256;
@@ -17,6 +17,10 @@ export interface Viewer {
   /** One's own camera; `null` before the first welcome. */
   own: ReadonlySignal<Orbit | null>;
   following: ReadonlySignal<ClientId | null>;
+  /** What is one's own besides the camera. */
+  settings: ReadonlySignal<ViewSettings>;
+  /** The same of the view that is shown: one's own, or of who is followed. */
+  shownSettings: ReadonlySignal<ViewSettings>;
   /** Of one's own pictures; `null` before the stage has one. */
   size: ReadonlySignal<Size | null>;
   /** Numbers one's own cameras; pictures from the latest carry it. */
@@ -25,6 +29,8 @@ export interface Viewer {
   move(change: (from: Orbit) => Orbit): void;
   /** Looks from `camera`: all of its shot is in sight, however the picture's size changes. */
   jump(camera: Camera): void;
+  /** Changes what is one's own besides the camera. */
+  set(changed: Partial<ViewSettings>): void;
   /** Shows another client's view, or with `null` one's own. */
   follow(client: ClientId | null): void;
   /** Asks for pictures of this size, in pixels. */
@@ -44,6 +50,9 @@ export interface ViewerParts {
   latency: LatencyMeter;
 }
 
+/** As every view is at first. */
+const UNCHANGED: ViewSettings = { exposure: 0, solo: [] };
+
 export function viewing({ host, send, bounds, latency }: ViewerParts): Viewer {
   const own = signal<Orbit | null>(null);
   const following = signal<ClientId | null>(null);
@@ -51,11 +60,13 @@ export function viewing({ host, send, bounds, latency }: ViewerParts): Viewer {
   const sentCameras = new Map<number, Camera>();
   const revision = signal(0);
   const size = signal<Size | null>(null);
-  let moved = false;
+  const settings = signal<ViewSettings>(UNCHANGED);
+  /** What is to be sent before the next repaint; each has a revision of its own, that of the settings after the camera's. */
+  let [moved, isSet] = [false, false];
 
-  function remember(camera: Camera): void {
-    sentCameras.set(revision.value, camera);
-    sentCameras.delete(revision.value - REMEMBERED_CAMERAS);
+  function remember(camera: Camera, number: number): void {
+    sentCameras.set(number, camera);
+    sentCameras.delete(number - REMEMBERED_CAMERAS);
   }
 
   function openView(): void {
@@ -63,17 +74,37 @@ export function viewing({ host, send, bounds, latency }: ViewerParts): Viewer {
     if (orbit === null || size.value === null) return;
     const source: ViewSource = following.value === null ? { own: orbit.camera } : { follow: following.value };
     revision.value += 1;
-    remember(orbit.camera);
-    send({ type: "openView", source, ...size.value, cameraRevision: revision.value });
+    remember(orbit.camera, revision.value);
+    [moved, isSet] = [false, false];
+    const asked = { ...size.value, cameraRevision: revision.value, settings: settings.value };
+    send({ type: "openView", source, ...asked });
   }
 
-  function sendCamera(): void {
-    moved = false;
-    if (own.value === null || size.value === null || following.value !== null) return;
-    remember(own.value.camera);
-    if (send({ type: "setCamera", camera: own.value.camera, cameraRevision: revision.value })) {
-      latency.expect("cameraRevision", revision.value, host.nowMs());
+  /** Sends `what`, which differs from what the server knows, before the next repaint. */
+  function schedule(what: "camera" | "settings"): void {
+    if (what === "camera" ? moved : isSet) return;
+    if (!(moved || isSet)) host.beforeRepaint(sendChanges);
+    if (what === "camera") moved = true;
+    else isSet = true;
+    revision.value += 1;
+  }
+
+  function sendChanges(): void {
+    const [camera, was] = [own.value?.camera, { moved, isSet }];
+    [moved, isSet] = [false, false];
+    if (camera === undefined || size.value === null || following.value !== null) return;
+    if (was.moved) {
+      const cameraRevision = was.isSet ? revision.value - 1 : revision.value;
+      sendRevision({ type: "setCamera", camera, cameraRevision }, camera);
     }
+    if (was.isSet) {
+      sendRevision({ type: "setView", settings: settings.value, cameraRevision: revision.value }, camera);
+    }
+  }
+
+  function sendRevision(message: ClientMessage & { cameraRevision: number }, camera: Camera): void {
+    remember(camera, message.cameraRevision);
+    if (send(message)) latency.expect("cameraRevision", message.cameraRevision, host.nowMs());
   }
 
   function move(change: (from: Orbit) => Orbit): void {
@@ -81,25 +112,22 @@ export function viewing({ host, send, bounds, latency }: ViewerParts): Viewer {
     if (followed) leave();
     if (own.value === null) return;
     own.value = change(own.value);
-    if (followed) {
-      openView();
-    } else if (!moved) {
-      moved = true;
-      revision.value += 1;
-      host.beforeRepaint(sendCamera);
-    }
+    if (followed) openView();
+    else schedule("camera");
   }
 
-  /** The camera of the view that is followed; who is followed may follow another. */
-  function cameraOfFollowed(): Camera | null {
+  /** Whose view it is that is followed; who is followed may follow another. */
+  function leading(): Presence | null {
     let leader = following.value;
     for (const _ of present.value) {
       const person = present.value.find(({ client }) => client === leader);
-      if (person === undefined || person.following === null) return person?.camera ?? null;
+      if (person === undefined || person.following === null) return person ?? null;
       leader = person.following;
     }
     return null;
   }
+
+  const cameraOfFollowed = (): Camera | null => leading()?.camera ?? null;
 
   /** From now on one's own view, from where the followed one was. */
   function leave(): void {
@@ -113,7 +141,16 @@ export function viewing({ host, send, bounds, latency }: ViewerParts): Viewer {
     following,
     size,
     revision,
+    settings,
+    shownSettings: computed(() =>
+      following.value === null ? settings.value : (leading()?.settings ?? UNCHANGED),
+    ),
     move,
+    set(changed) {
+      settings.value = { ...settings.value, ...changed };
+      // Who follows sees the followed one's; one's own are sent with one's own view.
+      if (own.value !== null && size.value !== null && following.value === null) schedule("settings");
+    },
     jump: (camera) => move(() => orbitFrom(camera, bounds())),
     follow(client) {
       if (client === null) leave();

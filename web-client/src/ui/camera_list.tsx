@@ -3,6 +3,7 @@
 import { seeTheSame } from "../core/camera";
 import { freeName, isBlank } from "../core/document";
 import type { Camera, DocumentCamera } from "../core/protocol";
+import { CameraFormat } from "./camera_format";
 import { Icon } from "./icons";
 import { focusBeside } from "./list_focus";
 import { canEdit, usePage } from "./page";
@@ -38,6 +39,7 @@ export function CameraList() {
         ))}
         {cameras.length === 0 && <li class="empty">None. Add one from this view.</li>}
       </ul>
+      <CameraFormat />
     </section>
   );
 }

@@ -33,11 +33,11 @@ export function described(handle: Handle, drawn: Drawn): AriaAttributes {
   const name = lightLabel(drawn);
   const whereabouts = (at: Vec3): AriaAttributes => ({
     "aria-roledescription": "2D slider",
-    "aria-valuenow": at[0],
+    "aria-valuenow": inDigits(at[0]),
     "aria-valuetext": `x ${spoken(at[0])}, y ${spoken(at[1])}, z ${spoken(at[2])}`,
   });
   const size = (value: number, unit = ""): AriaAttributes => ({
-    "aria-valuenow": value,
+    "aria-valuenow": inDigits(value),
     "aria-valuetext": `${spoken(value)}${unit}`,
   });
   switch (handle.kind) {
@@ -58,11 +58,14 @@ export function described(handle: Handle, drawn: Drawn): AriaAttributes {
       return { "aria-label": `Turn ${name} about its ${"xyz"[handle.axis]}`, ...size(degrees, " degrees") };
     }
     case "cone":
-      return { "aria-label": `Cone angle of ${name}`, ...size(light.coneAngle, " degrees") };
+      return { "aria-label": `Cone angle of ${name}`, ...size(coneAngleOf(light), " degrees") };
   }
 }
 
+/** Attributes of numbers take no exponents, which a number near to 0 has. */
+const inDigits = (value: number) => Number(value.toFixed(6));
 const spoken = (value: number) => formatNumber(value, 2);
+const coneAngleOf = (light: Light): number => ("coneAngle" in light ? light.coneAngle : 0);
 const pointOf = (light: Light, point: number): Vec3 =>
   (light.type === "bendy" ? light.points[point] : undefined) ?? [0, 0, 0];
 const radiusOf = (light: Light, point: number): number =>

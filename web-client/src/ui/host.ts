@@ -1,7 +1,8 @@
 // The browser as the core's surroundings.
 
 import type { Host } from "../core/connection";
-import type { ParameterTable } from "../core/protocol";
+import type { Camera, ParameterTable, SceneNodes } from "../core/protocol";
+import type { Vec3 } from "../core/vector";
 
 /** Opens sockets at the server that the page came from. */
 export function browserHost(): Host {
@@ -64,6 +65,29 @@ export async function fetchTable(token: string): Promise<ParameterTable | string
     return error.message;
   } catch {
     return "The server does not answer, so the page cannot know what can be set on lights. Try again once it does.";
+  }
+}
+
+/** The point of the scene in the middle of a camera's picture; `null` where nothing is, or where the server does not say. */
+export async function pickPoint(token: string, session: string, camera: Camera): Promise<Vec3 | null> {
+  const headers = { authorization: `Bearer ${token}`, "content-type": "application/json" };
+  const request = { method: "POST", headers, body: JSON.stringify({ camera }) };
+  try {
+    const answer = await fetch(`/sessions/${encodeURIComponent(session)}/pick`, request);
+    return answer.ok ? ((await answer.json()) as { point: Vec3 | null }).point : null;
+  } catch {
+    return null;
+  }
+}
+
+/** The nodes of a session's scene; `null` where the server does not say, and then links are typed. */
+export async function fetchNodes(token: string, session: string): Promise<SceneNodes | null> {
+  const headers = { authorization: `Bearer ${token}` };
+  try {
+    const answer = await fetch(`/sessions/${encodeURIComponent(session)}/nodes`, { headers });
+    return answer.ok ? ((await answer.json()) as SceneNodes) : null;
+  } catch {
+    return null;
   }
 }
 

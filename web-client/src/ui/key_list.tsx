@@ -31,6 +31,14 @@ const KEYS: readonly [where: string, rows: readonly [keys: string, what: string]
     ],
   ],
   [
+    "Light",
+    [
+      ["M", "Switch the selected one off or on"],
+      ["S", "See it alone, or all again"],
+      ["D", "Duplicate it"],
+    ],
+  ],
+  [
     "Number",
     [
       ["Up, Down", "A step more or less"],

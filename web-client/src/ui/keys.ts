@@ -1,6 +1,7 @@
 // Keys of the whole page. Fields keep theirs, but for undo where nothing was typed.
 
 import { fitLight, fitScene } from "./fitting";
+import { duplicateLight, isFree, toggleMute, toggleSolo } from "./light_actions";
 import { canEdit, type Page } from "./page";
 
 const FIELDS = "input:not([type=range]), select, textarea";
@@ -39,6 +40,16 @@ function taskFor(page: Page, event: KeyboardEvent): (() => void) | null {
     case "?":
       return () => (showKeys.value = true);
     default:
-      return null;
+      return taskForLight(page, key);
   }
+}
+
+/** What the key does to the selected light. */
+function taskForLight(page: Page, key: string): (() => void) | null {
+  const { selectedLight, session } = page;
+  const light = selectedLight.value;
+  if (light === null) return null;
+  if (key === "s") return session.viewer.following.value === null ? () => toggleSolo(page, light) : null;
+  const edit = { d: duplicateLight, m: toggleMute }[key];
+  return edit !== undefined && isFree(page, light) ? () => edit(page, light) : null;
 }

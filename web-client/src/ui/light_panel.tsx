@@ -1,17 +1,30 @@
 // Every parameter of the selected light.
 
+import { Fragment } from "preact";
+
 import { lightOf } from "../core/document";
 import type { LightId } from "../core/ids";
 import { type Section, sectionsOf, setParameter, valueIn } from "../core/parameters";
 import type { Light } from "../core/protocol";
 import { lightBinding } from "./binding";
 import { Icon } from "./icons";
+import { duplicateLight, straightenLight } from "./light_actions";
 import { canEdit, usePage } from "./page";
 import { ParameterField } from "./parameter_field";
 import { nameOf } from "./person";
 import { PointPanel } from "./point_panel";
+import { QuietButton } from "./quiet_button";
+import { FoldingSection } from "./sections";
 
-const HEADINGS: { [T in Light["type"]]: string } = { bendy: "BendyLight", spot: "Spotlight" };
+const HEADINGS: { [T in Light["type"]]: string } = {
+  bendy: "BendyLight",
+  spot: "Spotlight",
+  omni: "Omni light",
+  directional: "Directional light",
+};
+
+/** Sections that are open before anybody has opened or closed one: the table begins with what is used most. */
+const OPEN_AT_FIRST = 4;
 
 export function LightPanel() {
   const page = usePage();
@@ -31,36 +44,78 @@ export function LightPanel() {
           <Icon name="lock" /> {nameOf(session.people.value, holder)} is dragging this light.
         </p>
       )}
+      <LightTools id={id} isBent={light.type === "bendy"} disabled={disabled} />
       {sectionsOf(session.table, light.type).map((section, k) => (
-        <LightSection
-          key={section.group}
-          section={section}
-          heading={k === 0 ? HEADINGS[light.type] : section.group}
-          id={id}
-          light={light}
-          disabled={disabled}
-        />
+        <Fragment key={section.group}>
+          <FoldingSection
+            group={section.group}
+            heading={k === 0 ? HEADINGS[light.type] : section.group}
+            openAtFirst={k < OPEN_AT_FIRST}
+          >
+            <SectionFields section={section} id={id} light={light} disabled={disabled} />
+          </FoldingSection>
+          {/* What bends it is used most, and stays in sight. */}
+          {k === 0 && light.type === "bendy" && <PointPanel id={id} light={light} disabled={disabled} />}
+        </Fragment>
       ))}
-      {light.type === "bendy" && <PointPanel id={id} light={light} disabled={disabled} />}
     </div>
   );
 }
 
-interface LightSectionProps {
+/** What can be done with the light as a whole. */
+function LightTools({ id, isBent, disabled }: { id: LightId; isBent: boolean; disabled: boolean }) {
+  const page = usePage();
+  return (
+    <div class="light-tools" role="toolbar" aria-label="Light">
+      {isBent ? (
+        <QuietButton
+          title="Straighten this light: a spotlight from its source to its last control point"
+          label="Straighten this light"
+          disabled={disabled}
+          press={() => straightenLight(page, id)}
+        >
+          <Icon name="spot" /> Straighten
+        </QuietButton>
+      ) : (
+        <QuietButton
+          title="Bend this light: control points to where it shines"
+          label="Bend this light"
+          disabled={disabled}
+          press={() => page.session.edit({ type: "bendLight", light: id })}
+        >
+          <Icon name="bendy" /> Bend
+        </QuietButton>
+      )}
+      <QuietButton
+        title="Duplicate this light (D)"
+        label="Duplicate this light"
+        disabled={disabled}
+        press={() => duplicateLight(page, id)}
+      >
+        <Icon name="copy" /> Duplicate
+      </QuietButton>
+      <QuietButton
+        title="Remove this light"
+        disabled={disabled}
+        press={() => page.session.edit({ type: "removeLight", light: id })}
+      >
+        <Icon name="trash" /> Remove
+      </QuietButton>
+    </div>
+  );
+}
+
+interface SectionFieldsProps {
   section: Section;
-  heading: string;
   id: LightId;
   light: Light;
   disabled: boolean;
 }
 
-function LightSection({ section: { group, rows }, heading, id, light, disabled }: LightSectionProps) {
+function SectionFields({ section: { rows }, id, light, disabled }: SectionFieldsProps) {
   const { session } = usePage();
   return (
-    <section class="panel" aria-label={group}>
-      <header class="panel-head">
-        <h2>{heading}</h2>
-      </header>
+    <>
       {rows.map((row) => (
         <ParameterField
           key={row.name}
@@ -71,6 +126,6 @@ function LightSection({ section: { group, rows }, heading, id, light, disabled }
           disabled={disabled}
         />
       ))}
-    </section>
+    </>
   );
 }

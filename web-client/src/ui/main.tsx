@@ -5,9 +5,9 @@ import { render } from "preact";
 
 import { startSession } from "../core/session";
 import { readAddress } from "./address";
-import type { ParameterTable } from "../core/protocol";
+import type { Camera, ParameterTable } from "../core/protocol";
 import { App, NoToken, Refusal } from "./app";
-import { browserHost, fetchTable } from "./host";
+import { browserHost, fetchNodes, fetchTable, pickPoint } from "./host";
 import { bindKeys } from "./keys";
 import { PageProvider, startPage, startToasts } from "./page";
 import { keepActor, readActor } from "./person";
@@ -49,7 +49,15 @@ function start(table: ParameterTable): void {
     screen,
     notify: toasts.add,
   });
-  const page = startPage({ host, session, screen, name, toasts });
+  const page = startPage({
+    host,
+    session,
+    screen,
+    name,
+    pick: (camera: Camera) => pickPoint(token, name, camera),
+    toasts,
+    fetchNodes: () => fetchNodes(token, name),
+  });
   effect(() => keepActor(session.actor.value));
   effect(() => {
     document.title = `${name} - BendyLights`;

@@ -1,63 +1,67 @@
-// What the "add" buttons add: lights that shine down on what the page looks at.
+// What the "add" buttons add: lights aimed at what is in the middle of the view.
 
 import { freeName } from "../core/document";
 import { pivotOf } from "../core/navigation";
-import type { Transform } from "../core/outline";
-import type { Bendy, Light, Spot } from "../core/protocol";
-import { add } from "../core/vector";
+import { rowsOf } from "../core/parameters";
+import { besideTheEye, brightnessFor, cameraOf, type Decay, type Placement } from "../core/placing";
+import type { Bendy, Light } from "../core/protocol";
+import { length, sub, type Vec3 } from "../core/vector";
+import { addAndSelect } from "./light_actions";
 import type { Page } from "./page";
 
-/** Height above the pivot, as a share of the pivot's distance. */
-const HEIGHT = 0.35;
 const CONE_ANGLE = 25;
-/** Local -Z, along which lights shine, turned to straight down. */
-const DOWNWARD: Transform["rotation"] = [-Math.SQRT1_2, 0, 0, Math.SQRT1_2];
 /** Parameters of the curve at which linear control points make a linear tube: a cone, before it is bent. */
 const ABSCISSAE = [0, 0.5, 1.5, 2];
-
-function above(page: Page): { transform: Transform; height: number } | null {
-  const orbit = page.session.viewer.own.value;
-  if (orbit === null) return null;
-  const height = HEIGHT * orbit.distance;
-  const translation = add(pivotOf(orbit), [0, height, 0]);
-  return { transform: { translation, rotation: DOWNWARD, scale: 1 }, height };
-}
+/** A tube goes on behind what it is aimed at, by this share of the way there. */
+const BEYOND = 1.6;
+/** The source of a tube is so wide, as a share of the way. */
+const SOURCE = 0.05;
+/** What a source sees of its aim is the aim where it is no farther off than this share of the way. */
+const SAME_PLACE = 0.05;
 
 /** A light as it is asked for: the server fills in the defaults of what is left out. */
-type NewLight<L extends Light> = Partial<L> & { type: L["type"] };
+type NewLight = Partial<Light> & { type: Light["type"] };
 
-function newBendy(name: string, transform: Transform, height: number): NewLight<Bendy> {
-  const along = ABSCISSAE.map((t) => (t / 2) * height * 1.3);
-  const source = 0.05 * height;
+/** Adds a light to what the page looks at. */
+export async function addLight(page: Page, type: Light["type"]): Promise<void> {
+  const placement = await placeInView(page);
+  if (placement === null) return;
+  const names = page.session.document.value.lights.map(({ light }) => light.name);
+  addAndSelect(page, newLight(page, type, freeName(type, names), placement) as Light);
+}
+
+/** Aimed at what is in the middle of the view, or, where nothing is, at what the view turns about. */
+async function placeInView({ session, pick }: Page): Promise<Placement | null> {
+  const orbit = session.viewer.own.value;
+  if (orbit === null) return null;
+  const { camera } = orbit;
+  const aim = (await pick(camera)) ?? pivotOf(orbit);
+  const places = besideTheEye(camera, aim);
+  for (const place of places) {
+    const met = await pick(cameraOf(place));
+    if (met === null || length(sub(met, aim)) < SAME_PLACE * place.distance) return place;
+  }
+  return places[0] ?? null;
+}
+
+function newLight(page: Page, type: Light["type"], name: string, placement: Placement): NewLight {
+  const { translation, rotation, distance } = placement;
+  const decay = rowsOf(page.session.table, type).find((row) => row.name === "decay")?.default[type];
+  const brightness = brightnessFor((decay ?? "none") as Decay, distance);
+  const light = { name, transform: { translation, rotation, scale: 1 } };
+  if (type !== "bendy") return { ...light, type, intensity: brightness };
+  return { ...light, ...straightTube(distance, brightness) };
+}
+
+/** A cone along local -Z, to be bent. */
+function straightTube(distance: number, brightness: number): Partial<Bendy> & { type: "bendy" } {
+  const along = ABSCISSAE.map((t) => (t / 2) * distance * BEYOND);
+  const spread = Math.tan((CONE_ANGLE * Math.PI) / 180);
   return {
     type: "bendy",
-    name,
-    transform,
-    points: along.map((z) => [0, 0, -z]),
-    radii: along.map((z) => source + z * Math.tan((CONE_ANGLE * Math.PI) / 180)),
-    intensities: along.map(() => 2),
+    points: along.map((z): Vec3 => [0, 0, -z]),
+    radii: along.map((z) => SOURCE * distance + z * spread),
+    intensity: brightness,
     coneAngle: CONE_ANGLE,
   };
-}
-
-function newSpot(name: string, transform: Transform, height: number): NewLight<Spot> {
-  // Candela, so that about 2 arrives at the pivot.
-  const intensity = Number((2 * height * height).toPrecision(3));
-  return { type: "spot", name, transform, intensity, decay: "inverseSquare" };
-}
-
-/** Adds a light and selects it once it is there. */
-export function addLight(page: Page, type: Light["type"]): void {
-  const origin = above(page);
-  if (origin === null) return;
-  const names = page.session.document.value.lights.map(({ light }) => light.name);
-  const name = freeName(type, names);
-  const make = type === "bendy" ? newBendy : newSpot;
-  const light = make(name, origin.transform, origin.height) as Light;
-  page.session.edit({ type: "addLight", light }, ({ changes }) => {
-    const added = changes.find((change) => change.type === "light");
-    if (added === undefined) return;
-    page.selectedLight.value = added.light;
-    page.selectedPoint.value = null;
-  });
 }

@@ -4,7 +4,7 @@ import { type Pixel, project, type View } from "../core/camera";
 import { segmentCount } from "../core/curve";
 import { lightLabel } from "../core/document";
 import type { Drawn } from "../core/handles";
-import { centreLine, ringAt, silhouette, tubeOf } from "../core/outline";
+import { arrowHead, centreLine, ringAt, silhouette, sphereOf, tubeOf } from "../core/outline";
 import type { DocumentLight } from "../core/protocol";
 import { coneReach } from "./fitting";
 import { Handles, REACH_PX, tabIndexAt } from "./handles";
@@ -126,8 +126,18 @@ function NameTag({ entry, view, at, size }: OverlayProps & { entry: DocumentLigh
   );
 }
 
-/** The curve, its control polygon, the tube's silhouette, and rings where segments meet. */
+/** The curve, its control polygon, the tube's silhouette, and rings where segments meet; of an omni light its sphere. */
 function TubeLines({ tube, view, light }: Drawn) {
+  if (light.type === "omni") {
+    const [x = [], y = [], z = []] = sphereOf(tube, light.transform.rotation);
+    return (
+      <>
+        <Line view={view} points={x} kind="ring" />
+        <Line view={view} points={y} kind="ring" />
+        <Line view={view} points={z} kind="ring" />
+      </>
+    );
+  }
   const { right, left } = silhouette(tube, view.camera);
   const joints = Array.from({ length: segmentCount(tube.points.length) + 1 }, (_, t) => t);
   return (
@@ -139,6 +149,7 @@ function TubeLines({ tube, view, light }: Drawn) {
       <Line view={view} points={left} kind="edge" />
       <Line view={view} points={centreLine(tube)} kind="centre" />
       {light.type === "bendy" && <Line view={view} points={tube.points} kind="polygon" />}
+      {light.type === "directional" && <Line view={view} points={arrowHead(tube, view.camera)} kind="edge" />}
     </>
   );
 }

@@ -1,13 +1,14 @@
 // What only this page knows: what is selected, what is said to the person at it.
 
-import { effect, type Signal, signal } from "@preact/signals";
+import { computed, effect, type Signal, signal } from "@preact/signals";
 import { createContext } from "preact";
 import { useContext } from "preact/hooks";
 
 import type { Host } from "../core/connection";
 import type { LightId } from "../core/ids";
-import type { Scope } from "../core/protocol";
+import type { Camera, SceneNodes, Scope } from "../core/protocol";
 import type { Session } from "../core/session";
+import type { Vec3 } from "../core/vector";
 import { committing, type Presses, startPresses } from "./presses";
 import type { Screen } from "./screen";
 
@@ -22,6 +23,8 @@ export interface Page {
   presses: Presses;
   screen: Screen;
   name: string;
+  /** The point of the scene in the middle of a camera's picture, if there is one. */
+  pick(camera: Camera): Promise<Vec3 | null>;
   selectedLight: Signal<LightId | null>;
   /** Control point of the selected light; `null` for the light as a whole. */
   selectedPoint: Signal<number | null>;
@@ -32,6 +35,8 @@ export interface Page {
   /** Whether the list of keys is shown. */
   showKeys: Signal<boolean>;
   toasts: Signal<readonly Toast[]>;
+  /** The nodes of the scene; `null` while they are not known. */
+  nodes: Signal<SceneNodes | null>;
 }
 
 const TOAST_MS = 6000;
@@ -62,10 +67,13 @@ export interface PageParts {
   session: Session;
   screen: Screen;
   name: string;
+  pick: Page["pick"];
   toasts: Toasts;
+  /** Asks for the nodes of the session's scene; `null` where there is no answer. */
+  fetchNodes(): Promise<SceneNodes | null>;
 }
 
-export function startPage({ host, session, screen, name, toasts }: PageParts): Page {
+export function startPage({ host, session, screen, name, pick, toasts, fetchNodes }: PageParts): Page {
   const presses = startPresses(host, session);
   const selectedLight = signal<LightId | null>(null);
   const page: Page = {
@@ -73,6 +81,7 @@ export function startPage({ host, session, screen, name, toasts }: PageParts): P
     presses,
     screen,
     name,
+    pick,
     selectedLight,
     selectedPoint: signal(null),
     scope: signal<Scope>("mine"),
@@ -80,9 +89,11 @@ export function startPage({ host, session, screen, name, toasts }: PageParts): P
     showGate: signal(true),
     showKeys: signal(false),
     toasts: toasts.list,
+    nodes: signal(null),
   };
   effect(() => session.select(selectedLight.value));
   effect(() => followLights(page));
+  followScene(page, fetchNodes);
   return page;
 }
 
@@ -103,6 +114,19 @@ function followLights(page: Page): void {
     const point = page.selectedPoint.peek();
     if (point !== null && point > last) page.selectedPoint.value = last;
   }
+}
+
+/** Keeps the nodes those of the scene that the document has. */
+function followScene({ session, nodes }: Page, fetchNodes: PageParts["fetchNodes"]): void {
+  const asset = computed(() => session.document.value.scene?.asset);
+  effect(() => {
+    const wanted = asset.value;
+    nodes.value = null;
+    if (wanted === undefined) return;
+    void fetchNodes().then((found) => {
+      if (asset.peek() === wanted) nodes.value = found;
+    });
+  });
 }
 
 const PageContext = createContext<Page | null>(null);

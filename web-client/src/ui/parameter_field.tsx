@@ -2,6 +2,7 @@
 
 import { useRef } from "preact/hooks";
 
+import { type LinksValue, textOfLinks } from "../core/links";
 import type { Kind, NumberKind } from "../core/parameters";
 import type { Parameter } from "../core/protocol";
 import { clampTo, firstValue, isSameValue, sliderEnds, stepTo } from "../core/parameters";
@@ -10,6 +11,7 @@ import { type Binding, through } from "./binding";
 import { ColorField } from "./color_field";
 import { Checkbox, Choice, type FieldProps, TextField, VectorField } from "./fields";
 import { formatNumber } from "./format";
+import { LinksField } from "./links_field";
 import { Row, type RowProps } from "./row";
 import { Slider } from "./slider";
 
@@ -73,6 +75,8 @@ export function ParameterField({ row, value, initial, among, binding, disabled }
           <TextField {...props<string>()} set={binding.set} maxLength={kind.maxBytes} />
         </Row>
       );
+    case "links":
+      return <LinksField {...props<LinksValue>()} />;
     case "projection":
       // A camera's; it is set by looking from there.
       return null;
@@ -128,7 +132,14 @@ function OptionalNumber({ kind, ...props }: FieldProps<number | null> & { kind: 
 }
 
 /** Signs that have room beside a number; other units are said with what it is. */
-const SIGNS: { [unit: string]: string } = { degrees: "°", "°": "°", "%": "%" };
+const SIGNS: { [unit: string]: string } = {
+  degrees: "°",
+  "°": "°",
+  "%": "%",
+  stops: " stops",
+  kelvin: " K",
+  K: " K",
+};
 
 const withUnit = (doc: string, unit = ""): string =>
   unit === "" || unit in SIGNS ? doc : `${doc} In ${unit}.`;
@@ -152,6 +163,8 @@ function textOf(kind: Kind, value: unknown): string {
       return numbers(value as Vec3);
     case "rotation":
       return numbers(toEulerDegrees(value as Quat));
+    case "links":
+      return textOfLinks(value as LinksValue);
     case "text":
     case "projection":
       return String(value);

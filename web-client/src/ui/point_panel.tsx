@@ -9,6 +9,7 @@ import { Icon } from "./icons";
 import { usePage } from "./page";
 import { ParameterField } from "./parameter_field";
 import { QuietButton } from "./quiet_button";
+import { FoldingSection } from "./sections";
 
 interface PointPanelProps {
   id: LightId;
@@ -23,28 +24,35 @@ export function PointPanel({ id, light, disabled }: PointPanelProps) {
     session.edit({ type: "insertPoint", light: id, point }, () => (selectedPoint.value = point));
   };
   return (
-    <section class="panel" aria-label="Control points">
-      <header class="panel-head">
-        <h2>Control points</h2>
-        <QuietButton
-          title={
-            selected === null ? "Add a control point at the end" : "Insert a control point after this one"
-          }
-          label="Insert control point"
-          disabled={disabled}
-          press={() => insert(selected === null ? light.points.length : selected + 1)}
-        >
-          <Icon name="plus" />
-        </QuietButton>
-        <QuietButton
-          title="Remove this control point"
-          label="Remove control point"
-          disabled={disabled || selected === null || !isRemovable(light.points.length, selected)}
-          press={() => selected !== null && session.edit({ type: "removePoint", light: id, point: selected })}
-        >
-          <Icon name="minus" />
-        </QuietButton>
-      </header>
+    <FoldingSection
+      group="Control points"
+      heading="Control points"
+      openAtFirst
+      tools={
+        <>
+          <QuietButton
+            title={
+              selected === null ? "Add a control point at the end" : "Insert a control point after this one"
+            }
+            label="Insert control point"
+            disabled={disabled}
+            press={() => insert(selected === null ? light.points.length : selected + 1)}
+          >
+            <Icon name="plus" />
+          </QuietButton>
+          <QuietButton
+            title="Remove this control point"
+            label="Remove control point"
+            disabled={disabled || selected === null || !isRemovable(light.points.length, selected)}
+            press={() =>
+              selected !== null && session.edit({ type: "removePoint", light: id, point: selected })
+            }
+          >
+            <Icon name="minus" />
+          </QuietButton>
+        </>
+      }
+    >
       <div class="tabs" role="group" aria-label="Control point">
         {light.points.map((_, point) => (
           <button
@@ -64,7 +72,7 @@ export function PointPanel({ id, light, disabled }: PointPanelProps) {
       ) : (
         <PointFields key={selected} id={id} light={light} point={selected} disabled={disabled} />
       )}
-    </section>
+    </FoldingSection>
   );
 }
 

@@ -1,5 +1,6 @@
 // What the picture is, and how fast it comes.
 
+import { lightLabel } from "../core/document";
 import { usePage } from "./page";
 
 export function StatusBar() {
@@ -13,6 +14,7 @@ export function StatusBar() {
       : `waited ${ms(frame.waitUs)}, rendered ${ms(frame.renderUs)}, encoded ${ms(frame.encodeUs)}`;
   return (
     <footer class="status-bar">
+      <SoloNote />
       {frame !== null && (
         <>
           <span class="quality" data-settle={frame.settle && connected}>
@@ -35,6 +37,28 @@ export function StatusBar() {
       <span class="keys">drag or arrows orbit · with shift pan · wheel or + − zoom · A scene · F light</span>
       <span title="The latest record of the edit log">#{session.mirror.value.seq}</span>
     </footer>
+  );
+}
+
+/** Which lights shine alone in this picture, and how to see all again. */
+function SoloNote() {
+  const { session } = usePage();
+  const { viewer } = session;
+  const { solo } = viewer.shownSettings.value;
+  const alone = session.document.value.lights.filter(({ id }) => solo.includes(id));
+  if (alone.length === 0) return null;
+  const names = alone.map(lightLabel).join(", ");
+  return (
+    <span class="solo-note">
+      <span role="status" class="clipped" title={`You see ${names} alone`}>
+        Solo: {names}
+      </span>
+      {viewer.following.value === null && (
+        <button class="quiet" onClick={() => viewer.set({ solo: [] })}>
+          End solo
+        </button>
+      )}
+    </span>
   );
 }
 

@@ -16,6 +16,7 @@ import { colorOf, nameOf } from "./person";
 import { followPointer } from "./pointer";
 import { QuietButton } from "./quiet_button";
 import { sentence } from "./sentence";
+import { ViewExposure } from "./view_exposure";
 import { pressView } from "./view_keys";
 
 const LARGEST_SIDE = 1280;
@@ -111,6 +112,7 @@ function ViewTools() {
       <Toggle of={showGate} title="Darken what render will not write (G)" label="Show the film gate">
         <Icon name="gate" /> Gate
       </Toggle>
+      <ViewExposure />
       <span class="spring" />
       <button
         class="quiet"

@@ -1,10 +1,11 @@
 // A parameter that only the server of this test has: the page makes a field of its row, and the server keeps what is set.
 
-import { expect, field, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
+import { expect, field, reached, runBrowserTest, seqOf, settled, unfold } from "./page.mjs";
 
 await runBrowserTest(async ({ open, picture }) => {
   const page = await open("Ada", { width: 1440, height: 860 });
   const section = page.getByRole("region", { name: "Test" });
+  await unfold(page, "Test");
   const dimmer = field(section, "Dimmer");
   expect((await dimmer.inputValue()) === "1", "What a light leaves out is the default.");
   const said = await dimmer.getAttribute("title");
@@ -32,6 +33,7 @@ await runBrowserTest(async ({ open, picture }) => {
 
   // What the server holds is what a page that comes later sees.
   const later = await open("Ben", { width: 1024, height: 700 });
+  await unfold(later, "Test");
   const shown = await field(later.getByRole("region", { name: "Test" }), "Dimmer").inputValue();
   expect(shown === "8", `A page that comes later must see what was set; it sees ${shown}.`);
 

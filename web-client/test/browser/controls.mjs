@@ -68,7 +68,9 @@ async function escapeCancels(page) {
 
 async function parameters(page) {
   await makesARecord(page, "A slider's drag", async () => {
-    const slider = await page.getByRole("slider", { name: "Softness slider" }).boundingBox();
+    const softness = page.getByRole("slider", { name: "Softness slider" });
+    await softness.scrollIntoViewIfNeeded();
+    const slider = await softness.boundingBox();
     await page.mouse.move(slider.x + slider.width * 0.3, slider.y + slider.height / 2);
     await page.mouse.down();
     await page.mouse.move(slider.x + slider.width * 0.8, slider.y + slider.height / 2, { steps: 6 });
@@ -104,7 +106,7 @@ async function controlPoints(page) {
   await makesARecord(page, "Inserting a control point", () => insert.click());
   expect((await points()) === count + 1, "Inserting must add a control point.");
   await makesARecord(page, "A control point's colour", async () => {
-    await field(page, "Color RGB G").fill("0.25");
+    await field(page.getByRole("region", { name: "Control points" }), "Color RGB G").fill("0.25");
     await page.keyboard.press("Enter");
   });
   await settled(page);

@@ -150,6 +150,12 @@ export function field(page, name) {
   return page.getByRole("textbox", { name, exact: true });
 }
 
+/** Opens a section of the panel, if it is folded. */
+export async function unfold(page, name) {
+  const heading = page.getByRole("region", { name }).getByRole("button", { name, exact: true });
+  if ((await heading.getAttribute("aria-expanded")) === "false") await heading.click();
+}
+
 /** The middle of a handle, in pixels of the page. */
 export async function handleAt(page, name) {
   const handle = page.locator(`[data-handle="${name}"]`);

@@ -1,7 +1,7 @@
 // The fields that follow from the table of parameters: defaults come back, what the page has never heard of is a field too,
 // and where there is no table the page says so.
 
-import { expect, field, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
+import { expect, field, reached, runBrowserTest, seqOf, settled, unfold } from "./page.mjs";
 
 /** A parameter that no server has. */
 const GAIN = {
@@ -88,6 +88,7 @@ async function somethingUnheard(page, picture) {
   await reached(page, seq + 1);
   const filter = page.getByRole("region", { name: "Filter" });
   await filter.waitFor();
+  await unfold(page, "Filter");
   expect((await field(filter, "Gain").inputValue()) === "10", "What a light leaves out is the default.");
   const slider = filter.getByRole("slider", { name: "Gain slider" });
   const [place, least, most] = await slider.evaluate(({ value, min, max }) => [value, min, max].map(Number));

@@ -5,7 +5,7 @@ import { expect, reached, runBrowserTest, seqOf } from "./page.mjs";
 const LIGHTS = "KHR_lights_punctual";
 /** Longer than a line of the notes. */
 const BULB = "bulb over the table by the window, as the director of photography asked for on the second day";
-/** A triangle under a point light, which is not drawn, with an animation, which is not played. */
+/** A triangle under a point light of less than no intensity, with an animation, which is not played. */
 const SCENE = {
   asset: { version: "2.0" },
   scenes: [{ name: "Kitchen", nodes: [0, 1] }],
@@ -16,7 +16,7 @@ const SCENE = {
   buffers: [{ byteLength: 36, uri: `data:application/octet-stream;base64,${triangle()}` }],
   animations: [{ channels: [], samplers: [] }],
   extensionsUsed: [LIGHTS],
-  extensions: { [LIGHTS]: { lights: [{ type: "point", name: BULB }] } },
+  extensions: { [LIGHTS]: { lights: [{ type: "point", name: BULB, intensity: -1 }] } },
 };
 
 function triangle() {
@@ -40,7 +40,7 @@ await runBrowserTest(async ({ open, picture }) => {
   const said = await list.getByRole("listitem").allTextContents();
   expect(
     said.length === 2 && said.some((note) => note.includes("bulb")),
-    `The notes must name what is not drawn: ${said.join("; ")}`,
+    `The notes must name what is not as in the file: ${said.join("; ")}`,
   );
   const cut = () =>
     list.evaluate(

@@ -1,4 +1,4 @@
-//! `KHR_lights_punctual`: its spotlights, placed in the world.
+//! `KHR_lights_punctual`: its lights, placed in the world.
 
 use std::sync::Arc;
 
@@ -14,8 +14,10 @@ use crate::notes::Notes;
 
 /// The widest half angle drawn, degrees: at 90 a cone is a plane.
 const WIDEST_CONE_ANGLE: f64 = 89.9;
+/// glTF's default, degrees.
+const DEFAULT_CONE_ANGLE: f64 = 45.0;
 
-/// Every spotlight of the drawn scene, in node order. Others are left out, with a note.
+/// Every light of the drawn scene, in node order. Numbers that make no light are repaired, with a note.
 pub fn read(source: &Source, places: &[Place], notes: &mut Notes) -> Vec<Arc<CheckedLight>> {
     let mut lights = Vec::new();
     for place in places {
@@ -23,49 +25,57 @@ pub fn read(source: &Source, places: &[Place], notes: &mut Notes) -> Vec<Arc<Che
         let extension = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
         let Some(light) = extension.and_then(|e| source.root.get(e.light)) else { continue };
         let name = name_or(node.name.as_deref().or(light.name.as_deref()), "light", lights.len());
-        match light.type_ {
-            Checked::Valid(Type::Point) => {
-                notes.add("point lights are not drawn, only spotlights and BendyLights are", name);
-            }
-            Checked::Valid(Type::Directional) => {
-                notes.add("directional lights are not drawn, only spotlights and BendyLights are", name);
-            }
-            Checked::Valid(Type::Spot) | Checked::Invalid => match spot(light, place, &name, notes) {
-                Some(spot) => lights.push(Arc::new(spot)),
-                None => notes.add("spotlights whose numbers make no light are left out", name),
-            },
+        match CheckedLight::new(placed(light, place, &name, notes)) {
+            Ok(light) => lights.push(Arc::new(light)),
+            // Nothing else is wrong with it by now.
+            Err(_) => notes.add("lights that stand infinitely far away are left out", name),
         }
     }
     lights
 }
 
-/// The spotlight in degrees and candela, or `None` where its numbers make none.
-fn spot(light: &GltfLight, place: &Place, name: &str, notes: &mut Notes) -> Option<CheckedLight> {
-    let cone = light.spot.as_ref()?;
-    let (inner, outer) = (f64::from(cone.inner_cone_angle), f64::from(cone.outer_cone_angle));
-    let range = light.range.map(f64::from).filter(|range| *range > 0.0 && range.is_finite());
+/// The light in degrees, and in candela or lux.
+fn placed(light: &GltfLight, place: &Place, name: &str, notes: &mut Notes) -> Light {
     let world_from_light = rigid(&place.world_from_local);
-    let color = DVec3::from_array(light.color.map(f64::from));
-    let intensity = f64::from(light.intensity);
-    let spot = Light::spot()
-        .placed(Transform {
-            translation: world_from_light.translation,
-            rotation: DQuat::from_mat3(&world_from_light.matrix3),
-            scale: 1.0,
-        })
-        .with(NAME, name.into())
-        .with(COLOR, color)
-        .with(INTENSITY, intensity)
-        .with(CONE_ANGLE, outer.to_degrees().min(WIDEST_CONE_ANGLE))
-        .with(CONE_SOFTNESS, 1.0 - (inner / outer).clamp(0.0, 1.0))
-        .with(RANGE, range);
-    let shines = intensity >= 0.0 && color.min_element() >= 0.0;
-    let checked = CheckedLight::new(spot).ok().filter(|_| shines)?;
-    if outer.to_degrees() > WIDEST_CONE_ANGLE {
-        notes.add("cone angles of 90 degrees and more are narrowed", name);
+    let transform = Transform {
+        translation: world_from_light.translation,
+        rotation: DQuat::from_mat3(&world_from_light.matrix3),
+        scale: 1.0,
+    };
+    let given = [light.color[0], light.color[1], light.color[2], light.intensity].map(f64::from);
+    let [red, green, blue, intensity] = given.map(|x| if x.is_finite() { x.max(0.0) } else { 0.0 });
+    if given != [red, green, blue, intensity] {
+        notes.add("colors and intensities below 0 are taken as 0", name);
     }
-    if range.is_none() && light.range.is_some() {
+    let range = light.range.map(f64::from).filter(|range| *range > 0.0 && range.is_finite());
+    let read = match light.type_ {
+        Checked::Valid(Type::Directional) => Light::directional(),
+        Checked::Valid(Type::Point) => Light::omni(),
+        Checked::Valid(Type::Spot) | Checked::Invalid => with_cone(light, name, notes),
+    };
+    if range.is_none() && light.range.is_some() && read.value(&RANGE).is_some() {
         notes.add("ranges that are not more than 0 are ignored", name);
     }
-    Some(checked)
+    read.placed(transform)
+        .with(NAME, name.into())
+        .with(COLOR, DVec3::new(red, green, blue))
+        .with(INTENSITY, intensity)
+        .with(RANGE, range)
+}
+
+/// A spotlight with its cone.
+fn with_cone(light: &GltfLight, name: &str, notes: &mut Notes) -> Light {
+    let cone = light.spot.as_ref().map(|cone| [cone.inner_cone_angle, cone.outer_cone_angle].map(f64::from));
+    let [inner, outer] = cone.unwrap_or_default();
+    let angle = outer.to_degrees();
+    let (cone_angle, softness) = if angle > 0.0 && angle.is_finite() {
+        (angle.min(WIDEST_CONE_ANGLE), 1.0 - (inner / outer).clamp(0.0, 1.0))
+    } else {
+        notes.add("cone angles that are not more than 0 are taken as 45 degrees", name);
+        (DEFAULT_CONE_ANGLE, 1.0)
+    };
+    if cone_angle < angle {
+        notes.add("cone angles of 90 degrees and more are narrowed", name);
+    }
+    Light::spot().with(CONE_ANGLE, cone_angle).with(CONE_SOFTNESS, softness)
 }

@@ -138,7 +138,11 @@ fn largest_coordinate(mesh: &scene::Mesh) -> f64 {
 /// The name to show for a thing: its own, shortened, or its kind and index.
 fn name_or(name: Option<&str>, kind: &str, index: usize) -> String {
     match name {
-        Some(name) if !name.is_empty() => crate::fault::excerpt(name, MAX_NAME_CHARS),
+        Some(name) if !name.is_empty() => {
+            let mut name = crate::fault::excerpt(name, MAX_NAME_CHARS);
+            name.truncate(name.floor_char_boundary(light::MAX_NAME_BYTES));
+            name
+        }
         _ => format!("{kind} {index}"),
     }
 }

@@ -61,11 +61,13 @@ pub(super) struct SeenLight {
     pub sample: LightSample,
     /// Radiance if nothing were in the way.
     pub unshadowed: DVec3,
+    /// Radiance with the shadow.
+    pub radiance: DVec3,
 }
 
 impl Seen {
     pub fn radiance(&self) -> DVec3 {
-        self.light.filter(|light| light.sample.visible).map_or(DVec3::ZERO, |light| light.unshadowed)
+        self.light.map_or(DVec3::ZERO, |light| light.radiance)
     }
 
     /// Where it is lit, whether it can be seen to be; `None` where it cannot.
@@ -115,9 +117,12 @@ impl<'a> Expected<'a> {
     /// What is seen through a point of the picture, in pixels from its top left.
     pub(super) fn seen(&self, pixel: DVec2) -> Option<Seen> {
         let surface = self.reference.surface(&self.subject.view, pixel)?;
-        let light = self.reference.sample(&self.source, &surface).map(|sample| SeenLight {
-            sample,
-            unshadowed: reflected(&surface, sample.place.direction) * sample.irradiance,
+        let filter = self.source.light_filter();
+        let light = self.reference.sample(&self.source, &surface).map(|sample| {
+            let lobes = [filter.diffuse, filter.specular];
+            let unshadowed = reflected(&surface, sample.place.direction, lobes) * sample.irradiance;
+            let visibility = if sample.visible { 1.0 } else { 0.0 };
+            SeenLight { sample, unshadowed, radiance: unshadowed * filter.arriving(visibility) }
         });
         Some(Seen { surface, light })
     }

@@ -172,6 +172,8 @@ fn bad_usage_exits_with_2_and_says_what_is_allowed() {
         (render(&["--aov", "albedo"]), "visibility"),
         (render(&["--fill", "-1"]), "from 0 to 1000000"),
         (render(&["--fill", "NaN"]), "from 0 to 1000000"),
+        (render(&["--exposure", "-33"]), "from -32 to 32"),
+        (render(&["--exposure", "bright"]), "from -32 to 32"),
         (render(&["--fill", "none"]), "from 0 to 1000000"),
         (vec!["eval", "light.json", "--on", "f16"], "f64, f32, gpu"),
         (vec!["bend", "light.json", "--segments", "-1"], "-1"),

@@ -4,7 +4,7 @@ use assets::Loaded;
 use glam::DVec3;
 use light::Tube;
 use protocol::light_file;
-use reference::Reference;
+use reference::{Linked, Reference};
 use serde_json::Value;
 
 use crate::program::{Folder, TRIANGLE, run};
@@ -48,7 +48,7 @@ impl Demo {
 
     fn visible(&self, point: DVec3) -> Option<bool> {
         let place = self.tube.locate(point).point?;
-        Some(self.reference.occluder(&self.tube, &place, point).is_none())
+        Some(self.reference.occluder((&self.tube, &Linked::default()), &place, point).is_none())
     }
 
     /// Whether surface points within `distance` of `point` have different answers: a shadow's edge, or the light's.

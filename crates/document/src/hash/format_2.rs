@@ -40,6 +40,8 @@ pub fn was_in_format_2(owner: Owner, name: &str) -> bool {
             "decay",
         ],
         Owner::Point => &["position", "radius", "color", "intensity"],
+        // Formats 1 and 2 had no such lights.
+        Owner::Directional | Owner::Omni => &[],
         Owner::Camera => &["name", "translation", "rotation", "projection"],
     };
     names.contains(&name)
@@ -69,6 +71,15 @@ impl Walk {
             }
             Shape::Spot => {
                 self.tag(1);
+                self.spot(light);
+            }
+            // Those that logs of then could not have: they need only differ.
+            Shape::Directional => {
+                self.tag(2);
+                self.spot(light);
+            }
+            Shape::Omni => {
+                self.tag(3);
                 self.spot(light);
             }
         }

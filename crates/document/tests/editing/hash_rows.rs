@@ -4,19 +4,20 @@ use std::collections::BTreeMap;
 
 use document::{Document, Layout, PlacedLight};
 use glam::{DQuat, DVec3};
-use light::parameters::{CONE_ANGLE, POSITION};
+use light::parameters::{NAME, POSITION};
 use light::{
-    CheckedLight, ControlPoint, Kind, Light, Of, Owner, Parameter, Setting, Value, parameters, parameters_of,
+    CheckedLight, ControlPoint, Kind, Light, Links, Of, Owner, Parameter, Setting, Typed, Value, parameters,
+    parameters_of,
 };
 use sha2::{Digest, Sha256};
 
 use crate::hash::{HASHES, all_differ};
 use crate::support::{BENDY, checked};
 
-/// A spotlight and a BendyLight with all defaults.
-fn plain_lights() -> [Light; 2] {
+/// A light of each shape with all defaults.
+fn plain_lights() -> [Light; 4] {
     let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.25, 0.0, -2.0)];
-    [Light::spot(), Light::bendy(points, vec![0.125, 0.25, 0.375])]
+    [Light::spot(), Light::bendy(points, vec![0.125, 0.25, 0.375]), Light::directional(), Light::omni()]
 }
 
 fn holding(light: Light) -> Document {
@@ -30,7 +31,10 @@ fn another(parameter: &Parameter, now: &Value) -> Value {
         Value::Number(number) => {
             [number * 0.5, number + 0.5, number + 1.0, number - 1.0].map(Value::Number).into()
         }
-        Value::Absent => [0.5, 1.0, -1.0].map(Value::Number).into(),
+        Value::Absent => {
+            let links = Links::new(Vec::new(), vec!["table".into()]).map(Value::Links);
+            [0.5, 1.0, -1.0].map(Value::Number).into_iter().chain(links).collect()
+        }
         Value::Flag(flag) => vec![Value::Flag(!flag)],
         Value::Choice(_) => match parameter.kind {
             Kind::Choice(choices) => choices.iter().map(|choice| Value::Choice(choice.name)).collect(),
@@ -39,6 +43,7 @@ fn another(parameter: &Parameter, now: &Value) -> Value {
         Value::Vector(vector) => vec![Value::Vector(*vector + DVec3::new(0.125, 0.0625, 0.03125))],
         Value::Rotation(rotation) => vec![Value::Rotation(*rotation * DQuat::from_rotation_y(0.5))],
         Value::Text(text) => vec![Value::Text(format!("{text}e"))],
+        Value::Links(links) => vec![Links::new(links.exclude().into(), links.include().into()).into_value()],
     };
     let mut others = candidates.into_iter().filter(|value| value != now && parameter.check(value).is_ok());
     others.next().expect("it may have another value")
@@ -111,7 +116,7 @@ fn a_default_leaves_no_trace() {
 /// Rules: DOC-4
 #[test]
 fn what_has_its_default_is_not_walked() {
-    let [spot, bendy] = plain_lights();
+    let [spot, bendy, directional, omni] = plain_lights();
     let text = |text: &str| [&(text.len() as u64).to_le_bytes(), text.as_bytes()].concat();
     let reals = |reals: &[f64]| reals.iter().flat_map(|real| real.to_le_bytes()).collect::<Vec<_>>();
     let positions: Vec<_> = bendy.points().iter().flat_map(|point| point.position.to_array()).collect();
@@ -120,9 +125,12 @@ fn what_has_its_default_is_not_walked() {
     let walked_spot = [vec![0], count(0)].concat();
     let walked_bendy =
         [vec![1], count(3), text("position"), reals(&positions), text("radius"), reals(&radii)].concat();
-    for (light, walked) in [(spot, walked_spot), (bendy, walked_bendy)] {
+    let [walked_directional, walked_omni] = [4, 5].map(|number| [vec![number], count(0)].concat());
+    for (light, walked) in
+        [(spot, walked_spot), (bendy, walked_bendy), (directional, walked_directional), (omni, walked_omni)]
+    {
         let digest = |light| CheckedLight::new(light).expect("a valid light").digest().0;
         assert_eq!(digest(light.clone())[..], Sha256::digest(&walked)[..]);
-        assert_ne!(digest(light.with(CONE_ANGLE, 24.0))[..], Sha256::digest(&walked)[..]);
+        assert_ne!(digest(light.with(NAME, "other".into()))[..], Sha256::digest(&walked)[..]);
     }
 }

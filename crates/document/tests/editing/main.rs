@@ -2,6 +2,7 @@
 
 mod apply;
 mod asset_names;
+mod bending;
 mod cameras;
 mod checks;
 mod hash;

@@ -71,7 +71,9 @@ proptest! {
                     continue;
                 };
                 let is_renumbered = changes.iter().any(|change| matches!(
-                    change, Change::ControlPoints { light, .. } if light == id
+                    change,
+                    Change::ControlPoints { light, .. } | Change::Light { light, old: Some(_), new: Some(_) }
+                        if light == id
                 ));
                 prop_assert_eq!(placed.layout != earlier.layout, is_renumbered);
                 prop_assert!(!is_renumbered || fresh(placed.layout.0));
@@ -106,7 +108,7 @@ fn random_commands_are_mostly_valid() {
             Err(_) => count.1 += 1,
         }
     }
-    assert_eq!(kinds.len(), 12, "every type of command: {kinds:?}");
+    assert_eq!(kinds.len(), 14, "every type of command: {kinds:?}");
     assert!(kinds.values().all(|count| count.0 >= 20), "(done, refused): {kinds:?}");
     assert!(kinds.values().map(|count| count.1).sum::<u32>() >= 200, "some are refused: {kinds:?}");
 }

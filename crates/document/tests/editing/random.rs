@@ -5,8 +5,8 @@ use std::sync::Arc;
 use document::{AssetHash, CameraId, CameraParameter, Command, Document};
 use glam::{DQuat, DVec3};
 use light::parameters::{
-    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, POINT_COLOR,
-    POINT_INTENSITY, POSITION, RADIUS, RANGE, ROTATION, SCALE, TRANSLATION, UP,
+    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, HEIGHT, INTENSITY, NAME,
+    POINT_COLOR, POINT_INTENSITY, POSITION, RADIUS, RANGE, ROTATION, SCALE, TRANSLATION, UP, WIDTH,
 };
 use light::{CheckedLight, Decay, Direction, EndMode, Frame, Light, LightId, Setting};
 use proptest::collection::vec;
@@ -38,6 +38,12 @@ pub fn command(scenes: &'static [AssetHash]) -> impl Strategy<Value = Command> {
             Command::InsertPoint { light, point, position, radius, color, intensity }
         }),
         2 => (light(), 0..6_usize).prop_map(|(light, point)| Command::RemovePoint { light, point }),
+        1 => (light(), 0..5_usize, option(positive()), option(1.0..80.0), option(vector())).prop_map(
+            |(light, segments, range, cone_angle, toward)| {
+                Command::BendLight { light, segments, range, cone_angle, toward }
+            }
+        ),
+        1 => light().prop_map(Command::StraightenLight),
         1 => any_camera().prop_map(Command::AddCamera),
         1 => camera().prop_map(Command::RemoveCamera),
         2 => place_camera.prop_map(|(camera, translation, rotation)| {
@@ -58,7 +64,9 @@ pub fn aimed(mut command: Command, document: &Document) -> Command {
         | Command::SetLight { light, .. }
         | Command::SetPoint { light, .. }
         | Command::InsertPoint { light, .. }
-        | Command::RemovePoint { light, .. } => {
+        | Command::RemovePoint { light, .. }
+        | Command::BendLight { light, .. }
+        | Command::StraightenLight(light) => {
             *light = *lights.get(light.0 as usize % lights.len().max(1)).unwrap_or(light);
         }
         Command::RemoveCamera(camera)
@@ -120,7 +128,14 @@ fn any_light() -> impl Strategy<Value = Arc<CheckedLight>> {
     });
     let spot = (color(), option(positive()))
         .prop_map(|(color, range)| Light::spot().with(COLOR, color).with(RANGE, range));
-    (name(), prop_oneof![3 => bendy.boxed(), 1 => spot.boxed()]).prop_filter_map("folds", |(name, light)| {
+    let omni = (color(), option(positive()))
+        .prop_map(|(color, range)| Light::omni().with(COLOR, color).with(RANGE, range));
+    let directional = (color(), option(positive()), option(positive())).prop_map(|(color, width, height)| {
+        Light::directional().with(COLOR, color).with(WIDTH, width).with(HEIGHT, height)
+    });
+    let shapes =
+        prop_oneof![3 => bendy.boxed(), 1 => spot.boxed(), 1 => omni.boxed(), 1 => directional.boxed()];
+    (name(), shapes).prop_filter_map("folds", |(name, light)| {
         CheckedLight::new(light.with(NAME, name)).ok().map(Arc::new)
     })
 }
@@ -142,6 +157,8 @@ fn light_parameter() -> impl Strategy<Value = Setting> {
         color().prop_map(|color| COLOR.to(color)),
         real().prop_map(|intensity| INTENSITY.to(intensity)),
         option(positive()).prop_map(|range| RANGE.to(range)),
+        option(positive()).prop_map(|width| WIDTH.to(width)),
+        option(positive()).prop_map(|height| HEIGHT.to(height)),
     ]
 }
 

@@ -2,8 +2,8 @@
 
 use document::{Command, Context, Document, EditError, Edited, SceneContents, edited};
 use glam::DVec3;
-use light::parameters::{NAME, SCALE, TRANSLATION};
-use light::{LightId, OutOfReach, Reach};
+use light::parameters::{NAME, SCALE, TRANSLATION, WIDTH};
+use light::{Light, LightId, OutOfReach, Reach};
 
 use crate::support::{BENDY, ROOM, SPOT, bendy, checked, edit, light_change, sample, spot};
 
@@ -65,6 +65,19 @@ fn lights_are_measured_against_the_scene() {
     let error = there(-2e14).expect_err("far from that scene");
     assert!(matches!(error, EditError::OutOfReach(_)), "{error}");
     edit(&document, &place(SPOT, -2e14)).expect("near one about the origin");
+}
+
+/// A directional light is everywhere. Its window is not: that may be too far away across the light, or too narrow.
+#[test]
+fn only_a_directional_lights_window_is_out_of_reach() {
+    let reach = Reach { middle: DVec3::ZERO, half_extent: DVec3::splat(10.0) };
+    let check = |sun: Light| reach.check(&checked(sun));
+    let sun = || Light::directional().with(TRANSLATION, DVec3::new(1e40, 3.0, 1e300));
+    check(sun()).expect("everywhere");
+    assert!(matches!(check(sun().with(WIDTH, Some(2.0))), Err(OutOfReach::Far { .. })));
+    let along = Light::directional().with(TRANSLATION, DVec3::Z * 1e300);
+    check(along.clone().with(WIDTH, Some(2.0))).expect("it shines along Z");
+    assert!(matches!(check(along.with(WIDTH, Some(1e-20))), Err(OutOfReach::Small { .. })));
 }
 
 /// A scene brings its lights as they are; a picture leaves out what it cannot show.

@@ -4,8 +4,8 @@ use glam::{DMat3, DVec2, DVec3};
 
 use crate::build::check_values;
 use crate::filter::{LightFilter, irradiance};
-use crate::parameters::{COLOR, CONE_ANGLE, INTENSITY, RANGE};
-use crate::{Light, LightError, Place, emission};
+use crate::parameters::{CONE_ANGLE, RANGE};
+use crate::{Light, LightError, Place};
 
 /// A checked spotlight, prepared for evaluation (light model, section 6). It shines along its -z.
 #[derive(Clone, Debug)]
@@ -18,8 +18,6 @@ pub struct Cone {
     pub tan_outer: f64,
     /// Axial distance at which the light ends, in world units; `None` never.
     pub range: Option<f64>,
-    /// Colour times intensity, linear RGB.
-    pub emission: DVec3,
     /// What follows from the place.
     pub light_filter: LightFilter,
 }
@@ -34,7 +32,6 @@ impl Cone {
             rotation: DMat3::from_quat(transform.rotation.normalize()),
             tan_outer: libm::tan(light.get(CONE_ANGLE).to_radians()),
             range: light.get(RANGE),
-            emission: emission(light.get(COLOR), light.get(INTENSITY)),
             light_filter: LightFilter::of(light, 0.0),
         })
     }
@@ -56,6 +53,6 @@ impl Cone {
 
     /// Irradiance at a place on a surface square to the light, linear RGB, without visibility.
     pub fn irradiance(&self, place: &Place) -> DVec3 {
-        irradiance(&self.light_filter, self.emission, place)
+        irradiance(&self.light_filter, DVec3::ONE, place)
     }
 }

@@ -2,4 +2,6 @@
 //! [`crate::filter`], for all shapes alike. Straight and bent rays share no code, so that each can test the other.
 
 pub mod cone;
+pub mod omni;
+pub mod parallel;
 pub mod tube;

@@ -1,8 +1,10 @@
 //! A spotlight made into a BendyLight stays the same light (light model, sections 1 and 6).
 
 use glam::{DQuat, DVec3};
-use light::parameters::{CONE_ANGLE, DECAY, INTENSITY, RANGE};
-use light::{Decay, Light, Profile, Transform, Tube, bend};
+use light::parameters::{CONE_ANGLE, DECAY, INTENSITY, RANGE, ROTATION};
+use light::{Decay, Light, LightError, Transform, Tube, bend, bend_to, straighten};
+
+use crate::support::profile;
 
 /// t is the share of the range, the radius that of the cone, the irradiance the spotlight's, for any number
 /// of segments.
@@ -57,13 +59,12 @@ fn endless_without_range() {
 /// The profile is 1 up to the inner angle, 0 at the edge, a step without softness, and never rises outwards.
 #[test]
 fn profile_falls_from_one_to_zero() {
-    use light::Profile;
-    let soft = Profile::new(25.0, 0.2);
+    let soft = profile(25.0, 0.2);
     let inner = 20_f64.to_radians().tan() / 25_f64.to_radians().tan();
     assert_eq!((soft.at(0.0), soft.at((inner - 1e-9).powi(2))), (1.0, 1.0));
     assert!(soft.at(1.0).abs() < 1e-15 && soft.at(0.81) > 0.0);
     assert!((0..100).all(|k| soft.at(f64::from(k) / 100.0) >= soft.at(f64::from(k + 1) / 100.0)));
-    assert_eq!(Profile::new(25.0, 0.0).at(0.999), 1.0);
+    assert_eq!(profile(25.0, 0.0).at(0.999), 1.0);
 }
 
 /// How far the penumbra is from what `KHR_lights_punctual` recommends, the square of the same share: the figure of the
@@ -71,18 +72,52 @@ fn profile_falls_from_one_to_zero() {
 #[test]
 fn the_penumbra_is_brighter_than_gltf_recommends_by_8_27ths_at_most() {
     for (cone_angle, cone_softness) in [(25.0_f64, 0.2), (60.0, 1.0), (10.0, 0.5)] {
-        let profile = Profile::new(cone_angle, cone_softness);
+        let penumbra = profile(cone_angle, cone_softness);
         let (outer, inner) = (cone_angle.to_radians(), cone_angle.to_radians() * (1.0 - cone_softness));
         let mut most = 0.0_f64;
         for k in 0..=10_000 {
             let angle = outer * f64::from(k) / 10_000.0;
             let scale = 1.0 / (inner.cos() - outer.cos());
             let recommended = (angle.cos() * scale - outer.cos() * scale).clamp(0.0, 1.0).powi(2);
-            let brighter = profile.at((angle.tan() / outer.tan()).powi(2)) - recommended;
+            let brighter = penumbra.at((angle.tan() / outer.tan()).powi(2)) - recommended;
             assert!(brighter >= -1e-12, "{angle}: {brighter}");
             most = most.max(brighter);
         }
         // The maximum is flat: steps of a ten-thousandth miss it by their square.
         assert!((most - 8.0 / 27.0).abs() < 1e-6, "{cone_angle} {cone_softness}: {most}");
     }
+}
+
+/// Straightened, a bent spotlight is that spotlight to the last bit; one whose control points have moved shines from its
+/// source to its last control point, as wide there as its tube.
+#[test]
+fn straightening_takes_bending_back() {
+    let rotation = DQuat::from_xyzw(0.1, 0.7, -0.2, 0.68).normalize();
+    let transform = Transform { translation: DVec3::new(3.0, -2.0, 5.0), rotation, scale: 2.5 };
+    for (range, segments) in [(None, 1), (Some(12.0), 3), (None, 5)] {
+        let spot =
+            Light::spot().placed(transform).with(CONE_ANGLE, 10.0).with(RANGE, range).with(INTENSITY, 60.0);
+        let bent = bend_to(&spot, segments, 10.0).expect("valid");
+        assert_eq!(straighten(&bent).expect("valid"), spot);
+        let last = bent.points()[segments + 1];
+        let offset = DVec3::new(0.3, 0.6, 0.0);
+        let moved = bent.clone().with_points(|_, point| {
+            point.position += offset * (point.position.z / last.position.z).powi(2);
+            point.intensity = 0.5;
+        });
+        let end = last.position + offset;
+        let straight = straighten(&moved).expect("valid");
+        let aim = straight.get(ROTATION) * DVec3::NEG_Z;
+        assert!((aim - rotation * end.normalize()).length() < 1e-14);
+        let slope = straight.get(CONE_ANGLE).to_radians().tan();
+        assert!((slope * end.length() - last.radius).abs() < 1e-12 && straight.get(INTENSITY) == 30.0);
+        let expected = range.map(|_| end.length() * transform.scale);
+        assert_eq!(straight.get(RANGE), expected);
+        // `up` stays up: across the axis, the light's own +Y has no part to its side.
+        let up = straight.get(ROTATION) * DVec3::Y;
+        assert!((up.dot(rotation * DVec3::Y) > 0.9) && (up.dot(aim).abs() < 1e-14));
+        // The planted fault: the light as it was aimed.
+        assert!((aim - rotation * DVec3::NEG_Z).length() > 0.1);
+    }
+    assert_eq!(straighten(&Light::spot()), Err(LightError::NotBent));
 }

@@ -6,6 +6,7 @@
 mod arc_length;
 mod bending;
 mod directions;
+mod filters;
 mod frames;
 mod lights;
 mod parts;
@@ -13,3 +14,4 @@ mod places;
 mod refusals;
 mod slab_cover;
 mod solver;
+mod support;

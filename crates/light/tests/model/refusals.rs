@@ -3,8 +3,13 @@
 use std::ops::Bound;
 
 use glam::{DQuat, DVec3};
-use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, INTENSITY, RANGE, ROTATION, SCALE, TRANSLATION, UP};
-use light::{CheckedLight, ControlPoint, Kind, Light, LightError, LightWarning, Owner, Tube, Value, bend};
+use light::parameters::{
+    CONE_ANGLE, CONE_SOFTNESS, INTENSITY, LIGHT_LINK, RANGE, ROTATION, SCALE, SHADOW_LINK, TRANSLATION, UP,
+};
+use light::{
+    CheckedLight, ControlPoint, Kind, Light, LightError, LightWarning, Links, MAX_LINK_BYTES, MAX_LINKS,
+    Owner, Tube, Value, bend,
+};
 
 fn along_z(n: usize) -> Light {
     Light::bendy((0..n).map(|i| DVec3::new(0.0, 0.0, -(i as f64))).collect(), vec![0.1; n])
@@ -78,6 +83,29 @@ fn spotlights() {
 }
 
 /// A curl that comes back through its own light is usable, and said.
+/// Rules: LINK-4
+#[test]
+fn links_have_limits() {
+    let checked = |links| Light::spot().with(SHADOW_LINK, links);
+    let many = |count: usize| (0..count).map(|node| node.to_string()).collect::<Vec<_>>();
+    let half = MAX_LINKS / 2;
+    assert!(CheckedLight::new(checked(Links::new(many(half), many(half)))).is_ok());
+    let limit = MAX_LINKS;
+    assert_eq!(
+        CheckedLight::new(checked(Links::new(many(half), many(half + 1)))).unwrap_err(),
+        LightError::TooManyLinks { field: "shadowLink", count: MAX_LINKS + 1, limit }
+    );
+    let long = |bytes: usize| Links::new(vec!["a".repeat(bytes - 1)], vec!["b".into()]);
+    assert!(CheckedLight::new(checked(long(MAX_LINK_BYTES))).is_ok());
+    assert_eq!(
+        CheckedLight::new(checked(long(MAX_LINK_BYTES + 1))).unwrap_err(),
+        LightError::TooLong { field: "shadowLink", limit: MAX_LINK_BYTES }
+    );
+    let mut text = Light::spot();
+    text.set(light::Setting { parameter: LIGHT_LINK.row(), value: Value::Text("vase".into()) });
+    assert!(matches!(CheckedLight::new(text), Err(LightError::OtherType { field: "lightLink", .. })));
+}
+
 #[test]
 fn overlaps_are_reported() {
     let ring = |turn: f64, drop: f64| {
@@ -130,7 +158,10 @@ fn every_row_refuses_what_lies_outside_its_range() {
     assert!(
         sentence(turned).starts_with("`transform.rotation` has length 0, but it must be a unit quaternion")
     );
-    for row in light::parameters_of(Owner::Spot).iter().chain(light::parameters_of(Owner::Bendy)) {
+    for row in [Owner::Spot, Owner::Bendy, Owner::Omni, Owner::Directional]
+        .into_iter()
+        .flat_map(light::parameters_of)
+    {
         assert!(!row.label.is_empty() && row.doc.ends_with('.') && !row.group.is_empty(), "{row:?}");
         for of in row.of {
             let default = row.default(of.owner).expect("a light's parameter has a default");

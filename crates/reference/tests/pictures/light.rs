@@ -105,7 +105,7 @@ fn the_terminator_of_a_sphere_is_where_n_l_is_zero() {
     let lit = |x: f64, y: f64| {
         let surface = reference.surface(&view, DVec2::new(x, y))?;
         let sample = reference.sample(&light_source, &surface)?;
-        Some((reflected(&surface, sample.place.direction).x > 0.0, surface.position))
+        Some((reflected(&surface, sample.place.direction, [1.0; 2]).x > 0.0, surface.position))
     };
     let mut found = 0;
     for row in 4..28 {

@@ -66,7 +66,17 @@ pub fn view(eye: DVec3, target: DVec3, aov: Aov) -> View {
         rotation: looking(eye, target),
         projection: Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.05, zfar: None },
     };
-    View { camera, width: 48, height: 32, samples: 1, aov, light: 0, fill: 1.0, slot: ViewSlot::default() }
+    View {
+        camera,
+        width: 48,
+        height: 32,
+        samples: 1,
+        aov,
+        light: 0,
+        fill: 1.0,
+        exposure: 0.0,
+        slot: ViewSlot::default(),
+    }
 }
 
 pub fn spot(source: DVec3, target: DVec3) -> Light {

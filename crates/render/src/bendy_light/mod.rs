@@ -20,9 +20,10 @@ mod wireframe;
 
 use glam::{DMat3, DMat4, DVec3};
 use light::MAX_EXTENT;
-use light::{Curve, Decay, Direction, EndMode, Frame, Part, Segment, Tube};
+use light::{Curve, Direction, EndMode, Frame, Part, Segment, Tube};
 
 use self::map_shape::MapShape;
+use crate::baked_filter::BakedFilter;
 use crate::gpu_structs::Mat4;
 use crate::{ShadowFilter, ShadowSettings};
 
@@ -120,10 +121,11 @@ pub(crate) struct Baked {
     end_mode: EndMode,
     frame: Frame,
     direction: Direction,
-    /// Whether the light falls off with the length of its way.
+    /// Whether it matters how long light's way is.
     path_length: bool,
     /// Whether the shadow map has the faces of a cube.
     cube: bool,
+    light_filter: BakedFilter,
     filter: ShadowFilter,
 }
 
@@ -137,50 +139,46 @@ impl Baked {
             end_mode: tube.end_mode(),
             frame: tube.frame,
             direction: tube.direction,
-            path_length: tube.light_filter.decay != Decay::None,
+            path_length: tube.light_filter.needs_distance(),
             cube,
+            light_filter: BakedFilter::of(&tube.light_filter),
             filter,
         }
     }
 
     /// Each value of each field at least once.
     #[cfg(test)]
-    pub fn samples() -> [Self; 3] {
-        let one = |segments, end_mode, frame, direction, path_length, cube, filter| Self {
-            segments,
-            end_mode,
-            frame,
-            direction,
-            path_length,
-            cube,
-            filter,
+    pub fn samples() -> [Self; 4] {
+        let [light_filter, unshadowed, section, cut] = BakedFilter::samples();
+        let plain = Self {
+            segments: 3,
+            end_mode: EndMode::Cut,
+            frame: Frame::RotationMinimizing,
+            direction: Direction::Tube,
+            path_length: false,
+            cube: false,
+            light_filter,
+            filter: ShadowFilter::Nearest,
         };
+        let long = Self { end_mode: EndMode::Extend, path_length: true, cube: true, ..plain };
         [
-            one(
-                3,
-                EndMode::Cut,
-                Frame::RotationMinimizing,
-                Direction::Tube,
-                false,
-                false,
-                ShadowFilter::Nearest,
-            ),
-            one(6, EndMode::Extend, Frame::Up, Direction::Path, true, true, ShadowFilter::Bilinear),
-            one(
-                0,
-                EndMode::Extend,
-                Frame::RotationMinimizing,
-                Direction::Tube,
-                true,
-                true,
-                ShadowFilter::Pcf3x3,
-            ),
+            plain,
+            Self { light_filter: unshadowed, ..plain },
+            Self {
+                segments: 6,
+                frame: Frame::Up,
+                direction: Direction::Path,
+                filter: ShadowFilter::Bilinear,
+                light_filter: section,
+                ..long
+            },
+            Self { segments: 0, filter: ShadowFilter::Pcf3x3, light_filter: cut, ..long },
         ]
     }
 
     /// `wgsl` with the constants that `tube.wgsl` asks for.
     pub fn into_wgsl(self, wgsl: &str) -> String {
-        let Self { segments, end_mode, frame, direction, path_length, cube, filter } = self;
+        let Self { segments, end_mode, frame, direction, path_length, cube, light_filter, filter } = self;
         let constants = format!(
             "const BAKED_SEGMENTS = {segments}u;\nconst EXTENDED = {};\nconst FRAME_UP = {};\nconst DIRECTION_PATH = {};\n\
              const PATH_LENGTH = {path_length};\nconst SHADOW_CUBE = {cube};\n",
@@ -188,7 +186,7 @@ impl Baked {
             frame == Frame::Up,
             direction == Direction::Path,
         );
-        constants + &filter.into_wgsl(wgsl)
+        constants + &light_filter.into_wgsl(&filter.into_wgsl(wgsl))
     }
 }
 

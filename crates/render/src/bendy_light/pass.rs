@@ -13,9 +13,10 @@ use super::map_shape::MapShape;
 use super::shadow::{BentShadowPass, MapRequest, Onto};
 use super::shadow_buffers::BentWork;
 use super::wireframe::{Drawing, WireframePass};
-use super::{Baked, hull_in_world, segments, t_max, uniform_with_map};
+use super::{Baked, hull_in_world, segments, t_max, uniform, uniform_with_map};
 use crate::gpu_scene::GpuScene;
 use crate::lighting::{LightingPass, Variants};
+use crate::linked::{Linked, casting};
 use crate::map_key::MapKey;
 use crate::pipeline::{DEPTH_FORMAT, MapTarget, NON_FILTERING, RAW_TEXTURE_LAYERS, UNIFORM};
 use crate::shadow_settings::MapSize;
@@ -31,8 +32,8 @@ pub(crate) struct BendyPass {
     /// Compiled when first wanted.
     wireframe: OnceLock<WireframePass>,
     lighting: Variants<Baked>,
-    /// Of the view and the surface, and the light's own.
-    group_layouts: [BindGroupLayout; 3],
+    /// Of the view and the surface, the light's own, and that of links.
+    group_layouts: [BindGroupLayout; 4],
     sampler: Sampler,
 }
 
@@ -82,13 +83,13 @@ fn map_shape(light: (&Tube<f64>, Faces, f64), scene: &GpuScene, shadows: &Shadow
 
 impl BendyPass {
     /// `camera_groups` are those of the view and the surface.
-    pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2]) -> Self {
-        let [view, surface] = camera_groups;
+    pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2], links: &BindGroupLayout) -> Self {
+        let ([view, surface], own) = (camera_groups, gpu.layout("bendy", &BINDINGS));
         Self {
             shadow: BentShadowPass::new(gpu),
             wireframe: OnceLock::new(),
             lighting: Variants::new(),
-            group_layouts: [view.clone(), surface.clone(), gpu.layout("bendy", &BINDINGS)],
+            group_layouts: [view.clone(), surface.clone(), own, links.clone()],
             sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("bent shadow"),
                 ..Default::default()
@@ -96,10 +97,11 @@ impl BendyPass {
         }
     }
 
-    /// The pass that evaluates lights in the way of `baked`.
-    pub fn lighting(&self, gpu: &Gpu, baked: Baked) -> Arc<LightingPass> {
-        self.lighting.get(baked, || {
-            LightingPass::new(gpu, "bendy", &baked.into_wgsl(shaders::BENDY), &self.group_layouts.each_ref())
+    /// The pass that evaluates lights in the way of `baked`, with links where `linked`.
+    pub fn lighting(&self, gpu: &Gpu, baked: Baked, linked: bool) -> Arc<LightingPass> {
+        self.lighting.get(baked, linked, || {
+            let wgsl = baked.into_wgsl(shaders::BENDY);
+            LightingPass::of_light(gpu, "bendy", &wgsl, linked, self.group_layouts.each_ref())
         })
     }
 
@@ -108,14 +110,14 @@ impl BendyPass {
     }
 
     /// Brings `slot` up to date with `light` over `scene`. Returns the light in place and whether its map was
-    /// drawn.
+    /// drawn, by those that `linked` leaves.
     pub fn prepare(
         &self,
         gpu: &Gpu,
-        (work, shadows): (&mut BentWork, &ShadowSettings),
+        work: &mut BentWork,
         slot: &mut BendySlot,
         (key, light, tube): (MapKey, &CheckedLight, &Tube<f64>),
-        scene: &GpuScene,
+        (scene, linked, shadows): (&GpuScene, Option<&Linked>, &ShadowSettings),
     ) -> Result<(GpuBendy, bool), RenderError> {
         let radiance = light.revisions().radiance;
         if let Some((revision, same, placed)) = &slot.placed
@@ -128,20 +130,25 @@ impl BendyPass {
         let tube = &part.tube;
         let t_max = t_max(tube, scene.posed.origin_in_world, scene.posed.half_extent);
         let kept = slot.map.take().filter(|(kept, _)| *kept == key);
-        let stale = kept.is_none();
-        let map = if let Some((_, map)) = kept {
-            map
-        } else {
+        let stale = kept.is_none() && tube.light_filter.shadow_enable;
+        if stale {
             let map = map_shape((tube, Faces::of(light.light()), t_max), scene, shadows);
             let onto = Onto::Map(&slot.target);
-            self.shadow.render(gpu, work, &MapRequest { scene, tube, map: &map, onto, shadows })?;
-            map
-        };
-        slot.map = Some((key, map));
+            let casting = casting(gpu, scene, linked, shadows.mesh_error)?;
+            self.shadow.render(gpu, work, &MapRequest { scene, casting, tube, map: &map, onto, shadows })?;
+            slot.map = Some((key, map));
+        } else {
+            slot.map = kept;
+        }
+        let map = slot.map.as_ref().map(|(_, map)| map);
         let init = |label, contents: &[u8], usage| {
             gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
         };
-        let uniform = uniform_with_map(&part, scene.posed.origin_in_world, &map, shadows);
+        let origin = scene.posed.origin_in_world;
+        let uniform = match map {
+            Some(map) => uniform_with_map(&part, origin, map, shadows),
+            None => uniform(&part, origin),
+        };
         let uniform = init("bendy", bytemuck::bytes_of(&uniform), BufferUsages::UNIFORM);
         let segments = init("segments", bytemuck::cast_slice(&segments(tube)), BufferUsages::UNIFORM);
         let resources = [
@@ -152,8 +159,8 @@ impl BendyPass {
         ];
         let group = gpu.group("bendy", &self.group_layouts[2], &resources);
         let corners_in_world = hull_in_world(tube, t_max);
-        let placed =
-            GpuBendy { baked: Baked::of(tube, map.is_cube(), shadows.filter), group, corners_in_world };
+        let is_cube = map.is_some_and(MapShape::is_cube);
+        let placed = GpuBendy { baked: Baked::of(tube, is_cube, shadows.filter), group, corners_in_world };
         slot.placed = Some((scene.revision, radiance, placed.clone()));
         Ok((placed, stale))
     }
@@ -162,9 +169,9 @@ impl BendyPass {
     pub fn draw_wireframe(
         &self,
         gpu: &Gpu,
-        (work, shadows): (&mut BentWork, &ShadowSettings),
+        work: &mut BentWork,
         (light, tube): (&Light, &Tube<f64>),
-        scene: &GpuScene,
+        (scene, linked, shadows): (&GpuScene, Option<&Linked>, &ShadowSettings),
         (color, size): (&TextureView, [u32; 2]),
     ) -> Result<(), RenderError> {
         let part = tube.part_near(scene.posed.origin_in_world, scene.posed.half_extent);
@@ -178,6 +185,7 @@ impl BendyPass {
         let pass = self.wireframe.get_or_init(|| WireframePass::new(gpu));
         let t_of_light = [part.t_start, part.t_span];
         let onto = Onto::Wireframe(Drawing { pass, color, depth, size, t_of_light });
-        self.shadow.render(gpu, work, &MapRequest { scene, tube, map, onto, shadows })
+        let casting = casting(gpu, scene, linked, shadows.mesh_error)?;
+        self.shadow.render(gpu, work, &MapRequest { scene, casting, tube, map, onto, shadows })
     }
 }

@@ -19,6 +19,7 @@ use super::shadow_buffers::{BentWork, Buffers, Room, VERTEX_BYTES};
 use super::slab::{self, SLABS_A_TURN};
 use super::tube_from_scene;
 use super::wireframe::Drawing;
+use crate::casters::{Casters, Casting};
 use crate::gpu_scene::GpuScene;
 use crate::memory::{Evictable, MemoryKind};
 use crate::pipeline::{DEPTH_FORMAT, MapTarget};
@@ -45,6 +46,8 @@ pub(crate) struct BentShadowPass {
 /// A map to be drawn: of what, and where.
 pub(crate) struct MapRequest<'a> {
     pub scene: &'a GpuScene,
+    /// What of it throws shadows.
+    pub casting: Casting<'a>,
     pub tube: &'a Tube<f64>,
     pub map: &'a MapShape,
     pub onto: Onto<'a>,
@@ -125,11 +128,12 @@ impl BentShadowPass {
         buffers.write(gpu, &table, &map, request.map);
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if !slabs.is_empty() {
-            self.map(gpu, &mut encoder, request.scene, &buffers, &map);
+            self.map(gpu, &mut encoder, request.casting.casters, &buffers, &map);
         }
         match &request.onto {
             Onto::Map(target) => {
-                self.draw(gpu, &mut encoder, request.scene, &buffers, (target, request.map), first);
+                let what = (request.scene, &request.casting);
+                self.draw(gpu, &mut encoder, what, &buffers, (target, request.map), first);
             }
             Onto::Wireframe(drawing) => drawing.draw(gpu, &mut encoder, &buffers, request.map, first),
         }
@@ -153,12 +157,11 @@ impl BentShadowPass {
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        scene: &GpuScene,
+        casters: &Casters,
         buffers: &Buffers,
         map: &BentMap,
     ) {
         let b = buffers;
-        let casters = &scene.casters;
         let group =
             |pipeline: &ComputePipeline, rest: &[&Buffer]| bind(gpu, pipeline, &[&b.uniform, &b.slabs], rest);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -202,7 +205,7 @@ impl BentShadowPass {
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        scene: &GpuScene,
+        (scene, casting): (&GpuScene, &Casting),
         buffers: &Buffers,
         (target, map): (&MapTarget, &MapShape),
         clear: bool,
@@ -225,7 +228,7 @@ impl BentShadowPass {
                 gpu.group("bent shadow", &self.draw.get_bind_group_layout(0), &[face.as_entire_binding()]);
             pass.set_bind_group(0, &group, &[]);
             self.draw_casters(&mut pass, buffers);
-            if let Some(tests) = &scene.alpha_tests {
+            if let Some(tests) = casting.alpha_tests {
                 let masked = self.masked.get_or_init(|| MaskedDraw::new(gpu));
                 masked.draw(gpu, &mut pass, (&scene.geometry, tests), (buffers, face));
             }
@@ -244,18 +247,18 @@ impl BentShadowPass {
 
 /// The uniform of a turn.
 fn turn(room: Room, request: &MapRequest, slabs: &[(Slab, [DVec3; 8])]) -> BentMap {
-    let &MapRequest { scene, tube, map, shadows, .. } = request;
+    let &MapRequest { scene, casting: Casting { casters, .. }, tube, map, shadows, .. } = request;
     BentMap {
         face_count: map.face_count() as u32,
         texels_per_vw: map.texels_per_vw() as f32,
         cube_slope: if map.is_cube() { map.slope() as f32 } else { 0.0 },
         faces: map.clips_from_mapped(),
-        vertex_count: scene.casters.vertex_count,
-        triangle_count: scene.casters.triangle_count,
+        vertex_count: casters.vertex_count,
+        triangle_count: casters.triangle_count,
         work_capacity: room.work,
         patch_capacity: room.patches,
         split_capacity: room.split_vertices,
-        opaque_triangles: scene.casters.opaque_indices / 3,
+        opaque_triangles: casters.opaque_indices / 3,
         masked_capacity: room.masked_vertices,
         tolerance_texels: shadows.split_above_texels(),
         ..bent_map(tube, scene.posed.origin_in_world, slabs)

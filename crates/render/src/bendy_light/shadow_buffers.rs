@@ -150,8 +150,10 @@ impl Buffers {
         all.into_iter().chain(lists).map(Buffer::size).sum()
     }
 
+    /// Whether a map can be made in these: of the same scene, of which a light's links may leave a part.
     pub fn fits(&self, map: &BentMap) -> bool {
-        self.size == Self::size_for(map)
+        let (vertices, triangles, room) = Self::size_for(map);
+        (self.size.0, self.size.2) == (vertices, room) && triangles <= self.size.1
     }
 
     pub fn write(&self, gpu: &Gpu, slabs: &[Slab], map: &BentMap, shape: &MapShape) {

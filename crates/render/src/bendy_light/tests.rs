@@ -76,7 +76,17 @@ pub(crate) fn view(aov: Aov) -> View {
         rotation: glam::DQuat::from_mat3(&matrix3),
         projection: Projection::Perspective { yfov: 0.7, aspect_ratio: None, znear: 0.1, zfar: None },
     };
-    View { camera, width: 240, height: 160, samples: 1, aov, light: 0, fill: 1.0, slot: ViewSlot::default() }
+    View {
+        camera,
+        width: 240,
+        height: 160,
+        samples: 1,
+        aov,
+        light: 0,
+        fill: 1.0,
+        exposure: 0.0,
+        slot: ViewSlot::default(),
+    }
 }
 
 /// The world position that a pixel of the depth AOV stands for.

@@ -12,7 +12,14 @@ fn sample_light(surface: Surface) -> LightSample {
     let root = root_at(inside, q);
     let place = place_at(root);
     let unshadowed = irradiance(light.light_filter, root.emission, place);
+    if !SHADOWED {
+        return LightSample(true, place, unshadowed, 1.0);
+    }
     return LightSample(true, place, unshadowed, bent_visibility(root, place.vw, surface));
+}
+
+fn light_filter() -> LightFilter {
+    return light.light_filter;
 }
 
 // Derivative of position by t along the curve of constant (v, w): the way light takes.

@@ -6,8 +6,9 @@ const PI: f32 = 3.14159265358979;
 // 2e-5 rad: this width keeps highlights finite and a hundred times wider than the steps of the normals.
 const MIN_ALPHA: f32 = 0.002;
 
-// f(l, v) max(0, n.l): what reaches the eye of unit irradiance perpendicular to `to_light`.
-fn reflected(surface: Surface, to_light: vec3f) -> vec3f {
+// f(l, v) max(0, n.l): what reaches the eye of unit irradiance perpendicular to `to_light`, with factors of what is
+// scattered and what is mirrored.
+fn reflected(surface: Surface, to_light: vec3f, lobes: vec2f) -> vec3f {
     let n = surface.normal;
     let n_l = dot(n, to_light);
     if n_l <= 0.0 {
@@ -32,5 +33,5 @@ fn reflected(surface: Surface, to_light: vec3f) -> vec3f {
     let grazing = 1.0 - v_h;
     let fresnel = f0 + (1.0 - f0) * (grazing * grazing * grazing * grazing * grazing);
     let diffuse = (1.0 - fresnel) * (1.0 - surface.metallic) * surface.base_color / PI;
-    return (diffuse + fresnel * distribution * visibility) * n_l;
+    return (diffuse * lobes.x + fresnel * (distribution * visibility * lobes.y)) * n_l;
 }

@@ -2,11 +2,11 @@
 
 use super::{
     BENDY, BENT_MAP_CLIP, BENT_MAP_NEXT, BENT_MAP_SPLIT, BENT_MAP_TRIANGLES, BENT_MAP_VERTICES, BENT_MASKED,
-    BENT_SHADOW, DISPLAY, FILL, GBUFFER, INCREASING_ROOTS, INSPECT, LOCATE, SHADOW, SHADOW_MASKED, SPOT,
-    WIREFRAME,
+    BENT_SHADOW, DISPLAY, FILL, GBUFFER, INCREASING_ROOTS, INSPECT, LOCATE, SHADOW, SHADOW_MASKED, WIREFRAME,
 };
 use crate::bendy_light::Baked;
-use crate::spot::BakedSpot;
+use crate::linked::with_links;
+use crate::straight::BakedStraight;
 
 /// Every module by name, those of bent lights as several lights have them compiled.
 pub(super) fn all() -> Vec<(&'static str, String)> {
@@ -28,7 +28,12 @@ pub(super) fn all() -> Vec<(&'static str, String)> {
         ("display", DISPLAY),
     ];
     let baked = Baked::samples().into_iter();
-    let baked = baked.flat_map(|b| [("bendy", b.into_wgsl(BENDY)), ("locate", b.into_wgsl(LOCATE))]);
-    let spots = BakedSpot::all().map(|baked| ("spot", baked.into_wgsl(SPOT)));
-    fixed.map(|(name, wgsl)| (name, wgsl.to_owned())).into_iter().chain(spots).chain(baked).collect()
+    let both = |wgsl: String| [false, true].map(|linked| with_links(linked, &wgsl));
+    let baked = baked.flat_map(|b| {
+        let bendy = both(b.into_wgsl(BENDY)).map(|wgsl| ("bendy", wgsl));
+        bendy.into_iter().chain([("locate", b.into_wgsl(LOCATE))])
+    });
+    let straight = BakedStraight::all().map(BakedStraight::wgsl);
+    let straight = straight.flat_map(|(name, wgsl)| both(wgsl).map(|wgsl| (name, wgsl)));
+    fixed.map(|(name, wgsl)| (name, wgsl.to_owned())).into_iter().chain(straight).chain(baked).collect()
 }

@@ -3,10 +3,8 @@
 
 struct Spot {
     light_from_scene: mat4x4f,
-    // Colour times intensity.
-    emission: vec3f,
-    tan_outer: f32,
     light_filter: LightFilter,
+    tan_outer: f32,
     // Axial distance at which the light ends; 0 never.
     range: f32,
     // Near plane of the shadow map.

@@ -1,6 +1,13 @@
-// Linear radiance to what a screen shows: Khronos PBR Neutral (KhronosGroup/ToneMapping, 2024), then sRGB.
+// Linear radiance to what a screen shows: exposure, Khronos PBR Neutral (KhronosGroup/ToneMapping, 2024), then sRGB.
+
+struct Exposure {
+    factor: f32,
+    // Radiance above this is cut to it, that its product with the factor stays a number.
+    brightest: f32,
+}
 
 @group(0) @binding(0) var radiance: texture_2d<f32>;
+@group(0) @binding(1) var<uniform> exposure: Exposure;
 
 // Hue and colour are kept up to START; above, peaks are compressed to 1 and desaturated.
 const START: f32 = 0.8 - 0.04;
@@ -23,5 +30,6 @@ fn pbr_neutral(linear: vec3f) -> vec3f {
 @fragment
 fn fs_display(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     let linear = textureLoad(radiance, vec2u(pixel.xy), 0).rgb;
-    return vec4f(srgb_from_linear(saturate(pbr_neutral(linear))), 1.0);
+    let exposed = min(linear, vec3f(exposure.brightest)) * exposure.factor;
+    return vec4f(srgb_from_linear(saturate(pbr_neutral(exposed))), 1.0);
 }

@@ -1,29 +1,48 @@
-// What becomes of light on its way, as `light` has it in filter.rs: functions of the place alone, for lights of every
-// shape.
+// What becomes of light on its way, as `light` has it in filter/: functions of the place alone, for lights of every
+// shape. Constants that come before this file:
+//   PROFILE       u32   by which curve it falls off across
+//   SUPERELLIPSE  bool  whether its outline is one, or a circle
+//   CUT           bool  whether it begins or ends somewhere along its way
 
 // Where a point lies in a light, whatever its shape.
 struct Place {
     t: f32,
     // Across the light, in radii.
     vw: vec2f,
-    // Length of the way from the source, in world units; 0 where the light does not fall off with it.
+    // Length of the way from the source, in world units; 0 where nothing depends on it.
     s: f32,
     // Unit vector from the point to where its light comes from.
     direction: vec3f,
 }
 
 struct LightFilter {
-    // Irradiance falls as 1 / (x + y s + z s^2).
-    decay: vec3f,
+    // Factor of all that the light emits.
+    tint: vec3f,
     // Light falls off no further nearer to its source.
     least_distance: f32,
+    // Irradiance falls as 1 / (x + y s + z s^2).
+    decay: vec3f,
     // The profile: see light::Profile.
+    profile_power: f32,
+    // What reaches what is in its shadow.
+    shadow_color: vec3f,
     tan2_outer: f32,
+    // Factors of what surfaces scatter and mirror.
+    lobes: vec2f,
     edge: f32,
     inverse_span: f32,
-    // Stops by which all of the light is brightened.
-    exposure: f32,
+    // The cut: see light::Cut.
+    cut_starts: vec2f,
+    cut_inverse_widths: vec2f,
+    // The section: see light::Section.
+    section_scale: vec2f,
+    section_power: f32,
 }
+
+const PROFILE_SMOOTH = 0u;
+const PROFILE_LINEAR = 1u;
+const PROFILE_POWER = 2u;
+const PROFILE_COSINE = 3u;
 
 // Largest emission that stays finite through decay and the BRDF.
 const MAX_EMISSION = 1e15;
@@ -33,21 +52,67 @@ const MAX_DECAY = 1e15;
 
 // Irradiance on a surface square to the light, without visibility. What is emitted is held to what stays finite.
 fn irradiance(f: LightFilter, emission: vec3f, place: Place) -> vec3f {
-    let s = max(place.s, f.least_distance);
-    let exposed = min(emission * exp2(f.exposure), vec3f(MAX_EMISSION));
-    return exposed * (profile_at(f, dot(place.vw, place.vw)) * decay_at(f, s));
+    let emitted = min(emission * f.tint, vec3f(MAX_EMISSION));
+    let along = cut_at(f, place.s) * decay_at(f, max(place.s, f.least_distance));
+    return emitted * (across(f, place.vw) * along);
 }
 
-// An S-curve in the cosine of the angle that rho = |(v, w)| stands for, by 1 - cos as a share of that at the edge.
+// The share of the light that arrives where `visibility` of it is not in the way of anything.
+fn light_filter_arriving(f: LightFilter, visibility: f32) -> vec3f {
+    return mix(f.shadow_color, vec3f(1.0), visibility);
+}
+
+// What becomes of light across: nothing is left outside of an outline that the light does not end at by itself.
+fn across(f: LightFilter, vw: vec2f) -> f32 {
+    let rho2 = section_rho2(f, vw);
+    let is_outside = SUPERELLIPSE && rho2 > 1.0;
+    return select(profile_at(f, rho2), 0.0, is_outside);
+}
+
+// The square of how far out a place lies, 1 on the outline.
+fn section_rho2(f: LightFilter, vw: vec2f) -> f32 {
+    if !SUPERELLIPSE {
+        return dot(vw, vw);
+    }
+    let extents = abs(vw) * f.section_scale;
+    let most = max(extents.x, extents.y);
+    let share = min(extents.x, extents.y) / max(most, 1e-37);
+    let rho = most * pow(1.0 + pow(share, f.section_power), 1.0 / f.section_power);
+    return rho * rho;
+}
+
+// In the cosine of the angle that rho = |(v, w)| stands for, by 1 - cos as a share of that at the edge; or in rho itself.
 fn profile_at(f: LightFilter, rho2: f32) -> f32 {
-    let share = rho2 * f.edge / secants(rho2 * f.tan2_outer);
+    if PROFILE == PROFILE_COSINE {
+        return pow(1.0 + rho2 * f.tan2_outer, -0.5 * f.profile_power);
+    }
+    var share = sqrt(rho2);
+    if PROFILE != PROFILE_LINEAR {
+        share = rho2 * f.edge / secants(rho2 * f.tan2_outer);
+    }
     let s = saturate((1.0 - share) * f.inverse_span);
-    return select(s * s * (3.0 - 2.0 * s), 1.0, f.inverse_span == 0.0);
+    var value = s;
+    if PROFILE == PROFILE_SMOOTH {
+        value = s * s * (3.0 - 2.0 * s);
+    }
+    if PROFILE == PROFILE_POWER {
+        value = pow(s, f.profile_power);
+    }
+    return select(value, 1.0, f.inverse_span == 0.0);
 }
 
 fn secants(tan2: f32) -> f32 {
     let h = sqrt(1.0 + tan2);
     return h * (1.0 + h);
+}
+
+fn cut_at(f: LightFilter, s: f32) -> f32 {
+    if !CUT {
+        return 1.0;
+    }
+    let x = saturate(max(vec2f(s) - f.cut_starts, vec2f(0.0)) * f.cut_inverse_widths);
+    let ramps = x * x * (3.0 - 2.0 * x);
+    return ramps.x * (1.0 - ramps.y);
 }
 
 fn decay_at(f: LightFilter, s: f32) -> f32 {

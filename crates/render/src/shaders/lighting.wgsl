@@ -1,5 +1,7 @@
 // What one light adds to the picture, or one of its own quantities. Each kind of light brings
-// `fn sample_light(surface: Surface) -> LightSample`; the entry points are named after the AOVs. Follows filter.wgsl.
+// `fn sample_light(surface: Surface) -> LightSample` and `fn light_filter() -> LightFilter`; the entry points are named after
+// the AOVs. Follows filter.wgsl, and links.wgsl or no_links.wgsl. The constant SHADOWED, a bool, comes before this file:
+// whether anything shadows the light.
 
 struct LightSample {
     // Whether the light's volume holds the surface, shadow or not; the rest is 0 outside.
@@ -13,7 +15,7 @@ struct LightSample {
 
 fn light_at(pixel: vec4f) -> LightSample {
     let surface = surface_at(vec2u(pixel.xy));
-    if !surface.exists {
+    if !surface.exists || !is_lit(surface.triangle) {
         return LightSample();
     }
     return sample_light(surface);
@@ -26,14 +28,16 @@ fn value(light: LightSample, rgb: vec3f) -> vec4f {
 @fragment
 fn fs_beauty(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     let surface = surface_at(vec2u(pixel.xy));
-    if !surface.exists {
+    if !surface.exists || !is_lit(surface.triangle) {
         return vec4f(0.0);
     }
     let light = sample_light(surface);
     if !light.inside {
         return vec4f(0.0);
     }
-    let radiance = reflected(surface, light.place.direction) * light.irradiance * light.visibility;
+    let f = light_filter();
+    let arriving = light.irradiance * light_filter_arriving(f, light.visibility);
+    let radiance = reflected(surface, light.place.direction, f.lobes) * arriving;
     return vec4f(radiance * view.sample_weight, 0.0);
 }
 

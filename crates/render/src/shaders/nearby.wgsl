@@ -1,6 +1,6 @@
 // The last piece of light's way to a surface, followed through the scene itself. A shadow map cannot tell a caster from
-// its receiver where both lie within its tolerance, and where light grazes that is long. Follows surface.wgsl and
-// alpha_test.wgsl.
+// its receiver where both lie within its tolerance, and where light grazes that is long. Follows surface.wgsl,
+// alpha_test.wgsl, and links.wgsl or no_links.wgsl.
 
 // Depth first. Of a node that is passed by, the next to look at is `next`; of others it is the following one.
 struct HierarchyNode {
@@ -34,7 +34,7 @@ fn is_in_its_own_way(surface: Surface, arriving: vec3f) -> bool {
     let height = surface.terminator_offset * dot(surface.normal, surface.geometric_normal);
     let through = shadow_position(surface) + arriving * (height / max(-facing, 1e-30));
     // A loop of one turn or none, not a branch: a software driver would do it for every pixel.
-    let end = select(0u, 1u, facing <= 0.0);
+    let end = select(0u, 1u, facing <= 0.0 && throws_shadow(surface.triangle));
     var met = false;
     for (var turn = 0u; turn < end; turn++) {
         met = height <= 0.0 || all(weights_at(corners_of(surface.triangle), through) >= vec3f(0.0));
@@ -76,7 +76,7 @@ fn is_met(surface: Surface, start: vec3f, way: vec3f) -> bool {
             if triangle != surface.triangle && abs(start_height) > slack && start_height * end_height < 0.0 {
                 let at = start + way * (start_height / (start_height - end_height));
                 let weights = weights_at(corners_of(triangle), at);
-                var is_there = all(weights >= vec3f(-1e-6));
+                var is_there = all(weights >= vec3f(-1e-6)) && throws_shadow(triangle);
                 let tests = select(0u, 1u, is_there && triangle >= first_tested);
                 for (var test = 0u; test < tests; test++) {
                     is_there = !has_hole(triangle, weights);

@@ -10,8 +10,15 @@ fn sample_light(surface: Surface) -> LightSample {
         return LightSample();
     }
     let place = located.place;
-    let unshadowed = irradiance(spot.light_filter, spot.emission, place);
+    let unshadowed = irradiance(spot.light_filter, vec3f(1.0), place);
+    if !SHADOWED {
+        return LightSample(true, place, unshadowed, 1.0);
+    }
     return LightSample(true, place, unshadowed, shadow_visibility(surface, place.direction));
+}
+
+fn light_filter() -> LightFilter {
+    return spot.light_filter;
 }
 
 // A receiver's place on the map, and what its own plane looks like there.
@@ -97,8 +104,12 @@ fn lit_texels(receiver: Receiver, first: vec2f) -> mat2x4f {
     let expected = clamp(plane_at, vec4f(bounds.x), vec4f(bounds.y)) * spot.shadow_near;
     let resolution = vec2f(textureDimensions(shadow_map));
     let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / resolution, receiver.face);
+    // Nothing throws shadows beyond the map, but floors that it is not fitted to are drawn up to its border.
+    let columns = first.x + vec4f(0.0, 1.0, 1.0, 0.0);
+    let rows = first.y + vec4f(1.0, 1.0, 0.0, 0.0);
+    let beyond = (min(columns, rows) < vec4f(0.0)) | (columns >= vec4f(resolution.x)) | (rows >= vec4f(resolution.y));
     return mat2x4f(
-        select(vec4f(0.0), vec4f(1.0), stored <= expected + receiver.tolerance),
-        select(vec4f(0.0), vec4f(1.0), stored <= expected + receiver.reach),
+        select(vec4f(0.0), vec4f(1.0), beyond | (stored <= expected + receiver.tolerance)),
+        select(vec4f(0.0), vec4f(1.0), beyond | (stored <= expected + receiver.reach)),
     );
 }

@@ -1,21 +1,32 @@
 //! What is written in Rust and in WGSL has one name: where a light is followed in f32, each function and struct of a shader is
 //! one of `light`'s, in the file of the same name.
 //!
-//! A method `offset` of `Curve` is `curve_offset` in WGSL; those of `Tube` or `Cone`, the one light that a shader has, go by
-//! their own names.
+//! A method `offset` of `Curve` is `curve_offset` in WGSL; those of `Tube`, `Cone`, `Omni` or `Parallel`, the one light that
+//! a shader has, go by their own names.
 
 use std::collections::BTreeSet;
 
 /// Rust and WGSL of the same name, and what only WGSL has: loops and closures spelled out.
-const TWINS: [(&str, &str, &[&str]); 9] = [
+const TWINS: [(&str, &str, &[&str]); 11] = [
     (include_str!("../../../light/src/curve.rs"), include_str!("curve.wgsl"), &[]),
     (include_str!("../../../light/src/frame.rs"), include_str!("frame.wgsl"), &["cross_section"]),
     (include_str!("../../../light/src/solve.rs"), include_str!("solve.wgsl"), &["cbrt_above"]),
     (include_str!("../../../light/src/arc.rs"), include_str!("arc.wgsl"), &[]),
     (include_str!("../../../light/src/emission.rs"), include_str!("emission.wgsl"), &[]),
-    (include_str!("../../../light/src/filter.rs"), include_str!("filter.wgsl"), &[]),
+    (
+        concat!(
+            include_str!("../../../light/src/filter/mod.rs"),
+            include_str!("../../../light/src/filter/profile.rs"),
+            include_str!("../../../light/src/filter/section.rs"),
+            include_str!("../../../light/src/filter/distance.rs"),
+        ),
+        include_str!("filter.wgsl"),
+        &[],
+    ),
     (include_str!("../../../light/src/segment.rs"), include_str!("segment.wgsl"), &[]),
     (include_str!("../../../light/src/rays/cone.rs"), include_str!("cone.wgsl"), &["scene_axes"]),
+    (include_str!("../../../light/src/rays/omni.rs"), include_str!("omni.wgsl"), &["scene_axes"]),
+    (include_str!("../../../light/src/rays/parallel.rs"), include_str!("parallel.wgsl"), &["scene_axes"]),
     (
         include_str!("../../../light/src/rays/tube.rs"),
         include_str!("tube.wgsl"),
@@ -26,11 +37,11 @@ const TWINS: [(&str, &str, &[&str]); 9] = [
 /// Where else structs of those shaders are in Rust.
 const PLACE: &str = include_str!("../../../light/src/place.rs");
 /// Structs that only WGSL has: lights as uniforms, and what Rust returns as an option or keeps in a closure.
-const STRUCTS_OF_WGSL: [&str; 4] = ["BendyLight", "Spot", "Located", "Search"];
+const STRUCTS_OF_WGSL: [&str; 5] = ["BendyLight", "Directional", "Spot", "Located", "Search"];
 
 /// What a method's name begins with in WGSL, by the type that it is of.
 fn prefix(type_name: &str) -> String {
-    if ["Tube", "Cone"].contains(&type_name) {
+    if ["Tube", "Cone", "Omni", "Parallel"].contains(&type_name) {
         return String::new();
     }
     let words = type_name.chars().enumerate().map(|(i, c)| match c {

@@ -76,6 +76,25 @@ fn only_what_changed_is_drawn_again() {
     assert_eq!(runs(one_light), LIT);
 }
 
+/// A view that is exposed otherwise is shown anew, and that is all.
+#[test]
+fn exposure_of_the_view_draws_nothing_but_what_is_shown() {
+    let mut renderer = renderer(&tables());
+    let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
+    let lights = instances(&[named(key())]);
+    let first = renderer.render_display(&view, &lights).unwrap();
+    let before = renderer.counts();
+    let brighter = View { exposure: 1.5, ..view.clone() };
+    assert_ne!(renderer.render_display(&brighter, &lights).unwrap(), first);
+    assert_eq!(renderer.render_display(&view, &lights).unwrap(), first);
+    let shown = PassCounts { gbuffer: 0, shadow: 0, lighting: 0, display: 2 };
+    assert_eq!(since(before, renderer.counts()), shown);
+    // The planted fault: a light's own exposure is lighting.
+    let bright = instances(&[named(key().with(EXPOSURE, 1.5))]);
+    renderer.render_display(&view, &bright).unwrap();
+    assert_eq!(since(before, renderer.counts()), PassCounts { lighting: 1, display: 3, ..shown });
+}
+
 /// Maps are fitted to the scene, whatever the camera sees of it: where only that moves, near to where little is to be
 /// seen and back, no map is drawn again, and a picture is that of a renderer that has seen nothing else.
 #[test]

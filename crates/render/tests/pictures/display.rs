@@ -1,7 +1,7 @@
 //! The bytes of a screen.
 
 use glam::DVec3;
-use render::{Aov, PictureFormat, View};
+use render::{Aov, PictureFormat, RenderError, View};
 use scene::Material;
 
 use crate::support::{floor, instances, named, renderer, scene_of, spot, view};
@@ -55,6 +55,48 @@ fn radiance_is_tone_mapped_and_encoded() {
     }
     // The planted fault, truncation instead of rounding, is off by more than that somewhere.
     assert!(colors.iter().any(|c| (expected(*c).x.floor() - expected(*c).x).abs() > 0.51));
+}
+
+/// A stop more is twice the radiance before tone mapping, also in the file of another renderer's picture; what is too
+/// bright for single precision is white.
+#[test]
+fn exposure_multiplies_radiance_before_tone_mapping() {
+    let color = DVec3::new(0.02, 0.15, 0.4);
+    let mut scene = scene_of([floor(1.0, 0.0)], vec![Material::default()]);
+    (scene.fill.sky, scene.fill.ground) = (color, color);
+    let mut renderer = renderer(&scene);
+    let view = view(DVec3::Y * 2.0, DVec3::ZERO, [3, 3], Aov::Beauty);
+    let raw = renderer.render(&view, &[]).unwrap();
+    for exposure in [-32.0, -6.5, -1.0, 0.0, 0.25, 1.0, 3.0, 20.0, 32.0] {
+        let view = View { exposure, ..view.clone() };
+        let shown = renderer.render_display(&view, &[]).unwrap();
+        let file = raw.clone().into_file(&view, &[], PictureFormat::Png).unwrap();
+        let file = image::load_from_memory(&file).unwrap().into_rgb8();
+        let pixels = [&shown[16..19], &file.get_pixel(1, 1).0];
+        let off = |stops: f64| {
+            let expected = expected(color * f64::exp2(stops)).to_array();
+            let bytes = pixels.iter().flat_map(|pixel| pixel.iter().zip(expected));
+            bytes.map(|(byte, expected)| (f64::from(*byte) - expected).abs()).fold(0.0, f64::max)
+        };
+        // As above; where the tone map is steepest, its sRGB's straight part, a byte is 3e-4 of radiance, of which f32's
+        // roundings are far less than a hundredth.
+        assert!(off(exposure) <= 0.5 + 1e-2, "{exposure}: {pixels:?}");
+        // The planted fault: a factor of e in place of 2.
+        let fault = exposure * std::f64::consts::LOG2_E;
+        assert!(exposure == 0.0 || exposure.abs() > 16.0 || off(fault) > 1.0, "{exposure}");
+        assert_eq!(renderer.render(&view, &[]).unwrap(), raw, "values know no exposure");
+    }
+    scene.fill.sky = DVec3::splat(1e37);
+    let mut blinding = crate::support::renderer(&scene);
+    let view = View { exposure: 32.0, ..view };
+    assert_eq!(blinding.render_display(&view, &[]).unwrap()[16..20], [255; 4]);
+    let raw = blinding.render(&view, &[]).unwrap();
+    let file = raw.into_file(&view, &[], PictureFormat::Png).unwrap();
+    assert_eq!(image::load_from_memory(&file).unwrap().into_rgb8().get_pixel(1, 1).0, [255; 3]);
+    for exposure in [-32.1, 33.0, f64::NAN, f64::INFINITY] {
+        let refused = renderer.render_display(&View { exposure, ..view.clone() }, &[]);
+        assert!(matches!(refused, Err(RenderError::InvalidView(_))), "{exposure}: {refused:?}");
+    }
 }
 
 #[test]

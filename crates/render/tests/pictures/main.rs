@@ -8,6 +8,7 @@ mod caches;
 mod display;
 mod exposure;
 mod fill;
+mod links;
 mod memory;
 mod robustness;
 mod spot_light;

@@ -54,6 +54,30 @@ fn a_square_casts_the_square_that_similar_triangles_say() {
     assert!(wrong(0.25 * 1.5 + 3.0 * 2.46e-3).0 > 0);
 }
 
+/// Maps are fitted to what throws shadows that can be seen, which a floor does not: beyond that a floor is lit, however much
+/// farther away or nearer it lies there under a slanted light.
+#[test]
+fn a_floor_is_lit_beyond_what_stands_on_it() {
+    let view = camera();
+    let source = DVec3::new(0.9, 3.0, 0.6);
+    let lamp = spot(source, DVec3::ZERO).with(CONE_ANGLE, 40.0).with(DECAY, Decay::None);
+    let lit = picture(&blocker(), &view, &[named(lamp)]);
+    // Where light to the floor passes the blocker's height, two thirds of the way.
+    let aside = |point: DVec3| {
+        let at = source + (point - source) * (2.0 / 3.0);
+        at.x.abs().max(at.z.abs()) - 0.25
+    };
+    let mut counts = [0, 0];
+    for (point, value) in on_plane(&lit, &view, DVec3::Y, 0.0).filter(|(_, v)| v[3] == 1.0) {
+        let outside = aside(point);
+        if outside.abs() > 0.02 {
+            assert_eq!(value[0], if outside > 0.0 { 1.0 } else { 0.0 }, "{point}");
+            counts[usize::from(outside > 0.0)] += 1;
+        }
+    }
+    assert!(counts[0] > 100 && counts[1] > 5_000, "{counts:?}");
+}
+
 #[test]
 fn a_bare_plane_never_shadows_itself() {
     // From straight down to grazing, near the camera's near plane and far from it.

@@ -95,6 +95,7 @@ pub fn view(eye: DVec3, target: DVec3, size: [u32; 2], aov: Aov) -> View {
         aov,
         light: 0,
         fill: 1.0,
+        exposure: 0.0,
         slot: ViewSlot::default(),
     }
 }

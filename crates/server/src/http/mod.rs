@@ -4,6 +4,7 @@ mod answer;
 mod assets;
 mod guard;
 mod page;
+mod pick;
 mod read;
 mod render;
 mod sessions;
@@ -33,8 +34,10 @@ pub fn router(state: Arc<AppState>) -> Router {
         .route("/sessions", get(sessions::list).post(sessions::create))
         .route("/sessions/{name}", get(sessions::show))
         .route("/sessions/{name}/edits", post(sessions::edit))
+        .route("/sessions/{name}/nodes", get(sessions::nodes))
         .route("/sessions/{name}/log", get(sessions::log))
         .route("/sessions/{name}/render", get(render::render))
+        .route("/sessions/{name}/pick", post(pick::pick))
         .route("/parameters", get(|| async { json(&protocol::parameter_table()) }))
         .route("/metrics", get(metrics))
         .route_layer(middleware::from_fn_with_state(Arc::clone(&state), guard::limit_requests))

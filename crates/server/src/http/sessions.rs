@@ -10,15 +10,16 @@ use axum::response::{IntoResponse, Response};
 use document::{Command, Context};
 use edit::{Actor, Request, Session, Sources};
 use futures_util::stream::try_unfold;
-use protocol::{Edit, Edits, NewSession, SessionEntry, SessionList, SessionState};
+use protocol::{Edit, Edits, NewSession, SceneNodes, SessionEntry, SessionList, SessionState};
 use serde::Deserialize;
 use store::{SessionRow, Store};
+use tokio::task::spawn_blocking;
 
 use super::answer::{Answer, created, json};
 use super::read::{SessionName, read_json, read_query};
 use crate::ServerError;
 use crate::access::{Credential, Principal, random_digits};
-use crate::limits::{MAX_EDITS, MAX_LOG_RECORDS};
+use crate::limits::{MAX_EDITS, MAX_LOG_RECORDS, MAX_NODES_LISTED, MAX_PATH_BYTES};
 use crate::request::{Step, actor, edit_request, step};
 use crate::room::{Message, Snapshot, time_ms};
 use crate::scenes::{Decoded, Scenes};
@@ -85,6 +86,15 @@ fn session_state(snapshot: &Snapshot) -> SessionState {
         document: (&snapshot.document).into(),
         notes: snapshot.scene.notes.to_vec(),
     }
+}
+
+/// `GET /sessions/S/nodes`.
+pub async fn nodes(State(state): State<Arc<AppState>>, SessionName(name): SessionName) -> Answer {
+    let snapshot = state.rooms.find(&name).await?.request(Message::Snapshot).await?;
+    let posed = snapshot.scene.posed;
+    let listed = spawn_blocking(move || posed.nodes().drawn_paths(MAX_NODES_LISTED, MAX_PATH_BYTES));
+    let (paths, left_out) = listed.await.map_err(|_| ServerError::Fault)?;
+    Ok(json(&SceneNodes { paths, left_out }))
 }
 
 /// `POST /sessions/S/edits`.

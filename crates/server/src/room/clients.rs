@@ -129,12 +129,16 @@ impl Room {
     }
 
     fn presence(&self) -> Vec<Presence> {
-        let presence = |(&id, client): (&ClientId, &Client)| Presence {
-            client: id,
-            actor: (&client.principal.actor).into(),
-            selection: client.selection,
-            following: self.views.leader_of(id),
-            camera: self.views.camera_of(id).map(Into::into),
+        let presence = |(&id, client): (&ClientId, &Client)| {
+            let view = self.views.view_of(id);
+            Presence {
+                client: id,
+                actor: (&client.principal.actor).into(),
+                selection: client.selection,
+                following: self.views.leader_of(id),
+                camera: view.map(|(camera, _)| camera.into()),
+                settings: view.map(|(_, settings)| settings.into()),
+            }
         };
         self.clients.iter().map(presence).collect()
     }

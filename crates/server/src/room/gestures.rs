@@ -41,7 +41,9 @@ impl Room {
         };
         let now_ms = self.clock_ms();
         let updated = command.and_then(|command| {
-            let context = Context { reach: self.scene.decoded.posed.reach(), loaded: None };
+            let posed = &self.scene.decoded.posed;
+            let command = document::resolved(command, self.session.document(), posed);
+            let context = Context { reach: posed.reach(), loaded: None };
             Ok(self.session.update_gesture(id, update, command, actor, now_ms, context).cloned()?)
         });
         match updated {

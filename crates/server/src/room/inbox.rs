@@ -102,8 +102,8 @@ impl Room {
         };
         let holder = (client, &principal.actor);
         match request {
-            ClientRequest::OpenView { camera, camera_revision, size } => {
-                self.views.open(client, camera, camera_revision, size);
+            ClientRequest::OpenView { camera, camera_revision, settings, size } => {
+                self.views.open(client, (camera, camera_revision), settings, size);
                 self.presence_changed = true;
             }
             ClientRequest::Follow(leader) => {
@@ -113,6 +113,10 @@ impl Room {
             ClientRequest::SetCamera { camera, camera_revision } => {
                 let moved = self.views.set_camera(client, camera, camera_revision);
                 self.note_view(client, moved);
+            }
+            ClientRequest::SetView { settings, camera_revision } => {
+                let changed = self.views.set_settings(client, settings, camera_revision);
+                self.note_view(client, changed);
             }
             ClientRequest::Resize(size) => self.views.resize(client, size),
             ClientRequest::Ack(frame) => self.views.acknowledge(client, frame),

@@ -101,6 +101,16 @@ impl Room {
         op_id: &str,
         tick: &mut Tick,
     ) -> Result<Record, ServerError> {
+        let request = match request {
+            Request::Edit { base_seq, command } => {
+                let posed = &self.scene.decoded.posed;
+                Request::Edit {
+                    base_seq,
+                    command: document::resolved(command, self.session.document(), posed),
+                }
+            }
+            request => request,
+        };
         let found = self.find_for(&request, &actor.id, tick).await?;
         let held = match &request {
             Request::Commit(id) => self.gesture_of(id, actor),

@@ -5,6 +5,7 @@
 
 mod frame;
 mod pictures;
+mod settings;
 mod view;
 
 use std::collections::BTreeMap;
@@ -21,6 +22,7 @@ use crate::backend::Backend;
 use crate::outboxes::{ClientId, Outboxes};
 use crate::renderer::Lease;
 use frame::Picture;
+pub use settings::ViewSettings;
 use view::{Source, View};
 
 /// What the clients of one session look at.
@@ -81,7 +83,8 @@ impl Views {
             viewer.source = match &source {
                 Source::Own(view) => {
                     let (camera, lease) = (view.camera.clone(), self.backend.renders.lease());
-                    let view = View::new((camera, view.camera_revision), view.size, content, lease);
+                    let from = (camera, view.camera_revision);
+                    let view = View::new(from, view.settings.clone(), view.size, content, lease);
                     Source::Own(Box::new(view))
                 }
                 Source::Follow(leader) => Source::Follow(*leader),
@@ -91,11 +94,11 @@ impl Views {
         }
     }
 
-    /// Opens a view of a client's own. `size` is its width and height in pixels.
-    pub fn open(&mut self, id: ClientId, camera: Camera, camera_revision: u32, size: [u32; 2]) {
+    /// Opens a view of a client's own, from `camera` and with its revision. `size` is its width and height in pixels.
+    pub fn open(&mut self, id: ClientId, camera: (Camera, u32), settings: ViewSettings, size: [u32; 2]) {
         let (content, lease) = (self.new_content(), self.backend.renders.lease());
         let Some(viewer) = self.viewers.get_mut(&id) else { return };
-        let view = View::new((camera, camera_revision), size, content, lease);
+        let view = View::new(camera, settings, size, content, lease);
         viewer.source = Source::Own(Box::new(view));
         viewer.configured = None;
     }
@@ -125,11 +128,22 @@ impl Views {
         camera_revision: u32,
     ) -> Result<(), ServerError> {
         let content = self.new_content();
-        let Some(view) = self.own_view(id) else {
-            let sentence = "you have no view of your own: open one, then move its camera";
-            return Err(ServerError::BadMessage(sentence.into()));
-        };
+        let view = self.own_view(id).ok_or_else(no_view)?;
         (view.camera, view.camera_revision) = (camera, camera_revision);
+        view.touch(content);
+        Ok(())
+    }
+
+    /// Sets how a client's own view is.
+    pub fn set_settings(
+        &mut self,
+        id: ClientId,
+        settings: ViewSettings,
+        camera_revision: u32,
+    ) -> Result<(), ServerError> {
+        let content = self.new_content();
+        let view = self.own_view(id).ok_or_else(no_view)?;
+        (view.settings, view.camera_revision) = (settings, camera_revision);
         view.touch(content);
         Ok(())
     }
@@ -159,10 +173,10 @@ impl Views {
         }
     }
 
-    /// The camera of a client's own view, if it has one.
-    pub fn camera_of(&self, id: ClientId) -> Option<&Camera> {
+    /// The camera of a client's own view and how that is, if it has one.
+    pub fn view_of(&self, id: ClientId) -> Option<(&Camera, &ViewSettings)> {
         match &self.viewers.get(&id)?.source {
-            Source::Own(view) => Some(&view.camera),
+            Source::Own(view) => Some((&view.camera, &view.settings)),
             Source::Nothing | Source::Follow(_) => None,
         }
     }
@@ -219,6 +233,10 @@ impl Views {
         self.content_revision += 1;
         Content { revision: self.content_revision, changed_at: now() }
     }
+}
+
+fn no_view() -> ServerError {
+    ServerError::BadMessage("you have no view of your own: open one, then change it".into())
 }
 
 /// The clock of views, which tests can stop.

@@ -130,7 +130,7 @@ impl Views {
         if view.under_way.is_some() || view.failed == Some(view.content.revision) {
             return;
         }
-        let lights = live.session.live_document().instances();
+        let lights = view.settings.shown(live.session.live_document().instances());
         let (size, camera_revision, content) = (view.size, view.camera_revision, view.content);
         let stamp = Stamp { content, quality, log_seq, live_revision, camera_revision, size };
         let request = Request {
@@ -145,6 +145,7 @@ impl Views {
                 aov: Aov::Beauty,
                 light: 0,
                 fill: 1.0,
+                exposure: view.settings.exposure,
                 slot: view.lease.slot(),
             },
             lights,

@@ -8,6 +8,7 @@ use stream::{Content, Quality};
 use tokio::task::AbortHandle;
 
 use super::frame::Frame;
+use super::settings::ViewSettings;
 use crate::outboxes::ClientId;
 use crate::renderer::Lease;
 
@@ -25,6 +26,7 @@ pub enum Source {
 pub struct View {
     pub camera: Camera,
     pub camera_revision: u32,
+    pub settings: ViewSettings,
     /// Width and height in pixels.
     pub size: [u32; 2],
     pub content: Content,
@@ -65,12 +67,13 @@ impl Source {
 impl View {
     pub fn new(
         (camera, camera_revision): (Camera, u32),
+        settings: ViewSettings,
         size: [u32; 2],
         content: Content,
         lease: Arc<Lease>,
     ) -> Self {
         let (latest, under_way, failed, left_out) = (None, None, None, Vec::new());
-        Self { camera, camera_revision, size, content, latest, under_way, failed, left_out, lease }
+        Self { camera, camera_revision, settings, size, content, latest, under_way, failed, left_out, lease }
     }
 
     /// It shows something else from now on. A lossless picture of what it showed is given up.

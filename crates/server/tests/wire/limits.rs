@@ -38,6 +38,7 @@ async fn a_client_is_told_the_limits_of_views_and_messages() {
         width,
         height,
         camera_revision: 1,
+        settings: None,
     };
     for view in [open(side + 1, 2), open(2, side + 1), open(side, side)] {
         client.say(&view).await;

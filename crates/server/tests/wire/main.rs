@@ -7,6 +7,7 @@ mod errors;
 mod hello;
 mod limits;
 mod methods;
+mod nodes;
 mod operations;
 mod patience;
 mod pictures;

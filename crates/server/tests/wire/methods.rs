@@ -14,6 +14,7 @@ fn a_known_address_says_which_methods_it_takes() {
         ("/sessions/main/edits", "POST"),
         ("/sessions/main/log", "GET,HEAD"),
         ("/sessions/main/render", "GET,HEAD"),
+        ("/sessions/main/pick", "POST"),
         ("/metrics", "GET,HEAD"),
         ("/assets", "POST"),
         ("/healthz", "GET,HEAD"),

@@ -54,7 +54,13 @@ async fn who_follows_sees_the_same_frames() {
     new_session(&SHARED, "followed");
     let (mut ada, welcome) = Client::join(&SHARED, "followed", "Ada").await;
     let (mut bob, _) = Client::join(&SHARED, "followed", "Bob").await;
-    let view = |source| ClientMessage::OpenView { source, width: 64, height: 36, camera_revision: 7 };
+    let view = |source| ClientMessage::OpenView {
+        source,
+        width: 64,
+        height: 36,
+        camera_revision: 7,
+        settings: None,
+    };
     ada.say(&view(ViewSource::Own(welcome.camera.clone()))).await;
     let (moving, settled) = (ada.frame().await, ada.frame().await);
     assert_eq!((moving.codec, settled.codec), (Codec::Jpeg, Codec::Png));

@@ -17,9 +17,10 @@ fn file(mark: &str, own_name: Option<&str>) -> Vec<u8> {
     file.to_string().into_bytes()
 }
 
-/// One whose point light and animation are not drawn.
+/// One whose light shines less than nothing, and whose animation is not played.
 fn file_with_notes(mark: &str) -> Vec<u8> {
-    let light = json!({"KHR_lights_punctual": {"lights": [{"type": "point", "name": "bulb"}]}});
+    let light =
+        json!({"KHR_lights_punctual": {"lights": [{"type": "point", "name": "bulb", "intensity": -1}]}});
     let file = json!({"asset": {"version": "2.0", "generator": mark}, "scenes": [{"nodes": [0]}],
         "nodes": [{"extensions": {"KHR_lights_punctual": {"light": 0}}}], "animations": [{"channels": [], "samplers": []}],
         "extensionsUsed": ["KHR_lights_punctual"], "extensions": light});
@@ -131,7 +132,7 @@ async fn what_of_a_scene_is_not_drawn_is_told_everywhere() {
     let sent = send(&SHARED, "", &file_with_notes("told")).json();
     let expected = [
         "animations are not played, everything is at rest: 1 of them",
-        "point lights are not drawn, only spotlights and BendyLights are: bulb",
+        "colors and intensities below 0 are taken as 0: bulb",
     ];
     assert_eq!(sent["notes"], json!(expected));
     assert_eq!(send(&SHARED, "", &file("without notes", None)).json()["notes"], json!([]));

@@ -65,7 +65,17 @@ impl Stage {
             .cloned()
             .unwrap_or_else(|| scene::framing_camera(&posed.reach(), f64::from(width) / f64::from(height)));
         let slot = ViewSlot::default();
-        let view = View { camera, width, height, samples: 1, aov: Aov::Beauty, light: 0, fill: 1.0, slot };
+        let view = View {
+            camera,
+            width,
+            height,
+            samples: 1,
+            aov: Aov::Beauty,
+            light: 0,
+            fill: 1.0,
+            exposure: 0.0,
+            slot,
+        };
         let origin = posed.origin_in_world;
         let rows: Vec<Vec<(Option<Lit>, DVec3)>> = (0..height)
             .into_par_iter()
@@ -130,7 +140,8 @@ impl Stage {
     pub fn picture(&self, law: Law) -> RgbImage {
         let bytes = |index: usize| {
             let lit = self.pixels[index].as_ref().filter(|lit| lit.visible).map_or(DVec3::ZERO, |lit| {
-                reflected(&lit.surface, self.to_light(law, &lit.root)) * self.tube.irradiance(&lit.root)
+                reflected(&lit.surface, self.to_light(law, &lit.root), [1.0; 2])
+                    * self.tube.irradiance(&lit.root)
             });
             srgb(self.ambient[index] + lit)
         };

@@ -1,8 +1,8 @@
 //! Pictures of everything that is legal and unkind hold numbers.
 
 use glam::{DVec3, Vec4};
-use light::parameters::{CONE_ANGLE, INTENSITY};
-use light::{Light, LightInstance, Transform};
+use light::parameters::{CONE_ANGLE, INTENSITY, WIDTH};
+use light::{Light, LightInstance, Rays, Transform};
 use proptest::prelude::*;
 use reference::Reference;
 use render::{Aov, Picture, ShadowSettings, View};
@@ -14,14 +14,15 @@ use super::light::{Lights, unit_cube};
 use super::runner::{Check, Tally};
 use super::scenes::{Shot, obstacle, shots, square};
 
-/// A shot, a spotlight beside its light, a material, and how far the shadow mesh may stray.
+/// A shot, lights of the other shapes beside its own, a material, and how far the shadow mesh may stray.
 #[derive(Clone, Debug, Serialize)]
 pub struct Case {
     #[serde(flatten)]
     pub shot: Shot,
-    /// Of both lights.
+    /// Of all lights.
     pub intensity: f64,
-    /// Light-local place and direction of a spotlight, and its half angle in degrees.
+    /// Light-local place and direction of the others, and the spotlight's half angle in degrees, which is the width of
+    /// the directional light's window too.
     pub spot: ([f64; 3], [f64; 3], f64),
     pub roughness: f32,
     pub metallic: f32,
@@ -62,15 +63,18 @@ impl Case {
         let (place, towards, cone_angle) = self.spot;
         let transform = bendy.transform();
         let towards = DVec3::from(towards).try_normalize().unwrap_or(DVec3::NEG_Y);
-        let spot = Light::spot()
-            .placed(Transform {
-                translation: transform.world_from_local(place.into()),
-                rotation: glam::DQuat::from_rotation_arc(DVec3::NEG_Z, towards),
-                ..transform
-            })
-            .with(INTENSITY, self.intensity)
-            .with(CONE_ANGLE, cone_angle);
-        LightInstance::numbered([bendy, spot]).expect("cases are valid")
+        let there = Transform {
+            translation: transform.world_from_local(place.into()),
+            rotation: glam::DQuat::from_rotation_arc(DVec3::NEG_Z, towards),
+            ..transform
+        };
+        let others = [
+            Light::spot().with(CONE_ANGLE, cone_angle),
+            Light::directional().with(WIDTH, Some(cone_angle)),
+            Light::omni(),
+        ];
+        let others = others.map(|light| light.placed(there).with(INTENSITY, self.intensity));
+        LightInstance::numbered(std::iter::once(bendy).chain(others)).expect("cases are valid")
     }
 }
 
@@ -79,7 +83,7 @@ const OF_A_LIGHT: [Aov; 4] = [Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility];
 /// By the adapter alone: the reference has no shadow maps.
 const OF_A_MAP: [Aov; 1] = [Aov::Wireframe];
 
-/// Holds for every AOV of the camera and of both lights, by the adapter and by the reference.
+/// Holds for every AOV of the camera and of all lights, by the adapter and by the reference.
 pub fn check(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
     let material = Material {
         roughness: case.roughness,
@@ -102,8 +106,13 @@ pub fn check(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
         view.light = light;
         let pictures = adapter.pictures(&scene, &view, &lights, shadows, OF_A_LIGHT)?;
         all_sound(&OF_A_LIGHT, &pictures, tally)?;
-        let pictures = adapter.pictures(&scene, &view, &lights, shadows, OF_A_MAP)?;
-        all_sound(&OF_A_MAP, &pictures, tally)?;
+        if matches!(lights[light].light.rays(), Rays::Bent(_) | Rays::Cone(_)) {
+            let [_, places, ..] = &pictures;
+            let is_round = places.pixels.iter().all(|pixel| pixel[0].hypot(pixel[1]) < 1.0 + 1e-5);
+            tally.holds(is_round, || format!("a place in light {light} is not in a circle"))?;
+            let pictures = adapter.pictures(&scene, &view, &lights, shadows, OF_A_MAP)?;
+            all_sound(&OF_A_MAP, &pictures, tally)?;
+        }
     }
     by_the_reference(&scene, &view, &lights, tally)
 }
@@ -134,7 +143,8 @@ fn sound(whose: &str, aov: Aov, pixel: [f64; 4], tally: &mut Tally) -> Check {
         Aov::Visibility => (0.0..=1.0).contains(&x),
         // A few roundings of f32 each.
         Aov::Direction => (length - 1.0).abs() < 1e-6,
-        Aov::Vw => x.hypot(y) < 1.0 + 1e-5,
+        // In a square, where it is not in a circle.
+        Aov::Vw => x.abs().max(y.abs()) < 1.0 + 1e-5,
         Aov::Beauty | Aov::Depth => x.min(y).min(z) >= 0.0,
         Aov::Wireframe => (0.0..=1.0).contains(&y),
         Aov::T | Aov::Normal => true,

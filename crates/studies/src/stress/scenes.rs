@@ -75,7 +75,17 @@ impl Shot {
             projection: Projection::Perspective { yfov: YFOV, aspect_ratio: None, znear: near, zfar: None },
         };
         let (aov, slot) = (Aov::Beauty, ViewSlot::default());
-        View { camera, width: WIDTH, height: HEIGHT, samples: 1, aov, light: 0, fill: 1.0, slot }
+        View {
+            camera,
+            width: WIDTH,
+            height: HEIGHT,
+            samples: 1,
+            aov,
+            light: 0,
+            fill: 1.0,
+            exposure: 0.0,
+            slot,
+        }
     }
 }
 

@@ -1,0 +1,78 @@
+//! Lights that are bent and made straight again.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use light::{CheckedLight, Light, LightError, LightId, Owner};
+use scene::PosedScene;
+
+use crate::{Change, Command, Document, EditError, Layout, PlacedLight};
+
+/// Segments of a light that is bent, unless it is said: five control points.
+pub const BENT_SEGMENTS: usize = 3;
+
+/// Half angle, in degrees, of the cone in which an omni or directional light is bent, unless it is said.
+const BENT_CONE_ANGLE: f64 = 45.0;
+
+/// What a light's own housing is: nothing nearer to the source than this share of the scene's size is where it shines.
+const HOUSING: f64 = 0.01;
+
+/// How far along its axis the control points of a straight light are to reach, in world units: to where the axis meets the
+/// scene, so that handles lie where its shadow is; past the scene's bounds where it does not.
+///
+/// What lies nearer than a hundredth of the scene's size counts as the light's own housing.
+pub fn axis_reach(light: &Light, posed: &PosedScene) -> f64 {
+    let transform = light.transform();
+    let axis = transform.rotation.normalize() * DVec3::NEG_Z;
+    let size = posed.half_extent.length();
+    posed.first_hit(transform.translation, axis, HOUSING * size).unwrap_or_else(|| {
+        let from_middle = (transform.translation - posed.origin_in_world).dot(axis);
+        let past_bounds = posed.half_extent.dot(axis.abs()) - from_middle;
+        // Looking away from the scene, as far as the scene is large; without one, a unit.
+        [past_bounds * 1.01, size].into_iter().find(|reach| *reach > 0.0).unwrap_or(1.0)
+    })
+}
+
+/// `command` with what only the scene knows filled in, so that a log of it needs no scene: how far a light that is bent
+/// reaches, and where one without a cone shines, the scene's middle.
+pub fn resolved(command: Command, document: &Document, posed: &PosedScene) -> Command {
+    let Command::BendLight { light: id, segments, range, cone_angle, toward } = command else {
+        return command;
+    };
+    let Some(light) = document.lights.get(&id).map(|placed| placed.light.light()) else { return command };
+    let toward = match light.owner() {
+        Owner::Omni | Owner::Directional => Some(toward.unwrap_or(posed.origin_in_world)),
+        _ => toward,
+    };
+    let cone_degrees = cone_angle.unwrap_or(BENT_CONE_ANGLE);
+    let reach = || match light.owner() {
+        // So far off that the cone holds the whole scene.
+        Owner::Directional => (posed.half_extent.length() / libm::sin(cone_degrees.to_radians())).max(1.0),
+        _ => axis_reach(&light::with_cone(light, cone_degrees, toward, 1.0), posed),
+    };
+    Command::BendLight { light: id, segments, range: Some(range.unwrap_or_else(reach)), cone_angle, toward }
+}
+
+/// The BendyLight that `light` becomes by a [`Command::BendLight`] with these values.
+pub(crate) fn bent(
+    light: &Light,
+    segments: usize,
+    range: Option<f64>,
+    (cone_angle, toward): (Option<f64>, Option<DVec3>),
+) -> Result<Light, LightError> {
+    let reach = range.unwrap_or_else(|| light.transform().scale);
+    let spot = light::with_cone(light, cone_angle.unwrap_or(BENT_CONE_ANGLE), toward, reach);
+    light::bend_to(&spot, segments, reach)
+}
+
+/// A light that becomes one of another shape under its id, with a new numbering of its control points.
+pub(crate) fn reshaped(
+    document: &Document,
+    (id, placed): (LightId, &PlacedLight),
+    reshape: impl FnOnce(&Light) -> Result<Light, LightError>,
+) -> Result<Change, EditError> {
+    let invalid = |reason| EditError::InvalidLight { light: document.light_name(id), reason };
+    let light = reshape(placed.light.light()).and_then(CheckedLight::new).map_err(invalid)?;
+    let new = PlacedLight { layout: Layout(document.next_number()), light: Arc::new(light) };
+    Ok(Change::Light { light: id, old: Some(placed.clone()), new: Some(new) })
+}

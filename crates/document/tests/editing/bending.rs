@@ -1,0 +1,164 @@
+//! Lights that are bent, and made straight again.
+
+use std::sync::Arc;
+
+use document::{BENT_SEGMENTS, Change, Command, EditError, axis_reach, deed, resolved};
+use glam::{DAffine3, DQuat, DVec3};
+use light::parameters::{COLOR, INTENSITY, RANGE, ROTATION, TRANSLATION};
+use light::{Light, LightError, Owner};
+use scene::{Material, Mesh, Node, PosedScene, Primitive, Scene};
+
+use crate::support::{BENDY, SPOT, checked, done, light_of, refused, sample};
+
+fn bend(range: Option<f64>) -> Command {
+    Command::BendLight { light: SPOT, segments: BENT_SEGMENTS, range, cone_angle: None, toward: None }
+}
+
+/// Rules: CMD-12
+#[test]
+fn a_light_is_bent_under_its_id_and_straightened_to_what_it_was() {
+    let mut document = sample();
+    let before = document.clone();
+    let spot = light_of(&document, SPOT).clone();
+    let changes = done(&mut document, &bend(Some(7.0)));
+    assert!(
+        matches!(&changes[..], [Change::Light { light: SPOT, old: Some(_), new: Some(_) }]),
+        "{changes:?}"
+    );
+    assert_eq!(deed(&changes, &document), "bending “lamp”");
+    let bent = light_of(&document, SPOT);
+    assert_eq!((bent.owner(), bent.name(), bent.points().len()), (Owner::Bendy, "lamp", BENT_SEGMENTS + 2));
+    assert_eq!(bent.points().last().expect("points").position, DVec3::new(0.0, 0.0, -7.0));
+    assert_eq!((bent.get(COLOR), bent.get(INTENSITY)), (spot.get(COLOR), spot.get(INTENSITY)));
+    // Taken back as one step, it is the light before.
+    let mut undone = document.clone();
+    undone.apply(&[changes[0].inverse()]).expect("it holds");
+    assert_eq!((undone.lights(), undone.hash()), (before.lights(), before.hash()));
+    let changes = done(&mut document, &Command::StraightenLight(SPOT));
+    assert_eq!(deed(&changes, &document), "straightening “lamp”");
+    assert_eq!(light_of(&document, SPOT), &spot);
+    // Another numbering each time: a stale command for a control point finds none.
+    assert_ne!(document.lights()[&SPOT].layout, before.lights()[&SPOT].layout);
+}
+
+/// Rules: CMD-12
+#[test]
+fn what_is_bent_is_not_bent_again_nor_what_is_straight_straightened() {
+    let document = sample();
+    let bend = Command::BendLight { light: BENDY, segments: 3, range: None, cone_angle: None, toward: None };
+    let EditError::InvalidLight { light, reason } = refused(&document, &bend) else { panic!() };
+    assert_eq!((light.as_str(), reason), ("“key”", LightError::NotASpot));
+    let straighten = Command::StraightenLight(SPOT);
+    assert!(refused(&document, &straighten).to_string().contains("straight already"));
+    for segments in [0, 100_000] {
+        let bend = Command::BendLight { light: SPOT, segments, range: None, cone_angle: None, toward: None };
+        assert!(refused(&document, &bend).to_string().contains("is bent into 1 to"));
+    }
+    for range in [-1.0, 0.0, f64::NAN, f64::INFINITY, 1e300] {
+        refused(&document, &self::bend(Some(range)));
+    }
+}
+
+/// A wall across the axis at z = -4, 2 units wide and high, and a pane in front of it.
+fn room(pane_at: f64) -> Arc<PosedScene> {
+    let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    let primitive = Primitive {
+        positions: corners.map(glam::Vec3::from_array).into(),
+        normals: vec![glam::Vec3::Z; 4],
+        uvs: vec![glam::Vec2::ZERO; 4],
+        colors: Vec::new(),
+        indices: vec![0, 1, 2, 0, 2, 3],
+        material: 0,
+    };
+    let node = |z: f64| Node {
+        name: "wall".into(),
+        parent: None,
+        parent_from_local: DAffine3::from_translation(DVec3::new(0.0, 0.0, z)),
+        mesh: Some(0),
+    };
+    let meshes = vec![Mesh { name: "wall".into(), primitives: vec![primitive] }];
+    let nodes = vec![node(-4.0), node(pane_at)];
+    scene::pose(Scene { materials: vec![Material::default()], meshes, nodes, ..Scene::default() })
+}
+
+/// The control points reach to what the axis meets, or past the scene; a log of that needs no scene.
+///
+/// Rules: CMD-12
+#[test]
+fn control_points_reach_to_where_the_axis_meets_the_scene() {
+    let spot =
+        |at: DVec3, yaw: f64| Light::spot().with(TRANSLATION, at).with(ROTATION, DQuat::from_rotation_y(yaw));
+    let reach = |light: &Light, posed: &PosedScene| axis_reach(light, posed);
+    let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
+    let ahead = spot(DVec3::new(0.3, -0.2, 1.0), 0.0);
+    assert!(close(reach(&ahead, &room(-4.0)), 5.0));
+    // The planted fault: another thing in the way.
+    assert!(close(reach(&ahead, &room(-2.0)), 3.0));
+    // Its own housing does not count.
+    assert!(close(reach(&ahead, &room(0.99)), 5.0));
+    // Beside the wall, and looking away from it.
+    assert!(reach(&spot(DVec3::new(3.0, 0.0, 1.0), 0.0), &room(-2.0)) > 5.0);
+    assert!(reach(&spot(DVec3::new(0.0, 0.0, 1.0), std::f64::consts::PI), &room(-2.0)) > 0.0);
+    assert_eq!(reach(&spot(DVec3::Z, std::f64::consts::PI), &PosedScene::default()), 1.0);
+
+    let mut document = sample();
+    let command = resolved(bend(None), &document, &room(-3.0));
+    assert_eq!(command, bend(Some(3.0)));
+    assert_eq!(resolved(bend(Some(2.0)), &document, &room(-3.0)), bend(Some(2.0)));
+    done(&mut document, &command);
+    assert_eq!(light_of(&document, SPOT).points()[4].position, DVec3::new(0.0, 0.0, -3.0));
+    // One with a range of its own ends there.
+    let mut document = sample();
+    done(&mut document, &Command::SetLight { light: SPOT, setting: RANGE.to(Some(5.0)) });
+    done(&mut document, &bend(Some(3.0)));
+    assert_eq!(light_of(&document, SPOT).points()[4].position, DVec3::new(0.0, 0.0, -5.0));
+}
+
+/// A light without a cone takes one of 45 degrees towards the scene's middle, or what is said.
+///
+/// Rules: CMD-12
+#[test]
+fn lights_without_a_cone_are_bent_in_the_one_they_are_given() {
+    let room = room(-6.0);
+    let middle = room.origin_in_world;
+    let at = DVec3::new(0.0, 3.0, 0.0);
+    for light in [Light::omni(), Light::directional()] {
+        let light =
+            light.with(TRANSLATION, at).with(ROTATION, DQuat::from_rotation_x(-0.5)).with(INTENSITY, 7.0);
+        let mut document = sample();
+        let [Change::Light { light: id, .. }] =
+            done(&mut document, &Command::AddLight(checked(light.clone())))[..]
+        else {
+            panic!()
+        };
+        let before = document.clone();
+        let bend = |cone_angle, toward| Command::BendLight {
+            light: id,
+            segments: 3,
+            range: None,
+            cone_angle,
+            toward,
+        };
+        for (cone_angle, toward) in [(None, None), (Some(20.0), Some(DVec3::new(0.5, -0.5, -4.0)))] {
+            let mut document = before.clone();
+            let command = resolved(bend(cone_angle, toward), &document, &room);
+            let changes = done(&mut document, &command);
+            let bent = light_of(&document, id);
+            assert_eq!((bent.owner(), bent.get(INTENSITY)), (Owner::Bendy, 7.0));
+            let (cone, aim): (f64, DVec3) = (cone_angle.unwrap_or(45.0), toward.unwrap_or(middle));
+            let last = bent.points()[4];
+            let slope = last.radius / last.position.length();
+            assert!((slope - libm::tan(cone.to_radians())).abs() < 1e-12);
+            let transform = bent.transform();
+            let axis = (transform.world_from_local(last.position) - transform.translation).normalize();
+            let aimed = (aim - transform.translation).normalize();
+            assert!((axis - aimed).length() < 1e-12, "{axis} {aimed}");
+            let is_sun = light.owner() == Owner::Directional;
+            let came_from = light.get(ROTATION) * DVec3::NEG_Z;
+            assert_eq!((axis - came_from).length() < 1e-12, is_sun, "a sun keeps its direction");
+            assert_eq!(transform.translation == at, !is_sun, "a lamp keeps its place");
+            document.apply(&[changes[0].inverse()]).expect("it holds");
+            assert_eq!(document.lights(), before.lights());
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! What becomes of light on its way (light model, section 6): functions of the place alone, for lights of every
+//! shape.
+
+mod blackbody;
+mod distance;
+mod profile;
+mod section;
+
+use glam::DVec3;
+
+use crate::emission::emission;
+use crate::parameter::Typed;
+use crate::parameters::{
+    COLOR, COLOR_TEMPERATURE, CONE_ANGLE, DECAY, DECAY_START, DIFFUSE, ENABLE_COLOR_TEMPERATURE, ENABLED,
+    EXPOSURE, INTENSITY, SHADOW_COLOR, SHADOW_ENABLE, SPECULAR,
+};
+use crate::{Decay, Key, Light, Place};
+
+pub use blackbody::blackbody;
+pub use distance::Cut;
+pub use profile::Profile;
+pub use section::Section;
+
+/// How bright a light is as a whole, how it falls off across and along it, and what its shadows look like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightFilter {
+    /// Factor of all that it emits, linear RGB: `color intensity 2^exposure` times the colour of its temperature, or 0 where
+    /// the light is off.
+    pub tint: DVec3,
+    /// Factor of what surfaces scatter of it.
+    pub diffuse: f64,
+    /// Factor of what surfaces mirror of it.
+    pub specular: f64,
+    /// Whether anything shadows it.
+    pub shadow_enable: bool,
+    /// Share of it that reaches what is in its shadow, linear RGB.
+    pub shadow_color: DVec3,
+    /// Across the light.
+    pub profile: Profile,
+    /// What its cross-section looks like.
+    pub section: Section,
+    /// Along it.
+    pub decay: Decay,
+    /// Where along it light begins and ends.
+    pub cut: Cut,
+    /// Light falls off no further nearer to its source, in world units: the source itself would be infinitely
+    /// bright.
+    pub least_distance: f64,
+}
+
+impl LightFilter {
+    /// What a checked light does to what it emits. It falls off no further than at `least_distance` from its source, in
+    /// world units, wherever its decay starts.
+    pub fn of(light: &Light, least_distance: f64) -> Self {
+        Self {
+            tint: tint(light),
+            diffuse: light.get(DIFFUSE),
+            specular: light.get(SPECULAR),
+            shadow_enable: light.get(SHADOW_ENABLE),
+            shadow_color: light.get(SHADOW_COLOR).max(DVec3::ZERO),
+            profile: if light.value(&CONE_ANGLE).is_some() { Profile::of(light) } else { Profile::FLAT },
+            section: Section::of(light),
+            decay: own(light, DECAY).unwrap_or_default(),
+            cut: Cut::of(light),
+            least_distance: own(light, DECAY_START).unwrap_or(0.0).max(least_distance),
+        }
+    }
+
+    /// Whether no picture can show the light.
+    pub fn is_dark(&self) -> bool {
+        self.tint == DVec3::ZERO || (self.diffuse, self.specular) == (0.0, 0.0)
+    }
+
+    /// Whether it matters how far light has come.
+    pub fn needs_distance(&self) -> bool {
+        self.decay != Decay::None || self.cut != Cut::NONE
+    }
+
+    /// The share of the light that arrives where `visibility` of it is not in the way of anything, 0 to 1.
+    pub fn arriving(&self, visibility: f64) -> DVec3 {
+        self.shadow_color.lerp(DVec3::ONE, visibility)
+    }
+}
+
+/// Irradiance on a surface square to the light, linear RGB, without visibility: `emission tint profile(rho) cut(s)
+/// decay(s)`, `rho` being where the place lies in the cross-section.
+pub fn irradiance(filter: &LightFilter, emission: DVec3, place: &Place) -> DVec3 {
+    let along = filter.cut.at(place.s) * filter.decay.at(place.s.max(filter.least_distance));
+    emission * filter.tint * (across(filter, place) * along)
+}
+
+/// What becomes of light across: nothing is left outside of an outline that the light does not end at by itself.
+fn across(filter: &LightFilter, place: &Place) -> f64 {
+    let rho2 = filter.section.rho2(place.v, place.w);
+    let is_outside = filter.section != Section::Circle && rho2 > 1.0;
+    if is_outside { 0.0 } else { filter.profile.at(rho2) }
+}
+
+fn tint(light: &Light) -> DVec3 {
+    if !light.get(ENABLED) {
+        return DVec3::ZERO;
+    }
+    let temperature = light.get(ENABLE_COLOR_TEMPERATURE).then(|| blackbody(light.get(COLOR_TEMPERATURE)));
+    let color = light.get(COLOR) * temperature.unwrap_or(DVec3::ONE);
+    emission(color, light.get(INTENSITY)) * libm::exp2(light.get(EXPOSURE))
+}
+
+/// The value of a parameter; `None` where lights of that shape have none.
+fn own<T: Typed>(light: &Light, key: Key<T>) -> Option<T> {
+    light.value(&key).and_then(T::from_value)
+}

@@ -1,0 +1,79 @@
+//! How light falls off from its axis to its edge.
+
+use crate::parameters::{CONE_ANGLE, CONE_SOFTNESS, PROFILE, PROFILE_POWER};
+use crate::{Light, ProfileCurve};
+
+/// The profile over `rho = |(v, w)|`: 1 inside, then by its curve to 0 at the light's edge.
+///
+/// `rho` stands for the angle `theta = atan(rho tan coneAngle)` of a spotlight. With `inner = outer (1 - coneSoftness)` and
+/// `s = (cos theta - cos outer) / (cos inner - cos outer)`, held to 0 and 1, it is
+/// - [`ProfileCurve::Smooth`]: the S-curve `s^2 (3 - 2 s)`;
+/// - [`ProfileCurve::Power`]: `s^profilePower` (Real-Time Rendering, eq. 7.18);
+/// - [`ProfileCurve::Linear`]: linear in `rho` from the inner angle's to 1;
+/// - [`ProfileCurve::Cosine`]: `cos(theta)^profilePower`, cut at the edge (eq. 7.17), whatever the softness.
+///
+/// Computed from `1 - cos`, which does not cancel in a narrow cone, as shares of its value at the edge, which no
+/// cone is too narrow for: with `x = tan^2 theta` and `h = sqrt(1 + x)`, `1 - cos theta = x / (h (1 + h))`. GPUs do inverse
+/// trigonometry badly, and none is needed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Profile {
+    /// By which of them it falls.
+    pub curve: ProfileCurve,
+    /// The exponent of those that have one.
+    pub power: f64,
+    /// `tan^2 coneAngle`.
+    pub tan2_outer: f64,
+    /// `h (1 + h)` at the edge.
+    pub edge: f64,
+    /// 1 over what `1 - s` rises by from the inner angle to the edge, as a share of its value at the edge: `1 - cos` of
+    /// most curves, `rho` of the linear one. 0 where the angles are equal, which makes the profile a step.
+    pub inverse_span: f64,
+}
+
+impl Profile {
+    /// The same everywhere: of lights that have no edge.
+    pub const FLAT: Self =
+        Self { curve: ProfileCurve::Smooth, power: 1.0, tan2_outer: 0.0, edge: 2.0, inverse_span: 0.0 };
+
+    /// The profile of a checked light that has a cone.
+    pub fn of(light: &Light) -> Self {
+        let curve = light.get(PROFILE);
+        let outer = light.get(CONE_ANGLE).to_radians();
+        let inner = outer * (1.0 - light.get(CONE_SOFTNESS));
+        let tan = libm::tan(outer);
+        let half = |angle: f64| libm::sin(angle / 2.0);
+        let half_share = half(inner) / half(outer);
+        let is_linear = curve == ProfileCurve::Linear;
+        let inner_share = if is_linear { libm::tan(inner) / tan } else { half_share * half_share };
+        let span = 1.0 - inner_share;
+        let inverse_span = if span > 0.0 { 1.0 / span } else { 0.0 };
+        let tan2_outer = tan * tan;
+        Self { curve, power: light.get(PROFILE_POWER), tan2_outer, edge: secants(tan2_outer), inverse_span }
+    }
+
+    /// Value at `rho^2`, up to 1.
+    pub fn at(&self, rho2: f64) -> f64 {
+        if self.curve == ProfileCurve::Cosine {
+            return libm::pow(1.0 + rho2 * self.tan2_outer, -0.5 * self.power);
+        }
+        if self.inverse_span == 0.0 {
+            return 1.0;
+        }
+        let share = match self.curve {
+            ProfileCurve::Linear => rho2.sqrt(),
+            _ => rho2 * self.edge / secants(rho2 * self.tan2_outer),
+        };
+        let s = ((1.0 - share) * self.inverse_span).clamp(0.0, 1.0);
+        match self.curve {
+            ProfileCurve::Linear => s,
+            ProfileCurve::Power => libm::pow(s, self.power),
+            _ => s * s * (3.0 - 2.0 * s),
+        }
+    }
+}
+
+/// `h (1 + h)`, `h = sqrt(1 + tan^2)` the secant.
+fn secants(tan2: f64) -> f64 {
+    let h = (1.0 + tan2).sqrt();
+    h * (1.0 + h)
+}

@@ -1,0 +1,66 @@
+//! Straight rays from a point to all sides: an omni light.
+
+use glam::{DMat3, DVec3};
+
+use crate::build::check_values;
+use crate::filter::{LightFilter, irradiance};
+use crate::parameters::RANGE;
+use crate::{Light, LightError, Place};
+
+/// A checked omni light, prepared for evaluation.
+#[derive(Clone, Debug)]
+pub struct Omni {
+    /// World position of the source.
+    pub translation: DVec3,
+    /// World axes from the light's.
+    pub rotation: DMat3,
+    /// Distance at which the light ends, in world units; `None` never.
+    pub range: Option<f64>,
+    /// What follows from the place.
+    pub light_filter: LightFilter,
+}
+
+impl Omni {
+    /// Checks an omni light and prepares it.
+    pub fn new(light: &Light) -> Result<Self, LightError> {
+        check_values(light)?;
+        let transform = light.transform();
+        Ok(Self {
+            translation: transform.translation,
+            rotation: DMat3::from_quat(transform.rotation.normalize()),
+            range: light.get(RANGE),
+            light_filter: LightFilter::of(light, 0.0),
+        })
+    }
+
+    /// Where a point lies, given from the source in world axes; `None` past the range, and at the source itself.
+    pub fn locate(&self, from_source: DVec3) -> Option<Place> {
+        let s = from_source.length();
+        if !(s > 0.0 && self.range.is_none_or(|range| s <= range)) {
+            return None;
+        }
+        let [v, w] = on_cube(self.rotation.transpose() * from_source);
+        let t = self.range.map_or(0.0, |range| s / range);
+        Some(Place { t, v, w, s, direction: -from_source / s })
+    }
+
+    /// Irradiance at a place on a surface square to the light, linear RGB, without visibility.
+    pub fn irradiance(&self, place: &Place) -> DVec3 {
+        irradiance(&self.light_filter, DVec3::ONE, place)
+    }
+}
+
+/// Where the ray along `way`, not 0, meets the face of a cube from -1 to 1: how far to the left and how far up on it, seen
+/// from within. On the four faces around the light up is its +y; on those above and below, what lies ahead, at -z, is
+/// down and up.
+pub fn on_cube(way: DVec3) -> [f64; 2] {
+    let DVec3 { x, y, z } = way;
+    let size = way.abs();
+    if size.y > size.x.max(size.z) {
+        [-x / size.y, if y > 0.0 { z } else { -z } / size.y]
+    } else if size.x > size.z {
+        [if x > 0.0 { -z } else { z } / size.x, y / size.x]
+    } else {
+        [if z < 0.0 { -x } else { x } / size.z, y / size.z]
+    }
+}

@@ -1,0 +1,48 @@
+//! Which of a light's filters its lighting pass is compiled with.
+
+use light::{Cut, LightFilter, ProfileCurve, Section};
+
+/// See the constants of `filter.wgsl` and `lighting.wgsl`. They are compiled in, so that no light computes what it does
+/// not have, and no branch hangs on a uniform.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct BakedFilter {
+    profile: ProfileCurve,
+    /// Whether its outline is a superellipse.
+    superellipse: bool,
+    /// Whether light begins or ends somewhere along its way.
+    cut: bool,
+    /// Whether anything shadows it.
+    shadowed: bool,
+}
+
+impl BakedFilter {
+    pub fn of(filter: &LightFilter) -> Self {
+        Self {
+            profile: filter.profile.curve,
+            superellipse: filter.section != Section::Circle,
+            cut: filter.cut != Cut::NONE,
+            shadowed: filter.shadow_enable,
+        }
+    }
+
+    /// Each value of each field at least once, that of most lights first.
+    #[cfg(test)]
+    pub fn samples() -> [Self; 4] {
+        let plain = Self { profile: ProfileCurve::Smooth, superellipse: false, cut: false, shadowed: true };
+        [
+            plain,
+            Self { profile: ProfileCurve::Linear, shadowed: false, ..plain },
+            Self { profile: ProfileCurve::Power, superellipse: true, ..plain },
+            Self { profile: ProfileCurve::Cosine, cut: true, ..plain },
+        ]
+    }
+
+    /// `wgsl` with its constants.
+    pub fn into_wgsl(self, wgsl: &str) -> String {
+        let Self { profile, superellipse, cut, shadowed } = self;
+        format!(
+            "const PROFILE = {}u;\nconst SUPERELLIPSE = {superellipse};\nconst CUT = {cut};\nconst SHADOWED = {shadowed};\n{wgsl}",
+            profile as u32
+        )
+    }
+}

@@ -1,0 +1,175 @@
+//! A directional light: its map is one orthographic picture along its rays.
+
+use glam::{DMat3, DMat4, DVec2, DVec3};
+use light::{MAX_EXTENT, Parallel};
+
+use crate::camera::columns;
+use crate::clusters::{Cluster, Side};
+use crate::gpu_scene::GpuScene;
+use crate::shadow_settings::MapSize;
+use crate::{ShadowSettings, gpu_structs};
+
+/// Texels around what may cast shadows, so that the filter reaches no texel that is left out.
+const MARGIN_TEXELS: f64 = 2.0;
+/// A map shows no less than this share of the scene, and neither way less than a quarter of the other way: finer texels
+/// than that are lost in the rounding of positions.
+const SMALLEST_SHARE: f64 = 1.0 / 128.0;
+const SMALLEST_RATIO: f64 = 0.25;
+/// Nothing is smaller, so that its inverse stays within f32.
+const SMALLEST: f64 = 1e-30;
+
+/// What a light's map shows, in light axes about the scene's origin: x, y, and height towards the light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FittedMap {
+    /// Middle of what is drawn.
+    pub center: DVec2,
+    /// Half its size.
+    pub half: DVec2,
+    /// Heights of depth 0, below which nothing of the scene is, and of depth 1, above which nothing casts shadows.
+    pub heights: [f64; 2],
+    /// Nothing casts shadows where this is false: the map need not be drawn.
+    pub casts: bool,
+}
+
+impl FittedMap {
+    /// Of a light without a map.
+    pub const NONE: Self = Self { center: DVec2::ZERO, half: DVec2::ONE, heights: [0.0, 1.0], casts: false };
+}
+
+/// A directional light in place: its numbers for one scene.
+#[derive(Clone, Debug)]
+pub(crate) struct GpuDirectional {
+    pub uniform: gpu_structs::Directional,
+    pub shadow_view: Option<gpu_structs::ShadowView>,
+    /// The convex hull of these world positions holds all that is lit.
+    pub corners_in_world: [DVec3; 8],
+}
+
+/// How large a light's map is.
+pub(crate) fn map_size(shadows: &ShadowSettings) -> MapSize {
+    shadows.map_size(1)
+}
+
+/// A rectangle across the light, and the greatest height of what is in it.
+#[derive(Clone, Copy, Debug)]
+struct Extent {
+    low: DVec2,
+    high: DVec2,
+    top: f64,
+}
+
+impl Extent {
+    const EMPTY: Self = Self { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY, top: f64::NEG_INFINITY };
+
+    /// That of a box; `None` where none of it is in `window`.
+    fn of(cluster: &Cluster, light_from_scene: &DMat3, window: &Self) -> Option<Self> {
+        let rows = light_from_scene.transpose();
+        let [x, y, height] = [rows.x_axis, rows.y_axis, rows.z_axis].map(|row| cluster.range(row, 0.0));
+        let (low, high) = (DVec2::new(x[0], y[0]).max(window.low), DVec2::new(x[1], y[1]).min(window.high));
+        low.cmple(high).all().then_some(Self { low, high, top: height[1] })
+    }
+
+    fn hold(&self, other: &Self) -> bool {
+        self.low.cmple(other.low).all() && self.high.cmpge(other.high).all() && self.top >= other.top
+    }
+
+    fn extend(&mut self, other: &Self) {
+        (self.low, self.high) = (self.low.min(other.low), self.high.max(other.high));
+        self.top = self.top.max(other.top);
+    }
+}
+
+/// The light's window about the scene's origin, as far as it goes over the scene.
+fn window(parallel: &Parallel, scene: &GpuScene) -> Extent {
+    let light_from_scene = parallel.rotation.transpose();
+    let whole = Cluster { center: DVec3::ZERO, half: scene.posed.half_extent };
+    let everywhere = Extent { low: DVec2::NEG_INFINITY, high: DVec2::INFINITY, top: 0.0 };
+    let scene_extent = Extent::of(&whole, &light_from_scene, &everywhere).unwrap_or(everywhere);
+    let middle = -parallel.beside(scene.posed.origin_in_world);
+    let half = DVec2::from(parallel.half.map(|half| half.unwrap_or(f64::INFINITY)));
+    let (low, high) = (scene_extent.low.max(middle - half), scene_extent.high.min(middle + half));
+    Extent { low, high, top: scene_extent.top }
+}
+
+/// The map of a light over `scene`: of what casts shadows in its window.
+pub(crate) fn fitted(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSettings) -> FittedMap {
+    let (side, mesh_error) = (f64::from(map_size(shadows).side), shadows.mesh_error);
+    let grown = side / (side - 2.0 * MARGIN_TEXELS);
+    let light_from_scene = parallel.rotation.transpose();
+    let window = window(parallel, scene);
+    // What lies beyond the edge is drawn as far as the filter reaches.
+    let size = (window.high - window.low).max(DVec2::ZERO);
+    let drawn = Extent {
+        low: window.low - size * (grown - 1.0) - mesh_error,
+        high: window.high + size * (grown - 1.0) + mesh_error,
+        ..window
+    };
+    let comes_in = |side: &Side| side.normal.dot(parallel.direction()) >= 0.0;
+    let mut extent = Extent::EMPTY;
+    for tree in scene.clusters.casting(mesh_error, comes_in) {
+        tree.walk(mesh_error, |cluster, has_more| {
+            let Some(here) = Extent::of(cluster, &light_from_scene, &drawn) else { return false };
+            if !has_more {
+                extent.extend(&here);
+            }
+            has_more && !extent.hold(&here)
+        });
+    }
+    let casts = extent.top > f64::NEG_INFINITY;
+    let scene_size = scene.posed.half_extent.length().max(SMALLEST);
+    let Extent { low, high, .. } =
+        if casts { extent } else { Extent { low: DVec2::ZERO, high: DVec2::ZERO, ..window } };
+    let half = (high - low) / 2.0;
+    let least = (half.max_element() * SMALLEST_RATIO).max(scene_size * SMALLEST_SHARE);
+    let bottom = -window.top.abs() - mesh_error;
+    // Room for rounding, so that no caster is clipped.
+    let top = if casts { extent.top.max(bottom) + 1e-5 * scene_size } else { bottom + scene_size };
+    FittedMap {
+        center: (low + high) / 2.0,
+        half: half.max(DVec2::splat(least)) * grown,
+        heights: [bottom - 1e-5 * scene_size, top],
+        casts,
+    }
+}
+
+impl GpuDirectional {
+    /// Places a checked light within reach of a scene, to which its map was fitted.
+    pub fn new(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSettings, fitted: &FittedMap) -> Self {
+        let light_from_scene = parallel.rotation.transpose();
+        let FittedMap { center, half, heights: [bottom, top], casts } = *fitted;
+        let depth_scale = (top - bottom).recip();
+        let clip_from_light = DMat4::from_cols(
+            DVec3::X.extend(0.0) / half.x,
+            DVec3::Y.extend(0.0) / half.y,
+            DVec3::Z.extend(0.0) * depth_scale,
+            (-center / half).extend(-bottom * depth_scale).extend(1.0),
+        );
+        let clip_from_scene = clip_from_light * DMat4::from_mat3(light_from_scene);
+        // The place across the window is (v, w) = (-x, y) scale + shift.
+        let scale = DVec2::from(parallel.half.map(|half| half.map_or(0.0, f64::recip)));
+        let [shift_x, shift_y] = (parallel.beside(scene.posed.origin_in_world) * scale).to_array();
+        let window = window(parallel, scene);
+        let corner = |k: usize| {
+            let pick = |bit: usize, low: f64, high: f64| if k >> bit & 1 == 0 { low } else { high };
+            let x = pick(0, window.low.x, window.high.x);
+            let y = pick(1, window.low.y, window.high.y);
+            let height = pick(2, -window.top, window.top);
+            scene.posed.origin_in_world + parallel.rotation * DVec3::new(x, y, height)
+        };
+        Self {
+            uniform: gpu_structs::Directional {
+                light_from_scene: columns(&DMat4::from_mat3(light_from_scene)),
+                window: [scale.x, scale.y, -shift_x, shift_y].map(|x| x as f32),
+                fit: [center.x, center.y, half.x.recip(), half.y.recip()].map(|x| x as f32),
+                light_filter: (&parallel.light_filter).into(),
+                bottom: bottom as f32,
+                depth_scale: depth_scale as f32,
+                mesh_error: shadows.mesh_error.min(2.0 * MAX_EXTENT) as f32,
+                pad0: 0.0,
+            },
+            shadow_view: casts
+                .then(|| gpu_structs::ShadowView { clip_from_scene: columns(&clip_from_scene) }),
+            corners_in_world: std::array::from_fn(corner),
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! What of a scene counts for a light, by its links.
+
+use std::sync::{Arc, OnceLock, Weak};
+
+use light::Links;
+use light::parameters::{LIGHT_LINK, SHADOW_LINK};
+use wgpu::util::{DeviceExt, TextureDataOrder};
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, TextureViewDescriptor};
+
+use crate::alpha_test::AlphaTests;
+use crate::casters::{Casters, Casting};
+use crate::geometry::{Run, Vertices, upload};
+use crate::gpu_scene::GpuScene;
+use crate::material::MaterialDraw;
+use crate::memory::{MemoryKind, Reservation};
+use crate::pipeline::UINT_TEXTURE;
+use crate::{Gpu, RenderError, gpu_structs, shaders};
+
+/// Group 3 of the lighting passes of lights that have links; see `links.wgsl`.
+pub(crate) const BINDINGS: [BindingType; 1] = [UINT_TEXTURE];
+
+/// Texels of a row of bits.
+const ROW: usize = 1024;
+
+/// `lightLink` and `shadowLink` of a light.
+type Pair = [Option<Links>; 2];
+
+/// What a light's links leave of a scene.
+#[derive(Debug)]
+pub(crate) struct Linked {
+    /// Group 3 of its lighting pass.
+    pub group: BindGroup,
+    /// One a node: whether it throws shadows; `None` where all do.
+    throwing: Option<Vec<bool>>,
+    /// Made when a map is first drawn.
+    casters: OnceLock<LinkedCasters>,
+    /// Counts the bits.
+    _memory: Reservation,
+}
+
+#[derive(Debug)]
+struct LinkedCasters {
+    casters: Casters,
+    masked: Vec<MaterialDraw>,
+    alpha_tests: Option<AlphaTests>,
+    /// Counts its buffers.
+    _memory: Reservation,
+}
+
+/// What links leave of scenes, by the scene's revision and the links, for as long as somebody has it.
+#[derive(Debug, Default)]
+pub(crate) struct KnownLinks(Vec<((u64, Pair), Weak<Linked>)>);
+
+/// `wgsl`, which calls `is_lit` and `throws_shadow`, for lights with links or for others.
+pub(crate) fn with_links(linked: bool, wgsl: &str) -> String {
+    format!("{}{wgsl}", if linked { shaders::LINKS } else { shaders::NO_LINKS })
+}
+
+impl KnownLinks {
+    /// What the links of `light` leave of `scene`; `None` where it has none.
+    pub fn get(
+        &mut self,
+        gpu: &Gpu,
+        layout: &BindGroupLayout,
+        scene: &GpuScene,
+        light: &light::Light,
+    ) -> Option<Arc<Linked>> {
+        let pair = [light.get(LIGHT_LINK), light.get(SHADOW_LINK)];
+        if pair == [None, None] {
+            return None;
+        }
+        let key = (scene.revision, pair);
+        self.0.retain(|(_, linked)| linked.strong_count() > 0);
+        let kept = self.0.iter().find(|(of, _)| *of == key).and_then(|(_, linked)| linked.upgrade());
+        Some(kept.unwrap_or_else(|| {
+            let linked = Arc::new(Linked::new(gpu, layout, scene, &key.1));
+            self.0.push((key, Arc::downgrade(&linked)));
+            linked
+        }))
+    }
+}
+
+/// What throws shadows in a light, by what its links leave of `scene` where it has any. It may stray from the surface by
+/// `mesh_error`, in world units.
+pub(crate) fn casting<'a>(
+    gpu: &Gpu,
+    scene: &'a GpuScene,
+    linked: Option<&'a Linked>,
+    mesh_error: f64,
+) -> Result<Casting<'a>, RenderError> {
+    linked.map_or_else(|| Ok(scene.casting()), |linked| linked.casting(gpu, scene, mesh_error))
+}
+
+impl Linked {
+    fn new(gpu: &Gpu, layout: &BindGroupLayout, scene: &GpuScene, pair: &Pair) -> Self {
+        let [lit, throwing] = pair.each_ref().map(|links| Some(scene.posed.nodes().linked(links.as_ref()?)));
+        let triangles = scene.surface.triangle_count as usize;
+        let words = triangles.div_ceil(32).max(1);
+        let (width, height) = (words.min(ROW), words.div_ceil(ROW));
+        let mut bits = vec![[0_u32; 2]; width * height];
+        for run in &scene.runs {
+            let counts = |nodes: &Option<Vec<bool>>| nodes.as_ref().is_none_or(|nodes| nodes[run.node]);
+            let flags = [counts(&lit), counts(&throwing)].map(u32::from);
+            for triangle in run.indices.start / 3..run.indices.end / 3 {
+                let word = &mut bits[triangle as usize / 32];
+                *word = [0, 1].map(|k| word[k] | flags[k] << (triangle % 32));
+            }
+        }
+        let texture = gpu.device.create_texture_with_data(
+            &gpu.queue,
+            &wgpu::TextureDescriptor {
+                label: Some("links"),
+                size: wgpu::Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rg32Uint,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            },
+            TextureDataOrder::LayerMajor,
+            bytemuck::cast_slice(&bits),
+        );
+        let view = texture.create_view(&TextureViewDescriptor::default());
+        let group = gpu.group("links", layout, &[BindingResource::TextureView(&view)]);
+        let memory = gpu.memory.reserve(MemoryKind::Scenes, size_of_val(&bits[..]) as u64);
+        Self { group, throwing, casters: OnceLock::new(), _memory: memory }
+    }
+
+    fn casting<'a>(
+        &'a self,
+        gpu: &Gpu,
+        scene: &'a GpuScene,
+        mesh_error: f64,
+    ) -> Result<Casting<'a>, RenderError> {
+        let Some(throwing) = &self.throwing else { return Ok(scene.casting()) };
+        let made = if let Some(made) = self.casters.get() {
+            made
+        } else {
+            let made = LinkedCasters::new(gpu, scene, throwing, mesh_error)?;
+            self.casters.get_or_init(|| made)
+        };
+        let LinkedCasters { casters, masked, alpha_tests, .. } = made;
+        Ok(Casting { casters, masked, alpha_tests: alpha_tests.as_ref() })
+    }
+}
+
+impl LinkedCasters {
+    fn new(gpu: &Gpu, scene: &GpuScene, throwing: &[bool], mesh_error: f64) -> Result<Self, RenderError> {
+        let GpuScene { posed, surface, .. } = scene;
+        let runs: Vec<&Run> = scene.runs.iter().filter(|run| throwing[run.node]).collect();
+        let triangles = runs.iter().flat_map(|run| {
+            let own = posed.triangles(&posed.primitives[run.primitive]);
+            own.map(|corners| corners.map(|k| run.first_vertex + k))
+        });
+        let indices: Vec<u32> = triangles.flatten().collect();
+        let is_masked = |run: &&&Run| run.indices.start >= surface.opaque_indices;
+        let opaque_indices =
+            runs.iter().filter(|run| !is_masked(run)).map(|run| run.indices.len() as u32).sum();
+        let mut casters = Casters {
+            positions: surface.positions.clone(),
+            indices: upload(
+                gpu,
+                "the indices of what a light's links leave in bytes",
+                &indices,
+                BufferUsages::STORAGE | BufferUsages::INDEX,
+            )?,
+            vertex_count: surface.vertex_count,
+            triangle_count: (indices.len() / 3) as u32,
+            opaque_indices,
+        };
+        if mesh_error > 0.0 {
+            let vertices = Vertices { indices, ..Vertices::new(posed)? };
+            casters = casters.simplified(gpu, &vertices, mesh_error)?;
+        }
+        let (masked, alpha_tests) = masked(gpu, scene, runs.iter().filter(is_masked).copied())?;
+        let bytes = casters.indices.size() + alpha_tests.as_ref().map_or(0, |tests| tests.tests.size());
+        let memory = gpu.memory.reserve(MemoryKind::Scenes, bytes);
+        Ok(Self { casters, masked, alpha_tests, _memory: memory })
+    }
+}
+
+/// The draws of `runs`, which all have an alpha test, and those tests, by the numbers that triangles have where only those
+/// are left.
+fn masked<'a>(
+    gpu: &Gpu,
+    scene: &GpuScene,
+    runs: impl Iterator<Item = &'a Run>,
+) -> Result<(Vec<MaterialDraw>, Option<AlphaTests>), RenderError> {
+    let Some(of_scene) = &scene.alpha_tests else { return Ok((Vec::new(), None)) };
+    let all = scene.masked();
+    let mut first_triangle = 0;
+    let (mut draws, mut tests): (Vec<MaterialDraw>, Vec<_>) = (Vec::new(), Vec::new());
+    for run in runs {
+        let draw = all.partition_point(|draw| draw.indices.end <= run.indices.start);
+        draws.push(MaterialDraw { indices: run.indices.clone(), ..all[draw].clone() });
+        let first_index = run.indices.start;
+        tests.push(gpu_structs::AlphaTest { first_triangle, first_index, ..of_scene.list[draw] });
+        first_triangle += run.indices.len() as u32 / 3;
+    }
+    let tests = if tests.is_empty() { None } else { Some(of_scene.with_tests(gpu, tests)?) };
+    Ok((draws, tests))
+}

@@ -1,0 +1,88 @@
+//! An omni light: its map has the six faces of a cube about it.
+
+use glam::{DAffine3, DMat4, DVec3};
+use light::{LightFilter, MAX_EXTENT, Omni};
+
+use crate::camera::columns;
+use crate::gpu_scene::GpuScene;
+use crate::omni_faces::{CubeFace, FACES, FittedCube};
+use crate::shadow_settings::MapSize;
+use crate::{ShadowSettings, gpu_structs};
+
+/// How near to the source a map begins that would begin in it, as a share of the way to the scene's far end: near enough
+/// for a bulb in its shade.
+const NEAR_SHARE: f64 = 1e-3;
+
+/// An omni light in place: its numbers for one scene.
+#[derive(Clone, Debug)]
+pub(crate) struct GpuOmni {
+    pub uniform: gpu_structs::Omni,
+    /// One a face of the map; `None` where nothing casts shadows.
+    pub shadow_views: Vec<Option<gpu_structs::ShadowView>>,
+    /// The convex hull of these world positions holds all that is lit; none where nothing is.
+    pub corners_in_world: Vec<DVec3>,
+}
+
+/// How large a light's map is.
+pub(crate) fn map_size(shadows: &ShadowSettings) -> MapSize {
+    shadows.map_size(FACES)
+}
+
+/// The faces of a light's map over `scene`.
+pub(crate) fn fitted(omni: &Omni, scene: &GpuScene, shadows: &ShadowSettings) -> FittedCube {
+    FittedCube::new(
+        light_from_scene(omni, scene.posed.origin_in_world),
+        (&scene.clusters, shadows.mesh_error),
+        f64::from(map_size(shadows).side),
+    )
+}
+
+fn light_from_scene(omni: &Omni, scene_origin: DVec3) -> DAffine3 {
+    let source = omni.translation - scene_origin;
+    let matrix3 = omni.rotation.transpose();
+    DAffine3 { matrix3, translation: -(matrix3 * source) }
+}
+
+impl GpuOmni {
+    /// Places a checked light within reach of a scene, to which its map was fitted.
+    pub fn new(omni: &Omni, scene: &GpuScene, shadows: &ShadowSettings, fitted: &FittedCube) -> Self {
+        let posed = &scene.posed;
+        let light_from_scene = light_from_scene(omni, posed.origin_in_world);
+        let source = omni.translation - posed.origin_in_world;
+        let far = (source.abs() + posed.half_extent).length();
+        let least_distance = (NEAR_SHARE * far).max(f64::MIN_POSITIVE);
+        let near = (0.99 * fitted.nearest.min(far)).max(least_distance);
+        let view = |face: &CubeFace| {
+            let clip_from_scene = face.clip_from_light(near) * DMat4::from(light_from_scene);
+            face.casts.then(|| gpu_structs::ShadowView { clip_from_scene: columns(&clip_from_scene) })
+        };
+        let fits = fitted.faces.map(|face| {
+            let scale = face.half.recip();
+            [face.middle.x, face.middle.y, scale.x, scale.y].map(|x| x as f32)
+        });
+        // What of the scene's box is in the light's range.
+        let range = DVec3::splat(omni.range.unwrap_or(f64::INFINITY));
+        let (low, high) = ((source - range).max(-posed.half_extent), (source + range).min(posed.half_extent));
+        let corner = |k: u32| {
+            let pick = |bit: u32, low: f64, high: f64| if k >> bit & 1 == 0 { low } else { high };
+            let [x, y, z] = [0, 1, 2].map(|axis| pick(axis, low[axis as usize], high[axis as usize]));
+            posed.origin_in_world + DVec3::new(x, y, z)
+        };
+        let corners = if low.cmple(high).all() { 0..8 } else { 0..0 };
+        let least_distance = least_distance.max(omni.light_filter.least_distance);
+        let light_filter = LightFilter { least_distance, ..omni.light_filter };
+        Self {
+            uniform: gpu_structs::Omni {
+                light_from_scene: columns(&DMat4::from(light_from_scene)),
+                light_filter: (&light_filter).into(),
+                range: omni.range.unwrap_or(0.0).min(2.0 * MAX_EXTENT) as f32,
+                shadow_near: near as f32,
+                mesh_error: shadows.mesh_error.min(2.0 * MAX_EXTENT) as f32,
+                pad0: 0.0,
+                fits,
+            },
+            shadow_views: fitted.faces.iter().map(view).collect(),
+            corners_in_world: corners.map(corner).collect(),
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! The six faces of an omni light's shadow map, each a perspective picture that is fitted to what casts shadows there.
+
+use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4};
+
+use crate::clusters::{Cluster, Clusters, Side};
+
+/// How many there are: +x, -x, +y, -y, +z and -z in the light's axes, as `omni_lookup.wgsl` has them.
+pub(crate) const FACES: usize = 6;
+
+/// Texels around what may cast shadows, so that the filter reaches no texel that is left out.
+const MARGIN_TEXELS: f64 = 2.0;
+/// A face shows no less than this share of itself, and neither way less than a quarter of the other way: finer texels
+/// than that are lost in the rounding of positions.
+const SMALLEST_SHARE: f64 = 1.0 / 128.0;
+const SMALLEST_RATIO: f64 = 0.25;
+
+/// A face: what of it is drawn, as slopes to the right and up, over the way ahead.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CubeFace {
+    index: usize,
+    /// Middle of what is drawn.
+    pub middle: DVec2,
+    /// Half its size.
+    pub half: DVec2,
+    /// Nothing casts shadows where this is false: it need not be drawn.
+    pub casts: bool,
+}
+
+/// All faces, fitted to a scene.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FittedCube {
+    pub faces: [CubeFace; FACES],
+    /// No caster is less far ahead on its face; infinity where there is none.
+    pub nearest: f64,
+}
+
+/// Light axes that are right and up on a face, and which way is ahead: that way along the axis that is left.
+fn axes(index: usize) -> ([usize; 2], usize, f64) {
+    let ahead = index / 2;
+    ([(ahead + 1) % 3, (ahead + 2) % 3], ahead, if index.is_multiple_of(2) { 1.0 } else { -1.0 })
+}
+
+impl CubeFace {
+    /// Reversed depth that starts at `near` and has no end.
+    pub fn clip_from_light(&self, near: f64) -> DMat4 {
+        let ([right, up], ahead, sign) = axes(self.index);
+        let mut columns = [DVec4::ZERO; 3];
+        columns[right] = DVec4::new(self.half.x.recip(), 0.0, 0.0, 0.0);
+        columns[up] = DVec4::new(0.0, self.half.y.recip(), 0.0, 0.0);
+        let shift = -self.middle / self.half;
+        columns[ahead] = DVec4::new(shift.x, shift.y, 0.0, 1.0) * sign;
+        let [x, y, z] = columns;
+        DMat4::from_cols(x, y, z, DVec4::new(0.0, 0.0, near, 0.0))
+    }
+}
+
+/// What of a face boxes cover.
+#[derive(Clone, Copy, Debug)]
+struct Cover {
+    low: DVec2,
+    high: DVec2,
+    /// The least way ahead.
+    nearest: f64,
+}
+
+impl Cover {
+    const NOTHING: Self = Self { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY, nearest: f64::INFINITY };
+
+    /// That of a box along the light's axes on a face whose slopes go up to `widest`; `None` where none of it is there.
+    fn of((min, max): (DVec3, DVec3), index: usize, widest: f64) -> Option<Self> {
+        let ([right, up], ahead, sign) = axes(index);
+        let [a, b] = [min[ahead] * sign, max[ahead] * sign];
+        let (nearest, farthest) = (a.min(b), a.max(b));
+        // What is on the face is aside by `widest` of the way ahead at most.
+        let aside = |axis: usize| min[axis].max(-max[axis]).max(0.0) / widest;
+        let nearest = nearest.max(aside(right)).max(aside(up)).max(0.0);
+        if nearest > farthest || farthest <= 0.0 {
+            return None;
+        }
+        // A slope is farthest from 0 where its point is nearest; what reaches the source goes every way.
+        let slope = |aside: f64, over: f64, every: f64| if over > 0.0 { aside / over } else { every };
+        let least = |axis: usize| slope(min[axis], if min[axis] > 0.0 { farthest } else { nearest }, -widest);
+        let most = |axis: usize| slope(max[axis], if max[axis] > 0.0 { nearest } else { farthest }, widest);
+        let low = DVec2::new(least(right), least(up)).max(DVec2::splat(-widest));
+        let high = DVec2::new(most(right), most(up)).min(DVec2::splat(widest));
+        low.cmple(high).all().then_some(Self { low, high, nearest })
+    }
+
+    fn holds(&self, other: &Self) -> bool {
+        self.low.cmple(other.low).all() && self.high.cmpge(other.high).all() && self.nearest <= other.nearest
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.low = self.low.min(other.low);
+        self.high = self.high.max(other.high);
+        self.nearest = self.nearest.min(other.nearest);
+    }
+}
+
+impl FittedCube {
+    /// Of a light without a map.
+    pub fn none() -> Self {
+        let face = |index| CubeFace { index, middle: DVec2::ZERO, half: DVec2::ONE, casts: false };
+        Self { faces: std::array::from_fn(face), nearest: f64::INFINITY }
+    }
+
+    /// Of `side` texels, fitted to `clusters`, grown by `mesh_error`.
+    pub fn new(light_from_scene: DAffine3, (clusters, mesh_error): (&Clusters, f64), side: f64) -> Self {
+        let source = light_from_scene.inverse().translation;
+        // What starts inside of a side of the scene's bounds leaves through it for good.
+        let comes_in = |side: &Side| side.height(source) >= 0.0;
+        // Beyond its edge a face is drawn as far as the filter reaches.
+        let grown = side / (side - 2.0 * MARGIN_TEXELS);
+        let in_light = |cluster: &Cluster| {
+            let m = light_from_scene.matrix3;
+            let reach = m.x_axis.abs() * cluster.half.x
+                + m.y_axis.abs() * cluster.half.y
+                + m.z_axis.abs() * cluster.half.z;
+            let middle = light_from_scene.transform_point3(cluster.center);
+            (middle - reach, middle + reach)
+        };
+        let mut nearest = f64::INFINITY;
+        let faces = std::array::from_fn(|index| {
+            let mut cover = Cover::NOTHING;
+            for tree in clusters.casting(mesh_error, comes_in) {
+                tree.walk(mesh_error, |cluster, has_more| {
+                    let Some(here) = Cover::of(in_light(cluster), index, grown) else { return false };
+                    if !has_more {
+                        cover.add(&here);
+                    }
+                    has_more && !cover.holds(&here)
+                });
+            }
+            nearest = nearest.min(cover.nearest);
+            let casts = cover.nearest < f64::INFINITY;
+            let (low, high) = if casts { (cover.low, cover.high) } else { (DVec2::NEG_ONE, DVec2::ONE) };
+            let half = (high - low) / 2.0;
+            let least = (half.max_element() * SMALLEST_RATIO).max(SMALLEST_SHARE);
+            let half = (half.max(DVec2::splat(least)) * grown).min(DVec2::splat(grown));
+            // Grown, but no farther than the filter reaches.
+            let room = DVec2::splat(grown) - half;
+            CubeFace { index, middle: ((low + high) / 2.0).clamp(-room, room), half, casts }
+        });
+        Self { faces, nearest }
+    }
+}

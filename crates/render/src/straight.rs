@@ -1,0 +1,271 @@
+//! Lights whose rays are straight: their maps are drawn by ordinary matrices. How a light of each shape is placed, fitted
+//! and looked up is its own, in `spot.rs`, `omni.rs` and `directional.rs`.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use light::{CheckedLight, Cone, LightFilter, Omni, Parallel, Rays};
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, CommandEncoder, Sampler};
+
+use crate::baked_filter::BakedFilter;
+use crate::directional::{self, FittedMap, GpuDirectional};
+use crate::gpu_scene::{GpuScene, SceneGroupLayouts};
+use crate::lighting::{LightingPass, Variants};
+use crate::linked::{Linked, casting};
+use crate::map_key::MapKey;
+use crate::omni::{self, GpuOmni};
+use crate::omni_faces::FittedCube;
+use crate::pipeline::{NON_FILTERING, RAW_TEXTURE_LAYERS, UNIFORM};
+use crate::shadow::{ShadowMap, ShadowPass};
+use crate::shadow_settings::MapSize;
+use crate::spot::{self, BakedSpot, GpuSpot};
+use crate::spot_faces::FittedFaces;
+use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, gpu_structs, shaders};
+
+/// Group 2 of their lighting passes; see `spot.wgsl`.
+const BINDINGS: [BindingType; 3] = [UNIFORM, RAW_TEXTURE_LAYERS, NON_FILTERING];
+
+/// A checked light whose rays are straight.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Straight<'a> {
+    Spot(&'a CheckedLight, &'a Cone),
+    Omni(&'a Omni),
+    Directional(&'a Parallel),
+}
+
+/// How a lighting pass is compiled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum BakedStraight {
+    Spot(BakedSpot),
+    Omni(ShadowFilter, BakedFilter),
+    Directional(ShadowFilter, BakedFilter),
+}
+
+/// How a light's map is fitted to a scene.
+#[derive(Clone, Debug)]
+enum Fitted {
+    Spot(FittedFaces),
+    Omni(Box<FittedCube>),
+    Directional(FittedMap),
+}
+
+/// A light in place: its numbers for one scene.
+struct Placed {
+    uniform: Vec<u8>,
+    /// One a layer of the map; `None` where nothing casts shadows.
+    shadow_views: Vec<Option<gpu_structs::ShadowView>>,
+    corners_in_world: Vec<DVec3>,
+}
+
+/// A light whose map is up to date.
+pub(crate) struct ReadyStraight {
+    /// Group 2 of its lighting pass.
+    pub group: BindGroup,
+    /// The convex hull of these world positions holds all that is lit.
+    pub corners_in_world: Vec<DVec3>,
+    /// Whether its map had to be drawn.
+    pub drawn: bool,
+}
+
+impl<'a> Straight<'a> {
+    /// The light, unless its rays are bent.
+    pub fn of(light: &'a CheckedLight) -> Option<Self> {
+        match light.rays() {
+            Rays::Cone(cone) => Some(Self::Spot(light, cone)),
+            Rays::Omni(omni) => Some(Self::Omni(omni)),
+            Rays::Parallel(parallel) => Some(Self::Directional(parallel)),
+            Rays::Bent(_) => None,
+        }
+    }
+
+    /// How large its map is.
+    pub fn map_size(self, shadows: &ShadowSettings) -> MapSize {
+        match self {
+            Self::Spot(light, _) => spot::map_size(light.light(), shadows),
+            Self::Omni(_) => omni::map_size(shadows),
+            Self::Directional(_) => directional::map_size(shadows),
+        }
+    }
+
+    /// How its lighting pass is compiled.
+    pub fn baked(self, filter: ShadowFilter) -> BakedStraight {
+        match self {
+            Self::Spot(light, _) => BakedStraight::Spot(BakedSpot::of(light, filter)),
+            Self::Omni(omni) => BakedStraight::Omni(filter, BakedFilter::of(&omni.light_filter)),
+            Self::Directional(parallel) => {
+                BakedStraight::Directional(filter, BakedFilter::of(&parallel.light_filter))
+            }
+        }
+    }
+
+    /// What becomes of its light on the way.
+    fn light_filter(self) -> &'a LightFilter {
+        match self {
+            Self::Spot(_, cone) => &cone.light_filter,
+            Self::Omni(omni) => &omni.light_filter,
+            Self::Directional(parallel) => &parallel.light_filter,
+        }
+    }
+
+    /// How its map is fitted to a scene; as if to nothing where it has none.
+    fn fitted(self, scene: &GpuScene, shadows: &ShadowSettings) -> Fitted {
+        let shadowed = self.light_filter().shadow_enable;
+        match self {
+            Self::Spot(light, cone) if shadowed => {
+                Fitted::Spot(spot::fitted((light.light(), cone), scene, shadows))
+            }
+            Self::Spot(..) => Fitted::Spot(FittedFaces::NONE),
+            Self::Omni(omni) if shadowed => Fitted::Omni(Box::new(omni::fitted(omni, scene, shadows))),
+            Self::Omni(_) => Fitted::Omni(Box::new(FittedCube::none())),
+            Self::Directional(parallel) if shadowed => {
+                Fitted::Directional(directional::fitted(parallel, scene, shadows))
+            }
+            Self::Directional(_) => Fitted::Directional(FittedMap::NONE),
+        }
+    }
+
+    /// The light in place, by a map that was fitted for its shape.
+    fn placed(self, fitted: &Fitted, scene: &GpuScene, shadows: &ShadowSettings) -> Placed {
+        match (self, fitted) {
+            (Self::Spot(_, cone), Fitted::Spot(fitted)) => {
+                let GpuSpot { uniform, shadow_views, corners_in_world } =
+                    GpuSpot::new(cone, scene, shadows, fitted);
+                let uniform = bytemuck::bytes_of(&uniform).to_vec();
+                Placed { uniform, shadow_views, corners_in_world: corners_in_world.into() }
+            }
+            (Self::Omni(omni), Fitted::Omni(fitted)) => {
+                let GpuOmni { uniform, shadow_views, corners_in_world } =
+                    GpuOmni::new(omni, scene, shadows, fitted);
+                Placed { uniform: bytemuck::bytes_of(&uniform).to_vec(), shadow_views, corners_in_world }
+            }
+            (Self::Directional(parallel), Fitted::Directional(fitted)) => {
+                let GpuDirectional { uniform, shadow_view, corners_in_world } =
+                    GpuDirectional::new(parallel, scene, shadows, fitted);
+                let uniform = bytemuck::bytes_of(&uniform).to_vec();
+                let shadow_views = vec![shadow_view];
+                Placed { uniform, shadow_views, corners_in_world: corners_in_world.into() }
+            }
+            _ => unreachable!("a light keeps its shape while its key stays the same"),
+        }
+    }
+}
+
+impl BakedStraight {
+    /// Every value.
+    #[cfg(test)]
+    pub fn all() -> impl Iterator<Item = Self> {
+        let filters = BakedFilter::samples().into_iter();
+        let others = filters.zip(ShadowFilter::ALL.into_iter().cycle());
+        let others = others.flat_map(|(light, map)| [Self::Omni(map, light), Self::Directional(map, light)]);
+        BakedSpot::all().map(Self::Spot).chain(others)
+    }
+
+    /// What it is called, and its WGSL with its constants.
+    pub fn wgsl(self) -> (&'static str, String) {
+        match self {
+            Self::Spot(baked) => ("spot", baked.into_wgsl(shaders::SPOT)),
+            Self::Omni(map, light) => ("omni", light.into_wgsl(&map.into_wgsl(shaders::OMNI))),
+            Self::Directional(map, light) => {
+                ("directional", light.into_wgsl(&map.into_wgsl(shaders::DIRECTIONAL)))
+            }
+        }
+    }
+}
+
+/// The pipelines of straight lights, which outlive scenes and lights.
+#[derive(Debug)]
+pub(crate) struct StraightPass {
+    shadow: ShadowPass,
+    lighting: Variants<BakedStraight>,
+    /// Of the view and the surface, the light's own, and that of links.
+    group_layouts: [BindGroupLayout; 4],
+    sampler: Sampler,
+}
+
+/// What is kept of one light from picture to picture.
+#[derive(Debug)]
+pub(crate) struct StraightSlot {
+    map: ShadowMap,
+    /// What the map shows, and how it is fitted to that scene.
+    shown: Option<(MapKey, Fitted)>,
+}
+
+impl StraightSlot {
+    /// Draws the map anew when it is next asked for.
+    pub fn invalidate(&mut self) {
+        self.shown = None;
+    }
+
+    /// How large its map is.
+    pub fn size(&self) -> MapSize {
+        self.map.target.size
+    }
+
+    /// What its map shows.
+    pub fn shows(&self) -> Option<MapKey> {
+        self.shown.as_ref().map(|(key, _)| *key)
+    }
+}
+
+impl StraightPass {
+    /// `camera_groups` are those of the view and the surface.
+    pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2], scene: &SceneGroupLayouts) -> Self {
+        let ([view, surface], own) = (camera_groups, gpu.layout("straight light", &BINDINGS));
+        Self {
+            shadow: ShadowPass::new(gpu, &scene.material),
+            lighting: Variants::new(),
+            group_layouts: [view.clone(), surface.clone(), own, scene.links.clone()],
+            sampler: gpu
+                .device
+                .create_sampler(&wgpu::SamplerDescriptor { label: Some("shadow"), ..Default::default() }),
+        }
+    }
+
+    /// The pass that is compiled in the way of `baked`, for lights with links where `linked`.
+    pub fn lighting(&self, gpu: &Gpu, baked: BakedStraight, linked: bool) -> Arc<LightingPass> {
+        self.lighting.get(baked, linked, || {
+            let (label, wgsl) = baked.wgsl();
+            LightingPass::of_light(gpu, label, &wgsl, linked, self.group_layouts.each_ref())
+        })
+    }
+
+    pub fn slot(&self, gpu: &Gpu, size: MapSize) -> StraightSlot {
+        StraightSlot { map: self.shadow.map(gpu, size), shown: None }
+    }
+
+    /// Brings `slot` up to date with `light` over `scene`, its shadows thrown by what `linked` leaves.
+    pub fn prepare(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        slot: &mut StraightSlot,
+        (key, light): (MapKey, Straight),
+        (scene, linked, shadows): (&GpuScene, Option<&Linked>, &ShadowSettings),
+    ) -> Result<ReadyStraight, RenderError> {
+        let kept = slot.shown.take().filter(|(kept, _)| *kept == key);
+        let drawn = kept.is_none() && light.light_filter().shadow_enable;
+        let is_shown = drawn || kept.is_some();
+        let (_, fitted) = kept.unwrap_or_else(|| (key, light.fitted(scene, shadows)));
+        let placed = light.placed(&fitted, scene, shadows);
+        let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
+            label: Some("straight light"),
+            contents: &placed.uniform,
+            usage: BufferUsages::UNIFORM,
+        });
+        let resources = [
+            uniform.as_entire_binding(),
+            BindingResource::TextureView(&slot.map.target.all),
+            BindingResource::Sampler(&self.sampler),
+        ];
+        // One a picture: lights that share a map have colours of their own.
+        let group = gpu.group("straight light", &self.group_layouts[2], &resources);
+        if drawn {
+            let casting = casting(gpu, scene, linked, shadows.mesh_error)?;
+            let scene = (&scene.geometry, &casting);
+            self.shadow.draw(gpu, encoder, &slot.map, &placed.shadow_views, scene);
+        }
+        slot.shown = is_shown.then_some((key, fitted));
+        Ok(ReadyStraight { group, corners_in_world: placed.corners_in_world, drawn })
+    }
+}

@@ -1,0 +1,99 @@
+//! Nodes by their names from the root down, and which of them links leave.
+
+use std::collections::BTreeMap;
+
+use light::Links;
+
+use crate::Scene;
+
+/// What a node without a name is called.
+const NAMELESS: &str = "node";
+
+/// The nodes of a scene as paths name them.
+///
+/// A path has the names from the root down to the node, with `/` between them. Of siblings with one name (roots are siblings
+/// too) the second has `#2` behind it, the third `#3`, in the order of the scene. In a name `~` is written `~0`, `/` `~1`
+/// and `#` `~2`; a node without a name is called `node`.
+#[derive(Debug, Default)]
+pub struct NodeTree {
+    /// One a node: its parent, and its own part of its path.
+    nodes: Vec<(Option<usize>, String)>,
+    /// The same, turned round.
+    by_step: BTreeMap<(Option<usize>, String), usize>,
+    /// One a node: whether it or one that is under it has a mesh.
+    is_drawn: Vec<bool>,
+}
+
+impl NodeTree {
+    /// Of a scene whose promises hold ([`Scene::check`]).
+    pub fn new(scene: &Scene) -> Self {
+        let mut tree = Self::default();
+        let mut named: BTreeMap<(Option<usize>, &str), usize> = BTreeMap::new();
+        for (index, node) in scene.nodes.iter().enumerate() {
+            let name = if node.name.is_empty() { NAMELESS } else { &node.name };
+            let count = named.entry((node.parent, name)).or_default();
+            *count += 1;
+            let name = escaped(name);
+            let step = if *count > 1 { format!("{name}#{count}") } else { name };
+            tree.by_step.insert((node.parent, step.clone()), index);
+            tree.nodes.push((node.parent, step));
+            tree.is_drawn.push(node.mesh.is_some());
+        }
+        for (index, node) in scene.nodes.iter().enumerate().rev() {
+            if let Some(parent) = node.parent {
+                tree.is_drawn[parent] |= tree.is_drawn[index];
+            }
+        }
+        tree
+    }
+
+    /// The path of a node by its index in [`Scene::nodes`].
+    pub fn path(&self, node: usize) -> String {
+        let above = |&node: &usize| self.nodes[node].0;
+        let steps = std::iter::successors(Some(node), above).map(|node| self.nodes[node].1.as_str());
+        steps.collect::<Vec<_>>().into_iter().rev().collect::<Vec<_>>().join("/")
+    }
+
+    /// The node that a path names; `None` where there is no such one.
+    pub fn find(&self, path: &str) -> Option<usize> {
+        path.split('/').try_fold(None, |parent, step| {
+            self.by_step.get(&(parent, step.to_owned())).map(|node| Some(*node))
+        })?
+    }
+
+    /// Paths of at most `most` of the nodes under which something is drawn, none longer than `most_bytes`, in the order of
+    /// the scene; and how many more there are.
+    pub fn drawn_paths(&self, most: usize, most_bytes: usize) -> (Vec<String>, usize) {
+        let drawn = || (0..self.nodes.len()).filter(|&node| self.is_drawn[node]);
+        // The length of a path without the path: a chain of nodes would take the square of its length.
+        let mut bytes: Vec<usize> = Vec::with_capacity(self.nodes.len());
+        for (parent, step) in &self.nodes {
+            bytes.push(step.len() + parent.map_or(0, |parent| bytes[parent] + 1));
+        }
+        let short = drawn().filter(|&node| bytes[node] <= most_bytes);
+        let paths: Vec<String> = short.take(most).map(|node| self.path(node)).collect();
+        let more = drawn().count() - paths.len();
+        (paths, more)
+    }
+
+    /// Which nodes `links` leave, one a node. Paths that name none count for nothing.
+    pub fn linked(&self, links: &Links) -> Vec<bool> {
+        let mut said: BTreeMap<usize, bool> = BTreeMap::new();
+        // What is excluded comes last, and so counts.
+        for (paths, counts) in [(links.include(), true), (links.exclude(), false)] {
+            said.extend(paths.iter().filter_map(|path| Some((self.find(path)?, counts))));
+        }
+        let unsaid = links.include().is_empty();
+        let mut linked: Vec<bool> = Vec::with_capacity(self.nodes.len());
+        for (node, (parent, _)) in self.nodes.iter().enumerate() {
+            let inherited = parent.map_or(unsaid, |parent| linked[parent]);
+            linked.push(said.get(&node).copied().unwrap_or(inherited));
+        }
+        linked
+    }
+}
+
+/// A name as it stands in paths.
+fn escaped(name: &str) -> String {
+    name.replace('~', "~0").replace('/', "~1").replace('#', "~2")
+}

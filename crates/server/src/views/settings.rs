@@ -1,0 +1,48 @@
+//! What is a viewer's own, besides the camera.
+
+use std::collections::BTreeSet;
+
+use document::MAX_LIGHTS;
+use light::{LightId, LightInstance};
+use protocol::RenderRequest;
+
+use crate::ServerError;
+
+/// How a view is; in no document, and others see their own.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ViewSettings {
+    /// Stops, within [`scene::View::EXPOSURE`].
+    pub exposure: f64,
+    /// The lights that shine alone; all where none of them is there.
+    pub solo: BTreeSet<LightId>,
+}
+
+impl ViewSettings {
+    /// Which of the document's lights the view shows.
+    pub fn shown(&self, mut lights: Vec<LightInstance>) -> Vec<LightInstance> {
+        if lights.iter().any(|instance| self.solo.contains(&instance.id)) {
+            lights.retain(|instance| self.solo.contains(&instance.id));
+        }
+        lights
+    }
+}
+
+impl TryFrom<protocol::ViewSettings> for ViewSettings {
+    type Error = ServerError;
+
+    fn try_from(wire: protocol::ViewSettings) -> Result<Self, ServerError> {
+        let protocol::ViewSettings { exposure, solo } = wire;
+        if solo.len() > MAX_LIGHTS {
+            let what = "the list of lights that a view shows alone";
+            return Err(ServerError::TooLarge { what, limit: MAX_LIGHTS, unit: "lights" });
+        }
+        let exposure = RenderRequest::check_exposure(exposure)?;
+        Ok(Self { exposure, solo: solo.into_iter().map(LightId).collect() })
+    }
+}
+
+impl From<&ViewSettings> for protocol::ViewSettings {
+    fn from(ViewSettings { exposure, solo }: &ViewSettings) -> Self {
+        Self { exposure: *exposure, solo: solo.iter().map(|id| id.0).collect() }
+    }
+}

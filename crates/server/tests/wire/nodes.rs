@@ -1,0 +1,74 @@
+//! The nodes of a session's scene, and links that name them.
+
+use serde_json::{Value, json};
+
+use crate::client::{ask_with, bearer, get, post};
+use crate::server::{Door, SHARED};
+
+/// A triangle that three nodes have, two of one name under another; and a node of which nothing is drawn.
+fn scene() -> Vec<u8> {
+    let zeros = "AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA";
+    let file = json!({"asset": {"version": "2.0", "generator": "nodes"}, "scenes": [{"nodes": [0, 4, 5]}],
+        "nodes": [{"name": "room", "children": [1, 2, 3]}, {"name": "a/b", "mesh": 0}, {"name": "a/b", "mesh": 0},
+            {"name": "empty"}, {"mesh": 0}, {"name": "lamp"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [0, 0, 0]}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36, "uri": format!("data:application/octet-stream;base64,{zeros}")}]});
+    file.to_string().into_bytes()
+}
+
+fn edited(door: &Door, session: &str, edit: &Value) -> Value {
+    let answer = post(door, &format!("/sessions/{session}/edits"), &json!({"edits": [edit]}).to_string());
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    answer.json()["results"][0].take()
+}
+
+/// Rules: HTTP-20, LINK-1
+#[test]
+fn a_session_tells_the_nodes_of_its_scene() {
+    let door = &SHARED;
+    let sent = ask_with(door, "/assets", &[("authorization", &bearer(door))], Some(&scene()));
+    assert_eq!(sent.status, 201, "{}", sent.text());
+    let asset = sent.json()["asset"].clone();
+    let made = post(door, "/sessions", &json!({"name": "nodes", "scene": asset}).to_string());
+    assert_eq!(made.status, 201, "{}", made.text());
+    let paths = json!(["room", "room/a~1b", "room/a~1b#2", "node 4"]);
+    assert_eq!(get(door, "/sessions/nodes/nodes").json(), json!({"paths": paths, "leftOut": 0}));
+    assert_eq!(post(door, "/sessions", &json!({"name": "no-nodes"}).to_string()).status, 201);
+    assert_eq!(get(door, "/sessions/no-nodes/nodes").json(), json!({"paths": [], "leftOut": 0}));
+    assert_eq!(get(door, "/sessions/nobody/nodes").status, 404);
+}
+
+/// Links are set, taken back and set again as any parameter, whatever the scene has, and refused past their limits.
+///
+/// Rules: LINK-3, LINK-4, UNDO-4, CMD-9
+#[test]
+fn links_are_edited_as_any_parameter() {
+    let (door, session) = (&SHARED, "links");
+    let made = post(door, "/sessions", &json!({"name": session, "scene": "demo:vases"}).to_string());
+    assert_eq!(made.status, 201, "{}", made.text());
+    let state = || get(door, &format!("/sessions/{session}")).json();
+    let light = || state()["document"]["lights"][0]["light"].take();
+    let before = state()["hash"].clone();
+    let set = |target: &str, value: Value| {
+        edited(door, session, &json!({"command": {"type": "set", "target": target, "value": value}}))
+    };
+    let links = json!({"include": ["blue vase", "attic/chair"], "exclude": ["blue vase"]});
+    assert_eq!(set("/lights/1/lightLink", links)["status"], "committed");
+    let sorted = json!({"include": ["attic/chair", "blue vase"], "exclude": ["blue vase"]});
+    assert_eq!(light()["lightLink"], sorted);
+    let linked = state()["hash"].clone();
+    assert_eq!(edited(door, session, &json!({"undo": "mine"}))["status"], "committed");
+    assert_eq!((&light()["lightLink"], &state()["hash"]), (&Value::Null, &before));
+    assert_eq!(edited(door, session, &json!({"redo": "mine"}))["status"], "committed");
+    assert_eq!(state()["hash"], linked);
+    assert_eq!(set("/lights/1/lightLink", json!({}))["status"], "committed");
+    assert_eq!(state()["hash"], before, "empty lists are none");
+
+    let many: Vec<String> = (0..1025).map(|node| node.to_string()).collect();
+    let refused = set("/lights/1/shadowLink", json!({"exclude": many}));
+    assert_eq!(refused["code"], "invalidLight");
+    let message = refused["message"].as_str().unwrap_or_default();
+    assert!(message.contains("`shadowLink`") && message.contains("1024"), "{message}");
+}

@@ -1,0 +1,87 @@
+//! Rooms made of boxes, with what they stand on and are lit through, for tests of shadows.
+
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
+use scene::{Aov, Camera, Material, Mesh, Node, Primitive, Projection, Scene, View, ViewSlot};
+
+pub const SIZE: [u32; 2] = [240, 160];
+
+/// A box from -1 to 1.
+fn cube() -> Primitive {
+    let corner = |k: u32| Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32) * 2.0 - 1.0;
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let mut primitive = Primitive::default();
+    for face in faces {
+        let [a, b, c, d] = face.map(corner);
+        let first = primitive.positions.len() as u32;
+        primitive.positions.extend([a, b, c, d]);
+        primitive.normals.extend([(b - a).cross(c - a).normalize(); 4]);
+        primitive.indices.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
+    }
+    primitive
+}
+
+/// Boxes: half their size, their turn about y, and their middle.
+pub fn boxes(parts: &[([f64; 3], f64, [f64; 3])]) -> Scene {
+    let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
+    for (mesh, (half, turn, middle)) in parts.iter().enumerate() {
+        let parent_from_local = DAffine3::from_scale_rotation_translation(
+            DVec3::from_array(*half),
+            DQuat::from_rotation_y(*turn),
+            DVec3::from_array(*middle),
+        );
+        scene.meshes.push(Mesh { name: String::new(), primitives: vec![cube()] });
+        scene.nodes.push(Node { name: String::new(), parent: None, parent_from_local, mesh: Some(mesh) });
+    }
+    scene.check().expect("sound");
+    scene
+}
+
+/// A floor, three walls, and posts and boards around a lamp at their middle, as high as it and lower.
+pub fn room() -> Scene {
+    boxes(&[
+        ([5.0, 0.1, 5.0], 0.0, [0.0, -0.1, 0.0]),
+        ([0.1, 2.0, 5.0], 0.0, [-5.0, 2.0, 0.0]),
+        ([0.1, 2.0, 5.0], 0.0, [5.0, 2.0, 0.0]),
+        ([5.0, 2.0, 0.1], 0.0, [0.0, 2.0, -5.0]),
+        ([0.1, 1.5, 0.2], 0.4, [-2.0, 1.5, 0.3]),
+        ([0.15, 1.4, 0.1], 0.9, [1.8, 1.4, -0.9]),
+        ([0.4, 0.03, 0.3], 0.2, [0.4, 1.2, -0.3]),
+        ([0.2, 0.9, 0.1], 0.1, [-0.3, 0.9, -2.1]),
+        ([0.3, 0.2, 0.1], 1.1, [1.6, 1.3, 1.2]),
+        ([0.1, 0.6, 0.1], 0.6, [-1.2, 0.6, 1.4]),
+        ([0.8, 0.05, 0.1], 0.7, [-2.8, 1.4, -2.2]),
+        // Close to the floor, where a coarse map takes them for it.
+        ([0.5, 0.005, 0.3], 0.3, [-0.6, 0.03, 0.7]),
+        ([0.4, 0.005, 0.4], 0.8, [0.9, 0.06, 1.3]),
+        ([0.3, 0.005, 0.4], 0.1, [0.8, 0.12, -0.8]),
+    ])
+}
+
+/// Axes that look from `eye` to `target`, with -z forward.
+pub fn looking(eye: DVec3, target: DVec3, up: DVec3) -> DQuat {
+    let back = (eye - target).normalize();
+    let right = up.cross(back).normalize();
+    DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back))
+}
+
+/// From `eye` to `target`: whether the first light reaches what is seen.
+pub fn view(eye: DVec3, target: DVec3) -> View {
+    let camera = Camera {
+        name: String::new(),
+        translation: eye,
+        rotation: looking(eye, target, DVec3::Y),
+        projection: Projection::Perspective { yfov: 0.9, aspect_ratio: None, znear: 0.05, zfar: None },
+    };
+    let [width, height] = SIZE;
+    View {
+        camera,
+        width,
+        height,
+        samples: 1,
+        aov: Aov::Visibility,
+        light: 0,
+        fill: 1.0,
+        exposure: 0.0,
+        slot: ViewSlot::default(),
+    }
+}

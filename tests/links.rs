@@ -1,0 +1,175 @@
+//! Links on the GPU against the reference, which follows every ray: of spotlights and of bent ones, with holes, with two
+//! nodes of one mesh, and with nodes under others.
+
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+
+use glam::{DAffine3, DQuat, DVec2, DVec3, Vec2, Vec3};
+use light::parameters::{CONE_ANGLE, DECAY, LIGHT_LINK, RANGE, ROTATION, SHADOW_LINK, TRANSLATION};
+use light::{Decay, Light, LightInstance, Links};
+use reference::Reference;
+use render::{Gpu, Renderer};
+use scene::{Aov, Image, Material, Mesh, Node, PosedScene, Primitive, Sampler, TextureRef, View};
+
+const SIZE: [u32; 2] = [160, 90];
+
+static RENDERER: LazyLock<Mutex<Renderer>> = LazyLock::new(|| {
+    Mutex::new(Renderer::new(Arc::new(Gpu::new().expect("a graphics driver"))).expect("a renderer"))
+});
+
+/// The demo's table, and on it a shelf of two vases of one name and two cards with holes, which have one mesh.
+static SHELF: LazyLock<(Arc<PosedScene>, View)> = LazyLock::new(|| {
+    let loaded = assets::demo("vases").expect("the demo");
+    let mut scene = loaded.scene;
+    let [table, blue, orange] = &scene.nodes[..] else { panic!("a table and two vases") };
+    let node = |name: &str, parent, parent_from_local, mesh| Node {
+        name: name.into(),
+        parent,
+        parent_from_local,
+        mesh,
+    };
+    let vase = |vase: &Node| node("vase", Some(1), vase.parent_from_local, vase.mesh);
+    let card = |at: [f64; 3]| {
+        let tilted = DQuat::from_rotation_z(-0.4);
+        let placement = DAffine3::from_rotation_translation(tilted, DVec3::from_array(at));
+        node("card", Some(1), placement, Some(scene.meshes.len()))
+    };
+    let (first, second) = (card([-1.2, 1.3, 0.7]), card([0.0, 0.6, 0.5]));
+    let shelf = node("shelf", None, DAffine3::IDENTITY, None);
+    scene.nodes = vec![table.clone(), shelf, vase(blue), vase(orange), first, second];
+    let corners = [(-0.4, -0.4), (-0.4, 0.4), (0.4, 0.4), (0.4, -0.4)];
+    let cut_out = Primitive {
+        positions: corners.map(|(x, z)| Vec3::new(x, 0.0, z)).into(),
+        normals: vec![Vec3::Y; 4],
+        uvs: corners.map(|(x, z)| Vec2::new(x, z) / 0.8 + 0.5).into(),
+        indices: vec![0, 1, 2, 0, 2, 3],
+        material: scene.materials.len(),
+        ..Primitive::default()
+    };
+    scene.meshes.push(Mesh { name: "card".into(), primitives: vec![cut_out] });
+    scene.materials.push(Material {
+        alpha_cutoff: Some(0.5),
+        double_sided: true,
+        base_color_texture: Some(TextureRef {
+            image: scene.images.len(),
+            sampler: Sampler { nearest: true, ..Sampler::default() },
+        }),
+        ..Material::default()
+    });
+    let alpha = (0..9).map(|texel: u8| if texel.is_multiple_of(2) { 255 } else { 0 });
+    let rgba8 = alpha.flat_map(|alpha| [255, 255, 255, alpha]).collect();
+    scene.images.push(Image { width: 3, height: 3, rgba8 });
+    scene.check().expect("sound");
+    let view = View { fill: 0.0, ..View::beauty(loaded.contents.cameras[0].clone(), SIZE) };
+    (scene::pose(scene), view)
+});
+
+/// The demo's own light, and a spotlight from the same side.
+fn keys() -> [Light; 2] {
+    let bent = assets::demo("vases").expect("the demo").contents.lights[0].light().clone();
+    let (source, target) = (DVec3::new(-2.9, 3.5, 2.2), DVec3::new(0.2, 0.2, -0.1));
+    let spot = Light::spot()
+        .with(TRANSLATION, source)
+        .with(ROTATION, DQuat::from_rotation_arc(DVec3::NEG_Z, (target - source).normalize()))
+        .with(CONE_ANGLE, 24.0)
+        .with(RANGE, Some(9.0))
+        .with(DECAY, Decay::None);
+    [bent, spot]
+}
+
+fn links(include: &[&str], exclude: &[&str]) -> Option<Links> {
+    let list = |paths: &[&str]| paths.iter().map(|path| String::from(*path)).collect();
+    Links::new(list(include), list(exclude))
+}
+
+fn instances(light: &Light) -> Vec<LightInstance> {
+    LightInstance::numbered([light.clone()]).expect("a light")
+}
+
+/// What the reference sees: radiance, and away from what edges?
+struct Seen {
+    radiance: Vec<DVec3>,
+    /// Whether all pixels around show one node, lit or not.
+    even: Vec<bool>,
+}
+
+impl Seen {
+    fn new(light: &Light) -> Self {
+        let (posed, view) = &*SHELF;
+        let reference = Reference::new(Arc::clone(posed));
+        let render = |aov| {
+            let view = View { aov, ..view.clone() };
+            reference.render(&view, &instances(light), || {}).expect("it can be drawn").pixels
+        };
+        let radiance = render(Aov::Beauty).iter().map(|p| DVec3::new(p[0], p[1], p[2])).collect();
+        let [width, height] = SIZE.map(|side| side as usize);
+        let at = |pixel: usize| DVec2::new((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
+        let shown: Vec<_> = render(Aov::Visibility)
+            .iter()
+            .enumerate()
+            .map(|(pixel, seen)| {
+                let node = reference.surface(view, at(pixel)).map(|surface| surface.node);
+                (node, [seen[0], seen[3]].map(f64::to_bits))
+            })
+            .collect();
+        let even = (0..width * height).map(|pixel| {
+            let (x, y) = (pixel % width, pixel / width);
+            let around = |x: usize, most: usize| x.saturating_sub(1)..(x + 2).min(most);
+            around(y, height).all(|y| around(x, width).all(|x| shown[y * width + x] == shown[pixel]))
+        });
+        Self { radiance, even: even.collect() }
+    }
+
+    /// Root mean square error of what the GPU draws under `light` off edges, relative to what is right.
+    fn error(&self, light: &Light) -> f64 {
+        let (posed, view) = &*SHELF;
+        let mut renderer = RENDERER.lock().unwrap_or_else(PoisonError::into_inner);
+        renderer.set_scene(posed).expect("it fits");
+        let drawn = renderer.render(view, &instances(light)).expect("it can be drawn");
+        let mut sums = [0.0, 0.0];
+        let pixels = drawn.pixels.iter().zip(&self.radiance).zip(&self.even).filter(|(_, even)| **even);
+        for ((drawn, right), _) in pixels {
+            let drawn = DVec3::new(drawn[0].into(), drawn[1].into(), drawn[2].into());
+            sums[0] += (drawn - right).length_squared();
+            sums[1] += right.length_squared();
+        }
+        assert!(sums[1] > 0.0, "something is lit");
+        (sums[0] / sums[1]).sqrt()
+    }
+}
+
+/// Rules: LINK-1, LINK-2
+#[test]
+fn links_are_what_the_reference_says() {
+    let (shelf, vase, card) = ("shelf", "shelf/vase#2", "shelf/card#2");
+    let cases = [
+        (links(&[], &[vase]), None),
+        (None, links(&[], &[card])),
+        (None, links(&[], &[vase, card])),
+        (None, links(&[card], &[])),
+        (links(&["table", shelf], &[vase]), links(&[vase, card], &[shelf])),
+    ];
+    for key in keys() {
+        for (lit, throwing) in &cases {
+            let linked = key.clone().with(LIGHT_LINK, lit.clone()).with(SHADOW_LINK, throwing.clone());
+            let seen = Seen::new(&linked);
+            let even = seen.even.iter().filter(|even| **even).count();
+            let error = seen.error(&linked);
+            // The planted faults: no links, and those of the other vase and card.
+            let other = |links: &Option<Links>| {
+                let renamed = |paths: &[String]| paths.iter().map(|path| path.replace("#2", "")).collect();
+                Links::new(renamed(links.as_ref()?.include()), renamed(links.as_ref()?.exclude()))
+            };
+            let unlinked = seen.error(&key);
+            let mistaken = key.clone().with(LIGHT_LINK, other(lit)).with(SHADOW_LINK, other(throwing));
+            let mistaken = seen.error(&mistaken);
+            println!(
+                "{:?} {lit:?} {throwing:?}: {error:.1e} of {even} pixels; {unlinked:.1e} {mistaken:.1e}",
+                key.owner()
+            );
+            assert!(even > seen.even.len() / 2, "{even}");
+            // As of pictures without links: normals are packed to 2^-15 (tests/accuracy.rs).
+            assert!(error < 1e-3, "{error}");
+            assert!(unlinked.min(mistaken) > 1e-2, "{unlinked} {mistaken}");
+        }
+    }
+}

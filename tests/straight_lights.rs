@@ -1,0 +1,389 @@
+//! Directional and omni lights are where rays say that they are, beside the reference, which follows every ray by itself.
+//!
+//! `BENDYLIGHTS_SHADOW_PICTURES=DIR` keeps the pictures.
+
+#![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
+
+mod boxes;
+
+use std::path::Path;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use boxes::{SIZE, boxes, looking, room, view};
+use glam::{DQuat, DVec2, DVec3};
+use light::parameters::{COLOR, CONE_ANGLE, HEIGHT, INTENSITY, RANGE, ROTATION, TRANSLATION, WIDTH};
+use light::{Light, LightInstance};
+use reference::{Reference, Source, Surface};
+use render::{Gpu, Picture, Renderer, ShadowSettings};
+use scene::{Aov, PosedScene, View};
+
+/// A sun that shines from `from` to the origin.
+fn sun(from: DVec3) -> Light {
+    Light::directional().with(ROTATION, looking(from, DVec3::ZERO, DVec3::X)).with(INTENSITY, 3.0)
+}
+
+/// A bulb, turned so that no face of its map lies along the room's walls.
+fn bulb(at: DVec3) -> Light {
+    let turned = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.5);
+    Light::omni().with(TRANSLATION, at).with(ROTATION, turned).with(INTENSITY, 30.0)
+}
+
+/// The GPU's picture, by a renderer that all tests share.
+fn drawn(scene: &Arc<PosedScene>, view: &View, lights: &[LightInstance]) -> Picture {
+    static SHARED: OnceLock<Mutex<Renderer>> = OnceLock::new();
+    let shared = SHARED.get_or_init(|| {
+        let gpu = Arc::new(Gpu::new().expect("tests need a graphics driver"));
+        Mutex::new(Renderer::new(gpu).expect("the device works"))
+    });
+    let mut renderer = shared.lock().unwrap_or_else(PoisonError::into_inner);
+    renderer.set_scene(scene).expect("it fits");
+    renderer.render(view, lights).expect("it can be drawn")
+}
+
+fn instances(lights: &[Light]) -> Vec<LightInstance> {
+    LightInstance::numbered(lights.to_vec()).expect("lights")
+}
+
+/// How wide a texel of a light's map is at a point in scene space, at most: maps are fitted, but to no less than that.
+fn texel(light: &LightInstance, scene: &PosedScene, point: DVec3) -> f64 {
+    let resolution = f64::from(ShadowSettings::default().resolution);
+    match Source::new(&light.light) {
+        Source::Omni(omni) => {
+            // Of a face with half the texels a side, 2 across at a distance of 1.
+            let way = point + scene.origin_in_world - omni.translation;
+            2.0 * way.length() / (resolution / 2.0 - 4.0)
+        }
+        Source::Spot(cone) => {
+            2.0 * cone.tan_outer * (point + scene.origin_in_world - cone.translation).length()
+                / (resolution - 4.0)
+        }
+        Source::Directional(_) => 2.0 * scene.half_extent.length() / (resolution - 4.0),
+        Source::Bendy(_) => panic!("its map is another test's"),
+    }
+}
+
+/// Whether each pixel is lit, by the reference: those two texels and more off each edge of a shadow, and of a surface.
+fn off_edges(reference: &Reference, view: &View, light: &LightInstance) -> Vec<(usize, bool)> {
+    let source = Source::new(&light.light);
+    let posed = &reference.bvh.posed;
+    let seen = |x: f64, y: f64| reference.surface(view, DVec2::new(x, y) + 0.5);
+    // Dark outside of the light, too.
+    let visible = |surface: &Surface| reference.sample(&source, surface).is_some_and(|sample| sample.visible);
+    let [width, height] = SIZE.map(|side| side as usize);
+    let mut found = Vec::new();
+    for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+        let Some(surface) = seen(x as f64, y as f64) else { continue };
+        // A rasteriser snaps corners to 1/256 pixel: at a silhouette it may see something else.
+        let is_same = |(dx, dy): (f64, f64)| {
+            seen(x as f64 + dx, y as f64 + dy).is_some_and(|beside| {
+                let height = surface.geometric_normal.dot(beside.position - surface.position);
+                beside.geometric_normal == surface.geometric_normal && height.abs() < 1e-6
+            })
+        };
+        if ![(0.02, 0.0), (-0.02, 0.0), (0.0, 0.02), (0.0, -0.02)].into_iter().all(is_same) {
+            continue;
+        }
+        let here = visible(&surface);
+        let normal = surface.geometric_normal;
+        let sample = reference.sample(&source, &surface);
+        // A texel's image on the surface is as long as the light grazes, and so is the filter's reach.
+        let towards = sample.map_or(normal, |sample| sample.place.direction);
+        let far = 2.0 * texel(light, posed, surface.position);
+        let along = towards.reject_from(normal).normalize_or(normal.any_orthonormal_vector());
+        let across = normal.cross(along) * far;
+        let along = along * (far / normal.dot(towards).abs().max(1e-3));
+        let ring = (0..24).map(|k| {
+            let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / 12.0).sin_cos();
+            let share = if k < 12 { 1.0 } else { 0.5 };
+            (along * cos + across * sin) * share
+        });
+        let is_clear = |step: DVec3| {
+            let beside = Surface { position: surface.position + step, ..surface };
+            visible(&beside) == here
+        };
+        // Where surfaces meet the filter blends in what the light meets first on the other one.
+        let is_flat = |step: DVec3| {
+            let start = surface.position + normal * (far * 0.5);
+            reference.bvh.first_hit(start, step * 1.5, [0.0, 1.0], |_| true).is_none()
+        };
+        if ring.clone().all(is_clear) && ring.clone().all(is_flat) {
+            found.push((y * width + x, here));
+        }
+    }
+    found
+}
+
+/// How many of those pixels a picture has wrong.
+fn wrong(judged: &[(usize, bool)], picture: &Picture) -> Vec<usize> {
+    let differs = |&&(pixel, lit): &&(usize, bool)| picture.pixels[pixel][0] != f32::from(u8::from(lit));
+    judged.iter().filter(differs).map(|judged| judged.0).collect()
+}
+
+fn keep_picture(name: &str, picture: &Picture, marks: &[usize]) {
+    let Ok(folder) = std::env::var("BENDYLIGHTS_SHADOW_PICTURES") else { return };
+    let mut image = image::RgbImage::new(picture.width, picture.height);
+    for (k, (pixel, value)) in image.pixels_mut().zip(&picture.pixels).enumerate() {
+        let shown = |x: &f32| (x.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0) as u8;
+        *pixel = image::Rgb([shown(&value[0]), shown(&value[1]), shown(&value[2])]);
+        if marks.contains(&k) {
+            *pixel = image::Rgb([255, 0, 0]);
+        }
+    }
+    image.save(Path::new(&folder).join(format!("{name}.png"))).expect("the picture can be written");
+}
+
+/// Where the room is looked at from.
+fn eyes() -> [View; 2] {
+    [
+        view(DVec3::new(1.2, 3.6, 4.4), DVec3::new(-0.3, 0.7, -0.8)),
+        view(DVec3::new(-2.4, 0.7, 3.9), DVec3::new(0.6, 1.2, -0.8)),
+    ]
+}
+
+/// On a wide floor that light grazes, with a post for the map to show, no pixel is dark that rays reach; nor on one that
+/// stands far from the world's origin.
+#[test]
+fn a_floor_never_shadows_itself() {
+    for origin in [DVec3::ZERO, DVec3::new(1e7, -3e6, 2e7)] {
+        let at = |[x, y, z]: [f64; 3]| (origin + DVec3::new(x, y, z)).to_array();
+        let floor = ([50.0, 0.1, 50.0], 0.0, at([0.0, -0.1, 0.0]));
+        let with_post = |x: f64| boxes(&[floor, ([0.1, 0.7, 0.1], 0.3, at([x, 0.7, -0.3]))]);
+        let scene = scene::pose(with_post(0.4));
+        let reference = Reference::new(Arc::clone(&scene));
+        let view = view(origin + DVec3::new(0.4, 0.9, 3.0), origin);
+        let suns = [80_f64, 30.0, 10.0, 2.0, 0.5, 0.1].map(|degrees| {
+            let (height, across) = degrees.to_radians().sin_cos();
+            (format!("sun {degrees}"), sun(DVec3::new(0.8 * across, height, 0.6 * across)))
+        });
+        let bulbs = [4.0, 1.0, 0.2, 0.05]
+            .map(|height| (format!("bulb {height}"), bulb(origin + DVec3::new(-1.5, height, 0.4))));
+        for (name, light) in suns.into_iter().chain(bulbs) {
+            let lights = instances(&[light]);
+            let judged = off_edges(&reference, &view, &lights[0]);
+            let found = wrong(&judged, &drawn(&scene, &view, &lights));
+            let lit = judged.iter().filter(|(_, lit)| *lit).count();
+            println!("{name}: {} wrong of {}, {lit} lit", found.len(), judged.len());
+            assert!(lit > 2000, "{name}: {lit} of {} are lit", judged.len());
+            assert_eq!(found, [0; 0], "{name} at {origin}");
+            if name == "sun 30" {
+                // The planted fault: the post stands elsewhere.
+                let other = drawn(&scene::pose(with_post(0.8)), &view, &lights);
+                assert!(wrong(&judged, &other).len() > 100, "{name}: a post elsewhere goes unseen");
+            }
+        }
+    }
+}
+
+/// Pixels that are wrong, of those that are judged, and how many of these are dark.
+fn judged(light: &Light, planted: Option<&Light>, name: &str) -> (usize, usize, usize) {
+    let scene = scene::pose(room());
+    let reference = Reference::new(Arc::clone(&scene));
+    let (mut all, mut of, mut dark) = (0, 0, 0);
+    for (eye, view) in eyes().iter().enumerate() {
+        let judged = off_edges(&reference, view, &instances(std::slice::from_ref(light))[0]);
+        let picture = drawn(&scene, view, &instances(&[planted.unwrap_or(light).clone()]));
+        let wrong = wrong(&judged, &picture);
+        keep_picture(&format!("{name}-{eye}"), &picture, &wrong);
+        all += wrong.len();
+        of += judged.len();
+        dark += judged.iter().filter(|(_, lit)| !lit).count();
+    }
+    (all, of, dark)
+}
+
+/// From above, from all sides, and so low that it grazes the floor.
+#[test]
+fn a_directional_lights_shadow_is_where_rays_say() {
+    let directions = [
+        [0.1, 1.0, 0.05],
+        [1.0, 1.0, 0.4],
+        [-1.0, 1.2, 0.3],
+        [0.3, 0.7, 1.0],
+        [-0.4, 0.5, 1.0],
+        [0.5, 0.1, 1.0],
+        [0.0, 1.0, 0.0],
+    ];
+    for (index, direction) in directions.into_iter().enumerate() {
+        let light = sun(DVec3::from_array(direction));
+        let (wrong, of, dark) = judged(&light, None, &format!("sun-{index}"));
+        println!("{direction:?}: {wrong} wrong of {of}, {dark} dark");
+        assert!(of - dark > 500 && dark > 500, "{dark} of {of} are dark");
+        assert_eq!(wrong, 0, "{direction:?}: of {of}");
+    }
+    // The planted fault: a sun that stands a degree elsewhere.
+    let light = sun(DVec3::from_array(directions[1]));
+    let turned = light.get(ROTATION) * DQuat::from_rotation_x(1_f64.to_radians());
+    let (wrong, of, _) = judged(&light, Some(&light.clone().with(ROTATION, turned)), "sun-planted");
+    assert!(wrong > 100, "{wrong} wrong of {of}");
+}
+
+/// All that it shows lies on each of the six faces in turn.
+#[test]
+fn an_omni_lights_shadow_is_where_rays_say() {
+    let at = DVec3::new(0.2, 1.7, 0.1);
+    let light = bulb(at);
+    let (wrong, of, dark) = judged(&light, None, "bulb");
+    println!("{wrong} wrong of {of}, {dark} dark");
+    assert!(of - dark > 500 && dark > 500, "{dark} of {of} are dark");
+    assert_eq!(wrong, 0, "of {of}");
+    let moved = light.clone().with(TRANSLATION, at + DVec3::new(0.1, 0.0, 0.0));
+    assert!(judged(&light, Some(&moved), "bulb-planted").0 > 100, "the planted fault is seen");
+
+    // Each face by itself, in a room with posts before each wall, looked at from the bulb's side.
+    let scene = scene::pose(posts());
+    let reference = Reference::new(Arc::clone(&scene));
+    let light = &instances(&[bulb(DVec3::ZERO)])[0];
+    for (index, axis) in DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]).enumerate() {
+        let way = light.light.light().get(ROTATION) * axis;
+        let eye = way.any_orthonormal_vector() * 0.8 - way * 0.2;
+        let mut seen = view(eye, way * 2.0);
+        seen.camera.rotation = looking(eye, way * 2.0, way.any_orthonormal_vector());
+        let judged = off_edges(&reference, &seen, light);
+        let picture = drawn(&scene, &seen, std::slice::from_ref(light));
+        let found = self::wrong(&judged, &picture);
+        let dark = judged.iter().filter(|(_, lit)| !lit).count();
+        println!("{axis}: {} wrong of {}, {dark} dark", found.len(), judged.len());
+        keep_picture(&format!("face-{index}"), &picture, &found);
+        assert!(judged.len() - dark > 500 && dark > 500, "{axis}: {dark} of {} are dark", judged.len());
+        assert_eq!(found, [0; 0], "{axis}");
+    }
+}
+
+/// A closed room, and posts before each of its walls.
+fn posts() -> scene::Scene {
+    let mut parts = closed(3.0);
+    for axis in 0..3 {
+        for sign in [-1.0, 1.0] {
+            for (k, aside) in [-0.7, 0.0, 0.8].into_iter().enumerate() {
+                let mut middle = [aside; 3];
+                middle[axis] = 1.3 * sign;
+                middle[(axis + 1) % 3] = 0.35 * k as f64 - 0.3;
+                parts.push(([0.08, 0.1, 0.12], 0.3 * k as f64, middle));
+            }
+        }
+    }
+    boxes(&parts)
+}
+
+/// Six thick walls around the origin, with the inner ones `half` away.
+fn closed(half: f64) -> Vec<([f64; 3], f64, [f64; 3])> {
+    let wall = |k: usize| {
+        let (axis, sign) = (k / 2, if k.is_multiple_of(2) { 1.0 } else { -1.0 });
+        let (mut size, mut middle) = ([half + 0.2; 3], [0.0; 3]);
+        (size[axis], middle[axis]) = (0.1, sign * (half + 0.1));
+        (size, 0.0, middle)
+    };
+    (0..6).map(wall).collect()
+}
+
+/// Within, every wall is lit to its edges; without, nothing is.
+#[test]
+fn an_omni_light_in_a_closed_box_lights_every_wall_and_leaks_nowhere() {
+    let scene = scene::pose(boxes(&closed(2.0)));
+    let light = instances(&[bulb(DVec3::new(0.7, -0.4, 0.9))]);
+    let lit = |picture: &Picture| picture.pixels.iter().filter(|pixel| pixel[0] > 0.0).count();
+    for axis in DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]) {
+        let looks = |eye: DVec3, target: DVec3| {
+            let mut seen = view(eye, target);
+            seen.camera.rotation = looking(eye, target, axis.any_orthonormal_vector());
+            seen
+        };
+        let within = drawn(&scene, &looks(axis * -1.9, axis), &light);
+        let dark: Vec<_> = (0..within.pixels.len()).filter(|&k| within.pixels[k][0] < 1.0).collect();
+        keep_picture(&format!("within-{axis}"), &within, &dark);
+        assert_eq!(dark, [0; 0], "{axis}: dark within");
+        let mut aside = axis.any_orthonormal_vector() * 3.0;
+        aside += axis.cross(aside) * 0.7;
+        for eye in [axis * 9.0, axis * 9.0 + aside] {
+            let without = drawn(&scene, &looks(eye, DVec3::ZERO), &light);
+            assert_eq!(lit(&without), 0, "{axis}: lit without");
+        }
+    }
+    // The planted fault: a wall that stands off lets light out, on the floor outside.
+    let mut parts = closed(2.0);
+    parts[0].2[0] += 0.5;
+    parts.push(([8.0, 0.1, 8.0], 0.0, [0.0, -4.1, 0.0]));
+    let leaking = scene::pose(boxes(&parts));
+    let seen = drawn(&leaking, &view(DVec3::new(9.0, 1.0, 3.0), DVec3::new(3.7, -4.0, 0.0)), &light);
+    keep_picture("leaking", &seen, &[]);
+    assert!(lit(&seen) > 100, "{} pixels are lit", lit(&seen));
+}
+
+/// The relative error over the pixels that are off the edges of the shadows of every light.
+fn relative_rmse(
+    scene: &Arc<PosedScene>,
+    view: &View,
+    lights: &[Light],
+    planted: &[Light],
+    name: &str,
+) -> f64 {
+    let reference = Reference::new(Arc::clone(scene));
+    let lights = instances(lights);
+    let beauty = View { aov: Aov::Beauty, fill: 0.0, ..view.clone() };
+    let expected = reference.render(&beauty, &lights, || {}).expect("it can be followed");
+    let picture = drawn(scene, &beauty, &instances(planted));
+    let is_judged = |light: &LightInstance| {
+        let mut judged = vec![false; picture.pixels.len()];
+        for (pixel, _) in off_edges(&reference, view, light) {
+            judged[pixel] = true;
+        }
+        judged
+    };
+    let masks: Vec<_> = lights.iter().map(is_judged).collect();
+    keep_picture(name, &picture, &[]);
+    let (mut error, mut size, mut count) = (0.0, 0.0, 0);
+    for (k, pixel) in picture.pixels.iter().enumerate().filter(|(k, _)| masks.iter().all(|mask| mask[*k])) {
+        for (value, expected) in pixel.iter().zip(expected.pixels[k]).take(3) {
+            error += (f64::from(*value) - expected).powi(2);
+            size += expected.powi(2);
+        }
+        count += 1;
+    }
+    assert!(count > 10_000, "{name}: {count} pixels are compared");
+    (error / size).sqrt()
+}
+
+/// Off the boundaries pictures are the reference's, within 1e-3 and far less: all that differs is f32's rounding.
+#[test]
+fn pictures_are_those_of_the_reference() {
+    let scene = scene::pose(room());
+    let window = |light: Light| light.with(WIDTH, Some(4.0)).with(HEIGHT, Some(2.5));
+    let lights = [
+        ("sun", sun(DVec3::new(1.0, 1.0, 0.4))),
+        ("window", window(sun(DVec3::new(-0.3, 1.0, 0.4))).with(TRANSLATION, DVec3::new(-1.0, 9.0, 0.5))),
+        ("bulb", bulb(DVec3::new(0.2, 1.7, 0.1))),
+        ("bulb-range", bulb(DVec3::new(0.2, 1.7, 0.1)).with(RANGE, Some(2.5))),
+    ];
+    for (name, light) in lights {
+        let all = [light.clone()];
+        let error = relative_rmse(&scene, &eyes()[0], &all, &all, &format!("beauty-{name}"));
+        let brighter = [light.clone().with(INTENSITY, light.get(INTENSITY) * 1.01)];
+        let planted = relative_rmse(&scene, &eyes()[0], &all, &brighter, &format!("planted-{name}"));
+        println!("{name}: {error:.2e}, 1 % brighter {planted:.2e}");
+        assert!(error < 1e-3, "{name}: {error:.2e}");
+        assert!(planted > 5e-3, "{name}: {planted:.2e}");
+    }
+}
+
+/// A sun through its window, two bulbs and a spotlight together.
+#[test]
+fn lights_of_all_shapes_add_up() {
+    let scene = scene::pose(room());
+    let spot = Light::spot()
+        .with(TRANSLATION, DVec3::new(-3.0, 3.5, 2.5))
+        .with(ROTATION, looking(DVec3::new(-3.0, 3.5, 2.5), DVec3::new(0.3, 0.6, -0.4), DVec3::Y))
+        .with(CONE_ANGLE, 30.0)
+        .with(INTENSITY, 40.0);
+    let lights = [
+        sun(DVec3::new(1.0, 1.6, 0.4)).with(COLOR, DVec3::new(1.0, 0.9, 0.7)).with(INTENSITY, 1.0),
+        bulb(DVec3::new(0.2, 1.7, 0.1)).with(COLOR, DVec3::new(0.3, 0.5, 1.0)).with(INTENSITY, 6.0),
+        bulb(DVec3::new(-3.4, 0.8, -1.5)).with(COLOR, DVec3::new(1.0, 0.2, 0.1)).with(RANGE, Some(3.0)),
+        spot,
+    ];
+    let error = relative_rmse(&scene, &eyes()[0], &lights, &lights, "together");
+    // The planted fault: one of them is missing.
+    let planted = relative_rmse(&scene, &eyes()[0], &lights, &lights[..3], "together-planted");
+    println!("{error:.2e}, without the spotlight {planted:.2e}");
+    assert!(error < 1e-3, "{error:.2e}");
+    assert!(planted > 0.05, "{planted:.2e}");
+}

@@ -1,0 +1,229 @@
+//! Every parameter of every light, set once: what is drawn again is what its row says, the picture is the reference's, and
+//! undone it is the one before to the bit.
+
+use std::sync::Arc;
+
+use glam::{DQuat, DVec2, DVec3};
+use light::parameters::{
+    COLOR, COLOR_TEMPERATURE, CONE_ANGLE, CONE_SOFTNESS, CROSS_SECTION, CUT_OFF, CUT_ON, DECAY, DECAY_START,
+    ENABLE_COLOR_TEMPERATURE, FAR_EDGE, HEIGHT, INTENSITY, NEAR_EDGE, PROFILE, PROFILE_POWER, RANGE,
+    ROTATION, SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH, SHADOW_COLOR, TRANSLATION, UP, WIDTH,
+};
+use light::{
+    CrossSection, Decay, Kind, Light, LightId, LightInstance, Links, Owner, Parameter, ProfileCurve, Setting,
+    Touches, Value,
+};
+use reference::{LinkedSource, Reference, Source, Surface};
+use render::{Gpu, PassCounts, Picture, Renderer};
+use scene::{Aov, Fill, PosedScene, Scene, View, ViewSlot};
+
+const SIZE: [u32; 2] = [120, 68];
+/// The largest relative root mean square error off boundaries: normals are packed to 2^-15, which where light grazes, at a
+/// cosine of 0.03, is a thousandth.
+const LARGEST_RMSE: f64 = 1e-3;
+
+/// What is set shows where the light without it is so far off, some times as far as the light with it.
+const SHOWS: f64 = 5e-4;
+
+/// A light that has all there is, so that each parameter shows in `view`.
+fn with_all(light: Light, reference: &Reference, view: &View) -> Light {
+    // Where along its way what it lights lies.
+    let source = Source::new(&light::CheckedLight::new(light.clone()).expect("valid"));
+    let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| DVec2::new(f64::from(x), f64::from(y))));
+    let place = |at| Some(reference.sample(&source, &reference.surface(view, at)?)?.place.s);
+    let mut distances: Vec<f64> = pixels.filter_map(place).collect();
+    distances.sort_by(f64::total_cmp);
+    let [near, far] = [distances.len() / 20, distances.len() * 19 / 20].map(|index| distances[index]);
+    let along = |share: f64| near + share * (far - near);
+    let span = far - near;
+    light
+        .with(COLOR, DVec3::new(1.0, 0.9, 0.7))
+        .with(ENABLE_COLOR_TEMPERATURE, true)
+        .with(COLOR_TEMPERATURE, 4300.0)
+        .with(DECAY, Decay::Linear)
+        .with(DECAY_START, along(0.4))
+        .with(CUT_ON, Some(along(0.5)))
+        .with(NEAR_EDGE, 0.6 * span)
+        .with(CUT_OFF, Some(along(0.6)))
+        .with(FAR_EDGE, 0.5 * span)
+        .with(RANGE, Some(along(0.8)))
+        .with(CONE_SOFTNESS, 0.8)
+        .with(PROFILE, ProfileCurve::Power)
+        .with(PROFILE_POWER, 0.8)
+        .with(CROSS_SECTION, CrossSection::Superellipse)
+        .with(SECTION_WIDTH, 0.95)
+        .with(SECTION_HEIGHT, 0.7)
+        .with(SECTION_ROUNDNESS, 0.6)
+        .with(SHADOW_COLOR, DVec3::new(0.05, 0.1, 0.3))
+}
+
+/// The demo, and a light of each shape over it. The scene's fill would make differences look smaller.
+fn demo() -> (Arc<PosedScene>, View, Vec<Light>) {
+    let loaded = assets::demo("vases").expect("it is one of the demos");
+    let fill = Fill { sky: DVec3::ZERO, ground: DVec3::ZERO };
+    let view = View::beauty(loaded.contents.cameras[0].clone(), SIZE);
+    let source = DVec3::new(-1.4, 2.6, 1.4);
+    // It ends among the vases, so that it shows what lies past its end.
+    let way = [[0.0, 0.0, 0.0], [0.1, 0.5, 0.0], [1.0, -0.2, -0.9], [1.5, -1.6, -1.4], [1.8, -2.7, -1.7]];
+    let bent = Light::bendy(way.map(DVec3::from_array).into(), vec![0.1, 0.2, 0.5, 1.1, 1.3]);
+    let bent = bent.with(TRANSLATION, source).with(UP, DVec3::new(0.3, 1.0, 0.2)).with(INTENSITY, 9.0);
+    let aimed = DQuat::from_rotation_arc(DVec3::NEG_Z, (DVec3::new(0.0, 0.5, 0.0) - source).normalize());
+    let spot = Light::spot().with(TRANSLATION, source).with(ROTATION, aimed);
+    let spot = spot.with(INTENSITY, 12.0).with(CONE_ANGLE, 30.0);
+    let omni = Light::omni().with(TRANSLATION, DVec3::new(-0.4, 1.7, 0.9)).with(INTENSITY, 4.0);
+    let sun = Light::directional().with(TRANSLATION, source).with(ROTATION, aimed).with(INTENSITY, 3.0);
+    let sun = sun.with(WIDTH, Some(1.8)).with(HEIGHT, Some(1.4));
+    (scene::pose(Scene { fill, ..loaded.scene }), view, vec![bent, spot, omni, sun])
+}
+
+/// Other values for a parameter: one, or every other one of a choice; links leave out `node`.
+fn others(parameter: &Parameter, now: &Value, node: &str) -> Vec<Value> {
+    let any_of = |numbers: &[f64]| {
+        let allowed = numbers.iter().map(|&number| Value::Number(number));
+        allowed.filter(|value| value != now && parameter.check(value).is_ok()).take(1).collect()
+    };
+    match (&parameter.kind, now) {
+        (Kind::Links, _) => Links::new(Vec::new(), vec![node.into()]).map(Value::Links).into_iter().collect(),
+        (Kind::Choice(choices), _) => {
+            choices.iter().map(|choice| Value::Choice(choice.name)).filter(|value| value != now).collect()
+        }
+        (_, Value::Choice(_) | Value::Links(_)) => Vec::new(),
+        (_, Value::Flag(flag)) => vec![Value::Flag(!flag)],
+        // A light that is a little wider, longer or brighter is still one.
+        (_, Value::Number(number)) => any_of(&[number * 1.2, number * 0.8, number + 0.5]),
+        (_, Value::Absent) => any_of(&[2.0]),
+        (_, Value::Vector(vector)) => vec![Value::Vector(*vector + DVec3::new(0.1, -0.05, 0.08))],
+        (_, Value::Rotation(rotation)) => vec![Value::Rotation(*rotation * DQuat::from_rotation_y(0.1))],
+        (_, Value::Text(text)) => vec![Value::Text(format!("{text}e"))],
+    }
+}
+
+fn instance(light: &Light) -> Vec<LightInstance> {
+    let checked = light::CheckedLight::new(light.clone()).expect("it may have that value");
+    vec![LightInstance { id: LightId(1), light: Arc::new(checked) }]
+}
+
+fn since(before: PassCounts, after: PassCounts) -> [u64; 3] {
+    [after.gbuffer - before.gbuffer, after.shadow - before.shadow, after.lighting - before.lighting]
+}
+
+/// What the reference says of a picture: its radiance, and how bright it would be without shadows, or in them alone.
+struct Expected {
+    radiance: Vec<Option<DVec3>>,
+}
+
+/// What is seen at a pixel's middle, but for its brightness: what may not change nearby where pictures are compared.
+#[derive(Clone, Copy)]
+struct Seen {
+    node: usize,
+    normal: DVec3,
+    depth: f64,
+    lit: Option<bool>,
+    /// Whether the outline holds it, where the profile may be a step.
+    shines: bool,
+}
+
+fn expected(reference: &Reference, view: &View, light: &Light) -> Expected {
+    let checked = light::CheckedLight::new(light.clone()).expect("valid");
+    let source = Source::new(&checked);
+    let linked = [LinkedSource::new(&reference.bvh.posed, &checked)];
+    let [width, height] = SIZE.map(|side| side as usize);
+    let at = |index: usize| DVec2::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
+    let surfaces: Vec<Option<Surface>> =
+        (0..width * height).map(|index| reference.surface(view, at(index))).collect();
+    let seen: Vec<Option<Seen>> = surfaces
+        .iter()
+        .map(|surface| {
+            let surface = surface.as_ref()?;
+            let sample = reference.sample(&source, surface);
+            let (lit, shines) =
+                (sample.map(|s| s.visible), sample.is_some_and(|s| s.irradiance != DVec3::ZERO));
+            Some(Seen { node: surface.node, normal: surface.normal, depth: surface.depth, lit, shines })
+        })
+        .collect();
+    let alike = |a: Seen, b: Seen| {
+        a.normal.dot(b.normal) > 0.9
+            && (a.depth / b.depth - 1.0).abs() < 0.05
+            && (a.node, a.lit, a.shines) == (b.node, b.lit, b.shines)
+    };
+    let off_boundary = |index: usize| {
+        let (x, y) = (index % width, index / width);
+        let reach = |at: usize, end: usize| at.saturating_sub(2)..(at + 3).min(end);
+        let around = reach(y, height).flat_map(|y| reach(x, width).map(move |x| y * width + x));
+        seen[index].is_some_and(|here| {
+            around.into_iter().all(|other| seen[other].is_some_and(|there| alike(here, there)))
+        })
+    };
+    let radiance = |index: usize| {
+        let surface = surfaces[index].as_ref().filter(|_| off_boundary(index))?;
+        Some(reference.radiance(&linked, 0.0, surface))
+    };
+    Expected { radiance: (0..width * height).map(radiance).collect() }
+}
+
+/// The relative root mean square error of a picture, and how many pixels it is of.
+fn rmse(drawn: &Picture, expected: &Expected) -> (f64, usize) {
+    let (mut error2, mut expected2, mut compared) = (0.0, 0.0, 0);
+    for ([r, g, b, _], expected) in drawn.pixels.iter().zip(&expected.radiance) {
+        let Some(expected) = expected else { continue };
+        error2 += (DVec3::new(f64::from(*r), f64::from(*g), f64::from(*b)) - expected).length_squared();
+        expected2 += expected.length_squared();
+        compared += 1;
+    }
+    (if error2 == 0.0 { 0.0 } else { (error2 / expected2).sqrt() }, compared)
+}
+
+#[test]
+fn every_parameter_of_every_shape_does_what_its_row_says() {
+    let (posed, view, lights) = demo();
+    let view = View { aov: Aov::Beauty, slot: ViewSlot(1), ..view };
+    let reference = Reference::new(Arc::clone(&posed));
+    let mut renderer = Renderer::new(Arc::new(Gpu::new().expect("a graphics driver"))).expect("a renderer");
+    renderer.set_scene(&posed).expect("the scene fits");
+    let mut draw = |light: &Light| {
+        let before = renderer.counts();
+        let picture = renderer.render(&view, &instance(light)).expect("it can be drawn");
+        (picture, since(before, renderer.counts()))
+    };
+    let mut faults = Vec::new();
+    let (paths, _) = posed.nodes().drawn_paths(100, 1000);
+    let vase = paths.into_iter().find(|path| path.contains("vase")).expect("the demo has vases");
+    for light in lights {
+        let base = &with_all(light, &reference, &view);
+        let shape = base.owner();
+        let (base_picture, [_, shadow, lighting]) = draw(base);
+        assert_eq!((shadow, lighting), (1, 1), "{shape:?}");
+        let base_expected = expected(&reference, &view, base);
+        for (parameter, now) in base.values() {
+            let touches = parameter.of(shape).expect("it has it").touches;
+            for value in others(parameter, now, &vase) {
+                let what = format!("{shape:?} {} {value:?}", parameter.name);
+                let mut set = base.clone();
+                set.set(Setting { parameter, value: value.clone() });
+                let (picture, passes) = draw(&set);
+                let allowed = match touches {
+                    Touches::Nothing => [0, 0, 0],
+                    Touches::Radiance => [0, 0, 1],
+                    Touches::ShadowMap | Touches::Scene => [0, 1, 1],
+                };
+                let (off, compared) = rmse(&picture, &expected(&reference, &view, &set));
+                // The planted fault: that nothing was set.
+                // An omni light shines alike to all sides: which way it is turned only shows in what is projected from it.
+                let shows =
+                    touches > Touches::Nothing && (shape, parameter.name) != (Owner::Omni, "rotation");
+                let (unset, _) = rmse(&picture, &base_expected);
+                let (undone, [gbuffer, ..]) = draw(base);
+                let wrong = [
+                    (passes != allowed, format!("{passes:?} passes instead of {allowed:?}")),
+                    (off > LARGEST_RMSE, format!("{off:e} off")),
+                    (compared < 3000, format!("only {compared} pixels compared")),
+                    ((unset > SHOWS) != shows, format!("{unset:e} off unset")),
+                    (undone.pixels != base_picture.pixels || gbuffer > 0, "another picture undone".into()),
+                ];
+                let wrong = wrong.into_iter().filter(|(is_so, _)| *is_so);
+                faults.extend(wrong.map(|(_, fault)| format!("{what}: {fault}")));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
