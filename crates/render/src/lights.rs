@@ -195,11 +195,13 @@ impl ShadowMaps {
     ) -> Result<ReadyLight, RenderError> {
         let light = &*instance.light;
         let key = MapKey::of(instance, scene.revision);
-        let known = self.maps.iter().position(|map| map.shows() == Some(key));
+        let size = self.size_of(light);
+        // A light whose shadows were switched off has another map of no size, and the one from before.
+        let shows = |slot: &LightSlot| slot.shows() == Some(key) && slot.fits(light.rays(), size);
+        let known = self.maps.iter().position(|map| map.slot.peek(shows).unwrap_or(false));
         if known.is_none() {
             scene.posed.reach().check(light)?;
         }
-        let size = self.size_of(light);
         let free = || {
             let fits = |map: &KeptMap| map.slot.peek(|slot| slot.fits(light.rays(), size)).unwrap_or(false);
             self.maps.iter().position(|map| !map.needed && fits(map))

@@ -245,7 +245,6 @@ impl StraightPass {
     ) -> Result<ReadyStraight, RenderError> {
         let kept = slot.shown.take().filter(|(kept, _)| *kept == key);
         let drawn = kept.is_none() && light.light_filter().shadow_enable;
-        let is_shown = drawn || kept.is_some();
         let (_, fitted) = kept.unwrap_or_else(|| (key, light.fitted(scene, shadows)));
         let placed = light.placed(&fitted, scene, shadows);
         let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
@@ -265,7 +264,7 @@ impl StraightPass {
             let scene = (&scene.geometry, &casting);
             self.shadow.draw(gpu, encoder, &slot.map, &placed.shadow_views, scene);
         }
-        slot.shown = is_shown.then_some((key, fitted));
+        slot.shown = Some((key, fitted));
         Ok(ReadyStraight { group, corners_in_world: placed.corners_in_world, drawn })
     }
 }

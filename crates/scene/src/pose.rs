@@ -110,13 +110,11 @@ impl PosedScene {
             let distance = from_a.cross(ab).dot(ac) / volume;
             (beta >= 0.0 && gamma >= 0.0 && beta + gamma <= 1.0 && distance > near).then_some(distance)
         };
-        let corners = |of: &PosedPrimitive| {
+        let triangles = self.primitives.iter().flat_map(|of| {
             let positions = &self.positions[of.first_vertex..];
-            self.triangles(of)
-                .map(move |vertices| vertices.map(|vertex| positions[vertex as usize]))
-                .collect::<Vec<_>>()
-        };
-        self.primitives.iter().flat_map(corners).filter_map(meets).min_by(f64::total_cmp)
+            self.triangles(of).map(move |vertices| vertices.map(|vertex| positions[vertex as usize]))
+        });
+        triangles.filter_map(meets).min_by(f64::total_cmp)
     }
 }
 

@@ -41,8 +41,8 @@ pub(crate) struct BendyPass {
 #[derive(Debug)]
 pub(crate) struct BendySlot {
     target: MapTarget,
-    /// What the map shows, and how it is fitted to that scene.
-    map: Option<(MapKey, MapShape)>,
+    /// What the map shows, and how it is fitted to that scene, unless nothing shadows the light.
+    map: Option<(MapKey, Option<MapShape>)>,
     /// The light in place, and of which scene's revision and which revision of the light.
     placed: Option<(u64, Digest, GpuBendy)>,
 }
@@ -131,21 +131,21 @@ impl BendyPass {
         let t_max = t_max(tube, scene.posed.origin_in_world, scene.posed.half_extent);
         let kept = slot.map.take().filter(|(kept, _)| *kept == key);
         let stale = kept.is_none() && tube.light_filter.shadow_enable;
-        if stale {
+        let map = if stale {
             let map = map_shape((tube, Faces::of(light.light()), t_max), scene, shadows);
             let onto = Onto::Map(&slot.target);
             let casting = casting(gpu, scene, linked, shadows.mesh_error)?;
             self.shadow.render(gpu, work, &MapRequest { scene, casting, tube, map: &map, onto, shadows })?;
-            slot.map = Some((key, map));
+            Some(map)
         } else {
-            slot.map = kept;
-        }
-        let map = slot.map.as_ref().map(|(_, map)| map);
+            kept.and_then(|(_, map)| map)
+        };
+        slot.map = Some((key, map));
         let init = |label, contents: &[u8], usage| {
             gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
         };
         let origin = scene.posed.origin_in_world;
-        let uniform = match map {
+        let uniform = match &map {
             Some(map) => uniform_with_map(&part, origin, map, shadows),
             None => uniform(&part, origin),
         };
@@ -159,7 +159,7 @@ impl BendyPass {
         ];
         let group = gpu.group("bendy", &self.group_layouts[2], &resources);
         let corners_in_world = hull_in_world(tube, t_max);
-        let is_cube = map.is_some_and(MapShape::is_cube);
+        let is_cube = map.as_ref().is_some_and(MapShape::is_cube);
         let placed = GpuBendy { baked: Baked::of(tube, is_cube, shadows.filter), group, corners_in_world };
         slot.placed = Some((scene.revision, radiance, placed.clone()));
         Ok((placed, stale))

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use glam::DVec3;
-use light::parameters::{CONE_ANGLE, INTENSITY, NAME, RANGE, TRANSLATION};
+use light::parameters::{CONE_ANGLE, INTENSITY, NAME, RANGE, SHADOW_ENABLE, TRANSLATION};
 use light::{Light, LightInstance};
 use render::{
     Aov, Gpu, MemoryBudget, MemoryKind, Picture, PictureFormat, Pixels, Renderer, TiledPicture, View,
@@ -157,4 +157,35 @@ fn what_nobody_looks_at_is_given_back() {
     }
     drop(renderer);
     assert_eq!(memory.total(), 0);
+}
+
+/// A light that nothing shadows has a map of no size, and one only, however many pictures it is in; the map from before
+/// stays for when shadows are back.
+#[test]
+fn pictures_of_a_light_without_shadows_keep_nothing_more() {
+    let (mut renderer, memory) = renderer(1 << 30);
+    let kept = |memory: &MemoryBudget| memory.bytes(MemoryKind::ShadowMaps);
+    for light in lights(2) {
+        let without = instances(&[light.clone().with(SHADOW_ENABLE, false)]);
+        let pictures = |renderer: &mut Renderer| {
+            for step in 0..5 {
+                let from = DVec3::new(2.0 + 0.1 * f64::from(step), 3.0, 4.0);
+                let moved =
+                    View { camera: view(from, DVec3::ZERO, [150, 140], Aov::Beauty).camera, ..camera(1) };
+                renderer.render(&moved, &without).unwrap();
+            }
+        };
+        let before = kept(&memory);
+        renderer.render(&camera(1), &without).unwrap();
+        let first = kept(&memory);
+        assert!(first < before + 100, "nothing is kept but something to bind");
+        pictures(&mut renderer);
+        assert_eq!(kept(&memory), first, "bytes of maps after more pictures");
+        renderer.render(&camera(1), &instances(&[light.clone()])).unwrap();
+        assert!(kept(&memory) >= first + MAP);
+        pictures(&mut renderer);
+        let drawn = renderer.counts().shadow;
+        renderer.render(&camera(1), &instances(&[light])).unwrap();
+        assert_eq!(renderer.counts().shadow, drawn, "the map is still there");
+    }
 }
