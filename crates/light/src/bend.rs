@@ -6,7 +6,7 @@ use crate::build::{MAX_SEGMENTS, check_values};
 use crate::parameters::{
     COLOR, CONE_ANGLE, DECAY, END_MODE, INTENSITY, RANGE, ROTATION, SCALE, TRANSLATION, UP,
 };
-use crate::{CheckedLight, ControlPoint, Decay, EndMode, Light, LightError, Setting, Shape};
+use crate::{CheckedLight, ControlPoint, Decay, EndMode, Light, LightError, Setting, Shape, Value};
 
 /// The BendyLight equal to the spotlight `spot`, with `segments` quadratic segments to bend.
 ///
@@ -27,6 +27,7 @@ pub fn bend_to(spot: &Light, segments: usize, reach: f64) -> Result<Light, Light
     if !(1..=MAX_SEGMENTS).contains(&segments) {
         return Err(LightError::SegmentCount { count: segments, limit: MAX_SEGMENTS });
     }
+    RANGE.check(&Value::Number(reach))?;
     let range = spot.get(RANGE);
     let length = range.unwrap_or(reach) / spot.get(SCALE);
     let slope = libm::tan(spot.get(CONE_ANGLE).to_radians());

@@ -181,7 +181,7 @@ fn pictures_of_a_light_without_shadows_keep_nothing_more() {
         assert!(first < before + 100, "nothing is kept but something to bind");
         pictures(&mut renderer);
         assert_eq!(kept(&memory), first, "bytes of maps after more pictures");
-        renderer.render(&camera(1), &instances(&[light.clone()])).unwrap();
+        renderer.render(&camera(1), &instances(std::slice::from_ref(&light))).unwrap();
         assert!(kept(&memory) >= first + MAP);
         pictures(&mut renderer);
         let drawn = renderer.counts().shadow;
