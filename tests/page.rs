@@ -72,6 +72,15 @@ fn nodes_are_linked_on_the_page() {
     in_a_browser("links.mjs");
 }
 
+/// Says on the page how far out a light's edge lies around its axis.
+///
+/// Rules: CURVE-1
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn a_curve_over_an_angle_is_edited_on_the_page() {
+    in_a_browser("curve.mjs");
+}
+
 /// States that are seldom seen, and planted faults.
 ///
 /// Rules: GEST-4

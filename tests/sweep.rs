@@ -10,8 +10,8 @@ use light::parameters::{
     ROTATION, SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH, SHADOW_COLOR, TRANSLATION, UP, WIDTH,
 };
 use light::{
-    CrossSection, Decay, Kind, Light, LightId, LightInstance, Links, Owner, Parameter, ProfileCurve, Setting,
-    Touches, Value,
+    CrossSection, Decay, Kind, Light, LightId, LightInstance, Links, Owner, Parameter, PeriodicCurve,
+    ProfileCurve, Setting, Touches, Value,
 };
 use reference::{LinkedSource, Reference, Source, Surface};
 use render::{Gpu, PassCounts, Picture, Renderer};
@@ -87,7 +87,12 @@ fn others(parameter: &Parameter, now: &Value, node: &str) -> Vec<Value> {
         (Kind::Choice(choices), _) => {
             choices.iter().map(|choice| Value::Choice(choice.name)).filter(|value| value != now).collect()
         }
-        (_, Value::Choice(_) | Value::Links(_)) => Vec::new(),
+        (Kind::PeriodicCurve { .. }, _) => {
+            // Three quarters of the way round it comes in, with a corner in it.
+            let knots = vec![[20.0, 0.9], [100.0, 0.6], [130.0, 0.95], [290.0, 0.75]];
+            PeriodicCurve::new(knots).map(Value::PeriodicCurve).into_iter().collect()
+        }
+        (_, Value::Choice(_) | Value::Links(_) | Value::PeriodicCurve(_)) => Vec::new(),
         (_, Value::Flag(flag)) => vec![Value::Flag(!flag)],
         // A light that is a little wider, longer or brighter is still one.
         (_, Value::Number(number)) => any_of(&[number * 1.2, number * 0.8, number + 0.5]),

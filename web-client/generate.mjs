@@ -43,6 +43,8 @@ const types = await compile(schema, "Protocol", {
   bannerComment: banner,
   unreachableDefinitions: true,
   additionalProperties: false,
+  // Longer lists are arrays: a tuple of each length would be spelled out.
+  maxItems: 4,
   style: { printWidth: 110 },
 });
 if (process.argv.includes("--check")) {

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use glam::{DQuat, DVec3};
-use light::{Choice, Kind, MAX_LINKS, Owner, Parameter, Value};
+use light::{Choice, Kind, MAX_KNOTS, MAX_LINKS, Owner, Parameter, PeriodicCurve, Value};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, DeserializeSeed, MapAccess, Visitor};
 use serde::ser::{SerializeMap, SerializeSeq};
@@ -35,6 +35,7 @@ impl Serialize for Written<'_> {
             Value::Vector(vector) => vector.to_array().serialize(serializer),
             Value::Rotation(rotation) => rotation.to_array().serialize(serializer),
             Value::Text(text) => text.serialize(serializer),
+            Value::PeriodicCurve(curve) => curve.knots().serialize(serializer),
             Value::Links(links) => {
                 let mut map = serializer.serialize_map(None)?;
                 let lists = [("include", links.include()), ("exclude", links.exclude())];
@@ -87,6 +88,9 @@ impl<'de> DeserializeSeed<'de> for ValueOf {
                     .and_then(|links| light::Links::new(links.include, links.exclude))
                     .map_or(Value::Absent, Value::Links)
             }
+            Kind::PeriodicCurve { .. } => Option::<Vec<[f64; 2]>>::deserialize(deserializer)?
+                .and_then(PeriodicCurve::new)
+                .map_or(Value::Absent, Value::PeriodicCurve),
             Kind::Projection => return Err(de::Error::custom("a projection is set with setCamera")),
         })
     }
@@ -198,6 +202,9 @@ pub(crate) fn schema(row: &Parameter) -> Map<String, serde_json::Value> {
                 },
                 "additionalProperties": false,
             })
+        }
+        Kind::PeriodicCurve { .. } => {
+            json!({"type": ["array", "null"], "items": vector(2), "maxItems": MAX_KNOTS})
         }
         Kind::Projection => json!({}),
     };

@@ -141,6 +141,20 @@ pub enum ParameterKind {
         /// Bytes of UTF-8 that all their paths have at most.
         max_bytes: usize,
     },
+    /// A number over an angle: `[[DEGREES, NUMBER], ...]`, the degrees ascending from 0 to less than 360, linear from one to the
+    /// next and from the last on around to the first; or `null` for none.
+    PeriodicCurve {
+        /// Pairs that it has at most.
+        max_knots: usize,
+        /// The least that the number may be.
+        min: f64,
+        /// The most.
+        max: f64,
+        /// What a step of a control changes it by.
+        step: f64,
+        /// What `null` means, for people.
+        none: String,
+    },
     /// How a camera projects, as a whole.
     Projection,
 }
@@ -270,6 +284,9 @@ impl From<light::Kind> for ParameterKind {
             light::Kind::Text { max_bytes } => Self::Text { max_bytes },
             light::Kind::Links => {
                 Self::Links { max_paths: light::MAX_LINKS, max_bytes: light::MAX_LINK_BYTES }
+            }
+            light::Kind::PeriodicCurve { min, max, step, absent } => {
+                Self::PeriodicCurve { max_knots: light::MAX_KNOTS, min, max, step, none: absent.into() }
             }
             light::Kind::Projection => Self::Projection,
         }

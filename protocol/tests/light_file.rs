@@ -2,10 +2,10 @@
 
 use glam::{DQuat, DVec3};
 use light::parameters::{
-    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, LIGHT_LINK, NAME, RANGE,
-    SHADOW_LINK, TRANSLATION, UP, WIDTH,
+    COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, LIGHT_LINK, NAME,
+    RADIAL_FALLOFF, RANGE, SHADOW_LINK, TRANSLATION, UP, WIDTH,
 };
-use light::{Decay, Direction, EndMode, Frame, Light, Links, Owner, Transform};
+use light::{Decay, Direction, EndMode, Frame, Light, Links, Owner, PeriodicCurve, Transform};
 use proptest::prelude::*;
 use protocol::{light_file, point_file};
 
@@ -48,6 +48,23 @@ fn links_are_sets() {
     assert_eq!(written(&Light::spot()).get("lightLink"), None);
     let refused = refusal(r#"{"type": "spot", "lightLink": {"only": ["a"]}}"#);
     assert_eq!(refused, "lightLink.only: unknown field `only`, expected `include` or `exclude`");
+}
+
+/// No pairs are no curve, which is the default.
+///
+/// Rules: CURVE-1
+#[test]
+fn curves_over_an_angle_are_lists_of_pairs() {
+    let light = |json: &str| one(&format!(r#"{{"type": "spot", "radialFalloff": {json}}}"#));
+    for none in ["null", "[]"] {
+        assert_eq!(light(none), Light::spot());
+    }
+    let some = light("[[0, 1], [90.5, 0.25]]");
+    assert_eq!(some, Light::spot().with(RADIAL_FALLOFF, PeriodicCurve::new(vec![[0.0, 1.0], [90.5, 0.25]])));
+    let written = serde_json::to_value(protocol::Light::from(&some)).expect("JSON");
+    assert_eq!(written["radialFalloff"], serde_json::json!([[0.0, 1.0], [90.5, 0.25]]));
+    let refused = refusal(r#"{"type": "spot", "radialFalloff": [[0, 1], [90]]}"#);
+    assert_eq!(refused, "radialFalloff[1]: invalid length 1, expected an array of length 2");
 }
 
 #[test]

@@ -91,6 +91,10 @@ fn values(kind: &ParameterKind) -> String {
         ParameterKind::Rotation => "[x, y, z, w]".into(),
         ParameterKind::Text { max_bytes } => format!("text, at most {max_bytes} bytes"),
         ParameterKind::Links { .. } => "{include, exclude}, paths of nodes; null: all".into(),
+        ParameterKind::PeriodicCurve { max_knots, min, max, none, .. } => {
+            let none = none.to_lowercase();
+            format!("[[degrees, {min} to {max}], ...], at most {max_knots} pairs; null: {none}")
+        }
         ParameterKind::Projection => "a projection".into(),
     }
 }

@@ -67,6 +67,21 @@ pub enum LightError {
         /// How many it may name.
         limit: usize,
     },
+    /// A curve over an angle with too many knots.
+    #[error("`{field}` has {count} pairs, at most {limit} may be: leave some out")]
+    TooManyKnots {
+        /// The field.
+        field: &'static str,
+        /// How many it has.
+        count: usize,
+        /// How many it may have.
+        limit: usize,
+    },
+    /// A curve over an angle that goes back, or more than once around.
+    #[error(
+        "`{0}` must be pairs [degrees, number] whose degrees ascend from 0 to less than 360, each given once: sort them"
+    )]
+    Knots(&'static str),
     /// A value of another type than the parameter's.
     #[error("`{field}` must be {expected}: change it")]
     OtherType {

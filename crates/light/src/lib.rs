@@ -31,6 +31,7 @@ mod links;
 mod parameter;
 pub mod parameters;
 mod part;
+mod periodic_curve;
 mod place;
 mod rays;
 mod reach;
@@ -53,7 +54,7 @@ pub use checked::{CheckedLight, LightInstance, Rays};
 pub use curve::{Curve, TubeBox, quadratic_range};
 pub use emission::emission;
 pub use error::LightError;
-pub use filter::{Cut, LightFilter, Profile, Section, blackbody, irradiance};
+pub use filter::{Cut, LightFilter, Profile, Radial, Section, blackbody, irradiance};
 pub use links::{Links, MAX_LINK_BYTES, MAX_LINKS};
 pub use parameter::{
     Backing, Choice, Key, Kind, MAX_NAME_BYTES, Number, Of, Owner, Parameter, Scale, Setting, Touches, Typed,
@@ -61,6 +62,7 @@ pub use parameter::{
 };
 pub use parameters::{add_parameters, parameter_of, parameters, parameters_of};
 pub use part::Part;
+pub use periodic_curve::{MAX_KNOTS, PeriodicCurve, Piece};
 pub use place::Place;
 pub use rays::cone::Cone;
 pub use rays::omni::Omni;

@@ -10,7 +10,7 @@ use std::ops::{Bound, Deref, RangeBounds};
 
 use glam::{DQuat, DVec3};
 
-use crate::{LightError, Links, MAX_LINK_BYTES, MAX_LINKS};
+use crate::{LightError, Links, MAX_KNOTS, MAX_LINK_BYTES, MAX_LINKS, PeriodicCurve};
 
 /// Bytes that a name has at most.
 pub const MAX_NAME_BYTES: usize = 256;
@@ -115,6 +115,17 @@ pub enum Kind {
     },
     /// Some nodes of the scene, or all of them.
     Links,
+    /// A number over an angle in degrees, or none.
+    PeriodicCurve {
+        /// The least that it may be anywhere.
+        min: f64,
+        /// The most.
+        max: f64,
+        /// What a step of a control changes one by.
+        step: f64,
+        /// What it means that there is none, for people.
+        absent: &'static str,
+    },
     /// How a camera projects, as a whole.
     Projection,
 }
@@ -160,14 +171,18 @@ pub struct Choice {
 pub trait Backing {
     /// Of [`Kind::Links`].
     type Links;
+    /// Of [`Kind::PeriodicCurve`].
+    type PeriodicCurve;
 }
 
 impl Backing for String {
     type Links = Links;
+    type PeriodicCurve = PeriodicCurve;
 }
 
 impl Backing for &'static str {
     type Links = Infallible;
+    type PeriodicCurve = Infallible;
 }
 
 /// A value of any parameter; `S` holds text.
@@ -175,7 +190,7 @@ impl Backing for &'static str {
 pub enum Value<S: Backing = String> {
     /// Of [`Kind::Number`].
     Number(f64),
-    /// Of [`Kind::Number`], where it is optional and absent; of [`Kind::Links`] all nodes.
+    /// Of [`Kind::Number`] and [`Kind::PeriodicCurve`], where it is optional and absent; of [`Kind::Links`] all nodes.
     Absent,
     /// Of [`Kind::Flag`].
     Flag(bool),
@@ -189,6 +204,8 @@ pub enum Value<S: Backing = String> {
     Text(S),
     /// Of [`Kind::Links`].
     Links(S::Links),
+    /// Of [`Kind::PeriodicCurve`].
+    PeriodicCurve(S::PeriodicCurve),
 }
 
 impl Value<&'static str> {
@@ -202,7 +219,7 @@ impl Value<&'static str> {
             Self::Vector(vector) => Value::Vector(vector),
             Self::Rotation(rotation) => Value::Rotation(rotation),
             Self::Text(text) => Value::Text(text.into()),
-            Self::Links(never) => match never {},
+            Self::Links(never) | Self::PeriodicCurve(never) => match never {},
         }
     }
 }
@@ -358,6 +375,20 @@ impl Typed for Option<Links> {
     }
 }
 
+impl Typed for Option<PeriodicCurve> {
+    fn into_value(self) -> Value {
+        self.map_or(Value::Absent, Value::PeriodicCurve)
+    }
+
+    fn from_value(value: &Value) -> Option<Self> {
+        match value {
+            Value::PeriodicCurve(curve) => Some(Some(curve.clone())),
+            Value::Absent => Some(None),
+            _ => None,
+        }
+    }
+}
+
 /// Gives an enum its words.
 macro_rules! choices {
     ($name:ident { $($variant:ident: $word:literal, $label:literal;)+ }) => {
@@ -416,16 +447,21 @@ impl Parameter {
         let field = self.path;
         match (&self.kind, value) {
             (Kind::Number(number), Value::Absent) if number.absent.is_some() => Ok(()),
-            (Kind::Number(number), Value::Number(value)) => {
-                if !value.is_finite() {
-                    return Err(LightError::NotFinite(field));
+            (Kind::Number(number), Value::Number(value)) => number.check(field, *value),
+            (Kind::PeriodicCurve { min, max, .. }, Value::PeriodicCurve(curve)) => {
+                let number = Number { min: Bound::Included(*min), max: Bound::Included(*max), ..Number::ANY };
+                let count = curve.knots().len();
+                if count > MAX_KNOTS {
+                    return Err(LightError::TooManyKnots { field, count, limit: MAX_KNOTS });
                 }
-                if (number.min, number.max).contains(value) {
-                    return Ok(());
+                if !curve.ascends() {
+                    return Err(LightError::Knots(field));
                 }
-                Err(LightError::OutOfDomain { field, value: *value, domain: number.domain() })
+                curve.knots().iter().try_for_each(|[_, value]| number.check(field, *value))
             }
-            (Kind::Flag, Value::Flag(_)) | (Kind::Links, Value::Absent) => Ok(()),
+            (Kind::Flag, Value::Flag(_)) | (Kind::Links | Kind::PeriodicCurve { .. }, Value::Absent) => {
+                Ok(())
+            }
             (Kind::Choice(choices), Value::Choice(name)) if choices.iter().any(|c| c.name == *name) => Ok(()),
             (Kind::Color | Kind::Vector { .. }, Value::Vector(vector)) if vector.is_finite() => Ok(()),
             (Kind::Color | Kind::Vector { .. }, Value::Vector(_)) => Err(LightError::NotFinite(field)),
@@ -468,6 +504,17 @@ impl Number {
         absent: None,
     };
 
+    /// Refuses a value of `field` that is not finite or out of range.
+    fn check(&self, field: &'static str, value: f64) -> Result<(), LightError> {
+        if !value.is_finite() {
+            return Err(LightError::NotFinite(field));
+        }
+        if (self.min, self.max).contains(&value) {
+            return Ok(());
+        }
+        Err(LightError::OutOfDomain { field, value, domain: self.domain() })
+    }
+
     /// The range, as the end of a sentence.
     fn domain(&self) -> String {
         use Bound::{Excluded, Included, Unbounded};
@@ -507,6 +554,7 @@ impl fmt::Display for Kind {
             Self::Rotation => f.write_str("four numbers [x, y, z, w]"),
             Self::Text { .. } => f.write_str("text"),
             Self::Links => f.write_str("null or an object {include, exclude} with lists of nodes' paths"),
+            Self::PeriodicCurve { .. } => f.write_str("null or a list of pairs [degrees, number]"),
             Self::Projection => f.write_str(
                 r#"{"perspective": {"yfov", "znear"}} or {"orthographic": {"ymag", "znear", "zfar"}}, with numbers"#,
             ),

@@ -11,7 +11,9 @@ use glam::{DQuat, DVec3};
 use crate::parameter::{
     Key, Kind, MAX_NAME_BYTES, Number, Of, Owner, Parameter, Scale, Setting, Touches, Value,
 };
-use crate::{ControlPoint, CrossSection, Decay, Direction, EndMode, Frame, Links, ProfileCurve};
+use crate::{
+    ControlPoint, CrossSection, Decay, Direction, EndMode, Frame, Links, PeriodicCurve, ProfileCurve,
+};
 
 /// Rows, each with a constant that knows the type of its values.
 macro_rules! rows {
@@ -376,6 +378,16 @@ rows! { LIGHT_ROWS:
         }),
         group: "Section",
         label: "Roundness",
+        ..ROW
+    };
+    RADIAL_FALLOFF: Option<PeriodicCurve> = "How far out the light's edge lies, as a share of the way, over the angle around its axis: degrees from its left over its top, as seen along it.",
+    Parameter {
+        name: "radialFalloff",
+        path: "radialFalloff",
+        of: &conical(Value::Absent, Radiance),
+        kind: Kind::PeriodicCurve { min: 0.001, max: 1.0, step: 0.01, absent: "Even all around" },
+        group: "Section",
+        label: "Radial falloff",
         ..ROW
     };
     RANGE: Option<f64> = "World distance at which the light ends, along the axis of a spotlight; endless without.",

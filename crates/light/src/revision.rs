@@ -105,6 +105,10 @@ impl Walk {
             Value::Vector(vector) => self.reals(&vector.to_array()),
             Value::Rotation(rotation) => self.reals(&rotation.to_array()),
             Value::Text(text) => self.text(text),
+            Value::PeriodicCurve(curve) => {
+                self.number(curve.knots().len() as u64);
+                curve.knots().iter().for_each(|knot| self.reals(knot));
+            }
             Value::Links(links) => {
                 for paths in [links.include(), links.exclude()] {
                     self.number(paths.len() as u64);

@@ -9,6 +9,8 @@ pub(crate) struct BakedFilter {
     profile: ProfileCurve,
     /// Whether its outline is a superellipse.
     superellipse: bool,
+    /// Whether its edge lies farther out to one side than to another.
+    radial: bool,
     /// Whether light begins or ends somewhere along its way.
     cut: bool,
     /// Whether anything shadows it.
@@ -20,6 +22,7 @@ impl BakedFilter {
         Self {
             profile: filter.profile.curve,
             superellipse: filter.section != Section::Circle,
+            radial: !filter.radial.is_even(),
             cut: filter.cut != Cut::NONE,
             shadowed: filter.shadow_enable,
         }
@@ -28,20 +31,27 @@ impl BakedFilter {
     /// Each value of each field at least once, that of most lights first.
     #[cfg(test)]
     pub fn samples() -> [Self; 4] {
-        let plain = Self { profile: ProfileCurve::Smooth, superellipse: false, cut: false, shadowed: true };
+        let plain = Self {
+            profile: ProfileCurve::Smooth,
+            superellipse: false,
+            radial: false,
+            cut: false,
+            shadowed: true,
+        };
         [
             plain,
             Self { profile: ProfileCurve::Linear, shadowed: false, ..plain },
             Self { profile: ProfileCurve::Power, superellipse: true, ..plain },
-            Self { profile: ProfileCurve::Cosine, cut: true, ..plain },
+            Self { profile: ProfileCurve::Cosine, radial: true, cut: true, ..plain },
         ]
     }
 
     /// `wgsl` with its constants.
     pub fn into_wgsl(self, wgsl: &str) -> String {
-        let Self { profile, superellipse, cut, shadowed } = self;
+        let Self { profile, superellipse, radial, cut, shadowed } = self;
         format!(
-            "const PROFILE = {}u;\nconst SUPERELLIPSE = {superellipse};\nconst CUT = {cut};\nconst SHADOWED = {shadowed};\n{wgsl}",
+            "const PROFILE = {}u;\nconst SUPERELLIPSE = {superellipse};\nconst RADIAL = {radial};\n\
+             const CUT = {cut};\nconst SHADOWED = {shadowed};\n{wgsl}",
             profile as u32
         )
     }

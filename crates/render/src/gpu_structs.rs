@@ -138,6 +138,12 @@ gpu_struct! {
 /// Length of the array of faces in `spot.wgsl`.
 pub(crate) const SPOT_FACES: usize = 5;
 
+/// Length of the array of pieces in `filter.wgsl`: one more than there may be knots.
+pub(crate) const RADIAL_PIECES: usize = light::MAX_KNOTS + 1;
+
+/// A piece that begins past all angles.
+const NO_PIECE: [f32; 4] = [LARGE as f32, 1.0, 1.0, 0.0];
+
 /// Where f64 goes on and f32 does not: a ramp that steep is a step in single precision too, and `filter.wgsl` keeps light
 /// that strong within it.
 const LARGE: f64 = 1e30;
@@ -159,18 +165,33 @@ gpu_struct! {
         section_scale: [f32; 2],
         section_power: f32,
         pad0: f32,
+        radial: [[f32; 4]; RADIAL_PIECES],
     }
 }
 
 impl From<&light::LightFilter> for LightFilter {
     fn from(filter: &light::LightFilter) -> Self {
         let light::LightFilter {
-            tint, diffuse, specular, shadow_color, profile, section, decay, cut, ..
+            tint,
+            diffuse,
+            specular,
+            shadow_color,
+            profile,
+            section,
+            radial,
+            decay,
+            cut,
+            ..
         } = filter;
         let (section_scale, section_power) = match *section {
             light::Section::Circle => ([1.0; 2], 2.0),
             light::Section::Superellipse { scale, power } => (scale, power),
         };
+        let mut pieces = [NO_PIECE; RADIAL_PIECES];
+        for (slot, piece) in pieces.iter_mut().zip(&radial.pieces) {
+            let [from, to] = piece.values;
+            *slot = [piece.from, from, to, piece.inverse_length].map(|value| value.min(LARGE) as f32);
+        }
         let f32s = |values: [f64; 2]| values.map(|value| value.clamp(-LARGE, LARGE) as f32);
         Self {
             tint: tint.min(DVec3::splat(LARGE)).as_vec3().to_array(),
@@ -186,6 +207,7 @@ impl From<&light::LightFilter> for LightFilter {
             section_scale: f32s(section_scale),
             section_power: section_power.min(LARGE) as f32,
             pad0: 0.0,
+            radial: pieces,
             inverse_span: profile.inverse_span.min(LARGE) as f32,
         }
     }

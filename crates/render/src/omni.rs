@@ -70,7 +70,7 @@ impl GpuOmni {
         };
         let corners = if low.cmple(high).all() { 0..8 } else { 0..0 };
         let least_distance = least_distance.max(omni.light_filter.least_distance);
-        let light_filter = LightFilter { least_distance, ..omni.light_filter };
+        let light_filter = LightFilter { least_distance, ..omni.light_filter.clone() };
         Self {
             uniform: gpu_structs::Omni {
                 light_from_scene: columns(&DMat4::from(light_from_scene)),

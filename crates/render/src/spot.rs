@@ -48,7 +48,7 @@ impl GpuSpot {
         }
 
         let least_distance = least_distance.max(cone.light_filter.least_distance);
-        let light_filter = LightFilter { least_distance, ..cone.light_filter };
+        let light_filter = LightFilter { least_distance, ..cone.light_filter.clone() };
         let end = cone.range.unwrap_or(far);
         let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
             .map(|(x, y)| DVec3::new(x * cone.tan_outer, y * cone.tan_outer, -1.0) * end);

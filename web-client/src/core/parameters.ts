@@ -94,7 +94,9 @@ export function setParameter(light: number, { name }: Parameter, value: unknown,
 export const isSameValue = (a: unknown, b: unknown): boolean => JSON.stringify(a) === JSON.stringify(b);
 
 const isOptional = (kind: Kind): boolean =>
-  kind.type === "links" || (kind.type === "number" && kind.none !== undefined);
+  kind.type === "links" ||
+  kind.type === "periodicCurve" ||
+  (kind.type === "number" && kind.none !== undefined);
 
 /** The share of a step by which a number that may only come near to a limit stays away from it. */
 const NEAR = 0.1;

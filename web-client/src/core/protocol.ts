@@ -86,6 +86,7 @@ export type LightParameter =
   | LightSectionWidth
   | LightSectionHeight
   | LightSectionRoundness
+  | LightRadialFalloff
   | LightRange
   | LightWidth
   | LightHeight
@@ -272,6 +273,7 @@ export type ParameterKind =
   | RotationKind
   | TextKind
   | LinksKind
+  | PeriodicCurveKind
   | ProjectionKind;
 /**
  * `light::Scale` in JSON.
@@ -667,6 +669,12 @@ export interface Bendy {
    */
   profilePower: number;
   /**
+   * How far out the light's edge lies, as a share of the way, over the angle around its axis: degrees from its left over its top, as seen along it.
+   *
+   * @maxItems 16
+   */
+  radialFalloff?: [number, number][];
+  /**
    * Radius of the tube, light-local. One a control point.
    */
   radii: number[];
@@ -843,6 +851,12 @@ export interface Spot {
    * Exponent of the power and cosine profiles.
    */
   profilePower: number;
+  /**
+   * How far out the light's edge lies, as a share of the way, over the angle around its axis: degrees from its left over its top, as seen along it.
+   *
+   * @maxItems 16
+   */
+  radialFalloff?: [number, number][];
   /**
    * World distance at which the light ends, along the axis of a spotlight; endless without.
    */
@@ -1476,6 +1490,17 @@ export interface LightSectionRoundness {
    * From 0, a rectangle, to 1, an ellipse. What would reach past the light's radius is made smaller as a whole.
    */
   sectionRoundness: number;
+}
+/**
+ * How far out the light's edge lies, as a share of the way, over the angle around its axis: degrees from its left over its top, as seen along it.
+ */
+export interface LightRadialFalloff {
+  /**
+   * How far out the light's edge lies, as a share of the way, over the angle around its axis: degrees from its left over its top, as seen along it.
+   *
+   * @maxItems 16
+   */
+  radialFalloff: [number, number][] | null;
 }
 /**
  * World distance at which the light ends, along the axis of a spotlight; endless without.
@@ -2693,6 +2718,33 @@ export interface LinksKind {
    */
   maxPaths: number;
   type: "links";
+}
+/**
+ * A number over an angle: `[[DEGREES, NUMBER], ...]`, the degrees ascending from 0 to less than 360, linear from one to the
+ * next and from the last on around to the first; or `null` for none.
+ */
+export interface PeriodicCurveKind {
+  /**
+   * The most.
+   */
+  max: number;
+  /**
+   * Pairs that it has at most.
+   */
+  maxKnots: number;
+  /**
+   * The least that the number may be.
+   */
+  min: number;
+  /**
+   * What `null` means, for people.
+   */
+  none: string;
+  /**
+   * What a step of a control changes it by.
+   */
+  step: number;
+  type: "periodicCurve";
 }
 /**
  * How a camera projects, as a whole.

@@ -3,11 +3,13 @@
 import { useRef } from "preact/hooks";
 
 import { type LinksValue, textOfLinks } from "../core/links";
+import type { Knot, PeriodicCurve } from "../core/periodic_curve";
 import type { Kind, NumberKind } from "../core/parameters";
 import type { Parameter } from "../core/protocol";
 import { clampTo, firstValue, isSameValue, sliderEnds, stepTo } from "../core/parameters";
 import { fromEulerDegrees, type Quat, toEulerDegrees, type Vec3 } from "../core/vector";
 import { type Binding, through } from "./binding";
+import { CurveField } from "./curve_field";
 import { ColorField } from "./color_field";
 import { Checkbox, Choice, type FieldProps, TextField, VectorField } from "./fields";
 import { formatNumber } from "./format";
@@ -77,6 +79,8 @@ export function ParameterField({ row, value, initial, among, binding, disabled }
       );
     case "links":
       return <LinksField {...props<LinksValue>()} />;
+    case "periodicCurve":
+      return <CurveField kind={kind} {...props<PeriodicCurve>()} />;
     case "projection":
       // A camera's; it is set by looking from there.
       return null;
@@ -165,6 +169,8 @@ function textOf(kind: Kind, value: unknown): string {
       return numbers(toEulerDegrees(value as Quat));
     case "links":
       return textOfLinks(value as LinksValue);
+    case "periodicCurve":
+      return value === null ? kind.none.toLowerCase() : `${(value as readonly Knot[]).length} knots`;
     case "text":
     case "projection":
       return String(value);

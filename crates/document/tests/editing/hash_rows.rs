@@ -6,8 +6,8 @@ use document::{Document, Layout, PlacedLight};
 use glam::{DQuat, DVec3};
 use light::parameters::{NAME, POSITION};
 use light::{
-    CheckedLight, ControlPoint, Kind, Light, Links, Of, Owner, Parameter, Setting, Typed, Value, parameters,
-    parameters_of,
+    CheckedLight, ControlPoint, Kind, Light, Links, Of, Owner, Parameter, PeriodicCurve, Setting, Typed,
+    Value, parameters, parameters_of,
 };
 use sha2::{Digest, Sha256};
 
@@ -33,7 +33,8 @@ fn another(parameter: &Parameter, now: &Value) -> Value {
         }
         Value::Absent => {
             let links = Links::new(Vec::new(), vec!["table".into()]).map(Value::Links);
-            [0.5, 1.0, -1.0].map(Value::Number).into_iter().chain(links).collect()
+            let curve = PeriodicCurve::new(vec![[30.0, 0.5]]).map(Value::PeriodicCurve);
+            [0.5, 1.0, -1.0].map(Value::Number).into_iter().chain(links).chain(curve).collect()
         }
         Value::Flag(flag) => vec![Value::Flag(!flag)],
         Value::Choice(_) => match parameter.kind {
@@ -43,6 +44,10 @@ fn another(parameter: &Parameter, now: &Value) -> Value {
         Value::Vector(vector) => vec![Value::Vector(*vector + DVec3::new(0.125, 0.0625, 0.03125))],
         Value::Rotation(rotation) => vec![Value::Rotation(*rotation * DQuat::from_rotation_y(0.5))],
         Value::Text(text) => vec![Value::Text(format!("{text}e"))],
+        Value::PeriodicCurve(curve) => {
+            let turned = curve.knots().iter().map(|[degrees, value]| [degrees + 0.5, *value]);
+            vec![PeriodicCurve::new(turned.collect()).into_value()]
+        }
         Value::Links(links) => vec![Links::new(links.exclude().into(), links.include().into()).into_value()],
     };
     let mut others = candidates.into_iter().filter(|value| value != now && parameter.check(value).is_ok());

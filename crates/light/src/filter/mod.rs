@@ -4,6 +4,7 @@
 mod blackbody;
 mod distance;
 mod profile;
+mod radial;
 mod section;
 
 use glam::DVec3;
@@ -19,10 +20,11 @@ use crate::{Decay, Key, Light, Place};
 pub use blackbody::blackbody;
 pub use distance::Cut;
 pub use profile::Profile;
+pub use radial::Radial;
 pub use section::Section;
 
 /// How bright a light is as a whole, how it falls off across and along it, and what its shadows look like.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LightFilter {
     /// Factor of all that it emits, linear RGB: `color intensity 2^exposure` times the colour of its temperature, or 0 where
     /// the light is off.
@@ -39,6 +41,8 @@ pub struct LightFilter {
     pub profile: Profile,
     /// What its cross-section looks like.
     pub section: Section,
+    /// How far out it reaches around its axis.
+    pub radial: Radial,
     /// Along it.
     pub decay: Decay,
     /// Where along it light begins and ends.
@@ -60,6 +64,7 @@ impl LightFilter {
             shadow_color: light.get(SHADOW_COLOR).max(DVec3::ZERO),
             profile: if light.value(&CONE_ANGLE).is_some() { Profile::of(light) } else { Profile::FLAT },
             section: Section::of(light),
+            radial: Radial::of(light),
             decay: own(light, DECAY).unwrap_or_default(),
             cut: Cut::of(light),
             least_distance: own(light, DECAY_START).unwrap_or(0.0).max(least_distance),
@@ -91,8 +96,10 @@ pub fn irradiance(filter: &LightFilter, emission: DVec3, place: &Place) -> DVec3
 
 /// What becomes of light across: nothing is left outside of an outline that the light does not end at by itself.
 fn across(filter: &LightFilter, place: &Place) -> f64 {
-    let rho2 = filter.section.rho2(place.v, place.w);
-    let is_outside = filter.section != Section::Circle && rho2 > 1.0;
+    let share = filter.radial.share(place.v, place.w);
+    let rho2 = filter.section.rho2(place.v, place.w) / (share * share);
+    let has_outline = filter.section != Section::Circle || !filter.radial.is_even();
+    let is_outside = has_outline && rho2 > 1.0;
     if is_outside { 0.0 } else { filter.profile.at(rho2) }
 }
 

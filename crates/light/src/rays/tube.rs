@@ -152,7 +152,7 @@ impl From<&Tube<f64>> for Tube<f32> {
             frame: tube.frame,
             up: tube.up.as_vec3(),
             direction: tube.direction,
-            light_filter: tube.light_filter,
+            light_filter: tube.light_filter.clone(),
         }
     }
 }

@@ -7,10 +7,11 @@ use glam::DVec3;
 use light::parameters::{
     COLOR, COLOR_TEMPERATURE, CONE_ANGLE, CONE_SOFTNESS, CROSS_SECTION, CUT_OFF, CUT_ON, DECAY, DECAY_START,
     ENABLE_COLOR_TEMPERATURE, ENABLED, EXPOSURE, FAR_EDGE, INTENSITY, NEAR_EDGE, PROFILE, PROFILE_POWER,
-    SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH,
+    RADIAL_FALLOFF, SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH,
 };
 use light::{
-    CheckedLight, Cone, CrossSection, Decay, Light, LightFilter, ProfileCurve, Section, bend, blackbody,
+    CheckedLight, Cone, CrossSection, Decay, Light, LightFilter, MAX_KNOTS, PeriodicCurve, ProfileCurve,
+    Section, bend, blackbody,
 };
 
 const POINTS: u32 = 1000;
@@ -175,6 +176,59 @@ fn a_section_without_roundness_is_a_rectangle() {
         assert!((section.rho2(x, y).sqrt() - rho).abs() < 1e-14 * rho, "({x}, {y})");
     }
     assert!((section.rho2(0.4, 0.2) - 1.0).abs() < 1e-14);
+}
+
+/// The profile's edge is scaled by the share: linear from one angle to the next, and around from the last to the first;
+/// from the light's left over its top.
+///
+/// Rules: CURVE-1
+#[test]
+fn the_edge_lies_as_far_out_as_the_radial_falloff_says() {
+    let around = |knots: &[[f64; 2]], degrees: f64| {
+        let turned = |turns: f64| knots.iter().map(move |[at, share]| [at + 360.0 * turns, *share]);
+        let line: Vec<_> = turned(-1.0).chain(turned(0.0)).chain(turned(1.0)).collect();
+        let between = line.windows(2).find(|pair| (pair[0][0]..=pair[1][0]).contains(&degrees));
+        let [[a, from], [b, to]] = between.expect("three turns hold it")[..] else { unreachable!() };
+        from + (to - from) * (degrees - a) / (b - a)
+    };
+    let lists: [&[[f64; 2]]; 4] = [
+        &[[40.0, 0.5]],
+        &[[0.0, 1.0], [180.0, 0.25]],
+        &[[30.0, 0.9], [31.0, 0.2], [300.0, 0.6]],
+        &std::array::from_fn::<_, MAX_KNOTS, _>(|k| {
+            [22.5 * k as f64 + 3.0, if k % 2 == 0 { 1.0 } else { 0.4 }]
+        }),
+    ];
+    for knots in lists {
+        let spot = Light::spot().with(CONE_SOFTNESS, 1.0).with(PROFILE, ProfileCurve::Linear);
+        let cone = |curve| Cone::new(&spot.clone().with(RADIAL_FALLOFF, curve)).expect("valid");
+        let curved = cone(PeriodicCurve::new(knots.to_vec()));
+        let mut turned_off = 0.0_f64;
+        for (degrees, rho) in
+            shares().map(|share| 360.0 * share).zip(shares().map(|share| (share * 7.3).fract()))
+        {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let across = rho * 25f64.to_radians().tan();
+            let place = curved.locate(DVec3::new(-across * cos, across * sin, -1.0)).expect("in the cone");
+            let given = curved.irradiance(&place).x * place.s * place.s;
+            let expected = |share: f64| (1.0 - rho / share).max(0.0);
+            let off = (given - expected(around(knots, degrees))).abs();
+            // A degree of these is at most 0.7, and an angle is exact to a few ulp of 360.
+            assert!(off < ROUNDING, "{knots:?} {degrees} {rho}: {off:e}");
+            // The planted fault: the other way around.
+            turned_off = turned_off.max((given - expected(around(knots, 360.0 - degrees))).abs());
+        }
+        assert_eq!(turned_off > 0.1, knots.len() > 2, "{turned_off}");
+    }
+    // A step stays one: nothing is left past its edge.
+    let hard =
+        Light::spot().with(CONE_SOFTNESS, 0.0).with(RADIAL_FALLOFF, PeriodicCurve::new(vec![[0.0, 0.5]]));
+    let cone = Cone::new(&hard).expect("valid");
+    let at = |rho: f64| {
+        let place = cone.locate(DVec3::new(0.0, rho * 25f64.to_radians().tan(), -1.0)).expect("in the cone");
+        cone.irradiance(&place).x > 0.0
+    };
+    assert_eq!([0.0, 0.49, 0.51, 0.99].map(at), [true, true, false, false]);
 }
 
 fn filter(light: &Light) -> LightFilter {

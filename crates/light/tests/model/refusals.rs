@@ -4,11 +4,12 @@ use std::ops::Bound;
 
 use glam::{DQuat, DVec3};
 use light::parameters::{
-    CONE_ANGLE, CONE_SOFTNESS, INTENSITY, LIGHT_LINK, RANGE, ROTATION, SCALE, SHADOW_LINK, TRANSLATION, UP,
+    CONE_ANGLE, CONE_SOFTNESS, INTENSITY, LIGHT_LINK, RADIAL_FALLOFF, RANGE, ROTATION, SCALE, SHADOW_LINK,
+    TRANSLATION, UP,
 };
 use light::{
-    CheckedLight, ControlPoint, Kind, Light, LightError, LightWarning, Links, MAX_LINK_BYTES, MAX_LINKS,
-    Owner, Tube, Value, bend,
+    CheckedLight, ControlPoint, Kind, Light, LightError, LightWarning, Links, MAX_KNOTS, MAX_LINK_BYTES,
+    MAX_LINKS, Owner, PeriodicCurve, Tube, Value, bend,
 };
 
 fn along_z(n: usize) -> Light {
@@ -82,7 +83,6 @@ fn spotlights() {
     assert!(matches!(bend(&Light::spot(), 0), Err(LightError::SegmentCount { count: 0, .. })));
 }
 
-/// A curl that comes back through its own light is usable, and said.
 /// Rules: LINK-4
 #[test]
 fn links_have_limits() {
@@ -106,6 +106,35 @@ fn links_have_limits() {
     assert!(matches!(CheckedLight::new(text), Err(LightError::OtherType { field: "lightLink", .. })));
 }
 
+/// Rules: CURVE-1
+#[test]
+fn curves_over_an_angle_are_in_order_and_in_range() {
+    let refusal = |knots: Vec<[f64; 2]>| {
+        let curve = PeriodicCurve::new(knots);
+        CheckedLight::new(Light::spot().with(RADIAL_FALLOFF, curve)).expect_err("refused").to_string()
+    };
+    let order = "`radialFalloff` must be pairs [degrees, number] whose degrees ascend from 0 to less than 360, each given \
+                 once: sort them";
+    for knots in [
+        vec![[10.0, 1.0], [5.0, 1.0]],
+        vec![[10.0, 1.0], [10.0, 0.5]],
+        vec![[-1.0, 1.0]],
+        vec![[0.0, 1.0], [360.0, 1.0]],
+        vec![[f64::NAN, 1.0]],
+    ] {
+        assert_eq!(refusal(knots.clone()), order, "{knots:?}");
+    }
+    let range = "`radialFalloff` is 1.5, but it must lie from 0.001 to 1: change it";
+    assert_eq!(refusal(vec![[0.0, 1.0], [90.0, 1.5]]), range);
+    assert_eq!(
+        refusal(vec![[0.0, f64::NAN]]),
+        "`radialFalloff` holds a number that is not finite: replace it"
+    );
+    let many = (0..=MAX_KNOTS).map(|k| [k as f64, 1.0]).collect();
+    assert_eq!(refusal(many), "`radialFalloff` has 17 pairs, at most 16 may be: leave some out");
+}
+
+/// A curl that comes back through its own light is usable, and said.
 #[test]
 fn overlaps_are_reported() {
     let ring = |turn: f64, drop: f64| {

@@ -17,6 +17,7 @@ const TWINS: [(&str, &str, &[&str]); 11] = [
         concat!(
             include_str!("../../../light/src/filter/mod.rs"),
             include_str!("../../../light/src/filter/profile.rs"),
+            include_str!("../../../light/src/filter/radial.rs"),
             include_str!("../../../light/src/filter/section.rs"),
             include_str!("../../../light/src/filter/distance.rs"),
         ),
