@@ -5,6 +5,7 @@
 //! [`pack`] makes one file of many, for keeping by its hash.
 //! Input never panics; it loads, or an [`AssetError`] says why not and what to do.
 
+mod default_key;
 mod demo;
 mod fault;
 mod import;

@@ -2,10 +2,12 @@
 
 mod support;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use assets::Fault;
 use document::SceneContents;
+use serde_json::Value;
 
 /// The scene files in and below a folder, sorted.
 fn scene_files(folder: &Path) -> Vec<PathBuf> {
@@ -127,4 +129,62 @@ fn packed_shared_assets_stay_what_they_are() {
     }
     println!("{same} scenes the same, {inlined} files made of several");
     assert!(same > 30 && inlined > 5, "{same} {inlined}");
+}
+
+/// How many lights the nodes of the scene that is drawn have, by the file's JSON alone.
+fn punctual_lights(file: &[u8]) -> usize {
+    // A binary file begins with its JSON: 12 bytes before it, and its length.
+    let json = match file.strip_prefix(b"glTF") {
+        Some(binary) => {
+            let length = u32::from_le_bytes(binary[8..12].try_into().expect("four bytes")) as usize;
+            &binary[16..16 + length]
+        }
+        None => file,
+    };
+    let has_light = |node: &Value| node["extensions"]["KHR_lights_punctual"]["light"].is_u64();
+    let root: Value = serde_json::from_slice(json).expect("JSON");
+    let node = |index: &Value| &root["nodes"][index.as_u64().expect("an index") as usize];
+    let drawn = root["scene"].as_u64().unwrap_or(0) as usize;
+    // Without a scene all nodes are drawn.
+    let Some(roots) = root["scenes"][drawn]["nodes"].as_array() else {
+        return root["nodes"].as_array().into_iter().flatten().filter(|node| has_light(node)).count();
+    };
+    let mut waiting: Vec<&Value> = roots.iter().map(node).collect();
+    let mut count = 0;
+    while let Some(at) = waiting.pop() {
+        count += usize::from(has_light(at));
+        waiting.extend(at["children"].as_array().into_iter().flatten().map(node));
+    }
+    count
+}
+
+/// How many lights a note says are left out: it names the first.
+fn left_out(notes: &[String]) -> usize {
+    let note = notes.iter().find(|note| note.contains("lights that stand infinitely far away"));
+    let others = |note: &String| note.rsplit_once(" and ")?.1.strip_suffix(" more")?.parse::<usize>().ok();
+    note.map_or(0, |note| 1 + others(note).unwrap_or(0))
+}
+
+/// Every light of every file is there, or a note says that it is not; and every file with something to see is lit.
+#[test]
+#[ignore = "needs ../shared/assets"]
+fn no_light_of_shared_assets_is_dropped() {
+    let folder = support::assets_folder();
+    let mut files_by_lights: BTreeMap<usize, usize> = BTreeMap::new();
+    for path in scene_files(&folder) {
+        let Ok(loaded) = assets::load(&path) else { continue };
+        let name = path.display();
+        let there = punctual_lights(&std::fs::read(&path).expect("it has just been read"));
+        let read = loaded.contents.lights.len();
+        assert_eq!(read + left_out(&loaded.notes), there, "{name}");
+        let triangles = scene::pose(loaded.scene.clone()).triangle_count();
+        let lit = loaded.lit();
+        let is_key = |note: &String| note.ends_with("default key");
+        let gets_key = read == 0 && triangles > 0;
+        assert_eq!(lit.contents.lights.len(), read + usize::from(gets_key), "{name}");
+        assert_eq!(lit.notes.iter().any(is_key), gets_key, "{name}: {:?}", lit.notes);
+        *files_by_lights.entry(there).or_default() += 1;
+    }
+    println!("files by how many lights they have: {files_by_lights:?}");
+    assert!(files_by_lights[&0] > 30 && files_by_lights.len() > 1, "{files_by_lights:?}");
 }

@@ -44,7 +44,7 @@ Examples:
 pub struct Args {
     /// glTF file (.gltf or .glb), or `demo:NAME` as `bendylights scenes` lists them
     scene: String,
-    /// Light file to use in place of the scene's own lights: one light or an array of them
+    /// Light file to use in place of the scene's own lights, or of the key of a scene without any: one light or an array of them
     #[arg(long, value_name = "FILE")]
     lights: Option<PathBuf>,
     /// Camera by its name or its index from 0 [default: the first, or one that frames the scene]
@@ -124,11 +124,13 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let shadows = shadow_settings(args)?;
     let format = picture_format(&args.output)?;
     let output = Output::create(&args.output)?;
-    let Loaded { scene, contents, mut notes, .. } = open_scene(&args.scene)?;
-    let lights = match &args.lights {
-        Some(file) => files::read_lights(file)?,
-        None => contents.lights,
+    let loaded = open_scene(&args.scene)?;
+    let (loaded, brought) = match &args.lights {
+        Some(file) => (loaded, Some(files::read_lights(file)?)),
+        None => (loaded.lit(), None),
     };
+    let Loaded { scene, contents, mut notes, .. } = loaded;
+    let lights = brought.unwrap_or(contents.lights);
     let lights: Vec<LightInstance> = lights
         .into_iter()
         .zip(0..)

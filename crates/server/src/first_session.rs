@@ -42,6 +42,7 @@ fn first_scene(store: &Store, name: &str) -> Result<(AssetHash, SceneContents), 
     let loaded =
         assets::load_bytes(&bytes).map_err(|error| assets::AssetError { file: name.into(), ..error })?;
     let asset = store.put_asset(&bytes)?;
+    let loaded = loaded.lit();
     if loaded.name.as_deref() != Some(name) {
         store.name_asset(&asset, &scene_label(name))?;
     }

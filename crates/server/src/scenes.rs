@@ -140,7 +140,7 @@ impl Scenes {
 impl Decoded {
     /// Decodes a scene's file.
     fn of(bytes: &[u8]) -> Result<Self, ServerError> {
-        let Loaded { scene, contents, name, notes } = assets::load_bytes(bytes)?;
+        let Loaded { scene, contents, name, notes } = assets::load_bytes(bytes)?.lit();
         let (posed, contents) = (scene::pose(scene), Arc::new(contents));
         Ok(Self { posed, contents, notes: notes.into(), own_name: name })
     }

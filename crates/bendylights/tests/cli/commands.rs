@@ -267,16 +267,29 @@ fn render_draws_a_wireframe_of_the_shadow_map() {
     assert_eq!(folder.names(), ["light.json", "out.exr", "scene.gltf"]);
 }
 
+/// The key is for who brings no lights: the file of one who does may have none, and that is said.
 #[test]
-fn a_scene_without_lights_is_drawn_with_a_note() {
+fn a_scene_without_lights_is_drawn_under_a_key_with_a_note() {
     let folder = Folder::new();
-    let scene = folder.file("scene.gltf", TRIANGLE);
-    let done = run(&["render", &scene, "--size", "32x32", "-o", &folder.path("out.png")]);
-    assert_eq!(done.code, 0);
-    assert!(done.stderr.starts_with("note: ") && done.stderr.contains("--lights"), "{}", done.stderr);
-    assert_eq!(done.stderr.matches("note: ").count(), 1, "{}", done.stderr);
-    let done = run(&["render", &scene, "--aov", "t", "-o", &folder.path("t.png")]);
+    let (scene, none) = (folder.file("scene.gltf", TRIANGLE), folder.file("none.json", "[]"));
+    let (keyed, unlit) = (folder.path("keyed.png"), folder.path("unlit.png"));
+    let note = |args: &[&str], says: &str| {
+        let done = run(args);
+        assert_eq!(done.code, 0, "{}", done.stderr);
+        assert!(done.stderr.starts_with("note: ") && done.stderr.contains(says), "{}", done.stderr);
+        assert_eq!(done.stderr.lines().count(), 1, "{}", done.stderr);
+    };
+    let key = "can be removed: default key";
+    note(&["render", &scene, "--size", "32x32", "-o", &keyed], key);
+    note(&["render", &scene, "--lights", &none, "--size", "32x32", "-o", &unlit], "there are no lights");
+    let middle = |file: &str| image::open(file).expect("a picture").into_rgb8().get_pixel(16, 18)[1];
+    assert!(middle(&keyed) > middle(&unlit) + 50, "{} {}", middle(&keyed), middle(&unlit));
+    // As a light like any other it can be shown and named.
+    let visibility = ["--aov", "visibility", "--light", "default key", "--size", "32x32"];
+    note(&[&["render", &scene, "-o", &keyed], &visibility[..]].concat(), key);
+    assert_eq!(middle(&keyed), 255);
+    let done = run(&["render", &scene, "--lights", &none, "--aov", "t", "-o", &folder.path("t.png")]);
     assert_eq!(done.code, 2);
     assert!(done.stderr.contains("--lights"), "{}", done.stderr);
-    assert_eq!(folder.names(), ["out.png", "scene.gltf"]);
+    assert_eq!(folder.names(), ["keyed.png", "none.json", "scene.gltf", "unlit.png"]);
 }

@@ -165,3 +165,36 @@ async fn what_of_a_scene_is_not_drawn_is_told_everywhere() {
     assert_eq!(headers(&picture("")), [""; 0]);
     assert_eq!(headers(&picture(&format!("&at={seq}"))), expected);
 }
+
+/// The light that a scene without lights comes with is in the record like any other, can be removed, and undo brings it back.
+///
+/// Rules: CMD-13, SOCK-11
+#[test]
+fn a_scene_without_lights_comes_with_a_key_that_can_be_removed() {
+    let buffer = "data:application/octet-stream;base64,AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAAAAAAAAgD8AAAAA";
+    let file = json!({"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+            "min": [-1, -1, 0], "max": [1, 1, 0]}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri": buffer}]});
+    let sent = send(&SHARED, "", file.to_string().as_bytes()).json();
+    let says_so = |notes: &Value| notes.to_string().matches("default key").count() == 1;
+    assert!(says_so(&sent["notes"]), "{sent}");
+    assert!(says_so(&loaded(&SHARED, "keyed", &sent["asset"]).1));
+    let lights = || get(&SHARED, "/sessions/keyed").json()["document"]["lights"].clone();
+    let key = lights()[0].clone();
+    assert_eq!(
+        (&key["light"]["name"], &key["light"]["type"]),
+        (&json!("default key"), &json!("directional"))
+    );
+    let log = get(&SHARED, "/sessions/keyed/log");
+    let record = log.text();
+    assert!(record.contains("default key") && record.contains("directional"), "{record}");
+    let edit = |edit: Value| {
+        post(&SHARED, "/sessions/keyed/edits", &json!({ "edits": [edit] }).to_string());
+        lights().as_array().map(Vec::len)
+    };
+    assert_eq!(edit(json!({"command": {"type": "removeLight", "light": key["id"]}})), Some(0));
+    assert_eq!(edit(json!({"undo": "mine"})), Some(1));
+    assert_eq!(lights()[0], key);
+}

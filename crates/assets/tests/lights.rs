@@ -1,0 +1,67 @@
+//! What lights a scene: the lights of its file, or a key where it has none.
+
+use assets::Loaded;
+use glam::{DQuat, DVec3};
+use light::parameters::ROTATION;
+use light::{Light, Reach, Shape};
+use scene::{DEFAULT_ASPECT, framing_camera};
+
+/// A file whose mesh 0 is one triangle, 2 units wide in the plane z = 0, with more `members`.
+fn triangle(members: &str) -> Loaded {
+    let file = format!(
+        r#"{{"asset": {{"version": "2.0"}}, {members},
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
+        "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+            "min": [-1, -1, 0], "max": [1, 1, 0]}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+        "buffers": [{{"byteLength": 36,
+            "uri": "data:application/octet-stream;base64,AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAAAAAAAAgD8AAAAA"}}]}}"#
+    );
+    assets::load_bytes(file.as_bytes()).expect("a sound file")
+}
+
+/// The `extensions` of a file and of a node that has its one light.
+fn with_light(light: &str) -> Loaded {
+    triangle(&format!(
+        r#""extensions": {{"KHR_lights_punctual": {{"lights": [{light}]}}}},
+        "nodes": [{{"mesh": 0, "extensions": {{"KHR_lights_punctual": {{"light": 0}}}}}}]"#
+    ))
+}
+
+/// A scene that nobody has lit is readable at first sight: one light, from beside the camera, which is said and can be
+/// removed. A scene with a light of its own, or with nothing to see, gets none.
+#[test]
+fn a_scene_without_lights_gets_a_key() {
+    let file = triangle(r#""nodes": [{"mesh": 0}]"#);
+    assert!(file.contents.lights.is_empty() && file.notes.is_empty(), "for who brings lights");
+    let reach = Reach::from(&file.scene);
+    let lit = file.lit();
+    let [key] = &lit.contents.lights[..] else { panic!("{:?}", lit.contents.lights) };
+    assert_eq!((key.light().shape(), key.light().name()), (&Shape::Directional, "default key"));
+    assert_eq!(lit.notes.len(), 1);
+    assert!(lit.notes[0].ends_with("can be removed: default key"), "{:?}", lit.notes);
+    let from_beside = |key: &Light, camera: DQuat| {
+        let way = camera.normalize().inverse() * (key.get(ROTATION) * DVec3::NEG_Z);
+        // Ahead, downwards and to the right.
+        way.z < -0.7 && way.y < -0.3 && way.x > 0.1
+    };
+    let framing = framing_camera(&reach, DEFAULT_ASPECT).rotation;
+    assert!(from_beside(key.light(), framing));
+    // The planted fault: the light of another camera.
+    let down = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2);
+    assert!(!from_beside(key.light(), down));
+
+    // The file's own camera goes before: this one looks down.
+    let camera = r#""cameras": [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]"#;
+    let at = r#""camera": 0, "translation": [0, 9, 0], "rotation": [-0.7071067811865476, 0, 0, 0.7071067811865476]"#;
+    let lit = triangle(&format!(r#"{camera}, "nodes": [{{"mesh": 0}}, {{{at}}}]"#)).lit();
+    assert!(from_beside(lit.contents.lights[0].light(), down));
+
+    // Twice is once.
+    assert_eq!(lit.clone().lit().contents.lights.len(), 1);
+    let lamp = with_light(r#"{"type": "point"}"#).lit();
+    assert_eq!((lamp.contents.lights.len(), lamp.contents.lights[0].light().shape()), (1, &Shape::Omni));
+    assert!(lamp.notes.is_empty(), "{:?}", lamp.notes);
+    let nothing = triangle(r#""nodes": [{}]"#).lit();
+    assert!(nothing.contents.lights.is_empty() && nothing.notes.is_empty(), "{:?}", nothing.notes);
+}
