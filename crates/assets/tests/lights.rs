@@ -1,9 +1,9 @@
-//! What lights a scene: the lights of its file, or a key where it has none.
+//! What lights a scene: the lights of its file, all of them and as glTF has them, or a key where it has none.
 
 use assets::Loaded;
 use glam::{DQuat, DVec3};
-use light::parameters::ROTATION;
-use light::{Light, Reach, Shape};
+use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, ROTATION};
+use light::{Light, Profile, Reach, Shape};
 use scene::{DEFAULT_ASPECT, framing_camera};
 
 /// A file whose mesh 0 is one triangle, 2 units wide in the plane z = 0, with more `members`.
@@ -26,6 +26,36 @@ fn with_light(light: &str) -> Loaded {
         r#""extensions": {{"KHR_lights_punctual": {{"lights": [{light}]}}}},
         "nodes": [{{"mesh": 0, "extensions": {{"KHR_lights_punctual": {{"light": 0}}}}}}]"#
     ))
+}
+
+/// The penumbra is the one that `KHR_lights_punctual` recommends, whatever the cone.
+#[test]
+fn the_penumbra_of_a_spotlight_is_the_one_that_gltf_recommends() {
+    for (inner, outer) in [(0.35_f64, 0.436_f64), (0.0, 1.047), (0.087, 0.174), (1.2, 1.5)] {
+        let cone = format!(r#""innerConeAngle": {inner}, "outerConeAngle": {outer}"#);
+        let loaded = with_light(&format!(r#"{{"type": "spot", "spot": {{{cone}}}}}"#));
+        let spot = loaded.contents.lights[0].light();
+        // What the file's reader made of the angles is single precision.
+        let (inner, outer) = (f64::from(inner as f32), f64::from(outer as f32));
+        assert_eq!(spot.get(CONE_ANGLE), outer.to_degrees());
+        let softness = 1.0 - inner / outer;
+        let default = Light::spot().with(CONE_ANGLE, outer.to_degrees()).with(CONE_SOFTNESS, softness);
+        let (penumbra, planted) = (Profile::of(spot), Profile::of(&default));
+        let scale = 1.0 / (libm::cos(inner) - libm::cos(outer));
+        let (mut most, mut most_planted) = (0.0_f64, 0.0_f64);
+        for k in 0..=10_000 {
+            let angle = outer * f64::from(k) / 10_000.0;
+            let attenuation = (scale * (libm::cos(angle) - libm::cos(outer))).clamp(0.0, 1.0);
+            let recommended = attenuation * attenuation;
+            let rho = libm::tan(angle) / libm::tan(outer);
+            most = most.max((penumbra.at(rho * rho) - recommended).abs());
+            most_planted = most_planted.max((planted.at(rho * rho) - recommended).abs());
+        }
+        // The recommended form subtracts cosines near 1: a rounding of each, over their difference, and the square doubles it.
+        assert!(most < 8.0 * f64::EPSILON * scale, "{inner} {outer}: {most}");
+        // The planted fault: a light of the default profile is brighter by up to 2 s^2 (1 - s), most at s = 2/3.
+        assert!((most_planted - 8.0 / 27.0).abs() < 1e-6, "{inner} {outer}: {most_planted}");
+    }
 }
 
 /// A scene that nobody has lit is readable at first sight: one light, from beside the camera, which is said and can be

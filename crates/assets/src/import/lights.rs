@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 use gltf::json::extensions::scene::khr_lights_punctual::{Light as GltfLight, Type};
 use gltf::json::validation::Checked;
-use light::parameters::{COLOR, CONE_ANGLE, CONE_SOFTNESS, INTENSITY, NAME, RANGE};
-use light::{CheckedLight, Light, Transform};
+use light::parameters::{COLOR, CONE_ANGLE, CONE_SOFTNESS, INTENSITY, NAME, PROFILE, PROFILE_POWER, RANGE};
+use light::{CheckedLight, Light, ProfileCurve, Transform};
 
 use super::nodes::{Place, rigid};
 use super::{Source, name_or};
@@ -63,7 +63,8 @@ fn placed(light: &GltfLight, place: &Place, name: &str, notes: &mut Notes) -> Li
         .with(RANGE, range)
 }
 
-/// A spotlight with its cone.
+/// A spotlight with its cone and the penumbra that the extension recommends: the square of how far the angle's cosine is
+/// from the outer one's to the inner one's.
 fn with_cone(light: &GltfLight, name: &str, notes: &mut Notes) -> Light {
     let cone = light.spot.as_ref().map(|cone| [cone.inner_cone_angle, cone.outer_cone_angle].map(f64::from));
     let [inner, outer] = cone.unwrap_or_default();
@@ -77,5 +78,9 @@ fn with_cone(light: &GltfLight, name: &str, notes: &mut Notes) -> Light {
     if cone_angle < angle {
         notes.add("cone angles of 90 degrees and more are narrowed", name);
     }
-    Light::spot().with(CONE_ANGLE, cone_angle).with(CONE_SOFTNESS, softness)
+    Light::spot()
+        .with(CONE_ANGLE, cone_angle)
+        .with(CONE_SOFTNESS, softness)
+        .with(PROFILE, ProfileCurve::Power)
+        .with(PROFILE_POWER, 2.0)
 }

@@ -67,27 +67,6 @@ fn profile_falls_from_one_to_zero() {
     assert_eq!(profile(25.0, 0.0).at(0.999), 1.0);
 }
 
-/// How far the penumbra is from what `KHR_lights_punctual` recommends, the square of the same share: the figure of the
-/// README's known limits. 2 s^2 (1 - s) is largest at s = 2/3.
-#[test]
-fn the_penumbra_is_brighter_than_gltf_recommends_by_8_27ths_at_most() {
-    for (cone_angle, cone_softness) in [(25.0_f64, 0.2), (60.0, 1.0), (10.0, 0.5)] {
-        let penumbra = profile(cone_angle, cone_softness);
-        let (outer, inner) = (cone_angle.to_radians(), cone_angle.to_radians() * (1.0 - cone_softness));
-        let mut most = 0.0_f64;
-        for k in 0..=10_000 {
-            let angle = outer * f64::from(k) / 10_000.0;
-            let scale = 1.0 / (inner.cos() - outer.cos());
-            let recommended = (angle.cos() * scale - outer.cos() * scale).clamp(0.0, 1.0).powi(2);
-            let brighter = penumbra.at((angle.tan() / outer.tan()).powi(2)) - recommended;
-            assert!(brighter >= -1e-12, "{angle}: {brighter}");
-            most = most.max(brighter);
-        }
-        // The maximum is flat: steps of a ten-thousandth miss it by their square.
-        assert!((most - 8.0 / 27.0).abs() < 1e-6, "{cone_angle} {cone_softness}: {most}");
-    }
-}
-
 /// Straightened, a bent spotlight is that spotlight to the last bit; one whose control points have moved shines from its
 /// source to its last control point, as wide there as its tube.
 #[test]
