@@ -1,11 +1,12 @@
-//! `bendylights bend`: a spotlight as a BendyLight.
+//! `bendylights bend`: a straight light as a BendyLight.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use assets::Loaded;
-use cli::answer;
-use document::{BENT_SEGMENTS, axis_reach};
+use cli::{answer, say};
+use document::{BENT_SEGMENTS, Bending};
+use glam::DVec3;
 use light::{CheckedLight, Owner};
 use protocol::light_file;
 
@@ -15,62 +16,91 @@ use crate::render::{no_such_light, open_scene};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
-The BendyLight printed lights every point exactly as the spotlight does. Its control points lie on a straight line;
-move them to bend the light. A spotlight with a range ends there. One without goes on without end, and its control
-points reach to where its axis meets the scene, past the scene where it does not, or without a scene one unit far.
+A spotlight becomes the BendyLight that lights every point exactly as it does. Of an omni light that part is bent which
+lies in a cone, from where the light stands to --toward. A directional light keeps its direction, and shines from before
+--toward, with --scene from so far off that the cone holds the whole scene: within the cone it is as bright as it was,
+along rays that now spread from one place, the less the narrower the cone is.
+
+Control points lie on a straight line; move them to bend the light. A light with a range ends there. One without goes on
+without end, and its control points reach to where its axis meets the scene, past the scene where it does not, or
+without a scene one unit far. Without a scene a light that has no cone shines along its own -Z from where it stands,
+unless --toward says where to.
 
 Examples:
   bendylights bend --scene room.glb --light lamp > bent.json
   echo '{\"type\": \"spot\"}' > spot.json
-  bendylights bend spot.json --scene demo:vases --segments 4 > bent.json")]
+  bendylights bend spot.json --scene demo:vases --segments 4 > bent.json
+  echo '{\"type\": \"omni\", \"intensity\": 20, \"transform\": {\"translation\": [-1, 2, 1]}}' > bulb.json
+  bendylights bend bulb.json --scene demo:vases --cone-angle 30 --toward 0.2,0.3,0 > bent.json")]
 pub struct Args {
-    /// Light file with one spotlight [default: a light of the scene]
+    /// Light file with one light of type spot, omni or directional [default: a light of the scene]
     #[arg(value_name = "LIGHT.json", required_unless_present = "scene")]
     light_file: Option<PathBuf>,
     /// Scene that the light shines on: a glTF file, or `demo:NAME`
     #[arg(long, value_name = "SCENE")]
     scene: Option<String>,
-    /// Which of the scene's lights to bend, by its name [default: its first spotlight]
+    /// Which of the scene's lights to bend, by its name [default: its first spotlight, else its first light that is straight]
     #[arg(long, value_name = "NAME", requires = "scene", conflicts_with = "light_file")]
     light: Option<String>,
     /// Number of curve segments; a light of N segments has N + 2 control points
     #[arg(long, value_name = "N", default_value_t = BENT_SEGMENTS)]
     segments: usize,
+    /// Half angle of the cone in which an omni or directional light is bent, in degrees, less than 90 [default: 45]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    cone_angle: Option<f64>,
+    /// World position at which an omni or directional light shines then [default: the scene's middle]
+    #[arg(long, value_name = "X,Y,Z", value_parser = position, allow_hyphen_values = true)]
+    toward: Option<DVec3>,
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    let mut loaded = args.scene.as_deref().map(open_scene).transpose()?;
-    let (file, light) = match (&args.light_file, &mut loaded) {
-        (Some(file), _) => (file.display().to_string(), files::read_one_light(file)?),
+    let loaded = args.scene.as_deref().map(open_scene).transpose()?;
+    let (file, light, scene) = match (&args.light_file, loaded) {
+        (Some(file), loaded) => {
+            let light = files::read_one_light(file)?;
+            (file.display().to_string(), light, loaded.map(|loaded| loaded.scene))
+        }
         (None, Some(loaded)) => {
-            let scene = args.scene.clone().unwrap_or_default();
-            let light = of_scene(&scene, loaded, args.light.as_deref())?;
-            (scene, light)
+            let (name, loaded) = (args.scene.clone().unwrap_or_default(), loaded.lit());
+            let light = of_scene(&name, &loaded, args.light.as_deref())?;
+            loaded.notes.iter().for_each(|note| say(&format!("note: {note}")));
+            (name, light, Some(loaded.scene))
         }
         (None, None) => unreachable!("one of them is required"),
     };
-    if light.tube().is_some() {
-        return Err(Error::BendOfBendy { file });
-    }
     let light = light.light();
-    let reach = loaded.map(|loaded| axis_reach(light, &scene::pose(loaded.scene)));
-    let reach = reach.unwrap_or_else(|| light.transform().scale);
-    let bendy =
-        light::bend_to(light, args.segments, reach).map_err(|reason| Error::BadLight { file, reason })?;
+    match light.owner() {
+        Owner::Bendy => return Err(Error::BendOfBendy { file }),
+        Owner::Spot if args.cone_angle.is_some() || args.toward.is_some() => {
+            return Err(Error::HasCone { file });
+        }
+        _ => {}
+    }
+    let Args { segments, cone_angle, toward, .. } = *args;
+    let asked = Bending { segments, range: None, cone_angle, toward };
+    let bending = scene.map_or(asked, |scene| asked.in_scene(light, &scene::pose(scene)));
+    let bendy = bending.bent(light).map_err(|reason| Error::BadLight { file, reason })?;
     Ok(answer(&light_file::to_json(&bendy))?)
 }
 
-/// The light of that name, or the first spotlight.
+/// A world position on the command line.
+fn position(text: &str) -> Result<DVec3, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) if DVec3::new(x, y, z).is_finite() => Ok(DVec3::new(x, y, z)),
+        _ => Err("write it as three numbers of world units, such as 0.5,1,-2".into()),
+    }
+}
+
+/// The light of that name; without one the first spotlight or, where there is none, the first straight light.
 fn of_scene(scene: &str, loaded: &Loaded, name: Option<&str>) -> Result<Arc<CheckedLight>, Error> {
     let lights = &loaded.contents.lights;
-    let wanted = |light: &&Arc<CheckedLight>| match name {
-        Some(name) => light.light().name() == name,
-        None => light.light().owner() == Owner::Spot,
+    let first = |wanted: &dyn Fn(&CheckedLight) -> bool| lights.iter().find(|light| wanted(light)).cloned();
+    let Some(name) = name else {
+        let spot = first(&|light| light.light().owner() == Owner::Spot);
+        let straight = || first(&|light| light.light().owner() != Owner::Bendy);
+        return spot.or_else(straight).ok_or_else(|| Error::NoneToBend { scene: scene.into() });
     };
-    let names = || lights.iter().map(|light| light.light().name());
-    match (lights.iter().find(wanted), name) {
-        (Some(light), _) => Ok(Arc::clone(light)),
-        (None, Some(name)) => Err(no_such_light(scene.into(), name, names())),
-        (None, None) => Err(Error::NoSpot { scene: scene.into() }),
-    }
+    let names = lights.iter().map(|light| light.light().name());
+    first(&|light| light.light().name() == name).ok_or_else(|| no_such_light(scene.into(), name, names))
 }

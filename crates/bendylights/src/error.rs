@@ -33,16 +33,19 @@ pub enum Error {
     #[error("{file}: holds {count} lights, but this command takes one: keep one in the file")]
     NotOneLight { file: String, count: usize },
     /// `eval` was given a light of another shape.
-    #[error(
-        "{file}: is no BendyLight and has no tube: turn a spotlight into one with `bendylights bend` first"
-    )]
+    #[error("{file}: is no BendyLight and has no tube: turn it into one with `bendylights bend` first")]
     EvalWithoutTube { file: String },
     /// `bend` was given a scene without a light that it could bend.
-    #[error("{scene}: has no spotlight to bend: name a light file")]
-    NoSpot { scene: String },
+    #[error("{scene}: has no straight light to bend: name a light file")]
+    NoneToBend { scene: String },
     /// `bend` was given a BendyLight.
-    #[error("{file}: is a BendyLight already: `bendylights bend` takes a light of type `spot`")]
+    #[error(
+        "{file}: is a BendyLight already: `bendylights bend` takes a light of type `spot`, `omni` or `directional`"
+    )]
     BendOfBendy { file: String },
+    /// `bend` was told a cone for a light that has one.
+    #[error("{file}: a spotlight keeps its own cone and direction: leave out --cone-angle and --toward")]
+    HasCone { file: String },
     /// A scene file that cannot be used.
     #[error(transparent)]
     Scene(#[from] AssetError),

@@ -37,7 +37,7 @@ enum Command {
     Render(render::Args),
     /// Say where points lie in a light
     Eval(eval::Args),
-    /// Turn a spotlight into the equal BendyLight, ready to be bent
+    /// Turn a straight light into a BendyLight, ready to be bent
     Bend(bend::Args),
     /// List what can be set on lights, control points and cameras
     Parameters(parameters::Args),

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use light::{CheckedLight, Light, LightId, MAX_NAME_BYTES, Owner, Reach, Setting};
 use scene::Camera;
 
-use crate::bending::{bent, reshaped};
+use crate::bending::{Bending, reshaped};
 use crate::camera::{camera_parameter, set_camera};
 use crate::naming::quoted;
 use crate::points::renumbered;
@@ -81,8 +81,9 @@ fn changes_of(document: &Document, command: &Command, context: Context) -> Resul
             vec![renumbered(document, *light, bendy(document, *light)?, command)?]
         }
         Command::BendLight { light: id, segments, range, cone_angle, toward } => {
-            let bend = |straight: &Light| bent(straight, *segments, *range, (*cone_angle, *toward));
-            vec![reshaped(document, (*id, light(document, *id)?), bend)?]
+            let bending =
+                Bending { segments: *segments, range: *range, cone_angle: *cone_angle, toward: *toward };
+            vec![reshaped(document, (*id, light(document, *id)?), |straight| bending.bent(straight))?]
         }
         Command::StraightenLight(id) => {
             vec![reshaped(document, (*id, light(document, *id)?), light::straighten)?]

@@ -33,36 +33,56 @@ pub fn axis_reach(light: &Light, posed: &PosedScene) -> f64 {
     })
 }
 
-/// `command` with what only the scene knows filled in, so that a log of it needs no scene: how far a light that is bent
-/// reaches, and where one without a cone shines, the scene's middle.
+/// How a straight light is to be bent: what a [`Command::BendLight`] says of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bending {
+    /// As of the command.
+    pub segments: usize,
+    /// As of the command.
+    pub range: Option<f64>,
+    /// As of the command.
+    pub cone_angle: Option<f64>,
+    /// As of the command.
+    pub toward: Option<DVec3>,
+}
+
+impl Bending {
+    /// The same of `light` in this scene, with what only the scene knows filled in: how far the light reaches, and where one
+    /// without a cone shines, the scene's middle.
+    #[must_use]
+    pub fn in_scene(self, light: &Light, posed: &PosedScene) -> Self {
+        let toward = match light.owner() {
+            Owner::Omni | Owner::Directional => Some(self.toward.unwrap_or(posed.origin_in_world)),
+            _ => self.toward,
+        };
+        let cone_degrees = self.cone_angle.unwrap_or(BENT_CONE_ANGLE);
+        let reach = || match light.owner() {
+            // So far off that the cone holds the whole scene.
+            Owner::Directional => {
+                (posed.half_extent.length() / libm::sin(cone_degrees.to_radians())).max(1.0)
+            }
+            _ => axis_reach(&light::with_cone(light, cone_degrees, toward, 1.0), posed),
+        };
+        Self { range: Some(self.range.unwrap_or_else(reach)), toward, ..self }
+    }
+
+    /// The BendyLight that `light` becomes.
+    pub fn bent(self, light: &Light) -> Result<Light, LightError> {
+        let reach = self.range.unwrap_or_else(|| light.transform().scale);
+        let cone_angle = self.cone_angle.unwrap_or(BENT_CONE_ANGLE);
+        light::bend_to(&light::with_cone(light, cone_angle, self.toward, reach), self.segments, reach)
+    }
+}
+
+/// `command` with what only the scene knows filled in, so that a log of it needs no scene.
 pub fn resolved(command: Command, document: &Document, posed: &PosedScene) -> Command {
     let Command::BendLight { light: id, segments, range, cone_angle, toward } = command else {
         return command;
     };
-    let Some(light) = document.lights.get(&id).map(|placed| placed.light.light()) else { return command };
-    let toward = match light.owner() {
-        Owner::Omni | Owner::Directional => Some(toward.unwrap_or(posed.origin_in_world)),
-        _ => toward,
-    };
-    let cone_degrees = cone_angle.unwrap_or(BENT_CONE_ANGLE);
-    let reach = || match light.owner() {
-        // So far off that the cone holds the whole scene.
-        Owner::Directional => (posed.half_extent.length() / libm::sin(cone_degrees.to_radians())).max(1.0),
-        _ => axis_reach(&light::with_cone(light, cone_degrees, toward, 1.0), posed),
-    };
-    Command::BendLight { light: id, segments, range: Some(range.unwrap_or_else(reach)), cone_angle, toward }
-}
-
-/// The BendyLight that `light` becomes by a [`Command::BendLight`] with these values.
-pub(crate) fn bent(
-    light: &Light,
-    segments: usize,
-    range: Option<f64>,
-    (cone_angle, toward): (Option<f64>, Option<DVec3>),
-) -> Result<Light, LightError> {
-    let reach = range.unwrap_or_else(|| light.transform().scale);
-    let spot = light::with_cone(light, cone_angle.unwrap_or(BENT_CONE_ANGLE), toward, reach);
-    light::bend_to(&spot, segments, reach)
+    let Some(placed) = document.lights.get(&id) else { return command };
+    let asked = Bending { segments, range, cone_angle, toward };
+    let Bending { segments, range, cone_angle, toward } = asked.in_scene(placed.light.light(), posed);
+    Command::BendLight { light: id, segments, range, cone_angle, toward }
 }
 
 /// A light that becomes one of another shape under its id, with a new numbering of its control points.

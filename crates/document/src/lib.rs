@@ -15,7 +15,7 @@ mod parameters;
 mod points;
 
 pub use apply::{Context, Edited, MAX_CAMERAS, MAX_LIGHTS, edited};
-pub use bending::{BENT_SEGMENTS, axis_reach, resolved};
+pub use bending::{BENT_SEGMENTS, Bending, axis_reach, resolved};
 pub use change::{Change, EditError};
 pub use command::{CameraParameter, Command};
 pub use document::{

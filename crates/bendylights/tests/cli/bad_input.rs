@@ -89,7 +89,16 @@ fn a_light_of_the_wrong_type_or_number_is_refused_with_the_way_out() {
     let (bendy, spot) = (folder.file("bendy.json", BENDY), folder.file("spot.json", SPOT));
     let (none, two) = (folder.file("none.json", "[]"), folder.file("two.json", format!("[{SPOT}, {SPOT}]")));
     refused(&["eval", &spot], "[]", &[&spot, "bendylights bend"]);
-    refused(&["bend", &bendy, "--segments", "2"], "", &[&bendy, "spot"]);
+    refused(&["bend", &bendy, "--segments", "2"], "", &[&bendy, "`spot`, `omni` or `directional`"]);
+    refused(&["bend", "--scene", "demo:vases"], "", &["demo:vases", "no straight light"]);
+    for its_own in [["--toward", "-1,0,2"], ["--cone-angle", "20"]] {
+        refused(&[&["bend", &spot], &its_own[..]].concat(), "", &[&spot, its_own[0]]);
+    }
+    let sun = folder.file("sun.json", r#"{"type": "directional"}"#);
+    for angle in ["90", "-1", "NaN"] {
+        refused(&["bend", &sun, "--cone-angle", angle], "", &[&sun, "coneAngle"]);
+        refused(&["bend", &sun, "--cone-angle", angle, "--scene", "demo:vases"], "", &[&sun, "coneAngle"]);
+    }
     refused(&["eval", &none], "[]", &[&none, "0 lights"]);
     refused(&["bend", &two, "--segments", "2"], "", &[&two, "2 lights"]);
     refused(&["bend", &spot, "--segments", "0"], "", &[&spot, "segments"]);
@@ -177,6 +186,8 @@ fn bad_usage_exits_with_2_and_says_what_is_allowed() {
         (render(&["--fill", "none"]), "from 0 to 1000000"),
         (vec!["eval", "light.json", "--on", "f16"], "f64, f32, gpu"),
         (vec!["bend", "light.json", "--segments", "-1"], "-1"),
+        (vec!["bend", "light.json", "--toward", "1,2"], "three numbers"),
+        (vec!["bend", "light.json", "--toward", "1,2,inf"], "three numbers"),
     ] {
         let done = run(&args);
         assert_eq!((done.code, done.stdout.as_str()), (2, ""), "{args:?}");

@@ -1,6 +1,6 @@
 //! The commands that do their work.
 
-use image::{ColorType, DynamicImage, GenericImageView};
+use image::{ColorType, DynamicImage, GenericImageView, Rgba32FImage};
 use serde_json::{Value, json};
 
 use crate::program::{BENDY, Folder, SPOT, TRIANGLE, binary, run, run_with_input};
@@ -88,6 +88,62 @@ fn bend_makes_the_cone_it_was_given() {
         close("v", if i == 0 { 0.0 } else { -0.5 / radius });
     }
     assert_eq!(answers[2], json!({"inside": false, "roots": []}), "1.2 is past the cone's 1.09");
+}
+
+/// Of a light without a cone that part is bent which lies in one: what it lit there it lights as before, and nothing else.
+#[test]
+fn bend_keeps_of_a_light_without_a_cone_what_lies_in_one() {
+    let folder = Folder::new();
+    let scene = folder.file("scene.gltf", TRIANGLE);
+    let drawn = |lights: &str| {
+        let picture = folder.path("out.exr");
+        let size = ["--size", "64x48", "--fill", "0", "-o", &picture];
+        printed(&[&["render", &scene, "--lights", lights][..], &size].concat(), "");
+        image::open(&picture).expect("a picture").into_rgba32f()
+    };
+    // The most by which two pictures differ where the triangle is near the middle, as a share of the first.
+    let apart = |a: &Rgba32FImage, b: &Rgba32FImage| {
+        let near = |x: u32, y: u32| (f64::from(x) - 31.5).hypot(f64::from(y) - 23.5) < 10.0;
+        let pixels = a.enumerate_pixels().filter(|(x, y, pixel)| near(*x, *y) && pixel[3] > 0.0);
+        let shares = pixels.map(|(x, y, pixel)| (b.get_pixel(x, y)[1] / pixel[1] - 1.0).abs());
+        shares.fold(0.0_f32, f32::max)
+    };
+    let bent = |light: &str, options: &[&str]| {
+        let file = folder.file("light.json", light);
+        let bent = printed(&[&["bend", &file][..], options].concat(), "");
+        let json: Value = serde_json::from_str(&bent).expect("JSON");
+        assert_eq!(json["type"], "bendy");
+        (drawn(&file), drawn(&folder.file("bent.json", bent)), json)
+    };
+    // 10 pixels from the middle are 0.7 units: 35 degrees from the bulb, which stands a unit before the triangle.
+    let bulb = r#"{"type": "omni", "intensity": 5, "transform": {"translation": [0, 0, 1], "rotation": [0, 1, 0, 0]}}"#;
+    let cone = ["--cone-angle", "48", "--toward", "0,0,-0.5"];
+    for options in [&cone[..], &[&cone[..], &["--scene", &scene]].concat()] {
+        let (before, after, _) = bent(bulb, options);
+        // What the GPU draws is within 1e-3 of what it should be.
+        assert!(apart(&before, &after) < 2e-3, "{}", apart(&before, &after));
+        let corner = |picture: &Rgba32FImage| picture.get_pixel(19, 36)[1];
+        assert!(corner(&before) > 0.0 && corner(&after) == 0.0, "outside of the cone");
+    }
+    // The planted fault: another aim.
+    let (before, after, _) = bent(bulb, &["--cone-angle", "48", "--toward", "-4,0,0"]);
+    assert!(apart(&before, &after) > 0.5);
+    // By itself it shines at the scene's middle, in a cone of 45 degrees.
+    let (_, _, json) = bent(bulb, &["--scene", &scene]);
+    assert_eq!((&json["coneAngle"], json["points"].as_array().map(Vec::len)), (&json!(45.0), Some(5)));
+    assert!((json["points"][4][2].as_f64().expect("a number") + 1.0).abs() < 1e-12, "as far as the triangle");
+
+    // From so far off that a cone of 5 degrees holds the triangle, 16 units, rays lean by 2.5 degrees at 0.7 units from the
+    // axis: cosines are 0.1 % smaller, and so is what a rough metal makes of them.
+    let sun = r#"{"type": "directional", "intensity": 2, "transform": {"translation": [9, 9, 9]}}"#;
+    let (before, after, json) = bent(sun, &["--cone-angle", "5", "--scene", &scene]);
+    assert!(apart(&before, &after) < 5e-3, "{}", apart(&before, &after));
+    let from = &json["transform"]["translation"];
+    assert!((from[2].as_f64().expect("a number") - 2.0_f64.sqrt() / 5.0_f64.to_radians().sin()).abs() < 1e-6);
+    // A scene that has no light comes with one that can be bent.
+    let done = run(&["bend", "--scene", &scene]);
+    assert!(done.code == 0 && done.stderr.contains("default key"), "{}", done.stderr);
+    assert!(done.stdout.contains("\"default key\""), "{}", done.stdout);
 }
 
 #[test]
