@@ -47,6 +47,19 @@ export function duplicateLight(page: Page, id: LightId): void {
   addAndSelect(page, { ...light, name });
 }
 
+/** Makes it a BendyLight. One that has no cone is given one towards what is in the middle of one's own view; where nothing is
+ * seen there, the server takes the scene's middle. */
+export async function bendLight({ session, pick }: Page, id: LightId): Promise<void> {
+  const light = lightOf(session.document.value, id);
+  if (light === undefined) return;
+  const orbit = session.viewer.own.value;
+  const toward = hasCone(light) || orbit === null ? null : await pick(orbit.camera);
+  session.edit({ type: "bendLight", light: id, ...(toward !== null && { toward }) });
+}
+
+/** Whether its light keeps to a cone. */
+export const hasCone = (light: Light): boolean => light.type === "spot" || light.type === "bendy";
+
 /** Makes it a spotlight, which has no control points to have selected. */
 export function straightenLight({ session, selectedPoint }: Page, id: LightId): void {
   selectedPoint.value = null;

@@ -8,7 +8,7 @@ import { type Section, sectionsOf, setParameter, valueIn } from "../core/paramet
 import type { Light } from "../core/protocol";
 import { lightBinding } from "./binding";
 import { Icon } from "./icons";
-import { duplicateLight, straightenLight } from "./light_actions";
+import { bendLight, duplicateLight, hasCone, straightenLight } from "./light_actions";
 import { canEdit, usePage } from "./page";
 import { ParameterField } from "./parameter_field";
 import { nameOf } from "./person";
@@ -44,7 +44,7 @@ export function LightPanel() {
           <Icon name="lock" /> {nameOf(session.people.value, holder)} is dragging this light.
         </p>
       )}
-      <LightTools id={id} isBent={light.type === "bendy"} disabled={disabled} />
+      <LightTools id={id} light={light} disabled={disabled} />
       {sectionsOf(session.table, light.type).map((section, k) => (
         <Fragment key={section.group}>
           <FoldingSection
@@ -63,11 +63,11 @@ export function LightPanel() {
 }
 
 /** What can be done with the light as a whole. */
-function LightTools({ id, isBent, disabled }: { id: LightId; isBent: boolean; disabled: boolean }) {
+function LightTools({ id, light, disabled }: { id: LightId; light: Light; disabled: boolean }) {
   const page = usePage();
   return (
     <div class="light-tools" role="toolbar" aria-label="Light">
-      {isBent ? (
+      {light.type === "bendy" ? (
         <QuietButton
           title="Straighten this light: a spotlight from its source to its last control point"
           label="Straighten this light"
@@ -78,10 +78,14 @@ function LightTools({ id, isBent, disabled }: { id: LightId; isBent: boolean; di
         </QuietButton>
       ) : (
         <QuietButton
-          title="Bend this light: control points to where it shines"
+          title={
+            hasCone(light)
+              ? "Bend this light: control points to where it shines"
+              : "Bend this light: control points in a cone towards what is in the middle of your view"
+          }
           label="Bend this light"
           disabled={disabled}
-          press={() => page.session.edit({ type: "bendLight", light: id })}
+          press={() => void bendLight(page, id)}
         >
           <Icon name="bendy" /> Bend
         </QuietButton>
