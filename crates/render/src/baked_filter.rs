@@ -5,6 +5,7 @@ use light::{Cut, LightFilter, ProfileCurve, Section};
 /// See the constants of `filter.wgsl` and `lighting.wgsl`. They are compiled in, so that no light computes what it does
 /// not have, and no branch hangs on a uniform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a constant of the shaders by itself")]
 pub(crate) struct BakedFilter {
     profile: ProfileCurve,
     /// Whether its outline is a superellipse.
