@@ -1,4 +1,4 @@
-//! Directional and omni lights are where rays say that they are, beside the reference, which follows every ray by itself.
+//! Lights whose rays are straight are where rays say that they are, beside the reference, which follows every ray by itself.
 //!
 //! `BENDYLIGHTS_SHADOW_PICTURES=DIR` keeps the pictures.
 
@@ -26,6 +26,13 @@ fn sun(from: DVec3) -> Light {
 fn bulb(at: DVec3) -> Light {
     let turned = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.5);
     Light::omni().with(TRANSLATION, at).with(ROTATION, turned).with(INTENSITY, 30.0)
+}
+
+/// A spotlight so wide that it holds what is looked at, aimed past it.
+fn lamp(at: DVec3, to: DVec3) -> Light {
+    let turned = looking(at, to, DVec3::Y);
+    let lamp = Light::spot().with(TRANSLATION, at).with(ROTATION, turned);
+    lamp.with(CONE_ANGLE, 60.0).with(INTENSITY, 30.0)
 }
 
 /// The GPU's picture, by a renderer that all tests share.
@@ -157,7 +164,11 @@ fn a_floor_never_shadows_itself() {
         });
         let bulbs = [4.0, 1.0, 0.2, 0.05]
             .map(|height| (format!("bulb {height}"), bulb(origin + DVec3::new(-1.5, height, 0.4))));
-        for (name, light) in suns.into_iter().chain(bulbs) {
+        let lamps = [4.0, 1.0, 0.2, 0.05, 0.02].map(|height| {
+            let at = origin + DVec3::new(-1.5, height, 0.4);
+            (format!("lamp {height}"), lamp(at, origin + DVec3::new(1.0, 0.0, 0.2)))
+        });
+        for (name, light) in suns.into_iter().chain(bulbs).chain(lamps) {
             let lights = instances(&[light]);
             let judged = off_edges(&reference, &view, &lights[0]);
             let found = wrong(&judged, &drawn(&scene, &view, &lights));

@@ -37,7 +37,7 @@ struct Receiver {
 }
 
 // Lengths along the light, in a texel's widths. Where the receiver's plane runs farther from texel to texel than GRAZING,
-// what the map cannot tell the scene is asked; farther than REACH it is not followed.
+// what the map cannot tell the scene is asked; farther than REACH it is followed only as the texels around need.
 const GRAZING = 1.0;
 const REACH = 48.0;
 
@@ -84,12 +84,16 @@ fn shadow_visibility(surface: Surface, to_light: vec3f) -> f32 {
     let nearer = spot.mesh_error / max(plane_height - spot.mesh_error, spot.mesh_error);
     receiver.tolerance += nearer * spot.shadow_near / depth;
 
-    receiver.most = min(REACH * texel_slope, 0.5);
+    // Seen edge on, the plane runs off to the source or to infinity within a texel: it is followed to the texels around,
+    // but for the first tenth of light's way.
+    let run = length(receiver.step) * depth;
+    let around = 1.5 * run;
+    receiver.most = max(min(REACH * texel_slope, 0.5), min(around / (1.0 + around), 0.9));
     receiver.reach = max(receiver.tolerance, receiver.most / (1.0 - receiver.most) * spot.shadow_near / depth);
 
     // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach, and
     // as far as the plane runs in the texels around.
-    let grazes = !faces_light || length(receiver.step) * depth > GRAZING * texel_slope;
+    let grazes = !faces_light || run > GRAZING * texel_slope;
     let way = to_light * (length(position) * min(3.0 * receiver.most, 0.9));
     return decided(surface, filtered(receiver), grazes, way);
 }
@@ -99,7 +103,6 @@ fn lit_texels(receiver: Receiver, first: vec2f) -> mat2x4f {
     let step = receiver.step;
     let start = receiver.inverse_depth + dot(step, first - receiver.texel);
     let plane_at = start + vec4f(step.y, step.x + step.y, step.x, 0.0);
-    // Seen edge on, the plane runs off to the source or to infinity within a texel.
     let bounds = vec2f(1.0 - receiver.most, 1.0 / (1.0 - receiver.most)) * receiver.inverse_depth;
     let expected = clamp(plane_at, vec4f(bounds.x), vec4f(bounds.y)) * spot.shadow_near;
     let resolution = vec2f(textureDimensions(shadow_map));

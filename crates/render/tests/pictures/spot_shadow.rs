@@ -78,22 +78,27 @@ fn a_floor_is_lit_beyond_what_stands_on_it() {
     assert!(counts[0] > 100 && counts[1] > 5_000, "{counts:?}");
 }
 
+/// From straight down to grazing, near the camera's near plane and far from it; nor do two planes in one place shadow each
+/// other, a carpet on its floor.
 #[test]
 fn a_bare_plane_never_shadows_itself() {
-    // From straight down to grazing, near the camera's near plane and far from it.
-    for height in [4.0, 1.0, 0.2, 0.05] {
-        for znear in [1e-3, 0.05] {
-            let light = spot(DVec3::new(-1.5, height, 0.4), DVec3::X).with(CONE_ANGLE, 60.0);
-            let scene = scene_of([floor(50.0, 0.0)], vec![Material::default()]);
-            let mut view = view(DVec3::new(0.4, 0.7, 3.0), DVec3::ZERO, [173, 127], Aov::Visibility);
-            view.camera.projection =
-                Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear, zfar: None };
-            let lit = picture(&scene, &view, &[named(light)]);
+    let bare = scene_of([floor(50.0, 0.0)], vec![Material::default()]);
+    let carpeted = scene_of([floor(50.0, 0.0), floor(1.3, 0.0)], vec![Material::default()]);
+    for (height, znear) in [4.0, 1.0, 0.2, 0.05].into_iter().flat_map(|h| [(h, 1e-3), (h, 0.05)]) {
+        let light = spot(DVec3::new(-1.5, height, 0.4), DVec3::X).with(CONE_ANGLE, 60.0);
+        let mut view = view(DVec3::new(0.4, 0.7, 3.0), DVec3::ZERO, [173, 127], Aov::Visibility);
+        view.camera.projection = Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear, zfar: None };
+        let counts = |scene| {
+            let lit = picture(scene, &view, &[named(light.clone())]);
             let inside = lit.pixels.iter().filter(|p| p[3] == 1.0).count();
             let dark = lit.pixels.iter().filter(|p| p[3] == 1.0 && p[0] < 1.0).count();
             assert!(inside > 1000);
-            assert_eq!(dark, 0, "of {inside} at height {height}, near plane {znear}");
-        }
+            dark
+        };
+        assert_eq!([&bare, &carpeted].map(counts), [0, 0], "height {height}, near plane {znear}");
+        // The planted fault: a carpet that hangs over its floor.
+        let hanging = scene_of([floor(50.0, 0.0), floor(1.3, 0.04)], vec![Material::default()]);
+        assert!(counts(&hanging) > 10, "height {height}");
     }
 }
 
