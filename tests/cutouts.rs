@@ -306,7 +306,7 @@ fn share_of_light(image: Image, light: &Light, resolution: u32) -> f64 {
     // Five or six texels of the picture lie in one of the map's 128.
     scene.meshes[0].primitives = vec![square(3.0, 2.0, 6.7, 0), square(20.0, 0.0, 1.0, 1)];
     let mut renderer = renderer(&scene);
-    let shadows = ShadowSettings { resolution, ..ShadowSettings::default() };
+    let shadows = ShadowSettings { resolution, straighten: false, ..ShadowSettings::default() };
     renderer.set_shadow_settings(shadows).expect("they are sound");
     // From below the sheet, onto what the light meets of the floor.
     let view = View {

@@ -15,7 +15,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, DECAY, RANGE, TRANSLATION};
 use light::{Decay, Light, LightInstance, Transform};
 use reference::Reference;
-use render::{Gpu, Picture, Renderer};
+use render::{Gpu, Picture, Renderer, ShadowSettings};
 use scene::{Aov, Mesh, Node, PosedScene, Primitive, Scene, View};
 
 /// A spotlight from `eye` to `target`, and what `bend` makes of it.
@@ -31,12 +31,15 @@ fn pair(eye: DVec3, target: DVec3, cone_angle: f64) -> [(&'static str, Light); 2
     [("spot", spot), ("bent", bent)]
 }
 
-/// The GPU's picture, by a renderer that all tests share.
+/// The GPU's picture, by a renderer that all tests share and that draws a straight BendyLight by its own way.
 fn drawn(scene: &Arc<PosedScene>, view: &View, light: &Light) -> Picture {
     static SHARED: OnceLock<Mutex<Renderer>> = OnceLock::new();
     let shared = SHARED.get_or_init(|| {
         let gpu = Arc::new(Gpu::new().expect("tests need a graphics driver"));
-        Mutex::new(Renderer::new(gpu).expect("the device works"))
+        let mut renderer = Renderer::new(gpu).expect("the device works");
+        let apart = ShadowSettings { straighten: false, ..ShadowSettings::default() };
+        renderer.set_shadow_settings(apart).expect("sound");
+        Mutex::new(renderer)
     });
     let mut renderer = shared.lock().unwrap_or_else(PoisonError::into_inner);
     renderer.set_scene(scene).expect("it fits");

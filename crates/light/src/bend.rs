@@ -6,7 +6,7 @@ use crate::build::{MAX_SEGMENTS, check_values};
 use crate::parameters::{
     COLOR, CONE_ANGLE, DECAY, END_MODE, INTENSITY, RANGE, ROTATION, SCALE, TRANSLATION, UP,
 };
-use crate::{CheckedLight, ControlPoint, Decay, EndMode, Light, LightError, Setting, Shape, Value};
+use crate::{ControlPoint, Decay, EndMode, Light, LightError, Setting, Shape, Tube, Value};
 
 /// The BendyLight equal to the spotlight `spot`, with `segments` quadratic segments to bend.
 ///
@@ -71,19 +71,55 @@ pub fn with_cone(light: &Light, cone_angle: f64, toward: Option<DVec3>, reach: f
 /// How far the angle of a straight tube may lie from `coneAngle`, in degrees, and still be it: roundings of its radii.
 const SAME_ANGLE: f64 = 1e-9;
 
+/// How far control points may lie off a cone and still be on it, as shares of their distance and radius: roundings.
+const ON_CONE: f64 = 1e-9;
+
 /// The spotlight from a BendyLight's source to its last control point, with that one's colour and intensity: of one that
 /// was made from a spotlight and is still straight, that spotlight.
 ///
 /// Its cone has the tube's last radius at the last control point, which is as far as it shines unless the BendyLight is
 /// extended. `up` stays up. Parameters that both shapes have keep their values.
 pub fn straighten(bent: &Light) -> Result<Light, LightError> {
-    CheckedLight::new(bent.clone())?;
+    if bent.points().is_empty() {
+        return Err(LightError::NotBent);
+    }
+    Tube::new(bent)?;
+    straightened(bent)
+}
+
+/// The spotlight that a checked BendyLight is, while its tube is still a cone: control points on one ray from the source,
+/// one behind the other, all of one colour and intensity, with radii that grow as their distances do, to the angle that
+/// its profile goes by. `None` where it is bent, however little.
+pub fn still_straight(bent: &Light) -> Option<Light> {
+    let points = bent.points();
+    let last = points.last()?;
+    let length = last.position.length();
+    let (axis, slope) = (last.position / length, last.radius / length);
+    let along = |point: &ControlPoint| point.position.dot(axis);
+    let is_on_cone = |point: &ControlPoint| {
+        let aside = (point.position - axis * along(point)).length();
+        aside <= ON_CONE * along(point)
+            && (point.radius - slope * along(point)).abs() <= ON_CONE * point.radius
+            && (point.color, point.intensity) == (last.color, last.intensity)
+    };
+    // Where `up` is along the axis, which way is up across it is each shape's own choice.
+    let up = bent.get(UP);
+    let is_cone = points.iter().all(is_on_cone)
+        && points.windows(2).all(|pair| along(&pair[0]) < along(&pair[1]))
+        && (cone_angle(last) - bent.get(CONE_ANGLE)).abs() <= SAME_ANGLE
+        && cone_angle(last) > SAME_ANGLE
+        && up.cross(axis).length() > 1e-6 * up.length();
+    if is_cone { straightened(bent).ok() } else { None }
+}
+
+/// Of a checked BendyLight.
+fn straightened(bent: &Light) -> Result<Light, LightError> {
     let Some(last) = bent.points().last() else { return Err(LightError::NotBent) };
     let length = last.position.length();
     if length == 0.0 {
         return Err(LightError::NoWay);
     }
-    let cone_angle = libm::atan2(last.radius, length).to_degrees();
+    let cone_angle = cone_angle(last);
     let mut spot = Light::new(Shape::Spot);
     for (parameter, value) in bent.values() {
         spot.set(Setting { parameter, value: value.clone() });
@@ -100,6 +136,11 @@ pub fn straighten(bent: &Light) -> Result<Light, LightError> {
     let spot = spot.with(RANGE, range).with(COLOR, color).with(INTENSITY, intensity);
     check_values(&spot)?;
     Ok(spot)
+}
+
+/// The half angle, in degrees, of the cone from the source that is as wide as the tube at a control point.
+fn cone_angle(point: &ControlPoint) -> f64 {
+    libm::atan2(point.radius, point.position.length()).to_degrees()
 }
 
 /// The rotation that takes -Z to `direction`, of length 1, and +Y to where `up` leans; any, where `up` is along it.

@@ -3,6 +3,7 @@
 use std::cell::Cell;
 use std::sync::Arc;
 
+use crate::bend::still_straight;
 use crate::revision::{Digest, Revisions};
 use crate::{Cone, Light, LightError, LightFilter, LightId, Omni, Parallel, Shape, Tube};
 
@@ -17,6 +18,8 @@ pub struct CheckedLight {
     light: Light,
     rays: Rays,
     revisions: Revisions,
+    /// See [`Self::straightened`].
+    straightened: Option<Arc<Self>>,
 }
 
 /// How a point is found in a light.
@@ -55,6 +58,12 @@ impl CheckedLight {
     /// Checks a light: every value against its row, a BendyLight's control points, its tube for folds.
     pub fn new(light: Light) -> Result<Self, LightError> {
         MADE.set(MADE.get() + 1);
+        let checked = Self::of(light)?;
+        let spot = still_straight(&checked.light).and_then(|spot| Self::of(spot).ok());
+        Ok(Self { straightened: spot.map(Arc::new), ..checked })
+    }
+
+    fn of(light: Light) -> Result<Self, LightError> {
         let rays = match light.shape() {
             Shape::Spot => Rays::Cone(Cone::new(&light)?),
             Shape::Bendy(_) => Rays::Bent(Tube::new(&light)?),
@@ -62,7 +71,7 @@ impl CheckedLight {
             Shape::Omni => Rays::Omni(Omni::new(&light)?),
         };
         let revisions = Revisions::of(&light);
-        Ok(Self { light, rays, revisions })
+        Ok(Self { light, rays, revisions, straightened: None })
     }
 
     /// How many checks this thread has made: what tests count to see that a light is checked once.
@@ -83,6 +92,12 @@ impl CheckedLight {
     /// The tube of a BendyLight.
     pub fn tube(&self) -> Option<&Tube<f64>> {
         if let Rays::Bent(tube) = &self.rays { Some(tube) } else { None }
+    }
+
+    /// The spotlight that a BendyLight is whose tube is still a cone: made with it, and the same light at every point but
+    /// for the roundings and its `t`.
+    pub fn straightened(&self) -> Option<&Arc<Self>> {
+        self.straightened.as_ref()
     }
 
     /// What becomes of its light on the way.

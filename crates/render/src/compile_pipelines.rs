@@ -5,7 +5,7 @@ use light::parameters::{DECAY, RANGE};
 use light::{Decay, Light, LightInstance, Transform};
 use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
 
-use crate::{Aov, RenderError, Renderer, View, ViewSlot};
+use crate::{Aov, RenderError, Renderer, ShadowSettings, View, ViewSlot};
 
 /// Most segments of the lights that are compiled for: a software driver takes a second for each.
 const SEGMENTS: usize = 4;
@@ -21,6 +21,8 @@ impl Renderer {
     pub fn compile_pipelines(&self, mut keep_going: impl FnMut() -> bool) -> Result<(), RenderError> {
         let mut renderer = self.with_same_pipelines()?;
         renderer.set_scene(&scene::pose(scene()))?;
+        // The BendyLights below are straight, and to be drawn as bent ones.
+        renderer.set_shadow_settings(ShadowSettings { straighten: false, ..ShadowSettings::default() })?;
         let spot = spot();
         for straight in [Light::omni(), Light::directional()] {
             let straight = straight.placed(spot.transform());

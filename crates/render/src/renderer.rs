@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::DVec2;
-use light::LightInstance;
+use light::{CheckedLight, LightInstance};
 use scene::{PosedScene, Scene};
 use wgpu::{Buffer, CommandEncoder};
 
@@ -216,7 +216,8 @@ impl Renderer {
         tile: Tile,
         mut pause: Option<&mut dyn FnMut(Piece) -> bool>,
     ) -> Result<bool, RenderError> {
-        let Drawing { view, lights, raster, wanted, samples } = drawing;
+        let Drawing { view, raster, wanted, samples, .. } = drawing;
+        let lights = &self.as_drawn(view.aov, &drawing.lights);
         let Self { passes, scene, shadow_maps, counts, view_uniform, .. } = self;
         let (passes, scene) = (&**passes, &*scene);
         shadow_maps.begin(view.slot, &lights[wanted.clone()], scene.revision);
@@ -308,6 +309,7 @@ impl Renderer {
     /// picture once before.
     pub fn time_passes(&mut self, view: &View, lights: &[LightInstance]) -> Result<PassTimes, RenderError> {
         let raster = Raster::new(view)?;
+        let lights = &self.as_drawn(Aov::Beauty, lights);
         self.attempt(view.slot, |renderer, gpu| {
             gpu.memory.begin_picture();
             let mut targets = renderer.viewers.take(gpu, &renderer.passes, view)?;
@@ -335,6 +337,23 @@ impl Renderer {
             renderer.viewers.put(gpu, view.slot, targets);
             Ok(PassTimes { gbuffer_ms, shadow_ms, lighting_ms })
         })
+    }
+
+    /// The lights as pictures of `aov` have them: a BendyLight that is still straight as the spotlight that it is, but where
+    /// places along its curve are shown.
+    fn as_drawn(&self, aov: Aov, lights: &[LightInstance]) -> Vec<LightInstance> {
+        let shows_curve = matches!(aov, Aov::T | Aov::Wireframe);
+        let reach = self.scene.posed.reach();
+        let straightened = |light: &CheckedLight| {
+            let spot = light.straightened().filter(|_| self.shadow_maps.shadows().straighten && !shows_curve);
+            // The curve may reach farther than can be drawn; the spotlight has no end points that could.
+            spot.filter(|_| reach.check(light).is_ok()).cloned()
+        };
+        let drawn = |LightInstance { id, light }: &LightInstance| LightInstance {
+            id: *id,
+            light: straightened(light).unwrap_or_else(|| Arc::clone(light)),
+        };
+        lights.iter().map(drawn).collect()
     }
 
     /// Runs `work`; where it fails, nothing that it may have left half done is kept.

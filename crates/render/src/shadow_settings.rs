@@ -21,6 +21,10 @@ pub struct ShadowSettings {
     /// Only triangles without an alpha test are simplified, and of those no connected part 833 times as large
     /// and more: single precision does not resolve so little.
     pub mesh_error: f64,
+    /// Whether a BendyLight that is still straight ([`light::CheckedLight::straightened`]) is drawn as the spotlight that
+    /// it is: then bending a spotlight changes no pixel, and costs nothing. Its own way is slower, and what it is
+    /// compared by: the two share no code.
+    pub straighten: bool,
 }
 
 /// Percentage-closer filters: each texel is compared by itself, and the answers are blended.
@@ -114,6 +118,7 @@ impl Default for ShadowSettings {
             edge_error_texels: Some(Self::EDGE_ERROR_TEXELS),
             filter: ShadowFilter::default(),
             mesh_error: 0.0,
+            straighten: true,
         }
     }
 }

@@ -1,8 +1,8 @@
 //! A spotlight made into a BendyLight stays the same light (light model, sections 1 and 6).
 
 use glam::{DQuat, DVec3};
-use light::parameters::{CONE_ANGLE, DECAY, INTENSITY, RANGE, ROTATION};
-use light::{Decay, Light, LightError, Transform, Tube, bend, bend_to, straighten};
+use light::parameters::{COLOR, CONE_ANGLE, DECAY, END_MODE, INTENSITY, RANGE, ROTATION, UP};
+use light::{CheckedLight, Decay, EndMode, Light, LightError, Transform, Tube, bend, bend_to, straighten};
 
 use crate::support::profile;
 
@@ -99,4 +99,79 @@ fn straightening_takes_bending_back() {
         assert!((aim - rotation * DVec3::NEG_Z).length() > 0.1);
     }
     assert_eq!(straighten(&Light::spot()), Err(LightError::NotBent));
+}
+
+/// The spotlight that a light still is, as the renderer has it.
+fn still(light: &Light) -> Option<Light> {
+    let checked = CheckedLight::new(light.clone()).expect("valid");
+    checked.straightened().map(|spot| spot.light().clone())
+}
+
+/// A BendyLight whose tube is a cone is the spotlight that it was bent from, however its control points are spread, and
+/// none as soon as anything of it is not that cone's.
+#[test]
+fn a_bendy_light_is_a_spotlight_while_it_is_straight() {
+    let rotation = DQuat::from_xyzw(0.1, 0.7, -0.2, 0.68).normalize();
+    let transform = Transform { translation: DVec3::new(3.0, -2.0, 5.0), rotation, scale: 2.5 };
+    for (range, cone_angle, segments) in [(None, 1.0, 1), (Some(12.0), 25.0, 3), (None, 60.0, 7)] {
+        let spot = Light::spot().placed(transform).with(CONE_ANGLE, cone_angle).with(RANGE, range);
+        let bent = bend_to(&spot, segments, 10.0).expect("valid");
+        assert_eq!(still(&bent).expect("straight"), spot);
+        assert_eq!(still(&spot), None, "it is no BendyLight");
+        let is_bent = |what: &str, light: Light| assert_eq!(still(&light), None, "{segments}: {what}");
+        let last = segments + 1;
+        let with_last = |change: fn(&mut light::ControlPoint)| {
+            bent.clone().with_points(|k, point| {
+                if k == last {
+                    change(point);
+                }
+            })
+        };
+        is_bent("moved by a hair", with_last(|point| point.position.x += 1e-6));
+        is_bent("wider by a hair", with_last(|point| point.radius *= 1.0 + 1e-6));
+        is_bent("dimmer at its end", with_last(|point| point.intensity = 0.5));
+        is_bent("redder at its end", with_last(|point| point.color.y = 0.5));
+        is_bent(
+            "with a radius at its source",
+            bent.clone().with_points(|k, point| point.radius += f64::from(k == 0)),
+        );
+        is_bent("with the profile of another angle", bent.clone().with(CONE_ANGLE, 0.99 * cone_angle));
+        is_bent("with up along it", bent.clone().with(UP, DVec3::Z));
+    }
+
+    // Points spread unevenly, along another axis than -Z, all of one colour; extended or cut.
+    let axis = DVec3::new(1.0, 2.0, 2.0) / 3.0;
+    let at = [0.0, 0.1, 2.0, 2.5, 9.0];
+    let slope = 25_f64.to_radians().tan();
+    let points = at.map(|along| axis * along).to_vec();
+    let light = Light::bendy(points, at.map(|along| slope * along).to_vec())
+        .with(COLOR, DVec3::new(0.5, 1.0, 2.0))
+        .with_points(|_, point| (point.color, point.intensity) = (DVec3::new(1.0, 0.5, 0.25), 3.0));
+    for (end_mode, range) in [(EndMode::Cut, Some(9.0)), (EndMode::Extend, None)] {
+        let light = light.clone().with(END_MODE, end_mode);
+        let spot = still(&light).expect("straight");
+        assert_eq!((spot.get(RANGE), spot.get(INTENSITY)), (range, 3.0));
+        assert_eq!(spot.get(COLOR), DVec3::splat(0.5));
+        // At every point it is that light, to roundings.
+        let tube = Tube::new(&light).expect("valid");
+        let cone = light::Cone::new(&spot).expect("valid");
+        for point in [DVec3::new(1.0, 2.0, 2.1), DVec3::new(0.1, 0.2, 0.1), DVec3::new(2.0, 4.9, 5.0)] {
+            let root = tube.nearest_root(tube.placement.tube_from_world(point)).expect("inside");
+            let (bent, place) = (tube.place_at(&root), cone.locate(point).expect("inside"));
+            assert!(
+                (bent.v - place.v).abs() < 1e-12 && (bent.w - place.w).abs() < 1e-12,
+                "{bent:?} {place:?}"
+            );
+            assert!((bent.s - place.s).abs() < 1e-12 && (bent.direction - place.direction).length() < 1e-12);
+            assert!((tube.irradiance(&root) - cone.irradiance(&place)).length() < 1e-12);
+        }
+    }
+    // The planted fault: control points that turn back.
+    let turning = light.with_points(|k, point| {
+        if k == 2 {
+            point.position *= 1.5;
+            point.radius *= 1.5;
+        }
+    });
+    assert_eq!(CheckedLight::new(turning).ok().and_then(|light| light.straightened().cloned()), None);
 }

@@ -17,6 +17,7 @@ const UNSPLIT: ShadowSettings = ShadowSettings {
     edge_error_texels: None,
     filter: ShadowFilter::Bilinear,
     mesh_error: 0.0,
+    straighten: false,
 };
 
 /// A light that falls from 4 units up, turns by 70 degrees and back a little: three strongly bent segments.
@@ -99,10 +100,15 @@ pub(crate) fn position(view: &View, depth: &Picture, pixel: usize) -> DVec3 {
 }
 
 /// A renderer on the device that all tests of this binary share.
+///
+/// BendyLights are drawn by their own way, straight ones too.
 pub(crate) fn renderer(scene: &Scene) -> Renderer {
     static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
     let gpu = GPU.get_or_init(|| Arc::new(Gpu::new().expect("tests need a graphics driver")));
     let mut renderer = Renderer::new(Arc::clone(gpu)).expect("the device works");
+    renderer
+        .set_shadow_settings(ShadowSettings { straighten: false, ..ShadowSettings::default() })
+        .expect("sound");
     renderer.set_scene(&scene::pose(scene.clone())).expect("fits");
     renderer
 }

@@ -100,7 +100,7 @@ fn all() -> Vec<LightInstance> {
 }
 
 fn settings(mesh_error: f64) -> ShadowSettings {
-    ShadowSettings { mesh_error, ..ShadowSettings::default() }
+    ShadowSettings { mesh_error, straighten: false, ..ShadowSettings::default() }
 }
 
 /// Makes casters by one mesh error while the look-ups are told another.

@@ -9,7 +9,7 @@ use light::{Decay, Key, Light, Links};
 use render::{Aov, Gpu, MemoryKind, Picture, Renderer, View};
 use scene::{Material, Mesh, Node, Scene};
 
-use crate::support::{instances, picture, renderer, spot, square, view};
+use crate::support::{apart, instances, picture, renderer, spot, square, view};
 
 /// A floor, and a group of two tables that have one mesh and one name, the second above a corner of the first.
 fn tables() -> Scene {
@@ -180,6 +180,7 @@ fn another_scene_may_have_the_node() {
 fn only_lights_with_links_take_room() {
     let gpu = Arc::new(Gpu::new().expect("a graphics driver"));
     let mut renderer = Renderer::new(Arc::clone(&gpu)).expect("a renderer");
+    renderer.set_shadow_settings(apart()).expect("sound");
     renderer.set_scene(&scene::pose(tables())).expect("it fits");
     let [key, bent] = keys();
     let mut taken = |lights: &[Light]| {

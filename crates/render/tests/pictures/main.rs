@@ -13,6 +13,7 @@ mod memory;
 mod robustness;
 mod spot_light;
 mod spot_shadow;
+mod straight;
 mod support;
 mod surface;
 mod terminator;

@@ -12,7 +12,7 @@ use render::{
 };
 use scene::{Material, Scene};
 
-use crate::support::{floor, instances, named, scene_of, spot, view};
+use crate::support::{apart, floor, instances, named, scene_of, spot, view};
 
 /// Bytes of a map of 2048 x 2048 texels.
 const MAP: u64 = 4 << 22;
@@ -26,6 +26,7 @@ fn renderer(budget: u64) -> (Renderer, MemoryBudget) {
     let memory = MemoryBudget::new(budget);
     let gpu = Gpu::with_memory_budget(memory.clone()).expect("tests need a graphics driver");
     let mut renderer = Renderer::new(Arc::new(gpu)).unwrap();
+    renderer.set_shadow_settings(apart()).unwrap();
     renderer.set_scene(&scene::pose(tables())).unwrap();
     (renderer, memory)
 }
@@ -119,6 +120,7 @@ fn shared() -> &'static Arc<Gpu> {
 fn what_nobody_looks_at_is_given_back() {
     let memory = shared().memory();
     let mut renderer = Renderer::new(Arc::clone(shared())).unwrap();
+    renderer.set_shadow_settings(apart()).unwrap();
     renderer.set_scene(&scene::pose(tables())).unwrap();
     let at_rest = lights(3);
     let lights = instances(&at_rest);

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use light::parameters::{INTENSITY, NAME};
 use light::{Light, LightInstance, Transform};
-use render::{Aov, Gpu, Picture, Renderer, View, ViewSlot};
+use render::{Aov, Gpu, Picture, Renderer, ShadowSettings, View, ViewSlot};
 use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
 
 /// 2^-24: half an ulp of 1 in f32.
@@ -17,10 +17,16 @@ pub fn gpu() -> Arc<Gpu> {
     Arc::clone(GPU.get_or_init(|| Arc::new(Gpu::new().expect("tests need a graphics driver"))))
 }
 
-/// A renderer of `scene`.
+/// BendyLights are drawn by their own way, straight ones too: tests compare them with spotlights.
+pub fn apart() -> ShadowSettings {
+    ShadowSettings { straighten: false, ..ShadowSettings::default() }
+}
+
+/// A renderer of `scene`, with those settings.
 pub fn renderer(scene: &Scene) -> Renderer {
     scene.check().expect("test scenes keep their promises");
     let mut renderer = Renderer::new(gpu()).expect("the device works");
+    renderer.set_shadow_settings(apart()).expect("sound");
     renderer.set_scene(&scene::pose(scene.clone())).expect("test scenes fit");
     renderer
 }

@@ -95,8 +95,9 @@ pub fn check(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
     let mut scene = case.shot.scene(&case.shot.facets, vec![material]);
     scene.nodes[0].parent_from_local *= glam::DAffine3::from_scale(case.squash.into());
     let (lights, mut view) = (case.lights(), case.shot.view());
+    let mesh_error = case.mesh_error;
     let shadows =
-        ShadowSettings { resolution: 512, mesh_error: case.mesh_error, ..ShadowSettings::default() };
+        ShadowSettings { resolution: 512, mesh_error, straighten: false, ..ShadowSettings::default() };
     let mut pictures = adapter.pictures(&scene, &view, &lights, shadows, OF_THE_CAMERA)?;
     if tally.planted {
         pictures[0].pixels[0][1] = f32::NAN;

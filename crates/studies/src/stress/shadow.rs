@@ -67,7 +67,7 @@ fn agrees_with_the_walk(shot: &Shot, planted: Option<Fault>, adapter: &Adapter, 
         }
         None => shot.facets.clone(),
     };
-    let shadows = ShadowSettings { resolution: RESOLUTION, ..ShadowSettings::default() };
+    let shadows = ShadowSettings { resolution: RESOLUTION, straighten: false, ..ShadowSettings::default() };
     let scene = shot.scene(&drawn, vec![Material { double_sided: true, ..Material::default() }]);
     let (view, aovs) = (shot.view(), [Aov::Depth, Aov::Normal, Aov::Visibility]);
     let pictures = adapter.pictures(&scene, &view, &shot.lights(), shadows, aovs)?;

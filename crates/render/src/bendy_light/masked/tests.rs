@@ -103,7 +103,7 @@ fn lights() -> [Light; 2] {
 
 fn visibility(scene: &Scene, light: &Light, shadows: ShadowSettings) -> Picture {
     let mut renderer = renderer(scene);
-    renderer.set_shadow_settings(shadows).expect("sound");
+    renderer.set_shadow_settings(ShadowSettings { straighten: false, ..shadows }).expect("sound");
     renderer.render(&view(Aov::Visibility), &alone(light)).expect("drawn")
 }
 
@@ -139,7 +139,7 @@ fn simplified_casters_keep_their_holes() {
     let exact = visibility(&scene(WRAPS), &bent, ShadowSettings::default());
     let mut renderer = renderer(&scene(WRAPS));
     let shadows = ShadowSettings { mesh_error: 0.02, ..ShadowSettings::default() };
-    renderer.set_shadow_settings(shadows).expect("sound");
+    renderer.set_shadow_settings(ShadowSettings { straighten: false, ..shadows }).expect("sound");
     let staged = renderer.gpu_scene().1;
     let (before, after) = (staged.surface.vertex_count, staged.casters.vertex_count);
     assert!(after + 300 < before, "{after} of {before} vertices");

@@ -1,0 +1,129 @@
+//! A BendyLight that is still straight is drawn as the spotlight that it is.
+
+use glam::DVec3;
+use light::parameters::{
+    COLOR_TEMPERATURE, CONE_ANGLE, CONE_SOFTNESS, CROSS_SECTION, CUT_OFF, CUT_ON, DECAY, DECAY_START,
+    DIFFUSE, ENABLE_COLOR_TEMPERATURE, EXPOSURE, FAR_EDGE, NEAR_EDGE, PROFILE, PROFILE_POWER, RADIAL_FALLOFF,
+    RANGE, SECTION_ROUNDNESS, SECTION_WIDTH, SHADOW_COLOR, SHADOW_ENABLE,
+};
+use light::{CrossSection, Decay, Light, PeriodicCurve, ProfileCurve, bend_to};
+use render::{Aov, PassCounts, Renderer, ShadowSettings, View};
+use scene::{Material, Scene};
+
+use crate::support::{apart, floor, instances, named, renderer, scene_of, spot, view};
+
+fn tables() -> Scene {
+    let material = Material { double_sided: true, ..Material::default() };
+    scene_of([floor(3.0, 0.0), floor(0.5, 1.0), floor(0.2, 1.6)], vec![material])
+}
+
+fn seen(aov: Aov) -> View {
+    view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [97, 71], aov)
+}
+
+/// As pictures are drawn for people.
+fn as_for_people() -> Renderer {
+    let mut renderer = renderer(&tables());
+    renderer.set_shadow_settings(ShadowSettings::default()).expect("sound");
+    renderer
+}
+
+fn key() -> Light {
+    named(spot(DVec3::new(1.0, 3.0, 0.5), DVec3::new(0.1, 0.0, -0.2)))
+}
+
+/// Spotlights that differ in each way that a lighting pass is compiled or placed by.
+fn spots() -> Vec<Light> {
+    let key = key();
+    let scaled = light::Transform { scale: 0.3, ..key.transform() };
+    vec![
+        key.clone(),
+        key.clone().placed(scaled).with(RANGE, Some(2.8)),
+        key.clone().with(CONE_ANGLE, 80.0),
+        key.clone().with(CONE_SOFTNESS, 0.0).with(DECAY, Decay::None),
+        key.clone().with(PROFILE, ProfileCurve::Linear).with(DECAY, Decay::Linear),
+        key.clone().with(PROFILE, ProfileCurve::Power).with(PROFILE_POWER, 2.5),
+        key.clone().with(PROFILE, ProfileCurve::Cosine).with(PROFILE_POWER, 8.0),
+        key.clone()
+            .with(CROSS_SECTION, CrossSection::Superellipse)
+            .with(SECTION_WIDTH, 0.6)
+            .with(SECTION_ROUNDNESS, 0.4),
+        key.clone().with(CUT_ON, Some(2.0)).with(NEAR_EDGE, 0.5).with(CUT_OFF, Some(3.0)).with(FAR_EDGE, 0.4),
+        key.clone().with(RADIAL_FALLOFF, PeriodicCurve::new(vec![[20.0, 1.0], [150.0, 0.4], [300.0, 0.7]])),
+        key.clone().with(DECAY_START, 2.5).with(EXPOSURE, 1.0).with(DIFFUSE, 0.5),
+        key.clone().with(ENABLE_COLOR_TEMPERATURE, true).with(COLOR_TEMPERATURE, 3000.0),
+        key.clone().with(SHADOW_COLOR, DVec3::new(0.1, 0.2, 0.5)),
+        key.with(SHADOW_ENABLE, false),
+    ]
+}
+
+/// To the bit, whatever its parameters, in every quantity that does not show its curve.
+#[test]
+fn a_straight_bendy_light_is_its_spotlight_to_the_bit() {
+    let mut renderer = as_for_people();
+    let mut draw = |light: &Light, aov| {
+        renderer.render(&seen(aov), &instances(std::slice::from_ref(light))).expect("drawn")
+    };
+    for (k, spot) in spots().into_iter().enumerate() {
+        let bent = bend_to(&spot, 3, 3.2).expect("valid");
+        let aovs = [Aov::Beauty, Aov::Visibility, Aov::Vw, Aov::Direction];
+        for aov in aovs.into_iter().take(if k < 3 { 4 } else { 2 }) {
+            let expected = draw(&spot, aov);
+            let lit = expected.pixels.iter().filter(|pixel| pixel[0] != 0.0).count();
+            assert!(lit > 100, "{aov:?}: {lit} pixels of {spot:?}");
+            assert!(draw(&bent, aov) == expected, "{aov:?} of {spot:?}");
+        }
+    }
+    // The planted faults: an end that lies a hundredth beside the cone, and the same light by another technique.
+    let bent = bend_to(&key(), 3, 3.2).expect("valid");
+    let aside = bent.clone().with_points(|k, point| {
+        if k == 4 {
+            point.position.x += 0.03;
+        }
+    });
+    let expected = draw(&key(), Aov::Beauty);
+    assert!(draw(&aside, Aov::Beauty) != expected);
+    let own = self::renderer(&tables()).render(&seen(Aov::Beauty), &instances(&[bent])).expect("drawn");
+    assert!(own != expected);
+}
+
+/// Bending draws nothing at all, a control point that moves by a hair its own map, and no more when it is back.
+#[test]
+fn bending_draws_nothing() {
+    let mut renderer = as_for_people();
+    let bent = bend_to(&key(), 3, 3.2).expect("valid");
+    let hair = bent.clone().with_points(|k, point| {
+        if k == 4 {
+            point.position.x += 1e-6;
+        }
+    });
+    let mut counts = PassCounts::default();
+    let mut drawn = |light: &Light| {
+        renderer.render(&seen(Aov::Beauty), &instances(std::slice::from_ref(light))).expect("drawn");
+        let (before, now) = (std::mem::replace(&mut counts, renderer.counts()), renderer.counts());
+        [now.gbuffer - before.gbuffer, now.shadow - before.shadow, now.lighting - before.lighting]
+    };
+    assert_eq!(drawn(&key()), [1, 1, 1]);
+    assert_eq!(drawn(&bent), [0, 0, 0]);
+    assert_eq!(drawn(&hair), [0, 1, 1]);
+    assert_eq!(drawn(&bent), [0, 0, 1]);
+    assert_eq!(drawn(&key()), [0, 0, 0]);
+}
+
+/// Its place along the curve is a BendyLight's: t and the wireframe are drawn by its own way.
+#[test]
+fn what_shows_the_curve_is_a_bendy_lights() {
+    let (mut straight, mut by_itself) = (as_for_people(), renderer(&tables()));
+    let bent = instances(&[bend_to(&key(), 3, 3.2).expect("valid")]);
+    for aov in [Aov::T, Aov::Wireframe] {
+        let drawn = straight.render(&seen(aov), &bent).expect("drawn");
+        assert!(drawn == by_itself.render(&seen(aov), &bent).expect("drawn"), "{aov:?}");
+    }
+    let t = straight.render(&seen(Aov::T), &bent).expect("drawn");
+    let most = t.pixels.iter().map(|pixel| pixel[0]).fold(0.0, f32::max);
+    assert!(most > 2.5, "t goes on to {most}");
+    // The planted fault: a spotlight's own t, which is 0 without a range.
+    let spot = straight.render(&seen(Aov::T), &instances(&[key()])).expect("drawn");
+    assert!(spot.pixels.iter().all(|pixel| pixel[0] == 0.0));
+    assert_ne!(apart(), ShadowSettings::default());
+}
