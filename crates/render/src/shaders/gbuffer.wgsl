@@ -19,6 +19,9 @@ fn vs_gbuffer(@location(0) position: vec3f, @location(2) uv: vec2f) -> Varyings 
 struct Seen {
     @location(0) packed: vec4u,
     @location(1) terminator_offset: f32,
+    // Of the triangle's plane. The rasteriser's own is interpolated from the corner of its target: of two surfaces that lie
+    // in one place, as a carpet and its floor, another one would be seen in each tile, in blocks.
+    @builtin(frag_depth) z: f32,
 }
 
 // What a triangle's vertices say of a point of it. Interpolated here and not by the rasteriser, which does so from the
@@ -64,7 +67,8 @@ fn fs_gbuffer(
 ) -> Seen {
     let triangle = material.first_triangle + primitive;
     let ray = ray_through(vec2u(in.clip.xy));
-    let position = ray.origin + depth_on(planes[triangle], ray, in.clip.z) * ray.direction;
+    let depth = depth_on(planes[triangle], ray, in.clip.z);
+    let position = ray.origin + depth * ray.direction;
     let here = interpolated(triangle, position);
     let base = material.base_color * here.color * textureSample(base_color_texture, base_color_sampler, in.uv);
     let surface = textureSample(metallic_roughness_texture, metallic_roughness_sampler, in.uv);
@@ -78,5 +82,6 @@ fn fs_gbuffer(
     let metallic = saturate(material.metallic * surface.b);
     let roughness = saturate(material.roughness * surface.g);
     let factors = material_to_bits(saturate(base.rgb), metallic, roughness);
-    return Seen(vec4u(unit_to_bits(normal), triangle + 1u, factors), here.terminator_offset);
+    let packed = vec4u(unit_to_bits(normal), triangle + 1u, factors);
+    return Seen(packed, here.terminator_offset, z_at(depth, in.clip.z));
 }

@@ -58,6 +58,15 @@ fn depth_on(plane: vec4f, ray: ViewRay, z: f32) -> f32 {
     return select(clamp(exact, 0.5 * rough, 2.0 * rough), rough, closing == 0.0);
 }
 
+// The z of a depth along the view axis; `z` is the rasteriser's, which stays where a plane is seen so nearly edge on that
+// its depth may be off by more than that.
+fn z_at(depth: f32, z: f32) -> f32 {
+    let c = view.depth_from_z;
+    let rough = (c.x + c.y * z) / (c.z + c.w * z);
+    let exact = (c.x - c.z * depth) / (c.w * depth - c.y);
+    return select(z, exact, abs(depth - rough) <= 0x1p-12 * rough);
+}
+
 struct Corners {
     a: vec3f,
     b: vec3f,

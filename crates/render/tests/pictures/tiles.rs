@@ -103,6 +103,36 @@ fn raw(renderer: &mut Renderer, view: &View) -> (Picture, usize) {
     (picture, turns)
 }
 
+/// A floor of one colour, and on it a carpet of another that lies higher by less than f32 can tell.
+fn carpeted() -> Scene {
+    let colored = |base_color| Material { base_color, ..Material::default() };
+    let carpet = Primitive { material: 1, ..square() };
+    let turned = DAffine3::from_scale_rotation_translation(
+        DVec3::splat(1.7),
+        DQuat::from_rotation_y(0.4),
+        DVec3::Y * 3e-8,
+    );
+    let lamp = (ball(), DAffine3::from_translation(DVec3::new(-2.1, 2.3, -1.6)));
+    let floor = (square(), DAffine3::from_scale(DVec3::splat(3.0)));
+    let colors = [Vec4::new(0.9, 0.8, 0.6, 1.0), Vec4::new(0.02, 0.3, 0.02, 1.0)];
+    scene_of([(carpet, turned), floor, lamp], colors.map(colored).into())
+}
+
+/// Which of two surfaces in one place is seen does not depend on where a tile begins, and is the same all over.
+#[test]
+fn surfaces_in_one_place_are_the_same_ones_in_every_tile() {
+    let mut renderer = renderer(&carpeted());
+    let view = camera([700, 410], Aov::Beauty, 1);
+    let whole = renderer.render(&view, &lights()).unwrap();
+    let (tiled, turns) = raw(&mut renderer, &view);
+    assert_eq!((differences(&whole, &tiled), turns >= 6), ((0, 0.0), true));
+    // The middle of the picture shows the middle of the carpet, which alone is green.
+    let rows = whole.pixels.chunks(700).skip(150).take(110);
+    let seen: Vec<_> = rows.flat_map(|row| &row[270..430]).filter(|pixel| pixel[0] > 0.0).collect();
+    let green = seen.iter().filter(|pixel| pixel[1] > pixel[0]).count();
+    assert!(seen.len() > 10_000 && [0, seen.len()].contains(&green), "{green} of {}", seen.len());
+}
+
 /// A step of the G-buffer's colours, which are stored by their square roots in 13 bits: at 1 one of twice that.
 const COLOR_STEP: f32 = 2.0 / 8191.0;
 /// Radiance of the rough white floor, were all three lights of 10 cd a unit away.
