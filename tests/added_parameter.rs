@@ -188,6 +188,6 @@ fn a_row_is_a_field_on_the_page() {
         assert!(Instant::now() < until, "it gets ready");
         std::thread::sleep(Duration::from_millis(50));
     }
-    run_in_browser("added_parameter.mjs", &own.address);
+    run_in_browser("added_parameter.mjs", &own.address, None);
     own.runtime.shutdown_timeout(Duration::from_secs(10));
 }

@@ -5,9 +5,10 @@ use std::process::Command;
 
 use bench::Address;
 
-/// Runs a script in Chromium on session `main` of the server there. It fails with a sentence, also where one of its pictures
+/// Runs a script in Chromium on a session of the scene of `main` of the server there, with what it is told of the scene, as
+/// JSON. It fails with a sentence, also where one of its pictures
 /// breaks a rule of accessibility.
-pub fn run_in_browser(script: &str, Address { host, token }: &Address) {
+pub fn run_in_browser(script: &str, Address { host, token }: &Address, facts: Option<&str>) {
     let client = Path::new(env!("CARGO_MANIFEST_DIR")).join("../web-client");
     let is_built =
         client.join("node_modules/playwright-core").is_dir() && client.join("dist/index.html").is_file();
@@ -15,7 +16,7 @@ pub fn run_in_browser(script: &str, Address { host, token }: &Address) {
     let pictures = tempfile::tempdir().expect("a folder");
     let address = format!("http://{host}/#token={token}&session=main");
     let script = client.join("test/browser").join(script);
-    let status =
-        Command::new("node").arg(script).arg(address).arg(pictures.path()).status().expect("node runs");
+    let mut node = Command::new("node");
+    let status = node.arg(script).arg(address).arg(pictures.path()).args(facts).status().expect("node runs");
     assert!(status.success(), "the page does not do what it should");
 }

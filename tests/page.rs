@@ -5,7 +5,9 @@ mod browser;
 #[path = "program.rs"]
 mod program;
 
-use bench::ServerProcess;
+use std::path::Path;
+
+use bench::{Address, ServerProcess};
 use browser::run_in_browser;
 use program::program;
 
@@ -63,6 +65,20 @@ fn a_light_is_bent_in_place_on_the_page() {
     in_a_browser("bend.mjs");
 }
 
+/// Bends the spotlight of another maker's scene, in a room that holds all of its control points.
+///
+/// Rules: CMD-12
+#[test]
+#[ignore = "needs ../shared/assets, the page and a browser: make page test-packages"]
+fn a_light_of_shared_assets_is_bent_in_place_on_the_page() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/assets/scenes/bedroom.glb");
+    assert!(Path::new(file).is_file(), "{file} is missing");
+    let loaded = assets::load(Path::new(file)).expect("the scene is sound");
+    let (low, high) = scene::world_bounds(&loaded.scene).expect("it has a size");
+    let bounds = format!("[{:?}, {:?}]", low.to_array(), high.to_array());
+    on_a_server_of(file, |address| run_in_browser("bend.mjs", address, Some(&bounds)));
+}
+
 /// Picks nodes of the scene that a light leaves out, and takes them back.
 ///
 /// Rules: LINK-3, HTTP-20
@@ -118,10 +134,14 @@ fn a_scene_has_its_name_on_the_page_and_says_what_is_not_drawn() {
     in_a_browser("scene.mjs");
 }
 
-/// Runs a script on a server of its own.
+/// Runs a script on a server of its own, which has the demo.
 fn in_a_browser(script: &str) {
+    on_a_server_of("demo:vases", |address| run_in_browser(script, address, None));
+}
+
+fn on_a_server_of(scene: &str, test: impl FnOnce(&Address)) {
     let data = tempfile::tempdir().expect("a folder");
-    let server = ServerProcess::start(program(), data.path(), &["--scene", "demo:vases"]).expect("started");
+    let server = ServerProcess::start(program(), data.path(), &["--scene", scene]).expect("started");
     server.wait_until_ready().expect("ready");
-    run_in_browser(script, &server.address);
+    test(&server.address);
 }

@@ -24,15 +24,15 @@ const CHROMIUM = {
 };
 
 /**
- * Runs `test` in a new session of the demo scene. `open(name)` opens a page for a person called so (see openPage),
+ * Runs `test` in a new session of the scene that the server was started with. `open(name)` opens a page for a person called so (see openPage),
  * `visit(fragment)` another address of the server, `picture(page, name)` takes a screenshot and holds what it shows to the
- * rules of accessibility, `http(path, body)` asks the server about the session. The command line is `ADDRESS FOLDER`, the address as the server
- * printed it; a failure is one sentence on standard error and exit code 1.
+ * rules of accessibility, `http(path, body)` asks the server about the session, `facts` are what the command line says of
+ * the scene. The command line is `ADDRESS FOLDER [FACTS]`, the address as the server printed it, facts in JSON; a failure is one sentence on standard error and exit code 1.
  */
 export async function runBrowserTest(test) {
-  const [address, folder] = process.argv.slice(2);
+  const [address, folder, facts] = process.argv.slice(2);
   if (address === undefined || folder === undefined) {
-    console.error("Say which page to test and where to put pictures: node TEST.mjs ADDRESS FOLDER");
+    console.error("Say which page to test and where to put pictures: node TEST.mjs ADDRESS FOLDER [FACTS]");
     process.exit(2);
   }
   mkdirSync(folder, { recursive: true });
@@ -57,7 +57,8 @@ export async function runBrowserTest(test) {
       await page.goto(`${new URL(address).origin}/${fragment}`);
       return page;
     };
-    await test({ open, visit, picture, http: (path, body) => ask(session, path, body) });
+    const http = (path, body) => ask(session, path, body);
+    await test({ open, visit, picture, http, facts: facts === undefined ? undefined : JSON.parse(facts) });
   } catch (error) {
     for (const [k, page] of pages.entries()) await screenshot(page, `failed-${k}`).catch(() => {});
     console.error(error instanceof Error ? error.message : String(error));
@@ -67,15 +68,16 @@ export async function runBrowserTest(test) {
   }
 }
 
-/** Makes a session over HTTP; the address of its page. */
+/** Makes a session over HTTP, of the scene of the session at `address`; the address of its page. */
 async function newSession(address) {
   const { origin, hash } = new URL(address);
   const token = new URLSearchParams(hash.slice(1)).get("token");
   const name = `browser-${Date.now()}`;
+  const { scene } = (await (await ask(address, "")).json()).document;
   const answer = await fetch(`${origin}/sessions`, {
     method: "POST",
     headers: { authorization: `Bearer ${token}`, "content-type": "application/json" },
-    body: JSON.stringify({ name, scene: "demo:vases" }),
+    body: JSON.stringify({ name, scene: scene.asset }),
   });
   expect(answer.status === 201, `The session could not be made: ${answer.status} ${await answer.text()}`);
   return `${origin}/#token=${token}&session=${name}`;
@@ -142,6 +144,32 @@ export async function pixels(page) {
     const { data, width, height } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
     const digest = new Uint8Array(await crypto.subtle.digest("SHA-256", data));
     return `${width}x${height} ${[...digest].map((b) => b.toString(16).padStart(2, "0")).join("")}`;
+  });
+}
+
+/** Keeps the picture in the page, for `difference` to compare later ones with. */
+export async function keepPicture(page) {
+  await page.evaluate(() => {
+    const canvas = document.querySelector("canvas");
+    window.keptPicture = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  });
+}
+
+/** How much the picture differs from the kept one: by how many of 255 at most, and how many pixels by more than 1. */
+export async function difference(page) {
+  return page.evaluate(() => {
+    const { data: kept, width, height } = window.keptPicture;
+    const canvas = document.querySelector("canvas");
+    if (canvas.width !== width || canvas.height !== height) return { most: 255, pixels: width * height };
+    const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
+    let [most, pixels] = [0, 0];
+    for (let k = 0; k < data.length; k += 4) {
+      let worst = 0;
+      for (let c = k; c < k + 4; c += 1) worst = Math.max(worst, Math.abs(data[c] - kept[c]));
+      most = Math.max(most, worst);
+      pixels += worst > 1 ? 1 : 0;
+    }
+    return { most, pixels };
   });
 }
 
