@@ -27,8 +27,8 @@ export async function findings(page) {
     /** axe-core does not judge text of one letter, nor where things may overlap, which they do not here. */
     function faint(selector) {
       const element = document.querySelector(selector);
-      // What is drawn over the picture has a dark rim.
-      if (element.closest(".overlay") !== null) return [];
+      // What has gone meanwhile is not shown, and what is drawn over the picture has a dark rim.
+      if (element === null || element.closest(".overlay") !== null) return [];
       const text = channels(getComputedStyle(element).color);
       const ratio = contrast(text, surfaceOf(element));
       return ratio >= 4.5
