@@ -139,7 +139,7 @@ fn refused(place: String, error: serde_json::Error) -> FileError {
     if error.to_string().starts_with("trailing characters") && !place.is_empty() {
         return FileError::Shape {
             place,
-            problem: "too many numbers: give 3 for a vector, 4 for a rotation".into(),
+            problem: "too many numbers: a pair has 2, a vector 3, a rotation 4".into(),
         };
     }
     if !error.is_data() {

@@ -345,7 +345,7 @@ fn vectors_have_three_numbers() {
     let said = |text: &str| protocol::point_file::parse(text).expect_err("refused").to_string();
     assert_eq!(
         said("[[0, 0, 0], [1, 2, 3, 4]]"),
-        "[1]: too many numbers: give 3 for a vector, 4 for a rotation"
+        "[1]: too many numbers: a pair has 2, a vector 3, a rotation 4"
     );
     assert_eq!(said("[[0, 0, 0], [1, 2]]"), "[1]: invalid length 2, expected an array of length 3");
     assert!(said("[[0, 0, 0]] 7").starts_with("not valid JSON: trailing characters"));

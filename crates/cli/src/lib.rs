@@ -13,8 +13,10 @@ pub use size::{LIMITS, Size};
 
 use std::io::{self, Write};
 
-/// A line on standard error. Where that is closed there is nobody to tell.
+/// A line on standard error. Where that is closed there is nobody to tell. Control characters, such as a name in a file may
+/// have, are spaces: they would mean something to a terminal.
 pub fn say(line: &str) {
+    let line: String = line.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     let _ = writeln!(io::stderr(), "{line}");
 }
 

@@ -68,6 +68,9 @@ impl Bending {
 
     /// The BendyLight that `light` becomes.
     pub fn bent(self, light: &Light) -> Result<Light, LightError> {
+        if light.owner() == Owner::Omni && self.toward == Some(light.transform().translation) {
+            return Err(LightError::NowhereToShine);
+        }
         let reach = self.range.unwrap_or_else(|| light.transform().scale);
         let cone_angle = self.cone_angle.unwrap_or(BENT_CONE_ANGLE);
         light::bend_to(&light::with_cone(light, cone_angle, self.toward, reach), self.segments, reach)

@@ -4,9 +4,10 @@ use glam::{DMat3, DQuat, DVec3};
 
 use crate::build::{MAX_SEGMENTS, check_values};
 use crate::parameters::{
-    COLOR, CONE_ANGLE, DECAY, END_MODE, INTENSITY, RANGE, ROTATION, SCALE, TRANSLATION, UP,
+    COLOR, CONE_ANGLE, CONE_SOFTNESS, CROSS_SECTION, DECAY, END_MODE, HEIGHT, INTENSITY, RANGE, ROTATION,
+    SCALE, SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH, TRANSLATION, UP, WIDTH,
 };
-use crate::{ControlPoint, Decay, EndMode, Light, LightError, Setting, Shape, Tube, Value};
+use crate::{ControlPoint, CrossSection, Decay, EndMode, Light, LightError, Setting, Shape, Tube, Value};
 
 /// The BendyLight equal to the spotlight `spot`, with `segments` quadratic segments to bend.
 ///
@@ -47,8 +48,9 @@ pub fn bend_to(spot: &Light, segments: usize, reach: f64) -> Result<Light, Light
 /// about its axis at most. A spotlight is that one itself.
 ///
 /// An omni light is turned to shine at `toward`, in the world. A directional one keeps its direction, and shines from so far
-/// before `toward` as its control points are to reach: `reach` world units. Parameters that both shapes have keep their
-/// values. Without `toward` both shine along their own -Z from where they stand.
+/// before `toward` as its control points are to reach: `reach` world units. Where it has a window it shines along the
+/// window's axis, and the window is the outline there. Parameters that both shapes have keep their values, and within the
+/// cone light does not fall off. Without `toward` both shine along their own -Z from where they stand.
 pub fn with_cone(light: &Light, cone_angle: f64, toward: Option<DVec3>, reach: f64) -> Light {
     if !matches!(light.shape(), Shape::Omni | Shape::Directional) {
         return light.clone();
@@ -57,15 +59,37 @@ pub fn with_cone(light: &Light, cone_angle: f64, toward: Option<DVec3>, reach: f
     for (parameter, value) in light.values() {
         spot.set(Setting { parameter, value: value.clone() });
     }
-    let rotation = light.get(ROTATION).normalize();
-    let spot = spot.with(CONE_ANGLE, cone_angle);
+    let spot = spot.with(CONE_ANGLE, cone_angle).with(CONE_SOFTNESS, 0.0);
     let Some(toward) = toward else { return spot };
     if *light.shape() == Shape::Directional {
-        return spot.with(TRANSLATION, toward + rotation * DVec3::Z * reach);
+        return through_window(spot, light, toward, reach);
     }
-    let way = (toward - light.get(TRANSLATION)).try_normalize();
+    let way = toward - light.get(TRANSLATION);
+    // The largest part apart, so that no length leaves the range of numbers.
+    let way = (way / way.abs().max_element()).try_normalize();
     let turned = |way: DVec3| spot.clone().with(ROTATION, DQuat::from_mat3(&looking_along(way, DVec3::Y)));
     way.map_or_else(|| spot.clone(), turned)
+}
+
+/// The spotlight `spot` in place of the directional `light`, from `reach` world units before `toward`, or before the place
+/// beside that on the axis of its window: a rectangle as large there, as far as the cone holds it.
+fn through_window(spot: Light, light: &Light, toward: DVec3, reach: f64) -> Light {
+    let back = light.get(ROTATION).normalize() * DVec3::Z;
+    let sides = [light.get(WIDTH), light.get(HEIGHT)];
+    if sides == [None; 2] {
+        return spot.with(TRANSLATION, toward + back * reach);
+    }
+    let middle = light.get(TRANSLATION);
+    let before = middle + back * ((toward - middle).dot(back) + reach);
+    let radius = reach * libm::tan(spot.get(CONE_ANGLE).to_radians());
+    let half = sides.map(|side| side.map(|side| (side / 2.0 / radius).min(1.0)));
+    // A side without end goes as far as the circle does.
+    let rest = |other: Option<f64>| other.map_or(1.0, |half| (1.0 - half * half).max(0.0).sqrt().max(1e-3));
+    spot.with(TRANSLATION, before)
+        .with(CROSS_SECTION, CrossSection::Superellipse)
+        .with(SECTION_ROUNDNESS, 0.0)
+        .with(SECTION_WIDTH, half[0].unwrap_or_else(|| rest(half[1])))
+        .with(SECTION_HEIGHT, half[1].unwrap_or_else(|| rest(half[0])))
 }
 
 /// How far the angle of a straight tube may lie from `coneAngle`, in degrees, and still be it: roundings of its radii.

@@ -139,6 +139,9 @@ pub enum LightError {
         "the light ends where it begins, which is no direction to shine along: move its last control point"
     )]
     NoWay,
+    /// An omni light is to shine at where it stands.
+    #[error("`toward` is where the light stands, which is no direction to shine along: choose another place")]
+    NowhereToShine,
     /// A spotlight cannot be divided into this many segments.
     #[error("a light is bent into 1 to {limit} segments, not {count}: choose another number")]
     SegmentCount {

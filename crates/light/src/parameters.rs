@@ -12,7 +12,8 @@ use crate::parameter::{
     Key, Kind, MAX_NAME_BYTES, Number, Of, Owner, Parameter, Scale, Setting, Touches, Value,
 };
 use crate::{
-    ControlPoint, CrossSection, Decay, Direction, EndMode, Frame, Links, PeriodicCurve, ProfileCurve,
+    ControlPoint, CrossSection, Decay, Direction, EndMode, Frame, Links, MAX_EXTENT, PeriodicCurve,
+    ProfileCurve,
 };
 
 /// Rows, each with a constant that knows the type of its values.
@@ -67,8 +68,14 @@ const FACTOR: Number =
     Number { min: Included(0.0), max: Included(1e6), slider: Some([0.0, 2.0]), step: 0.05, ..Number::ANY };
 
 /// A length along light's way.
-const LENGTH: Number =
-    Number { unit: "world units", min: Included(0.0), slider: Some([0.0, 20.0]), step: 0.05, ..Number::ANY };
+const LENGTH: Number = Number {
+    unit: "world units",
+    min: Included(0.0),
+    max: Included(MAX_EXTENT),
+    slider: Some([0.0, 20.0]),
+    step: 0.05,
+    ..Number::ANY
+};
 
 /// A half extent of a cross-section, in radii.
 const HALF_EXTENT: Number =
@@ -530,7 +537,7 @@ rows! { POINT_ROWS:
         of: &[of(Point, Value::Vector(DVec3::ONE), Radiance)],
         kind: Kind::Color,
         group: "Control point",
-        label: "Color",
+        label: "Point color",
         ..ROW
     };
     POINT_INTENSITY: f64 = "How bright it is there, as a factor of the whole light's intensity.", Parameter {
@@ -539,7 +546,7 @@ rows! { POINT_ROWS:
         of: &[of(Point, Value::Number(1.0), Radiance)],
         kind: Kind::Number(Number { slider: Some([0.0, 10.0]), step: 0.05, min: Unbounded, ..Number::ANY }),
         group: "Control point",
-        label: "Intensity",
+        label: "Point intensity",
         ..ROW
     };
 }

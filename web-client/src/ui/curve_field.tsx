@@ -46,7 +46,6 @@ export function CurveField({ kind, ...props }: FieldProps<PeriodicCurve> & { kin
                 clamp={(at) => clampDegrees(knots, index, at)}
                 step={TURN_STEP}
                 unit="°"
-                decimals={1}
                 disabled={disabled}
               />
               <NumberField

@@ -1,8 +1,10 @@
 //! A spotlight made into a BendyLight stays the same light (light model, sections 1 and 6).
 
 use glam::{DQuat, DVec3};
-use light::parameters::{COLOR, CONE_ANGLE, DECAY, END_MODE, INTENSITY, RANGE, ROTATION, UP};
-use light::{CheckedLight, Decay, EndMode, Light, LightError, Transform, Tube, bend, bend_to, straighten};
+use light::parameters::{COLOR, CONE_ANGLE, DECAY, END_MODE, HEIGHT, INTENSITY, RANGE, ROTATION, UP, WIDTH};
+use light::{
+    CheckedLight, Decay, EndMode, Light, LightError, Transform, Tube, bend, bend_to, straighten, with_cone,
+};
 
 use crate::support::profile;
 
@@ -69,6 +71,41 @@ fn profile_falls_from_one_to_zero() {
 
 /// Straightened, a bent spotlight is that spotlight to the last bit; one whose control points have moved shines from its
 /// source to its last control point, as wide there as its tube.
+/// A light without a cone keeps, within the one that it is given, what it was: as bright up to its edge, and a directional
+/// light's window where it is aimed.
+#[test]
+fn a_cone_takes_nothing_from_what_lies_in_it() {
+    let sun = Light::directional().with(INTENSITY, 3.0).with(WIDTH, Some(1.0)).with(HEIGHT, Some(0.5));
+    let toward = DVec3::new(0.0, 0.0, -2.0);
+    let bent = bend_to(&with_cone(&sun, 10.0, Some(toward), 20.0), 3, 20.0).expect("valid");
+    let tube = Tube::<f64>::new(&bent).expect("valid");
+    let lit = |x: f64, y: f64| {
+        let q = tube.placement.tube_from_world(DVec3::new(x, y, toward.z));
+        tube.nearest_root(q).map_or(0.0, |root| tube.irradiance(&root).x)
+    };
+    for (x, y) in [(0.0, 0.0), (0.49, 0.24), (-0.49, 0.24), (0.49, -0.24)] {
+        assert!((lit(x, y) - 3.0).abs() < 1e-12, "{x} {y}: {}", lit(x, y));
+    }
+    for (x, y) in [(0.51, 0.0), (0.0, 0.26), (-0.6, 0.6)] {
+        assert_eq!(lit(x, y), 0.0, "{x} {y}");
+    }
+    // The planted fault: a window that is turned.
+    assert_eq!(lit(0.24, 0.49), 0.0);
+
+    let bulb = Light::omni().with(INTENSITY, 9.0).with(DECAY, Decay::None);
+    for toward in [DVec3::X * 4.0, DVec3::X * 1e300] {
+        let bent = bend_to(&with_cone(&bulb, 45.0, Some(toward), 4.0), 3, 4.0).expect("valid");
+        let tube = Tube::<f64>::new(&bent).expect("valid");
+        let lit = |angle: f64| {
+            let point = DVec3::new(angle.to_radians().cos(), angle.to_radians().sin(), 0.0) * 3.0;
+            let root = tube.nearest_root(tube.placement.tube_from_world(point));
+            root.map_or(0.0, |root| tube.irradiance(&root).x)
+        };
+        assert!([0.0, 20.0, 44.9].into_iter().all(|angle| (lit(angle) - 9.0).abs() < 1e-12));
+        assert_eq!(lit(45.1), 0.0);
+    }
+}
+
 #[test]
 fn straightening_takes_bending_back() {
     let rotation = DQuat::from_xyzw(0.1, 0.7, -0.2, 0.68).normalize();
