@@ -105,7 +105,8 @@ fn off_edges(reference: &Reference, view: &View, light: &LightInstance) -> Vec<(
             (along * cos + across * sin) * share
         });
         let is_clear = |step: DVec3| {
-            let beside = Surface { position: surface.position + step, ..surface };
+            let mut beside = surface;
+            beside.seen.position += step;
             visible(&beside) == here
         };
         // Where surfaces meet the filter blends in what the light meets first on the other one.

@@ -14,6 +14,8 @@ mod bounds;
 mod bvh;
 mod hierarchy;
 mod nearest;
+mod seen;
+mod solid;
 mod straight;
 mod triangle;
 
@@ -22,5 +24,6 @@ pub use bent_path::{BentPath, Chord};
 pub use bounds::Bounds;
 pub use bvh::Bvh;
 pub use nearest::SurfacePoint;
+pub use seen::Seen;
 pub use straight::Hit;
 pub use triangle::Triangle;

@@ -15,12 +15,12 @@
 //! ```
 
 mod brdf;
-mod camera;
 mod error;
 mod linked;
 mod nearest;
 mod picture;
 mod reference;
+mod samples;
 mod source;
 mod surface;
 mod texture;

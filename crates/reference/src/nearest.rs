@@ -11,8 +11,9 @@ impl Reference {
     /// A position that was rounded lies above or below the surface it was read from, which then shadows it.
     pub fn surface_near(&self, point_in_world: DVec3, within: f64) -> Option<DVec3> {
         let origin = self.bvh.posed.origin_in_world;
-        let solid =
-            |found: &raycast::SurfacePoint| self.is_solid(&self.bvh.triangles[found.triangle], found.weights);
+        let solid = |found: &raycast::SurfacePoint| {
+            self.bvh.is_solid(&self.bvh.triangles[found.triangle], found.weights)
+        };
         let found = self.bvh.nearest(point_in_world - origin, within, solid)?;
         Some(found.position + origin)
     }

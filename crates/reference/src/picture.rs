@@ -5,7 +5,7 @@ use light::LightInstance;
 use rayon::prelude::*;
 use scene::{Aov, View};
 
-use crate::camera::sample_in_pixel;
+use crate::samples::sample_in_pixel;
 use crate::{LinkedSource, Reference, ReferenceError, Surface, reflected};
 
 /// Raw values, linear, with the meaning that [`Aov`] states.

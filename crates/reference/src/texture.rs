@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 use glam::{DVec2, DVec4};
-use scene::{Image, Scene, TextureRef, Wrap};
+use scene::{Image, Scene, TextureRef};
 
 /// The part of a texture that a pixel covers.
 #[derive(Clone, Copy, Debug)]
@@ -15,13 +15,6 @@ pub(crate) struct Footprint {
     pub dx: DVec2,
     /// Change of uv to the next pixel below.
     pub dy: DVec2,
-}
-
-impl Footprint {
-    /// No extent: the finest level.
-    pub fn point(uv: DVec2) -> Self {
-        Self { uv, dx: DVec2::ZERO, dy: DVec2::ZERO }
-    }
 }
 
 /// A mip level in linear light.
@@ -88,23 +81,9 @@ fn bilinear(level: &Level, texture: TextureRef, uv: DVec2) -> DVec4 {
 }
 
 fn texel(level: &Level, texture: TextureRef, x: f64, y: f64) -> DVec4 {
-    let column = wrapped(x, level.width, texture.sampler.wrap_u);
-    let row = wrapped(y, level.height, texture.sampler.wrap_v);
+    let column = texture.sampler.wrap_u.texel(x, level.width);
+    let row = texture.sampler.wrap_v.texel(y, level.height);
     level.texels[row * level.width + column]
-}
-
-/// The texel that index `x` stands for.
-fn wrapped(x: f64, size: usize, wrap: Wrap) -> usize {
-    let n = size as f64;
-    let inside = match wrap {
-        Wrap::Repeat => x.rem_euclid(n),
-        Wrap::MirroredRepeat => {
-            let twice = x.rem_euclid(2.0 * n);
-            twice.min(2.0 * n - 1.0 - twice)
-        }
-        Wrap::ClampToEdge => x.clamp(0.0, n - 1.0),
-    };
-    (inside as usize).min(size - 1)
 }
 
 /// All levels from the full size down to one texel, each the area average of the one before.

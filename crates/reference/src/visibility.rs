@@ -114,7 +114,7 @@ impl Reference {
             let triangle = &self.bvh.triangles[hit.triangle];
             hit.position.distance(point) > contact
                 && linked.stops_at(triangle.node)
-                && self.is_solid(triangle, hit.weights)
+                && self.bvh.is_solid(triangle, hit.weights)
         }
     }
 
@@ -139,7 +139,7 @@ impl Reference {
                 let triangle = &self.bvh.triangles[hit.triangle];
                 hit.triangle != surface.triangle
                     && linked.stops_at(triangle.node)
-                    && self.is_solid(triangle, hit.weights)
+                    && self.bvh.is_solid(triangle, hit.weights)
             })
             .is_none()
     }

@@ -8,9 +8,11 @@ mod node_tree;
 mod pose;
 mod scene;
 mod view;
+mod view_ray;
 
 pub use camera::{Camera, DEFAULT_ASPECT, Projection, framing_camera};
 pub use node_tree::NodeTree;
 pub use pose::{PosedPrimitive, PosedScene, pose, world_bounds};
 pub use scene::{Fill, Image, Material, Mesh, Node, Primitive, Sampler, Scene, SceneError, TextureRef, Wrap};
 pub use view::{Aov, UnknownAov, View, ViewSlot};
+pub use view_ray::{ViewRay, pixel_of};

@@ -127,6 +127,22 @@ pub enum Wrap {
     ClampToEdge,
 }
 
+impl Wrap {
+    /// The texel of `size` that index `x`, a whole number, stands for.
+    pub fn texel(self, x: f64, size: usize) -> usize {
+        let n = size as f64;
+        let inside = match self {
+            Self::Repeat => x.rem_euclid(n),
+            Self::MirroredRepeat => {
+                let twice = x.rem_euclid(2.0 * n);
+                twice.min(2.0 * n - 1.0 - twice)
+            }
+            Self::ClampToEdge => x.clamp(0.0, n - 1.0),
+        };
+        (inside as usize).min(size - 1)
+    }
+}
+
 /// Eight bits a channel RGBA, rows from the top, `width * height * 4` bytes, as stored (sRGB for colours).
 #[derive(Clone)]
 pub struct Image {

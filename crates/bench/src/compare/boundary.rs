@@ -6,7 +6,7 @@
 
 use glam::{DVec2, DVec3};
 use reference::Surface;
-use scene::Projection;
+use scene::View;
 
 use super::expected::Seen;
 use super::{Drawn, Expected};
@@ -119,7 +119,9 @@ impl Expected<'_> {
         let seen = pixel.and_then(|pixel| self.reference.surface(&self.subject.view, pixel));
         let seen = seen.filter(|seen| seen.position.distance(position) <= 0.25 * step.length());
         let visible = |surface: &Surface| Some(self.reference.sample(&self.source, surface)?.visible);
-        [visible(&Surface { position, ..*surface }), seen.as_ref().and_then(visible)]
+        let mut beside = *surface;
+        beside.seen.position = position;
+        [visible(&beside), seen.as_ref().and_then(visible)]
     }
 
     /// World position of one in the reference's space, whose origin is the scene's.
@@ -129,17 +131,7 @@ impl Expected<'_> {
 
     /// The point of the picture that shows a world position, unless it is behind the eye.
     fn pixel_of(&self, position_in_world: DVec3) -> Option<DVec2> {
-        let view = &self.subject.view;
-        let (width, height) = (f64::from(view.width), f64::from(view.height));
-        let p = view.camera.world_from_camera().inverse().transform_point3(position_in_world);
-        let half_height = match view.camera.projection {
-            Projection::Perspective { yfov, .. } => -p.z * (yfov / 2.0).tan(),
-            Projection::Orthographic { ymag, .. } => ymag,
-        };
-        let taller =
-            view.camera.projection.aspect_ratio().map_or(1.0, |framed| (framed * height / width).max(1.0));
-        let half_height = half_height * taller;
-        let from_centre = DVec2::new(p.x, -p.y) / half_height * (height / 2.0);
-        (half_height > 0.0).then(|| from_centre + DVec2::new(width, height) / 2.0)
+        let View { camera, width, height, .. } = &self.subject.view;
+        scene::pixel_of(camera, [*width, *height], position_in_world, DVec3::ZERO)
     }
 }

@@ -54,7 +54,8 @@ fn the_terminator_of_a_coarse_ball_is_smooth() {
             // The planted fault, and how it was: facets that face away are dark, and shadow those behind them.
             let (reference, source) = (Reference::new(scene::pose(scene.clone())), Source::new(&kind));
             let flat = seen.iter().filter(|(surface, light)| {
-                let flat = Surface { terminator_offset: 0.0, ..*surface };
+                let mut flat = *surface;
+                flat.seen.terminator_offset = 0.0;
                 reference.sample(&source, &flat).unwrap().visible != (facing(surface, light) > 0.0)
             });
             let flat = flat.count();
