@@ -29,6 +29,7 @@ const LAYERS: &[Layer] = &[
     Layer { name: "scene", uses: &["light"], never: NO_IO, pure: true },
     Layer { name: "document", uses: &["light", "scene"], never: NO_IO, pure: true },
     Layer { name: "raycast", uses: &["light", "scene"], never: NO_IO, pure: true },
+    Layer { name: "drag", uses: &["light", "scene", "raycast"], never: NO_IO, pure: true },
     Layer {
         name: "reference",
         uses: &["light", "scene", "raycast"],
@@ -46,7 +47,7 @@ const LAYERS: &[Layer] = &[
     Layer { name: "stream", uses: &[], never: &["tokio", "wgpu", "axum"], pure: false },
     Layer {
         name: "protocol",
-        uses: &["light", "scene", "document", "edit"],
+        uses: &["light", "scene", "document", "edit", "drag"],
         never: &["tokio", "wgpu", "axum"],
         pure: false,
     },
@@ -70,6 +71,8 @@ const LAYERS: &[Layer] = &[
             "document",
             "edit",
             "assets",
+            "raycast",
+            "drag",
             "reference",
             "render",
             "protocol",

@@ -8,6 +8,7 @@ mod checkpoint;
 mod code;
 mod command;
 mod document;
+pub mod drag_file;
 mod error;
 mod evaluation;
 mod held;

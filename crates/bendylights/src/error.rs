@@ -46,6 +46,12 @@ pub enum Error {
     /// `bend` was told a cone for a light that has one.
     #[error("{file}: a spotlight keeps its own cone and direction: leave out --cone-angle and --toward")]
     HasCone { file: String },
+    /// A drag in a picture that there cannot be.
+    #[error(
+        "{file}: drag {index}: `size` must be two whole numbers from 1 to 8192, and `from` and `to` two finite numbers: \
+         change them"
+    )]
+    BadDrag { file: String, index: usize },
     /// A scene file that cannot be used.
     #[error(transparent)]
     Scene(#[from] AssetError),

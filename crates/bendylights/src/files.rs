@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use light::CheckedLight;
+use protocol::drag_file::{self, Drag};
 use protocol::point_file::WrittenPoint;
 use protocol::{FileError, light_file, point_file};
 
@@ -45,6 +46,15 @@ pub fn read_points(path: &Path) -> Result<Vec<WrittenPoint>, Error> {
     }
     let text = File::open(path).and_then(read_limited);
     parsed(path.display().to_string(), text, point_file::parse)
+}
+
+/// The drags of a drag file, or of standard input where `path` is `-`.
+pub fn read_drags(path: &Path) -> Result<Vec<Drag>, Error> {
+    if path.as_os_str() == STDIN {
+        return parsed("standard input".into(), read_limited(io::stdin().lock()), drag_file::parse);
+    }
+    let text = File::open(path).and_then(read_limited);
+    parsed(path.display().to_string(), text, drag_file::parse)
 }
 
 /// All of `source` as text, or `None` where it is over the limit.

@@ -5,6 +5,7 @@
 
 mod bench;
 mod bend;
+mod drag;
 mod error;
 mod eval;
 mod export;
@@ -39,6 +40,8 @@ enum Command {
     Eval(eval::Args),
     /// Turn a straight light into a BendyLight, ready to be bent
     Bend(bend::Args),
+    /// Drag shadows, hotspots and highlights of lights to where they should be
+    Drag(drag::Args),
     /// List what can be set on lights, control points and cameras
     Parameters(parameters::Args),
     /// List the demo scenes
@@ -72,6 +75,7 @@ fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Eval(args) => eval::run(&args),
         Command::Bend(args) => bend::run(&args),
+        Command::Drag(args) => drag::run(&args),
         Command::Parameters(args) => parameters::run(&args),
         Command::Scenes => scenes::run(),
         Command::Serve(args) => serve::run(&args),

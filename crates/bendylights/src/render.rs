@@ -277,7 +277,7 @@ pub fn no_such_light<'a>(whose: String, name: &str, names: impl Iterator<Item = 
 }
 
 /// What there is to choose from, as the end of a sentence.
-fn choices<'a>(names: impl Iterator<Item = &'a str>) -> String {
+pub fn choices<'a>(names: impl Iterator<Item = &'a str>) -> String {
     const SHOWN: usize = 12;
     let names: Vec<_> = names.map(|name| format!("`{name}`")).collect();
     match names.len() {

@@ -108,6 +108,13 @@ where
     (first, second)
 }
 
+/// The largest `R kappa` of each segment of a BendyLight, whether it folds or not; refuses what has no curve.
+pub fn fold_of_each_segment(light: &Light) -> Result<Vec<f64>, LightError> {
+    let values = ControlValues::of(light.points().iter().copied());
+    let segments = 0..light.points().len().saturating_sub(2);
+    segments.map(|i| Ok(validity::r_kappa_max(&shape(&values, i)?))).collect()
+}
+
 /// The segments of a checked light, in tube space, and the placement of that space.
 pub fn segments(light: &Light) -> Result<(Vec<Segment<f64>>, Placement), LightError> {
     check_bendy(light)?;

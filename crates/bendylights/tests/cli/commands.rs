@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use crate::program::{BENDY, Folder, SPOT, TRIANGLE, binary, run, run_with_input};
 
 /// What a command prints, which must succeed in silence.
-fn printed(args: &[&str], input: &str) -> String {
+pub fn printed(args: &[&str], input: &str) -> String {
     let done = run_with_input(args, input);
     assert_eq!((done.code, done.stderr.as_str()), (0, ""), "{args:?}");
     done.stdout

@@ -5,6 +5,7 @@
 mod bad_input;
 mod commands;
 mod deploy;
+mod drags;
 mod eval_fixture;
 mod help;
 mod hostile;

@@ -1,0 +1,122 @@
+//! `bendylights drag`: features of lights, taken in the picture and put elsewhere.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use ::drag::{Viewport, drag};
+use assets::Loaded;
+use cli::{LIMITS, answer, say};
+use light::CheckedLight;
+use protocol::drag_file::{Drag, Dragged, NameOrIndex};
+use raycast::Bvh;
+use scene::{Camera, framing_camera};
+
+use crate::error::Error;
+use crate::files;
+use crate::render::{choices, no_such_light, open_scene};
+
+#[derive(clap::Args)]
+#[command(after_help = "\
+Takes a JSON array of drags:
+  light    the light, by its name or its index
+  kind     shadow, hotspot, highlight or diffuse: M is the surface seen at `from`, M' the one at `to`, and then
+           shadow     what shadows M shadows M'
+           hotspot    M' lies in the light where M did
+           highlight  light arrives at M' along the mirror direction
+           diffuse    light arrives at M' along the normal
+  points   indices of the control points that move, and nothing else; null moves the light as a whole [null]
+  radii    keep; solve: those of the moving points change too; follow: those that would fold the light shrink [keep]
+  camera   by its name or its index; null: the first, or one that frames the scene [null]
+  size     width and height of the picture in pixels
+  from, to in pixels from its top left corner; centres of pixels are at .5
+Each drag begins with the light of the file, whatever the others do.
+
+Prints an array with an object for each: status (landed: within half a pixel; limited: as near as may be; refused),
+limit, reason, residual_px, shadowed_by, iterations, seconds, from_world, to_world, pivot_world, and the light.
+
+Example:
+  bendylights drag demo:vases drags.json
+  bendylights drag room.glb --lights key.json drags.json")]
+pub struct Args {
+    /// glTF file (.gltf or .glb), or `demo:NAME` as `bendylights scenes` lists them
+    scene: String,
+    /// Light file to use in place of the scene's own lights
+    #[arg(long, value_name = "FILE")]
+    lights: Option<PathBuf>,
+    /// Drags, a JSON array; `-` reads standard input
+    #[arg(value_name = "DRAGS.json", default_value = "-")]
+    drags: PathBuf,
+}
+
+pub fn run(args: &Args) -> Result<(), Error> {
+    let drags = files::read_drags(&args.drags)?;
+    let loaded = open_scene(&args.scene)?;
+    let (loaded, brought) = match &args.lights {
+        Some(file) => (loaded, Some(files::read_lights(file)?)),
+        None => (loaded.lit(), None),
+    };
+    let Loaded { scene, contents, notes, .. } = loaded;
+    for note in &notes {
+        say(&format!("note: {note}"));
+    }
+    let whose_lights = args.lights.as_ref().map_or(args.scene.clone(), |file| file.display().to_string());
+    let lights = brought.unwrap_or(contents.lights);
+    let bvh = Bvh::new(scene::pose(scene));
+    let file = args.drags.display().to_string();
+    let objects: Result<Vec<String>, Error> = drags
+        .iter()
+        .enumerate()
+        .map(|(index, asked)| {
+            let light = chosen(&asked.light, &lights, |light| light.light().name()).ok_or_else(|| {
+                let names = lights.iter().map(|light| light.light().name());
+                no_such_light(whose_lights.clone(), &asked.light.to_string(), names)
+            })?;
+            let view = viewport(&args.scene, &bvh, &contents.cameras, asked)?;
+            let view = view.ok_or_else(|| Error::BadDrag { file: file.clone(), index })?;
+            Ok(answered(&bvh, &view, light, asked))
+        })
+        .collect();
+    Ok(answer(&format!("[{}]", objects?.join(",\n ")))?)
+}
+
+/// Drags, and says what came of it.
+fn answered(bvh: &Bvh, view: &Viewport, light: &CheckedLight, asked: &Drag) -> String {
+    let began = Instant::now();
+    let landing = drag(bvh, view, light, &asked.to_domain());
+    let seconds = began.elapsed().as_secs_f64();
+    let name = |node: usize| bvh.posed.scene.nodes[node].name.clone();
+    serde_json::to_string(&Dragged::new(&landing, name, seconds)).expect("finite numbers and string keys")
+}
+
+/// The picture that is dragged in; `None` where there can be no such picture.
+fn viewport(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &Drag) -> Result<Option<Viewport>, Error> {
+    let [width, height] = drag.size;
+    let is_within = |side: u32| (1..=LIMITS.max_side).contains(&side);
+    let are_finite = [drag.from, drag.to].concat().iter().all(|number| number.is_finite());
+    if !(is_within(width) && is_within(height) && are_finite) {
+        return Ok(None);
+    }
+    let framing = || framing_camera(&bvh.posed.reach(), f64::from(width) / f64::from(height));
+    let camera = match &drag.camera {
+        None => cameras.first().cloned().unwrap_or_else(framing),
+        Some(wanted) => {
+            let found = chosen(wanted, cameras, |camera| camera.name.as_str());
+            let names = cameras.iter().map(|camera| camera.name.as_str());
+            found.cloned().ok_or_else(|| Error::NoSuch {
+                whose: scene.into(),
+                what: "camera",
+                name: wanted.to_string(),
+                choices: choices(names),
+            })?
+        }
+    };
+    Ok(Some(Viewport { camera, size: drag.size }))
+}
+
+/// The one of that name or index.
+fn chosen<'a, T>(wanted: &NameOrIndex, all: &'a [T], name: impl Fn(&T) -> &str) -> Option<&'a T> {
+    match wanted {
+        NameOrIndex::Index(index) => all.get(*index),
+        NameOrIndex::Name(wanted) => all.iter().find(|one| name(one) == wanted),
+    }
+}

@@ -1,0 +1,112 @@
+//! `bendylights drag`.
+
+use serde_json::{Value, json};
+
+use crate::commands::printed;
+use crate::program::{Folder, run};
+
+/// In the demo's own picture: the shadow of the blue vase's neck on the table, and a lit place of that.
+const SHADOW: [f64; 2] = [430.5, 265.5];
+const LIT: [f64; 2] = [430.5, 310.5];
+
+fn drags(list: &Value) -> Vec<Value> {
+    let text = printed(&["drag", "demo:vases", "-"], &list.to_string());
+    serde_json::from_str(&text).expect("an array")
+}
+
+fn asked(kind: &str, from: [f64; 2], to: [f64; 2]) -> Value {
+    json!({"light": 0, "kind": kind, "size": [640, 360], "from": from, "to": to})
+}
+
+/// The shadow goes where it was put: by `eval`, M' lies on the way of what throws it, and behind that.
+///
+/// Rules: DRAG-1, DRAG-3
+#[test]
+fn a_shadow_goes_where_it_is_put() {
+    let mut bend = asked("shadow", SHADOW, LIT);
+    bend["points"] = json!([2, 3, 4]);
+    for (drag, moves) in [(asked("shadow", SHADOW, LIT), "transform"), (bend, "points")] {
+        let answer = &drags(&json!([drag]))[0];
+        assert_eq!(
+            (&answer["status"], &answer["limit"], &answer["reason"]),
+            (&json!("landed"), &Value::Null, &Value::Null),
+            "{answer}"
+        );
+        assert!(answer["residual_px"].as_f64().expect("pixels") < 0.5);
+        let folder = Folder::new();
+        let light = folder.file("light.json", answer["light"].to_string());
+        let points = json!([answer["pivot_world"], answer["to_world"]]).to_string();
+        let text = printed(&["eval", &light, "--scene", "demo:vases", "--precision", "0"], &points);
+        let places: Vec<Value> = serde_json::from_str(&text).expect("an array");
+        let number = |place: usize, field: &str| places[place][field].as_f64().expect("a number");
+        for across in ["v", "w"] {
+            assert!((number(0, across) - number(1, across)).abs() < 1e-6, "{text}");
+        }
+        assert!(number(0, "t") < number(1, "t"), "{text}");
+        assert_eq!(places[1]["visible"], json!(false), "{text}");
+        let before: Value = drags(&json!([asked("hotspot", LIT, [1e9, 0.0])]))[0]["light"].clone();
+        for kept in ["transform", "points", "up", "radii"] {
+            assert_eq!(before[kept] == answer["light"][kept], kept != moves, "{kept}");
+        }
+    }
+}
+
+/// Rules: DRAG-2
+#[test]
+fn the_order_of_drags_does_not_matter() {
+    let [a, b] = [asked("shadow", SHADOW, LIT), asked("hotspot", LIT, SHADOW)];
+    let without_seconds = |mut answers: Vec<Value>| {
+        for answer in &mut answers {
+            answer["seconds"] = Value::Null;
+        }
+        answers
+    };
+    let forth = without_seconds(drags(&json!([a, b])));
+    let mut back = without_seconds(drags(&json!([b, a])));
+    back.reverse();
+    assert_eq!(forth, back);
+}
+
+/// Rules: DRAG-4
+#[test]
+fn what_cannot_be_dragged_is_refused_with_a_reason() {
+    let reason = |change: &dyn Fn(&mut Value)| {
+        let mut drag = asked("shadow", SHADOW, LIT);
+        change(&mut drag);
+        let answer = drags(&json!([drag]))[0].clone();
+        assert_eq!((&answer["status"], &answer["residual_px"]), (&json!("refused"), &Value::Null));
+        answer["reason"].clone()
+    };
+    assert_eq!(reason(&|drag| drag["points"] = json!([0])), "noSuchPoint");
+    assert_eq!(reason(&|drag| drag["from"] = json!([-1e6, 0])), "nothingAtStart");
+    assert_eq!(reason(&|drag| drag["to"] = json!([-1e6, 0])), "nothingAtEnd");
+    assert_eq!(reason(&|drag| drag["from"] = json!(LIT)), "noShadow");
+}
+
+#[test]
+fn bad_drags_get_one_sentence() {
+    let folder = Folder::new();
+    let refused = |list: Value, words: &str| {
+        let file = folder.file("drags.json", list.to_string());
+        let done = run(&["drag", "demo:vases", &file]);
+        assert_eq!(
+            (done.code, done.stdout.as_str(), done.stderr.lines().count()),
+            (2, "", 1),
+            "{}",
+            done.stderr
+        );
+        assert!(done.stderr.contains(words), "{}", done.stderr);
+    };
+    let with = |field: &str, value: Value| {
+        let mut drag = asked("shadow", SHADOW, LIT);
+        drag[field] = value;
+        json!([drag])
+    };
+    refused(with("light", json!("rim")), "no light `rim`: choose one of `key`");
+    refused(with("light", json!(7)), "no light `7`");
+    refused(with("camera", json!("door")), "no camera `door`");
+    refused(with("size", json!([0, 10])), "drag 0: `size` must be two whole numbers from 1 to 8192");
+    refused(with("kind", json!("glow")), "unknown variant `glow`");
+    refused(with("pull", json!(1)), "unknown field `pull`");
+    refused(json!({}), "drags.json");
+}

@@ -1,0 +1,149 @@
+//! One drag, from the pick to the landing.
+
+use glam::DVec2;
+use light::{CheckedLight, Rays};
+use raycast::{Bvh, Seen};
+use scene::ViewRay;
+
+use crate::goal::{Goal, Near};
+use crate::lies::Lies;
+use crate::moves::Moves;
+use crate::occlusion::Occlusion;
+use crate::place::{Place, Placed};
+use crate::request::{Drag, Feature, Landing, Limit, Refusal, Status, Viewport};
+use crate::solve::{At, Solution, solve};
+
+/// Pixels within which a feature lies under the cursor.
+const UNDER_THE_CURSOR_PX: f64 = 0.5;
+
+/// How near two places on a way lie that are the same, as a share of the light's size.
+const SAME_PLACE: f64 = 1e-6;
+
+/// Drags a feature of `light` from one point of a picture to another.
+pub fn drag(bvh: &Bvh, view: &Viewport, light: &CheckedLight, drag: &Drag) -> Landing {
+    let origin = bvh.posed.origin_in_world;
+    let seen = |pixel: DVec2| bvh.seen(&ViewRay::new(&view.camera, view.size, pixel, origin));
+    let (from, to) = (seen(drag.from), seen(drag.to));
+    let mut landing = Landing {
+        status: Status::Refused(Refusal::NothingAtStart),
+        light: light.light().clone(),
+        residual_px: f64::INFINITY,
+        shadowed_by: None,
+        iterations: 0,
+        from_world: from.map(|seen| seen.position + origin),
+        to_world: to.map(|seen| seen.position + origin),
+        pivot_world: None,
+    };
+    match begin(bvh, light, drag, from, to) {
+        Err(refusal) => landing.status = Status::Refused(refusal),
+        Ok((goal, near)) => {
+            landing.pivot_world = goal.pivot.map(|pivot| pivot + origin);
+            land(bvh, view, drag, &goal, near, &mut landing);
+        }
+    }
+    landing
+}
+
+/// What is asked for, or why it cannot be.
+fn begin<'a>(
+    bvh: &Bvh,
+    light: &'a CheckedLight,
+    drag: &Drag,
+    from: Option<Seen>,
+    to: Option<Seen>,
+) -> Result<(Goal<'a>, Near), Refusal> {
+    if drag.points.is_some() && light.tube().is_none() {
+        return Err(Refusal::NotBendy);
+    }
+    let from = from.ok_or(Refusal::NothingAtStart)?;
+    let to = to.ok_or(Refusal::NothingAtEnd)?;
+    let placed = Placed::new(light.rays(), bvh.posed.origin_in_world, from.position);
+    let occlusion = Occlusion::new(bvh, light);
+    let place = placed.locate(from.position, None).ok_or(Refusal::OutsideTheLight)?;
+    if placed.out2(&place) > 1.0 || place.from_ends < 0.0 || !occlusion.lights(from.node) {
+        return Err(Refusal::OutsideTheLight);
+    }
+    let caster = match drag.feature {
+        Feature::Shadow => Some(occlusion.first(&placed, &place, &from).ok_or(Refusal::NoShadow)?),
+        _ => None,
+    };
+    let end = match drag.feature {
+        Feature::Highlight => to.normal * (2.0 * to.normal.dot(to.to_eye)) - to.to_eye,
+        _ => to.normal,
+    };
+    let goal = Goal {
+        feature: drag.feature,
+        start: light,
+        moves: moves(light, drag, from.position.distance(placed.source()))?,
+        from,
+        to,
+        pivot: caster.map(|caster| caster.position),
+        placed,
+        place,
+        directions: [place.to_light, end],
+        folds: light.tube().map_or_else(Vec::new, light::Tube::r_kappa_max),
+    };
+    Ok((goal, Near { t: place.t, pivot_t: caster.map_or(0.0, |caster| caster.t) }))
+}
+
+/// What may change; `unit` is what a whole light moves by.
+fn moves(light: &CheckedLight, drag: &Drag, unit: f64) -> Result<Moves, Refusal> {
+    let Some(points) = &drag.points else {
+        let comes_from_everywhere = matches!(light.rays(), Rays::Parallel(_));
+        return Ok(if comes_from_everywhere { Moves::Turn } else { Moves::Rigid { unit } });
+    };
+    let all = light.light().points();
+    if all.is_empty() {
+        return Err(Refusal::NotBendy);
+    }
+    let mut points = points.clone();
+    points.sort_unstable();
+    points.dedup();
+    if points.iter().any(|point| !(1..all.len()).contains(point)) {
+        return Err(Refusal::NoSuchPoint);
+    }
+    let unit = all.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
+    Ok(Moves::Points { points, radii: drag.radii, unit })
+}
+
+/// Solves, and says what came of it.
+fn land(bvh: &Bvh, view: &Viewport, drag: &Drag, goal: &Goal, near: Near, landing: &mut Landing) {
+    if goal.has_no_weight(near) {
+        landing.status = Status::Refused(Refusal::NoWeight);
+        return;
+    }
+    let Some(Solution { at: At { x, evaluation }, held_by, iterations }) = solve(goal, near) else {
+        landing.status = Status::Refused(Refusal::OutsideTheLight);
+        return;
+    };
+    landing.iterations = iterations;
+    let Ok(moved) = CheckedLight::new(goal.moves.light(goal.start.light(), &x)) else {
+        landing.status = Status::Limited(Limit::Fold);
+        return;
+    };
+    landing.light = moved.light().clone();
+    let placed = goal.placed.with(moved.rays());
+    let occlusion = Occlusion::new(bvh, &moved);
+    let lies = Lies { bvh, view, goal, placed: &placed, occlusion: &occlusion };
+    landing.residual_px = lies.distance_px(&evaluation, drag.to);
+    // Where ways of a light overlap, another place than the one that was followed may count.
+    let counts = placed.locate(goal.to.position, None);
+    let is_the_one = |counts: Option<Place>, followed: f64| {
+        counts.is_some_and(|counts| (counts.t - followed).abs() < SAME_PLACE * (1.0 + followed))
+    };
+    let near = evaluation.near;
+    let is_inside = is_the_one(counts, near.t)
+        && goal.pivot.is_none_or(|pivot| is_the_one(placed.locate(pivot, None), near.pivot_t));
+    let held_by = held_by.map_or(Limit::NoDescent, |index| goal.limit(index));
+    landing.status = if landing.residual_px > UNDER_THE_CURSOR_PX {
+        Status::Limited(held_by)
+    } else if !is_inside {
+        Status::Limited(Limit::TubeEdge)
+    } else {
+        Status::Landed
+    };
+    let (Feature::Shadow, Some(place), Some(pivot)) = (goal.feature, counts, goal.pivot) else { return };
+    let Some(first) = occlusion.first(&placed, &place, &goal.to) else { return };
+    let is_the_pivot = pivot.distance(first.position) < SAME_PLACE * placed.size();
+    landing.shadowed_by = (!is_the_pivot).then_some(first.node);
+}

@@ -1,0 +1,25 @@
+//! Drags that land: a shadow, a hotspot, a highlight or a surface's brightest side is taken in the picture and put elsewhere, and
+//! the light is moved or bent so that it lies there.
+//!
+//! [`drag`] is a function of the scene, the light as it was when the drag began, and the two points of the picture: it does not
+//! depend on how the cursor got there. All is done in f64 with rays against the posed scene ([`raycast::Bvh`]); no picture is
+//! read, so that the same drag gives the same bits on every machine.
+//!
+//! What is solved (light model, section 7): unknowns are a placement, or offsets of control points; two equations say that the
+//! feature lies under the cursor; limits keep the tube from folding. Of all that fulfils them the smallest change is taken, by
+//! [sequential quadratic programming](https://en.wikipedia.org/wiki/Sequential_quadratic_programming) along the way from where the
+//! drag began to where the cursor is.
+
+mod drag;
+mod goal;
+mod lies;
+mod moves;
+mod occlusion;
+mod place;
+mod quadratic;
+mod request;
+mod solve;
+mod start;
+
+pub use drag::drag;
+pub use request::{Drag, Feature, Landing, Limit, Radii, Refusal, Status, Viewport};

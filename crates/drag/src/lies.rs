@@ -1,0 +1,155 @@
+//! Where a feature lies in the picture, once the light has moved: found anew, not from the solver's numbers.
+
+use std::cell::RefCell;
+
+use glam::{DMat2, DVec2, DVec3};
+use light::Rays;
+use raycast::{Bvh, Seen};
+use scene::{ViewRay, pixel_of};
+
+use crate::goal::{Evaluation, Goal};
+use crate::occlusion::Occlusion;
+use crate::place::Placed;
+use crate::request::{Feature, Viewport};
+
+/// The angle within which a surface is turned to the light, radians: 0.1 degrees.
+const TURNED: f64 = 0.1 * std::f64::consts::PI / 180.0;
+
+/// How far pixels are apart that tell how a direction changes over the picture.
+const BESIDE_PX: f64 = 0.25;
+
+/// A light that has been dragged.
+pub(crate) struct Lies<'a> {
+    pub bvh: &'a Bvh,
+    pub view: &'a Viewport,
+    pub goal: &'a Goal<'a>,
+    pub placed: &'a Placed<'a>,
+    pub occlusion: &'a Occlusion<'a>,
+}
+
+impl Lies<'_> {
+    /// On the screen, from `cursor` to where the feature lies, in pixels; infinite where it is not in the picture.
+    pub fn distance_px(&self, at: &Evaluation, cursor: DVec2) -> f64 {
+        match self.goal.feature {
+            Feature::Shadow | Feature::Hotspot => self.nearest_on_way(at, cursor),
+            Feature::Highlight | Feature::Diffuse => self.nearest_turned(at, cursor),
+        }
+    }
+
+    /// Of the surfaces that the feature's way meets, the distance of the one that is seen nearest to the cursor.
+    fn nearest_on_way(&self, at: &Evaluation, cursor: DVec2) -> f64 {
+        let pivot = self.goal.pivot.and_then(|pivot| self.placed.locate(pivot, Some(at.near.pivot_t)));
+        let (across, after) = pivot.map_or((self.goal.place.across, 0.0), |pivot| (pivot.across, pivot.t));
+        let distance = |position: &DVec3| {
+            let pixel = self.pixel(*position)?;
+            let seen = self.seen(pixel)?;
+            // What is hidden is not in the picture.
+            let is_seen = seen.position.distance(*position) < 1e-6 * self.bvh.posed.half_extent.length();
+            is_seen.then(|| pixel.distance(cursor))
+        };
+        let met = self.met_by(across, after);
+        met.iter().filter_map(distance).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Positions of all surfaces that the way of a place across the light meets past `after`.
+    fn met_by(&self, across: DVec2, after: f64) -> Vec<DVec3> {
+        let met = RefCell::new(Vec::new());
+        let size = self.bvh.posed.half_extent.length();
+        match self.placed.rays {
+            Rays::Bent(tube) => {
+                let path = self.bvh.path(tube, across.x, across.y);
+                let last = &tube.segments[tube.segments.len() - 1].curve;
+                let speed = 2.0 * last.d1.length() * tube.placement.world_per_tube;
+                // As far past the end as the scene reaches, where the light goes on.
+                let reach = 4.0 * (size + self.placed.source().length());
+                let t_end = tube.n as f64 + if tube.segments.len() > tube.n { reach / speed } else { 0.0 };
+                self.bvh.first_bent_hit(&path, t_end, |hit| {
+                    if hit.t > after && self.occlusion.stops(hit.triangle, hit.weights) {
+                        met.borrow_mut().push(hit.position);
+                    }
+                    false
+                });
+            }
+            rays => {
+                let (from, way) = straight_way(rays, self.placed, across);
+                let far = 4.0 * (size + from.length()) / way.length();
+                let t_of =
+                    |distance: f64| self.placed.locate(from + way * distance, None).map(|place| place.t);
+                let near = if matches!(rays, Rays::Parallel(_)) { -far } else { 0.0 };
+                self.bvh.first_hit(from, way, [near, far], |hit| {
+                    if t_of(hit.distance).is_some_and(|t| t > after) {
+                        met.borrow_mut().push(from + way * hit.distance);
+                    }
+                    false
+                });
+            }
+        }
+        met.into_inner()
+    }
+
+    /// Newton's method over the picture, from the cursor to the nearest surface point at which light arrives as it should.
+    fn nearest_turned(&self, at: &Evaluation, cursor: DVec2) -> f64 {
+        let mut pixel = cursor;
+        for _ in 0..20 {
+            let Some(off) = self.off(pixel, at.near.t) else { return f64::INFINITY };
+            let enough = if self.goal.feature == Feature::Diffuse { TURNED } else { 1e-9 };
+            if off.length() <= enough {
+                return pixel.distance(cursor);
+            }
+            let beside = |step: DVec2| Some((self.off(pixel + step, at.near.t)? - off) / BESIDE_PX);
+            let (Some(x), Some(y)) = (beside(DVec2::X * BESIDE_PX), beside(DVec2::Y * BESIDE_PX)) else {
+                return f64::INFINITY;
+            };
+            let slope = DMat2::from_cols(x, y);
+            if slope.determinant().abs() < 1e-300 {
+                return f64::INFINITY;
+            }
+            let step = slope.inverse() * off;
+            let longest = 0.1 * f64::from(self.view.size[0]);
+            pixel -= step.clamp_length_max(longest);
+            if step.length() < 1e-9 {
+                return pixel.distance(cursor);
+            }
+        }
+        f64::INFINITY
+    }
+
+    /// How far light at a pixel is from arriving as it should, in radians, across the direction that it should have.
+    fn off(&self, pixel: DVec2, near_t: f64) -> Option<DVec2> {
+        let seen = self.seen(pixel)?;
+        let place = self.placed.locate(seen.position, Some(near_t))?;
+        let wanted = match self.goal.feature {
+            Feature::Highlight => seen.normal * (2.0 * seen.normal.dot(seen.to_eye)) - seen.to_eye,
+            _ => seen.normal,
+        };
+        let (right, up) = wanted.any_orthonormal_pair();
+        (place.to_light.dot(wanted) > 0.0)
+            .then(|| DVec2::new(place.to_light.dot(right), place.to_light.dot(up)))
+    }
+
+    fn seen(&self, pixel: DVec2) -> Option<Seen> {
+        let Viewport { camera, size } = self.view;
+        self.bvh.seen(&ViewRay::new(camera, *size, pixel, self.placed.origin))
+    }
+
+    fn pixel(&self, position: DVec3) -> Option<DVec2> {
+        pixel_of(&self.view.camera, self.view.size, position, self.placed.origin)
+    }
+}
+
+/// The straight way of a place across a light: where it begins, and which way it goes.
+fn straight_way(rays: &Rays, placed: &Placed, across: DVec2) -> (DVec3, DVec3) {
+    let source = placed.source();
+    match rays {
+        Rays::Cone(cone) => {
+            let local = DVec3::new(-across.x * cone.tan_outer, across.y * cone.tan_outer, -1.0);
+            (source, cone.rotation * local)
+        }
+        Rays::Omni(omni) => (source, omni.rotation * placed.chart.way(across)),
+        Rays::Parallel(parallel) => {
+            let beside = parallel.rotation * DVec3::new(-across.x, across.y, 0.0);
+            (source + beside, -parallel.direction())
+        }
+        Rays::Bent(_) => (source, DVec3::ZERO),
+    }
+}

@@ -1,0 +1,117 @@
+//! What a drag may change of a light, as numbers that are 0 where it begins and alike in size.
+
+use glam::{DMat3, DQuat, DVec3};
+use light::parameters::{ROTATION, TRANSLATION};
+use light::{CheckedLight, Light, Rays, Tube, fold_of_each_segment};
+
+use crate::request::Radii;
+
+/// The largest `R kappa` that a drag makes; at 1 a tube folds.
+pub(crate) const LARGEST_FOLD: f64 = 0.97;
+
+/// Where radii begin to shrink for a bend, `R kappa`.
+const SHRINKS_FROM: f64 = 0.8;
+
+/// What may change.
+#[derive(Clone, Debug)]
+pub(crate) enum Moves {
+    /// The placement: three numbers are a way in `unit` world units, three a rotation in radians about the source.
+    Rigid { unit: f64 },
+    /// The rotation alone, of a light that comes from everywhere.
+    Turn,
+    /// Control points: three numbers each are an offset in `unit` light-local units, and with [`Radii::Solve`] one more each
+    /// is that of its radius.
+    Points { points: Vec<usize>, radii: Radii, unit: f64 },
+}
+
+impl Moves {
+    /// How many numbers they are.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Rigid { .. } => 6,
+            Self::Turn => 3,
+            Self::Points { points, radii, .. } => points.len() * if *radii == Radii::Solve { 4 } else { 3 },
+        }
+    }
+
+    /// The light with them; a tube that folds is one too.
+    pub fn light(&self, start: &Light, x: &[f64]) -> Light {
+        match self {
+            Self::Rigid { unit } => {
+                let way = DVec3::from_slice(&x[..3]) * *unit;
+                let turn = DQuat::from_scaled_axis(DVec3::from_slice(&x[3..]));
+                let rotation = (turn * start.get(ROTATION).normalize()).normalize();
+                start.clone().with(TRANSLATION, start.get(TRANSLATION) + way).with(ROTATION, rotation)
+            }
+            Self::Turn => {
+                let turn = DQuat::from_scaled_axis(DVec3::from_slice(x));
+                start.clone().with(ROTATION, (turn * start.get(ROTATION).normalize()).normalize())
+            }
+            Self::Points { points, radii, unit } => {
+                let mut moved = start.clone();
+                let all = moved.points_mut().into_iter().flatten().enumerate();
+                for (index, point) in all {
+                    let Some(k) = points.iter().position(|&moving| moving == index) else { continue };
+                    point.position += DVec3::from_slice(&x[3 * k..][..3]) * *unit;
+                    if *radii == Radii::Solve {
+                        point.radius += x[3 * points.len() + k] * unit;
+                    }
+                }
+                if *radii == Radii::Follow { following(moved) } else { moved }
+            }
+        }
+    }
+
+    /// How points are found in the light with them; `None` where it cannot be evaluated.
+    pub fn rays(&self, start: &CheckedLight, x: &[f64]) -> Option<Rays> {
+        if let Self::Points { .. } = self {
+            return Tube::new(&self.light(start.light(), x)).ok().map(Rays::Bent);
+        }
+        let moved = self.light(start.light(), x);
+        let (translation, rotation) = (moved.get(TRANSLATION), DMat3::from_quat(moved.get(ROTATION)));
+        let mut rays = start.rays().clone();
+        match &mut rays {
+            Rays::Bent(tube) => {
+                (tube.placement.translation, tube.placement.rotation) = (translation, rotation);
+            }
+            Rays::Cone(cone) => (cone.translation, cone.rotation) = (translation, rotation),
+            Rays::Omni(omni) => (omni.translation, omni.rotation) = (translation, rotation),
+            Rays::Parallel(parallel) => (parallel.translation, parallel.rotation) = (translation, rotation),
+        }
+        Some(rays)
+    }
+}
+
+/// The light with those radii made smaller that would make its tube fold: continuous in its control points, and where nothing
+/// is near to folding the light itself.
+///
+/// A segment's radius is a mean of those of its three control points, so that a segment whose three shrink by a factor
+/// shrinks by that at least.
+fn following(mut light: Light) -> Light {
+    let Ok(folds) = fold_of_each_segment(&light) else { return light };
+    let factor = |point: usize| {
+        let segments = point.saturating_sub(2)..(point + 1).min(folds.len());
+        segments.map(|segment| allowed(folds[segment])).fold(1.0, f64::min)
+    };
+    let factors: Vec<f64> = (0..light.points().len()).map(factor).collect();
+    for (point, factor) in light.points_mut().into_iter().flatten().zip(factors) {
+        if factor < 1.0 {
+            point.radius *= factor;
+        }
+    }
+    light
+}
+
+/// The share of its radius that a segment with that `R kappa` may have.
+fn allowed(fold: f64) -> f64 {
+    if fold <= SHRINKS_FROM {
+        return 1.0;
+    }
+    if !fold.is_finite() {
+        return 0.0;
+    }
+    let room = LARGEST_FOLD - SHRINKS_FROM;
+    let beyond = (fold - SHRINKS_FROM) / room;
+    // With the slope 1 at first, and never all of the room.
+    (SHRINKS_FROM + room * beyond / (1.0 + beyond)) / fold
+}

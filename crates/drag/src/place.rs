@@ -1,0 +1,215 @@
+//! Where a point lies in a light, whatever its shape, followed while the light moves.
+
+use glam::{DVec2, DVec3};
+use light::{Rays, Root, Tube};
+
+/// Where a point lies in a light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    /// How far along its way, growing from the source: t of a tube, else a length in world units.
+    pub t: f64,
+    /// Which way it lies on: (v, w) of a tube and of a cone; of others a place across the light.
+    pub across: DVec2,
+    /// World units for a unit of `across` there.
+    pub width: f64,
+    /// Unit vector to where its light comes from.
+    pub to_light: DVec3,
+    /// Of a tube `1 - kappa r.N`, which is 0 where ways meet; else 1.
+    pub spread: f64,
+    /// How far from the light's ends, in widths, less than 0 beyond one; infinite where it has none.
+    pub from_ends: f64,
+}
+
+/// The gnomonic axes about a direction of an omni light, in its own axes: what `across` is measured by.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chart {
+    ahead: DVec3,
+    right: DVec3,
+    up: DVec3,
+}
+
+impl Chart {
+    /// About `ahead`, of length 1.
+    pub fn about(ahead: DVec3) -> Self {
+        let right = ahead.any_orthonormal_vector();
+        Self { ahead, right, up: right.cross(ahead) }
+    }
+
+    /// The way in the light's axes that lies at `across`.
+    pub fn way(&self, across: DVec2) -> DVec3 {
+        self.ahead + self.right * across.x + self.up * across.y
+    }
+}
+
+/// A light as rays about the origin of scene space.
+#[derive(Clone, Debug)]
+pub(crate) struct Placed<'a> {
+    pub rays: &'a Rays,
+    /// Where scene space begins, in the world.
+    pub origin: DVec3,
+    /// Of an omni light.
+    pub chart: Chart,
+}
+
+impl<'a> Placed<'a> {
+    /// `rays` in a scene, and what an omni light is measured by: the direction to `about`.
+    pub fn new(rays: &'a Rays, origin: DVec3, about: DVec3) -> Self {
+        let ahead = match rays {
+            Rays::Omni(omni) => {
+                omni.rotation.transpose() * (about - (omni.translation - origin)).normalize_or(DVec3::Z)
+            }
+            _ => DVec3::Z,
+        };
+        Self { rays, origin, chart: Chart::about(ahead) }
+    }
+
+    /// The same with another light of that shape.
+    pub fn with(&self, rays: &'a Rays) -> Self {
+        Self { rays, ..*self }
+    }
+
+    /// Where the source is, in scene space; of a directional light any point of its axis.
+    pub fn source(&self) -> DVec3 {
+        self.translation() - self.origin
+    }
+
+    /// How large the light is, in world units, or how far it shines here.
+    pub fn size(&self) -> f64 {
+        if let Rays::Bent(tube) = self.rays { tube.placement.world_per_tube } else { self.source().length() }
+    }
+
+    fn translation(&self) -> DVec3 {
+        match self.rays {
+            Rays::Bent(tube) => tube.placement.translation,
+            Rays::Cone(cone) => cone.translation,
+            Rays::Omni(omni) => omni.translation,
+            Rays::Parallel(parallel) => parallel.translation,
+        }
+    }
+
+    /// Where a point in scene space lies, in the light or beside it; of a tube the place that is followed from `near`, or that
+    /// counts where there is none. `None` where it lies nowhere: behind a source, outside a tube that nothing is followed in.
+    pub fn locate(&self, point: DVec3, near: Option<f64>) -> Option<Place> {
+        let way = point - self.source();
+        match self.rays {
+            Rays::Bent(tube) => {
+                let q = tube.placement.rotation.transpose() * way / tube.placement.world_per_tube;
+                let root = match near {
+                    None => tube.nearest_root(q)?,
+                    Some(t) => follow(tube, q, t),
+                };
+                Some(on_tube(tube, &root))
+            }
+            Rays::Cone(cone) => {
+                let local = cone.rotation.transpose() * way;
+                let depth = -local.z;
+                let across = DVec2::new(-local.x, local.y) / (depth * cone.tan_outer);
+                let width = depth * cone.tan_outer;
+                let from_ends = cone.range.map_or(f64::INFINITY, |range| (range - depth) / width);
+                (depth > 0.0).then(|| straight(way, across, width, from_ends))
+            }
+            Rays::Omni(omni) => {
+                let (local, chart) = (omni.rotation.transpose() * way, self.chart);
+                let ahead = local.dot(chart.ahead);
+                let across = DVec2::new(local.dot(chart.right), local.dot(chart.up)) / ahead;
+                let from_ends = omni.range.map_or(f64::INFINITY, |range| (range - way.length()) / ahead);
+                (ahead > 0.0).then(|| straight(way, across, ahead, from_ends))
+            }
+            Rays::Parallel(parallel) => {
+                let local = parallel.rotation.transpose() * way;
+                let across = DVec2::new(-local.x, local.y);
+                let place = straight(way, across, 1.0, f64::INFINITY);
+                Some(Place { t: -local.z, to_light: parallel.direction(), ..place })
+            }
+        }
+    }
+
+    /// The point in scene space at parameter `u` of a segment, of the way that lies at `across`.
+    pub fn on_way(&self, tube: &Tube<f64>, across: DVec2, segment: usize, u: f64) -> DVec3 {
+        let curve = &tube.segments[segment].curve;
+        let (v_hat, w_hat) = tube.cross_section(curve, curve.u_hat(u));
+        let in_tube = curve.position(u) + (v_hat * across.x + w_hat * across.y) * curve.radius(u);
+        self.source() + tube.placement.rotation * (in_tube * tube.placement.world_per_tube)
+    }
+
+    /// How far out in the light a place lies, squared: 1 at its edge. 0 where it has none.
+    pub fn out2(&self, place: &Place) -> f64 {
+        match self.rays {
+            Rays::Bent(_) | Rays::Cone(_) => place.across.length_squared(),
+            Rays::Omni(_) => 0.0,
+            Rays::Parallel(parallel) => {
+                let share = |along: f64, half: Option<f64>| half.map_or(0.0, |half| (along / half).abs());
+                let out =
+                    share(place.across.x, parallel.half[0]).max(share(place.across.y, parallel.half[1]));
+                out * out
+            }
+        }
+    }
+}
+
+/// The root near `t`, with the radius left aside: Newton's method on `(q - P) . P'`, each step squaring the error.
+fn follow(tube: &Tube<f64>, q: DVec3, near: f64) -> Root<f64> {
+    const STEPS: usize = 12;
+    let last = tube.segments.len() - 1;
+    // The extension past the last segment has no end.
+    let end = if last == tube.n { f64::INFINITY } else { tube.n as f64 };
+    let piece = |t: f64| {
+        let index = (t as usize).min(last);
+        (index, t - index as f64)
+    };
+    let mut t = near.clamp(0.0, end);
+    for _ in 0..STEPS {
+        let (segment, u) = piece(t);
+        let curve = &tube.segments[segment].curve;
+        let (r, d) = (curve.offset(q, u), curve.d(u));
+        let slope = 2.0 * d.length_squared() - r.dot(curve.a);
+        if slope <= 0.0 {
+            break;
+        }
+        // A step of one segment at most: past the joint the curve is another.
+        let step = (r.dot(d) / slope).clamp(-1.0, 1.0);
+        let next = (t + step).clamp(0.0, end);
+        let is_done = (next - t).abs() <= 1e-15 * (1.0 + t);
+        t = next;
+        if is_done {
+            break;
+        }
+    }
+    let (segment, u) = piece(t);
+    let curve = &tube.segments[segment].curve;
+    let u_hat = curve.u_hat(u);
+    let (v_hat, w_hat) = tube.cross_section(curve, u_hat);
+    let r = curve.offset(q, u);
+    Root { segment, u, r, v_len: r.dot(v_hat), w_len: r.dot(w_hat), radius: curve.radius(u), v_hat, u_hat }
+}
+
+/// The place of a point that light reaches by the straight `way`.
+fn straight(way: DVec3, across: DVec2, width: f64, from_ends: f64) -> Place {
+    let t = way.length();
+    Place { t, across, width, to_light: -way / t, spread: 1.0, from_ends }
+}
+
+/// The place of a root.
+fn on_tube(tube: &Tube<f64>, root: &Root<f64>) -> Place {
+    let curve = &tube.segments[root.segment].curve;
+    let turn = curve.u_hat_derivative(root.u, root.u_hat);
+    let speed = 2.0 * curve.d(root.u).length();
+    let scale = tube.placement.world_per_tube;
+    let radius = if root.radius > 0.0 { root.radius } else { 1.0 };
+    // Beyond an end r has a part along the tangent.
+    let beyond = root.r.dot(root.u_hat) / radius;
+    let from_end = if tube.segments.len() > tube.n {
+        f64::INFINITY
+    } else {
+        (tube.n as f64 - root.t()) * speed / radius - beyond
+    };
+    let from_source = root.t() * speed / radius + beyond;
+    Place {
+        t: root.t(),
+        across: DVec2::new(root.v_len, root.w_len) / radius,
+        width: radius * scale,
+        to_light: tube.placement.rotation * tube.direction_at(root),
+        spread: if speed > 0.0 { 1.0 - root.r.dot(turn) / speed } else { 0.0 },
+        from_ends: from_end.min(from_source),
+    }
+}

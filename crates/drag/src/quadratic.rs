@@ -1,0 +1,209 @@
+//! The step that a solver takes: the smallest change that fulfils what is linear about the present place.
+
+/// A dense matrix, row by row.
+#[derive(Clone, Debug)]
+pub(crate) struct Matrix {
+    pub rows: usize,
+    pub columns: usize,
+    values: Vec<f64>,
+}
+
+impl Matrix {
+    pub fn zero(rows: usize, columns: usize) -> Self {
+        Self { rows, columns, values: vec![0.0; rows * columns] }
+    }
+
+    pub fn row(&self, row: usize) -> &[f64] {
+        &self.values[row * self.columns..][..self.columns]
+    }
+
+    pub fn at(&mut self, row: usize, column: usize) -> &mut f64 {
+        &mut self.values[row * self.columns + column]
+    }
+
+    /// Its product with a column.
+    pub fn times(&self, x: &[f64]) -> Vec<f64> {
+        (0..self.rows).map(|row| dot(self.row(row), x)).collect()
+    }
+
+    /// The product of its transpose with a column.
+    pub fn transposed_times(&self, y: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; self.columns];
+        for (row, y) in y.iter().enumerate() {
+            for (sum, value) in sum.iter_mut().zip(self.row(row)) {
+                *sum += value * y;
+            }
+        }
+        sum
+    }
+
+    /// `A B^T`.
+    fn times_transposed(&self, other: &Self) -> Self {
+        let mut product = Self::zero(self.rows, other.rows);
+        for i in 0..self.rows {
+            for j in 0..other.rows {
+                *product.at(i, j) = dot(self.row(i), other.row(j));
+            }
+        }
+        product
+    }
+}
+
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+pub(crate) fn length(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// What is linear about a place `x`: residuals `residual + jacobian dx`, and limits that are to stay 0 or more, `limits +
+/// slopes dx`.
+pub(crate) struct Linear {
+    pub residual: Vec<f64>,
+    pub jacobian: Matrix,
+    pub limits: Vec<f64>,
+    pub slopes: Matrix,
+}
+
+/// The smallest `y` for which the residuals at `y` are 0, as far as the limits let them.
+///
+/// `y` is least in `|y|^2 + |residual|^2 / mu` over what fulfils the limits. Without limits that is `J^T (J J^T + mu I)^-1
+/// (J x - residual)` (light model, section 7). Limits are brought in by an active set: each as a further row that is held at
+/// 0, and let go where it pulls the wrong way. They come before residuals, which only ask.
+pub(crate) fn smallest(x: &[f64], linear: &Linear, mu: f64) -> (Vec<f64>, Vec<f64>) {
+    let Linear { residual, jacobian, limits, slopes } = linear;
+    let wanted: Vec<f64> = jacobian.times(x).iter().zip(residual).map(|(a, b)| a - b).collect();
+    let floor: Vec<f64> = slopes.times(x).iter().zip(limits).map(|(a, b)| a - b).collect();
+    let mut active: Vec<usize> = Vec::new();
+    let mut best: Option<(Vec<f64>, Vec<f64>)> = None;
+    for _ in 0..4 * limits.len() + 4 {
+        let (y, pulls) = with_active(jacobian, &wanted, slopes, &floor, &active, mu);
+        // A limit that holds the light back where it wants to go is let go of.
+        let wrong = active.iter().enumerate().filter(|(k, _)| pulls[*k] < 0.0);
+        if let Some((k, _)) = wrong.min_by(|a, b| pulls[a.0].total_cmp(&pulls[b.0])) {
+            active.remove(k);
+            continue;
+        }
+        let height = slopes.times(&y);
+        let broken = (0..limits.len()).filter(|k| !active.contains(k) && height[*k] < floor[*k] - 1e-12);
+        let mut multipliers = vec![0.0; limits.len()];
+        active.iter().zip(&pulls).for_each(|(&k, pull)| multipliers[k] = *pull);
+        best = Some((y, multipliers));
+        let Some(worst) = broken.min_by(|&a, &b| (height[a] - floor[a]).total_cmp(&(height[b] - floor[b])))
+        else {
+            break;
+        };
+        active.push(worst);
+    }
+    best.unwrap_or_else(|| (x.to_vec(), vec![0.0; limits.len()]))
+}
+
+/// The smallest `y` with the active limits at 0, and how each of them pulls.
+fn with_active(
+    jacobian: &Matrix,
+    wanted: &[f64],
+    slopes: &Matrix,
+    floor: &[f64],
+    active: &[usize],
+    mu: f64,
+) -> (Vec<f64>, Vec<f64>) {
+    let rows = jacobian.rows + active.len();
+    let mut all = Matrix::zero(rows, jacobian.columns);
+    let mut right = Vec::with_capacity(rows);
+    for (row, wanted) in wanted.iter().enumerate() {
+        (0..jacobian.columns).for_each(|column| *all.at(row, column) = jacobian.row(row)[column]);
+        right.push(*wanted);
+    }
+    for (k, &limit) in active.iter().enumerate() {
+        (0..jacobian.columns)
+            .for_each(|column| *all.at(jacobian.rows + k, column) = slopes.row(limit)[column]);
+        right.push(floor[limit]);
+    }
+    let mut normal = all.times_transposed(&all);
+    for row in 0..rows {
+        let size = *normal.at(row, row);
+        // Limits are held to rounding.
+        *normal.at(row, row) += if row < jacobian.rows { mu } else { 1e-13 * size + 1e-300 };
+    }
+    let weights = solved(normal, right);
+    let pulls = weights[jacobian.rows..].to_vec();
+    (all.transposed_times(&weights), pulls)
+}
+
+/// The solution of a symmetric positive system, by elimination with pivots from the diagonal.
+fn solved(mut matrix: Matrix, mut right: Vec<f64>) -> Vec<f64> {
+    let n = right.len();
+    let mut order: Vec<usize> = (0..n).collect();
+    for step in 0..n {
+        let pivot = (step..n)
+            .max_by(|&a, &b| {
+                let (a, b) = (order[a], order[b]);
+                matrix.row(a)[a].total_cmp(&matrix.row(b)[b])
+            })
+            .unwrap_or(step);
+        order.swap(step, pivot);
+        let p = order[step];
+        let diagonal = matrix.row(p)[p];
+        if diagonal <= 0.0 {
+            continue;
+        }
+        for &row in &order[step + 1..] {
+            let factor = matrix.row(row)[p] / diagonal;
+            for &column in &order[step..] {
+                let above = matrix.row(p)[column];
+                *matrix.at(row, column) -= factor * above;
+            }
+            right[row] -= factor * right[p];
+        }
+    }
+    let mut solution = vec![0.0; n];
+    for step in (0..n).rev() {
+        let row = order[step];
+        let known: f64 =
+            order[step + 1..].iter().map(|&column| matrix.row(row)[column] * solution[column]).sum();
+        let diagonal = matrix.row(row)[row];
+        solution[row] = if diagonal > 0.0 { (right[row] - known) / diagonal } else { 0.0 };
+    }
+    solution
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn matrix(rows: &[&[f64]], columns: usize) -> Matrix {
+        let mut made = Matrix::zero(rows.len(), columns);
+        for (i, row) in rows.iter().enumerate() {
+            (0..columns).for_each(|j| *made.at(i, j) = row[j]);
+        }
+        made
+    }
+
+    fn step(residual: f64, limits: &[(f64, [f64; 2])]) -> Vec<f64> {
+        let linear = Linear {
+            residual: vec![residual],
+            jacobian: matrix(&[&[1.0, 1.0]], 2),
+            limits: limits.iter().map(|(value, _)| *value).collect(),
+            slopes: matrix(&limits.iter().map(|(_, slope)| &slope[..]).collect::<Vec<_>>(), 2),
+        };
+        smallest(&[0.0, 0.0], &linear, 1e-12).0
+    }
+
+    fn near(y: &[f64], expected: [f64; 2]) {
+        assert!(y.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{y:?} is not {expected:?}");
+    }
+
+    /// Of all points on a line the one nearest to 0; with a wall the one at the wall; and where the wall stands before the
+    /// line, as near as the wall lets it.
+    #[test]
+    fn the_smallest_step_keeps_within_limits() {
+        near(&step(-2.0, &[]), [1.0, 1.0]);
+        near(&step(-2.0, &[(0.25, [-1.0, 0.0])]), [0.25, 1.75]);
+        // A limit that is far away changes nothing.
+        near(&step(-2.0, &[(5.0, [-1.0, 0.0])]), [1.0, 1.0]);
+        near(&step(-2.0, &[(0.25, [-1.0, 0.0]), (0.5, [0.0, -1.0])]), [0.25, 0.5]);
+        // One that is broken is mended first.
+        near(&step(-2.0, &[(-0.5, [-1.0, 0.0])]), [-0.5, 2.5]);
+    }
+}

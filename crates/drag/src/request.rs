@@ -1,0 +1,118 @@
+//! What is asked, and what comes of it.
+
+use glam::{DVec2, DVec3};
+use light::Light;
+use scene::Camera;
+
+/// A picture that is dragged in.
+#[derive(Clone, Debug)]
+pub struct Viewport {
+    /// Who looks.
+    pub camera: Camera,
+    /// Its width and height in pixels.
+    pub size: [u32; 2],
+}
+
+/// A feature of a light, and where it goes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drag {
+    /// What is dragged.
+    pub feature: Feature,
+    /// The control points that take part, by their indices; `None` moves the light as a whole.
+    pub points: Option<Vec<usize>>,
+    /// What becomes of radii where control points take part.
+    pub radii: Radii,
+    /// Where the feature is taken, in pixels from the picture's top left corner.
+    pub from: DVec2,
+    /// Where it goes.
+    pub to: DVec2,
+}
+
+/// What is dragged. M is the surface seen where the drag begins, M' the one seen where it ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Feature {
+    /// The shadow on M: what throws it comes to lie on the way of the light to M'.
+    Shadow,
+    /// The part of the light that M lies in: it comes to lie on M'.
+    Hotspot,
+    /// The highlight: at M' the light arrives along the mirror direction.
+    Highlight,
+    /// Where a surface is brightest: at M' the light arrives along the normal.
+    Diffuse,
+}
+
+/// What becomes of radii while control points move.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Radii {
+    /// They stay.
+    #[default]
+    Keep,
+    /// Those of the moving points are unknowns too.
+    Solve,
+    /// Those that would make the tube fold shrink, and come back.
+    Follow,
+}
+
+/// What came of a drag.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Landing {
+    /// Whether the feature lies under the cursor.
+    pub status: Status,
+    /// The light, which can be evaluated: the one that the drag began with where it was refused.
+    pub light: Light,
+    /// On the screen, from the cursor to where the feature lies now, in pixels; infinite where it is not in the picture.
+    pub residual_px: f64,
+    /// The node that shadows M' too, where a shadow was dragged and another caster stands in the light's way.
+    pub shadowed_by: Option<usize>,
+    /// Steps that the solver took.
+    pub iterations: usize,
+    /// Where the drag began, in the world; `None` where no surface is seen.
+    pub from_world: Option<DVec3>,
+    /// Where it ended.
+    pub to_world: Option<DVec3>,
+    /// Of a shadow: the point that throws it.
+    pub pivot_world: Option<DVec3>,
+}
+
+/// Whether the feature lies under the cursor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// It does, within half a pixel.
+    Landed,
+    /// It lies as near as the light may bring it.
+    Limited(Limit),
+    /// Nothing was moved.
+    Refused(Refusal),
+}
+
+/// What keeps a light from going on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limit {
+    /// The tube would fold over itself.
+    Fold,
+    /// A radius would be less than nothing.
+    Radius,
+    /// The place under the cursor would lie outside the light.
+    TubeEdge,
+    /// No small change brings the feature nearer.
+    NoDescent,
+}
+
+/// Why nothing can be moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// Where the drag begins there is no surface.
+    NothingAtStart,
+    /// The cursor is off the surfaces.
+    NothingAtEnd,
+    /// The surface where the drag begins lies outside the light, or the light may not show on it.
+    OutsideTheLight,
+    /// Where a shadow is to be taken there is none.
+    NoShadow,
+    /// Control points were named, and the light has none.
+    NotBendy,
+    /// A control point was named that the light does not have, or its source.
+    NoSuchPoint,
+    /// None of the control points that take part acts on the light there.
+    NoWeight,
+}

@@ -1,0 +1,70 @@
+//! Where a light that moves as a whole may be put so that the feature lies under the cursor, in closed form.
+
+use glam::{DQuat, DVec3};
+use light::Rays;
+
+use crate::goal::{Goal, Near};
+use crate::moves::Moves;
+use crate::request::Feature;
+
+/// A placement with the feature under the cursor, and where it then lies in the light; not the nearest one. `None` where there is
+/// no such closed form.
+///
+/// A hotspot goes with the light, a highlight by a turn about the place too. For a shadow, of the ways of the light the one
+/// through the pivot is turned about that until it meets the cursor, by the place on it that is as far from the pivot as the
+/// cursor is.
+pub(crate) fn rigid_start(goal: &Goal, near: Near) -> Option<(Vec<f64>, Near)> {
+    let Moves::Rigid { unit } = goal.moves else { return None };
+    let (from, to) = (goal.from.position, goal.to.position);
+    let (pivot, turn, near) = match (goal.feature, goal.pivot) {
+        (Feature::Shadow, Some(pivot)) => {
+            let (there, t) = as_far(goal, pivot, from, near, pivot.distance(to))?;
+            let turn = DQuat::from_rotation_arc((there - pivot).normalize(), (to - pivot).normalize());
+            return Some((placed(goal, unit, (pivot, pivot), turn), Near { t, ..near }));
+        }
+        (Feature::Shadow | Feature::Hotspot, _) => (from, DQuat::IDENTITY, near),
+        (Feature::Highlight | Feature::Diffuse, _) => {
+            let [from_direction, to_direction] = goal.directions;
+            (from, DQuat::from_rotation_arc(from_direction, to_direction), near)
+        }
+    };
+    Some((placed(goal, unit, (pivot, to), turn), near))
+}
+
+/// The numbers of the placement that takes a point of the light elsewhere and turns it about that.
+fn placed(goal: &Goal, unit: f64, (from, to): (DVec3, DVec3), turn: DQuat) -> Vec<f64> {
+    let source = goal.placed.source();
+    let way = (to + turn * (source - from) - source) / unit;
+    [way.to_array(), turn.to_scaled_axis().to_array()].concat()
+}
+
+/// The place on the way through the pivot, past it, that is so far from it, and where it lies on its way.
+fn as_far(goal: &Goal, pivot: DVec3, from: DVec3, near: Near, distance: f64) -> Option<(DVec3, f64)> {
+    let Rays::Bent(tube) = goal.placed.rays else {
+        let there = pivot + (from - pivot).normalize() * distance;
+        return Some((there, near.pivot_t + distance));
+    };
+    let at = |t: f64| {
+        let segment = (t as usize).min(tube.segments.len() - 1);
+        goal.placed.on_way(tube, goal.place.across, segment, t - segment as f64)
+    };
+    let end = if tube.segments.len() > tube.n { f64::INFINITY } else { tube.n as f64 };
+    let far = |t: f64| at(t).distance(pivot) - distance;
+    // Past the place where it is too near, by steps that grow, then between the two.
+    let (mut low, mut high) = (near.pivot_t, near.t);
+    let mut step = (near.t - near.pivot_t).max(1e-6);
+    while far(high) < 0.0 {
+        if high >= end || step > 1e12 {
+            return None;
+        }
+        low = high;
+        high = (high + step).min(end);
+        step *= 2.0;
+    }
+    for _ in 0..80 {
+        let middle = f64::midpoint(low, high);
+        if far(middle) < 0.0 { low = middle } else { high = middle }
+    }
+    let t = f64::midpoint(low, high);
+    Some((at(t), t))
+}

@@ -1,0 +1,146 @@
+//! Drags on scenes: what says that it landed did, by ways that share nothing with the solver.
+
+mod support;
+
+use std::collections::BTreeMap;
+
+use drag::{Drag, Feature, Landing, Status, Viewport, drag};
+use light::CheckedLight;
+use reference::Reference;
+use scene::View;
+
+use support::{Drawn, Trial, trials};
+
+const FEATURES: [Feature; 4] = [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse];
+
+/// How far the feature lies from the cursor, by the reference's pick, the reference's shadow and the light's own `locate`: in
+/// pixels across the picture for shadow and hotspot, else in degrees. `None` where the place is not in the light, or where
+/// the shadow is none.
+fn off(reference: &Reference, trial: &Trial, landing: &Landing) -> Option<f64> {
+    let view = View::beauty(trial.view.camera.clone(), trial.view.size);
+    let to = reference.surface(&view, trial.drag.to)?;
+    let origin = reference.bvh.posed.origin_in_world;
+    let moved = CheckedLight::new(landing.light.clone()).ok()?;
+    let located = |position| moved.tube()?.locate(position).point;
+    let there = located(to.position + origin)?;
+    // A pixel at the cursor, in world units.
+    let beside = reference.surface(&view, trial.drag.to + glam::DVec2::new(1.0, 0.0));
+    let per_pixel =
+        beside.map_or(0.01 * to.depth, |beside| beside.position.distance(to.position)).max(1e-4 * to.depth);
+    let across_px = |v: f64, w: f64| libm::hypot(there.v - v, there.w - w) * there.radius / per_pixel;
+    match trial.drag.feature {
+        Feature::Shadow => {
+            let pivot = located(landing.pivot_world?)?;
+            let source = reference::Source::new(&moved);
+            let is_dark = !reference.sample(&source, &to)?.visible;
+            (is_dark && pivot.t < there.t).then(|| across_px(pivot.v, pivot.w))
+        }
+        Feature::Hotspot => {
+            let from = reference.surface(&view, trial.drag.from)?;
+            let was = trial.light.tube()?.locate(from.position + origin).point?;
+            Some(across_px(was.v, was.w))
+        }
+        Feature::Highlight => {
+            let mirrored = to.normal * (2.0 * to.normal.dot(to.to_eye)) - to.to_eye;
+            Some(there.direction.angle_between(mirrored).to_degrees())
+        }
+        Feature::Diffuse => Some(there.direction.angle_between(to.normal).to_degrees()),
+    }
+}
+
+/// Rules: DRAG-1
+#[test]
+fn what_says_that_it_landed_did() {
+    for scene in support::scenes() {
+        let Drawn { name, bvh, .. } = &scene;
+        let reference = Reference::new(std::sync::Arc::clone(&bvh.posed));
+        for feature in FEATURES {
+            let mut tally = BTreeMap::<String, usize>::new();
+            let (mut landed, mut all) = ([0, 0], [0, 0]);
+            for trial in trials(&scene, feature, 24) {
+                let landing = drag(bvh, &trial.view, &trial.light, &trial.drag);
+                let what = format!("{name} {feature:?} {:?}: {landing:?}", trial.drag);
+                let kind = usize::from(trial.drag.points.is_some());
+                all[kind] += 1;
+                *tally.entry(format!("{:?}", landing.status)).or_default() += 1;
+                assert!(CheckedLight::new(landing.light.clone()).is_ok(), "{what}");
+                if landing.status != Status::Landed {
+                    continue;
+                }
+                landed[kind] += 1;
+                // Half a pixel, or a tenth of a degree.
+                let most = if matches!(feature, Feature::Shadow | Feature::Hotspot) { 0.5 } else { 0.1 };
+                let off = off(&reference, &trial, &landing);
+                assert!(off.is_some_and(|off| off < most), "{off:?} {what}");
+                only_what_was_asked_for(&trial, &landing);
+                // The planted fault: the light as it was is not the answer.
+                let unmoved = Landing { light: trial.light.light().clone(), ..landing };
+                let was = self::off(&reference, &trial, &unmoved);
+                assert!(was.is_none_or(|was| was > most) || trial.is_there_already(), "{was:?} {what}");
+            }
+            println!("{name} {feature:?}: {tally:?}");
+            assert!(
+                landed[0] * 100 >= all[0] * 95,
+                "{name} {feature:?} moved as a whole: {landed:?} of {all:?}"
+            );
+            assert!(landed[1] * 2 >= all[1], "{name} {feature:?} deformed: {landed:?} of {all:?}");
+        }
+    }
+}
+
+/// Where control points take part nothing else changes; a light moved as a whole keeps its shape.
+fn only_what_was_asked_for(trial: &Trial, landing: &Landing) {
+    let (before, after) = (trial.light.light(), &landing.light);
+    let Some(moving) = &trial.drag.points else {
+        assert_eq!(before.points(), after.points());
+        return;
+    };
+    assert_eq!(before.transform(), after.transform());
+    for (index, (before, after)) in before.points().iter().zip(after.points()).enumerate() {
+        assert!(moving.contains(&index) || before == after, "control point {index}");
+        assert_eq!(
+            (before.radius, before.color, before.intensity),
+            (after.radius, after.color, after.intensity)
+        );
+    }
+}
+
+/// The same drag has the same bits, whatever was dragged before.
+#[test]
+fn a_drag_depends_on_its_begin_and_its_end_alone() {
+    let scene = support::demo();
+    let run = |trial: &Trial| drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
+    let trials: Vec<_> = trials(&scene, Feature::Shadow, 8).collect();
+    let forth: Vec<_> = trials.iter().map(run).collect();
+    let mut back: Vec<_> = trials.iter().rev().map(run).collect();
+    back.reverse();
+    assert_eq!(forth, back);
+}
+
+/// What cannot be dragged says why, and leaves the light as it was.
+#[test]
+fn what_cannot_be_dragged_says_why() {
+    use drag::Refusal::{NoShadow, NoSuchPoint, NothingAtEnd, NothingAtStart, OutsideTheLight};
+    let scene = support::demo();
+    let trial = trials(&scene, Feature::Hotspot, 1).next().expect("a drag");
+    let refusal = |change: &dyn Fn(&mut Drag)| {
+        let mut drag = trial.drag.clone();
+        change(&mut drag);
+        let landing = crate::drag(&scene.bvh, &trial.view, &trial.light, &drag);
+        assert_eq!(&landing.light, trial.light.light());
+        landing.status
+    };
+    let sky = glam::DVec2::new(1.0, 1.0);
+    let above = Viewport { camera: scene.view.camera.clone(), size: scene.view.size };
+    assert_eq!(above.size, scene.view.size);
+    assert_eq!(refusal(&|drag| drag.points = Some(vec![0])), Status::Refused(NoSuchPoint));
+    assert_eq!(refusal(&|drag| drag.points = Some(vec![99])), Status::Refused(NoSuchPoint));
+    assert_eq!(refusal(&|drag| drag.feature = Feature::Shadow), Status::Refused(NoShadow));
+    let is_background = scene.seen(sky).is_none();
+    if is_background {
+        assert_eq!(refusal(&|drag| drag.from = sky), Status::Refused(NothingAtStart));
+        assert_eq!(refusal(&|drag| drag.to = sky), Status::Refused(NothingAtEnd));
+    }
+    let dark = scene.outside(&trial.light);
+    assert_eq!(refusal(&|drag| drag.from = dark), Status::Refused(OutsideTheLight));
+}

@@ -1,0 +1,186 @@
+//! Random lights over scenes, and random drags in them.
+
+use std::path::Path;
+
+use drag::{Drag, Feature, Radii, Viewport};
+use glam::{DQuat, DVec2, DVec3};
+use light::parameters::{END_MODE, ROTATION, TRANSLATION};
+use light::{CheckedLight, EndMode, Light};
+use raycast::{Bvh, Seen};
+use scene::ViewRay;
+
+const SIZE: [u32; 2] = [686, 382];
+
+/// A scene and who looks at it.
+pub struct Drawn {
+    pub name: String,
+    pub bvh: Bvh,
+    pub view: Viewport,
+}
+
+/// A light, and a drag in it.
+pub struct Trial {
+    pub view: Viewport,
+    pub light: CheckedLight,
+    pub drag: Drag,
+}
+
+impl Trial {
+    /// Whether the drag is so short that the light need not move.
+    pub fn is_there_already(&self) -> bool {
+        self.drag.from.distance(self.drag.to) < 2.0
+    }
+}
+
+impl Drawn {
+    fn new(name: &str, loaded: assets::Loaded) -> Self {
+        let bvh = Bvh::new(scene::pose(loaded.scene));
+        let framing = || scene::framing_camera(&bvh.posed.reach(), 1.8);
+        let camera = loaded.contents.cameras.first().cloned().unwrap_or_else(framing);
+        Self { name: name.into(), view: Viewport { camera, size: SIZE }, bvh }
+    }
+
+    /// The surface in a pixel.
+    pub fn seen(&self, pixel: DVec2) -> Option<Seen> {
+        let origin = self.bvh.posed.origin_in_world;
+        self.bvh.seen(&ViewRay::new(&self.view.camera, SIZE, pixel, origin))
+    }
+
+    fn place(&self, light: &CheckedLight, pixel: DVec2) -> Option<(Seen, light::TubePoint)> {
+        let seen = self.seen(pixel)?;
+        let point = light.tube()?.locate(seen.position + self.bvh.posed.origin_in_world).point?;
+        Some((seen, point))
+    }
+
+    /// A pixel whose surface the light does not hold.
+    pub fn outside(&self, light: &CheckedLight) -> DVec2 {
+        let mut random = Random(3);
+        loop {
+            let pixel = random.pixel();
+            if self.seen(pixel).is_some() && self.place(light, pixel).is_none() {
+                return pixel;
+            }
+        }
+    }
+}
+
+/// The demo.
+pub fn demo() -> Drawn {
+    Drawn::new("demo:vases", assets::demo("vases").expect("it is one of the demos"))
+}
+
+/// The demo, and scenes by others where they are there.
+pub fn scenes() -> Vec<Drawn> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/assets/scenes");
+    let mut scenes = vec![demo()];
+    for name in ["vases_bowl", "bedroom", "outdoor"] {
+        let file = folder.join(format!("{name}.glb"));
+        if file.is_file() {
+            scenes.push(Drawn::new(name, assets::load(&file).expect("a sound file")));
+        } else {
+            eprintln!("skipped {name}: {} is missing", file.display());
+        }
+    }
+    scenes
+}
+
+/// `count` drags of a feature, each in a light of its own: every other one moves it as a whole, every other one bends it; half of
+/// them go a few pixels, half of them anywhere.
+pub fn trials(scene: &Drawn, feature: Feature, count: usize) -> impl Iterator<Item = Trial> + '_ {
+    let mut random = Random(11 + feature as u64);
+    let mut found = 0;
+    std::iter::from_fn(move || {
+        while found < count {
+            let (deforms, is_large) = (found % 2 == 1, found % 4 >= 2);
+            if let Some(trial) = trial(scene, &mut random, feature, deforms, is_large) {
+                found += 1;
+                return Some(trial);
+            }
+        }
+        None
+    })
+}
+
+fn trial(
+    scene: &Drawn,
+    random: &mut Random,
+    feature: Feature,
+    deforms: bool,
+    is_large: bool,
+) -> Option<Trial> {
+    let aim = scene.seen(random.pixel())?;
+    let extent = scene.bvh.posed.half_extent.length().min(1.5 * aim.depth);
+    let light = random.light(aim.position + scene.bvh.posed.origin_in_world, extent)?;
+    let from = begin(scene, random, &light, feature)?;
+    let to = if is_large { random.pixel() } else { from + random.vector().truncate() * 38.0 };
+    scene.place(&light, to)?;
+    let last = light.light().points().len();
+    let points = deforms
+        .then(|| if random.between(0.0, 1.0) < 0.5 { vec![last - 2, last - 1] } else { (1..last).collect() });
+    let drag = Drag { feature, points, radii: Radii::Keep, from, to };
+    Some(Trial { view: scene.view.clone(), light, drag })
+}
+
+/// A pixel in which the light has that feature, near enough.
+fn begin(scene: &Drawn, random: &mut Random, light: &CheckedLight, feature: Feature) -> Option<DVec2> {
+    let off = |pixel: DVec2| {
+        let (seen, point) = scene.place(light, pixel)?;
+        let wanted = match feature {
+            Feature::Shadow => {
+                let path = scene.bvh.path(light.tube()?, point.v, point.w);
+                let near = 1e-6 * seen.depth;
+                let is_shadowed =
+                    scene.bvh.blocks(&path, point.t, |hit| hit.position.distance(seen.position) > near);
+                return is_shadowed.then_some(0.0);
+            }
+            Feature::Hotspot => return Some(0.0),
+            Feature::Highlight => seen.normal * (2.0 * seen.normal.dot(seen.to_eye)) - seen.to_eye,
+            Feature::Diffuse => seen.normal,
+        };
+        Some(point.direction.distance(wanted))
+    };
+    let pixels = (0..200).map(|_| random.pixel()).collect::<Vec<_>>();
+    let offs = pixels.into_iter().filter_map(|pixel| Some((off(pixel)?, pixel)));
+    let (off, pixel) = offs.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (off < 0.06).then_some(pixel)
+}
+
+/// A linear congruential generator (Knuth's MMIX): enough to spread trials.
+struct Random(u64);
+
+impl Random {
+    fn between(&mut self, a: f64, b: f64) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        a + (b - a) * (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn pixel(&mut self) -> DVec2 {
+        let [width, height] = SIZE.map(f64::from);
+        DVec2::new(self.between(0.0, width), self.between(0.0, height))
+    }
+
+    fn vector(&mut self) -> DVec3 {
+        let vector = DVec3::new(self.between(-1.0, 1.0), self.between(-1.0, 1.0), self.between(-1.0, 1.0));
+        if vector.length_squared() <= 1.0 { vector } else { self.vector() }
+    }
+
+    /// A light from above on `aim`, about `size` away, of one to four segments, more or less bent.
+    fn light(&mut self, aim: DVec3, size: f64) -> Option<CheckedLight> {
+        let vector = self.vector();
+        let back = DVec3::new(vector.x, vector.y.abs().max(0.3), vector.z).normalize();
+        let source = aim + back * size * self.between(0.6, 1.2);
+        let length = 1.3 * source.distance(aim);
+        let segments = 1 + self.between(0.0, 4.0) as usize;
+        let bend = self.between(0.0, 0.35) * length;
+        let wide = self.between(0.08, 0.3) * length;
+        let along = light::greville(segments).into_iter().map(|g| g / segments as f64);
+        let (points, radii) = along
+            .map(|g| {
+                let aside = if g > 0.0 { self.vector() * (bend * g) } else { DVec3::ZERO };
+                (DVec3::new(0.0, 0.0, -g * length) + aside, wide * (0.1 + 0.9 * g))
+            })
+            .unzip();
+        let light = Light::bendy(points, radii).with(TRANSLATION, source).with(END_MODE, EndMode::Extend);
+        CheckedLight::new(light.with(ROTATION, DQuat::from_rotation_arc(DVec3::NEG_Z, -back))).ok()
+    }
+}
