@@ -49,6 +49,12 @@ impl Matrix {
     }
 }
 
+/// The least `mu` beside limits, as a share of the trace of `J J^T`. What it leaves of a residual goes in further steps.
+const SOFT_BESIDE_LIMITS: f64 = 1e-7;
+
+/// To what share of their size limits are held.
+const ROUNDED: f64 = 1e-14;
+
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
@@ -121,10 +127,12 @@ fn with_active(
         right.push(floor[limit]);
     }
     let mut normal = all.times_transposed(&all);
+    let trace: f64 = (0..jacobian.rows).map(|row| normal.row(row)[row]).sum();
+    // Limits come first: residuals ask more softly than limits are rounded.
+    let asking = if active.is_empty() { mu } else { mu.max(SOFT_BESIDE_LIMITS * trace) };
     for row in 0..rows {
         let size = *normal.at(row, row);
-        // Limits are held to rounding.
-        *normal.at(row, row) += if row < jacobian.rows { mu } else { 1e-13 * size + 1e-300 };
+        *normal.at(row, row) += if row < jacobian.rows { asking } else { ROUNDED * size + f64::MIN_POSITIVE };
     }
     let weights = solved(normal, right);
     let pulls = weights[jacobian.rows..].to_vec();

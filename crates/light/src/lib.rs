@@ -57,8 +57,8 @@ pub use error::LightError;
 pub use filter::{Cut, LightFilter, Profile, Radial, Section, blackbody, irradiance};
 pub use links::{Links, MAX_LINK_BYTES, MAX_LINKS};
 pub use parameter::{
-    Backing, Choice, Key, Kind, MAX_NAME_BYTES, Number, Of, Owner, Parameter, Scale, Setting, Touches, Typed,
-    Value,
+    Backing, Choice, Key, Kind, MAX_EXTENT, MAX_NAME_BYTES, Number, Of, Owner, Parameter, Scale, Setting,
+    Touches, Typed, Value,
 };
 pub use parameters::{add_parameters, parameter_of, parameters, parameters_of};
 pub use part::Part;
@@ -68,7 +68,7 @@ pub use rays::cone::Cone;
 pub use rays::omni::Omni;
 pub use rays::parallel::Parallel;
 pub use rays::tube::{Location, Root, Tube, TubePoint};
-pub use reach::{MAX_EXTENT, OutOfReach, Reach};
+pub use reach::{OutOfReach, Reach};
 pub use real::Real;
 pub use revision::{Digest, Revisions};
 pub use segment::Segment;

@@ -15,6 +15,10 @@ use crate::{LightError, Links, MAX_KNOTS, MAX_LINK_BYTES, MAX_LINKS, PeriodicCur
 /// Bytes that a name has at most.
 pub const MAX_NAME_BYTES: usize = 256;
 
+/// Largest distance from the scene's middle of anything that is drawn, in world units: squares of it, and their
+/// products with intensities, stay within f32.
+pub const MAX_EXTENT: f64 = 1e15;
+
 /// A row of the table.
 #[derive(Clone, Copy)]
 pub struct Parameter {

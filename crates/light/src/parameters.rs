@@ -9,11 +9,10 @@ use std::sync::OnceLock;
 use glam::{DQuat, DVec3};
 
 use crate::parameter::{
-    Key, Kind, MAX_NAME_BYTES, Number, Of, Owner, Parameter, Scale, Setting, Touches, Value,
+    Key, Kind, MAX_EXTENT, MAX_NAME_BYTES, Number, Of, Owner, Parameter, Scale, Setting, Touches, Value,
 };
 use crate::{
-    ControlPoint, CrossSection, Decay, Direction, EndMode, Frame, Links, MAX_EXTENT, PeriodicCurve,
-    ProfileCurve,
+    ControlPoint, CrossSection, Decay, Direction, EndMode, Frame, Links, PeriodicCurve, ProfileCurve,
 };
 
 /// Rows, each with a constant that knows the type of its values.

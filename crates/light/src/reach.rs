@@ -3,11 +3,7 @@
 use glam::DVec3;
 use thiserror::Error;
 
-use crate::{CheckedLight, Rays};
-
-/// Largest distance from the scene's middle of anything that is drawn, in world units: squares of it, and their
-/// products with intensities, stay within f32.
-pub const MAX_EXTENT: f64 = 1e15;
+use crate::{CheckedLight, MAX_EXTENT, Rays};
 
 /// The box of a scene, against which its lights are measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -2,8 +2,20 @@
 
 use crate::program::run;
 
-const COMMANDS: [&str; 10] =
-    ["render", "eval", "bend", "scenes", "serve", "sessions", "export", "import", "replay", "bench"];
+const COMMANDS: [&str; 12] = [
+    "render",
+    "eval",
+    "bend",
+    "drag",
+    "parameters",
+    "scenes",
+    "serve",
+    "sessions",
+    "export",
+    "import",
+    "replay",
+    "bench",
+];
 
 fn help(args: &[&str]) -> String {
     let done = run(args);
@@ -18,7 +30,7 @@ fn help_names_every_command_and_shows_examples() {
         assert!(text.contains(&format!("  {command} ")), "{command}");
         assert!(help(&[command, "--help"]).contains("Usage: bendylights "), "{command}");
     }
-    for command in ["render", "eval", "bend", "serve", "sessions", "export", "import", "replay"] {
+    for command in ["render", "eval", "bend", "drag", "serve", "sessions", "export", "import", "replay"] {
         assert!(help(&[command, "--help"]).contains("Example"), "{command}");
     }
     assert!(help(&["--version"]).starts_with("bendylights 0."));
