@@ -536,7 +536,7 @@ rows! { POINT_ROWS:
         of: &[of(Point, Value::Vector(DVec3::ONE), Radiance)],
         kind: Kind::Color,
         group: "Control point",
-        label: "Point color",
+        label: "Color",
         ..ROW
     };
     POINT_INTENSITY: f64 = "How bright it is there, as a factor of the whole light's intensity.", Parameter {
@@ -545,7 +545,7 @@ rows! { POINT_ROWS:
         of: &[of(Point, Value::Number(1.0), Radiance)],
         kind: Kind::Number(Number { slider: Some([0.0, 10.0]), step: 0.05, min: Unbounded, ..Number::ANY }),
         group: "Control point",
-        label: "Point intensity",
+        label: "Intensity",
         ..ROW
     };
 }
