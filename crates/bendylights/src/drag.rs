@@ -72,7 +72,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
                 no_such_light(whose_lights.clone(), &asked.light.to_string(), names)
             })?;
             let view = viewport(&args.scene, &bvh, &contents.cameras, asked)?;
-            let view = view.ok_or_else(|| Error::BadDrag { file: file.clone(), index })?;
+            let view =
+                view.ok_or_else(|| Error::BadDrag { file: file.clone(), index, max_side: LIMITS.max_side })?;
             Ok(answered(&bvh, &view, light, asked))
         })
         .collect();

@@ -48,10 +48,10 @@ pub enum Error {
     HasCone { file: String },
     /// A drag in a picture that there cannot be.
     #[error(
-        "{file}: drag {index}: `size` must be two whole numbers from 1 to 8192, and `from` and `to` two finite numbers: \
+        "{file}: drag {index}: `size` must be two whole numbers from 1 to {max_side}, and `from` and `to` two finite numbers: \
          change them"
     )]
-    BadDrag { file: String, index: usize },
+    BadDrag { file: String, index: usize, max_side: u32 },
     /// A scene file that cannot be used.
     #[error(transparent)]
     Scene(#[from] AssetError),

@@ -16,7 +16,7 @@ use crate::solve::{At, Solution, solve};
 /// Pixels within which a feature lies under the cursor.
 const UNDER_THE_CURSOR_PX: f64 = 0.5;
 
-/// How near two places on a way lie that are the same, as a share of the light's size.
+/// How near two places on a way lie that are the same, as a share of their distance from the source or the cursor.
 const SAME_PLACE: f64 = 1e-6;
 
 /// Drags a feature of `light` from one point of a picture to another.
@@ -68,7 +68,7 @@ fn begin<'a>(
         _ => None,
     };
     let end = match drag.feature {
-        Feature::Highlight => to.normal * (2.0 * to.normal.dot(to.to_eye)) - to.to_eye,
+        Feature::Highlight => to.mirrored(),
         _ => to.normal,
     };
     let goal = Goal {
@@ -124,7 +124,7 @@ fn land(bvh: &Bvh, view: &Viewport, drag: &Drag, goal: &Goal, near: Near, landin
     landing.light = moved.light().clone();
     let placed = goal.placed.with(moved.rays());
     let occlusion = Occlusion::new(bvh, &moved);
-    let lies = Lies { bvh, view, goal, placed: &placed, occlusion: &occlusion };
+    let lies = Lies { bvh, view, goal, placed: &placed };
     landing.residual_px = lies.distance_px(&evaluation, drag.to);
     // Where ways of a light overlap, another place than the one that was followed may count.
     let counts = placed.locate(goal.to.position, None);
@@ -135,15 +135,18 @@ fn land(bvh: &Bvh, view: &Viewport, drag: &Drag, goal: &Goal, near: Near, landin
     let is_inside = is_the_one(counts, near.t)
         && goal.pivot.is_none_or(|pivot| is_the_one(placed.locate(pivot, None), near.pivot_t));
     let held_by = held_by.map_or(Limit::NoDescent, |index| goal.limit(index));
+    let first = counts.and_then(|place| occlusion.first(&placed, &place, &goal.to));
     landing.status = if landing.residual_px > UNDER_THE_CURSOR_PX {
         Status::Limited(held_by)
     } else if !is_inside {
         Status::Limited(Limit::TubeEdge)
+    } else if goal.pivot.is_some() && first.is_none() {
+        // The way only touches what throws the shadow.
+        Status::Limited(Limit::NoDescent)
     } else {
         Status::Landed
     };
-    let (Feature::Shadow, Some(place), Some(pivot)) = (goal.feature, counts, goal.pivot) else { return };
-    let Some(first) = occlusion.first(&placed, &place, &goal.to) else { return };
-    let is_the_pivot = pivot.distance(first.position) < SAME_PLACE * placed.size();
+    let (Some(first), Some(pivot)) = (first, goal.pivot) else { return };
+    let is_the_pivot = pivot.distance(first.position) < SAME_PLACE * pivot.distance(goal.to.position);
     landing.shadowed_by = (!is_the_pivot).then_some(first.node);
 }

@@ -8,7 +8,6 @@ use raycast::{Bvh, Seen};
 use scene::{ViewRay, pixel_of};
 
 use crate::goal::{Evaluation, Goal};
-use crate::occlusion::Occlusion;
 use crate::place::Placed;
 use crate::request::{Feature, Viewport};
 
@@ -24,7 +23,6 @@ pub(crate) struct Lies<'a> {
     pub view: &'a Viewport,
     pub goal: &'a Goal<'a>,
     pub placed: &'a Placed<'a>,
-    pub occlusion: &'a Occlusion<'a>,
 }
 
 impl Lies<'_> {
@@ -55,6 +53,9 @@ impl Lies<'_> {
     fn met_by(&self, across: DVec2, after: f64) -> Vec<DVec3> {
         let met = RefCell::new(Vec::new());
         let size = self.bvh.posed.half_extent.length();
+        // Whatever throws shadows: they fall on everything.
+        let is_solid =
+            |triangle: usize, weights: DVec3| self.bvh.is_solid(&self.bvh.triangles[triangle], weights);
         match self.placed.rays {
             Rays::Bent(tube) => {
                 let path = self.bvh.path(tube, across.x, across.y);
@@ -64,7 +65,7 @@ impl Lies<'_> {
                 let reach = 4.0 * (size + self.placed.source().length());
                 let t_end = tube.n as f64 + if tube.segments.len() > tube.n { reach / speed } else { 0.0 };
                 self.bvh.first_bent_hit(&path, t_end, |hit| {
-                    if hit.t > after && self.occlusion.stops(hit.triangle, hit.weights) {
+                    if hit.t > after && is_solid(hit.triangle, hit.weights) {
                         met.borrow_mut().push(hit.position);
                     }
                     false
@@ -77,7 +78,7 @@ impl Lies<'_> {
                     |distance: f64| self.placed.locate(from + way * distance, None).map(|place| place.t);
                 let near = if matches!(rays, Rays::Parallel(_)) { -far } else { 0.0 };
                 self.bvh.first_hit(from, way, [near, far], |hit| {
-                    if t_of(hit.distance).is_some_and(|t| t > after) {
+                    if t_of(hit.distance).is_some_and(|t| t > after) && is_solid(hit.triangle, hit.weights) {
                         met.borrow_mut().push(from + way * hit.distance);
                     }
                     false
@@ -119,7 +120,7 @@ impl Lies<'_> {
         let seen = self.seen(pixel)?;
         let place = self.placed.locate(seen.position, Some(near_t))?;
         let wanted = match self.goal.feature {
-            Feature::Highlight => seen.normal * (2.0 * seen.normal.dot(seen.to_eye)) - seen.to_eye,
+            Feature::Highlight => seen.mirrored(),
             _ => seen.normal,
         };
         let (right, up) = wanted.any_orthonormal_pair();

@@ -1,9 +1,9 @@
 //! What stands in a light's way.
 
 use glam::DVec3;
-use light::parameters::{LIGHT_LINK, SHADOW_ENABLE, SHADOW_LINK};
-use light::{CheckedLight, Key, Links, Rays};
-use raycast::{Bvh, Seen};
+use light::parameters::SHADOW_ENABLE;
+use light::{CheckedLight, Rays};
+use raycast::{Bvh, Linked, Seen};
 
 use crate::place::{Place, Placed};
 
@@ -13,10 +13,7 @@ const CONTACT: f64 = 1e-9;
 /// A scene as one light sees it.
 pub(crate) struct Occlusion<'a> {
     bvh: &'a Bvh,
-    /// One a node, where not all are lit.
-    lit: Option<Vec<bool>>,
-    /// One a node, where not all throw shadows.
-    throwing: Option<Vec<bool>>,
+    linked: Linked,
     /// Whether anything shadows it.
     shadow_enable: bool,
 }
@@ -33,16 +30,13 @@ pub(crate) struct Caster {
 
 impl<'a> Occlusion<'a> {
     pub fn new(bvh: &'a Bvh, light: &CheckedLight) -> Self {
-        let light = light.light();
-        let linked =
-            |links: Key<Option<Links>>| light.get(links).map(|links| bvh.posed.nodes().linked(&links));
-        let (lit, throwing) = (linked(LIGHT_LINK), linked(SHADOW_LINK));
-        Self { bvh, lit, throwing, shadow_enable: light.get(SHADOW_ENABLE) }
+        let shadow_enable = light.light().get(SHADOW_ENABLE);
+        Self { bvh, linked: Linked::new(&bvh.posed, light), shadow_enable }
     }
 
     /// Whether the light shows on a node.
     pub fn lights(&self, node: usize) -> bool {
-        self.lit.as_ref().is_none_or(|lit| lit[node])
+        self.linked.lights(node)
     }
 
     /// The first that light meets on its way to a surface that lies at `place`.
@@ -88,9 +82,8 @@ impl<'a> Occlusion<'a> {
     }
 
     /// Whether a place of a triangle throws a shadow.
-    pub fn stops(&self, triangle: usize, weights: DVec3) -> bool {
+    fn stops(&self, triangle: usize, weights: DVec3) -> bool {
         let triangle = &self.bvh.triangles[triangle];
-        let throws = self.throwing.as_ref().is_none_or(|throwing| throwing[triangle.node]);
-        throws && self.bvh.is_solid(triangle, weights)
+        self.linked.stops_at(triangle.node) && self.bvh.is_solid(triangle, weights)
     }
 }

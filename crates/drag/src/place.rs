@@ -73,11 +73,6 @@ impl<'a> Placed<'a> {
         self.translation() - self.origin
     }
 
-    /// How large the light is, in world units, or how far it shines here.
-    pub fn size(&self) -> f64 {
-        if let Rays::Bent(tube) = self.rays { tube.placement.world_per_tube } else { self.source().length() }
-    }
-
     fn translation(&self) -> DVec3 {
         match self.rays {
             Rays::Bent(tube) => tube.placement.translation,
@@ -122,14 +117,6 @@ impl<'a> Placed<'a> {
                 Some(Place { t: -local.z, to_light: parallel.direction(), ..place })
             }
         }
-    }
-
-    /// The point in scene space at parameter `u` of a segment, of the way that lies at `across`.
-    pub fn on_way(&self, tube: &Tube<f64>, across: DVec2, segment: usize, u: f64) -> DVec3 {
-        let curve = &tube.segments[segment].curve;
-        let (v_hat, w_hat) = tube.cross_section(curve, curve.u_hat(u));
-        let in_tube = curve.position(u) + (v_hat * across.x + w_hat * across.y) * curve.radius(u);
-        self.source() + tube.placement.rotation * (in_tube * tube.placement.world_per_tube)
     }
 
     /// How far out in the light a place lies, squared: 1 at its edge. 0 where it has none.

@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use light::Rays;
+use raycast::BentPath;
 
 use crate::goal::{Goal, Near};
 use crate::moves::Moves;
@@ -44,9 +45,11 @@ fn as_far(goal: &Goal, pivot: DVec3, from: DVec3, near: Near, distance: f64) -> 
         let there = pivot + (from - pivot).normalize() * distance;
         return Some((there, near.pivot_t + distance));
     };
+    let across = goal.place.across;
+    let path = BentPath::new(tube, across.x, across.y, goal.placed.origin);
     let at = |t: f64| {
         let segment = (t as usize).min(tube.segments.len() - 1);
-        goal.placed.on_way(tube, goal.place.across, segment, t - segment as f64)
+        path.at(segment, t - segment as f64)
     };
     let end = if tube.segments.len() > tube.n { f64::INFINITY } else { tube.n as f64 };
     let far = |t: f64| at(t).distance(pivot) - distance;

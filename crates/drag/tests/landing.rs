@@ -5,7 +5,7 @@ mod support;
 use std::collections::BTreeMap;
 
 use drag::{Drag, Feature, Landing, Status, Viewport, drag};
-use light::CheckedLight;
+use light::{CheckedLight, Links};
 use reference::Reference;
 use scene::View;
 
@@ -102,6 +102,19 @@ fn only_what_was_asked_for(trial: &Trial, landing: &Landing) {
             (before.radius, before.color, before.intensity),
             (after.radius, after.color, after.intensity)
         );
+    }
+}
+
+/// A shadow falls on what throws none itself, and lands there.
+#[test]
+fn a_shadow_lands_on_what_throws_none() {
+    let scene = support::demo();
+    let from = scene.trial_of_the_demo(None);
+    let linked = scene.trial_of_the_demo(Links::new(Vec::new(), vec!["table".into()]));
+    for trial in [from, linked] {
+        let landing = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
+        assert_eq!(landing.status, Status::Landed, "{landing:?}");
+        assert!(landing.residual_px < 0.5);
     }
 }
 

@@ -38,7 +38,7 @@ pub struct BentPath<'a> {
 impl Bvh {
     /// The path of constant (v, w), both in radii, through this scene.
     pub fn path<'a>(&self, tube: &'a Tube<f64>, v: f64, w: f64) -> BentPath<'a> {
-        BentPath { tube, v, w, source: tube.placement.translation - self.posed.origin_in_world }
+        BentPath::new(tube, v, w, self.posed.origin_in_world)
     }
 }
 
@@ -77,7 +77,12 @@ impl Chord {
     }
 }
 
-impl BentPath<'_> {
+impl<'a> BentPath<'a> {
+    /// The path of constant (v, w), both in radii, in a scene space that begins at `origin_in_world`.
+    pub fn new(tube: &'a Tube<f64>, v: f64, w: f64, origin_in_world: DVec3) -> Self {
+        Self { tube, v, w, source: tube.placement.translation - origin_in_world }
+    }
+
     /// Position in scene space at parameter `u` of a segment.
     pub fn at(&self, segment: usize, u: f64) -> DVec3 {
         let s = &self.tube.segments[segment].curve;

@@ -41,6 +41,11 @@ impl Seen {
     pub fn shadow_position(&self) -> DVec3 {
         self.position + self.normal * self.terminator_offset
     }
+
+    /// Unit vector to where light comes from that a mirror here would send to the viewer.
+    pub fn mirrored(&self) -> DVec3 {
+        self.normal * (2.0 * self.normal.dot(self.to_eye)) - self.to_eye
+    }
 }
 
 impl Bvh {

@@ -28,8 +28,9 @@ mod visibility;
 
 pub use brdf::reflected;
 pub use error::ReferenceError;
-pub use linked::{Linked, LinkedSource};
+pub use linked::LinkedSource;
 pub use picture::Picture;
+pub use raycast::Linked;
 pub use reference::Reference;
 pub use source::{LightSample, Source};
 pub use surface::Surface;

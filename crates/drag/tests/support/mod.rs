@@ -4,8 +4,8 @@ use std::path::Path;
 
 use drag::{Drag, Feature, Radii, Viewport};
 use glam::{DQuat, DVec2, DVec3};
-use light::parameters::{END_MODE, ROTATION, TRANSLATION};
-use light::{CheckedLight, EndMode, Light};
+use light::parameters::{END_MODE, ROTATION, SHADOW_LINK, TRANSLATION};
+use light::{CheckedLight, EndMode, Light, Links};
 use raycast::{Bvh, Seen};
 use scene::ViewRay;
 
@@ -50,6 +50,21 @@ impl Drawn {
         let seen = self.seen(pixel)?;
         let point = light.tube()?.locate(seen.position + self.bvh.posed.origin_in_world).point?;
         Some((seen, point))
+    }
+
+    /// The README's drag: the shadow of the blue vase's neck goes down the table, by three control points of the demo's light.
+    pub fn trial_of_the_demo(&self, shadow_link: Option<Links>) -> Trial {
+        let demo = assets::demo("vases").expect("it is one of the demos");
+        let light = demo.contents.lights[0].light().clone().with(SHADOW_LINK, shadow_link);
+        let drag = Drag {
+            feature: Feature::Shadow,
+            points: Some(vec![2, 3, 4]),
+            radii: Radii::Keep,
+            from: DVec2::new(430.5, 265.5),
+            to: DVec2::new(430.5, 310.5),
+        };
+        let view = Viewport { size: [640, 360], ..self.view.clone() };
+        Trial { view, light: CheckedLight::new(light).expect("valid"), drag }
     }
 
     /// A pixel whose surface the light does not hold.
