@@ -129,7 +129,7 @@ fn land(bvh: &Bvh, view: &Viewport, drag: &Drag, goal: &Goal, near: Near, landin
     // Where ways of a light overlap, another place than the one that was followed may count.
     let counts = placed.locate(goal.to.position, None);
     let is_the_one = |counts: Option<Place>, followed: f64| {
-        counts.is_some_and(|counts| (counts.t - followed).abs() < SAME_PLACE * (1.0 + followed))
+        counts.is_some_and(|counts| (counts.t - followed).abs() < SAME_PLACE * (1.0 + followed.abs()))
     };
     let near = evaluation.near;
     let is_inside = is_the_one(counts, near.t)

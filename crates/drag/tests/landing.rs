@@ -5,8 +5,10 @@ mod support;
 use std::collections::BTreeMap;
 
 use drag::{Drag, Feature, Landing, Status, Viewport, drag};
-use light::{CheckedLight, Links};
-use reference::Reference;
+use glam::{DQuat, DVec3};
+use light::parameters::{CONE_ANGLE, ROTATION, TRANSLATION};
+use light::{CheckedLight, Light, Links};
+use reference::{Reference, Source};
 use scene::View;
 
 use support::{Drawn, Trial, trials};
@@ -115,6 +117,41 @@ fn a_shadow_lands_on_what_throws_none() {
         let landing = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
         assert_eq!(landing.status, Status::Landed, "{landing:?}");
         assert!(landing.residual_px < 0.5);
+    }
+}
+
+/// Lights without a tube are moved as a whole, and a sun is turned: wherever it stands along its axis.
+#[test]
+fn straight_lights_land_too() {
+    let scene = support::demo();
+    let Trial { view, drag: asked, .. } = scene.trial_of_the_demo(None);
+    let from = DVec3::new(-2.5, 3.0, 1.5);
+    let aimed = DQuat::from_rotation_arc(DVec3::NEG_Z, (DVec3::new(0.0, 0.3, 0.0) - from).normalize());
+    let sun = Light::directional().with(ROTATION, aimed);
+    let lights = [
+        Light::spot().with(ROTATION, aimed).with(TRANSLATION, from).with(CONE_ANGLE, 35.0),
+        Light::omni().with(TRANSLATION, from),
+        sun.clone().with(TRANSLATION, from),
+        sun.with(TRANSLATION, aimed * DVec3::NEG_Z * 9.0),
+    ];
+    for light in lights {
+        let light = CheckedLight::new(light).expect("valid");
+        for feature in [Feature::Highlight, Feature::Diffuse] {
+            let drag = Drag { feature, points: None, ..asked.clone() };
+            let landing = crate::drag(&scene.bvh, &view, &light, &drag);
+            assert_eq!(landing.status, Status::Landed, "{landing:?}");
+            // By the light's own word, in an independent place: M' sees it along the mirror direction or the normal.
+            let moved = Source::new(&CheckedLight::new(landing.light).expect("valid"));
+            let reference = Reference::new(std::sync::Arc::clone(&scene.bvh.posed));
+            let to =
+                reference.surface(&View::beauty(view.camera.clone(), view.size), drag.to).expect("the table");
+            let wanted = match feature {
+                Feature::Highlight => to.normal * (2.0 * to.normal.dot(to.to_eye)) - to.to_eye,
+                _ => to.normal,
+            };
+            let direction = reference.sample(&moved, &to).expect("inside").place.direction;
+            assert!(direction.angle_between(wanted).to_degrees() < 0.1, "{feature:?} {direction} {wanted}");
+        }
     }
 }
 
