@@ -5,12 +5,14 @@ use light::{CheckedLight, Rays};
 use raycast::{Bvh, Seen};
 use scene::ViewRay;
 
-use crate::goal::{Goal, Near};
+use crate::goal::{Asked, Goal, Near, Taken};
 use crate::lies::Lies;
 use crate::moves::Moves;
 use crate::occlusion::Occlusion;
+use crate::pins::Pinned;
 use crate::place::{Place, Placed};
 use crate::request::{Drag, Feature, Landing, Limit, Refusal, Status, Viewport};
+use crate::sight::Sight;
 use crate::solve::{At, Solution, solve};
 
 /// Pixels within which a feature lies under the cursor.
@@ -34,11 +36,12 @@ pub fn drag(bvh: &Bvh, view: &Viewport, light: &CheckedLight, drag: &Drag) -> La
         to_world: to.map(|seen| seen.position + origin),
         pivot_world: None,
     };
-    match begin(bvh, light, drag, from, to) {
+    let occlusion = Occlusion::new(bvh, light);
+    match begin(&occlusion, bvh, light, drag, from, to) {
         Err(refusal) => landing.status = Status::Refused(refusal),
-        Ok((goal, near)) => {
-            landing.pivot_world = goal.pivot.map(|pivot| pivot + origin);
-            land(bvh, view, drag, &goal, near, &mut landing);
+        Ok((goal, taken, near)) => {
+            landing.pivot_world = taken.pivot.map(|pivot| pivot + origin);
+            land(bvh, &occlusion, (view, drag), (goal, &taken), &near, &mut landing);
         }
     }
     landing
@@ -46,19 +49,19 @@ pub fn drag(bvh: &Bvh, view: &Viewport, light: &CheckedLight, drag: &Drag) -> La
 
 /// What is asked for, or why it cannot be.
 fn begin<'a>(
+    occlusion: &Occlusion,
     bvh: &Bvh,
     light: &'a CheckedLight,
     drag: &Drag,
     from: Option<Seen>,
     to: Option<Seen>,
-) -> Result<(Goal<'a>, Near), Refusal> {
+) -> Result<(Goal<'a>, Taken, Near), Refusal> {
     if drag.points.is_some() && light.tube().is_none() {
         return Err(Refusal::NotBendy);
     }
     let from = from.ok_or(Refusal::NothingAtStart)?;
     let to = to.ok_or(Refusal::NothingAtEnd)?;
     let placed = Placed::new(light.rays(), bvh.posed.origin_in_world, from.position);
-    let occlusion = Occlusion::new(bvh, light);
     let place = placed.locate(from.position, None).ok_or(Refusal::OutsideTheLight)?;
     if placed.out2(&place) > 1.0 || place.from_ends < 0.0 || !occlusion.lights(from.node) {
         return Err(Refusal::OutsideTheLight);
@@ -71,19 +74,29 @@ fn begin<'a>(
         Feature::Highlight => to.mirrored(),
         _ => to.normal,
     };
-    let goal = Goal {
+    let pins = drag.pins.iter().enumerate();
+    let pins = pins.map(|pin| Pinned::new(occlusion, &bvh.posed, &placed, pin));
+    let pins: Vec<Pinned> = pins.filter_map(Result::transpose).collect::<Result<_, _>>()?;
+    let mut near = vec![[place.t, caster.map_or(0.0, |caster| caster.t)]];
+    near.extend(pins.iter().map(Pinned::near));
+    let taken = Taken {
         feature: drag.feature,
-        start: light,
-        moves: moves(light, drag, from.position.distance(placed.source()))?,
         from,
         to,
         pivot: caster.map(|caster| caster.position),
-        placed,
         place,
         directions: [place.to_light, end],
-        folds: light.tube().map_or_else(Vec::new, light::Tube::r_kappa_max),
     };
-    Ok((goal, Near { t: place.t, pivot_t: caster.map_or(0.0, |caster| caster.t) }))
+    let goal = Goal {
+        asked: Asked::Feature(Box::new(taken.clone())),
+        start: light,
+        moves: moves(light, drag, from.position.distance(placed.source()))?,
+        placed,
+        folds: light.tube().map_or_else(Vec::new, light::Tube::r_kappa_max),
+        pins,
+        cuts: Vec::new(),
+    };
+    Ok((goal, taken, near))
 }
 
 /// What may change; `unit` is what a whole light moves by.
@@ -107,12 +120,21 @@ fn moves(light: &CheckedLight, drag: &Drag, unit: f64) -> Result<Moves, Refusal>
 }
 
 /// Solves, and says what came of it.
-fn land(bvh: &Bvh, view: &Viewport, drag: &Drag, goal: &Goal, near: Near, landing: &mut Landing) {
+fn land(
+    bvh: &Bvh,
+    occlusion: &Occlusion,
+    (view, drag): (&Viewport, &Drag),
+    (mut goal, taken): (Goal, &Taken),
+    near: &Near,
+    landing: &mut Landing,
+) {
     if goal.has_no_weight(near) {
         landing.status = Status::Refused(Refusal::NoWeight);
         return;
     }
-    let Some(Solution { at: At { x, evaluation }, held_by, iterations }) = solve(goal, near) else {
+    let sight = Sight { occlusion, source_outside: drag.source_outside };
+    let Some(Solution { at: At { x, evaluation }, held_by, iterations }) = solve(&mut goal, near, &sight)
+    else {
         landing.status = Status::Refused(Refusal::OutsideTheLight);
         return;
     };
@@ -123,30 +145,27 @@ fn land(bvh: &Bvh, view: &Viewport, drag: &Drag, goal: &Goal, near: Near, landin
     };
     landing.light = moved.light().clone();
     let placed = goal.placed.with(moved.rays());
-    let occlusion = Occlusion::new(bvh, &moved);
-    let lies = Lies { bvh, view, goal, placed: &placed };
-    landing.residual_px = lies.distance_px(&evaluation, drag.to);
+    let near = evaluation.near[0];
+    landing.residual_px = Lies { bvh, view, taken, placed: &placed }.distance_px(near, drag.to);
     // Where ways of a light overlap, another place than the one that was followed may count.
-    let counts = placed.locate(goal.to.position, None);
+    let counts = placed.locate(taken.to.position, None);
     let is_the_one = |counts: Option<Place>, followed: f64| {
         counts.is_some_and(|counts| (counts.t - followed).abs() < SAME_PLACE * (1.0 + followed.abs()))
     };
-    let near = evaluation.near;
-    let is_inside = is_the_one(counts, near.t)
-        && goal.pivot.is_none_or(|pivot| is_the_one(placed.locate(pivot, None), near.pivot_t));
-    let held_by = held_by.map_or(Limit::NoDescent, |index| goal.limit(index));
-    let first = counts.and_then(|place| occlusion.first(&placed, &place, &goal.to));
+    let is_inside = is_the_one(counts, near[0])
+        && taken.pivot.is_none_or(|pivot| is_the_one(placed.locate(pivot, None), near[1]));
+    let first = counts.and_then(|place| occlusion.first(&placed, &place, &taken.to));
     landing.status = if landing.residual_px > UNDER_THE_CURSOR_PX {
-        Status::Limited(held_by)
+        Status::Limited(held_by.unwrap_or(Limit::NoDescent))
     } else if !is_inside {
         Status::Limited(Limit::TubeEdge)
-    } else if goal.pivot.is_some() && first.is_none() {
+    } else if taken.pivot.is_some() && first.is_none() {
         // The way only touches what throws the shadow.
         Status::Limited(Limit::NoDescent)
     } else {
         Status::Landed
     };
-    let (Some(first), Some(pivot)) = (first, goal.pivot) else { return };
-    let is_the_pivot = pivot.distance(first.position) < SAME_PLACE * pivot.distance(goal.to.position);
+    let (Some(first), Some(pivot)) = (first, taken.pivot) else { return };
+    let is_the_pivot = pivot.distance(first.position) < SAME_PLACE * pivot.distance(taken.to.position);
     landing.shadowed_by = (!is_the_pivot).then_some(first.node);
 }

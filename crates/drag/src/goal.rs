@@ -5,8 +5,9 @@ use light::{CheckedLight, Rays};
 use raycast::Seen;
 
 use crate::moves::{LARGEST_FOLD, Moves};
+use crate::pins::{Cut, Pinned};
 use crate::place::{Place, Placed};
-use crate::quadratic::Linear;
+use crate::quadratic::{Hold, Linear, Matrix, Pulls};
 use crate::request::{Feature, Limit, Radii};
 
 /// Least of `1 - kappa r.N`: at 0 ways of the light meet, and light comes from nowhere.
@@ -18,167 +19,227 @@ const INSIDE: f64 = 1e-4;
 /// How much farther than the pivot a shadowed place lies, along the light.
 const BEHIND: f64 = 1e-6;
 
-/// A feature on its way from where it was taken to the cursor.
+/// A drag: what is asked of a light, and what must stay.
 #[derive(Clone, Debug)]
 pub(crate) struct Goal<'a> {
-    pub feature: Feature,
+    pub asked: Asked,
     /// The light as the drag began.
     pub start: &'a CheckedLight,
     pub moves: Moves,
+    /// The light as it was, for what lights are measured by.
+    pub placed: Placed<'a>,
+    /// The largest `R kappa` of each segment as the drag began, and so what it may have.
+    pub folds: Vec<f64>,
+    pub pins: Vec<Pinned>,
+    /// Edges of shadows, and surfaces, that what is pinned may not cross.
+    pub cuts: Vec<Cut>,
+}
+
+/// What is asked.
+#[derive(Clone, Debug)]
+pub(crate) enum Asked {
+    /// That a feature lies under the cursor.
+    Feature(Box<Taken>),
+    /// That a control point is at a position in light-local space.
+    Position { point: usize, to: DVec3 },
+}
+
+/// A feature on its way from where it was taken to the cursor.
+#[derive(Clone, Debug)]
+pub(crate) struct Taken {
+    pub feature: Feature,
     /// Where it was taken.
     pub from: Seen,
     /// Where it goes.
     pub to: Seen,
     /// Of a shadow: what throws it.
     pub pivot: Option<DVec3>,
-    /// The light as it was, for what lights are measured by.
-    pub placed: Placed<'a>,
     /// Where `from` was in the light.
     pub place: Place,
     /// Directions to the light, as it was at `from` and as it is to be at `to`, where they are what is dragged.
     pub directions: [DVec3; 2],
-    /// The largest `R kappa` of each segment as the drag began, and so what it may have.
-    pub folds: Vec<f64>,
 }
 
-/// Places that are followed while the light moves.
+/// Places that are followed while the light moves, along the light: the feature's and its pivot's, then those of each pin.
+pub(crate) type Near = Vec<[f64; 2]>;
+
+/// What is to stay 0 or more.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Near {
-    pub t: f64,
-    pub pivot_t: f64,
+pub(crate) struct Bound {
+    pub value: f64,
+    pub limit: Limit,
+    /// How softly it gives way; 0 where it does not.
+    pub give: f64,
 }
 
 /// How a light does.
 #[derive(Clone, Debug)]
 pub(crate) struct Evaluation {
-    /// How far the feature lies off, in radii of the light or in radians.
-    pub residual: [f64; 2],
-    /// What is to stay 0 or more.
-    pub limits: Vec<f64>,
+    /// How far the feature lies off, and then how far each pin does, in radii of the light or in radians.
+    pub residual: Vec<f64>,
+    /// How firmly each of these is held.
+    pub rows: Vec<Hold>,
+    pub bounds: Vec<Bound>,
     pub near: Near,
 }
 
-impl Goal<'_> {
+impl Taken {
     /// Where the feature is to lie at a share of its way, and from where light is to come there.
     fn target(&self, share: f64) -> (DVec3, DVec3) {
         let [from, to] = self.directions;
         (self.from.position.lerp(self.to.position, share), between(from, to, share))
     }
 
-    /// How the light with `x` does at a share of the way; `None` where it cannot be evaluated.
-    pub fn evaluate(&self, x: &[f64], share: f64, near: Near) -> Option<Evaluation> {
-        let rays = self.moves.rays(self.start, x)?;
-        let placed = self.placed.with(&rays);
+    /// What is off at a share of the way, and where the place and the pivot are then.
+    fn off(
+        &self,
+        placed: &Placed,
+        share: f64,
+        near: [f64; 2],
+        bounds: &mut Vec<Bound>,
+    ) -> Option<(DVec2, [f64; 2])> {
         let (point, direction) = self.target(share);
-        let place = placed.locate(point, Some(near.t))?;
-        let mut limits = self.shape_limits(&rays, x);
-        limits.push(place.spread - LEAST_SPREAD);
-        limits.push(1.0 - INSIDE - placed.out2(&place));
-        limits.push(place.from_ends.min(1.0));
-        let mut pivot_t = near.pivot_t;
-        let residual = match (self.feature, self.pivot) {
+        let place = placed.locate(point, Some(near[0]))?;
+        bounds_of_place(placed, &place, None, bounds);
+        let across_off = |across: DVec2| across_off(across, &place, &self.place);
+        let mut pivot_t = near[1];
+        let off = match (self.feature, self.pivot) {
             (Feature::Shadow, Some(pivot)) => {
-                let pivot = placed.locate(pivot, Some(near.pivot_t))?;
+                let pivot = placed.locate(pivot, Some(near[1]))?;
                 pivot_t = pivot.t;
-                limits.push((place.t - pivot.t) / self.place.t.max(f64::MIN_POSITIVE) - BEHIND);
-                (pivot.across - place.across) * (place.width / self.place.width)
+                bounds.push(behind(&place, &pivot, &self.place, None));
+                across_off(pivot.across)
             }
-            (Feature::Shadow | Feature::Hotspot, _) => {
-                (place.across - self.place.across) * (place.width / self.place.width)
-            }
-            (Feature::Highlight | Feature::Diffuse, _) => {
-                let ahead = place.to_light.dot(direction);
-                if ahead <= 0.0 {
-                    return None;
-                }
-                let (right, up) = direction.any_orthonormal_pair();
-                DVec2::new(place.to_light.dot(right), place.to_light.dot(up))
-            }
+            (Feature::Shadow | Feature::Hotspot, _) => -across_off(self.place.across),
+            (Feature::Highlight | Feature::Diffuse, _) => direction_off(place.to_light, direction)?,
         };
-        let near = Near { t: place.t, pivot_t };
-        (residual.is_finite() && limits.iter().all(|limit| limit.is_finite())).then(|| Evaluation {
-            residual: residual.to_array(),
-            limits,
-            near,
-        })
+        Some((off, [place.t, pivot_t]))
     }
 
     /// How far the feature goes, in radii of the light or in radians.
-    pub fn way(&self) -> f64 {
+    fn way(&self) -> f64 {
         let [from, to] = self.directions;
+        let across = self.from.position.distance(self.to.position) / self.place.width;
         match self.feature {
-            Feature::Shadow | Feature::Hotspot => {
-                self.from.position.distance(self.to.position) / self.place.width
-            }
+            Feature::Shadow | Feature::Hotspot => across,
             Feature::Highlight | Feature::Diffuse => {
-                let across = self.from.position.distance(self.to.position) / self.place.width;
                 libm::atan2(from.cross(to).length(), from.dot(to)).max(across)
+            }
+        }
+    }
+}
+
+impl Goal<'_> {
+    /// How the light with `x` does at a share of the way; `None` where it cannot be evaluated.
+    pub fn evaluate(&self, x: &[f64], share: f64, near: &Near) -> Option<Evaluation> {
+        let rays = self.moves.rays(self.start, x)?;
+        let placed = self.placed.with(&rays);
+        let mut bounds = self.shape_bounds(&rays, x);
+        let mut followed = Near::with_capacity(near.len());
+        let mut residual = match &self.asked {
+            Asked::Feature(taken) => {
+                let (off, at) = taken.off(&placed, share, near[0], &mut bounds)?;
+                followed.push(at);
+                off.to_array().to_vec()
+            }
+            Asked::Position { point, to } => {
+                followed.push(near[0]);
+                self.moves.position_off(self.start.light(), x, *point, *to, share).to_array().to_vec()
+            }
+        };
+        for (pin, near) in self.pins.iter().zip(&near[1..]) {
+            let (off, at, place) = pin.off(&placed, *near, &mut bounds)?;
+            residual.extend(off.into_iter().flat_map(|off| off.to_array()));
+            followed.push(at);
+            for cut in self.cuts.iter().filter(|cut| cut.pin() == Some(pin.index)) {
+                bounds.push(cut.bound_of_way(&placed, &place, pin)?);
+            }
+        }
+        bounds.extend(self.cuts.iter().filter_map(|cut| cut.bound_of_source(&placed)));
+        let is_finite =
+            residual.iter().chain(bounds.iter().map(|bound| &bound.value)).all(|value| value.is_finite());
+        is_finite.then(|| Evaluation { residual, rows: self.rows(), bounds, near: followed })
+    }
+
+    /// How firmly each residual is held.
+    fn rows(&self) -> Vec<Hold> {
+        let asked = match self.asked {
+            Asked::Feature(_) => 2,
+            Asked::Position { .. } => 3,
+        };
+        let mut rows = vec![Hold::Asked; asked];
+        rows.extend(self.pins.iter().flat_map(Pinned::rows));
+        rows
+    }
+
+    /// What holds the light back most, by how its limits and pins pull.
+    pub fn held_by(&self, at: &Evaluation, pulls: &Pulls) -> Option<Limit> {
+        let asked = at.rows.iter().filter(|row| **row == Hold::Asked).count();
+        let most = pulls.rows[..asked].iter().fold(0.0, |most: f64, pull| most.max(pull.abs()));
+        // Rounding pulls too.
+        let least = 1e-6 * most;
+        let pins = self.pins.iter().flat_map(|pin| pin.rows().map(|hold| (hold, Limit::Pin(pin.index))));
+        let of_pins = pins
+            .zip(&pulls.rows[asked..])
+            .filter(|((hold, _), pull)| *hold == Hold::Fixed && pull.abs() > least)
+            .map(|((_, limit), pull)| (limit, pull.abs()));
+        let of_limits = at.bounds.iter().zip(&pulls.limits).filter(|(_, pull)| **pull > 0.0);
+        let all = of_limits.map(|(bound, pull)| (bound.limit, *pull)).chain(of_pins);
+        all.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(limit, _)| limit)
+    }
+
+    /// How far it goes, in steps that one solution is near to the next of.
+    pub fn way(&self) -> f64 {
+        match &self.asked {
+            Asked::Feature(taken) => taken.way(),
+            Asked::Position { point, to } => {
+                let start = self.start.light();
+                self.moves.position_off(start, &vec![0.0; self.moves.count()], *point, *to, 1.0).length()
             }
         }
     }
 
     /// Whether nothing that may change does anything to the feature where it is.
-    pub fn has_no_weight(&self, near: Near) -> bool {
+    pub fn has_no_weight(&self, near: &Near) -> bool {
         let x = vec![0.0; self.moves.count()];
         let Some(at) = self.evaluate(&x, 0.0, near) else { return false };
         let jacobian = self.linear(&x, 0.0, &at).jacobian;
-        (0..2).all(|row| jacobian.row(row).iter().all(|slope| slope.abs() < 1e-9))
+        let asked = (0..at.rows.len()).filter(|row| at.rows[*row] == Hold::Asked);
+        asked.into_iter().all(|row| jacobian.row(row).iter().all(|slope| slope.abs() < 1e-9))
     }
 
     /// What keeps the light's own shape: no fold, no radius below nothing.
-    fn shape_limits(&self, rays: &Rays, x: &[f64]) -> Vec<f64> {
+    fn shape_bounds(&self, rays: &Rays, x: &[f64]) -> Vec<Bound> {
         let (Moves::Points { points, radii, unit }, Rays::Bent(tube)) = (&self.moves, rays) else {
             return Vec::new();
         };
         let folds = tube.r_kappa_max();
-        let mut limits: Vec<f64> = folds
-            .iter()
-            .zip(&self.folds)
-            .map(|(fold, most)| (most.max(LARGEST_FOLD) - fold) / LARGEST_FOLD)
-            .collect();
+        let room = |(fold, most): (&f64, &f64)| (most.max(LARGEST_FOLD) - fold) / LARGEST_FOLD;
+        let mut bounds: Vec<Bound> =
+            folds.iter().zip(&self.folds).map(|fold| hard(room(fold), Limit::Fold)).collect();
         if *radii == Radii::Solve {
             let all = self.start.light().points();
-            limits.extend(
-                points
-                    .iter()
-                    .enumerate()
-                    .map(|(k, &point)| x[3 * points.len() + k] + all[point].radius / unit),
-            );
+            let radius = |(k, point): (usize, &usize)| x[3 * points.len() + k] + all[*point].radius / unit;
+            bounds.extend(points.iter().enumerate().map(|of| hard(radius(of), Limit::Radius)));
         }
-        limits
-    }
-
-    /// Which limit the one of that index is.
-    pub fn limit(&self, index: usize) -> Limit {
-        let (folds, radii) = match &self.moves {
-            Moves::Points { points, radii: Radii::Solve, .. } => (self.folds.len(), points.len()),
-            Moves::Points { .. } => (self.folds.len(), 0),
-            _ => (0, 0),
-        };
-        match index {
-            index if index < folds => Limit::Fold,
-            index if index < folds + radii => Limit::Radius,
-            index if index == folds + radii => Limit::Fold,
-            index if index < folds + radii + 3 => Limit::TubeEdge,
-            _ => Limit::NoDescent,
-        }
+        bounds
     }
 
     /// What is linear about `x`, by central differences: to some 1e-10 of what it is, which Newton's method makes up for.
     pub fn linear(&self, x: &[f64], share: f64, at: &Evaluation) -> Linear {
         const STEP: f64 = 1e-6;
-        let (count, limits) = (x.len(), at.limits.len());
+        let (count, rows, limits) = (x.len(), at.residual.len(), at.bounds.len());
         let mut linear = Linear {
-            residual: at.residual.to_vec(),
-            jacobian: crate::quadratic::Matrix::zero(2, count),
-            limits: at.limits.clone(),
-            slopes: crate::quadratic::Matrix::zero(limits, count),
+            jacobian: Matrix::zero(rows, count),
+            slopes: Matrix::zero(limits, count),
+            rows: at.rows.clone(),
+            give: at.bounds.iter().map(|bound| bound.give).collect(),
         };
         let mut beside = x.to_vec();
         for k in 0..count {
             let mut side = |step: f64| {
                 beside[k] = x[k] + step;
-                let found = self.evaluate(&beside, share, at.near);
+                let found = self.evaluate(&beside, share, &at.near);
                 beside[k] = x[k];
                 found
             };
@@ -190,15 +251,51 @@ impl Goal<'_> {
                 (None, Some(behind)) => (at, behind, STEP),
                 (None, None) => continue,
             };
-            for row in 0..2 {
+            for row in 0..rows {
                 *linear.jacobian.at(row, k) = (ahead.residual[row] - behind.residual[row]) / length;
             }
             for row in 0..limits {
-                *linear.slopes.at(row, k) = (ahead.limits[row] - behind.limits[row]) / length;
+                *linear.slopes.at(row, k) = (ahead.bounds[row].value - behind.bounds[row].value) / length;
             }
         }
         linear
     }
+}
+
+/// A limit that does not give way.
+fn hard(value: f64, limit: Limit) -> Bound {
+    Bound { value, limit, give: 0.0 }
+}
+
+/// What a place needs to have light: ways that do not meet, and no end of the light before it. Where `pin` has it, that is
+/// what limits.
+pub(crate) fn bounds_of_place(placed: &Placed, place: &Place, pin: Option<&Pinned>, bounds: &mut Vec<Bound>) {
+    let (fold, edge) =
+        pin.map_or((Limit::Fold, Limit::TubeEdge), |pin| (Limit::Pin(pin.index), Limit::Pin(pin.index)));
+    let give = pin.map_or(0.0, Pinned::give);
+    bounds.extend([
+        Bound { value: place.spread - LEAST_SPREAD, limit: fold, give },
+        Bound { value: 1.0 - INSIDE - placed.out2(place), limit: edge, give },
+        Bound { value: place.from_ends.min(1.0), limit: edge, give },
+    ]);
+}
+
+/// That a place lies farther along the light than what shadows it.
+pub(crate) fn behind(place: &Place, pivot: &Place, was: &Place, pin: Option<&Pinned>) -> Bound {
+    let value = (place.t - pivot.t) / was.t.max(f64::MIN_POSITIVE) - BEHIND;
+    let limit = pin.map_or(Limit::TubeEdge, |pin| Limit::Pin(pin.index));
+    Bound { value, limit, give: pin.map_or(0.0, Pinned::give) }
+}
+
+/// How far a way lies from a place, in radii that the light had where it `was`.
+pub(crate) fn across_off(across: DVec2, place: &Place, was: &Place) -> DVec2 {
+    (across - place.across) * (place.width / was.width)
+}
+
+/// How far light is from arriving along `direction`, in radians across it; `None` where it comes from behind.
+pub(crate) fn direction_off(to_light: DVec3, direction: DVec3) -> Option<DVec2> {
+    let (right, up) = direction.any_orthonormal_pair();
+    (to_light.dot(direction) > 0.0).then(|| DVec2::new(to_light.dot(right), to_light.dot(up)))
 }
 
 /// The unit vector at a share of the shortest turn from one to another.

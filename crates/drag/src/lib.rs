@@ -6,20 +6,25 @@
 //! read, so that the same drag gives the same bits on every machine.
 //!
 //! What is solved (light model, section 7): unknowns are a placement, or offsets of control points; two equations say that the
-//! feature lies under the cursor; limits keep the tube from folding. Of all that fulfils them the smallest change is taken, by
+//! feature lies under the cursor; limits keep the tube from folding; pins hold what is to stay, as further equations and limits.
+//! Of all that fulfils them the smallest change is taken, by
 //! [sequential quadratic programming](https://en.wikipedia.org/wiki/Sequential_quadratic_programming) along the way from where the
 //! drag began to where the cursor is.
 
 mod drag;
+mod glide;
 mod goal;
 mod lies;
 mod moves;
 mod occlusion;
+mod pins;
 mod place;
 mod quadratic;
 mod request;
+mod sight;
 mod solve;
 mod start;
 
 pub use drag::drag;
-pub use request::{Drag, Feature, Landing, Limit, Radii, Refusal, Status, Viewport};
+pub use glide::{Glided, glide};
+pub use request::{Drag, Feature, Landing, Limit, Pin, PinKind, Radii, Refusal, Status, Viewport};

@@ -7,8 +7,8 @@ use light::Rays;
 use raycast::{Bvh, Seen};
 use scene::{ViewRay, pixel_of};
 
-use crate::goal::{Evaluation, Goal};
-use crate::place::Placed;
+use crate::goal::Taken;
+use crate::place::{Place, Placed};
 use crate::request::{Feature, Viewport};
 
 /// The angle within which a surface is turned to the light, radians: 0.1 degrees.
@@ -21,23 +21,23 @@ const BESIDE_PX: f64 = 0.25;
 pub(crate) struct Lies<'a> {
     pub bvh: &'a Bvh,
     pub view: &'a Viewport,
-    pub goal: &'a Goal<'a>,
+    pub taken: &'a Taken,
     pub placed: &'a Placed<'a>,
 }
 
 impl Lies<'_> {
     /// On the screen, from `cursor` to where the feature lies, in pixels; infinite where it is not in the picture.
-    pub fn distance_px(&self, at: &Evaluation, cursor: DVec2) -> f64 {
-        match self.goal.feature {
-            Feature::Shadow | Feature::Hotspot => self.nearest_on_way(at, cursor),
-            Feature::Highlight | Feature::Diffuse => self.nearest_turned(at, cursor),
+    pub fn distance_px(&self, near: [f64; 2], cursor: DVec2) -> f64 {
+        match self.taken.feature {
+            Feature::Shadow | Feature::Hotspot => self.nearest_on_way(near, cursor),
+            Feature::Highlight | Feature::Diffuse => self.nearest_turned(near, cursor),
         }
     }
 
     /// Of the surfaces that the feature's way meets, the distance of the one that is seen nearest to the cursor.
-    fn nearest_on_way(&self, at: &Evaluation, cursor: DVec2) -> f64 {
-        let pivot = self.goal.pivot.and_then(|pivot| self.placed.locate(pivot, Some(at.near.pivot_t)));
-        let (across, after) = pivot.map_or((self.goal.place.across, 0.0), |pivot| (pivot.across, pivot.t));
+    fn nearest_on_way(&self, near: [f64; 2], cursor: DVec2) -> f64 {
+        let pivot = self.taken.pivot.and_then(|pivot| self.placed.locate(pivot, Some(near[1])));
+        let (across, after) = pivot.map_or((self.taken.place.across, 0.0), |pivot| (pivot.across, pivot.t));
         let distance = |position: &DVec3| {
             let pixel = self.pixel(*position)?;
             let seen = self.seen(pixel)?;
@@ -45,12 +45,15 @@ impl Lies<'_> {
             let is_seen = seen.position.distance(*position) < 1e-6 * self.bvh.posed.half_extent.length();
             is_seen.then(|| pixel.distance(cursor))
         };
-        let met = self.met_by(across, after);
+        let Some(place) = self.placed.locate(self.taken.to.position, Some(near[0])) else {
+            return f64::INFINITY;
+        };
+        let met = self.met_by(&place, across, after);
         met.iter().filter_map(distance).fold(f64::INFINITY, f64::min)
     }
 
     /// Positions of all surfaces that the way of a place across the light meets past `after`.
-    fn met_by(&self, across: DVec2, after: f64) -> Vec<DVec3> {
+    fn met_by(&self, place: &Place, across: DVec2, after: f64) -> Vec<DVec3> {
         let met = RefCell::new(Vec::new());
         let size = self.bvh.posed.half_extent.length();
         // Whatever throws shadows: they fall on everything.
@@ -72,7 +75,9 @@ impl Lies<'_> {
                 });
             }
             rays => {
-                let (from, way) = straight_way(rays, self.placed, across);
+                let point = self.taken.to.position;
+                let (from, level) = self.placed.straight_way(place, across, point, 4.0 * size);
+                let way = level - from;
                 let far = 4.0 * (size + from.length()) / way.length();
                 let t_of =
                     |distance: f64| self.placed.locate(from + way * distance, None).map(|place| place.t);
@@ -89,15 +94,15 @@ impl Lies<'_> {
     }
 
     /// Newton's method over the picture, from the cursor to the nearest surface point at which light arrives as it should.
-    fn nearest_turned(&self, at: &Evaluation, cursor: DVec2) -> f64 {
+    fn nearest_turned(&self, near: [f64; 2], cursor: DVec2) -> f64 {
         let mut pixel = cursor;
         for _ in 0..20 {
-            let Some(off) = self.off(pixel, at.near.t) else { return f64::INFINITY };
-            let enough = if self.goal.feature == Feature::Diffuse { TURNED } else { 1e-9 };
+            let Some(off) = self.off(pixel, near[0]) else { return f64::INFINITY };
+            let enough = if self.taken.feature == Feature::Diffuse { TURNED } else { 1e-9 };
             if off.length() <= enough {
                 return pixel.distance(cursor);
             }
-            let beside = |step: DVec2| Some((self.off(pixel + step, at.near.t)? - off) / BESIDE_PX);
+            let beside = |step: DVec2| Some((self.off(pixel + step, near[0])? - off) / BESIDE_PX);
             let (Some(x), Some(y)) = (beside(DVec2::X * BESIDE_PX), beside(DVec2::Y * BESIDE_PX)) else {
                 return f64::INFINITY;
             };
@@ -119,7 +124,7 @@ impl Lies<'_> {
     fn off(&self, pixel: DVec2, near_t: f64) -> Option<DVec2> {
         let seen = self.seen(pixel)?;
         let place = self.placed.locate(seen.position, Some(near_t))?;
-        let wanted = match self.goal.feature {
+        let wanted = match self.taken.feature {
             Feature::Highlight => seen.mirrored(),
             _ => seen.normal,
         };
@@ -135,22 +140,5 @@ impl Lies<'_> {
 
     fn pixel(&self, position: DVec3) -> Option<DVec2> {
         pixel_of(&self.view.camera, self.view.size, position, self.placed.origin)
-    }
-}
-
-/// The straight way of a place across a light: where it begins, and which way it goes.
-fn straight_way(rays: &Rays, placed: &Placed, across: DVec2) -> (DVec3, DVec3) {
-    let source = placed.source();
-    match rays {
-        Rays::Cone(cone) => {
-            let local = DVec3::new(-across.x * cone.tan_outer, across.y * cone.tan_outer, -1.0);
-            (source, cone.rotation * local)
-        }
-        Rays::Omni(omni) => (source, omni.rotation * placed.chart.way(across)),
-        Rays::Parallel(parallel) => {
-            let beside = parallel.rotation * DVec3::new(-across.x, across.y, 0.0);
-            (source + beside, -parallel.direction())
-        }
-        Rays::Bent(_) => (source, DVec3::ZERO),
     }
 }

@@ -57,7 +57,7 @@ impl Moves {
                         point.radius += x[3 * points.len() + k] * unit;
                     }
                 }
-                if *radii == Radii::Follow { following(moved) } else { moved }
+                self.settled(moved)
             }
         }
     }
@@ -79,6 +79,23 @@ impl Moves {
             Rays::Parallel(parallel) => (parallel.translation, parallel.rotation) = (translation, rotation),
         }
         Some(rays)
+    }
+}
+
+impl Moves {
+    /// The light once its control points have moved, with radii as they follow.
+    pub fn settled(&self, moved: Light) -> Light {
+        match self {
+            Self::Points { radii: Radii::Follow, .. } => following(moved),
+            _ => moved,
+        }
+    }
+
+    /// How far a control point is from a share of its way to a light-local position, in units of what moves.
+    pub fn position_off(&self, start: &Light, x: &[f64], point: usize, to: DVec3, share: f64) -> DVec3 {
+        let Self::Points { points, unit, .. } = self else { return DVec3::ZERO };
+        let Some(k) = points.iter().position(|&moving| moving == point) else { return DVec3::ZERO };
+        DVec3::from_slice(&x[3 * k..][..3]) - (to - start.points()[point].position) / *unit * share
     }
 }
 

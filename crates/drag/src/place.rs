@@ -119,6 +119,26 @@ impl<'a> Placed<'a> {
         }
     }
 
+    /// Of a light without a tube: where its way `across` begins, and where it is level with `point`, which lies at `place`.
+    /// A sun's way begins `far` before that.
+    pub fn straight_way(&self, place: &Place, across: DVec2, point: DVec3, far: f64) -> (DVec3, DVec3) {
+        let source = self.source();
+        let level = |way: DVec3| (source, source + way);
+        match self.rays {
+            Rays::Cone(cone) => {
+                let depth = place.width / cone.tan_outer;
+                level(cone.rotation * DVec3::new(-across.x * place.width, across.y * place.width, -depth))
+            }
+            Rays::Omni(omni) => level(omni.rotation * self.chart.way(across) * place.width),
+            Rays::Parallel(parallel) => {
+                let beside = across - place.across;
+                let to = point + parallel.rotation * DVec3::new(-beside.x, beside.y, 0.0);
+                (to + parallel.direction() * far, to)
+            }
+            Rays::Bent(_) => level(DVec3::ZERO),
+        }
+    }
+
     /// How far out in the light a place lies, squared: 1 at its edge. 0 where it has none.
     pub fn out2(&self, place: &Place) -> f64 {
         match self.rays {

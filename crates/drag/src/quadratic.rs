@@ -52,6 +52,9 @@ impl Matrix {
 /// The least `mu` beside limits, as a share of the trace of `J J^T`. What it leaves of a residual goes in further steps.
 const SOFT_BESIDE_LIMITS: f64 = 1e-7;
 
+/// The `mu` of a residual that does not count.
+const UNHEARD: f64 = 1e200;
+
 /// To what share of their size limits are held.
 const ROUNDED: f64 = 1e-14;
 
@@ -64,27 +67,62 @@ pub(crate) fn length(a: &[f64]) -> f64 {
 }
 
 /// What is linear about a place `x`: residuals `residual + jacobian dx`, and limits that are to stay 0 or more, `limits +
-/// slopes dx`.
+/// slopes dx`. The values are given beside it, since they may be of a place nearby.
 pub(crate) struct Linear {
-    pub residual: Vec<f64>,
     pub jacobian: Matrix,
-    pub limits: Vec<f64>,
     pub slopes: Matrix,
+    /// How firmly each residual is held.
+    pub rows: Vec<Hold>,
+    /// How softly each limit gives way; 0 where it does not.
+    pub give: Vec<f64>,
 }
 
-/// The smallest `y` for which the residuals at `y` are 0, as far as the limits let them.
+/// How firmly a residual is held at 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Hold {
+    /// As far as limits and what is fixed let it.
+    Asked,
+    /// Whatever is asked.
+    Fixed,
+    /// `|residual|^2 / give` is weighed against the size of the change.
+    Soft(f64),
+}
+
+/// Values of residuals and limits, and which count.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Values<'a> {
+    pub residual: &'a [f64],
+    pub limits: &'a [f64],
+    pub counting: Counting,
+}
+
+/// Which residuals count; limits do that are not soft, and with [`Self::All`] those that are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Counting {
+    All,
+    /// Not those that are soft.
+    Firm,
+    /// Those alone that are fixed.
+    Fixed,
+}
+
+/// The smallest `y` for which the residuals at `y` are 0, as far as the limits let them, and how each limit and each fixed
+/// residual pulls.
 ///
 /// `y` is least in `|y|^2 + |residual|^2 / mu` over what fulfils the limits. Without limits that is `J^T (J J^T + mu I)^-1
 /// (J x - residual)` (light model, section 7). Limits are brought in by an active set: each as a further row that is held at
-/// 0, and let go where it pulls the wrong way. They come before residuals, which only ask.
-pub(crate) fn smallest(x: &[f64], linear: &Linear, mu: f64) -> (Vec<f64>, Vec<f64>) {
-    let Linear { residual, jacobian, limits, slopes } = linear;
+/// 0, and let go where it pulls the wrong way. They come before residuals, which only ask; a fixed residual is a row that is
+/// never let go. Soft rows have a `mu` of their own, in limits too, which then are springs on one side.
+pub(crate) fn smallest(x: &[f64], linear: &Linear, values: Values, mu: f64) -> (Vec<f64>, Pulls) {
+    let Linear { jacobian, slopes, give, .. } = linear;
+    let Values { residual, limits, counting } = values;
     let wanted: Vec<f64> = jacobian.times(x).iter().zip(residual).map(|(a, b)| a - b).collect();
     let floor: Vec<f64> = slopes.times(x).iter().zip(limits).map(|(a, b)| a - b).collect();
     let mut active: Vec<usize> = Vec::new();
-    let mut best: Option<(Vec<f64>, Vec<f64>)> = None;
+    let mut best: Option<(Vec<f64>, Pulls)> = None;
     for _ in 0..4 * limits.len() + 4 {
-        let (y, pulls) = with_active(jacobian, &wanted, slopes, &floor, &active, mu);
+        let (y, weights) = with_active(linear, (&wanted, counting), &floor, &active, mu);
+        let (of_rows, pulls) = weights.split_at(jacobian.rows);
         // A limit that holds the light back where it wants to go is let go of.
         let wrong = active.iter().enumerate().filter(|(k, _)| pulls[*k] < 0.0);
         if let Some((k, _)) = wrong.min_by(|a, b| pulls[a.0].total_cmp(&pulls[b.0])) {
@@ -92,31 +130,44 @@ pub(crate) fn smallest(x: &[f64], linear: &Linear, mu: f64) -> (Vec<f64>, Vec<f6
             continue;
         }
         let height = slopes.times(&y);
-        let broken = (0..limits.len()).filter(|k| !active.contains(k) && height[*k] < floor[*k] - 1e-12);
-        let mut multipliers = vec![0.0; limits.len()];
-        active.iter().zip(&pulls).for_each(|(&k, pull)| multipliers[k] = *pull);
-        best = Some((y, multipliers));
+        let counts = |k: usize| give[k] == 0.0 || counting == Counting::All;
+        let broken =
+            (0..limits.len()).filter(|k| counts(*k) && !active.contains(k) && height[*k] < floor[*k] - 1e-12);
+        let mut of_limits = vec![0.0; limits.len()];
+        active
+            .iter()
+            .zip(pulls)
+            .for_each(|(&k, pull)| of_limits[k] = if give[k] > 0.0 { 0.0 } else { *pull });
+        best = Some((y, Pulls { rows: of_rows.to_vec(), limits: of_limits }));
         let Some(worst) = broken.min_by(|&a, &b| (height[a] - floor[a]).total_cmp(&(height[b] - floor[b])))
         else {
             break;
         };
         active.push(worst);
     }
-    best.unwrap_or_else(|| (x.to_vec(), vec![0.0; limits.len()]))
+    let still = || Pulls { rows: vec![0.0; jacobian.rows], limits: vec![0.0; limits.len()] };
+    best.unwrap_or_else(|| (x.to_vec(), still()))
 }
 
-/// The smallest `y` with the active limits at 0, and how each of them pulls.
+/// How residuals and limits pull at what changes: the multipliers of their rows, of limits 0 or more.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Pulls {
+    pub rows: Vec<f64>,
+    pub limits: Vec<f64>,
+}
+
+/// The smallest `y` with the active limits at 0, and the multipliers of all rows and of those limits.
 fn with_active(
-    jacobian: &Matrix,
-    wanted: &[f64],
-    slopes: &Matrix,
+    linear: &Linear,
+    (wanted, counting): (&[f64], Counting),
     floor: &[f64],
     active: &[usize],
     mu: f64,
 ) -> (Vec<f64>, Vec<f64>) {
-    let rows = jacobian.rows + active.len();
-    let mut all = Matrix::zero(rows, jacobian.columns);
-    let mut right = Vec::with_capacity(rows);
+    let Linear { jacobian, slopes, rows, give } = linear;
+    let count = jacobian.rows + active.len();
+    let mut all = Matrix::zero(count, jacobian.columns);
+    let mut right = Vec::with_capacity(count);
     for (row, wanted) in wanted.iter().enumerate() {
         (0..jacobian.columns).for_each(|column| *all.at(row, column) = jacobian.row(row)[column]);
         right.push(*wanted);
@@ -127,16 +178,24 @@ fn with_active(
         right.push(floor[limit]);
     }
     let mut normal = all.times_transposed(&all);
-    let trace: f64 = (0..jacobian.rows).map(|row| normal.row(row)[row]).sum();
-    // Limits come first: residuals ask more softly than limits are rounded.
-    let asking = if active.is_empty() { mu } else { mu.max(SOFT_BESIDE_LIMITS * trace) };
-    for row in 0..rows {
-        let size = *normal.at(row, row);
-        *normal.at(row, row) += if row < jacobian.rows { asking } else { ROUNDED * size + f64::MIN_POSITIVE };
+    let asked = || (0..jacobian.rows).filter(|row| rows[*row] == Hold::Asked);
+    let trace: f64 = asked().map(|row| normal.row(row)[row]).sum();
+    // What is firm comes first: residuals ask more softly than it is rounded.
+    let is_firm = rows.contains(&Hold::Fixed) || active.iter().any(|limit| give[*limit] == 0.0);
+    let asking = if is_firm { mu.max(SOFT_BESIDE_LIMITS * trace) } else { mu };
+    for row in 0..count {
+        let firm = ROUNDED * *normal.at(row, row) + f64::MIN_POSITIVE;
+        *normal.at(row, row) += match rows.get(row) {
+            Some(Hold::Asked) if counting == Counting::Fixed => UNHEARD,
+            Some(Hold::Asked) => asking,
+            Some(Hold::Soft(_)) if counting != Counting::All => UNHEARD,
+            Some(Hold::Soft(give)) => *give,
+            Some(Hold::Fixed) => firm,
+            None => firm.max(give[active[row - jacobian.rows]]),
+        };
     }
     let weights = solved(normal, right);
-    let pulls = weights[jacobian.rows..].to_vec();
-    (all.transposed_times(&weights), pulls)
+    (all.transposed_times(&weights), weights)
 }
 
 /// The solution of a symmetric positive system, by elimination with pivots from the diagonal.
@@ -189,13 +248,28 @@ mod tests {
     }
 
     fn step(residual: f64, limits: &[(f64, [f64; 2])]) -> Vec<f64> {
+        pinned(residual, limits, &[])
+    }
+
+    /// The same with further rows, `y . row = 0`.
+    fn pinned(residual: f64, limits: &[(f64, [f64; 2])], pins: &[(Hold, [f64; 2])]) -> Vec<f64> {
+        let mut rows: Vec<&[f64]> = vec![&[1.0, 1.0]];
+        rows.extend(pins.iter().map(|(_, row)| &row[..]));
         let linear = Linear {
-            residual: vec![residual],
-            jacobian: matrix(&[&[1.0, 1.0]], 2),
-            limits: limits.iter().map(|(value, _)| *value).collect(),
+            jacobian: matrix(&rows, 2),
             slopes: matrix(&limits.iter().map(|(_, slope)| &slope[..]).collect::<Vec<_>>(), 2),
+            rows: std::iter::once(Hold::Asked).chain(pins.iter().map(|(hold, _)| *hold)).collect(),
+            give: vec![0.0; limits.len()],
         };
-        smallest(&[0.0, 0.0], &linear, 1e-12).0
+        let residual: Vec<f64> = (0..rows.len()).map(|row| if row == 0 { residual } else { 0.0 }).collect();
+        let limits: Vec<f64> = limits.iter().map(|(value, _)| *value).collect();
+        smallest(
+            &[0.0, 0.0],
+            &linear,
+            Values { residual: &residual, limits: &limits, counting: Counting::All },
+            1e-12,
+        )
+        .0
     }
 
     fn near(y: &[f64], expected: [f64; 2]) {
@@ -213,5 +287,15 @@ mod tests {
         near(&step(-2.0, &[(0.25, [-1.0, 0.0]), (0.5, [0.0, -1.0])]), [0.25, 0.5]);
         // One that is broken is mended first.
         near(&step(-2.0, &[(-0.5, [-1.0, 0.0])]), [-0.5, 2.5]);
+    }
+
+    /// What is fixed stays, whatever is asked; what is soft gives way by what it costs: with `a = 2 - b`, the least of
+    /// `a^2 + b^2 + b^2 / give` has `b = 2 give / (1 + 2 give)`.
+    #[test]
+    fn pins_hold() {
+        near(&pinned(-2.0, &[], &[(Hold::Fixed, [0.0, 1.0])]), [2.0, 0.0]);
+        near(&pinned(-2.0, &[], &[(Hold::Fixed, [1.0, 1.0])]), [0.0, 0.0]);
+        near(&pinned(-2.0, &[(1.5, [-1.0, 0.0])], &[(Hold::Fixed, [0.0, 1.0])]), [1.5, 0.0]);
+        near(&pinned(-2.0, &[], &[(Hold::Soft(0.25), [0.0, 1.0])]), [2.0 - 1.0 / 3.0, 1.0 / 3.0]);
     }
 }

@@ -26,6 +26,36 @@ pub struct Drag {
     pub from: DVec2,
     /// Where it goes.
     pub to: DVec2,
+    /// What is to stay as it is.
+    pub pins: Vec<Pin>,
+    /// Whether the source may not go through a surface.
+    pub source_outside: bool,
+}
+
+/// What is to stay as it is at a point while the light is dragged. It has to be so when the drag begins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pin {
+    /// What stays.
+    pub kind: PinKind,
+    /// Where, in the world: on a surface.
+    pub at: DVec3,
+    /// Of [`PinKind::Shadow`]: the node that throws it, by its name or its path; `None` for the first that light meets.
+    pub caster: Option<String>,
+    /// Whether it stays whatever is asked, or as far as that lets it.
+    pub is_hard: bool,
+}
+
+/// What stays at a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PinKind {
+    /// The direction from which light arrives.
+    Direction,
+    /// That light arrives.
+    Lit,
+    /// That something stands in the light's way.
+    Shadowed,
+    /// The shadow of the very point of the caster that throws it now.
+    Shadow,
 }
 
 /// What is dragged. M is the surface seen where the drag begins, M' the one seen where it ends.
@@ -96,6 +126,10 @@ pub enum Limit {
     TubeEdge,
     /// No small change brings the feature nearer.
     NoDescent,
+    /// The source would go through a surface.
+    SourceInside,
+    /// What is pinned would not stay, by the pin's index.
+    Pin(usize),
 }
 
 /// Why nothing can be moved.
@@ -115,4 +149,7 @@ pub enum Refusal {
     NoSuchPoint,
     /// None of the control points that take part acts on the light there.
     NoWeight,
+    /// A hard pin, by its index, holds what is not so: its point is outside the light, or is not lit, not in shadow, or
+    /// not in that caster's shadow.
+    PinDoesNotHold(usize),
 }

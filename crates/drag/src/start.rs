@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use light::Rays;
 use raycast::BentPath;
 
-use crate::goal::{Goal, Near};
+use crate::goal::{Asked, Goal, Near, Taken};
 use crate::moves::Moves;
 use crate::request::Feature;
 
@@ -14,22 +14,24 @@ use crate::request::Feature;
 /// A hotspot goes with the light, a highlight by a turn about the place too. For a shadow, of the ways of the light the one
 /// through the pivot is turned about that until it meets the cursor, by the place on it that is as far from the pivot as the
 /// cursor is.
-pub(crate) fn rigid_start(goal: &Goal, near: Near) -> Option<(Vec<f64>, Near)> {
-    let Moves::Rigid { unit } = goal.moves else { return None };
-    let (from, to) = (goal.from.position, goal.to.position);
-    let (pivot, turn, near) = match (goal.feature, goal.pivot) {
+pub(crate) fn rigid_start(goal: &Goal, near: &Near) -> Option<(Vec<f64>, Near)> {
+    let (Moves::Rigid { unit }, Asked::Feature(taken)) = (&goal.moves, &goal.asked) else { return None };
+    let (from, to) = (taken.from.position, taken.to.position);
+    let (pivot, turn) = match (taken.feature, taken.pivot) {
         (Feature::Shadow, Some(pivot)) => {
-            let (there, t) = as_far(goal, pivot, from, near, pivot.distance(to))?;
+            let (there, t) = as_far(goal, taken, pivot, near[0], pivot.distance(to))?;
             let turn = DQuat::from_rotation_arc((there - pivot).normalize(), (to - pivot).normalize());
-            return Some((placed(goal, unit, (pivot, pivot), turn), Near { t, ..near }));
+            let mut near = near.clone();
+            near[0][0] = t;
+            return Some((placed(goal, *unit, (pivot, pivot), turn), near));
         }
-        (Feature::Shadow | Feature::Hotspot, _) => (from, DQuat::IDENTITY, near),
+        (Feature::Shadow | Feature::Hotspot, _) => (from, DQuat::IDENTITY),
         (Feature::Highlight | Feature::Diffuse, _) => {
-            let [from_direction, to_direction] = goal.directions;
-            (from, DQuat::from_rotation_arc(from_direction, to_direction), near)
+            let [from_direction, to_direction] = taken.directions;
+            (from, DQuat::from_rotation_arc(from_direction, to_direction))
         }
     };
-    Some((placed(goal, unit, (pivot, to), turn), near))
+    Some((placed(goal, *unit, (pivot, to), turn), near.clone()))
 }
 
 /// The numbers of the placement that takes a point of the light elsewhere and turns it about that.
@@ -40,12 +42,18 @@ fn placed(goal: &Goal, unit: f64, (from, to): (DVec3, DVec3), turn: DQuat) -> Ve
 }
 
 /// The place on the way through the pivot, past it, that is so far from it, and where it lies on its way.
-fn as_far(goal: &Goal, pivot: DVec3, from: DVec3, near: Near, distance: f64) -> Option<(DVec3, f64)> {
+fn as_far(
+    goal: &Goal,
+    taken: &Taken,
+    pivot: DVec3,
+    [near_t, pivot_t]: [f64; 2],
+    distance: f64,
+) -> Option<(DVec3, f64)> {
     let Rays::Bent(tube) = goal.placed.rays else {
-        let there = pivot + (from - pivot).normalize() * distance;
-        return Some((there, near.pivot_t + distance));
+        let there = pivot + (taken.from.position - pivot).normalize() * distance;
+        return Some((there, pivot_t + distance));
     };
-    let across = goal.place.across;
+    let across = taken.place.across;
     let path = BentPath::new(tube, across.x, across.y, goal.placed.origin);
     let at = |t: f64| {
         let segment = (t as usize).min(tube.segments.len() - 1);
@@ -54,8 +62,8 @@ fn as_far(goal: &Goal, pivot: DVec3, from: DVec3, near: Near, distance: f64) -> 
     let end = if tube.segments.len() > tube.n { f64::INFINITY } else { tube.n as f64 };
     let far = |t: f64| at(t).distance(pivot) - distance;
     // Past the place where it is too near, by steps that grow, then between the two.
-    let (mut low, mut high) = (near.pivot_t, near.t);
-    let mut step = (near.t - near.pivot_t).max(1e-6);
+    let (mut low, mut high) = (pivot_t, near_t);
+    let mut step = (near_t - pivot_t).max(1e-6);
     while far(high) < 0.0 {
         if high >= end || step > 1e12 {
             return None;

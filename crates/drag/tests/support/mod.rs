@@ -62,6 +62,8 @@ impl Drawn {
             radii: Radii::Keep,
             from: DVec2::new(430.5, 265.5),
             to: DVec2::new(430.5, 310.5),
+            pins: Vec::new(),
+            source_outside: false,
         };
         let view = Viewport { size: [640, 360], ..self.view.clone() };
         Trial { view, light: CheckedLight::new(light).expect("valid"), drag }
@@ -132,7 +134,8 @@ fn trial(
     let last = light.light().points().len();
     let points = deforms
         .then(|| if random.between(0.0, 1.0) < 0.5 { vec![last - 2, last - 1] } else { (1..last).collect() });
-    let drag = Drag { feature, points, radii: Radii::Keep, from, to };
+    let drag =
+        Drag { feature, points, radii: Radii::Keep, from, to, pins: Vec::new(), source_outside: false };
     Some(Trial { view: scene.view.clone(), light, drag })
 }
 

@@ -1,0 +1,174 @@
+//! What is pinned, as equations and limits.
+
+use glam::{DVec2, DVec3};
+use scene::PosedScene;
+
+use crate::goal::{Bound, across_off, behind, bounds_of_place, direction_off};
+use crate::occlusion::{Contact, Occlusion};
+use crate::place::{Place, Placed};
+use crate::quadratic::Hold;
+use crate::request::{Limit, Pin, PinKind, Refusal};
+
+/// How softly soft pins give way: a pin that is off by a tenth weighs as much as a change of three lengths of the light.
+const GIVE: f64 = 1e-3;
+
+/// How near to a pin what light meets is the pinned surface itself, as a share of the scene's size: positions are written down
+/// with some digits.
+const CONTACT: f64 = 1e-5;
+
+/// How far from the edge of a shadow what is pinned stays, in radii of the light.
+const FROM_EDGE: f64 = 2e-3;
+
+/// A pin, and how it was when the drag began.
+#[derive(Clone, Debug)]
+pub(crate) struct Pinned {
+    /// Which of the drag's pins.
+    pub index: usize,
+    pub kind: PinKind,
+    pub is_hard: bool,
+    /// In scene space.
+    pub point: DVec3,
+    /// Where it was in the light.
+    pub place: Place,
+    /// Of a shadow: what throws it, and how far along the light.
+    pub pivot: Option<(DVec3, f64)>,
+    pub contact: Contact,
+}
+
+impl Pinned {
+    /// The pin, which has to hold. A soft one that does not is `Ok(None)`: nothing keeps it.
+    pub fn new(
+        occlusion: &Occlusion,
+        posed: &PosedScene,
+        placed: &Placed,
+        (index, pin): (usize, &Pin),
+    ) -> Result<Option<Self>, Refusal> {
+        let found = Self::holding(occlusion, posed, placed, (index, pin));
+        if found.is_none() && pin.is_hard { Err(Refusal::PinDoesNotHold(index)) } else { Ok(found) }
+    }
+
+    fn holding(
+        occlusion: &Occlusion,
+        posed: &PosedScene,
+        placed: &Placed,
+        (index, pin): (usize, &Pin),
+    ) -> Option<Self> {
+        let point = pin.at - posed.origin_in_world;
+        let place = placed.locate(point, None)?;
+        if placed.out2(&place) > 1.0 || place.from_ends < 0.0 {
+            return None;
+        }
+        let contact = Contact { within: CONTACT * posed.half_extent.length(), triangle: None };
+        let pinned = Self { index, kind: pin.kind, is_hard: pin.is_hard, point, place, pivot: None, contact };
+        let is_caster = |node: usize| match &pin.caster {
+            Some(caster) => posed.scene.nodes[node].name == *caster || posed.nodes().path(node) == *caster,
+            None => true,
+        };
+        match pin.kind {
+            PinKind::Direction => Some(pinned),
+            PinKind::Lit => pinned.is_lit(occlusion, placed, &place).then_some(pinned),
+            PinKind::Shadowed => (!pinned.is_lit(occlusion, placed, &place)).then_some(pinned),
+            PinKind::Shadow => {
+                let caster = occlusion.first_of(placed, &place, place.across, point, contact, is_caster)?;
+                Some(Self { pivot: Some((caster.position, caster.t)), ..pinned })
+            }
+        }
+    }
+
+    /// Whether nothing stands in the light's way to it.
+    pub fn is_lit(&self, occlusion: &Occlusion, placed: &Placed, place: &Place) -> bool {
+        occlusion.first_on(placed, place, place.across, self.point, self.contact).is_none()
+    }
+
+    /// The places that are followed for it, as they were.
+    pub fn near(&self) -> [f64; 2] {
+        [self.place.t, self.pivot.map_or(0.0, |(_, t)| t)]
+    }
+
+    /// How softly it gives way.
+    pub fn give(&self) -> f64 {
+        if self.is_hard { 0.0 } else { GIVE }
+    }
+
+    /// How firmly its equations are held.
+    pub fn rows(&self) -> impl Iterator<Item = Hold> {
+        let hold = if self.is_hard { Hold::Fixed } else { Hold::Soft(GIVE) };
+        let count = if matches!(self.kind, PinKind::Direction | PinKind::Shadow) { 2 } else { 0 };
+        std::iter::repeat_n(hold, count)
+    }
+
+    /// How far it is off, where that is an equation, and where it is in the light.
+    pub fn off(
+        &self,
+        placed: &Placed,
+        near: [f64; 2],
+        bounds: &mut Vec<Bound>,
+    ) -> Option<(Option<DVec2>, [f64; 2], Place)> {
+        let place = placed.locate(self.point, Some(near[0]))?;
+        bounds_of_place(placed, &place, Some(self), bounds);
+        let mut pivot_t = near[1];
+        let off = match (self.kind, self.pivot) {
+            (PinKind::Direction, _) => Some(direction_off(place.to_light, self.place.to_light)?),
+            (PinKind::Shadow, Some((pivot, _))) => {
+                let pivot = placed.locate(pivot, Some(near[1]))?;
+                pivot_t = pivot.t;
+                bounds.push(behind(&place, &pivot, &self.place, Some(self)));
+                Some(across_off(pivot.across, &place, &self.place))
+            }
+            _ => None,
+        };
+        Some((off, [place.t, pivot_t], place))
+    }
+}
+
+/// The tangent of something that may not be crossed, found where a light would have crossed it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Cut {
+    /// The edge of a shadow.
+    Edge {
+        /// Whose, by its index.
+        pin: usize,
+        /// What throws it there, in scene space.
+        caster: DVec3,
+        /// How far along the light that is.
+        t: f64,
+        /// Unit vector across the light, from the edge to where the pin may be.
+        allowed: DVec2,
+    },
+    /// A surface before the source.
+    Surface {
+        /// In scene space.
+        at: DVec3,
+        /// Unit normal towards where the source may be.
+        normal: DVec3,
+        /// How far it stays off, in world units.
+        off: f64,
+        /// The scene's size.
+        size: f64,
+    },
+}
+
+impl Cut {
+    /// The pin that it is for.
+    pub fn pin(&self) -> Option<usize> {
+        match self {
+            Self::Edge { pin, .. } => Some(*pin),
+            Self::Surface { .. } => None,
+        }
+    }
+
+    /// How far a pin at `place` is within an edge.
+    pub fn bound_of_way(&self, placed: &Placed, place: &Place, pin: &Pinned) -> Option<Bound> {
+        let Self::Edge { caster, t, allowed, .. } = self else { return None };
+        let edge = placed.locate(*caster, Some(*t))?;
+        let value = -across_off(edge.across, place, &pin.place).dot(*allowed) - FROM_EDGE;
+        Some(Bound { value, limit: Limit::Pin(pin.index), give: pin.give() })
+    }
+
+    /// How far the source is within a surface.
+    pub fn bound_of_source(&self, placed: &Placed) -> Option<Bound> {
+        let Self::Surface { at, normal, off, size } = self else { return None };
+        let value = ((placed.source() - *at).dot(*normal) - off) / size;
+        Some(Bound { value, limit: Limit::SourceInside, give: 0.0 })
+    }
+}

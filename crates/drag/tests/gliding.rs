@@ -1,0 +1,118 @@
+//! Control points that go as far as the tube lets them.
+
+use drag::{Radii, glide};
+use glam::DVec3;
+use light::{CheckedLight, Light};
+
+/// The demo's light.
+fn demos() -> CheckedLight {
+    let demo = assets::demo("vases").expect("it is one of the demos");
+    CheckedLight::new(demo.contents.lights[0].light().clone()).expect("valid")
+}
+
+fn at(light: &CheckedLight, point: usize, position: DVec3) -> Result<CheckedLight, light::LightError> {
+    let mut moved: Light = light.light().clone();
+    moved.points_mut().expect("a BendyLight")[point].position = position;
+    CheckedLight::new(moved)
+}
+
+/// 24 directions, spread over the sphere by the golden angle.
+fn directions() -> impl Iterator<Item = DVec3> {
+    (0..24).map(|k| {
+        let (y, angle) = (1.0 - 2.0 * (f64::from(k) + 0.5) / 24.0, 2.399_963_229_728_653 * f64::from(k));
+        let r = (1.0 - y * y).sqrt();
+        DVec3::new(r * libm::cos(angle), y, r * libm::sin(angle))
+    })
+}
+
+/// The share of the way to `to` that a control point comes nearer.
+fn reach(from: DVec3, now: DVec3, to: DVec3) -> f64 {
+    1.0 - now.distance(to) / from.distance(to)
+}
+
+/// In 24 directions, each a length of the light long: gliding comes as near as going straight to the wall does, in most
+/// directions much nearer, and with radii that follow it is there.
+#[test]
+fn control_points_glide_along_the_fold() {
+    let light = demos();
+    let points = light.light().points();
+    let length: f64 = points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
+    let mut sums = [0.0; 3];
+    let mut table = String::new();
+    for point in 1..points.len() {
+        let from = points[point].position;
+        for direction in directions() {
+            let to = from + direction * length;
+            // As it was: the last valid place on the straight way.
+            let (mut valid, mut folded) = (0.0, 1.0);
+            for _ in 0..30 {
+                let middle = f64::midpoint(valid, folded);
+                let is_valid = at(&light, point, from.lerp(to, middle)).is_ok();
+                if is_valid { valid = middle } else { folded = middle }
+            }
+            let glided = glide(&light, point, to, Radii::Keep).expect("a control point");
+            let followed = glide(&light, point, to, Radii::Follow).expect("a control point");
+            let reaches = [
+                valid,
+                reach(from, glided.light.light().points()[point].position, to),
+                reach(from, followed.light.light().points()[point].position, to),
+            ];
+            table += &format!("{point} {direction:.2} {reaches:.3?} {:?}\n", glided.limit);
+            assert_eq!(glided.limit.is_none(), glided.short_by == 0.0);
+            // The tube's limit for drags is .97 of the fold's.
+            assert!(reaches[1] > 0.9 * reaches[0] - 0.02, "{table}");
+            sums.iter_mut().zip(reaches).for_each(|(sum, reach)| *sum += reach);
+        }
+    }
+    println!("{table}");
+    let all = (24 * (points.len() - 1)) as f64;
+    let means = sums.map(|sum| sum / all);
+    println!("straight to the wall {:.3}, gliding {:.3}, radii follow {:.3}", means[0], means[1], means[2]);
+    assert!(means[1] > means[0] && means[2] > 0.99, "{means:?}");
+}
+
+/// Where the light may go the control point is there to the last bit, and a light that comes back is the one that it was.
+#[test]
+fn a_control_point_comes_back_from_the_wall() {
+    let light = demos();
+    let points = light.light().points();
+    let near = points[2].position + DVec3::new(0.01, -0.02, 0.015);
+    let glided = glide(&light, 2, near, Radii::Keep).expect("a control point");
+    assert_eq!(glided.light, at(&light, 2, near).expect("valid"));
+    for radii in [Radii::Keep, Radii::Follow] {
+        assert_eq!(glide(&light, 2, points[2].position, radii).expect("a control point").light, light);
+    }
+    assert_eq!(glide(&light, 0, near, Radii::Keep), None);
+    assert_eq!(glide(&light, 99, near, Radii::Keep), None);
+    assert_eq!(glide(&light, 2, DVec3::NAN, Radii::Keep), None);
+}
+
+/// A cursor on a circle through the wall, in 500 steps: no step of the control point is more than 20 of its median steps, and
+/// all add up to no more than 8 times what the cursor went.
+#[test]
+fn gliding_on_and_off_a_limit_is_smooth() {
+    let light = demos();
+    let from = light.light().points()[3].position;
+    for radii in [Radii::Keep, Radii::Follow] {
+        let positions: Vec<(DVec3, DVec3, bool)> = (0..=500)
+            .map(|step| {
+                let angle = std::f64::consts::TAU * f64::from(step) / 500.0;
+                let to = from + DVec3::new(libm::sin(angle), 0.0, 1.0 - libm::cos(angle)) * 1.5;
+                let glided = glide(&light, 3, to, radii).expect("a control point");
+                (to, glided.light.light().points()[3].position, glided.limit.is_some())
+            })
+            .collect();
+        let mut steps: Vec<f64> = positions.windows(2).map(|pair| pair[0].1.distance(pair[1].1)).collect();
+        let cursors: f64 = positions.windows(2).map(|pair| pair[0].0.distance(pair[1].0)).sum();
+        let sum: f64 = steps.iter().sum();
+        steps.sort_by(f64::total_cmp);
+        let limited = positions.iter().filter(|position| position.2).count();
+        println!(
+            "{radii:?}: {limited} limited, median {} largest {}, {sum} of {cursors}",
+            steps[250], steps[499]
+        );
+        assert!(radii == Radii::Follow || limited > 50);
+        assert!(steps[499] < 20.0 * steps[250].max(1e-3 * cursors), "{:?}", &steps[480..]);
+        assert!(sum < 8.0 * cursors);
+    }
+}
