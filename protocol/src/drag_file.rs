@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use drag::{Feature, Landing, Limit, Radii, Refusal, Status};
+use drag::{Feature, Landing, Limit, PinKind as Kind, Radii, Refusal, Status};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -32,6 +32,43 @@ pub struct Drag {
     pub from: [f64; 2],
     /// Where it goes.
     pub to: [f64; 2],
+    /// What is to stay as it is; pins of other lights than the dragged one stay anyway.
+    #[serde(default)]
+    pub pins: Vec<DragPin>,
+    /// Whether the source may not go through a surface.
+    #[serde(default)]
+    pub source_outside: bool,
+}
+
+/// What is to stay as it is at a point while a light is dragged.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DragPin {
+    /// What stays.
+    pub kind: PinKind,
+    /// Whose, by its name or its index.
+    pub light: NameOrIndex,
+    /// Where, in the world: on a surface.
+    pub at: [f64; 3],
+    /// Of a shadow: the node that throws it, by its name or its path; the first that light meets where it is left out.
+    #[serde(default)]
+    pub caster: Option<String>,
+    /// Whether it stays whatever is asked, or as far as that lets it.
+    pub hard: bool,
+}
+
+/// [`drag::PinKind`] in JSON.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub enum PinKind {
+    /// The direction from which light arrives.
+    Direction,
+    /// That light arrives.
+    Lit,
+    /// That something stands in the light's way.
+    Shadowed,
+    /// The shadow of the very point of the caster that throws it.
+    Shadow,
 }
 
 /// What names a light or a camera.
@@ -89,6 +126,8 @@ pub struct Dragged {
     pub limit: Option<DragLimit>,
     /// Why a refused one is.
     pub reason: Option<DragReason>,
+    /// The pin that keeps it, by its index in the drag.
+    pub pin: Option<usize>,
     /// On the screen, from `to` to where the feature lies now; `null` where it is not in the picture.
     pub residual_px: Option<f64>,
     /// The node that shadows M' besides the one whose shadow is dragged.
@@ -131,6 +170,10 @@ pub enum DragLimit {
     TubeEdge,
     /// No small change brings the feature nearer.
     NoDescent,
+    /// The source would go through a surface.
+    SourceInside,
+    /// What is pinned would not stay: see `pin`.
+    Pin,
 }
 
 /// [`Refusal`] in JSON.
@@ -151,6 +194,8 @@ pub enum DragReason {
     NoSuchPoint,
     /// The control points do nothing to the light at M.
     NoWeight,
+    /// A hard pin holds what is not so: see `pin`.
+    PinDoesNotHold,
 }
 
 /// Reads a drag file's text.
@@ -159,9 +204,12 @@ pub fn parse(text: &str) -> Result<Vec<Drag>, FileError> {
 }
 
 impl Drag {
-    /// What is asked of the light.
-    pub fn to_domain(&self) -> drag::Drag {
-        drag::Drag {
+    /// What is asked of the light, where `is_dragged` says of which lights the names are that light's; and for each of its pins
+    /// which of this drag's pins that is.
+    pub fn to_domain(&self, is_dragged: impl Fn(&NameOrIndex) -> bool) -> (drag::Drag, Vec<usize>) {
+        let of_light = self.pins.iter().enumerate().filter(|(_, pin)| is_dragged(&pin.light));
+        let (indices, pins) = of_light.map(|(index, pin)| (index, pin.to_domain())).unzip();
+        let drag = drag::Drag {
             feature: match self.kind {
                 DragKind::Shadow => Feature::Shadow,
                 DragKind::Hotspot => Feature::Hotspot,
@@ -176,13 +224,39 @@ impl Drag {
             },
             from: self.from.into(),
             to: self.to.into(),
+            pins,
+            source_outside: self.source_outside,
+        };
+        (drag, indices)
+    }
+}
+
+impl DragPin {
+    fn to_domain(&self) -> drag::Pin {
+        drag::Pin {
+            kind: match self.kind {
+                PinKind::Direction => Kind::Direction,
+                PinKind::Lit => Kind::Lit,
+                PinKind::Shadowed => Kind::Shadowed,
+                PinKind::Shadow => Kind::Shadow,
+            },
+            at: self.at.into(),
+            caster: self.caster.clone(),
+            is_hard: self.hard,
         }
     }
 }
 
 impl Dragged {
-    /// What came of a drag in a scene whose nodes are called `name`, after so many seconds.
-    pub fn new(landing: &Landing, name: impl Fn(usize) -> String, seconds: f64) -> Self {
+    /// What came of a drag in a scene whose nodes are called `name`, after so many seconds; `pins` are the indices that
+    /// [`Drag::to_domain`] gave.
+    pub fn new(landing: &Landing, pins: &[usize], name: impl Fn(usize) -> String, seconds: f64) -> Self {
+        let pin = match landing.status {
+            Status::Limited(Limit::Pin(pin)) | Status::Refused(Refusal::PinDoesNotHold(pin)) => {
+                pins.get(pin).copied()
+            }
+            _ => None,
+        };
         let (status, limit, reason) = match landing.status {
             Status::Landed => (DragStatus::Landed, None, None),
             Status::Limited(limit) => (DragStatus::Limited, Some(limit.into()), None),
@@ -193,6 +267,7 @@ impl Dragged {
             status,
             limit,
             reason,
+            pin,
             residual_px: Some(landing.residual_px).filter(|residual| residual.is_finite()),
             shadowed_by: landing.shadowed_by.map(name),
             iterations: landing.iterations,
@@ -212,6 +287,8 @@ impl From<Limit> for DragLimit {
             Limit::Radius => Self::Radius,
             Limit::TubeEdge => Self::TubeEdge,
             Limit::NoDescent => Self::NoDescent,
+            Limit::SourceInside => Self::SourceInside,
+            Limit::Pin(_) => Self::Pin,
         }
     }
 }
@@ -226,6 +303,7 @@ impl From<Refusal> for DragReason {
             Refusal::NotBendy => Self::NotBendy,
             Refusal::NoSuchPoint => Self::NoSuchPoint,
             Refusal::NoWeight => Self::NoWeight,
+            Refusal::PinDoesNotHold(_) => Self::PinDoesNotHold,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! `bendylights drag`: features of lights, taken in the picture and put elsewhere.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use ::drag::{Viewport, drag};
@@ -29,10 +30,16 @@ Takes a JSON array of drags:
   camera   by its name or its index; null: the first, or one that frames the scene [null]
   size     width and height of the picture in pixels
   from, to in pixels from its top left corner; centres of pixels are at .5
+  pins     what is to stay as it is, an array of {kind, light, at, caster, hard}: at a world position on a surface
+           direction  the direction from which light arrives
+           lit, shadowed  that it arrives, or that something stands in its way
+           shadow     the shadow of the very point that throws it, of the node `caster` or of the first in the way
+           hard: true whatever is asked, or as far as that lets it [[]]
+  source_outside  whether the source may not go through a surface [false]
 Each drag begins with the light of the file, whatever the others do.
 
 Prints an array with an object for each: status (landed: within half a pixel; limited: as near as may be; refused),
-limit, reason, residual_px, shadowed_by, iterations, seconds, from_world, to_world, pivot_world, and the light.
+limit, reason, pin, residual_px, shadowed_by, iterations, seconds, from_world, to_world, pivot_world, and the light.
 
 Example:
   bendylights drag demo:vases drags.json
@@ -67,33 +74,48 @@ pub fn run(args: &Args) -> Result<(), Error> {
         .iter()
         .enumerate()
         .map(|(index, asked)| {
-            let light = chosen(&asked.light, &lights, |light| light.light().name()).ok_or_else(|| {
-                let names = lights.iter().map(|light| light.light().name());
-                no_such_light(whose_lights.clone(), &asked.light.to_string(), names)
-            })?;
+            let name = |light: &Arc<CheckedLight>| light.light().name().to_owned();
+            let find = |wanted: &NameOrIndex| {
+                position(wanted, &lights, name).ok_or_else(|| {
+                    let names = lights.iter().map(|light| light.light().name());
+                    no_such_light(whose_lights.clone(), &wanted.to_string(), names)
+                })
+            };
+            let light = find(&asked.light)?;
+            asked.pins.iter().try_for_each(|pin| find(&pin.light).map(|_| ()))?;
             let view = viewport(&args.scene, &bvh, &contents.cameras, asked)?;
             let view =
                 view.ok_or_else(|| Error::BadDrag { file: file.clone(), index, max_side: LIMITS.max_side })?;
-            Ok(answered(&bvh, &view, light, asked))
+            let is_dragged = |wanted: &NameOrIndex| position(wanted, &lights, name) == Some(light);
+            Ok(answered(&bvh, &view, &lights[light], asked, is_dragged))
         })
         .collect();
     Ok(answer(&format!("[{}]", objects?.join(",\n ")))?)
 }
 
 /// Drags, and says what came of it.
-fn answered(bvh: &Bvh, view: &Viewport, light: &CheckedLight, asked: &Drag) -> String {
+fn answered(
+    bvh: &Bvh,
+    view: &Viewport,
+    light: &CheckedLight,
+    asked: &Drag,
+    is_dragged: impl Fn(&NameOrIndex) -> bool,
+) -> String {
     let began = Instant::now();
-    let landing = drag(bvh, view, light, &asked.to_domain());
+    let (domain, pins) = asked.to_domain(is_dragged);
+    let landing = drag(bvh, view, light, &domain);
     let seconds = began.elapsed().as_secs_f64();
     let name = |node: usize| bvh.posed.scene.nodes[node].name.clone();
-    serde_json::to_string(&Dragged::new(&landing, name, seconds)).expect("finite numbers and string keys")
+    serde_json::to_string(&Dragged::new(&landing, &pins, name, seconds))
+        .expect("finite numbers and string keys")
 }
 
 /// The picture that is dragged in; `None` where there can be no such picture.
 fn viewport(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &Drag) -> Result<Option<Viewport>, Error> {
     let [width, height] = drag.size;
     let is_within = |side: u32| (1..=LIMITS.max_side).contains(&side);
-    let are_finite = [drag.from, drag.to].concat().iter().all(|number| number.is_finite());
+    let pins = drag.pins.iter().flat_map(|pin| pin.at);
+    let are_finite = [drag.from, drag.to].concat().into_iter().chain(pins).all(f64::is_finite);
     if !(is_within(width) && is_within(height) && are_finite) {
         return Ok(None);
     }
@@ -101,7 +123,7 @@ fn viewport(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &Drag) -> Result<O
     let camera = match &drag.camera {
         None => cameras.first().cloned().unwrap_or_else(framing),
         Some(wanted) => {
-            let found = chosen(wanted, cameras, |camera| camera.name.as_str());
+            let found = position(wanted, cameras, |camera| camera.name.clone()).map(|index| &cameras[index]);
             let names = cameras.iter().map(|camera| camera.name.as_str());
             found.cloned().ok_or_else(|| Error::NoSuch {
                 whose: scene.into(),
@@ -114,10 +136,10 @@ fn viewport(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &Drag) -> Result<O
     Ok(Some(Viewport { camera, size: drag.size }))
 }
 
-/// The one of that name or index.
-fn chosen<'a, T>(wanted: &NameOrIndex, all: &'a [T], name: impl Fn(&T) -> &str) -> Option<&'a T> {
+/// The place of the one of that name or index.
+fn position<T>(wanted: &NameOrIndex, all: &[T], name: impl Fn(&T) -> String) -> Option<usize> {
     match wanted {
-        NameOrIndex::Index(index) => all.get(*index),
-        NameOrIndex::Name(wanted) => all.iter().find(|one| name(one) == wanted),
+        NameOrIndex::Index(index) => (*index < all.len()).then_some(*index),
+        NameOrIndex::Name(wanted) => all.iter().position(|one| name(one) == *wanted),
     }
 }

@@ -75,7 +75,7 @@ fn begin<'a>(
         _ => to.normal,
     };
     let pins = drag.pins.iter().enumerate();
-    let pins = pins.map(|pin| Pinned::new(occlusion, &bvh.posed, &placed, pin));
+    let pins = pins.map(|pin| Pinned::new(occlusion, bvh, &placed, pin));
     let pins: Vec<Pinned> = pins.filter_map(Result::transpose).collect::<Result<_, _>>()?;
     let mut near = vec![[place.t, caster.map_or(0.0, |caster| caster.t)]];
     near.extend(pins.iter().map(Pinned::near));
@@ -154,7 +154,7 @@ fn land(
     };
     let is_inside = is_the_one(counts, near[0])
         && taken.pivot.is_none_or(|pivot| is_the_one(placed.locate(pivot, None), near[1]));
-    let first = counts.and_then(|place| occlusion.first(&placed, &place, &taken.to));
+    let first = counts.and_then(|_| occlusion.first_at_terminator(&placed, &taken.to));
     landing.status = if landing.residual_px > UNDER_THE_CURSOR_PX {
         Status::Limited(held_by.unwrap_or(Limit::NoDescent))
     } else if !is_inside {

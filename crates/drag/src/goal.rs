@@ -19,6 +19,9 @@ const INSIDE: f64 = 1e-4;
 /// How much farther than the pivot a shadowed place lies, along the light.
 const BEHIND: f64 = 1e-6;
 
+/// How far out of the light the feature may be where it sets out, so that it may go through the air between two surfaces.
+const ON_THE_WAY: f64 = 3.0;
+
 /// A drag: what is asked of a light, and what must stay.
 #[derive(Clone, Debug)]
 pub(crate) struct Goal<'a> {
@@ -100,14 +103,18 @@ impl Taken {
     ) -> Option<(DVec2, [f64; 2])> {
         let (point, direction) = self.target(share);
         let place = placed.locate(point, Some(near[0]))?;
-        bounds_of_place(placed, &place, None, bounds);
+        bounds_of_place(placed, &place, None, ON_THE_WAY * (1.0 - share), bounds);
         let across_off = |across: DVec2| across_off(across, &place, &self.place);
         let mut pivot_t = near[1];
         let off = match (self.feature, self.pivot) {
             (Feature::Shadow, Some(pivot)) => {
                 let pivot = placed.locate(pivot, Some(near[1]))?;
                 pivot_t = pivot.t;
-                bounds.push(behind(&place, &pivot, &self.place, None));
+                let behind = behind(&place, &pivot, &self.place, None);
+                let room = ON_THE_WAY * (1.0 - share);
+                bounds.push(Bound { value: behind.value + room, ..behind });
+                // What throws it is in the light too.
+                bounds.push(hard(pivot.from_ends.min(1.0) - INSIDE + room, Limit::TubeEdge));
                 across_off(pivot.across)
             }
             (Feature::Shadow | Feature::Hotspot, _) => -across_off(self.place.across),
@@ -203,7 +210,7 @@ impl Goal<'_> {
     pub fn has_no_weight(&self, near: &Near) -> bool {
         let x = vec![0.0; self.moves.count()];
         let Some(at) = self.evaluate(&x, 0.0, near) else { return false };
-        let jacobian = self.linear(&x, 0.0, &at).jacobian;
+        let jacobian = self.linear(&x, 0.0, &at, 1e-6).jacobian;
         let asked = (0..at.rows.len()).filter(|row| at.rows[*row] == Hold::Asked);
         asked.into_iter().all(|row| jacobian.row(row).iter().all(|slope| slope.abs() < 1e-9))
     }
@@ -225,9 +232,9 @@ impl Goal<'_> {
         bounds
     }
 
-    /// What is linear about `x`, by central differences: to some 1e-10 of what it is, which Newton's method makes up for.
-    pub fn linear(&self, x: &[f64], share: f64, at: &Evaluation) -> Linear {
-        const STEP: f64 = 1e-6;
+    /// What is linear about `x`, by central differences over `step` each way: with 1e-6 to some 1e-10 of what it is, which
+    /// Newton's method makes up for.
+    pub fn linear(&self, x: &[f64], share: f64, at: &Evaluation, step: f64) -> Linear {
         let (count, rows, limits) = (x.len(), at.residual.len(), at.bounds.len());
         let mut linear = Linear {
             jacobian: Matrix::zero(rows, count),
@@ -237,18 +244,18 @@ impl Goal<'_> {
         };
         let mut beside = x.to_vec();
         for k in 0..count {
-            let mut side = |step: f64| {
-                beside[k] = x[k] + step;
+            let mut side = |by: f64| {
+                beside[k] = x[k] + by;
                 let found = self.evaluate(&beside, share, &at.near);
                 beside[k] = x[k];
                 found
             };
-            let (ahead, behind) = (side(STEP), side(-STEP));
+            let (ahead, behind) = (side(step), side(-step));
             // At the very edge of what can be evaluated one side is all there is.
             let (ahead, behind, length) = match (&ahead, &behind) {
-                (Some(ahead), Some(behind)) => (ahead, behind, 2.0 * STEP),
-                (Some(ahead), None) => (ahead, at, STEP),
-                (None, Some(behind)) => (at, behind, STEP),
+                (Some(ahead), Some(behind)) => (ahead, behind, 2.0 * step),
+                (Some(ahead), None) => (ahead, at, step),
+                (None, Some(behind)) => (at, behind, step),
                 (None, None) => continue,
             };
             for row in 0..rows {
@@ -269,14 +276,20 @@ fn hard(value: f64, limit: Limit) -> Bound {
 
 /// What a place needs to have light: ways that do not meet, and no end of the light before it. Where `pin` has it, that is
 /// what limits.
-pub(crate) fn bounds_of_place(placed: &Placed, place: &Place, pin: Option<&Pinned>, bounds: &mut Vec<Bound>) {
+pub(crate) fn bounds_of_place(
+    placed: &Placed,
+    place: &Place,
+    pin: Option<&Pinned>,
+    room: f64,
+    bounds: &mut Vec<Bound>,
+) {
     let (fold, edge) =
         pin.map_or((Limit::Fold, Limit::TubeEdge), |pin| (Limit::Pin(pin.index), Limit::Pin(pin.index)));
     let give = pin.map_or(0.0, Pinned::give);
     bounds.extend([
         Bound { value: place.spread - LEAST_SPREAD, limit: fold, give },
-        Bound { value: 1.0 - INSIDE - placed.out2(place), limit: edge, give },
-        Bound { value: place.from_ends.min(1.0), limit: edge, give },
+        Bound { value: 1.0 - INSIDE - placed.out2(place) + room, limit: edge, give },
+        Bound { value: place.from_ends.min(1.0) + room, limit: edge, give },
     ]);
 }
 

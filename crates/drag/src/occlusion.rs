@@ -64,6 +64,12 @@ impl<'a> Occlusion<'a> {
         self.first_on(placed, place, place.across, surface.position, own)
     }
 
+    /// The first that light meets on its way to where a surface's shadow is looked for.
+    pub fn first_at_terminator(&self, placed: &Placed, surface: &Seen) -> Option<Caster> {
+        let at = Seen { position: surface.shadow_position(), ..*surface };
+        self.first(placed, &placed.locate(at.position, None)?, &at)
+    }
+
     /// The first that light meets on the way `across`, as far as `point`, which lies at `place`; what the way meets at the
     /// point itself does not count.
     pub fn first_on(

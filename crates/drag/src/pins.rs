@@ -1,7 +1,7 @@
 //! What is pinned, as equations and limits.
 
 use glam::{DVec2, DVec3};
-use scene::PosedScene;
+use raycast::Bvh;
 
 use crate::goal::{Bound, across_off, behind, bounds_of_place, direction_off};
 use crate::occlusion::{Contact, Occlusion};
@@ -30,6 +30,8 @@ pub(crate) struct Pinned {
     pub point: DVec3,
     /// Where it was in the light.
     pub place: Place,
+    /// Of what is to stay lit: the surface's normal on the side that is lit. Light from behind does not arrive.
+    pub facing: Option<DVec3>,
     /// Of a shadow: what throws it, and how far along the light.
     pub pivot: Option<(DVec3, f64)>,
     pub contact: Contact,
@@ -39,27 +41,41 @@ impl Pinned {
     /// The pin, which has to hold. A soft one that does not is `Ok(None)`: nothing keeps it.
     pub fn new(
         occlusion: &Occlusion,
-        posed: &PosedScene,
+        bvh: &Bvh,
         placed: &Placed,
         (index, pin): (usize, &Pin),
     ) -> Result<Option<Self>, Refusal> {
-        let found = Self::holding(occlusion, posed, placed, (index, pin));
+        let found = Self::holding(occlusion, bvh, placed, (index, pin));
         if found.is_none() && pin.is_hard { Err(Refusal::PinDoesNotHold(index)) } else { Ok(found) }
     }
 
     fn holding(
         occlusion: &Occlusion,
-        posed: &PosedScene,
+        bvh: &Bvh,
         placed: &Placed,
         (index, pin): (usize, &Pin),
     ) -> Option<Self> {
+        let posed = &bvh.posed;
         let point = pin.at - posed.origin_in_world;
         let place = placed.locate(point, None)?;
         if placed.out2(&place) > 1.0 || place.from_ends < 0.0 {
             return None;
         }
         let contact = Contact { within: CONTACT * posed.half_extent.length(), triangle: None };
-        let pinned = Self { index, kind: pin.kind, is_hard: pin.is_hard, point, place, pivot: None, contact };
+        let facing = bvh.nearest(point, contact.within, |_| true).map(|surface| {
+            let normal = bvh.triangles[surface.triangle].normal().normalize();
+            if normal.dot(place.to_light) < 0.0 { -normal } else { normal }
+        });
+        let pinned = Self {
+            index,
+            kind: pin.kind,
+            is_hard: pin.is_hard,
+            point,
+            place,
+            facing: facing.filter(|_| pin.kind == PinKind::Lit),
+            pivot: None,
+            contact,
+        };
         let is_caster = |node: usize| match &pin.caster {
             Some(caster) => posed.scene.nodes[node].name == *caster || posed.nodes().path(node) == *caster,
             None => true,
@@ -105,7 +121,12 @@ impl Pinned {
         bounds: &mut Vec<Bound>,
     ) -> Option<(Option<DVec2>, [f64; 2], Place)> {
         let place = placed.locate(self.point, Some(near[0]))?;
-        bounds_of_place(placed, &place, Some(self), bounds);
+        bounds_of_place(placed, &place, Some(self), 0.0, bounds);
+        bounds.extend(self.facing.map(|normal| {
+            let least = FROM_EDGE.min(0.5 * self.place.to_light.dot(normal));
+            let value = place.to_light.dot(normal) - least;
+            Bound { value, limit: Limit::Pin(self.index), give: self.give() }
+        }));
         let mut pivot_t = near[1];
         let off = match (self.kind, self.pivot) {
             (PinKind::Direction, _) => Some(direction_off(place.to_light, self.place.to_light)?),

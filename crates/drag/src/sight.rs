@@ -2,15 +2,18 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::goal::Goal;
+use crate::goal::{Goal, across_off};
 use crate::moves::Moves;
 use crate::occlusion::Occlusion;
 use crate::pins::{Cut, Pinned};
-use crate::place::{Place, Placed};
-use crate::request::PinKind;
+use crate::place::Placed;
+use crate::request::{Limit, PinKind};
 
 /// Halvings by which the first crossing is found.
 const HALVINGS: usize = 40;
+
+/// How far off an equation that holds may be where it is looked at anew, in radii or radians.
+const HELD: f64 = 1e-6;
 
 /// How far around an edge its direction is looked for, in radii of the light.
 const AROUND: f64 = 1e-3;
@@ -30,40 +33,47 @@ impl Sight<'_> {
     /// looks at soft pins too.
     pub fn broken(&self, goal: &Goal, x: &[f64], are_soft: bool) -> Option<Cut> {
         let looked_at = goal.pins.iter().filter(|pin| pin.is_hard || are_soft);
-        let broken = looked_at
-            .filter(|pin| self.holds(goal, pin, x).is_none())
-            .find_map(|pin| self.edge(goal, pin, x));
+        let broken =
+            looked_at.filter(|pin| !self.holds(goal, pin, x)).find_map(|pin| self.edge(goal, pin, x));
         broken.or_else(|| self.surface(goal, x))
     }
 
-    /// Whether what has to hold does in the light with `x`.
-    pub fn all_hold(&self, goal: &Goal, x: &[f64]) -> bool {
-        goal.pins.iter().filter(|pin| pin.is_hard).all(|pin| self.holds(goal, pin, x).is_some())
-            && self.surface(goal, x).is_none()
+    /// What has to hold and does not in the light with `x`.
+    pub fn unheld(&self, goal: &Goal, x: &[f64]) -> Option<Limit> {
+        let mut hard = goal.pins.iter().filter(|pin| pin.is_hard);
+        let pin = hard.find(|pin| !self.holds(goal, pin, x)).map(|pin| Limit::Pin(pin.index));
+        pin.or_else(|| self.surface(goal, x).map(|_| Limit::SourceInside))
     }
 
-    /// Where a pin is in the light with `x`, where it holds.
-    fn holds(&self, goal: &Goal, pin: &Pinned, x: &[f64]) -> Option<Place> {
-        let wanted = match pin.kind {
-            PinKind::Lit => true,
-            PinKind::Shadowed => false,
-            // These are equations.
-            PinKind::Direction | PinKind::Shadow => return Some(pin.place),
-        };
-        in_light(goal, x, |placed| {
+    /// Whether a pin holds in the light with `x`: where ways of the light overlap, in the place that counts.
+    fn holds(&self, goal: &Goal, pin: &Pinned, x: &[f64]) -> bool {
+        let holds = in_light(goal, x, |placed| {
             let place = placed.locate(pin.point, None)?;
             let is_inside = placed.out2(&place) <= 1.0 && place.from_ends >= 0.0;
-            (is_inside && pin.is_lit(self.occlusion, placed, &place) == wanted).then_some(place)
-        })
+            let is_held = match (pin.kind, pin.pivot) {
+                (PinKind::Lit, _) => pin.is_lit(self.occlusion, placed, &place),
+                (PinKind::Shadow, Some((pivot, _))) => {
+                    let pivot = placed.locate(pivot, None)?;
+                    pivot.t < place.t && across_off(pivot.across, &place, &pin.place).length() < HELD
+                }
+                (PinKind::Shadowed | PinKind::Shadow, _) => !pin.is_lit(self.occlusion, placed, &place),
+                (PinKind::Direction, _) => place.to_light.distance(pin.place.to_light) < HELD,
+            };
+            Some(is_inside && is_held)
+        });
+        holds == Some(true)
     }
 
     /// The edge of the shadow that a pin crosses on the straight way to `x`.
     fn edge(&self, goal: &Goal, pin: &Pinned, x: &[f64]) -> Option<Cut> {
         let at = |share: f64| -> Vec<f64> { x.iter().map(|x| x * share).collect() };
+        if !matches!(pin.kind, PinKind::Lit | PinKind::Shadowed) {
+            return None;
+        }
         let (mut holds, mut broken) = (0.0, 1.0);
         for _ in 0..HALVINGS {
             let middle = f64::midpoint(holds, broken);
-            if self.holds(goal, pin, &at(middle)).is_some() { holds = middle } else { broken = middle }
+            if self.holds(goal, pin, &at(middle)) { holds = middle } else { broken = middle }
         }
         let shadowed = if pin.kind == PinKind::Lit { broken } else { holds };
         in_light(goal, &at(shadowed), |placed| {

@@ -9,32 +9,36 @@ use crate::start::rigid_start;
 /// A residual this small is none, in radii or radians.
 const NOTHING: f64 = 1e-10;
 
-/// A residual that is small enough on the way.
-const ON_THE_WAY: f64 = 1e-3;
+/// The longest step at a time, in the units of what moves, where the feature stays where it should be, and where it does not.
+const LONGEST_STEP: [f64; 2] = [0.25, 0.03];
 
-/// What a residual weighs beside the size of the change.
-const PENALTY: f64 = 1e3;
+/// How far places on the way are apart, in radii or radians, and how many there are.
+const BETWEEN_PLACES: f64 = 0.1;
+const PLACES: [f64; 2] = [4.0, 48.0];
 
-/// A change this small is none.
-const STILL: f64 = 1e-10;
+/// Quarterings of a way to the next place that cannot be gone.
+const QUARTERINGS: usize = 4;
 
-/// The longest step at a time, in the units of what moves.
-const LONGEST_STEP: f64 = 0.25;
+/// Newton's steps to a place, and over how far each takes differences. Where two segments of a tube meet slopes jump: what
+/// is linear on one side leads nowhere on the other, and what is on the mean over both does.
+const DIFFERENCES: [f64; 6] = [1e-6, 1e-6, 1e-6, 1e-3, 1e-2, 5e-2];
 
-/// Steps that one place on the way takes at most, and the last one.
-const STEPS: [usize; 2] = [4, 40];
-
-/// Steps that bring a light back to where the feature lies under the cursor.
+/// Steps from one place to the nearest at which all holds, with one Jacobian.
 const STEPS_BACK: usize = 8;
 
-/// Halvings of a step that does not do.
-const HALVINGS: usize = 10;
+/// Steps where nothing lands, on the way and at its end: so many in each case, so that the light's end is continuous.
+const GLIDING: usize = 24;
+const SETTLING: usize = 40;
 
-/// Places on the way at most.
-const MOST_PLACES: f64 = 48.0;
+/// How softly the feature pulls there, as a share of the trace of `J J^T`: what helps little is not done.
+const GIVE_WAY: f64 = 1e-2;
 
-/// How far apart they are, in radii or radians.
-const BETWEEN_PLACES: f64 = 0.25;
+/// Halvings of such a step that breaks something.
+const HALVINGS: usize = 4;
+
+/// Steps in which a change becomes smaller, and by which share each.
+const SHRINKING: usize = 24;
+const SHRINK: f64 = 0.3;
 
 /// Edges that may turn up, and for soft pins.
 const MOST_CUTS: [usize; 2] = [24, 4];
@@ -74,7 +78,9 @@ pub(crate) fn solve(goal: &mut Goal, near: &Near, sight: &Sight) -> Option<Solut
         found.iterations += iterations;
     }
     found.at = allowed(goal, found.at);
-    if !found.at.is_allowed() || !sight.all_hold(goal, &found.at.x) {
+    let unheld = sight.unheld(goal, &found.at.x);
+    if unheld.is_some() || !found.at.is_allowed() {
+        found.held_by = unheld.or(found.held_by);
         found.at = on_the_way(goal, near, sight, &found.at.x)?;
     }
     Some(found)
@@ -95,7 +101,7 @@ fn on_the_way(goal: &Goal, near: &Near, sight: &Sight, x: &[f64]) -> Option<At> 
         let x: Vec<f64> = x.iter().map(|x| x * share).collect();
         let at = At { evaluation: goal.evaluate(&x, 1.0, near)?, x };
         let at = allowed(goal, at);
-        (at.is_allowed() && sight.all_hold(goal, &at.x)).then_some(at)
+        (at.is_allowed() && sight.unheld(goal, &at.x).is_none()).then_some(at)
     };
     let (mut last, mut share) = (beginning, 0.0);
     let mut step = 1.0 / ON_A_STRAIGHT_WAY as f64;
@@ -113,27 +119,32 @@ fn allowed(goal: &Goal, at: At) -> At {
     if at.is_allowed() {
         return at;
     }
-    let about = goal.linear(&at.x, 1.0, &at.evaluation);
+    let about = goal.linear(&at.x, 1.0, &at.evaluation, DIFFERENCES[0]);
     back(goal, 1.0, &about, &at, Counting::Fixed).unwrap_or(at)
 }
 
 /// The same within the limits that are known.
 pub(crate) fn solve_within(goal: &Goal, near: &Near) -> Option<Solution> {
     let mut found = Solution { at: begin(goal, near)?, held_by: None, iterations: 0 };
-    // A light that moves as a whole is put where it has to be, and from there as near to where it was as may be.
-    let whole = rigid_start(goal, near)
-        .and_then(|(x, near)| Some(At { evaluation: goal.evaluate(&x, 1.0, &near)?, x }))
-        .filter(At::is_there);
-    if let Some(at) = whole {
-        found.at = at;
-    } else {
-        let places = goal.way().div_euclid(BETWEEN_PLACES).clamp(0.0, MOST_PLACES - 1.0) as usize + 1;
-        for place in 1..places {
-            let share = place as f64 / places as f64;
-            found.go(goal, share, STEPS[0]);
-        }
+    let places = (goal.way() / BETWEEN_PLACES).clamp(PLACES[0], PLACES[1]);
+    let mut share = 0.0;
+    while share < 1.0 {
+        let next = (share + 1.0 / places).min(1.0);
+        let Some(reached) = found.follow(goal, share, next) else {
+            if let Some((x, near)) = rigid_start(goal, near)
+                && let Some(evaluation) = goal.evaluate(&x, 1.0, &near)
+                && let at = (At { x, evaluation })
+                && at.is_there()
+            {
+                found.at = at;
+                found.shrink(goal);
+            } else {
+                found.glide(goal, share);
+            }
+            break;
+        };
+        share = reached;
     }
-    found.go(goal, 1.0, STEPS[1]);
     Some(found)
 }
 
@@ -169,77 +180,114 @@ impl At {
     fn pins_off(&self) -> f64 {
         self.sum_of_squares(|row| row == Hold::Fixed).sqrt()
     }
-
-    /// What is to become less: what is off, above all, and the size of the change with what soft pins weigh beside it.
-    fn merit(&self) -> f64 {
-        let Evaluation { residual, rows, bounds, .. } = &self.evaluation;
-        let broken: f64 = self.hard_bounds().map(|bound| (-bound.value).max(0.0)).sum();
-        let of_row = |(off, row): (&f64, &Hold)| match row {
-            Hold::Soft(give) => off * off / give,
-            Hold::Asked | Hold::Fixed => 0.0,
-        };
-        let of_bound = |bound: &Bound| {
-            let broken = bound.value.min(0.0);
-            if bound.give > 0.0 { broken * broken / bound.give } else { 0.0 }
-        };
-        let soft =
-            residual.iter().zip(rows).map(of_row).sum::<f64>() + bounds.iter().map(of_bound).sum::<f64>();
-        0.5 * (dot(&self.x, &self.x) + soft) + PENALTY * (self.off() + 10.0 * (broken + self.pins_off()))
-    }
 }
 
 impl Solution {
-    /// Goes on to a share of the way.
-    fn go(&mut self, goal: &Goal, share: f64, steps: usize) {
-        let Some(evaluation) = goal.evaluate(&self.at.x, share, &self.at.evaluation.near) else { return };
-        self.at.evaluation = evaluation;
-        for _ in 0..steps {
-            if share < 1.0 && self.at.off() + self.at.pins_off() < ON_THE_WAY {
-                break;
+    /// Goes on from one share of the way to another, or to one between, by the smallest change that has the feature there; `None`
+    /// where nothing does even for a small part of it.
+    fn follow(&mut self, goal: &Goal, share: f64, next: f64) -> Option<f64> {
+        let mut step = next - share;
+        for _ in 0..QUARTERINGS {
+            if let Some(at) = self.reach(goal, share + step) {
+                self.at = at;
+                return Some(if step == next - share { next } else { share + step });
             }
-            self.iterations += 1;
-            let Some(size) = self.step(goal, share) else { break };
-            if size < STILL {
-                break;
-            }
-        }
-    }
-
-    /// One step, and how large it was; `None` where none does.
-    fn step(&mut self, goal: &Goal, share: f64) -> Option<f64> {
-        let At { x, evaluation } = &self.at;
-        let linear = goal.linear(x, share, evaluation);
-        let limits: Vec<f64> = evaluation.bounds.iter().map(|bound| bound.value).collect();
-        let values = Values { residual: &evaluation.residual, limits: &limits, counting: Counting::All };
-        let (wanted, pulls) = smallest(x, &linear, values, softness(&linear, self.at.off()));
-        self.held_by = goal.held_by(evaluation, &pulls);
-        let way: Vec<f64> = wanted.iter().zip(x).map(|(wanted, x)| wanted - x).collect();
-        let whole = length(&way);
-        let mut factor = (LONGEST_STEP / whole).min(1.0);
-        let (was_there, merit) = (self.at.is_there(), self.at.merit());
-        for _ in 0..HALVINGS {
-            let next: Vec<f64> = x.iter().zip(&way).map(|(x, way)| x + factor * way).collect();
-            let next = goal
-                .evaluate(&next, share, &evaluation.near)
-                .map(|evaluation| At { x: next, evaluation })
-                .map(|next| back(goal, share, &linear, &next, Counting::Firm).unwrap_or(next));
-            if let Some(next) = next
-                && (next.is_there() || !was_there)
-                && next.merit() < merit
-            {
-                self.at = next;
-                return Some(factor * whole);
-            }
-            factor *= 0.5;
+            step *= 0.25;
         }
         None
     }
+
+    /// The nearest place with the feature where it should be, by Newton's method.
+    fn reach(&mut self, goal: &Goal, share: f64) -> Option<At> {
+        let evaluation = goal.evaluate(&self.at.x, share, &self.at.evaluation.near)?;
+        let from = self.at.x.clone();
+        let mut at = At { x: from.clone(), evaluation };
+        for over in DIFFERENCES {
+            if at.is_there() {
+                return Some(at);
+            }
+            self.iterations += 1;
+            let linear = goal.linear(&at.x, share, &at.evaluation, over);
+            let x = self.wanted(goal, &from, &at, &linear, 1e-15 * trace_of(&linear));
+            if length_between(&x, &from) > LONGEST_STEP[0] {
+                return None;
+            }
+            let evaluation = goal.evaluate(&x, share, &at.evaluation.near)?;
+            at = At { x, evaluation };
+            // Beside limits what is asked is weighed against the change; the rest is a way of its own.
+            if let Some(at) = back(goal, share, &linear, &at, Counting::Firm) {
+                return Some(at);
+            }
+        }
+        None
+    }
+
+    /// Makes the change smaller as long as the feature stays where it should be.
+    fn shrink(&mut self, goal: &Goal) {
+        for _ in 0..SHRINKING {
+            let smaller: Vec<f64> = self.at.x.iter().map(|x| x * (1.0 - SHRINK)).collect();
+            let Some(evaluation) = goal.evaluate(&smaller, 1.0, &self.at.evaluation.near) else { return };
+            let mut found = Self { at: At { x: smaller, evaluation }, ..self.clone() };
+            match found.reach(goal, 1.0) {
+                Some(at) if dot(&at.x, &at.x) < dot(&self.at.x, &self.at.x) => self.at = at,
+                _ => return,
+            }
+            self.iterations = found.iterations;
+        }
+    }
+
+    /// What is linear about a place nearby wants of `at`, with the smallest change since `from`.
+    fn wanted(&mut self, goal: &Goal, from: &[f64], at: &At, linear: &Linear, mu: f64) -> Vec<f64> {
+        let moved: Vec<f64> = at.x.iter().zip(from).map(|(x, from)| x - from).collect();
+        let limits: Vec<f64> = at.evaluation.bounds.iter().map(|bound| bound.value - 1e-12).collect();
+        let values = Values { residual: &at.evaluation.residual, limits: &limits, counting: Counting::All };
+        let (wanted, pulls) = smallest(&moved, linear, values, mu);
+        self.held_by = goal.held_by(&at.evaluation, &pulls);
+        wanted.iter().zip(from).map(|(wanted, from)| from + wanted).collect()
+    }
+
+    /// Goes on where nothing more has the feature where it should be: in small steps that are weighed against how far the feature
+    /// stays off, so that the light neither jumps nor runs away for little.
+    fn glide(&mut self, goal: &Goal, from: f64) {
+        for step in 1..=GLIDING {
+            let part = step as f64 / GLIDING as f64;
+            self.nearer(goal, from + (1.0 - from) * part);
+        }
+        for _ in 0..SETTLING {
+            self.nearer(goal, 1.0);
+        }
+        if let Some(at) = self.reach(goal, 1.0) {
+            self.at = at;
+        }
+    }
+
+    /// A small step towards where the feature should be.
+    fn nearer(&mut self, goal: &Goal, share: f64) {
+        self.iterations += 1;
+        let Some(evaluation) = goal.evaluate(&self.at.x, share, &self.at.evaluation.near) else { return };
+        self.at.evaluation = evaluation;
+        let at = self.at.clone();
+        let linear = goal.linear(&at.x, share, &at.evaluation, DIFFERENCES[0]);
+        let x = self.wanted(goal, &at.x, &at, &linear, GIVE_WAY * trace_of(&linear));
+        let way: Vec<f64> = x.iter().zip(&at.x).map(|(wanted, x)| wanted - x).collect();
+        let mut factor = (LONGEST_STEP[1] / length(&way)).min(1.0);
+        for _ in 0..HALVINGS {
+            let x: Vec<f64> = at.x.iter().zip(&way).map(|(x, way)| x + factor * way).collect();
+            let next = goal.evaluate(&x, share, &at.evaluation.near).map(|evaluation| At { x, evaluation });
+            if let Some(next) = next {
+                let next = back(goal, share, &linear, &next, Counting::Fixed).unwrap_or(next);
+                if next.is_allowed() {
+                    self.at = next;
+                    return;
+                }
+            }
+            factor *= 0.5;
+        }
+    }
 }
 
-/// How softly residuals ask where they are `off`: a fixed number stalls, and ten times this loses half of the hard cases (light
-/// model, section 7).
-fn softness(linear: &Linear, off: f64) -> f64 {
-    (1e-6 * (off * off).min(1.0) + 1e-15) * trace_of(linear)
+fn length_between(a: &[f64], b: &[f64]) -> f64 {
+    length(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>())
 }
 
 /// The nearest place at which all that counts is as it should be, by what was linear about a place nearby; `None` where that

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use drag::{Drag, Feature, Radii, Viewport};
+use drag::{Drag, Feature, Radii, Status, Viewport, drag};
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{END_MODE, ROTATION, SHADOW_LINK, TRANSLATION};
 use light::{CheckedLight, EndMode, Light, Links};
@@ -46,7 +46,7 @@ impl Drawn {
         self.bvh.seen(&ViewRay::new(&self.view.camera, SIZE, pixel, origin))
     }
 
-    fn place(&self, light: &CheckedLight, pixel: DVec2) -> Option<(Seen, light::TubePoint)> {
+    pub fn place(&self, light: &CheckedLight, pixel: DVec2) -> Option<(Seen, light::TubePoint)> {
         let seen = self.seen(pixel)?;
         let point = light.tube()?.locate(seen.position + self.bvh.posed.origin_in_world).point?;
         Some((seen, point))
@@ -67,6 +67,11 @@ impl Drawn {
         };
         let view = Viewport { size: [640, 360], ..self.view.clone() };
         Trial { view, light: CheckedLight::new(light).expect("valid"), drag }
+    }
+
+    /// Whether the drag lands.
+    pub fn lands(&self, trial: &Trial) -> bool {
+        drag(&self.bvh, &trial.view, &trial.light, &trial.drag).status == Status::Landed
     }
 
     /// A pixel whose surface the light does not hold.
@@ -164,15 +169,15 @@ fn begin(scene: &Drawn, random: &mut Random, light: &CheckedLight, feature: Feat
 }
 
 /// A linear congruential generator (Knuth's MMIX): enough to spread trials.
-struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
-    fn between(&mut self, a: f64, b: f64) -> f64 {
+    pub fn between(&mut self, a: f64, b: f64) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         a + (b - a) * (self.0 >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    fn pixel(&mut self) -> DVec2 {
+    pub fn pixel(&mut self) -> DVec2 {
         let [width, height] = SIZE.map(f64::from);
         DVec2::new(self.between(0.0, width), self.between(0.0, height))
     }

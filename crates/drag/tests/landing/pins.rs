@@ -1,0 +1,212 @@
+//! Pins: what is to stay does, by ways that share nothing with the solver.
+
+use drag::{Drag, Feature, Limit, Pin, PinKind, Refusal, Status, drag};
+use glam::{DVec2, DVec3};
+use light::CheckedLight;
+use reference::{Reference, Source, Surface};
+use scene::View;
+
+use crate::support::{self, Drawn, Random, Trial, trials};
+
+/// A pin, and the pixel that it is seen in.
+struct Placed {
+    pin: Pin,
+    pixel: DVec2,
+}
+
+/// How far a pin is from what it was: in degrees for a direction, in pixels for a shadow, else infinite where it does not hold.
+fn off(reference: &Reference, trial: &Trial, pinned: &Placed, now: &CheckedLight) -> f64 {
+    let origin = reference.bvh.posed.origin_in_world;
+    let view = View::beauty(trial.view.camera.clone(), trial.view.size);
+    let surface = |pixel| reference.surface(&view, pixel);
+    let Some(here) = surface(pinned.pixel) else { return f64::INFINITY };
+    let place = |light: &CheckedLight, at: DVec3| light.tube().and_then(|tube| tube.locate(at).point);
+    let (Some(was), Some(is)) = (place(&trial.light, pinned.pin.at), place(now, pinned.pin.at)) else {
+        return f64::INFINITY;
+    };
+    let is_lit = |surface: &Surface| reference.sample(&Source::new(now), surface).is_some_and(|s| s.visible);
+    match pinned.pin.kind {
+        PinKind::Direction => was.direction.angle_between(is.direction).to_degrees(),
+        PinKind::Lit => {
+            if is_lit(&here) {
+                0.0
+            } else {
+                f64::INFINITY
+            }
+        }
+        PinKind::Shadowed => {
+            if is_lit(&here) {
+                f64::INFINITY
+            } else {
+                0.0
+            }
+        }
+        PinKind::Shadow => {
+            // The pivot is found here anew: the first that light met on its way.
+            let tube = trial.light.tube().expect("a BendyLight");
+            let path = reference.bvh.path(tube, was.v, was.w);
+            let away = 1e-5 * reference.bvh.posed.half_extent.length();
+            let point = pinned.pin.at - origin;
+            let hit = reference.bvh.first_bent_hit(&path, was.t, |hit| hit.position.distance(point) > away);
+            let Some(pivot) = hit.and_then(|hit| place(now, hit.position + origin)) else {
+                return f64::INFINITY;
+            };
+            let beside = surface(pinned.pixel + DVec2::X);
+            let per_pixel =
+                beside.map_or(0.01 * here.depth, |beside| beside.position.distance(here.position));
+            let px =
+                libm::hypot(pivot.v - is.v, pivot.w - is.w) * is.radius / per_pixel.max(1e-4 * here.depth);
+            if pivot.t < is.t { px } else { f64::INFINITY }
+        }
+    }
+}
+
+/// Up to three pins that hold as the drag begins, at points that are seen and in the light.
+fn three(scene: &Drawn, reference: &Reference, trial: &Trial, random: &mut Random) -> Vec<Placed> {
+    let view = View::beauty(trial.view.camera.clone(), trial.view.size);
+    let mut pins = Vec::new();
+    for _ in 0..400 {
+        let pixel = random.pixel();
+        let Some((seen, _)) = scene.place(&trial.light, pixel) else { continue };
+        let Some(surface) = reference.surface(&view, pixel) else { continue };
+        let Some(sample) = reference.sample(&Source::new(&trial.light), &surface) else { continue };
+        // Light that grazes a facet or is let through by rounding is nobody's to keep.
+        if seen.normal.dot(sample.place.direction) < 0.1
+            || seen.geometric_normal.dot(sample.place.direction) < 0.1
+        {
+            continue;
+        }
+        let kind = match (sample.visible, random.between(0.0, 1.0) < 0.5) {
+            (true, true) => PinKind::Lit,
+            (_, true) => PinKind::Shadowed,
+            (true, false) => PinKind::Direction,
+            (false, false) => PinKind::Shadow,
+        };
+        let at = seen.position + scene.bvh.posed.origin_in_world;
+        pins.push(Placed { pin: Pin { kind, at, caster: None, is_hard: true }, pixel });
+        if pins.len() == 3 {
+            break;
+        }
+    }
+    pins
+}
+
+/// Rules: DRAG-5
+#[test]
+fn hard_pins_hold_wherever_the_drag_ends() {
+    let (mut landed, mut limited, mut by_pin, mut refused, mut was_off) = (0, 0, 0, 0, 0);
+    for scene in support::scenes() {
+        let reference = Reference::new(std::sync::Arc::clone(&scene.bvh.posed));
+        let mut random = Random(77);
+        for feature in [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse] {
+            for mut trial in trials(&scene, feature, 28) {
+                let count = trial.light.light().points().len();
+                if count < 5 {
+                    continue;
+                }
+                trial.drag.points = Some((1..count).collect());
+                let pinned = three(&scene, &reference, &trial, &mut random);
+                trial.drag.pins = pinned.iter().map(|placed| placed.pin.clone()).collect();
+                let landing = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
+                let what = || format!("{} {feature:?} {:?}: {landing:?}", scene.name, trial.drag);
+                match landing.status {
+                    Status::Landed => landed += 1,
+                    Status::Limited(Limit::Pin(_)) => by_pin += 1,
+                    Status::Limited(_) => limited += 1,
+                    Status::Refused(_) => {
+                        refused += 1;
+                        println!("{}", what());
+                        continue;
+                    }
+                }
+                let now = CheckedLight::new(landing.light.clone()).expect("valid");
+                for placed in &pinned {
+                    let most = if placed.pin.kind == PinKind::Direction { 0.1 } else { 0.5 };
+                    let off = off(&reference, &trial, placed, &now);
+                    assert!(off < most, "{off} {:?} {}", placed.pin, what());
+                }
+                // The planted fault: without pins something is off.
+                let free = Drag { pins: Vec::new(), ..trial.drag.clone() };
+                let free = drag(&scene.bvh, &trial.view, &trial.light, &free);
+                let free = CheckedLight::new(free.light).expect("valid");
+                was_off += usize::from(pinned.iter().any(|placed| {
+                    let most = if placed.pin.kind == PinKind::Direction { 0.1 } else { 0.5 };
+                    off(&reference, &trial, placed, &free) > most
+                }));
+            }
+        }
+    }
+    println!(
+        "{landed} landed, {by_pin} limited by pins, {limited} otherwise, {refused} refused; {was_off} would not hold"
+    );
+    assert!(refused * 20 <= landed + limited + by_pin);
+    assert!(was_off * 2 > landed);
+}
+
+/// What cannot be is limited by the pin that keeps it, and a hard pin that does not hold is named.
+///
+/// Rules: DRAG-5
+#[test]
+fn what_is_infeasible_names_the_pin() {
+    let scene = support::demo();
+    let mut named = 0;
+    for mut trial in trials(&scene, Feature::Diffuse, 24) {
+        let to = scene.seen(trial.drag.to).expect("a surface");
+        let origin = scene.bvh.posed.origin_in_world;
+        let far =
+            trial.light.tube().and_then(|tube| tube.locate(to.position + origin).point).expect("inside");
+        if far.direction.angle_between(to.normal) < 0.02 || !scene.lands(&trial) {
+            continue;
+        }
+        let other = scene.outside(&trial.light);
+        let outside = scene.seen(other).expect("a surface").position + origin;
+        let pin = |kind, at| Pin { kind, at, caster: None, is_hard: true };
+        // The direction at M' is to be another and to stay.
+        trial.drag.pins = vec![pin(PinKind::Direction, to.position + origin)];
+        let run = |trial: &Trial| drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
+        let landing = run(&trial);
+        assert_eq!(landing.status, Status::Limited(Limit::Pin(0)), "{landing:?}");
+        // A soft one gives way.
+        trial.drag.pins[0].is_hard = false;
+        let soft = run(&trial);
+        assert_ne!(soft.status, Status::Limited(Limit::Pin(0)), "{soft:?}");
+        trial.drag.pins.push(pin(PinKind::Lit, outside));
+        assert_eq!(run(&trial).status, Status::Refused(Refusal::PinDoesNotHold(1)));
+        trial.drag.pins[1].is_hard = false;
+        assert_eq!(run(&trial).light, soft.light);
+        named += 1;
+    }
+    assert!(named > 5, "{named}");
+}
+
+/// A source that is to stay outside goes through nothing, and as far as that lets it.
+///
+/// Rules: DRAG-6
+#[test]
+fn the_source_stays_outside() {
+    let scene = support::demo();
+    let (mut kept, mut through) = (0, 0);
+    for mut trial in trials(&scene, Feature::Highlight, 60) {
+        trial.drag.points = None;
+        let source = |landing: &drag::Landing| landing.light.transform().translation;
+        let origin = scene.bvh.posed.origin_in_world;
+        let from = trial.light.light().transform().translation;
+        let goes_through = |to: DVec3| {
+            let hit = scene.bvh.first_hit(from - origin, to - from, [0.0, 1.0], |_| true);
+            hit.is_some()
+        };
+        let free = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
+        if !goes_through(source(&free)) {
+            continue;
+        }
+        through += 1;
+        trial.drag.source_outside = true;
+        let landing = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
+        assert!(!goes_through(source(&landing)), "{landing:?}");
+        let says = matches!(landing.status, Status::Landed | Status::Limited(Limit::SourceInside));
+        kept += usize::from(says);
+        println!("{:?} {}", landing.status, landing.residual_px);
+    }
+    println!("{through} would go through something, {kept} say why not");
+    assert!(through > 0 && kept * 2 > through);
+}
