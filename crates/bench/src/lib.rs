@@ -7,6 +7,7 @@
 
 mod client;
 pub mod compare;
+pub mod drag;
 mod error;
 mod process;
 pub mod session;

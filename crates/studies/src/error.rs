@@ -1,5 +1,6 @@
 //! Why a study could not be made, or what it found wrong.
 
+use assets::AssetError;
 use cli::CliError;
 use light::LightError;
 use render::RenderError;
@@ -14,6 +15,9 @@ pub enum StudyError {
     /// A light that cannot be evaluated.
     #[error(transparent)]
     Light(#[from] LightError),
+    /// A scene could not be read.
+    #[error(transparent)]
+    Asset(#[from] AssetError),
     /// The scene has nothing to compare directions of.
     #[error("this scene has no BendyLight: name one that has, or bend a spotlight with `bendylights bend`")]
     NoBendyLight,
@@ -57,7 +61,7 @@ impl StudyError {
             Self::SolverWrong { .. }
             | Self::Broken { .. }
             | Self::Render(RenderError::NoAdapter(_) | RenderError::DeviceLost(_) | RenderError::Gpu(_)) => 1,
-            Self::Render(_) | Self::Light(_) | Self::NoBendyLight | Self::Chart(_) => 2,
+            Self::Render(_) | Self::Light(_) | Self::Asset(_) | Self::NoBendyLight | Self::Chart(_) => 2,
         }
     }
 }

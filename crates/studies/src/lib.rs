@@ -5,6 +5,7 @@
 #![expect(clippy::disallowed_methods, reason = "measurements hold within bounds, not to the bit")]
 
 pub mod direction;
+pub mod drags;
 mod error;
 pub mod solver;
 pub mod stress;

@@ -1,0 +1,196 @@
+//! Random lights over a scene, and random drags in them.
+
+use drag::{Drag, Feature, Radii};
+use fastrand::Rng;
+use glam::{DQuat, DVec2, DVec3};
+use light::parameters::{END_MODE, ROTATION, TRANSLATION};
+use light::{CheckedLight, EndMode, Light, TubePoint};
+use reference::Source;
+
+use super::stage::Stage;
+
+/// Every feature that is dragged.
+pub const FEATURES: [Feature; 4] = [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse];
+
+/// The longest small drag, as a share of the picture's width.
+const SMALL: f64 = 0.1;
+
+/// Lights that are tried until one has the feature in the picture.
+const LIGHTS: usize = 4_000;
+
+/// Ends that are tried in a light.
+const ENDS: usize = 30;
+
+/// Nearer than this nothing shadows a surface, as a share of its distance from the viewer.
+const CONTACT: f64 = 1e-6;
+
+/// What kind of drags.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kind {
+    /// What is dragged.
+    pub feature: Feature,
+    /// Whether control points take part; otherwise the light moves as a whole.
+    pub deforms: bool,
+    /// Whether it goes a tenth of the picture's width or farther.
+    pub is_large: bool,
+}
+
+impl Kind {
+    /// All sixteen.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let of = |feature| {
+            [(false, false), (false, true), (true, false), (true, true)].map(|(deforms, is_large)| Self {
+                feature,
+                deforms,
+                is_large,
+            })
+        };
+        FEATURES.into_iter().flat_map(of)
+    }
+}
+
+/// A light, and a drag in it.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// Of which kind.
+    pub kind: Kind,
+    /// As the drag begins.
+    pub light: CheckedLight,
+    /// What is asked.
+    pub drag: Drag,
+    /// Where the drag begins in the light.
+    pub from: TubePoint,
+    /// Of a shadow: the first that its light meets, in scene space.
+    pub pivot: Option<DVec3>,
+}
+
+impl Trial {
+    /// A random drag of that kind, the same for the same seed: the feature is seen where it begins, and it ends on a visible
+    /// surface inside of the light as it begins. `None` where no such drag was found.
+    pub fn random(stage: &Stage, kind: Kind, seed: u64) -> Option<Self> {
+        let mut rng = Rng::with_seed(seed);
+        (0..LIGHTS).find_map(|_| trial(stage, kind, &mut rng))
+    }
+}
+
+fn trial(stage: &Stage, kind: Kind, rng: &mut Rng) -> Option<Trial> {
+    let aim = stage.seen(pixel(rng, stage))?;
+    let extent = stage.reference.bvh.posed.half_extent.length().min(1.5 * aim.depth);
+    let light = light(rng, aim.position + stage.origin(), extent)?;
+    let begin = begin(stage, kind.feature, rng, light)?;
+    let width = stage.size().x;
+    let to = (0..ENDS).find_map(|_| {
+        let to = if kind.is_large {
+            pixel(rng, stage)
+        } else {
+            begin.pixel + in_ball(rng).truncate() * SMALL * width
+        };
+        let is_in_picture = to.cmpge(DVec2::ZERO).all() && to.cmplt(stage.size()).all();
+        let is_large = to.distance(begin.pixel) >= SMALL * width;
+        let fits = is_in_picture && is_large == kind.is_large;
+        let seen = stage.seen(to).filter(|_| fits)?;
+        stage.locate(&begin.light, seen.position).map(|_| to)
+    })?;
+    let points = kind.deforms.then(|| points(rng, begin.light.light().points().len()));
+    let drag = Drag { feature: kind.feature, points, radii: Radii::Keep, from: begin.pixel, to };
+    Some(Trial { kind, light: begin.light, drag, from: begin.place, pivot: begin.pivot })
+}
+
+/// A light with its feature in the picture.
+struct Begin {
+    light: CheckedLight,
+    pixel: DVec2,
+    place: TubePoint,
+    pivot: Option<DVec3>,
+}
+
+fn begin(stage: &Stage, feature: Feature, rng: &mut Rng, light: CheckedLight) -> Option<Begin> {
+    let pixel = pixel(rng, stage);
+    let surface = stage.surface(pixel)?;
+    let mut light = light;
+    if let Some(wanted) = match feature {
+        Feature::Shadow | Feature::Hotspot => None,
+        Feature::Highlight => Some(surface.mirrored()),
+        Feature::Diffuse => Some(surface.normal),
+    } {
+        // Turned about the surface until the feature has its centre there.
+        let has = stage.locate(&light, surface.position)?.direction;
+        light = turned(&light, surface.position + stage.origin(), DQuat::from_rotation_arc(has, wanted))?;
+    }
+    let place = stage.locate(&light, surface.position)?;
+    let is_lit = stage.reference.sample(&Source::new(&light), &surface)?.visible;
+    let pivot = if feature == Feature::Shadow && !is_lit {
+        let bvh = &stage.reference.bvh;
+        let path = bvh.path(light.tube()?, place.v, place.w);
+        let near = CONTACT * surface.depth;
+        let hit = bvh.first_bent_hit(&path, place.t, |hit| {
+            let is_solid = bvh.is_solid(&bvh.triangles[hit.triangle], hit.weights);
+            is_solid && hit.position.distance(surface.position) > near
+        })?;
+        Some(hit.position)
+    } else {
+        None
+    };
+    (is_lit == (feature != Feature::Shadow)).then_some(Begin { light, pixel, place, pivot })
+}
+
+/// The last two, all but the source, or any.
+fn points(rng: &mut Rng, count: usize) -> Vec<usize> {
+    match rng.u8(0..3) {
+        0 => vec![count - 2, count - 1],
+        1 => (1..count).collect(),
+        _ => {
+            let any: Vec<usize> = (1..count).filter(|_| rng.bool()).collect();
+            if any.is_empty() { vec![rng.usize(1..count)] } else { any }
+        }
+    }
+}
+
+/// `light`, turned as a whole about a point in the world.
+fn turned(light: &CheckedLight, about: DVec3, turn: DQuat) -> Option<CheckedLight> {
+    let light = light.light().clone();
+    let (translation, rotation) = (light.get(TRANSLATION), light.get(ROTATION));
+    let light = light
+        .with(TRANSLATION, about + turn * (translation - about))
+        .with(ROTATION, (turn * rotation).normalize());
+    CheckedLight::new(light).ok()
+}
+
+fn between(rng: &mut Rng, a: f64, b: f64) -> f64 {
+    a + (b - a) * rng.f64()
+}
+
+fn pixel(rng: &mut Rng, stage: &Stage) -> DVec2 {
+    DVec2::new(rng.f64(), rng.f64()) * stage.size()
+}
+
+fn in_ball(rng: &mut Rng) -> DVec3 {
+    loop {
+        let vector = DVec3::from_array(std::array::from_fn(|_| between(rng, -1.0, 1.0)));
+        if vector.length_squared() <= 1.0 {
+            return vector;
+        }
+    }
+}
+
+/// A light from above on `aim`, about `size` away, of one to four segments, more or less bent; one in four ends a little past
+/// where it aims, the others go on.
+fn light(rng: &mut Rng, aim: DVec3, size: f64) -> Option<CheckedLight> {
+    let vector = in_ball(rng);
+    let back = DVec3::new(vector.x, vector.y.abs().max(0.3), vector.z).normalize();
+    let source = aim + back * size * between(rng, 0.6, 1.2);
+    let length = 1.3 * source.distance(aim);
+    let segments = rng.usize(1..5);
+    let bend = between(rng, 0.0, 0.35) * length;
+    let wide = between(rng, 0.08, 0.3) * length;
+    let along = light::greville(segments).into_iter().map(|g| g / segments as f64);
+    let (points, radii) = along
+        .map(|g| {
+            let aside = if g > 0.0 { in_ball(rng) * (bend * g) } else { DVec3::ZERO };
+            (DVec3::new(0.0, 0.0, -g * length) + aside, wide * (0.1 + 0.9 * g))
+        })
+        .unzip();
+    let end_mode = if rng.u8(0..4) == 0 { EndMode::Cut } else { EndMode::Extend };
+    let light = Light::bendy(points, radii).with(TRANSLATION, source).with(END_MODE, end_mode);
+    CheckedLight::new(light.with(ROTATION, DQuat::from_rotation_arc(DVec3::NEG_Z, -back))).ok()
+}

@@ -1,0 +1,134 @@
+//! Do drags land? Of random drags, those that the product lands beside those that a slow solver with restarts does.
+
+mod relaxed;
+mod report;
+mod slow;
+
+use std::time::Instant;
+
+use bench::drag::{Kind, Off, Stage, Trial, distance_px};
+use drag::{Status, drag};
+use light::CheckedLight;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+pub use report::{Cell, Outcome, Report};
+
+/// What to try.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Drags of each kind.
+    pub drags: usize,
+    /// Another number, other drags.
+    pub seed: u64,
+}
+
+/// A drag that did not land though it could, or that says that it landed and did not.
+#[derive(Clone, Debug)]
+pub struct Failure {
+    /// Of scene, kind and number: a name for a file.
+    pub name: String,
+    /// A light file.
+    pub light: String,
+    /// A drag file with the one drag.
+    pub drags: Value,
+    /// What the product says, and a light that lands, as far as one is known.
+    pub found: Value,
+}
+
+/// Drags in one scene, and `progress` for each.
+pub fn run(stage: &Stage, options: Options, progress: impl Fn() + Sync) -> (Vec<Outcome>, Vec<Failure>) {
+    let mut outcomes = Vec::new();
+    let mut failures = Vec::new();
+    for kind in Kind::all() {
+        let numbers: Vec<usize> = (0..options.drags).collect();
+        let seed = |number: usize| seed(options.seed, &stage.name, kind, number);
+        let trials: Vec<_> = numbers
+            .par_iter()
+            .map(|&number| {
+                progress();
+                (number, Trial::random(stage, kind, seed(number)))
+            })
+            .collect();
+        // One after the other, since they are timed.
+        let mut landings = Vec::new();
+        for (number, trial) in trials {
+            let Some(trial) = trial else { continue };
+            let began = Instant::now();
+            let landing = drag(&stage.reference.bvh, &stage.view, &trial.light, &trial.drag);
+            landings.push((number, trial, landing, began.elapsed().as_secs_f64() * 1e3));
+        }
+        let judged: Vec<_> = landings
+            .into_par_iter()
+            .map(|(number, trial, landing, ms)| {
+                let is_landed = landing.status == Status::Landed;
+                let light = CheckedLight::new(landing.light.clone()).ok();
+                let off = light.as_ref().and_then(|light| Off::of(stage, &trial, light));
+                let px = light.as_ref().filter(|_| is_landed).and_then(|light| distance_px(stage, &trial, light));
+                let is_wrong = is_landed && !off.is_some_and(|off| off.is_landed(kind.feature));
+                let found = if is_landed { None } else { slow::feasible(stage, &trial, seed(number)) };
+                let outcome = Outcome {
+                    kind,
+                    status: landing.status,
+                    iterations: landing.iterations,
+                    ms,
+                    off: off.map(|off| off.share),
+                    px,
+                    is_wrong,
+                    is_missed: found.is_some(),
+                };
+                let failure = (is_wrong || found.is_some()).then(|| Failure {
+                    name: format!(
+                        "{}-{}-{}-{}-{number}",
+                        short(&stage.name),
+                        report::feature(kind),
+                        report::points(kind),
+                        report::way(kind)
+                    ),
+                    light: protocol::light_file::to_json(trial.light.light()),
+                    drags: contract(stage, &trial),
+                    found: json!({
+                        "scene": stage.name,
+                        "status": format!("{:?}", landing.status),
+                        "residual_px": landing.residual_px,
+                        "iterations": landing.iterations,
+                        "begin_r_kappa_max": trial.light.tube().map(light::Tube::r_kappa_max),
+                        "feasible": found.as_ref().map(|light| protocol::Light::from(light.light())),
+                        "feasible_r_kappa_max": found.as_ref().and_then(CheckedLight::tube).map(light::Tube::r_kappa_max),
+                    }),
+                });
+                (outcome, failure)
+            })
+            .collect();
+        for (outcome, failure) in judged {
+            outcomes.push(outcome);
+            failures.extend(failure);
+        }
+    }
+    (outcomes, failures)
+}
+
+/// The drag as `bendylights drag` reads it.
+fn contract(stage: &Stage, trial: &Trial) -> Value {
+    json!([{
+        "light": 0,
+        "kind": report::feature(trial.kind),
+        "points": trial.drag.points,
+        "size": stage.view.size,
+        "from": trial.drag.from.to_array(),
+        "to": trial.drag.to.to_array(),
+    }])
+}
+
+/// The scene's name without what a file name cannot have.
+pub fn short(scene: &str) -> String {
+    let name = std::path::Path::new(scene).file_stem().map_or(scene.into(), |stem| stem.to_string_lossy());
+    name.replace(':', "-")
+}
+
+/// The same for the same drag, whatever else is tried (FNV-1a).
+fn seed(seed: u64, scene: &str, kind: Kind, number: usize) -> u64 {
+    let text = format!("{seed} {} {kind:?} {number}", short(scene));
+    text.bytes()
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}

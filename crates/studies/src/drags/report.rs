@@ -1,0 +1,180 @@
+//! What came of drags of each kind.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use bench::drag::Kind;
+use drag::{Limit, Refusal, Status};
+use serde::Serialize;
+
+/// All that was measured.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Report {
+    /// Drags of each kind in each scene.
+    pub drags: usize,
+    /// Where they began.
+    pub seed: u64,
+    /// A scene and kind each, and under the scene `all` those of all scenes together.
+    pub cells: Vec<Cell>,
+}
+
+/// Drags of one kind in one scene.
+#[derive(Clone, Debug, Default, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Cell {
+    /// File or demo.
+    pub scene: String,
+    /// `shadow`, `hotspot`, `highlight` or `diffuse`.
+    pub feature: &'static str,
+    /// `rigid` or `deforming`.
+    pub points: &'static str,
+    /// `small` or `large`.
+    pub way: &'static str,
+    /// Drags that were found and made.
+    pub drags: usize,
+    /// Those that say that they landed.
+    pub landed: usize,
+    /// Those that a limit holds, by its name.
+    pub limited: BTreeMap<String, usize>,
+    /// Those that are refused, by the reason's name.
+    pub refused: BTreeMap<String, usize>,
+    /// Of those that did not land, the ones that the slow solver landed.
+    pub missed: usize,
+    /// Landed, of landed and missed; null of none.
+    pub landed_of_feasible: Option<f64>,
+    /// Those that say that they landed and did not, by the independent way.
+    pub wrong: usize,
+    /// The farthest that the equation is off at the cursor of those that say that they landed: pixels of shadow and hotspot,
+    /// degrees of highlight and diffuse.
+    pub worst_off: f64,
+    /// The farthest on screen, in pixels.
+    pub worst_px: f64,
+    /// A drag's time with its picks: half are faster.
+    pub p50_ms: f64,
+    /// 95 in 100 are faster.
+    pub p95_ms: f64,
+    /// Steps of the solver, the median of those that landed.
+    pub p50_iterations: usize,
+}
+
+/// What came of one drag.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Of which kind it was.
+    pub kind: Kind,
+    /// What the product says.
+    pub status: Status,
+    /// Steps of the product's solver.
+    pub iterations: usize,
+    /// What it took, picks included.
+    pub ms: f64,
+    /// How far the equation is off at the cursor, in pixels or degrees; `None` where the light does not hold that place.
+    pub off: Option<f64>,
+    /// Of one that says that it landed, how far the feature is off on screen; `None` where it is not seen.
+    pub px: Option<f64>,
+    /// Whether one that says that it landed is too far off.
+    pub is_wrong: bool,
+    /// Whether the slow solver landed what the product did not.
+    pub is_missed: bool,
+}
+
+impl Cell {
+    /// Of outcomes of one kind.
+    pub fn of<'a>(scene: &str, kind: Kind, outcomes: impl Iterator<Item = &'a Outcome>) -> Self {
+        let of_kind: Vec<_> = outcomes.filter(|outcome| outcome.kind == kind).collect();
+        let count = |is: &dyn Fn(&Outcome) -> bool| of_kind.iter().filter(|outcome| is(outcome)).count();
+        let landed = count(&|outcome| outcome.status == Status::Landed);
+        let missed = count(&|outcome| outcome.is_missed);
+        let of_landed = || of_kind.iter().filter(|outcome| outcome.status == Status::Landed);
+        let worst = |of: &dyn Fn(&Outcome) -> Option<f64>| {
+            of_landed().map(|outcome| of(outcome).unwrap_or(f64::INFINITY)).fold(0.0, f64::max)
+        };
+        let mut cell = Self {
+            scene: scene.into(),
+            feature: feature(kind),
+            points: points(kind),
+            way: way(kind),
+            drags: of_kind.len(),
+            landed,
+            missed,
+            landed_of_feasible: (landed + missed > 0).then(|| landed as f64 / (landed + missed) as f64),
+            wrong: count(&|outcome| outcome.is_wrong),
+            worst_off: worst(&|outcome| outcome.off),
+            worst_px: worst(&|outcome| outcome.px),
+            p50_ms: quantile(of_kind.iter().map(|outcome| outcome.ms), 0.5),
+            p95_ms: quantile(of_kind.iter().map(|outcome| outcome.ms), 0.95),
+            p50_iterations: quantile(of_landed().map(|outcome| outcome.iterations as f64), 0.5) as usize,
+            ..Self::default()
+        };
+        for outcome in of_kind {
+            match outcome.status {
+                Status::Landed => {}
+                Status::Limited(limit) => *cell.limited.entry(limit_name(limit)).or_default() += 1,
+                Status::Refused(reason) => *cell.refused.entry(reason_name(reason)).or_default() += 1,
+            }
+        }
+        cell
+    }
+}
+
+/// The names that the contract has.
+fn limit_name(limit: Limit) -> String {
+    let name = serde_json::to_value(protocol::drag_file::DragLimit::from(limit));
+    name.expect("a word").as_str().unwrap_or_default().to_owned()
+}
+
+fn reason_name(reason: Refusal) -> String {
+    let name = serde_json::to_value(protocol::drag_file::DragReason::from(reason));
+    name.expect("a word").as_str().unwrap_or_default().to_owned()
+}
+
+pub fn feature(kind: Kind) -> &'static str {
+    match kind.feature {
+        drag::Feature::Shadow => "shadow",
+        drag::Feature::Hotspot => "hotspot",
+        drag::Feature::Highlight => "highlight",
+        drag::Feature::Diffuse => "diffuse",
+    }
+}
+
+pub fn points(kind: Kind) -> &'static str {
+    if kind.deforms { "deforming" } else { "rigid" }
+}
+
+pub fn way(kind: Kind) -> &'static str {
+    if kind.is_large { "large" } else { "small" }
+}
+
+/// Of values in any order; 0 of none.
+fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    let index = (share * values.len() as f64).ceil() as usize;
+    values.get(index.saturating_sub(1)).copied().unwrap_or(0.0)
+}
+
+impl Report {
+    /// A line a cell.
+    pub fn table(&self) -> String {
+        let mut text = String::from(
+            "scene            feature   points    way   drags landed missed  of feasible  wrong  worst off   worst px  \
+             p50 ms  p95 ms  held back by\n",
+        );
+        for cell in &self.cells {
+            let share = cell.landed_of_feasible.map_or("-".into(), |share| format!("{:.1} %", 100.0 * share));
+            let held =
+                cell.limited.iter().chain(&cell.refused).map(|(name, count)| format!("{name} {count}"));
+            let held = held.collect::<Vec<_>>().join(", ");
+            let name: String = cell.scene.chars().take(16).collect();
+            let Cell { feature, points, way, drags, landed, missed, wrong, .. } = cell;
+            let Cell { worst_off, worst_px, p50_ms, p95_ms, .. } = cell;
+            let _ = writeln!(
+                text,
+                "{name:16} {feature:9} {points:9} {way:5} {drags:5} {landed:6} {missed:6} {share:>12} {wrong:6} {worst_off:10.2e} \
+                 {worst_px:10.2e} {p50_ms:7.2} {p95_ms:7.2}  {held}"
+            );
+        }
+        text
+    }
+}

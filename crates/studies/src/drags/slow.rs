@@ -1,0 +1,291 @@
+//! A slow solver with restarts: whether any light within the limits puts a feature under the cursor.
+//!
+//! Levenberg and Marquardt's method on the equations and on what breaks the limits, from dozens of random lights. It shares
+//! nothing with the product's solver: no path from begin to end, no continuation of roots, no quadratic program. What it
+//! finds is held to the light's own `locate` and to the reference's shadows.
+
+use bench::drag::{Off, Stage, Trial};
+use drag::Feature;
+use fastrand::Rng;
+use glam::{DMat3, DQuat, DVec3};
+use light::parameters::{ROTATION, TRANSLATION};
+use light::{CheckedLight, Light, Tube};
+use raycast::Seen;
+
+use super::relaxed::beside;
+
+/// Lights that are started from.
+const RESTARTS: usize = 60;
+
+/// Steps of each.
+const STEPS: usize = 60;
+
+/// Steps without a hundredth of progress after which a start is given up.
+const STALLED: usize = 8;
+
+/// Step of the differences, in the units of the unknowns.
+const DIFFERENCE: f64 = 1e-7;
+
+/// The largest `R kappa` where the light had less as the drag began.
+const LARGEST_FOLD: f64 = 0.97;
+
+/// The least `1 - kappa r.N` at the feature.
+const LEAST_SPREAD: f64 = 0.02;
+
+/// How far inside the tube the feature lies, in radii.
+const INSIDE: f64 = 1e-4;
+
+/// How far inside of the limits the search aims, so that what it finds is within them.
+const ROOM: f64 = 1e-6;
+
+/// What a limit's breach weighs beside the equations.
+const WEIGHT: f64 = 3.0;
+
+/// A drag as equations.
+struct Asked<'a> {
+    stage: &'a Stage,
+    trial: &'a Trial,
+    to: Seen,
+    /// The largest `R kappa` that each segment may have.
+    folds: Vec<f64>,
+    /// What an unknown of 1 moves by: the length of the control polygon, or for a whole light the way to the cursor.
+    unit: f64,
+}
+
+/// A light within the limits with the feature under the cursor, if one was found.
+pub fn feasible(stage: &Stage, trial: &Trial, seed: u64) -> Option<CheckedLight> {
+    let asked = Asked::new(stage, trial)?;
+    let mut rng = Rng::with_seed(seed);
+    (0..RESTARTS).find_map(|restart| {
+        let x = asked.start(restart, &mut rng)?;
+        let x = asked.descend(x)?;
+        CheckedLight::new(asked.light(&x)).ok().filter(|light| asked.is_within_limits(light))
+    })
+}
+
+impl<'a> Asked<'a> {
+    fn new(stage: &'a Stage, trial: &'a Trial) -> Option<Self> {
+        let to = stage.seen(trial.drag.to)?;
+        let tube = trial.light.tube()?;
+        let points = trial.light.light().points();
+        let unit = match trial.kind.deforms {
+            true => points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum(),
+            false => (tube.placement.translation - stage.origin()).distance(to.position),
+        };
+        let folds = tube.r_kappa_max().into_iter().map(|fold| fold.max(LARGEST_FOLD)).collect();
+        Some(Self { stage, trial, to, folds, unit })
+    }
+
+    /// How many unknowns there are.
+    fn count(&self) -> usize {
+        self.trial.drag.points.as_ref().map_or(6, |points| 3 * points.len())
+    }
+
+    fn light(&self, x: &[f64]) -> Light {
+        let begun = self.trial.light.light().clone();
+        let vector = |k: usize| DVec3::from_slice(&x[3 * k..][..3]);
+        match &self.trial.drag.points {
+            None => {
+                let turn = DQuat::from_scaled_axis(vector(1));
+                let (translation, rotation) = (begun.get(TRANSLATION), begun.get(ROTATION));
+                let light = begun.with(TRANSLATION, translation + self.unit * vector(0));
+                light.with(ROTATION, (turn * rotation).normalize())
+            }
+            Some(chosen) => begun.with_points(|index, point| {
+                if let Some(k) = chosen.iter().position(|&chosen| chosen == index) {
+                    point.position += self.unit * vector(k);
+                }
+            }),
+        }
+    }
+
+    fn tube(&self, x: &[f64]) -> Option<Tube<f64>> {
+        let light = self.light(x);
+        if self.trial.kind.deforms {
+            return Tube::new(&light).ok();
+        }
+        let mut tube = self.trial.light.tube()?.clone();
+        tube.placement.translation = light.get(TRANSLATION);
+        tube.placement.rotation = DMat3::from_quat(light.get(ROTATION));
+        Some(tube)
+    }
+
+    /// All that is to be 0: the two equations, and by how much each limit is broken. `None` for what is no light.
+    fn residuals(&self, x: &[f64]) -> Option<Vec<f64>> {
+        let tube = self.tube(x)?;
+        let origin = self.stage.origin();
+        let place = beside(&tube, self.to.position + origin)?;
+        let over = |value: f64| WEIGHT * (value + ROOM).max(0.0);
+        let mut all = vec![
+            over(place.across.length() - (1.0 - INSIDE)),
+            over(LEAST_SPREAD - place.spread),
+            WEIGHT * place.beyond,
+        ];
+        if self.trial.kind.deforms {
+            all.extend(tube.r_kappa_max().iter().zip(&self.folds).map(|(fold, most)| over(fold - most)));
+        }
+        let turned = |wanted: DVec3| {
+            let (right, up) = wanted.any_orthonormal_pair();
+            let (x, y) = (place.direction.dot(right), place.direction.dot(up));
+            // Away from the wanted side the sines are no measure.
+            if place.direction.dot(wanted) > 0.0 { [x, y] } else { [2.0 - x.abs(), 2.0 - y.abs()] }
+        };
+        let equations = match self.trial.kind.feature {
+            Feature::Shadow => {
+                let pivot = beside(&tube, self.trial.pivot? + origin)?;
+                all.push(over(pivot.t - place.t + 1e-5));
+                all.push(WEIGHT * pivot.beyond);
+                (pivot.across - place.across).to_array()
+            }
+            Feature::Hotspot => [place.across.x - self.trial.from.v, place.across.y - self.trial.from.w],
+            Feature::Highlight => turned(self.to.mirrored()),
+            Feature::Diffuse => turned(self.to.normal),
+        };
+        all.extend(equations);
+        all.iter().all(|residual| residual.is_finite()).then_some(all)
+    }
+
+    /// Where a restart begins: at the light as it was, at that and a random change of any size, or at a light whose moving
+    /// points lie anywhere along a straight line.
+    fn start(&self, restart: usize, rng: &mut Rng) -> Option<Vec<f64>> {
+        const SIZES: [f64; 7] = [0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.2];
+        if restart == 0 {
+            return Some(vec![0.0; self.count()]);
+        }
+        (0..100).find_map(|_| {
+            let size = SIZES[restart % SIZES.len()];
+            let mut x: Vec<f64> = (0..self.count()).map(|_| size * normal(rng)).collect();
+            if !self.trial.kind.deforms {
+                // Turns of any size.
+                x[3..].iter_mut().for_each(|turn| *turn *= 2.0);
+            } else if restart % 3 == 2 {
+                self.straighten(&mut x, rng);
+            }
+            self.residuals(&x).map(|_| x)
+        })
+    }
+
+    /// Puts the moving points on a random line from the source, `x` beside it.
+    fn straighten(&self, x: &mut [f64], rng: &mut Rng) {
+        let all = self.trial.light.light().points();
+        let Some(chosen) = &self.trial.drag.points else { return };
+        let end = all[all.len() - 1].position;
+        let aside = DVec3::from_array(std::array::from_fn(|_| 0.4 * self.unit * normal(rng)));
+        let way = (end + aside - all[0].position) * (0.6 + 0.8 * rng.f64());
+        for (k, &point) in chosen.iter().enumerate() {
+            let share = point as f64 / (all.len() - 1) as f64;
+            let to = (all[0].position + way * share - all[point].position) / self.unit;
+            x[3 * k..][..3].iter_mut().zip(to.to_array()).for_each(|(x, to)| *x = 0.5 * *x + to);
+        }
+    }
+
+    /// Levenberg and Marquardt's method; `None` where it does not get to where all residuals are next to nothing.
+    fn descend(&self, mut x: Vec<f64>) -> Option<Vec<f64>> {
+        let mut residuals = self.residuals(&x)?;
+        let (mut damping, mut stalled) = (1e-3, 0);
+        for _ in 0..STEPS {
+            let size = squared(&residuals);
+            if size < 1e-24 || stalled >= STALLED {
+                break;
+            }
+            let (matrix, gradient) = self.normal_equations(&x, &residuals);
+            let mut is_better = false;
+            for _ in 0..12 {
+                let step = solve(&matrix, &gradient, damping);
+                let next: Vec<f64> = x.iter().zip(&step).map(|(x, step)| x - step).collect();
+                match self.residuals(&next).filter(|next| squared(next) < size) {
+                    Some(found) => {
+                        (x, residuals, is_better) = (next, found, true);
+                        damping = (damping * 0.2).max(1e-15);
+                        break;
+                    }
+                    None => damping = (damping * 5.0).max(1e-12),
+                }
+            }
+            if !is_better {
+                break;
+            }
+            stalled = if squared(&residuals) > 0.98 * size { stalled + 1 } else { 0 };
+        }
+        // Whether that is near enough is judged by the light itself.
+        (squared(&residuals) < 1e-4).then_some(x)
+    }
+
+    /// `J^T J` and `J^T r`, by differences.
+    fn normal_equations(&self, x: &[f64], residuals: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let columns: Vec<Vec<f64>> = (0..x.len())
+            .map(|k| {
+                let side = |step: f64| {
+                    let mut beside = x.to_vec();
+                    beside[k] += step;
+                    self.residuals(&beside).filter(|beside| beside.len() == residuals.len())
+                };
+                let (found, step) = match side(DIFFERENCE) {
+                    Some(found) => (found, DIFFERENCE),
+                    None => (side(-DIFFERENCE).unwrap_or_else(|| residuals.to_vec()), -DIFFERENCE),
+                };
+                found.iter().zip(residuals).map(|(found, at)| (found - at) / step).collect()
+            })
+            .collect();
+        let matrix = columns.iter().map(|a| columns.iter().map(|b| product(a, b)).collect()).collect();
+        let gradient = columns.iter().map(|column| product(column, residuals)).collect();
+        (matrix, gradient)
+    }
+
+    /// What feasible means, by the light's own `locate`.
+    fn is_within_limits(&self, light: &CheckedLight) -> bool {
+        let Some(tube) = light.tube() else { return false };
+        let do_not_fold = !self.trial.kind.deforms
+            || tube.r_kappa_max().iter().zip(&self.folds).all(|(fold, most)| fold <= most);
+        let Some(there) = self.stage.locate(light, self.to.position) else { return false };
+        let curve = &tube.segments[there.segment].curve;
+        let (v_hat, w_hat) = tube.cross_section(curve, curve.u_hat(there.u));
+        let r = (v_hat * there.v + w_hat * there.w) * curve.radius(there.u);
+        let turn = curve.u_hat_derivative(there.u, curve.u_hat(there.u));
+        let spread = 1.0 - r.dot(turn) / (2.0 * curve.d(there.u).length());
+        do_not_fold
+            && spread > LEAST_SPREAD
+            && there.v.hypot(there.w) <= 1.0 - INSIDE
+            && Off::of(self.stage, self.trial, light)
+                .is_some_and(|off| off.is_landed(self.trial.kind.feature))
+    }
+}
+
+/// From the normal distribution, by Box and Muller's method.
+fn normal(rng: &mut Rng) -> f64 {
+    (-2.0 * (1.0 - rng.f64()).ln()).sqrt() * (std::f64::consts::TAU * rng.f64()).cos()
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn squared(a: &[f64]) -> f64 {
+    product(a, a)
+}
+
+/// `(A + damping (diag A + 1e-9 trace A)) x = b` for a symmetric A, by Cholesky's method.
+fn solve(matrix: &[Vec<f64>], right: &[f64], damping: f64) -> Vec<f64> {
+    let count = right.len();
+    let trace: f64 = (0..count).map(|k| matrix[k][k]).sum();
+    let mut lower = vec![vec![0.0; count]; count];
+    for row in 0..count {
+        for column in 0..=row {
+            let known = product(&lower[row][..column], &lower[column][..column]);
+            let more = if row == column { damping * (matrix[row][row] + 1e-3 * trace) + 1e-300 } else { 0.0 };
+            let left = matrix[row][column] + more - known;
+            lower[row][column] =
+                if row == column { left.max(1e-300).sqrt() } else { left / lower[column][column] };
+        }
+    }
+    let mut x = right.to_vec();
+    for row in 0..count {
+        let known = product(&lower[row][..row], &x[..row]);
+        x[row] = (x[row] - known) / lower[row][row];
+    }
+    for row in (0..count).rev() {
+        let known: f64 = (row + 1..count).map(|k| lower[k][row] * x[k]).sum();
+        x[row] = (x[row] - known) / lower[row][row];
+    }
+    x
+}
