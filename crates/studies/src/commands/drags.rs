@@ -22,14 +22,15 @@ const SCENES: [&str; 4] = [
 Makes random drags in random lights over each scene: of shadows, hotspots, highlights and the sides of surfaces that are
 turned most to the light; of whole lights (rigid) and of control points (deforming); small ones, under a tenth of the
 picture's width, and large ones. Each begins on that feature as it is seen and ends on a surface that is seen and lies in the
-light. Those that do not land are given to a slow solver with dozens of restarts, which shares nothing with the product's:
-what it lands was feasible.
+light. All are given to a slow solver with dozens of restarts too, which shares nothing with the product's: what it lands was
+feasible.
 
 Prints a table on standard error, and JSON; for each scene and kind, and for all scenes together:
   landed            drags that say that they landed
   limited, refused  the others, by limit and reason
-  missed            those that did not land and are feasible
+  missed, missedBy  those that did not land and are feasible, and by limit and reason
   landedOfFeasible  landed, of landed and missed
+  slowOfLanded      of those that landed, the share that the slow solver landed too
   wrong             those that say that they landed, and by the reference's pick, its shadow and the light's `locate` did not
   worstOff          how far the equation is off at the cursor, at most: pixels of shadow and hotspot, else degrees
   p50Ms, p95Ms      a drag's time, with its picks

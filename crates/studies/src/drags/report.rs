@@ -41,8 +41,12 @@ pub struct Cell {
     pub refused: BTreeMap<String, usize>,
     /// Of those that did not land, the ones that the slow solver landed.
     pub missed: usize,
+    /// The same by limit or reason.
+    pub missed_by: BTreeMap<String, usize>,
     /// Landed, of landed and missed; null of none.
     pub landed_of_feasible: Option<f64>,
+    /// Of those that landed, the share that the slow solver landed too: how far it can be trusted.
+    pub slow_of_landed: Option<f64>,
     /// Those that say that they landed and did not, by the independent way.
     pub wrong: usize,
     /// The farthest that the equation is off at the cursor of those that say that they landed: pixels of shadow and hotspot,
@@ -75,8 +79,8 @@ pub struct Outcome {
     pub px: Option<f64>,
     /// Whether one that says that it landed is too far off.
     pub is_wrong: bool,
-    /// Whether the slow solver landed what the product did not.
-    pub is_missed: bool,
+    /// Whether the slow solver landed it.
+    pub is_feasible: bool,
 }
 
 impl Cell {
@@ -85,7 +89,8 @@ impl Cell {
         let of_kind: Vec<_> = outcomes.filter(|outcome| outcome.kind == kind).collect();
         let count = |is: &dyn Fn(&Outcome) -> bool| of_kind.iter().filter(|outcome| is(outcome)).count();
         let landed = count(&|outcome| outcome.status == Status::Landed);
-        let missed = count(&|outcome| outcome.is_missed);
+        let missed = count(&|outcome| outcome.is_feasible && outcome.status != Status::Landed);
+        let by_both = count(&|outcome| outcome.is_feasible && outcome.status == Status::Landed);
         let of_landed = || of_kind.iter().filter(|outcome| outcome.status == Status::Landed);
         let worst = |of: &dyn Fn(&Outcome) -> Option<f64>| {
             of_landed().map(|outcome| of(outcome).unwrap_or(f64::INFINITY)).fold(0.0, f64::max)
@@ -99,6 +104,7 @@ impl Cell {
             landed,
             missed,
             landed_of_feasible: (landed + missed > 0).then(|| landed as f64 / (landed + missed) as f64),
+            slow_of_landed: (landed > 0).then(|| by_both as f64 / landed as f64),
             wrong: count(&|outcome| outcome.is_wrong),
             worst_off: worst(&|outcome| outcome.off),
             worst_px: worst(&|outcome| outcome.px),
@@ -108,10 +114,14 @@ impl Cell {
             ..Self::default()
         };
         for outcome in of_kind {
-            match outcome.status {
-                Status::Landed => {}
-                Status::Limited(limit) => *cell.limited.entry(limit_name(limit)).or_default() += 1,
-                Status::Refused(reason) => *cell.refused.entry(reason_name(reason)).or_default() += 1,
+            let (held, name) = match outcome.status {
+                Status::Landed => continue,
+                Status::Limited(limit) => (&mut cell.limited, limit_name(limit)),
+                Status::Refused(reason) => (&mut cell.refused, reason_name(reason)),
+            };
+            *held.entry(name.clone()).or_default() += 1;
+            if outcome.is_feasible {
+                *cell.missed_by.entry(name).or_default() += 1;
             }
         }
         cell
@@ -158,21 +168,25 @@ impl Report {
     /// A line a cell.
     pub fn table(&self) -> String {
         let mut text = String::from(
-            "scene            feature   points    way   drags landed missed  of feasible  wrong  worst off   worst px  \
-             p50 ms  p95 ms  held back by\n",
+            "scene            feature   points    way   drags landed missed  of feasible    slow  wrong  worst off   worst px  \
+             p50 ms  p95 ms  [missed by] held back by\n",
         );
         for cell in &self.cells {
             let share = cell.landed_of_feasible.map_or("-".into(), |share| format!("{:.1} %", 100.0 * share));
-            let held =
-                cell.limited.iter().chain(&cell.refused).map(|(name, count)| format!("{name} {count}"));
-            let held = held.collect::<Vec<_>>().join(", ");
+            let slow = cell.slow_of_landed.map_or("-".into(), |share| format!("{:.1} %", 100.0 * share));
+            let words = |counts: &BTreeMap<String, usize>| {
+                let words = counts.iter().map(|(name, count)| format!("{name} {count}"));
+                words.collect::<Vec<_>>().join(", ")
+            };
+            let missed_by = words(&cell.missed_by);
+            let held = [words(&cell.limited), words(&cell.refused)].join(" ");
             let name: String = cell.scene.chars().take(16).collect();
             let Cell { feature, points, way, drags, landed, missed, wrong, .. } = cell;
             let Cell { worst_off, worst_px, p50_ms, p95_ms, .. } = cell;
             let _ = writeln!(
                 text,
-                "{name:16} {feature:9} {points:9} {way:5} {drags:5} {landed:6} {missed:6} {share:>12} {wrong:6} {worst_off:10.2e} \
-                 {worst_px:10.2e} {p50_ms:7.2} {p95_ms:7.2}  {held}"
+                "{name:16} {feature:9} {points:9} {way:5} {drags:5} {landed:6} {missed:6} {share:>12} {slow:>7} {wrong:6} {worst_off:10.2e} \
+                 {worst_px:10.2e} {p50_ms:7.2} {p95_ms:7.2}  [{missed_by}] {held}"
             );
         }
         text
