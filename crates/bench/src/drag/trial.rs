@@ -47,6 +47,26 @@ impl Kind {
         };
         FEATURES.into_iter().flat_map(of)
     }
+
+    /// As drag files call the feature.
+    pub fn feature_name(self) -> &'static str {
+        match self.feature {
+            Feature::Shadow => "shadow",
+            Feature::Hotspot => "hotspot",
+            Feature::Highlight => "highlight",
+            Feature::Diffuse => "diffuse",
+        }
+    }
+
+    /// What moves.
+    pub fn points_name(self) -> &'static str {
+        if self.deforms { "deforming" } else { "rigid" }
+    }
+
+    /// How far it goes.
+    pub fn way_name(self) -> &'static str {
+        if self.is_large { "large" } else { "small" }
+    }
 }
 
 /// A light, and a drag in it.
@@ -65,6 +85,13 @@ pub struct Trial {
 }
 
 impl Trial {
+    /// Where the drag of that number begins, the same whatever else is tried (FNV-1a).
+    pub fn seed(seed: u64, scene: &str, kind: Kind, number: usize) -> u64 {
+        let text = format!("{seed} {scene} {kind:?} {number}");
+        text.bytes()
+            .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+    }
+
     /// A random drag of that kind, the same for the same seed: the feature is seen where it begins, and it ends on a visible
     /// surface inside of the light as it begins. `None` where no such drag was found.
     pub fn random(stage: &Stage, kind: Kind, seed: u64) -> Option<Self> {
@@ -92,7 +119,15 @@ fn trial(stage: &Stage, kind: Kind, rng: &mut Rng) -> Option<Trial> {
         stage.locate(&begin.light, seen.position).map(|_| to)
     })?;
     let points = kind.deforms.then(|| points(rng, begin.light.light().points().len()));
-    let drag = Drag { feature: kind.feature, points, radii: Radii::Keep, from: begin.pixel, to };
+    let drag = Drag {
+        feature: kind.feature,
+        points,
+        radii: Radii::Keep,
+        from: begin.pixel,
+        to,
+        pins: Vec::new(),
+        source_outside: false,
+    };
     Some(Trial { kind, light: begin.light, drag, from: begin.place, pivot: begin.pivot })
 }
 

@@ -1,5 +1,6 @@
 //! `bendylights bench`: answers to questions that people who run it have, measured.
 
+mod drag;
 mod session;
 mod shadow;
 
@@ -13,6 +14,8 @@ pub struct Args {
 
 #[derive(clap::Subcommand)]
 enum Question {
+    /// Do drags land, and how long do they take? Random ones, beside the formulas of the BendyLights paper
+    Drag(drag::Args),
     /// How long until an edit is on the screen? Drags a control point over a server of its own, on loopback
     Session(session::Args),
     /// What do bent shadows cost, and how wrong are they? Run time against error of resolution, splitting and filter
@@ -21,6 +24,7 @@ enum Question {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     match &args.question {
+        Question::Drag(args) => drag::run(args),
         Question::Session(args) => session::run(args),
         Question::Shadow(args) => shadow::run(args),
     }

@@ -44,7 +44,7 @@ pub fn run(stage: &Stage, options: Options, progress: impl Fn() + Sync) -> (Vec<
     let mut failures = Vec::new();
     for kind in Kind::all() {
         let numbers: Vec<usize> = (0..options.drags).collect();
-        let seed = |number: usize| seed(options.seed, &stage.name, kind, number);
+        let seed = |number: usize| Trial::seed(options.seed, &short(&stage.name), kind, number);
         let trials: Vec<_> = numbers
             .par_iter()
             .map(|&number| {
@@ -85,9 +85,9 @@ pub fn run(stage: &Stage, options: Options, progress: impl Fn() + Sync) -> (Vec<
                     name: format!(
                         "{}-{}-{}-{}-{number}",
                         short(&stage.name),
-                        report::feature(kind),
-                        report::points(kind),
-                        report::way(kind)
+                        kind.feature_name(),
+                        kind.points_name(),
+                        kind.way_name()
                     ),
                     light: protocol::light_file::to_json(trial.light.light()),
                     drags: contract(stage, &trial),
@@ -130,7 +130,7 @@ fn at_the_cursor(stage: &Stage, trial: &Trial, light: &CheckedLight) -> Value {
 fn contract(stage: &Stage, trial: &Trial) -> Value {
     json!([{
         "light": 0,
-        "kind": report::feature(trial.kind),
+        "kind": trial.kind.feature_name(),
         "points": trial.drag.points,
         "size": stage.view.size,
         "from": trial.drag.from.to_array(),
@@ -142,11 +142,4 @@ fn contract(stage: &Stage, trial: &Trial) -> Value {
 pub fn short(scene: &str) -> String {
     let name = std::path::Path::new(scene).file_stem().map_or(scene.into(), |stem| stem.to_string_lossy());
     name.replace(':', "-")
-}
-
-/// The same for the same drag, whatever else is tried (FNV-1a).
-fn seed(seed: u64, scene: &str, kind: Kind, number: usize) -> u64 {
-    let text = format!("{seed} {} {kind:?} {number}", short(scene));
-    text.bytes()
-        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }

@@ -97,9 +97,9 @@ impl Cell {
         };
         let mut cell = Self {
             scene: scene.into(),
-            feature: feature(kind),
-            points: points(kind),
-            way: way(kind),
+            feature: kind.feature_name(),
+            points: kind.points_name(),
+            way: kind.way_name(),
             drags: of_kind.len(),
             landed,
             missed,
@@ -137,23 +137,6 @@ fn limit_name(limit: Limit) -> String {
 fn reason_name(reason: Refusal) -> String {
     let name = serde_json::to_value(protocol::drag_file::DragReason::from(reason));
     name.expect("a word").as_str().unwrap_or_default().to_owned()
-}
-
-pub fn feature(kind: Kind) -> &'static str {
-    match kind.feature {
-        drag::Feature::Shadow => "shadow",
-        drag::Feature::Hotspot => "hotspot",
-        drag::Feature::Highlight => "highlight",
-        drag::Feature::Diffuse => "diffuse",
-    }
-}
-
-pub fn points(kind: Kind) -> &'static str {
-    if kind.deforms { "deforming" } else { "rigid" }
-}
-
-pub fn way(kind: Kind) -> &'static str {
-    if kind.is_large { "large" } else { "small" }
 }
 
 /// Of values in any order; 0 of none.

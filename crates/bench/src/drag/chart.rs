@@ -1,0 +1,121 @@
+//! How far from the cursor features end, and how long that takes, as an SVG.
+
+use drag::Feature;
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+use super::measured::{Made, One};
+use super::trial::FEATURES;
+
+type Drawn = Result<(), Box<dyn std::error::Error>>;
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// One a feature, in their order.
+const COLORS: [RGBColor; 4] = [
+    RGBColor(0x2f, 0x6d, 0xb5),
+    RGBColor(0xe0, 0x8a, 0x1e),
+    RGBColor(0xd9, 0x48, 0x3b),
+    RGBColor(0x3a, 0x9a, 0x5c),
+];
+
+/// Pixels and milliseconds that are drawn; what is less or more lies at the edge.
+const PX: (f64, f64) = (1e-3, 1e3);
+const MS: (f64, f64) = (1e-2, 1e2);
+
+/// Half a pixel: what landing means.
+const LANDED_PX: f64 = 0.5;
+
+/// Shares of drags over pixels above and milliseconds below: those of whole lights to the left, of control points to the right.
+pub(super) fn draw(all: &[Made]) -> Result<String, Box<dyn std::error::Error>> {
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, (1000, 760)).into_drawing_area();
+        root.fill(&WHITE)?;
+        let panels = root.split_evenly((2, 2));
+        for (deforms, name) in [(false, "the whole light moves"), (true, "chosen control points move")] {
+            let of_kind: Vec<&Made> = all.iter().filter(|made| made.kind.deforms == deforms).collect();
+            let column = usize::from(deforms);
+            let title = format!("how far from the cursor does it end? {name}");
+            panel(&panels[column], (&title, "pixels"), PX, (&of_kind, |one| one.px), column == 0)?;
+            let title = format!("how long does it take? {name}");
+            panel(&panels[2 + column], (&title, "milliseconds"), MS, (&of_kind, |one| one.ms), false)?;
+        }
+        root.present()?;
+    }
+    Ok(svg)
+}
+
+/// Shares of drags: thick by the product, thin by the paper.
+fn panel(
+    area: &Area,
+    (title, unit): (&str, &str),
+    (least, most): (f64, f64),
+    (all, of): (&[&Made], fn(&One) -> f64),
+    key: bool,
+) -> Drawn {
+    let mut plot = ChartBuilder::on(area)
+        .caption(title, ("sans-serif", 15))
+        .margin(12)
+        .x_label_area_size(36)
+        .y_label_area_size(52)
+        .build_cartesian_2d((least..most).log_scale(), 0.0..100.0)?;
+    plot.configure_mesh()
+        .x_desc(unit)
+        .y_desc("% of drags, at most so much")
+        .light_line_style(BLACK.mix(0.05))
+        .x_label_formatter(&|x| format!("{x}"))
+        .y_label_formatter(&|y| format!("{y:.0}"))
+        .draw()?;
+    if unit == "pixels" {
+        plot.draw_series(LineSeries::new([(LANDED_PX, 0.0), (LANDED_PX, 100.0)], BLACK.mix(0.5)))?;
+    }
+    for (feature, color) in FEATURES.into_iter().zip(COLORS) {
+        let values = |side: fn(&Made) -> &One| {
+            let of_feature = all.iter().filter(|made| made.kind.feature == feature);
+            of_feature.map(|made| of(side(made))).collect::<Vec<f64>>()
+        };
+        let paper = cumulative(values(|made| &made.paper), (least, most));
+        plot.draw_series(LineSeries::new(paper, color.mix(0.55)))?;
+        let ours = cumulative(values(|made| &made.ours), (least, most));
+        let series = plot.draw_series(LineSeries::new(ours, color.stroke_width(3)))?;
+        if key {
+            let swatch = move |(x, y)| PathElement::new([(x, y), (x + 18, y)], color.stroke_width(3));
+            series.label(name(feature)).legend(swatch);
+        }
+    }
+    if key {
+        plot.draw_series(std::iter::empty::<Circle<(f64, f64), i32>>())?
+            .label("thin: the paper's formulas")
+            .legend(|(x, y)| PathElement::new([(x, y), (x + 18, y)], BLACK.mix(0.55)));
+        plot.configure_series_labels()
+            .position(SeriesLabelPosition::MiddleRight)
+            .background_style(WHITE.mix(0.85))
+            .border_style(BLACK.mix(0.3))
+            .draw()?;
+    }
+    Ok(())
+}
+
+fn name(feature: Feature) -> &'static str {
+    match feature {
+        Feature::Shadow => "shadow",
+        Feature::Hotspot => "hotspot",
+        Feature::Highlight => "highlight",
+        Feature::Diffuse => "most turned to the light",
+    }
+}
+
+/// Steps of the share of all values, in percent, that are at most so much. Infinite ones never are.
+fn cumulative(mut values: Vec<f64>, (least, most): (f64, f64)) -> Vec<(f64, f64)> {
+    values.sort_by(f64::total_cmp);
+    let count = values.len().max(1) as f64;
+    let mut steps = vec![(least, 0.0)];
+    for (index, value) in values.into_iter().enumerate().take_while(|(_, value)| *value < most) {
+        let x = value.max(least);
+        steps.push((x, 100.0 * index as f64 / count));
+        steps.push((x, 100.0 * (index + 1) as f64 / count));
+    }
+    let last = steps[steps.len() - 1].1;
+    steps.push((most, last));
+    steps
+}

@@ -1,0 +1,197 @@
+//! Random drags, made by the product and by the paper's formulas.
+
+use std::time::Instant;
+
+use drag::{Feature, Status, drag};
+use light::{CheckedLight, Light};
+use serde::Serialize;
+
+use super::off::{Off, distance_px};
+use super::stage::Stage;
+use super::trial::{Kind, Trial};
+use super::{chart, paper};
+use crate::BenchError;
+
+/// What to measure.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Drags of each kind in each scene.
+    pub drags: usize,
+    /// Another number, other drags.
+    pub seed: u64,
+}
+
+/// What was measured.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Report {
+    /// What was dragged in.
+    pub scenes: Vec<String>,
+    /// Drags of each kind in each scene.
+    pub drags: usize,
+    /// Where they began.
+    pub seed: u64,
+    /// Sixteen.
+    pub kinds: Vec<KindReport>,
+}
+
+/// Drags of one kind, in all scenes.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct KindReport {
+    /// `shadow`, `hotspot`, `highlight` or `diffuse`.
+    pub feature: &'static str,
+    /// `rigid` or `deforming`.
+    pub points: &'static str,
+    /// `small` or `large`.
+    pub way: &'static str,
+    /// Drags that were made.
+    pub drags: usize,
+    /// By the product.
+    pub ours: Side,
+    /// By the paper's formulas.
+    pub paper: Side,
+    /// Steps of the product's solver.
+    pub iterations: Spread,
+}
+
+/// What one of the two made of the drags.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Side {
+    /// How many ended within half a pixel of the cursor, in a light that is valid.
+    pub landed: usize,
+    /// How many lights fold.
+    pub folded: usize,
+    /// How many features are not in the picture afterwards.
+    pub lost: usize,
+    /// From the cursor to the feature, in pixels.
+    pub px: Spread,
+    /// How far the equations are from holding at the cursor: in radii of shadow and hotspot, in radians of the others.
+    pub residual: Spread,
+    /// Milliseconds, with the picks.
+    pub ms: Spread,
+}
+
+/// The middle and the far end of many; null where that many are lost or there are none.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Spread {
+    /// Half are less.
+    pub p50: Option<f64>,
+    /// 95 in 100 are less.
+    pub p95: Option<f64>,
+}
+
+impl Spread {
+    /// Of values in any order, infinite ones among them.
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        let mut values: Vec<f64> = values.collect();
+        values.sort_by(f64::total_cmp);
+        let at = |share: f64| {
+            let index = (share * values.len() as f64).ceil() as usize;
+            values.get(index.saturating_sub(1)).copied().filter(|value| value.is_finite())
+        };
+        Self { p50: at(0.5), p95: at(0.95) }
+    }
+}
+
+/// A drag, made twice.
+#[derive(Clone, Debug)]
+pub(super) struct Made {
+    pub kind: Kind,
+    pub ours: One,
+    pub paper: One,
+    iterations: usize,
+}
+
+/// Where a feature ended.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct One {
+    folds: bool,
+    /// Infinite where it is not in the picture.
+    pub px: f64,
+    residual: f64,
+    pub ms: f64,
+}
+
+impl One {
+    fn new(stage: &Stage, trial: &Trial, light: Option<Light>, ms: f64) -> Self {
+        let light = light.and_then(|light| CheckedLight::new(light).ok());
+        let px = light.as_ref().and_then(|light| distance_px(stage, trial, light));
+        let off = light.as_ref().and_then(|light| Off::of(stage, trial, light));
+        Self {
+            folds: light.is_none(),
+            px: px.unwrap_or(f64::INFINITY),
+            residual: off.map_or(f64::INFINITY, |off| off.residual),
+            ms,
+        }
+    }
+}
+
+/// Makes random drags of every kind in each scene; `progress` is called for each. Returns what was measured and the chart,
+/// an SVG.
+pub fn run(stages: &[Stage], options: Options, progress: impl Fn()) -> Result<(Report, String), BenchError> {
+    let mut all = Vec::new();
+    for stage in stages {
+        for kind in Kind::all() {
+            for number in 0..options.drags {
+                let trial = Trial::random(stage, kind, Trial::seed(options.seed, &stage.name, kind, number));
+                all.extend(trial.map(|trial| made(stage, &trial)));
+                progress();
+            }
+        }
+    }
+    let report = Report {
+        scenes: stages.iter().map(|stage| stage.name.clone()).collect(),
+        drags: options.drags,
+        seed: options.seed,
+        kinds: Kind::all().map(|kind| of_kind(kind, &all)).collect(),
+    };
+    let chart = chart::draw(&all).map_err(|why| BenchError::Chart(why.to_string()))?;
+    Ok((report, chart))
+}
+
+fn made(stage: &Stage, trial: &Trial) -> Made {
+    let began = Instant::now();
+    let landing = drag(&stage.reference.bvh, &stage.view, &trial.light, &trial.drag);
+    let ours_ms = began.elapsed().as_secs_f64() * 1e3;
+    let began = Instant::now();
+    let moved = paper::moved(stage, trial);
+    let paper_ms = began.elapsed().as_secs_f64() * 1e3;
+    let mut ours = One::new(stage, trial, Some(landing.light), ours_ms);
+    if landing.status != Status::Landed && trial.kind.feature == Feature::Shadow {
+        // A way that only touches what throws the shadow leaves none, however near it ends.
+        ours.px = ours.px.max(1.0);
+    }
+    Made {
+        kind: trial.kind,
+        ours,
+        paper: One::new(stage, trial, moved, paper_ms),
+        iterations: landing.iterations,
+    }
+}
+
+fn of_kind(kind: Kind, all: &[Made]) -> KindReport {
+    let of_kind: Vec<&Made> = all.iter().filter(|made| made.kind == kind).collect();
+    let side = |of: fn(&Made) -> &One| {
+        let values = |value: fn(&One) -> f64| Spread::of(of_kind.iter().map(move |made| value(of(made))));
+        let count = |is: fn(&One) -> bool| of_kind.iter().filter(|made| is(of(made))).count();
+        Side {
+            landed: count(|one| one.px <= 0.5),
+            folded: count(|one| one.folds),
+            lost: count(|one| !one.folds && one.px.is_infinite()),
+            px: values(|one| one.px),
+            residual: values(|one| one.residual),
+            ms: values(|one| one.ms),
+        }
+    };
+    KindReport {
+        feature: kind.feature_name(),
+        points: kind.points_name(),
+        way: kind.way_name(),
+        drags: of_kind.len(),
+        ours: side(|made| &made.ours),
+        paper: side(|made| &made.paper),
+        iterations: Spread::of(of_kind.iter().map(|made| made.iterations as f64)),
+    }
+}

@@ -1,0 +1,78 @@
+//! The paper's formulas (section 5, eqs 11 to 13), which move a light once and do not look where its feature ends.
+
+use drag::Feature;
+use glam::{DQuat, DVec3};
+use light::parameters::{ROTATION, TRANSLATION};
+use light::{Light, Tube};
+
+use super::stage::Stage;
+use super::trial::Trial;
+
+/// A turn about a point in the world, and then a way.
+#[derive(Clone, Copy, Debug)]
+struct Motion {
+    about: DVec3,
+    turn: DQuat,
+    way: DVec3,
+}
+
+impl Motion {
+    fn of(&self, point: DVec3) -> DVec3 {
+        self.about + self.turn * (point - self.about) + self.way
+    }
+}
+
+/// The light as the paper moves it: as a whole, or the chosen control points by the same motion. It may fold. `None` where a
+/// formula has no value.
+///
+/// Read as light model, section 7, corrects them: positions in the world, `P_l` the apex of the cone that the tube sets out
+/// as, parentheses in eq. 12. The paper has no formula for the side that is turned most to the light; eq. 13 with the normal in
+/// place of the mirror direction is what it would be.
+pub fn moved(stage: &Stage, trial: &Trial) -> Option<Light> {
+    let origin = stage.origin();
+    let [from, to] = [trial.drag.from, trial.drag.to].map(|pixel| stage.seen(pixel));
+    let (from, to) = (from?, to?);
+    let (m, m_to) = (from.position + origin, to.position + origin);
+    let tube = trial.light.tube()?;
+    let apex = apex(tube);
+    let motion = match trial.kind.feature {
+        Feature::Shadow => {
+            let pivot = trial.pivot? + origin;
+            let apex_to = pivot + (pivot - m_to) * (apex.distance(pivot) / pivot.distance(m));
+            Motion { about: apex, turn: DQuat::IDENTITY, way: apex_to - apex }
+        }
+        Feature::Hotspot => {
+            let turn = DQuat::from_rotation_arc((m - apex).normalize(), (m_to - apex).normalize());
+            Motion { about: apex, turn, way: DVec3::ZERO }
+        }
+        Feature::Highlight | Feature::Diffuse => {
+            let has = stage.locate(&trial.light, to.position)?.direction;
+            let wanted = if trial.kind.feature == Feature::Diffuse { to.normal } else { to.mirrored() };
+            Motion { about: m_to, turn: DQuat::from_rotation_arc(has, wanted), way: DVec3::ZERO }
+        }
+    };
+    let light = trial.light.light().clone();
+    let Some(chosen) = &trial.drag.points else {
+        let (translation, rotation) = (light.get(TRANSLATION), light.get(ROTATION));
+        return Some(
+            light
+                .with(TRANSLATION, motion.of(translation))
+                .with(ROTATION, (motion.turn * rotation).normalize()),
+        );
+    };
+    let transform = light.transform();
+    Some(light.with_points(|index, point| {
+        if chosen.contains(&index) {
+            let world = motion.of(transform.world_from_local(point.position));
+            point.position = transform.rotation.inverse() * (world - transform.translation) / transform.scale;
+        }
+    }))
+}
+
+/// Where the cone that a tube sets out as comes to a point, in the world; its source where it does not widen.
+fn apex(tube: &Tube<f64>) -> DVec3 {
+    let first = &tube.segments[0].curve;
+    let widening = first.e0 / first.d0.length();
+    let back = if widening > 0.0 { first.r0 / widening } else { 0.0 };
+    tube.placement.world_from_tube(first.b0 - first.u_hat(0.0) * back)
+}

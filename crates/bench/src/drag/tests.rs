@@ -1,0 +1,104 @@
+//! The formulas that drags are measured beside, where they are exact, and the measure itself.
+
+use drag::{Drag, Feature, Radii};
+use glam::DVec3;
+use light::parameters::{ROTATION, TRANSLATION};
+use light::{CheckedLight, Light};
+
+use super::{FEATURES, Kind, Off, Stage, Trial, distance_px, paper};
+
+const SIZE: [u32; 2] = [320, 180];
+
+fn demo() -> Stage {
+    let demo = assets::demo("vases").expect("it is one of the demos");
+    Stage::new("demo:vases", demo.scene, &demo.contents.cameras, SIZE)
+}
+
+fn trials(stage: &Stage, feature: Feature, deforms: bool) -> impl Iterator<Item = Trial> + '_ {
+    let kind = Kind { feature, deforms, is_large: false };
+    (0..12).filter_map(move |number| Trial::random(stage, kind, Trial::seed(1, &stage.name, kind, number)))
+}
+
+/// The cone that a trial's light would be were it straight, and the same drag in it; `None` where its feature is not there.
+fn straightened(stage: &Stage, mut trial: Trial) -> Option<Trial> {
+    let begun = trial.light.light();
+    let length = begun.points().last()?.position.length();
+    let along = light::greville(3).into_iter().map(|g| g / 3.0);
+    let (points, radii) =
+        along.map(|g| (DVec3::NEG_Z * (g * length), 0.3 * length * (0.1 + 0.9 * g))).unzip();
+    let light = Light::bendy(points, radii)
+        .with(TRANSLATION, begun.get(TRANSLATION))
+        .with(ROTATION, begun.get(ROTATION));
+    trial.light = CheckedLight::new(light).ok()?;
+    let at = |pixel| stage.locate(&trial.light, stage.seen(pixel)?.position);
+    (trial.from, _) = (at(trial.drag.from)?, at(trial.drag.to)?);
+    if let Some(pivot) = trial.pivot.as_mut() {
+        let path = stage.reference.bvh.path(trial.light.tube()?, trial.from.v, trial.from.w);
+        *pivot = stage.reference.bvh.first_bent_hit(&path, 0.99 * trial.from.t, |_| true)?.position;
+    }
+    Some(trial)
+}
+
+/// What the paper's formulas are exact for: shadows and hotspots of straight cones, and highlights of any light. Shadows
+/// and hotspots of bent lights they miss, as the measure has to see.
+#[test]
+fn the_papers_formulas_are_exact_where_they_should_be() {
+    let stage = demo();
+    for feature in FEATURES {
+        let [mut exact, mut missed] = [0, 0];
+        for trial in trials(&stage, feature, false) {
+            let off = |trial: &Trial| {
+                let light = CheckedLight::new(paper::moved(&stage, trial)?).ok()?;
+                Off::of(&stage, trial, &light)
+            };
+            let is_turned = matches!(feature, Feature::Highlight | Feature::Diffuse);
+            missed += usize::from(!is_turned && off(&trial).is_none_or(|off| off.share > 0.5));
+            let straight = if is_turned { Some(trial) } else { straightened(&stage, trial) };
+            // Of a shadow that now falls elsewhere too nothing is asked.
+            let Some(off) = straight.as_ref().and_then(off) else { continue };
+            assert!(off.residual < 1e-7, "{feature:?}: {off:?} {:?}", straight.map(|trial| trial.drag));
+            exact += 1;
+        }
+        println!("{feature:?}: exact {exact}, of bent lights missed {missed}");
+        assert!(exact >= 4, "{feature:?}: {exact}");
+        assert!(
+            missed >= 4 || matches!(feature, Feature::Highlight | Feature::Diffuse),
+            "{feature:?}: {missed}"
+        );
+    }
+}
+
+/// Each drag begins on its feature as it is seen: the light that has not moved yet has it there, and elsewhere it has not.
+#[test]
+fn trials_begin_on_their_feature() {
+    let stage = demo();
+    for kind in Kind::all() {
+        let trial = Trial::random(&stage, kind, 7).expect("a drag");
+        let way = trial.drag.from.distance(trial.drag.to) / f64::from(SIZE[0]);
+        assert_eq!(way >= 0.1, kind.is_large);
+        let stays = Trial { drag: Drag { to: trial.drag.from, ..trial.drag.clone() }, ..trial.clone() };
+        let off = Off::of(&stage, &stays, &trial.light).expect("the feature is there");
+        assert!(off.residual < 1e-6, "{kind:?} {off:?}");
+        let px = distance_px(&stage, &stays, &trial.light).expect("the feature is seen");
+        assert!(px < 0.05, "{kind:?} {px}");
+        // The planted fault: nobody moved the light to where the drag ends.
+        let off = Off::of(&stage, &trial, &trial.light);
+        assert!(!off.is_some_and(|off| off.is_landed(kind.feature)), "{kind:?} {off:?}");
+    }
+}
+
+/// Where control points take part the paper's motion moves those and nothing else.
+#[test]
+fn a_deforming_move_keeps_what_is_not_chosen() {
+    let stage = demo();
+    for trial in FEATURES.into_iter().flat_map(|feature| trials(&stage, feature, true)) {
+        let Some(light) = paper::moved(&stage, &trial) else { continue };
+        let chosen = trial.drag.points.as_deref().unwrap_or_default();
+        assert_eq!(trial.drag.radii, Radii::Keep);
+        let (before, after) = (trial.light.light(), &light);
+        assert_eq!(before.transform(), after.transform());
+        for (index, (before, after)) in before.points().iter().zip(after.points()).enumerate() {
+            assert!(chosen.contains(&index) || before == after, "control point {index}");
+        }
+    }
+}

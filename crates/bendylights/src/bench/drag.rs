@@ -1,0 +1,72 @@
+//! `bendylights bench drag`: do drags land, and how long do they take.
+
+use std::path::PathBuf;
+
+use ::bench::drag::{self, Kind, Options, Stage};
+use assets::Loaded;
+use cli::{Output, Size, answer};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::error::Error;
+use crate::render::open_scene;
+
+#[derive(clap::Args)]
+#[command(after_help = "\
+Makes random drags in random lights over each scene, of shadows, hotspots, highlights and the sides of surfaces that are turned
+most to the light, as `bendylights drag` does, and beside them by the formulas of the BendyLights paper, which move a light
+once and do not look where its feature ends. Prints JSON; for each kind (feature, whole lights or control points, less or more
+than a tenth of the picture's width):
+  iterations  steps of the solver
+  ours, paper
+    landed    features that end within half a pixel of the cursor
+    folded    lights that fold and cannot be drawn
+    lost      features that are not in the picture afterwards
+    px        from the cursor to the feature, in pixels
+    residual  how far the equations are from holding at the cursor: radii of shadow and hotspot, else radians
+    ms        a drag's time, with its picks
+
+Examples:
+  bendylights bench drag -o drag.svg
+  bendylights bench drag demo:vases room.glb --drags 100")]
+pub struct Args {
+    /// glTF files (.gltf or .glb), or `demo:NAME`
+    #[arg(default_value = "demo:vases", value_name = "SCENE")]
+    scenes: Vec<String>,
+    /// Drags of each of the sixteen kinds in each scene
+    #[arg(long, default_value_t = 25, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    drags: u32,
+    /// Another number, other drags
+    #[arg(long, default_value_t = 1, value_name = "S")]
+    seed: u64,
+    /// Width and height of the picture in pixels
+    #[arg(long, default_value = "686x382", value_name = "WxH")]
+    size: Size,
+    /// Chart to write: shares of drags over distance and time
+    #[arg(short, value_name = "OUT.svg")]
+    output: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> Result<(), Error> {
+    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
+    let Size { width, height } = args.size;
+    let stages: Result<Vec<Stage>, Error> = args
+        .scenes
+        .iter()
+        .map(|name| {
+            let Loaded { scene, contents, .. } = open_scene(name)?;
+            Ok(Stage::new(name, scene, &contents.cameras, [width, height]))
+        })
+        .collect();
+    let stages = stages?;
+    let options = Options { drags: args.drags as usize, seed: args.seed };
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} drags").expect("a valid template");
+    let drags = stages.len() * Kind::all().count() * options.drags;
+    let bar = ProgressBar::new(drags as u64).with_style(style);
+    let result = drag::run(&stages, options, || bar.inc(1));
+    bar.finish_and_clear();
+    let (report, chart) = result.map_err(Error::Bench)?;
+    if let Some(output) = output {
+        output.write(chart.as_bytes())?;
+    }
+    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+}
