@@ -9,6 +9,7 @@ mod client;
 pub mod compare;
 pub mod drag;
 mod error;
+pub mod log;
 mod process;
 pub mod session;
 pub mod shadow;

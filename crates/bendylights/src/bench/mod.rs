@@ -1,6 +1,7 @@
 //! `bendylights bench`: answers to questions that people who run it have, measured.
 
 mod drag;
+mod log;
 mod session;
 mod shadow;
 
@@ -16,6 +17,8 @@ pub struct Args {
 enum Question {
     /// Do drags land, and how long do they take? Random ones, beside the formulas of the BendyLights paper
     Drag(drag::Args),
+    /// How fast is the edit log? Edits acknowledged, undone and replayed a second, and opening time over its length
+    Log(log::Args),
     /// How long until an edit is on the screen? Drags a control point over a server of its own, on loopback
     Session(session::Args),
     /// What do bent shadows cost, and how wrong are they? Run time against error of resolution, splitting and filter
@@ -25,6 +28,7 @@ enum Question {
 pub fn run(args: &Args) -> Result<(), Error> {
     match &args.question {
         Question::Drag(args) => drag::run(args),
+        Question::Log(args) => log::run(args),
         Question::Session(args) => session::run(args),
         Question::Shadow(args) => shadow::run(args),
     }

@@ -1,0 +1,350 @@
+//! How fast is the edit log? Edits acknowledged, undone and replayed a second, and how long a session takes to open.
+
+mod chart;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command as Process;
+use std::time::{Duration, Instant};
+
+use protocol::{ClientMessage, Command, Scope, ServerMessage, Vec3};
+use serde::Serialize;
+
+use crate::session::{RADIUS, control_point, ms, position_of};
+use crate::{BenchError, Client, Incoming, ServerProcess};
+
+/// Requests that a client has under way at once where it does not wait for each answer.
+pub const IN_FLIGHT: usize = 64;
+
+/// Edits that are sent one at a time.
+const ONE_AT_A_TIME: usize = 200;
+
+/// Times that a session of each length is opened; the fastest counts, since other work only adds time.
+const OPENINGS: usize = 3;
+
+/// Lengths at which opening is measured, at most.
+const LENGTHS: usize = 7;
+
+/// What to measure.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Edits that the log grows by.
+    pub edits: usize,
+}
+
+/// What was measured.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Report {
+    /// What was edited.
+    pub what: &'static str,
+    /// Each sent when the one before was acknowledged, which is when it is on disk.
+    pub acknowledged_one_at_a_time: Rate,
+    /// With up to 64 under way.
+    pub acknowledged: Rate,
+    /// The same for undo.
+    pub undone: Rate,
+    /// By `bendylights replay`, from a file: every record applied, every checkpoint's hash compared.
+    pub replayed: Rate,
+    /// Over the length of the log, the shortest first.
+    pub opening: Vec<Opening>,
+}
+
+/// How many, and how fast.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Rate {
+    /// Edits or records.
+    pub count: usize,
+    /// Of them.
+    pub per_second: f64,
+    /// From sending one to its answer: half are faster. Null where none is answered.
+    pub p50_ms: Option<f64>,
+    /// 95 in 100 are faster.
+    pub p95_ms: Option<f64>,
+}
+
+/// How long a server takes until it answers for a session that was at rest.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Opening {
+    /// Records in the log.
+    pub records: u64,
+    /// Bytes of its log file.
+    pub log_bytes: u64,
+    /// Without a checkpoint: all records are replayed.
+    pub without_checkpoint_ms: f64,
+    /// As the server had left it: from its checkpoint where it keeps one, which is once a thousand records have come.
+    pub reopened_ms: f64,
+}
+
+/// How far a measurement is.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// Steps that are done.
+    pub done: usize,
+    /// Of so many.
+    pub of: usize,
+    /// The one at hand.
+    pub doing: &'static str,
+}
+
+/// Starts `program serve` on data of its own and measures. Returns what was measured and the chart, an SVG.
+pub fn run(
+    program: &Path,
+    options: Options,
+    progress: impl Fn(Progress),
+) -> Result<(Report, String), BenchError> {
+    let folder = tempfile::tempdir()?;
+    let data = folder.path().join("data");
+    let lengths = lengths(options.edits);
+    let (one_at_a_time, undos) = (ONE_AT_A_TIME.min(options.edits), options.edits.min(1_000));
+    let of = one_at_a_time + options.edits + undos + lengths.len() * (1 + 3 * OPENINGS);
+    let say = |done: usize, doing: &'static str| progress(Progress { done, of, doing });
+
+    let mut logs = Vec::new();
+    let server = ServerProcess::start(program, &data, &["--scene", "demo:vases"])?;
+    server.wait_until_ready()?;
+    let mut client = Client::connect(&server.address, "main", "bench", None)?;
+    let mut edits = Edits::new(&client)?;
+    let slow = edits.send(&mut client, one_at_a_time, 1, |k| say(k, "edits, one at a time"))?;
+    let mut latencies = Answered::default();
+    for &length in &lengths {
+        let (done, more) = (edits.count - one_at_a_time, length - (edits.count - one_at_a_time));
+        let step = edits.send(&mut client, more, IN_FLIGHT, |k| say(one_at_a_time + done + k, "edits"))?;
+        latencies.add(step);
+        let log = folder.path().join(format!("{length}.jsonl"));
+        export(program, &data, &log)?;
+        logs.push((edits.seq, log));
+    }
+    let done = one_at_a_time + options.edits;
+    let undone = edits.undo(&mut client, undos, |k| say(done + k, "undo"))?;
+    server.kill()?;
+
+    let done = done + undos;
+    let longest = &logs[logs.len() - 1].1;
+    let replayed = replay(program, longest)?;
+    let opened = folder.path().join("opened");
+    let opening = openings(program, &opened, &logs, |k, doing| say(done + k, doing))?;
+    let report = Report {
+        what: "a control point of demo:vases' light, set again and again by one client, on loopback",
+        acknowledged_one_at_a_time: slow.rate(),
+        acknowledged: latencies.rate(),
+        undone: undone.rate(),
+        replayed,
+        opening,
+    };
+    let chart = chart::draw(&report).map_err(|why| BenchError::Chart(why.to_string()))?;
+    Ok((report, chart))
+}
+
+/// Numbers of edits up to that, each about three times the one before.
+fn lengths(edits: usize) -> Vec<usize> {
+    let mut lengths: Vec<usize> = (0..LENGTHS as u32).map(|k| edits / 3_usize.pow(k)).collect();
+    lengths.retain(|length| *length > 0);
+    lengths.reverse();
+    lengths.dedup();
+    lengths
+}
+
+/// How long requests took that were answered.
+#[derive(Clone, Debug, Default)]
+struct Answered {
+    latencies_ms: Vec<f64>,
+    seconds: f64,
+}
+
+impl Answered {
+    fn add(&mut self, more: Self) {
+        self.latencies_ms.extend(more.latencies_ms);
+        self.seconds += more.seconds;
+    }
+
+    fn rate(mut self) -> Rate {
+        self.latencies_ms.sort_by(f64::total_cmp);
+        let count = self.latencies_ms.len();
+        let at = |share: f64| {
+            let index = (share * count as f64).ceil() as usize;
+            self.latencies_ms.get(index.saturating_sub(1)).copied()
+        };
+        Rate { count, per_second: count as f64 / self.seconds.max(1e-9), p50_ms: at(0.5), p95_ms: at(0.95) }
+    }
+}
+
+/// Edits of one light by one client.
+struct Edits {
+    light: u64,
+    start: Vec3,
+    /// Edits that have been made.
+    count: usize,
+    /// The latest record.
+    seq: u64,
+    /// Requests that have been made.
+    requests: usize,
+}
+
+impl Edits {
+    fn new(client: &Client) -> Result<Self, BenchError> {
+        let (light, start) = control_point(client)?;
+        Ok(Self { light, start, count: 0, seq: client.welcome.seq, requests: 0 })
+    }
+
+    /// Makes so many edits, each another, with at most `in_flight` under way; `progress` is told how many are answered.
+    fn send(
+        &mut self,
+        client: &mut Client,
+        count: usize,
+        in_flight: usize,
+        progress: impl Fn(usize),
+    ) -> Result<Answered, BenchError> {
+        let first = self.count;
+        self.count += count;
+        let (light, [x, y, z], base_seq) = (self.light, self.start, self.seq);
+        self.answered(client, count, in_flight, progress, |op_id, number| {
+            // Never twice the same place: that would be no edit.
+            let angle = (first + number) as f64;
+            let position = [x + RADIUS * angle.sin(), y + RADIUS * (1.0 - angle.cos()), z];
+            let command = Command::SetPoint { light, point: 2, parameter: position_of(position) };
+            ClientMessage::Edit { op_id, base_seq, command }
+        })
+    }
+
+    /// Takes back so many of them.
+    fn undo(
+        &mut self,
+        client: &mut Client,
+        count: usize,
+        progress: impl Fn(usize),
+    ) -> Result<Answered, BenchError> {
+        let scope = Scope::Mine;
+        self.answered(client, count, IN_FLIGHT, progress, |op_id, _| ClientMessage::Undo { op_id, scope })
+    }
+
+    fn answered(
+        &mut self,
+        client: &mut Client,
+        count: usize,
+        in_flight: usize,
+        progress: impl Fn(usize),
+        request: impl Fn(String, usize) -> ClientMessage,
+    ) -> Result<Answered, BenchError> {
+        let mut sent = BTreeMap::new();
+        let mut latencies_ms = Vec::with_capacity(count);
+        let began = Instant::now();
+        let mut number = 0;
+        while latencies_ms.len() < count {
+            while number < count && sent.len() < in_flight {
+                self.requests += 1;
+                let op_id = format!("bench-{}", self.requests);
+                sent.insert(op_id.clone(), Instant::now());
+                client.send(&request(op_id, number))?;
+                number += 1;
+            }
+            let result = client.wait_for("what became of an edit", |incoming| match incoming {
+                Incoming::Message(message) => match *message {
+                    ServerMessage::EditResult(result) => Some(result),
+                    _ => None,
+                },
+                Incoming::Frame(..) => None,
+            })?;
+            if let Some(problem) = result.outcome.problem() {
+                return Err(BenchError::Refused(problem.message.clone()));
+            }
+            self.seq = self.seq.max(result.outcome.seq().unwrap_or_default());
+            latencies_ms.extend(sent.remove(&result.op_id).map(|sent| ms(sent.elapsed())));
+            progress(latencies_ms.len());
+        }
+        Ok(Answered { latencies_ms, seconds: began.elapsed().as_secs_f64() })
+    }
+}
+
+/// Opens sessions made of the logs, without checkpoints and as the server has left them; `progress` is told how many steps are
+/// done.
+fn openings(
+    program: &Path,
+    data: &Path,
+    logs: &[(u64, std::path::PathBuf)],
+    progress: impl Fn(usize, &'static str),
+) -> Result<Vec<Opening>, BenchError> {
+    let mut done = logs.len();
+    let names = |records: u64| (0..OPENINGS).map(move |copy| format!("log-{records}-{copy}"));
+    for (records, log) in logs {
+        for name in names(*records) {
+            let log = log.display().to_string();
+            let to = data.display().to_string();
+            answer(program, &["import", &log, "--data", &to, "--name", &name])?;
+            done += 1;
+            progress(done, "import");
+        }
+    }
+    let mut times = [const { Vec::new() }; 2];
+    for times in &mut times {
+        // Whose main session has the scene decoded that the others have too.
+        let server = ServerProcess::start(program, data, &["--scene", "demo:vases"])?;
+        server.wait_until_ready()?;
+        opened(&server, "main")?;
+        for (records, _) in logs {
+            let mut fastest = Duration::MAX;
+            for name in names(*records) {
+                fastest = fastest.min(opened(&server, &name)?);
+                done += 1;
+                progress(done, "open");
+            }
+            times.push(ms(fastest));
+        }
+        server.kill()?;
+    }
+    let [without, reopened] = times;
+    let all = logs.iter().zip(without.into_iter().zip(reopened));
+    all.map(|((records, log), (without_checkpoint_ms, reopened_ms))| {
+        let log_bytes = std::fs::metadata(log)?.len();
+        Ok(Opening { records: *records, log_bytes, without_checkpoint_ms, reopened_ms })
+    })
+    .collect()
+}
+
+/// How long a server takes to answer for a session.
+fn opened(server: &ServerProcess, session: &str) -> Result<Duration, BenchError> {
+    let began = Instant::now();
+    let response = server.get(&format!("/sessions/{session}"))?;
+    let took = began.elapsed();
+    if response.status == 200 { Ok(took) } else { Err(BenchError::Refused(response.text())) }
+}
+
+fn export(program: &Path, data: &Path, log: &Path) -> Result<(), BenchError> {
+    let [data, log] = [data, log].map(|path| path.display().to_string());
+    answer(program, &["export", "main", "--data", &data, "-o", &log]).map(drop)
+}
+
+/// What `bendylights replay` says of a log.
+fn replay(program: &Path, log: &Path) -> Result<Rate, BenchError> {
+    let text = answer(program, &["replay", &log.display().to_string()])?;
+    let said: serde_json::Value =
+        serde_json::from_str(&text).map_err(|_| BenchError::Refused(format!("`replay` answered {text}")))?;
+    let (Some(records), Some(seconds)) = (said["records"].as_u64(), said["seconds"].as_f64()) else {
+        return Err(BenchError::Refused(format!("`replay` answered {text}")));
+    };
+    let per_second = records as f64 / seconds.max(1e-3);
+    Ok(Rate { count: records as usize, per_second, p50_ms: None, p95_ms: None })
+}
+
+/// What a command of the program answers.
+fn answer(program: &Path, args: &[&str]) -> Result<String, BenchError> {
+    let done = Process::new(program).args(args).output()?;
+    if done.status.success() {
+        return Ok(String::from_utf8_lossy(&done.stdout).into_owned());
+    }
+    Err(BenchError::Refused(String::from_utf8_lossy(&done.stderr).trim().to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_grow_up_to_all_edits() {
+        assert_eq!(lengths(5_000), [6, 20, 61, 185, 555, 1_666, 5_000]);
+        assert_eq!(lengths(5), [1, 5]);
+        assert_eq!(lengths(1), [1]);
+    }
+}

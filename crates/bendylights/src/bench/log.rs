@@ -1,0 +1,48 @@
+//! `bendylights bench log`: how fast edits are kept, taken back, replayed, and a session opened.
+
+use std::path::PathBuf;
+
+use ::bench::log::{self, Options};
+use cli::{Output, answer};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::error::Error;
+
+#[derive(clap::Args)]
+#[command(after_help = "\
+Grows the log of a server of its own, on loopback, by one client. Prints JSON:
+  acknowledgedOneAtATime  edits a second where each waits for the one before; an edit is acknowledged when it is on disk
+  acknowledged            with up to 64 under way; undone likewise
+  replayed                records a second of `bendylights replay`
+  opening                 over the length of the log, milliseconds until the server answers for a session at rest:
+                          withoutCheckpointMs, every record replayed; reopenedMs, as the server left it, from its
+                          checkpoint once a thousand records have come
+
+Example:
+  bendylights bench log -o log.svg")]
+pub struct Args {
+    /// Edits that the log grows by
+    #[arg(long, default_value_t = 5_000, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    edits: u32,
+    /// Chart to write: edits a second, and opening time over the length of the log
+    #[arg(short, value_name = "OUT.svg")]
+    output: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> Result<(), Error> {
+    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
+    let program = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
+    let bar = ProgressBar::new(0).with_style(style);
+    let result = log::run(&program, Options { edits: args.edits as usize }, |progress| {
+        bar.set_length(progress.of as u64);
+        bar.set_position(progress.done as u64);
+        bar.set_message(progress.doing);
+    });
+    bar.finish_and_clear();
+    let (report, chart) = result.map_err(Error::Bench)?;
+    if let Some(output) = output {
+        output.write(chart.as_bytes())?;
+    }
+    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+}
