@@ -5,7 +5,7 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-const STUDIES: [&str; 3] = ["direction", "solver", "stress"];
+const STUDIES: [&str; 4] = ["direction", "drags", "solver", "stress"];
 
 fn run(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_bendylights-studies")).args(args).output().expect("the binary runs")
@@ -79,6 +79,24 @@ fn each_study_answers_and_draws_its_chart() {
         assert!(std::fs::read_to_string(path(chart)).expect("a chart").starts_with("<svg"), "{chart}");
     }
     assert!(folder.path().join("pictures/panels.png").is_file());
+}
+
+#[test]
+fn drags_are_counted_for_each_kind_and_what_failed_can_be_made_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let failures = folder.path().join("failures").display().to_string();
+    let (report, said) =
+        answer(&["drags", "demo:vases", "nowhere.glb", "--drags", "4", "--failures", &failures], 0);
+    assert!(said.contains("skipped nowhere.glb"), "{said}");
+    let cells = report["cells"].as_array().expect("cells");
+    assert_eq!(cells.len(), 32, "sixteen kinds in the demo, and in all scenes");
+    let count = |cell: &Value, name: &str| cell[name].as_u64().expect("a count");
+    let missed: u64 = cells[..16].iter().map(|cell| count(cell, "missed") + count(cell, "wrong")).sum();
+    for cell in cells {
+        assert!(count(cell, "drags") == 4 && count(cell, "landed") <= 4, "{cell}");
+    }
+    let files = std::fs::read_dir(&failures).expect("a folder").count() as u64;
+    assert_eq!(files, 3 * missed, "a light, a drag and what was found");
 }
 
 #[test]

@@ -20,7 +20,7 @@ const COLORS: [RGBColor; 4] = [
 
 /// Pixels and milliseconds that are drawn; what is less or more lies at the edge.
 const PX: (f64, f64) = (1e-3, 1e3);
-const MS: (f64, f64) = (1e-2, 1e2);
+const MS: (f64, f64) = (1e-3, 1e2);
 
 /// Half a pixel: what landing means.
 const LANDED_PX: f64 = 0.5;
@@ -75,7 +75,7 @@ fn panel(
             of_feature.map(|made| of(side(made))).collect::<Vec<f64>>()
         };
         let paper = cumulative(values(|made| &made.paper), (least, most));
-        plot.draw_series(LineSeries::new(paper, color.mix(0.55)))?;
+        plot.draw_series(LineSeries::new(paper, color.mix(0.8)))?;
         let ours = cumulative(values(|made| &made.ours), (least, most));
         let series = plot.draw_series(LineSeries::new(ours, color.stroke_width(3)))?;
         if key {
@@ -86,9 +86,9 @@ fn panel(
     if key {
         plot.draw_series(std::iter::empty::<Circle<(f64, f64), i32>>())?
             .label("thin: the paper's formulas")
-            .legend(|(x, y)| PathElement::new([(x, y), (x + 18, y)], BLACK.mix(0.55)));
+            .legend(|(x, y)| PathElement::new([(x, y), (x + 18, y)], BLACK.mix(0.8)));
         plot.configure_series_labels()
-            .position(SeriesLabelPosition::MiddleRight)
+            .position(SeriesLabelPosition::MiddleLeft)
             .background_style(WHITE.mix(0.85))
             .border_style(BLACK.mix(0.3))
             .draw()?;

@@ -107,17 +107,18 @@ pub fn run(
     server.wait_until_ready()?;
     let mut client = Client::connect(&server.address, "main", "bench", None)?;
     let mut edits = Edits::new(&client)?;
-    let slow = edits.send(&mut client, one_at_a_time, 1, |k| say(k, "edits, one at a time"))?;
     let mut latencies = Answered::default();
     for &length in &lengths {
-        let (done, more) = (edits.count - one_at_a_time, length - (edits.count - one_at_a_time));
-        let step = edits.send(&mut client, more, IN_FLIGHT, |k| say(one_at_a_time + done + k, "edits"))?;
+        let done = edits.count;
+        let step = edits.send(&mut client, length - done, IN_FLIGHT, |k| say(done + k, "edits"))?;
         latencies.add(step);
         let log = folder.path().join(format!("{length}.jsonl"));
         export(program, &data, &log)?;
         logs.push((edits.seq, log));
     }
-    let done = one_at_a_time + options.edits;
+    let done = options.edits;
+    let slow = edits.send(&mut client, one_at_a_time, 1, |k| say(done + k, "edits, one at a time"))?;
+    let done = done + one_at_a_time;
     let undone = edits.undo(&mut client, undos, |k| say(done + k, "undo"))?;
     server.kill()?;
 

@@ -22,7 +22,7 @@ Example:
   bendylights bench log -o log.svg")]
 pub struct Args {
     /// Edits that the log grows by
-    #[arg(long, default_value_t = 5_000, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, default_value_t = 10_000, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     edits: u32,
     /// Chart to write: edits a second, and opening time over the length of the log
     #[arg(short, value_name = "OUT.svg")]

@@ -3,6 +3,7 @@
 #![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
 
 mod bad_input;
+mod bench;
 mod commands;
 mod deploy;
 mod drags;

@@ -3,11 +3,13 @@
 mod relaxed;
 mod report;
 mod slow;
+#[cfg(test)]
+mod tests;
 
 use std::time::Instant;
 
 use bench::drag::{Kind, Off, Stage, Trial, distance_px};
-use drag::{Feature, Status, drag};
+use drag::{Feature, Landing, Status, drag};
 use glam::DVec3;
 use light::CheckedLight;
 use rayon::prelude::*;
@@ -38,79 +40,94 @@ pub struct Failure {
     pub found: Value,
 }
 
+/// A drag that the product has made.
+struct Made {
+    number: usize,
+    trial: Trial,
+    landing: Landing,
+    ms: f64,
+}
+
 /// Drags in one scene, and `progress` for each.
 pub fn run(stage: &Stage, options: Options, progress: impl Fn() + Sync) -> (Vec<Outcome>, Vec<Failure>) {
     let mut outcomes = Vec::new();
     let mut failures = Vec::new();
     for kind in Kind::all() {
-        let numbers: Vec<usize> = (0..options.drags).collect();
         let seed = |number: usize| Trial::seed(options.seed, &short(&stage.name), kind, number);
-        let trials: Vec<_> = numbers
-            .par_iter()
-            .map(|&number| {
+        let trials: Vec<_> = (0..options.drags)
+            .into_par_iter()
+            .filter_map(|number| {
                 progress();
-                (number, Trial::random(stage, kind, seed(number)))
+                Some((number, Trial::random(stage, kind, seed(number))?))
             })
             .collect();
         // One after the other, since they are timed.
-        let mut landings = Vec::new();
-        for (number, trial) in trials {
-            let Some(trial) = trial else { continue };
+        let made = trials.into_iter().map(|(number, trial)| {
             let began = Instant::now();
             let landing = drag(&stage.reference.bvh, &stage.view, &trial.light, &trial.drag);
-            landings.push((number, trial, landing, began.elapsed().as_secs_f64() * 1e3));
-        }
-        let judged: Vec<_> = landings
-            .into_par_iter()
-            .map(|(number, trial, landing, ms)| {
-                let is_landed = landing.status == Status::Landed;
-                let light = CheckedLight::new(landing.light.clone()).ok();
-                let off = light.as_ref().and_then(|light| Off::of(stage, &trial, light));
-                let px = light.as_ref().filter(|_| is_landed).and_then(|light| distance_px(stage, &trial, light));
-                // A highlight lies where its centre is seen, however fast directions change over the surface there.
-                let is_near = px.is_some_and(|px| px < 0.5) && kind.feature == Feature::Highlight;
-                let is_wrong = is_landed && !is_near && !off.is_some_and(|off| off.is_landed(kind.feature));
-                let found = slow::feasible(stage, &trial, seed(number));
-                let outcome = Outcome {
-                    kind,
-                    status: landing.status,
-                    iterations: landing.iterations,
-                    ms,
-                    off: off.map(|off| off.share),
-                    px,
-                    is_wrong,
-                    is_feasible: found.is_some(),
-                };
-                let failure = (is_wrong || (found.is_some() && !is_landed)).then(|| Failure {
-                    name: format!(
-                        "{}-{}-{}-{}-{number}",
-                        short(&stage.name),
-                        kind.feature_name(),
-                        kind.points_name(),
-                        kind.way_name()
-                    ),
-                    light: protocol::light_file::to_json(trial.light.light()),
-                    drags: contract(stage, &trial),
-                    found: json!({
-                        "scene": stage.name,
-                        "status": format!("{:?}", landing.status),
-                        "residual_px": landing.residual_px,
-                        "iterations": landing.iterations,
-                        "after": light.as_ref().map(|light| at_the_cursor(stage, &trial, light)),
-                        "begin_r_kappa_max": trial.light.tube().map(light::Tube::r_kappa_max),
-                        "feasible": found.as_ref().map(|light| protocol::Light::from(light.light())),
-                        "feasible_r_kappa_max": found.as_ref().and_then(CheckedLight::tube).map(light::Tube::r_kappa_max),
-                    }),
-                });
-                (outcome, failure)
-            })
-            .collect();
+            Made { number, trial, landing, ms: began.elapsed().as_secs_f64() * 1e3 }
+        });
+        let made: Vec<_> = made.collect();
+        let judged: Vec<_> = made.par_iter().map(|made| judged(stage, made, seed(made.number))).collect();
         for (outcome, failure) in judged {
             outcomes.push(outcome);
             failures.extend(failure);
         }
     }
     (outcomes, failures)
+}
+
+/// Holds what the product says to the independent way and to the slow solver.
+fn judged(stage: &Stage, made: &Made, seed: u64) -> (Outcome, Option<Failure>) {
+    let Made { trial, landing, .. } = made;
+    let (kind, is_landed) = (trial.kind, landing.status == Status::Landed);
+    let light = CheckedLight::new(landing.light.clone()).ok();
+    let off = light.as_ref().and_then(|light| Off::of(stage, trial, light));
+    let px = light.as_ref().filter(|_| is_landed).and_then(|light| distance_px(stage, trial, light));
+    // A highlight lies where its centre is seen, however fast directions change over the surface there.
+    let is_near = px.is_some_and(|px| px < 0.5) && kind.feature == Feature::Highlight;
+    let is_wrong = is_landed && !is_near && !off.is_some_and(|off| off.is_landed(kind.feature));
+    let found = slow::feasible(stage, trial, seed);
+    let outcome = Outcome {
+        kind,
+        status: landing.status,
+        iterations: landing.iterations,
+        ms: made.ms,
+        off: off.map(|off| off.share),
+        px,
+        is_wrong,
+        is_feasible: found.is_some(),
+    };
+    let is_failure = is_wrong || (found.is_some() && !is_landed);
+    (outcome, is_failure.then(|| failure(stage, made, light.as_ref(), found)))
+}
+
+fn failure(
+    stage: &Stage,
+    Made { number, trial, landing, .. }: &Made,
+    light: Option<&CheckedLight>,
+    found: Option<(usize, CheckedLight)>,
+) -> Failure {
+    let kind = trial.kind;
+    let names = [kind.feature_name(), kind.points_name(), kind.way_name()].join("-");
+    let folds = |light: &CheckedLight| light.tube().map(light::Tube::r_kappa_max);
+    Failure {
+        name: format!("{}-{names}-{number}", short(&stage.name)),
+        light: protocol::light_file::to_json(trial.light.light()),
+        drags: contract(stage, trial),
+        found: json!({
+            "scene": stage.name,
+            "status": format!("{:?}", landing.status),
+            "residual_px": landing.residual_px,
+            "iterations": landing.iterations,
+            "begin_r_kappa": folds(&trial.light),
+            "after": light.map(|light| at_the_cursor(stage, trial, light)),
+            "after_r_kappa": light.and_then(folds),
+            "found_by_restart": found.as_ref().map(|(restart, _)| restart),
+            "feasible": found.as_ref().map(|(_, light)| protocol::Light::from(light.light())),
+            "feasible_r_kappa": found.as_ref().and_then(|(_, light)| folds(light)),
+        }),
+    }
 }
 
 /// Where M' and a shadow's pivot lie in a light, and whether the reference sees light at M'.

@@ -52,14 +52,16 @@ struct Asked<'a> {
     unit: f64,
 }
 
-/// A light within the limits with the feature under the cursor, if one was found.
-pub fn feasible(stage: &Stage, trial: &Trial, seed: u64) -> Option<CheckedLight> {
+/// A light within the limits with the feature under the cursor, if one was found, and from which start: 0 is the light as the
+/// drag began, the others are random.
+pub fn feasible(stage: &Stage, trial: &Trial, seed: u64) -> Option<(usize, CheckedLight)> {
     let asked = Asked::new(stage, trial)?;
     let mut rng = Rng::with_seed(seed);
     (0..RESTARTS).find_map(|restart| {
         let x = asked.start(restart, &mut rng)?;
         let x = asked.descend(x)?;
-        CheckedLight::new(asked.light(&x)).ok().filter(|light| asked.is_within_limits(light))
+        let light = CheckedLight::new(asked.light(&x)).ok()?;
+        asked.is_within_limits(&light).then_some((restart, light))
     })
 }
 
