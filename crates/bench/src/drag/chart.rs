@@ -4,7 +4,7 @@ use drag::Feature;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::measured::{Made, One};
+use super::measured::{LANDED_PX, Made, One};
 use super::trial::FEATURES;
 
 type Drawn = Result<(), Box<dyn std::error::Error>>;
@@ -21,9 +21,6 @@ const COLORS: [RGBColor; 4] = [
 /// Pixels and milliseconds that are drawn; what is less or more lies at the edge.
 const PX: (f64, f64) = (1e-3, 1e3);
 const MS: (f64, f64) = (1e-3, 1e2);
-
-/// Half a pixel: what landing means.
-const LANDED_PX: f64 = 0.5;
 
 /// Shares of drags over pixels above and milliseconds below: those of whole lights to the left, of control points to the right.
 pub(super) fn draw(all: &[Made]) -> Result<String, Box<dyn std::error::Error>> {

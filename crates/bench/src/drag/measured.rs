@@ -2,15 +2,17 @@
 
 use std::time::Instant;
 
-use drag::{Feature, Status, drag};
+use drag::drag;
 use light::{CheckedLight, Light};
 use serde::Serialize;
 
 use super::off::{Off, distance_px};
+use super::paper;
 use super::stage::Stage;
 use super::trial::{Kind, Trial};
-use super::{chart, paper};
-use crate::BenchError;
+
+/// Pixels within which a feature lies under the cursor.
+pub(super) const LANDED_PX: f64 = 0.5;
 
 /// What to measure.
 #[derive(Clone, Copy, Debug)]
@@ -119,6 +121,8 @@ impl One {
         let light = light.and_then(|light| CheckedLight::new(light).ok());
         let px = light.as_ref().and_then(|light| distance_px(stage, trial, light));
         let off = light.as_ref().and_then(|light| Off::of(stage, trial, light));
+        // Near, and yet not there: outside of the light, or on a way that only touches what throws the shadow.
+        let px = px.filter(|px| off.is_some() || *px > LANDED_PX);
         Self {
             folds: light.is_none(),
             px: px.unwrap_or(f64::INFINITY),
@@ -128,9 +132,8 @@ impl One {
     }
 }
 
-/// Makes random drags of every kind in each scene; `progress` is called for each. Returns what was measured and the chart,
-/// an SVG.
-pub fn run(stages: &[Stage], options: Options, progress: impl Fn()) -> Result<(Report, String), BenchError> {
+/// Makes random drags of every kind in each scene; `progress` is called for each.
+pub(super) fn measured(stages: &[Stage], options: Options, progress: impl Fn()) -> (Report, Vec<Made>) {
     let mut all = Vec::new();
     for stage in stages {
         for kind in Kind::all() {
@@ -147,8 +150,7 @@ pub fn run(stages: &[Stage], options: Options, progress: impl Fn()) -> Result<(R
         seed: options.seed,
         kinds: Kind::all().map(|kind| of_kind(kind, &all)).collect(),
     };
-    let chart = chart::draw(&all).map_err(|why| BenchError::Chart(why.to_string()))?;
-    Ok((report, chart))
+    (report, all)
 }
 
 fn made(stage: &Stage, trial: &Trial) -> Made {
@@ -158,11 +160,7 @@ fn made(stage: &Stage, trial: &Trial) -> Made {
     let began = Instant::now();
     let moved = paper::moved(stage, trial);
     let paper_ms = began.elapsed().as_secs_f64() * 1e3;
-    let mut ours = One::new(stage, trial, Some(landing.light), ours_ms);
-    if landing.status != Status::Landed && trial.kind.feature == Feature::Shadow {
-        // A way that only touches what throws the shadow leaves none, however near it ends.
-        ours.px = ours.px.max(1.0);
-    }
+    let ours = One::new(stage, trial, Some(landing.light), ours_ms);
     Made {
         kind: trial.kind,
         ours,
@@ -177,7 +175,7 @@ fn of_kind(kind: Kind, all: &[Made]) -> KindReport {
         let values = |value: fn(&One) -> f64| Spread::of(of_kind.iter().map(move |made| value(of(made))));
         let count = |is: fn(&One) -> bool| of_kind.iter().filter(|made| is(of(made))).count();
         Side {
-            landed: count(|one| one.px <= 0.5),
+            landed: count(|one| one.px <= LANDED_PX),
             folded: count(|one| one.folds),
             lost: count(|one| !one.folds && one.px.is_infinite()),
             px: values(|one| one.px),

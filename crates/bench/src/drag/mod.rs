@@ -9,7 +9,17 @@ mod stage;
 mod tests;
 mod trial;
 
-pub use measured::{KindReport, Options, Report, Side, Spread, run};
+use crate::BenchError;
+
+pub use measured::{KindReport, Options, Report, Side, Spread};
 pub use off::{Off, distance_px};
 pub use stage::Stage;
 pub use trial::{FEATURES, Kind, Trial};
+
+/// Makes random drags of every kind in each scene; `progress` is called for each. Returns what was measured and the chart,
+/// an SVG.
+pub fn run(stages: &[Stage], options: Options, progress: impl Fn()) -> Result<(Report, String), BenchError> {
+    let (report, all) = measured::measured(stages, options, progress);
+    let chart = chart::draw(&all).map_err(|why| BenchError::Chart(why.to_string()))?;
+    Ok((report, chart))
+}

@@ -5,6 +5,7 @@ use plotters::prelude::*;
 
 use super::{IN_FLIGHT, Opening, Report};
 
+type Time = fn(&Opening) -> f64;
 type Drawn = Result<(), Box<dyn std::error::Error>>;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
@@ -73,7 +74,6 @@ fn opening(area: &Area, opening: &[Opening]) -> Drawn {
         .light_line_style(BLACK.mix(0.05))
         .x_label_formatter(&|x| format!("{x:.0}"))
         .draw()?;
-    type Time = fn(&Opening) -> f64;
     let lines: [(&str, RGBColor, Time); 2] = [
         ("without a checkpoint", ORANGE, |o| o.without_checkpoint_ms),
         ("as the server left it: checkpoints past 1000 records", BLUE, |o| o.reopened_ms),

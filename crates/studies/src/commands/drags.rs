@@ -25,7 +25,7 @@ picture's width, and large ones. Each begins on that feature as it is seen and e
 light. All are given to a slow solver with dozens of restarts too, which shares nothing with the product's: what it lands was
 feasible.
 
-Prints a table on standard error, and JSON; for each scene and kind, and for all scenes together:
+Prints JSON, and a table on standard error; for each scene and kind, and for all scenes together:
   landed            drags that say that they landed
   limited, refused  the others, by limit and reason
   missed, missedBy  those that did not land and are feasible, and by limit and reason

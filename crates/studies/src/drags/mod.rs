@@ -99,14 +99,14 @@ fn judged(stage: &Stage, made: &Made, seed: u64) -> (Outcome, Option<Failure>) {
         is_feasible: found.is_some(),
     };
     let is_failure = is_wrong || (found.is_some() && !is_landed);
-    (outcome, is_failure.then(|| failure(stage, made, light.as_ref(), found)))
+    (outcome, is_failure.then(|| failure(stage, made, light.as_ref(), found.as_ref())))
 }
 
 fn failure(
     stage: &Stage,
     Made { number, trial, landing, .. }: &Made,
     light: Option<&CheckedLight>,
-    found: Option<(usize, CheckedLight)>,
+    found: Option<&(usize, CheckedLight)>,
 ) -> Failure {
     let kind = trial.kind;
     let names = [kind.feature_name(), kind.points_name(), kind.way_name()].join("-");
@@ -123,9 +123,9 @@ fn failure(
             "begin_r_kappa": folds(&trial.light),
             "after": light.map(|light| at_the_cursor(stage, trial, light)),
             "after_r_kappa": light.and_then(folds),
-            "found_by_restart": found.as_ref().map(|(restart, _)| restart),
-            "feasible": found.as_ref().map(|(_, light)| protocol::Light::from(light.light())),
-            "feasible_r_kappa": found.as_ref().and_then(|(_, light)| folds(light)),
+            "found_by_restart": found.map(|(restart, _)| restart),
+            "feasible": found.map(|(_, light)| protocol::Light::from(light.light())),
+            "feasible_r_kappa": found.and_then(|(_, light)| folds(light)),
         }),
     }
 }

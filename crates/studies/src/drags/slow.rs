@@ -70,9 +70,10 @@ impl<'a> Asked<'a> {
         let to = stage.seen(trial.drag.to)?;
         let tube = trial.light.tube()?;
         let points = trial.light.light().points();
-        let unit = match trial.kind.deforms {
-            true => points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum(),
-            false => (tube.placement.translation - stage.origin()).distance(to.position),
+        let unit = if trial.kind.deforms {
+            points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum()
+        } else {
+            (tube.placement.translation - stage.origin()).distance(to.position)
         };
         let folds = tube.r_kappa_max().into_iter().map(|fold| fold.max(LARGEST_FOLD)).collect();
         Some(Self { stage, trial, to, folds, unit })
