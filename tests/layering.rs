@@ -59,7 +59,10 @@ const LAYERS: &[Layer] = &[
     },
     Layer {
         name: "server",
-        uses: &["light", "scene", "document", "assets", "edit", "render", "store", "stream", "protocol"],
+        uses: &[
+            "light", "scene", "raycast", "document", "assets", "edit", "render", "store", "stream",
+            "protocol",
+        ],
         never: &["clap", "reference"],
         pure: false,
     },

@@ -7,9 +7,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use assets::Loaded;
 use document::{AssetHash, Document, SceneContents};
 use protocol::Asset;
+use raycast::Bvh;
 use scene::PosedScene;
 use store::Store;
-use tokio::sync::Semaphore;
+use tokio::sync::{OnceCell, Semaphore};
 use tokio::task::spawn_blocking;
 
 use crate::ServerError;
@@ -33,6 +34,8 @@ pub struct Decoded {
     pub notes: Arc<[String]>,
     /// What the file itself calls it.
     own_name: Option<String>,
+    /// One for all who have the scene.
+    bvh: Arc<OnceCell<Arc<Bvh>>>,
 }
 
 /// Decodes scenes, one at a time as each may take gigabytes, and keeps the latest.
@@ -142,7 +145,17 @@ impl Decoded {
     fn of(bytes: &[u8]) -> Result<Self, ServerError> {
         let Loaded { scene, contents, name, notes } = assets::load_bytes(bytes)?.lit();
         let (posed, contents) = (scene::pose(scene), Arc::new(contents));
-        Ok(Self { posed, contents, notes: notes.into(), own_name: name })
+        Ok(Self { posed, contents, notes: notes.into(), own_name: name, bvh: Arc::default() })
+    }
+
+    /// The scene ready for rays: built when it is first asked for, once for all who have the scene, and off the tasks that
+    /// serve.
+    pub async fn bvh(&self) -> Result<Arc<Bvh>, ServerError> {
+        let build = || async {
+            let posed = Arc::clone(&self.posed);
+            spawn_blocking(move || Arc::new(Bvh::new(posed))).await.map_err(|_| ServerError::Fault)
+        };
+        self.bvh.get_or_try_init(build).await.map(Arc::clone)
     }
 }
 
@@ -158,4 +171,21 @@ fn decode(store: &Store, asset: &AssetHash) -> Result<Decoded, ServerError> {
     let unknown = || edit::Refusal::Edit(document::EditError::UnknownAsset(*asset));
     let bytes = store.asset(asset).map_err(ServerError::Unread)?.ok_or_else(unknown)?;
     Decoded::of(&bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn rays_are_prepared_once_for_all_who_have_the_scene() {
+        let decoded = Decoded::of(&assets::demo_bytes("vases").expect("a demo")).expect("a scene");
+        let other = decoded.clone();
+        let (one, two) = tokio::join!(decoded.bvh(), other.bvh());
+        let (one, two) = (one.expect("built"), two.expect("built"));
+        assert!(Arc::ptr_eq(&one, &two) && Arc::ptr_eq(&one.posed, &decoded.posed));
+        // The planted fault: the same scene decoded again has its own.
+        let again = Decoded::of(&assets::demo_bytes("vases").expect("a demo")).expect("a scene");
+        assert!(!Arc::ptr_eq(&one, &again.bvh().await.expect("built")));
+    }
 }
