@@ -47,7 +47,7 @@ const LAYERS: &[Layer] = &[
     Layer { name: "stream", uses: &[], never: &["tokio", "wgpu", "axum"], pure: false },
     Layer {
         name: "protocol",
-        uses: &["light", "scene", "document", "edit", "drag"],
+        uses: &["light", "scene", "document", "edit", "drag", "reference"],
         never: &["tokio", "wgpu", "axum"],
         pure: false,
     },

@@ -22,6 +22,7 @@ mod outcome;
 mod parameter;
 mod parameter_table;
 pub mod point_file;
+mod probe;
 mod record;
 mod render_request;
 mod schema;
@@ -54,6 +55,10 @@ pub use parameter::{LightParameter, PointParameter};
 pub use parameter_table::{
     Parameter, ParameterChoice, ParameterKind, ParameterOwner, ParameterScale, ParameterTable,
     ParameterTouches, parameter_table,
+};
+pub use probe::{
+    ProbeAnswer, ProbeCamera, ProbeDisabledBy, ProbeRequest, ProbeState, Probed, ProbedCaster, ProbedLight,
+    ProbedPlace, ProbedSurface,
 };
 pub use record::{
     Action, Actor, Change, ControlPoints, FORMAT, MAX_RECORD_BYTES, PlacedLight, Record, Scope,

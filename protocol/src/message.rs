@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::from_json;
 use crate::{
-    Actor, Bounds, Camera, Command, Document, EditResult, ErrorCode, FileError, GestureState, Record, Scope,
+    Actor, Bounds, Camera, Command, Document, EditResult, ErrorCode, FileError, GestureState, ProbeAnswer,
+    ProbeCamera, Record, Scope,
 };
 
 /// The version of the protocol that `hello` and `welcome` name.
@@ -134,6 +135,19 @@ pub enum ClientMessage {
     },
     /// What undo and redo would take back; answered by `history`.
     History {},
+    /// Why a pixel is lit or not; answered by `probed`, or by that of a later one.
+    Probe {
+        /// The client's name for it.
+        probe: String,
+        /// In pixels from the picture's top left corner; a pixel's centre is at .5.
+        pixel: [f64; 2],
+        /// Who looks; by default the client's own view, or the one that it follows.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        camera: Option<ProbeCamera>,
+        /// Width and height of the picture in pixels; by default those of that view.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        size: Option<[u32; 2]>,
+    },
     /// Answered by `pong`.
     Ping {
         /// Comes back as it is.
@@ -194,6 +208,8 @@ pub enum ServerMessage {
     },
     /// The answer to `history`.
     History(Box<History>),
+    /// The answer to `probe`.
+    Probed(Box<ProbeAnswer>),
     /// How the view is served from now on.
     ViewConfig {
         /// Pixels.

@@ -10,7 +10,7 @@ use crate::ErrorCode as Code;
 use crate::schema::{Face, definitions, generator, name};
 use crate::{
     Asset, Document, EditResults, Edits, ErrorBody, NewSession, PROTOCOL, ParameterTable, Pick, Picked,
-    Record, RenderLimits, RenderRequest, SceneNodes, SessionList, SessionState,
+    ProbeRequest, Probed, Record, RenderLimits, RenderRequest, SceneNodes, SessionList, SessionState,
 };
 
 /// Where schemas stand.
@@ -173,6 +173,16 @@ fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
             body: Some(json_content(&name::<Pick>(g))),
             answer: json_content(&name::<Picked>(g)),
             codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_SESSION, OF_PICTURE, &[Code::InvalidCamera]],
+            ..of_session.clone()
+        },
+        Operation {
+            path: "/sessions/{session}/probe",
+            method: "post",
+            id: "probePixel",
+            summary: "Why a pixel is lit or not: what is seen there, and what every light of the document does there.",
+            body: Some(json_content(&name::<ProbeRequest>(g))),
+            answer: json_content(&name::<Probed>(g)),
+            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_SESSION, &[Code::InvalidCamera]],
             ..of_session.clone()
         },
         Operation {

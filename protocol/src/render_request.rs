@@ -27,13 +27,17 @@ impl RenderLimits {
         let side = |text: &str| text.parse().ok().filter(|side: &u32| *side > 0 && !text.starts_with('+'));
         let sides = text.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
         let max_side = self.max_side;
-        match sides {
-            None => Err(RenderRefusal::Size { text: text.chars().take(20).collect(), max_side }),
-            Some(size) if size.iter().any(|side| *side > max_side) => {
-                Err(RenderRefusal::TooLarge { max_side })
-            }
-            Some(size) => Ok(size),
+        let unread = || RenderRefusal::Size { text: text.chars().take(20).collect(), max_side };
+        self.check_size(sides.ok_or_else(unread)?)
+    }
+
+    /// Checks that neither side is too long.
+    pub fn check_size(self, size: [u32; 2]) -> Result<[u32; 2], RenderRefusal> {
+        let max_side = self.max_side;
+        if size.iter().any(|side| *side > max_side) {
+            return Err(RenderRefusal::TooLarge { max_side });
         }
+        Ok(size)
     }
 
     /// Checks a number of samples a pixel.

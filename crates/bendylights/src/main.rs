@@ -13,6 +13,7 @@ mod files;
 mod import;
 mod known_scenes;
 mod parameters;
+mod probe;
 mod render;
 mod replay;
 mod scenes;
@@ -42,6 +43,8 @@ enum Command {
     Bend(bend::Args),
     /// Drag shadows, hotspots and highlights of lights to where they should be
     Drag(drag::Args),
+    /// Say why a pixel is lit or not, light by light
+    Probe(probe::Args),
     /// List what can be set on lights, control points and cameras
     Parameters(parameters::Args),
     /// List the demo scenes
@@ -76,6 +79,7 @@ fn main() -> ExitCode {
         Command::Eval(args) => eval::run(&args),
         Command::Bend(args) => bend::run(&args),
         Command::Drag(args) => drag::run(&args),
+        Command::Probe(args) => probe::run(&args),
         Command::Parameters(args) => parameters::run(&args),
         Command::Scenes => scenes::run(),
         Command::Serve(args) => serve::run(&args),

@@ -155,7 +155,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
         notes.extend(left_out(&posed.reach(), &lights));
     }
     let request = RenderRequest::from(args);
-    let camera = choose_camera(args, &request, (&posed.reach(), &contents.cameras))?;
+    let (wanted, aspect) = (request.camera.as_deref(), request.framing_aspect());
+    let camera = choose_camera(&args.scene, wanted, aspect, (&posed.reach(), &contents.cameras))?;
     let view = request.view(camera, choose_light(args, &lights)?, LIMITS, ViewSlot::default());
     for note in &notes {
         say(&format!("note: {note}"));
@@ -244,21 +245,23 @@ pub fn open_scene(name: &str) -> Result<Loaded, Error> {
     assets::demo(demo).ok_or_else(no_such)
 }
 
-fn choose_camera(
-    args: &Args,
-    request: &RenderRequest,
+/// The camera of that name or index among those of `scene`; by default the first, or one that frames it in a picture of that
+/// width over height.
+pub fn choose_camera(
+    scene: &str,
+    wanted: Option<&str>,
+    aspect: f64,
     (reach, cameras): (&Reach, &[Camera]),
 ) -> Result<Camera, Error> {
-    let Some(wanted) = &request.camera else {
-        let framing = || framing_camera(reach, request.framing_aspect());
-        return Ok(cameras.first().cloned().unwrap_or_else(framing));
+    let Some(wanted) = wanted else {
+        return Ok(cameras.first().cloned().unwrap_or_else(|| framing_camera(reach, aspect)));
     };
-    let named = cameras.iter().find(|camera| camera.name == *wanted);
+    let named = cameras.iter().find(|camera| camera.name == wanted);
     let indexed = || cameras.get(wanted.parse::<usize>().ok()?);
     named.or_else(indexed).cloned().ok_or_else(|| Error::NoSuch {
-        whose: args.scene.clone(),
+        whose: scene.into(),
         what: "camera",
-        name: wanted.clone(),
+        name: wanted.into(),
         choices: choices(cameras.iter().map(|camera| camera.name.as_str())),
     })
 }

@@ -20,7 +20,7 @@ const ERROR_IN_SCENE: f64 = CHORD_ERROR / 4.0;
 
 /// Halvings after which a chord stands for its path all the same: where the curve stops (`P' = 0`) no
 /// bound on its turning exists, but a piece of 2^-24 of a segment is as good as a point.
-const MAX_HALVINGS: u32 = 24;
+pub(crate) const MAX_HALVINGS: u32 = 24;
 
 /// A curve of constant (v, w) in a light: `C(t) = P + R (v v_hat + w w_hat)` (light model, section 3).
 #[derive(Clone, Copy, Debug)]
@@ -72,7 +72,8 @@ impl Chord {
         if self.bend == 0.0 { 0.0 } else { self.bend * h * h / 8.0 }
     }
 
-    fn length(&self) -> f64 {
+    /// Of the straight line.
+    pub(crate) fn length(&self) -> f64 {
         self.ends[0].distance(self.ends[1])
     }
 }
@@ -131,6 +132,11 @@ impl<'a> BentPath<'a> {
         let at_middle = self.at(segment, middle);
         self.halve(segment, [u[0], middle], [ends[0], at_middle], halvings + 1, bounds, visit)
             || self.halve(segment, [middle, u[1]], [at_middle, ends[1]], halvings + 1, bounds, visit)
+    }
+
+    /// The chord between two parameters of a segment.
+    pub(crate) fn chord(&self, segment: usize, u: [f64; 2]) -> Chord {
+        Chord { segment, u, ends: u.map(|u| self.at(segment, u)), bend: self.bend(segment, u) }
     }
 
     /// Bound of `|C''|` over a piece, by u, in world lengths.

@@ -74,6 +74,33 @@ fn worst_stray(tube: &Tube<f64>, (v, w): (f64, f64)) -> f64 {
     worst
 }
 
+/// Largest distance of a path's points from its polyline; the length of the path, walked in small steps, and what that may be
+/// off by.
+fn beside(path: &BentPath, t_end: f64, polyline: &[DVec3]) -> (f64, f64, f64) {
+    let at = |t: f64| {
+        let segment = (t as usize).min(path.tube.segments.len() - 1);
+        path.at(segment, t - segment as f64)
+    };
+    let off = |point: DVec3| {
+        let pieces = polyline.windows(2).map(|piece| {
+            let along = piece[1] - piece[0];
+            let share = (point - piece[0]).dot(along) / along.length_squared();
+            point.distance(piece[0] + along * share.clamp(0.0, 1.0))
+        });
+        pieces.fold(f64::INFINITY, f64::min)
+    };
+    let steps = 40_000;
+    let points: Vec<DVec3> = (0..=steps).map(|k| at(t_end * f64::from(k) / f64::from(steps))).collect();
+    let worst = points.iter().step_by(10).map(|point| off(*point)).fold(0.0, f64::max);
+    let walked = |stride: usize| {
+        let steps = points.windows(stride + 1).step_by(stride);
+        steps.map(|step| step[0].distance(step[stride])).sum::<f64>()
+    };
+    // Halving the steps takes three quarters off the error, and less where the frame flips about the curve.
+    let [fine, coarse] = [walked(1), walked(2)];
+    (worst, (4.0 * fine - coarse) / 3.0, (fine - coarse).abs())
+}
+
 /// The path as a polyline of 1,000 steps a segment against every triangle: slow, and shares nothing with the crate.
 fn walk(path: &BentPath, triangles: &[[DVec3; 3]], t_end: f64) -> Option<(f64, usize)> {
     let steps = (1000.0 * t_end).ceil() as usize;
@@ -110,6 +137,18 @@ proptest! {
     #[test]
     fn chords_stay_within_their_bound(tube in tubes(), vw in across()) {
         prop_assert!(worst_stray(&tube, vw) <= 1.0);
+    }
+
+    /// A polyline strays as little as it says, which is little enough wherever there are points enough.
+    #[test]
+    fn polylines_stay_beside_their_path(tube in tubes(), vw in across(), share in 0.1..1.0_f64) {
+        let path = BentPath::new(&tube, vw.0, vw.1, DVec3::ZERO);
+        let t_end = share * tube.segments.len() as f64;
+        let fine = path.polyline(t_end, 256);
+        let (stray, walked, unsure) = beside(&path, t_end, &fine.points);
+        prop_assert!(stray <= fine.stray + 1e-14 && fine.points.len() <= 256);
+        prop_assert!(fine.points.len() == 256 || fine.stray <= fine.length / 4096.0);
+        prop_assert!((fine.length - walked).abs() < 1e-6 * walked + unsure, "{} {walked}", fine.length);
     }
 
     #[test]
@@ -171,6 +210,18 @@ fn the_bound_on_chords_is_not_slack() {
     let tube = Tube::new(&light).unwrap();
     let worst = worst_stray(&tube, (0.5, 0.5));
     assert!((0.2..=1.0).contains(&worst), "{worst}");
+}
+
+/// The planted fault for polylines: with too few points one strays, and says so.
+#[test]
+fn a_polyline_of_few_points_strays() {
+    let points = [DVec3::ZERO, DVec3::NEG_Z, DVec3::new(1.0, 0.0, -2.0)];
+    let tube = Tube::new(&Light::bendy(points.into(), vec![0.1, 0.2, 0.3])).expect("a tube");
+    let path = BentPath::new(&tube, 0.3, 0.4, DVec3::ZERO);
+    let [few, many] = [3, 256].map(|most| path.polyline(1.0, most));
+    let (stray, ..) = beside(&path, 1.0, &few.points);
+    assert!(few.points.len() == 3 && stray > few.length / 4096.0 && few.stray >= stray);
+    assert!((10..100).contains(&many.points.len()), "{}", many.points.len());
 }
 
 #[test]

@@ -24,6 +24,19 @@ pub enum ReferenceError {
         /// How many lights there are.
         count: usize,
     },
+    /// A point that is not in the picture.
+    #[error(
+        "({x}, {y}) is not in a picture of {}x{} pixels: x goes from 0 to less than {}, y from 0 to less than {}",
+        size[0], size[1], size[0], size[1]
+    )]
+    OffPicture {
+        /// In pixels from the left.
+        x: f64,
+        /// In pixels from the top.
+        y: f64,
+        /// Width and height of the picture.
+        size: [u32; 2],
+    },
     /// A wireframe.
     #[error(
         "the reference follows light along its curve and has no shadow map to draw a wireframe of: take the GPU for it"

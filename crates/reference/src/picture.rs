@@ -101,7 +101,7 @@ impl Reference {
 
     /// Light from everywhere: a hemisphere that goes from `ground` to `sky` with the height of a direction.
     /// Dielectrics scatter what arrives about the normal, metals mirror what arrives about the reflected ray.
-    fn fill(&self, surface: &Surface) -> DVec3 {
+    pub(crate) fn fill(&self, surface: &Surface) -> DVec3 {
         let fill = &self.bvh.posed.scene.fill;
         let hemisphere = |toward: DVec3| fill.ground.lerp(fill.sky, toward.y * 0.5 + 0.5);
         let n = surface.normal;

@@ -11,7 +11,7 @@ use crate::texture::Textures;
 #[derive(Debug)]
 pub struct Reference {
     /// The scene and its triangles.
-    pub bvh: Bvh,
+    pub bvh: Arc<Bvh>,
     pub(crate) textures: Textures,
 }
 
@@ -19,6 +19,13 @@ impl Reference {
     /// Prepares a scene for rays.
     pub fn new(posed: Arc<PosedScene>) -> Self {
         let textures = Textures::new(Arc::clone(&posed.scene));
-        Self { bvh: Bvh::new(posed), textures }
+        Self { bvh: Arc::new(Bvh::new(posed)), textures }
+    }
+
+    /// Of a scene that is prepared for rays, to look at single points: it keeps nothing of textures, whose levels in f64 take
+    /// ten times their pictures' bytes.
+    pub fn for_points(bvh: Arc<Bvh>) -> Self {
+        let textures = Textures::unkept(Arc::clone(&bvh.posed.scene));
+        Self { bvh, textures }
     }
 }

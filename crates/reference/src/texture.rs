@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 use glam::{DVec2, DVec4};
-use scene::{Image, Scene, TextureRef};
+use scene::{Image, Scene, TextureRef, Wrap};
 
 /// The part of a texture that a pixel covers.
 #[derive(Clone, Copy, Debug)]
@@ -24,17 +24,23 @@ struct Level {
     texels: Vec<DVec4>,
 }
 
-/// The pictures of a scene with their mip levels, decoded as sRGB or as data when first asked for.
+/// The pictures of a scene.
 pub(crate) struct Textures {
     scene: Arc<Scene>,
-    chains: HashMap<(usize, bool), OnceLock<Vec<Level>>>,
+    /// Their mip levels, decoded as sRGB or as data when first asked for; `None` where each is made for its few texels alone.
+    chains: Option<HashMap<(usize, bool), OnceLock<Vec<Level>>>>,
 }
 
 impl Textures {
     pub fn new(scene: Arc<Scene>) -> Self {
         let keys = (0..scene.images.len()).flat_map(|image| [(image, true), (image, false)]);
         let chains = keys.map(|key| (key, OnceLock::new())).collect();
-        Self { scene, chains }
+        Self { scene, chains: Some(chains) }
+    }
+
+    /// The same, keeping nothing: for a few points.
+    pub fn unkept(scene: Arc<Scene>) -> Self {
+        Self { scene, chains: None }
     }
 
     /// A colour: sRGB decoded to linear, alpha as it is.
@@ -48,23 +54,82 @@ impl Textures {
     }
 
     fn sample(&self, texture: TextureRef, footprint: &Footprint, srgb: bool) -> DVec4 {
-        let chain =
-            self.chains[&(texture.image, srgb)].get_or_init(|| mips(&self.scene.images[texture.image], srgb));
-        let size = DVec2::new(chain[0].width as f64, chain[0].height as f64);
+        let image = &self.scene.images[texture.image];
+        let (width, height) = (image.width as usize, image.height as usize);
+        let size = DVec2::new(width as f64, height as f64);
         let texels = (footprint.dx * size).length().max((footprint.dy * size).length());
-        if texels <= 1.0 {
-            return if texture.sampler.nearest {
-                nearest(&chain[0], texture, footprint.uv)
-            } else {
-                bilinear(&chain[0], texture, footprint.uv)
-            };
-        }
-        let level = libm::log2(texels).min((chain.len() - 1) as f64);
+        let last = width.max(height).ilog2() as usize;
+        let level = if texels <= 1.0 { 0.0 } else { libm::log2(texels).min(last as f64) };
         let (fine, share) = (level as usize, level.fract());
-        let coarse = (fine + 1).min(chain.len() - 1);
-        let at = |level: usize| bilinear(&chain[level], texture, footprint.uv);
-        at(fine).lerp(at(coarse), share)
+        let coarse = (fine + 1).min(last);
+        if let Some(chains) = &self.chains {
+            let chain = chains[&(texture.image, srgb)].get_or_init(|| mips(image, srgb));
+            if texels <= 1.0 && texture.sampler.nearest {
+                return nearest(&chain[0], texture, footprint.uv);
+            }
+            let at = |level: usize| bilinear(&chain[level], texture, footprint.uv);
+            return if share == 0.0 { at(fine) } else { at(fine).lerp(at(coarse), share) };
+        }
+        let table = decoded(srgb);
+        let is_nearest = texels <= 1.0 && texture.sampler.nearest;
+        let at = |level: usize| read(image, &table, texture, footprint.uv, (level, is_nearest));
+        if share == 0.0 { at(fine) } else { at(fine).lerp(at(coarse), share) }
     }
+}
+
+/// What [`nearest`] or [`bilinear`] would give of a level, by the texels of full size that it is made of.
+fn read(
+    image: &Image,
+    table: &[f64],
+    texture: TextureRef,
+    uv: DVec2,
+    (level, is_nearest): (usize, bool),
+) -> DVec4 {
+    let side = |at: f64, wrap: Wrap, full: usize| {
+        let size = (full >> level).max(1);
+        if is_nearest {
+            return vec![(wrap.texel((at * size as f64).floor(), size), 1.0)];
+        }
+        let at = at * size as f64 - 0.5;
+        let (first, share) = (at.floor(), at - at.floor());
+        let mut shares = Vec::new();
+        for (texel, weight) in [(first, 1.0 - share), (first + 1.0, share)] {
+            let of_full = full_size(wrap.texel(texel, size), full, level);
+            shares.extend(of_full.into_iter().map(|(texel, part)| (texel, part * weight)));
+        }
+        shares
+    };
+    let columns = side(uv.x, texture.sampler.wrap_u, image.width as usize);
+    let mut sum = DVec4::ZERO;
+    for (row, row_share) in side(uv.y, texture.sampler.wrap_v, image.height as usize) {
+        for &(column, column_share) in &columns {
+            let at = 4 * (row * image.width as usize + column);
+            let [r, g, b, a] = [0, 1, 2, 3].map(|channel| image.rgba8[at + channel]);
+            let [r, g, b] = [r, g, b].map(|byte| table[usize::from(byte)]);
+            sum += DVec4::new(r, g, b, f64::from(a) / 255.0) * (row_share * column_share);
+        }
+    }
+    sum
+}
+
+/// The texels of full size along a side that a texel of a level is made of, and the share of it that each fills: what halving
+/// again and again comes to.
+fn full_size(texel: usize, full: usize, level: usize) -> Vec<(usize, f64)> {
+    let mut shares = vec![(texel, 1.0)];
+    for finer in (0..level).rev() {
+        let (size, half) = ((full >> finer).max(1), (full >> (finer + 1)).max(1));
+        let mut made: Vec<(usize, f64)> = Vec::with_capacity(2 * shares.len() + 1);
+        for (coarse, share) in shares {
+            for (fine, part) in covered(coarse, size, half) {
+                match made.last_mut().filter(|(last, _)| *last == fine) {
+                    Some((_, sum)) => *sum += part * share,
+                    None => made.push((fine, part * share)),
+                }
+            }
+        }
+        shares = made;
+    }
+    shares
 }
 
 fn nearest(level: &Level, texture: TextureRef, uv: DVec2) -> DVec4 {
@@ -86,8 +151,8 @@ fn texel(level: &Level, texture: TextureRef, x: f64, y: f64) -> DVec4 {
     level.texels[row * level.width + column]
 }
 
-/// All levels from the full size down to one texel, each the area average of the one before.
-fn mips(image: &Image, srgb: bool) -> Vec<Level> {
+/// What each byte of a colour stands for, as sRGB or as data.
+fn decoded(srgb: bool) -> Vec<f64> {
     let decode = |byte: u8| {
         let c = f64::from(byte) / 255.0;
         match srgb {
@@ -96,7 +161,12 @@ fn mips(image: &Image, srgb: bool) -> Vec<Level> {
             true => libm::pow((c + 0.055) / 1.055, 2.4),
         }
     };
-    let table: Vec<f64> = (0..=255).map(decode).collect();
+    (0..=255).map(decode).collect()
+}
+
+/// All levels from the full size down to one texel, each the area average of the one before.
+fn mips(image: &Image, srgb: bool) -> Vec<Level> {
+    let table = decoded(srgb);
     let texels = image.rgba8.as_chunks::<4>().0.iter().map(|&[r, g, b, a]| {
         let [r, g, b] = [r, g, b].map(|byte| table[byte as usize]);
         DVec4::new(r, g, b, f64::from(a) / 255.0)

@@ -2,14 +2,10 @@
 
 use glam::DVec3;
 use light::{Parallel, Tube, TubePoint};
-use raycast::BentHit;
+use raycast::{BentHit, CONTACT, Obstacle, Way, rounding};
 
 use crate::source::{place_beside, sample_cone, sample_omni, sample_parallel, sample_tube};
 use crate::{LightSample, Linked, Reference, Source, Surface};
-
-/// Distance from a surface within which nothing shadows it, as a share of the light's size or of the way to the
-/// source: the surface itself, and what lies on it. Rounding places a point to 1e-15 of that.
-const CONTACT: f64 = 1e-9;
 
 impl Reference {
     /// What a light for which all nodes count does at a surface, its shadow included; `None` outside the light.
@@ -53,19 +49,25 @@ impl Reference {
 
     /// Whether nothing is in the way of the light that `sample` says arrives at the surface, as a smooth one
     /// ([`Surface::shadow_position`]). Light that arrives from behind that, or through the surface's own triangle, meets the other side.
-    pub(crate) fn reaches(
+    pub(crate) fn reaches(&self, light: (&Source, &Linked), surface: &Surface, sample: &LightSample) -> bool {
+        let shadow_enable = light.0.light_filter().shadow_enable;
+        !shadow_enable
+            || !self.turns_away(light.1, surface, sample) && self.is_way_free(light, surface, sample)
+    }
+
+    /// Whether light that can be shadowed arrives from behind the surface, as a smooth one or through its own triangle.
+    pub(crate) fn turns_away(&self, linked: &Linked, surface: &Surface, sample: &LightSample) -> bool {
+        let is_in_its_own_way = || linked.stops_at(surface.node) && self.is_in_its_own_way(surface, sample);
+        surface.normal.dot(sample.along_path) <= 0.0 || is_in_its_own_way()
+    }
+
+    /// Whether nothing else is in the way.
+    pub(crate) fn is_way_free(
         &self,
         (source, linked): (&Source, &Linked),
         surface: &Surface,
         sample: &LightSample,
     ) -> bool {
-        if !source.light_filter().shadow_enable {
-            return true;
-        }
-        let is_in_its_own_way = || linked.stops_at(surface.node) && self.is_in_its_own_way(surface, sample);
-        if surface.normal.dot(sample.along_path) <= 0.0 || is_in_its_own_way() {
-            return false;
-        }
         match source {
             Source::Bendy(tube) => {
                 let (origin, point) = (self.in_scene(tube.placement.translation), surface.shadow_position());
@@ -77,6 +79,26 @@ impl Reference {
             Source::Omni(omni) => self.sees(surface, self.in_scene(omni.translation), linked),
             Source::Directional(parallel) => self.sees_out(surface, parallel.direction(), linked),
         }
+    }
+
+    /// The first from the source on that is in the way.
+    pub(crate) fn first_in_way(
+        &self,
+        (source, linked): (&Source, &Linked),
+        surface: &Surface,
+        sample: &LightSample,
+    ) -> Option<Obstacle> {
+        let point = surface.shadow_position();
+        let way = match source {
+            Source::Bendy(tube) => {
+                let (t, vw) = place_beside(tube, self.in_scene(tube.placement.translation), sample, point);
+                Way::Bent { path: self.bvh.path(tube, vw.x, vw.y), t }
+            }
+            Source::Spot(cone) => Way::From(self.in_scene(cone.translation)),
+            Source::Omni(omni) => Way::From(self.in_scene(omni.translation)),
+            Source::Directional(parallel) => Way::Along(parallel.direction()),
+        };
+        self.bvh.first_in_way(&way, point, surface.triangle, linked)
     }
 
     /// Whether light from behind the surface's triangle comes through it.
@@ -110,12 +132,7 @@ impl Reference {
     /// elsewhere too.
     fn in_the_way_of(&self, point: DVec3, tube: &Tube<f64>, linked: &Linked) -> impl Fn(&BentHit) -> bool {
         let contact = CONTACT * tube.placement.world_per_tube + rounding(point);
-        move |hit| {
-            let triangle = &self.bvh.triangles[hit.triangle];
-            hit.position.distance(point) > contact
-                && linked.stops_at(triangle.node)
-                && self.bvh.is_solid(triangle, hit.weights)
-        }
+        move |hit| hit.position.distance(point) > contact && self.bvh.stops(linked, hit.triangle, hit.weights)
     }
 
     /// Whether nothing that counts lies on the straight way from a surface to another point.
@@ -136,16 +153,8 @@ impl Reference {
     fn is_free(&self, surface: &Surface, way: DVec3, [near, far]: [f64; 2], linked: &Linked) -> bool {
         self.bvh
             .first_hit(surface.shadow_position(), way, [near, far], |hit| {
-                let triangle = &self.bvh.triangles[hit.triangle];
-                hit.triangle != surface.triangle
-                    && linked.stops_at(triangle.node)
-                    && self.bvh.is_solid(triangle, hit.weights)
+                hit.triangle != surface.triangle && self.bvh.stops(linked, hit.triangle, hit.weights)
             })
             .is_none()
     }
-}
-
-/// What a position may be off by, generously.
-fn rounding(position: DVec3) -> f64 {
-    64.0 * f64::EPSILON * position.abs().max_element()
 }

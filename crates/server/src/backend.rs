@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
@@ -20,6 +21,8 @@ pub struct Backend {
     pub scenes: Arc<Scenes>,
     /// The renderer.
     pub renders: Renders,
+    /// A permit for each probe whose rays are followed.
+    pub probes: Arc<Semaphore>,
     /// What is counted.
     pub metrics: Arc<Metrics>,
     /// Cancelled when the server is asked to stop.

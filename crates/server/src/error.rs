@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use edit::Refusal;
 use protocol::{ErrorCode, FileError, PROTOCOL, Problem, Refused, RenderRefusal};
+use reference::ReferenceError;
 use render::RenderError;
 use store::StoreError;
 use thiserror::Error;
@@ -44,6 +45,9 @@ pub enum ServerError {
     /// A picture that is not asked for as it can be.
     #[error(transparent)]
     Picture(#[from] RenderRefusal),
+    /// A point of a picture that cannot be looked at.
+    #[error(transparent)]
+    Probe(#[from] ReferenceError),
     /// A picture that cannot be encoded.
     #[error(transparent)]
     Encode(#[from] stream::StreamError),
@@ -170,7 +174,8 @@ impl ServerError {
             Self::ForeignHost(_) => ErrorCode::ForeignHost,
             Self::Protocol(_) | Self::Hello => ErrorCode::Protocol,
             Self::HelloTooLate => ErrorCode::HelloTooLate,
-            Self::BadMessage(_) | Self::CutOff => ErrorCode::BadMessage,
+            Self::Probe(ReferenceError::Camera(_)) => ErrorCode::InvalidCamera,
+            Self::BadMessage(_) | Self::CutOff | Self::Probe(_) => ErrorCode::BadMessage,
             Self::Picture(refusal) => refusal.code(),
             Self::BadCommand(refused) => refused.code(),
             Self::Refused(refusal) => refusal.into(),

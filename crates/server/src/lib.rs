@@ -14,6 +14,7 @@ mod limits;
 mod metrics;
 mod outbox;
 mod outboxes;
+mod probe;
 mod renderer;
 mod request;
 mod room;

@@ -12,6 +12,8 @@ pub const MAX_SOCKETS: usize = 256;
 pub const MAX_REQUESTS: usize = 64;
 /// Pictures for HTTP that are rendered or wait for it.
 pub const MAX_STILLS: usize = 8;
+/// Probes of pixels whose rays are followed at once, a millisecond or so each; others wait.
+pub const MAX_PROBES: usize = 4;
 /// Scenes that are being sent to the server; each may take hundreds of megabytes of its disk.
 pub const MAX_UPLOADS: usize = 32;
 /// Sessions that are open at once; the others rest in the store.

@@ -3,7 +3,7 @@
 use document::Command;
 use edit::{Actor, Request};
 use light::LightId;
-use protocol::{ClientMessage, ViewSource};
+use protocol::{ClientMessage, ProbeCamera, ViewSource};
 use scene::Camera;
 use store::check_scene_name;
 
@@ -73,10 +73,25 @@ pub enum ClientRequest {
     Select(Option<u64>),
     /// What undo and redo would take back.
     History,
+    /// To know why a pixel is lit or not.
+    Probe(ProbeQuestion),
     /// A sign of life; the number comes back.
     Ping(f64),
     /// What could not be read or is not allowed: why.
     Invalid(ServerError),
+}
+
+/// What a client asks of a pixel.
+#[derive(Debug)]
+pub struct ProbeQuestion {
+    /// The client's name for it.
+    pub probe: String,
+    /// Who looks; `None` for the client's view.
+    pub camera: Option<ProbeCamera>,
+    /// Width and height of the picture, in pixels; `None` for that view's.
+    pub size: Option<[u32; 2]>,
+    /// In pixels from the top left corner.
+    pub pixel: [f64; 2],
 }
 
 /// A request that ends in a record, under its sender's name for it; or why it has no meaning.
@@ -140,6 +155,9 @@ async fn parse(message: ClientMessage, scenes: &Scenes) -> Result<ClientRequest,
         ClientMessage::GestureCancel { gesture } => ClientRequest::CancelGesture(label(gesture)?),
         ClientMessage::Presence { selection } => ClientRequest::Select(selection),
         ClientMessage::History {} => ClientRequest::History,
+        ClientMessage::Probe { probe, pixel, camera, size } => {
+            ClientRequest::Probe(ProbeQuestion { probe: label(probe)?, camera, size, pixel })
+        }
         ClientMessage::Ping { sent } => ClientRequest::Ping(sent),
     })
 }
@@ -173,7 +191,7 @@ pub fn actor(wire: protocol::Actor) -> Result<Actor, ServerError> {
 /// A name that a client chose, within limits.
 fn label(text: String) -> Result<String, ServerError> {
     if text.len() > MAX_LABEL_BYTES {
-        let what = "a name of an actor, an operation or a gesture";
+        let what = "a name of an actor, an operation, a gesture or a probe";
         return Err(ServerError::TooLarge { what, limit: MAX_LABEL_BYTES, unit: "bytes" });
     }
     Ok(text)

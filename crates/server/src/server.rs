@@ -15,7 +15,9 @@ use tokio_util::task::TaskTracker;
 
 use crate::access::{Hosts, PublicUrl, Token};
 use crate::backend::Backend;
-use crate::limits::{DRAIN_WITHIN, MAX_RENDER_BYTES, MAX_REQUESTS, MAX_SOCKETS, MAX_STILLS, MAX_UPLOADS};
+use crate::limits::{
+    DRAIN_WITHIN, MAX_PROBES, MAX_RENDER_BYTES, MAX_REQUESTS, MAX_SOCKETS, MAX_STILLS, MAX_UPLOADS,
+};
 use crate::metrics::Metrics;
 use crate::renderer::{RenderThread, Renders};
 use crate::room::Rooms;
@@ -80,6 +82,7 @@ impl Server {
             scenes: Arc::new(Scenes::new(storage.clone(), Arc::clone(&metrics))),
             storage,
             renders,
+            probes: Arc::new(Semaphore::new(MAX_PROBES)),
             metrics,
             draining: CancellationToken::new(),
             started: Instant::now(),

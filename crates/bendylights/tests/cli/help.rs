@@ -2,11 +2,12 @@
 
 use crate::program::run;
 
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 13] = [
     "render",
     "eval",
     "bend",
     "drag",
+    "probe",
     "parameters",
     "scenes",
     "serve",
@@ -30,7 +31,9 @@ fn help_names_every_command_and_shows_examples() {
         assert!(text.contains(&format!("  {command} ")), "{command}");
         assert!(help(&[command, "--help"]).contains("Usage: bendylights "), "{command}");
     }
-    for command in ["render", "eval", "bend", "drag", "serve", "sessions", "export", "import", "replay"] {
+    for command in
+        ["render", "eval", "bend", "drag", "probe", "serve", "sessions", "export", "import", "replay"]
+    {
         assert!(help(&[command, "--help"]).contains("Example"), "{command}");
     }
     assert!(help(&["--version"]).starts_with("bendylights 0."));

@@ -4,5 +4,6 @@
 
 mod light;
 mod materials;
+mod probe;
 mod support;
 mod terminator;

@@ -5,6 +5,7 @@ mod assets;
 mod guard;
 mod page;
 mod pick;
+mod probe;
 mod read;
 mod render;
 mod sessions;
@@ -38,6 +39,7 @@ pub fn router(state: Arc<AppState>) -> Router {
         .route("/sessions/{name}/log", get(sessions::log))
         .route("/sessions/{name}/render", get(render::render))
         .route("/sessions/{name}/pick", post(pick::pick))
+        .route("/sessions/{name}/probe", post(probe::answer))
         .route("/parameters", get(|| async { json(&protocol::parameter_table()) }))
         .route("/metrics", get(metrics))
         .route_layer(middleware::from_fn_with_state(Arc::clone(&state), guard::limit_requests))

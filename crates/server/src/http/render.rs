@@ -110,7 +110,7 @@ fn choose_camera(document: &Document, wanted: &str) -> Result<Camera, ServerErro
 }
 
 /// The first camera, or one that sees everything in a picture of that width over height.
-fn default_camera(document: &Document, scene: &Decoded, aspect: f64) -> Camera {
+pub fn default_camera(document: &Document, scene: &Decoded, aspect: f64) -> Camera {
     let first = document.cameras().values().next().cloned();
     first.unwrap_or_else(|| framing_camera(&scene.posed.reach(), aspect))
 }

@@ -106,6 +106,7 @@ impl Room {
         self.backend.metrics.clients.dec();
         self.outboxes.remove(id);
         self.views.remove(id);
+        self.probes.forget(id);
         for gesture in self.session.end_gestures_of(id) {
             self.end_gesture(gesture, GestureStatus::Cancelled { refused: None }, tick);
         }

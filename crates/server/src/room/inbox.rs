@@ -138,6 +138,7 @@ impl Room {
                 }
             }
             ClientRequest::History => drop(tick.history_requests.insert(client)),
+            ClientRequest::Probe(question) => self.ask(client, question),
             ClientRequest::Ping(sent) => {
                 let server_time_us = self.backend.started.elapsed().as_micros() as u64;
                 self.outboxes.send(client, &ServerMessage::Pong { sent, server_time_us });

@@ -11,6 +11,7 @@ mod gestures;
 mod inbox;
 mod message;
 mod past;
+mod probes;
 mod steps;
 mod tick;
 
@@ -42,6 +43,7 @@ use crate::views::{Live, Views};
 use clients::Client;
 use directory::RoomStatus;
 use message::Opening;
+use probes::Probes;
 use tick::Batch;
 
 /// What the task owns.
@@ -64,6 +66,8 @@ struct Room {
     outboxes: Outboxes,
     /// What they look at.
     views: Views,
+    /// What they ask of pixels.
+    probes: Probes,
     last_client: ClientId,
     /// What programs have asked for and is not all carried out, next first.
     batches: VecDeque<Batch>,
@@ -146,6 +150,7 @@ impl Room {
             tail,
             checkpoint_bytes: 0,
             clients: BTreeMap::new(),
+            probes: Probes::default(),
             last_client: 0,
             batches: VecDeque::new(),
             status,
@@ -171,6 +176,7 @@ impl Room {
                 Some(picture) = self.views.next_picture() => {
                     self.views.take_picture(picture, &mut self.outboxes);
                 }
+                Some(ended) = self.probes.next() => self.take_probe(ended),
                 () = sleep_until(wake) => {}
             }
             if self.draining {

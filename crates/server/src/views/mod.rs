@@ -181,6 +181,14 @@ impl Views {
         }
     }
 
+    /// What a client sees, in a view of its own or another's: from where, how, and how large.
+    pub fn seen_by(&self, id: ClientId) -> Option<(&Camera, &ViewSettings, [u32; 2])> {
+        match &self.viewers.get(&self.owner_of(id)?)?.source {
+            Source::Own(view) => Some((&view.camera, &view.settings, view.size)),
+            Source::Nothing | Source::Follow(_) => None,
+        }
+    }
+
     /// Sends each client how its view is served, where that has changed.
     pub fn configure(&mut self, outboxes: &mut Outboxes) {
         let ids: Vec<ClientId> = self.viewers.keys().copied().collect();

@@ -25,6 +25,13 @@ impl ViewSettings {
         }
         lights
     }
+
+    /// Which of the document's lights the view does not show.
+    pub fn muted(&self, lights: &[LightInstance]) -> BTreeSet<LightId> {
+        let shown: BTreeSet<LightId> =
+            self.shown(lights.to_vec()).iter().map(|instance| instance.id).collect();
+        lights.iter().map(|instance| instance.id).filter(|id| !shown.contains(id)).collect()
+    }
 }
 
 impl TryFrom<protocol::ViewSettings> for ViewSettings {

@@ -1,0 +1,80 @@
+//! What stands in a light's way, from its source on.
+
+use glam::DVec3;
+
+use crate::{BentPath, Bvh, Linked};
+
+/// Distance from a surface within which nothing shadows it, as a share of the light's size or of the way to the
+/// source: the surface itself, and what lies on it. Rounding places a point to 1e-15 of that.
+pub const CONTACT: f64 = 1e-9;
+
+/// How light comes to a point.
+#[derive(Clone, Copy, Debug)]
+pub enum Way<'a> {
+    /// Along a curve of constant (v, w), on which the point lies at `t`.
+    Bent {
+        /// The curve.
+        path: BentPath<'a>,
+        /// Parameter of the light at the point.
+        t: f64,
+    },
+    /// Straight, from a source in scene space.
+    From(DVec3),
+    /// From outside of the scene, which lies this way: a unit vector.
+    Along(DVec3),
+}
+
+/// The first that light meets on its way.
+#[derive(Clone, Copy, Debug)]
+pub struct Obstacle {
+    /// Index in [`Bvh::triangles`].
+    pub triangle: usize,
+    /// Position in scene space.
+    pub position: DVec3,
+    /// How far along the way from where it begins: the light's parameter on a bent one, else world units.
+    pub t: f64,
+}
+
+impl Bvh {
+    /// The first from the source on that stops light on its way to `point`, in scene space, of what throws shadows by `linked`.
+    /// A bent way may cross the triangle on which the point lies elsewhere too; a straight one cannot, and leaves `own` out.
+    pub fn first_in_way(&self, way: &Way, point: DVec3, own: usize, linked: &Linked) -> Option<Obstacle> {
+        match way {
+            Way::Bent { path, t } => {
+                let contact = CONTACT * path.tube.placement.world_per_tube + rounding(point);
+                let hit = self.first_bent_hit(path, *t, |hit| {
+                    hit.position.distance(point) > contact && self.stops(linked, hit.triangle, hit.weights)
+                })?;
+                Some(Obstacle { triangle: hit.triangle, position: hit.position, t: hit.t })
+            }
+            Way::From(source) => self.first_between(*source, point, own, linked),
+            Way::Along(to_light) => self.first_between(self.outside(point, *to_light), point, own, linked),
+        }
+    }
+
+    /// Where light that comes from `to_light`, a unit vector, is still outside of the scene on its way to a point of it.
+    pub fn outside(&self, point: DVec3, to_light: DVec3) -> DVec3 {
+        point + to_light * (2.0 * self.posed.half_extent.length())
+    }
+
+    /// Whether a place of a triangle throws a shadow.
+    pub fn stops(&self, linked: &Linked, triangle: usize, weights: DVec3) -> bool {
+        let triangle = &self.triangles[triangle];
+        linked.stops_at(triangle.node) && self.is_solid(triangle, weights)
+    }
+
+    fn first_between(&self, from: DVec3, point: DVec3, own: usize, linked: &Linked) -> Option<Obstacle> {
+        let way = point - from;
+        let far = 1.0 - CONTACT - rounding(point) / way.length();
+        let hit = self.first_hit(from, way, [0.0, far], |hit| {
+            hit.triangle != own && self.stops(linked, hit.triangle, hit.weights)
+        })?;
+        let (position, t) = (from + way * hit.distance, way.length() * hit.distance);
+        Some(Obstacle { triangle: hit.triangle, position, t })
+    }
+}
+
+/// What a position may be off by, generously.
+pub fn rounding(position: DVec3) -> f64 {
+    64.0 * f64::EPSILON * position.abs().max_element()
+}

@@ -1,0 +1,33 @@
+//! `POST /sessions/S/probe`: why a pixel is lit or not.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use axum::body::Bytes;
+use axum::extract::State;
+use axum::http::HeaderMap;
+use protocol::ProbeRequest;
+
+use super::answer::{Answer, json};
+use super::read::{SessionName, read_json};
+use super::render::default_camera;
+use crate::probe::{Probe, chosen_camera, probe};
+use crate::room::{Message, Snapshot};
+use crate::state::AppState;
+
+/// What every light of the document does where the picture shows that point.
+pub async fn answer(
+    State(state): State<Arc<AppState>>,
+    SessionName(name): SessionName,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Answer {
+    let ProbeRequest { camera, size, pixel } = read_json(&headers, &body)?;
+    let Snapshot { document, scene, .. } = state.rooms.find(&name).await?.request(Message::Snapshot).await?;
+    let aspect = f64::from(size[0].max(1)) / f64::from(size[1].max(1));
+    let default = || default_camera(&document, &scene, aspect);
+    let camera = camera.map_or_else(|| Ok(default()), |wanted| chosen_camera(wanted, &document))?;
+    let (lights, muted) = (document.instances(), BTreeSet::new());
+    let found = probe(&state.backend, Probe { camera, size, pixel, lights, muted, scene }).await?;
+    Ok(json(&found))
+}

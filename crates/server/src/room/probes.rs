@@ -1,0 +1,94 @@
+//! What clients ask of pixels: answered off the session's task, one at a time for each client, the latest next.
+
+use std::collections::{BTreeMap, HashMap};
+
+use protocol::{ProbeAnswer, ServerMessage};
+use tokio::task::{Id, JoinError, JoinSet};
+
+use super::Room;
+use crate::ServerError;
+use crate::outboxes::ClientId;
+use crate::probe::{Probe, chosen_camera, probe};
+use crate::request::ProbeQuestion;
+
+/// The probes of a session.
+#[derive(Default)]
+pub(super) struct Probes {
+    tasks: JoinSet<ServerMessage>,
+    /// Whose they are.
+    askers: HashMap<Id, ClientId>,
+    /// The latest of each client that has one under way.
+    waiting: BTreeMap<ClientId, ProbeQuestion>,
+}
+
+impl Probes {
+    /// The next that ends; `None` where none is under way.
+    pub async fn next(&mut self) -> Option<Result<(Id, ServerMessage), JoinError>> {
+        self.tasks.join_next_with_id().await
+    }
+
+    /// A client is gone: it waits for nothing more.
+    pub fn forget(&mut self, client: ClientId) {
+        self.waiting.remove(&client);
+    }
+}
+
+impl Room {
+    /// Answers a client, or keeps the question until its last one is answered: then only the latest counts.
+    pub(super) fn ask(&mut self, client: ClientId, question: ProbeQuestion) {
+        if self.probes.askers.values().any(|asker| *asker == client) {
+            self.probes.waiting.insert(client, question);
+            return;
+        }
+        let name = question.probe.clone();
+        let (log_seq, live_revision) = (self.session.seq(), self.live_revision);
+        let answer = move |found: Result<_, ServerError>| {
+            let (found, refused) = match found {
+                Ok(found) => (Some(found), None),
+                Err(error) => (None, Some(error.problem())),
+            };
+            let answer = ProbeAnswer { probe: name, log_seq, live_revision, found, refused };
+            ServerMessage::Probed(Box::new(answer))
+        };
+        match self.resolved(client, question) {
+            Ok(asked) => {
+                let backend = self.backend.clone();
+                let task = self.probes.tasks.spawn(async move { answer(probe(&backend, asked).await) });
+                self.probes.askers.insert(task.id(), client);
+            }
+            Err(error) => self.outboxes.send(client, &answer(Err(error))),
+        }
+    }
+
+    /// Sends what [`Probes::next`] gave, and goes on with what its client has asked since.
+    pub(super) fn take_probe(&mut self, ended: Result<(Id, ServerMessage), JoinError>) {
+        let task = ended.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
+        let Some(client) = self.probes.askers.remove(&task) else { return };
+        match ended {
+            Ok((_, answer)) => self.outboxes.send(client, &answer),
+            Err(fault) => tracing::error!("a probe failed: {fault}"),
+        }
+        if let Some(question) = self.probes.waiting.remove(&client) {
+            self.ask(client, question);
+        }
+    }
+
+    /// What is asked, of the session as it is now: by default where the client looks, and of the lights that its view shows.
+    fn resolved(&self, client: ClientId, question: ProbeQuestion) -> Result<Probe, ServerError> {
+        let ProbeQuestion { camera, size, pixel, .. } = question;
+        let document = self.session.live_document();
+        let view = self.views.seen_by(client);
+        let no_view = || {
+            let sentence = "you have no view to look into: open one, or name a camera and a size";
+            ServerError::BadMessage(sentence.into())
+        };
+        let camera = match camera {
+            Some(wanted) => chosen_camera(wanted, &document)?,
+            None => view.map(|(camera, ..)| camera.clone()).ok_or_else(no_view)?,
+        };
+        let size = size.or_else(|| view.map(|(.., size)| size)).ok_or_else(no_view)?;
+        let lights = document.instances();
+        let muted = view.map(|(_, settings, _)| settings.muted(&lights)).unwrap_or_default();
+        Ok(Probe { camera, size, pixel, lights, muted, scene: self.scene.decoded.clone() })
+    }
+}
