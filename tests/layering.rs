@@ -60,10 +60,19 @@ const LAYERS: &[Layer] = &[
     Layer {
         name: "server",
         uses: &[
-            "light", "scene", "raycast", "document", "assets", "edit", "render", "store", "stream",
+            "light",
+            "scene",
+            "raycast",
+            "reference",
+            "document",
+            "assets",
+            "edit",
+            "render",
+            "store",
+            "stream",
             "protocol",
         ],
-        never: &["clap", "reference"],
+        never: &["clap"],
         pure: false,
     },
     Layer {

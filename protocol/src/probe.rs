@@ -81,7 +81,7 @@ pub struct ProbedSurface {
 pub struct ProbedLight {
     /// The light's id.
     pub light: u64,
-    /// Its name.
+    /// What people call it.
     pub name: String,
     /// Whether it lights the surface, or why not.
     pub state: ProbeState,

@@ -13,6 +13,7 @@ const UNIONS: &[(&str, [&str; 2])] = &[
     ("LightParameter", ["Light", ""]),
     ("ParameterKind", ["", "Kind"]),
     ("PointParameter", ["Point", ""]),
+    ("ProbeCamera", ["Probe", "Camera"]),
     ("Projection", ["", "Projection"]),
     ("ServerMessage", ["Server", ""]),
     ("State", ["", "State"]),

@@ -32,6 +32,9 @@ fn from_the_client() -> Vec<Value> {
         json!({"type": "redo", "opId": "z", "scope": "session"}),
         json!({"type": "presence", "selection": 1}),
         json!({"type": "presence", "selection": null}),
+        json!({"type": "probe", "probe": "p", "pixel": [430.5, 265.5]}),
+        json!({"type": "probe", "probe": "p", "pixel": [0.5, 0.5], "camera": {"id": 3}, "size": [640, 360]}),
+        json!({"type": "probe", "probe": "p", "pixel": [0.5, 0.5], "camera": {"own": camera()}, "size": [640, 360]}),
         json!({"type": "ping", "sent": 1234.5}),
     ]
 }

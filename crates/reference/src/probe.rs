@@ -45,7 +45,7 @@ pub struct ProbedSurface {
 /// What a light does at a surface.
 #[derive(Clone, Debug)]
 pub struct LightProbe {
-    /// The light.
+    /// What is asked about.
     pub light: LightInstance,
     /// Whether it lights the surface, or why not.
     pub state: LightState,

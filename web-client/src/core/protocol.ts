@@ -24,6 +24,7 @@ export type ClientMessage =
   | ClientRedo
   | ClientPresence
   | ClientHistory
+  | ClientProbe
   | ClientPing;
 /**
  * Where a view looks from.
@@ -114,6 +115,10 @@ export type CameraParameter = CameraName | CameraTranslation | CameraRotation | 
  */
 export type Scope = "mine" | "session";
 /**
+ * Who looks.
+ */
+export type ProbeCamera = ProbeOwnCamera | ProbeIdCamera;
+/**
  * What the server sends.
  */
 export type ServerMessage =
@@ -124,6 +129,7 @@ export type ServerMessage =
   | ServerGestureState
   | ServerPresence
   | ServerHistory
+  | ServerProbed
   | ServerViewConfig
   | ServerPong
   | ServerDraining
@@ -261,6 +267,29 @@ export type ServerGestureState = GestureState & {
 export type ServerHistory = History & {
   type: "history";
 };
+export type ServerProbed = ProbeAnswer & {
+  type: "probed";
+};
+/**
+ * `DisabledBy` in JSON.
+ *
+ * - `muted`: The view shows others alone.
+ * - `off`: It is turned off.
+ * - `dark`: Its intensity or its colour is 0, or what surfaces scatter and mirror of it.
+ */
+export type ProbeDisabledBy = "muted" | "off" | "dark";
+/**
+ * Whether a light lights a surface, or the first reason of these that it does not.
+ *
+ * - `lit`: Its light arrives.
+ * - `disabled`: It shines nowhere.
+ * - `unlinked`: The node is not among those that it lights.
+ * - `outside`: The surface lies outside of its tube, its cone, its window or its range.
+ * - `faded`: Nothing of its light is left there: past a cut, outside its outline, at an edge of its profile.
+ * - `facingAway`: The surface turns its back to where its light comes from.
+ * - `shadowed`: Something stands in its way.
+ */
+export type ProbeState = "lit" | "disabled" | "unlinked" | "outside" | "faded" | "facingAway" | "shadowed";
 /**
  * `light::Kind` in JSON.
  */
@@ -1960,6 +1989,43 @@ export interface ClientHistory {
   type: "history";
 }
 /**
+ * Why a pixel is lit or not; answered by `probed`, or by that of a later one.
+ */
+export interface ClientProbe {
+  camera?: ProbeCamera;
+  /**
+   * In pixels from the picture's top left corner; a pixel's centre is at .5.
+   *
+   * @minItems 2
+   * @maxItems 2
+   */
+  pixel: [number, number];
+  /**
+   * The client's name for it.
+   */
+  probe: string;
+  /**
+   * Width and height of the picture in pixels; by default those of that view.
+   *
+   * @minItems 2
+   * @maxItems 2
+   */
+  size?: [number, number];
+  type: "probe";
+}
+/**
+ * A camera that need not be one of the document's.
+ */
+export interface ProbeOwnCamera {
+  own: Camera;
+}
+/**
+ * One of the document's, by its id.
+ */
+export interface ProbeIdCamera {
+  id: number;
+}
+/**
  * Answered by `pong`.
  */
 export interface ClientPing {
@@ -2451,6 +2517,190 @@ export interface HistoryStep {
    * What it did, for people: `the radius of control point 2 of “key”`.
    */
   what: string;
+}
+/**
+ * The answer to `probe`.
+ */
+export interface ProbeAnswer {
+  /**
+   * What was found; `null` where the probe is refused.
+   */
+  found: Probed | null;
+  /**
+   * The session's count of gesture changes then; frames carry it.
+   */
+  liveRevision: number;
+  /**
+   * The record that the document was after, but for the drags under way.
+   */
+  logSeq: number;
+  /**
+   * The client's name for it.
+   */
+  probe: string;
+  /**
+   * Why it is refused; `null` where it is not.
+   */
+  refused: Problem | null;
+}
+/**
+ * `Probe` in JSON: what a point of a picture shows.
+ */
+export interface Probed {
+  /**
+   * Every light, in the order of ids; none where nothing is seen.
+   */
+  lights: ProbedLight[];
+  /**
+   * The nearest surface that is drawn there; `null` where there is only background.
+   */
+  seen: ProbedSurface | null;
+}
+/**
+ * What a light does there.
+ */
+export interface ProbedLight {
+  /**
+   * Why it shines nowhere, where it is `disabled`; else `null`.
+   */
+  disabledBy: ProbeDisabledBy | null;
+  /**
+   * On a surface square to the light, linear RGB, were nothing in the way; 0 where it is `disabled`, `unlinked` or `outside`.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  irradiance: [number, number, number];
+  /**
+   * The light's id.
+   */
+  light: number;
+  /**
+   * What people call it.
+   */
+  name: string;
+  /**
+   * The way of its light to the surface as a polyline: points in the world, from the source on; of a directional light from
+   * outside of the scene. Empty outside.
+   */
+  path: [number, number, number][];
+  /**
+   * Where the surface lies in it; `null` outside.
+   */
+  place: ProbedPlace | null;
+  /**
+   * What it adds to the radiance towards the eye, linear RGB.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  radiance: [number, number, number];
+  /**
+   * What is in its way, where it is `shadowed`; else `null`.
+   */
+  shadowedBy: ProbedCaster | null;
+  /**
+   * Share of that in the luminance that all lights together give, 0 to 1.
+   */
+  share: number;
+  state: ProbeState;
+}
+/**
+ * Where a surface lies in a light.
+ */
+export interface ProbedPlace {
+  /**
+   * Unit vector in the world from the surface to where its light comes from.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  direction: [number, number, number];
+  /**
+   * Length of the light's way from its source, bent as it is, in world units; `null` where it comes from infinitely far away.
+   */
+  pathLength: number | null;
+  /**
+   * Radius of the tube or the cone there, in world units; `null` of lights that have none.
+   */
+  radius: number | null;
+  /**
+   * Along the light: 0 to the number of segments of a BendyLight, or the share of a light's range (0 without).
+   */
+  t: number;
+  /**
+   * Across the light: in radii where it has a cone or a tube, in halves of a directional light's width (0 without), and on
+   * the face of a cube about an omni light, from -1 to 1.
+   */
+  v: number;
+  /**
+   * The same, upwards.
+   */
+  w: number;
+}
+/**
+ * The first that light meets on its way.
+ */
+export interface ProbedCaster {
+  /**
+   * Path of the node (LINK-1).
+   */
+  node: string;
+  /**
+   * Where, in the world.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  position: [number, number, number];
+}
+/**
+ * A surface that is seen.
+ */
+export interface ProbedSurface {
+  /**
+   * Distance along the view axis, in world units.
+   */
+  depth: number;
+  /**
+   * Radiance that the scene's fill gives it, linear RGB.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  fill: [number, number, number];
+  /**
+   * Name of the material; `null` where it has none.
+   */
+  material: string | null;
+  /**
+   * Path of the node (LINK-1).
+   */
+  node: string;
+  /**
+   * Unit shading normal in the world, towards the viewer.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  normal: [number, number, number];
+  /**
+   * In the world.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  position: [number, number, number];
+}
+/**
+ * What is wrong with a request.
+ */
+export interface Problem {
+  code: ErrorCode;
+  /**
+   * For people: what to do.
+   */
+  message: string;
 }
 /**
  * How the view is served from now on.

@@ -12,4 +12,5 @@ mod help;
 mod hostile;
 mod logs;
 mod precision;
+mod probes;
 mod program;

@@ -11,6 +11,7 @@ mod nodes;
 mod operations;
 mod patience;
 mod pictures;
+mod probes;
 mod scenes;
 mod server;
 mod sessions;

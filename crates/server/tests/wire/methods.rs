@@ -15,6 +15,7 @@ fn a_known_address_says_which_methods_it_takes() {
         ("/sessions/main/log", "GET,HEAD"),
         ("/sessions/main/render", "GET,HEAD"),
         ("/sessions/main/pick", "POST"),
+        ("/sessions/main/probe", "POST"),
         ("/metrics", "GET,HEAD"),
         ("/assets", "POST"),
         ("/healthz", "GET,HEAD"),
