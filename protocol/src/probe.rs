@@ -112,7 +112,7 @@ pub enum ProbeState {
     Disabled,
     /// The node is not among those that it lights.
     Unlinked,
-    /// The surface lies outside of its tube, its cone, its window or its range.
+    /// The surface lies outside of its tube, its cone or its sides, or past its range.
     Outside,
     /// Nothing of its light is left there: past a cut, outside its outline, at an edge of its profile.
     Faded,
@@ -206,7 +206,7 @@ impl ProbedLight {
             irradiance: finite(probe.irradiance),
             radiance: finite(probe.radiance),
             share: probe.share,
-            path: probe.path.iter().map(|point| point.to_array()).collect(),
+            path: probe.path.iter().map(DVec3::to_array).collect(),
         }
     }
 }

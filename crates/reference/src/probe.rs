@@ -72,7 +72,7 @@ pub enum LightState {
     Disabled(DisabledBy),
     /// The node is not among those that it lights.
     Unlinked,
-    /// The surface lies outside of its tube, its cone, its window or its range.
+    /// The surface lies outside of its tube, its cone or its sides, or past its range.
     Outside,
     /// Nothing of its light is left there: past a cut, outside its outline, at an edge of its profile.
     Faded,

@@ -24,11 +24,14 @@ struct Level {
     texels: Vec<DVec4>,
 }
 
+/// Mip levels by their image, and whether they are sRGB.
+type Chains = HashMap<(usize, bool), OnceLock<Vec<Level>>>;
+
 /// The pictures of a scene.
 pub(crate) struct Textures {
     scene: Arc<Scene>,
     /// Their mip levels, decoded as sRGB or as data when first asked for; `None` where each is made for its few texels alone.
-    chains: Option<HashMap<(usize, bool), OnceLock<Vec<Level>>>>,
+    chains: Option<Chains>,
 }
 
 impl Textures {

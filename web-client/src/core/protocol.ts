@@ -284,7 +284,7 @@ export type ProbeDisabledBy = "muted" | "off" | "dark";
  * - `lit`: Its light arrives.
  * - `disabled`: It shines nowhere.
  * - `unlinked`: The node is not among those that it lights.
- * - `outside`: The surface lies outside of its tube, its cone, its window or its range.
+ * - `outside`: The surface lies outside of its tube, its cone or its sides, or past its range.
  * - `faded`: Nothing of its light is left there: past a cut, outside its outline, at an edge of its profile.
  * - `facingAway`: The surface turns its back to where its light comes from.
  * - `shadowed`: Something stands in its way.
