@@ -4,7 +4,7 @@
 //! space: world axes, origin at the centre of the scene's bounds, so that no digit is lost wherever the scene stands. [`Bvh::first_hit`] follows a straight ray. [`Bvh::first_bent_hit`] follows light:
 //! the curve of constant (v, w) of a BendyLight from its source ([`BentPath`]), which no hierarchy knows; it is
 //! cut into chords with a bound on how far each strays from the curve, and what a chord may touch is met with
-//! the curve itself.
+//! the curve itself. [`Bvh::first_in_way`] says what stands first in the way of a light of any shape.
 //!
 //! The same input gives the same bits on every machine.
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{BentPath, Bvh, Linked};
+use crate::{BentHit, BentPath, Bvh, Linked};
 
 /// Distance from a surface within which nothing shadows it, as a share of the light's size or of the way to the
 /// source: the surface itself, and what lies on it. Rounding places a point to 1e-15 of that.
@@ -18,10 +18,20 @@ pub enum Way<'a> {
         /// Parameter of the light at the point.
         t: f64,
     },
-    /// Straight, from a source in scene space.
-    From(DVec3),
-    /// From outside of the scene, which lies this way: a unit vector.
-    Along(DVec3),
+    /// Straight, from a source.
+    From {
+        /// In scene space.
+        source: DVec3,
+        /// The triangle on which the point lies, which a straight way meets nowhere else.
+        own: usize,
+    },
+    /// Straight, from outside of the scene.
+    Along {
+        /// Unit vector to where it comes from.
+        to_light: DVec3,
+        /// As above.
+        own: usize,
+    },
 }
 
 /// The first that light meets on its way.
@@ -37,19 +47,22 @@ pub struct Obstacle {
 
 impl Bvh {
     /// The first from the source on that stops light on its way to `point`, in scene space, of what throws shadows by `linked`.
-    /// A bent way may cross the triangle on which the point lies elsewhere too; a straight one cannot, and leaves `own` out.
-    pub fn first_in_way(&self, way: &Way, point: DVec3, own: usize, linked: &Linked) -> Option<Obstacle> {
+    pub fn first_in_way(&self, way: &Way, point: DVec3, linked: &Linked) -> Option<Obstacle> {
         match way {
             Way::Bent { path, t } => {
-                let contact = CONTACT * path.tube.placement.world_per_tube + rounding(point);
-                let hit = self.first_bent_hit(path, *t, |hit| {
-                    hit.position.distance(point) > contact && self.stops(linked, hit.triangle, hit.weights)
-                })?;
+                let hit = self.first_bent_hit(path, *t, self.stops_before(path, point, linked))?;
                 Some(Obstacle { triangle: hit.triangle, position: hit.position, t: hit.t })
             }
-            Way::From(source) => self.first_between(*source, point, own, linked),
-            Way::Along(to_light) => self.first_between(self.outside(point, *to_light), point, own, linked),
+            Way::From { source, own } => self.first_between(*source, point, *own, linked),
+            Way::Along { to_light, own } => {
+                self.first_between(self.outside(point, *to_light), point, *own, linked)
+            }
         }
+    }
+
+    /// Whether anything does, on a bent way on which the point lies at `t`.
+    pub fn blocks_way(&self, path: &BentPath, t: f64, point: DVec3, linked: &Linked) -> bool {
+        self.blocks(path, t, self.stops_before(path, point, linked))
     }
 
     /// Where light that comes from `to_light`, a unit vector, is still outside of the scene on its way to a point of it.
@@ -61,6 +74,12 @@ impl Bvh {
     pub fn stops(&self, linked: &Linked, triangle: usize, weights: DVec3) -> bool {
         let triangle = &self.triangles[triangle];
         linked.stops_at(triangle.node) && self.is_solid(triangle, weights)
+    }
+
+    /// Which hits stop light on a bent way to a point. Its own triangle may be one: a bent path can cross it elsewhere too.
+    fn stops_before(&self, path: &BentPath, point: DVec3, linked: &Linked) -> impl Fn(&BentHit) -> bool {
+        let contact = CONTACT * path.tube.placement.world_per_tube + rounding(point);
+        move |hit| hit.position.distance(point) > contact && self.stops(linked, hit.triangle, hit.weights)
     }
 
     fn first_between(&self, from: DVec3, point: DVec3, own: usize, linked: &Linked) -> Option<Obstacle> {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use light::{Parallel, Tube, TubePoint};
-use raycast::{BentHit, CONTACT, Obstacle, Way, rounding};
+use raycast::{CONTACT, Obstacle, Way, rounding};
 
 use crate::source::{place_beside, sample_cone, sample_omni, sample_parallel, sample_tube};
 use crate::{LightSample, Linked, Reference, Source, Surface};
@@ -73,7 +73,7 @@ impl Reference {
                 let (origin, point) = (self.in_scene(tube.placement.translation), surface.shadow_position());
                 let (t, vw) = place_beside(tube, origin, sample, point);
                 let path = self.bvh.path(tube, vw.x, vw.y);
-                !self.bvh.blocks(&path, t, self.in_the_way_of(point, tube, linked))
+                !self.bvh.blocks_way(&path, t, point, linked)
             }
             Source::Spot(cone) => self.sees(surface, self.in_scene(cone.translation), linked),
             Source::Omni(omni) => self.sees(surface, self.in_scene(omni.translation), linked),
@@ -88,17 +88,17 @@ impl Reference {
         surface: &Surface,
         sample: &LightSample,
     ) -> Option<Obstacle> {
-        let point = surface.shadow_position();
+        let (point, own) = (surface.shadow_position(), surface.triangle);
         let way = match source {
             Source::Bendy(tube) => {
                 let (t, vw) = place_beside(tube, self.in_scene(tube.placement.translation), sample, point);
                 Way::Bent { path: self.bvh.path(tube, vw.x, vw.y), t }
             }
-            Source::Spot(cone) => Way::From(self.in_scene(cone.translation)),
-            Source::Omni(omni) => Way::From(self.in_scene(omni.translation)),
-            Source::Directional(parallel) => Way::Along(parallel.direction()),
+            Source::Spot(cone) => Way::From { source: self.in_scene(cone.translation), own },
+            Source::Omni(omni) => Way::From { source: self.in_scene(omni.translation), own },
+            Source::Directional(parallel) => Way::Along { to_light: parallel.direction(), own },
         };
-        self.bvh.first_in_way(&way, point, surface.triangle, linked)
+        self.bvh.first_in_way(&way, point, linked)
     }
 
     /// Whether light from behind the surface's triangle comes through it.
@@ -124,15 +124,8 @@ impl Reference {
     ) -> Option<usize> {
         let path = self.bvh.path(tube, place.v, place.w);
         let point = point_in_world - self.bvh.posed.origin_in_world;
-        let hit = self.bvh.first_bent_hit(&path, place.t, self.in_the_way_of(point, tube, linked))?;
-        Some(self.bvh.triangles[hit.triangle].node)
-    }
-
-    /// Which hits stop light on its way to a point. Its own triangle may be one: a bent path can cross it
-    /// elsewhere too.
-    fn in_the_way_of(&self, point: DVec3, tube: &Tube<f64>, linked: &Linked) -> impl Fn(&BentHit) -> bool {
-        let contact = CONTACT * tube.placement.world_per_tube + rounding(point);
-        move |hit| hit.position.distance(point) > contact && self.bvh.stops(linked, hit.triangle, hit.weights)
+        let obstacle = self.bvh.first_in_way(&Way::Bent { path, t: place.t }, point, linked)?;
+        Some(self.bvh.triangles[obstacle.triangle].node)
     }
 
     /// Whether nothing that counts lies on the straight way from a surface to another point.
