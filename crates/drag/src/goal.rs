@@ -4,20 +4,12 @@ use glam::{DVec2, DVec3};
 use light::{CheckedLight, Rays};
 use raycast::Seen;
 
+use crate::bound::{Bound, INSIDE, across_off, behind, bounds_of_place, direction_off, hard};
 use crate::moves::{LARGEST_FOLD, Moves};
 use crate::pins::{Cut, Pinned};
 use crate::place::{Place, Placed};
 use crate::quadratic::{Hold, Linear, Matrix, Pulls};
 use crate::request::{Feature, Limit, Radii};
-
-/// Least of `1 - kappa r.N`: at 0 ways of the light meet, and light comes from nowhere.
-const LEAST_SPREAD: f64 = 0.02;
-
-/// How far inside of the light's edge the place under the cursor stays, in radii.
-const INSIDE: f64 = 1e-4;
-
-/// How much farther than the pivot a shadowed place lies, along the light.
-const BEHIND: f64 = 1e-6;
 
 /// How far out of the light the feature may be where it sets out, so that it may go through the air between two surfaces.
 const ON_THE_WAY: f64 = 3.0;
@@ -65,15 +57,6 @@ pub(crate) struct Taken {
 
 /// Places that are followed while the light moves, along the light: the feature's and its pivot's, then those of each pin.
 pub(crate) type Near = Vec<[f64; 2]>;
-
-/// What is to stay 0 or more.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Bound {
-    pub value: f64,
-    pub limit: Limit,
-    /// How softly it gives way; 0 where it does not.
-    pub give: f64,
-}
 
 /// How a light does.
 #[derive(Clone, Debug)]
@@ -267,48 +250,6 @@ impl Goal<'_> {
         }
         linear
     }
-}
-
-/// A limit that does not give way.
-fn hard(value: f64, limit: Limit) -> Bound {
-    Bound { value, limit, give: 0.0 }
-}
-
-/// What a place needs to have light: ways that do not meet, and no end of the light before it. Where `pin` has it, that is
-/// what limits.
-pub(crate) fn bounds_of_place(
-    placed: &Placed,
-    place: &Place,
-    pin: Option<&Pinned>,
-    room: f64,
-    bounds: &mut Vec<Bound>,
-) {
-    let (fold, edge) =
-        pin.map_or((Limit::Fold, Limit::TubeEdge), |pin| (Limit::Pin(pin.index), Limit::Pin(pin.index)));
-    let give = pin.map_or(0.0, Pinned::give);
-    bounds.extend([
-        Bound { value: place.spread - LEAST_SPREAD, limit: fold, give },
-        Bound { value: 1.0 - INSIDE - placed.out2(place) + room, limit: edge, give },
-        Bound { value: place.from_ends.min(1.0) + room, limit: edge, give },
-    ]);
-}
-
-/// That a place lies farther along the light than what shadows it.
-pub(crate) fn behind(place: &Place, pivot: &Place, was: &Place, pin: Option<&Pinned>) -> Bound {
-    let value = (place.t - pivot.t) / was.t.max(f64::MIN_POSITIVE) - BEHIND;
-    let limit = pin.map_or(Limit::TubeEdge, |pin| Limit::Pin(pin.index));
-    Bound { value, limit, give: pin.map_or(0.0, Pinned::give) }
-}
-
-/// How far a way lies from a place, in radii that the light had where it `was`.
-pub(crate) fn across_off(across: DVec2, place: &Place, was: &Place) -> DVec2 {
-    (across - place.across) * (place.width / was.width)
-}
-
-/// How far light is from arriving along `direction`, in radians across it; `None` where it comes from behind.
-pub(crate) fn direction_off(to_light: DVec3, direction: DVec3) -> Option<DVec2> {
-    let (right, up) = direction.any_orthonormal_pair();
-    (to_light.dot(direction) > 0.0).then(|| DVec2::new(to_light.dot(right), to_light.dot(up)))
 }
 
 /// The unit vector at a share of the shortest turn from one to another.

@@ -11,6 +11,7 @@
 //! [sequential quadratic programming](https://en.wikipedia.org/wiki/Sequential_quadratic_programming) along the way from where the
 //! drag began to where the cursor is.
 
+mod bound;
 mod drag;
 mod glide;
 mod goal;

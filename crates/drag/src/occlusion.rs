@@ -3,20 +3,13 @@
 use glam::{DVec2, DVec3};
 use light::parameters::SHADOW_ENABLE;
 use light::{CheckedLight, Rays};
-use raycast::{Bvh, Linked, Seen};
+use raycast::{Bvh, CONTACT, Linked, Seen, rounding};
 
-use crate::pins::Cut;
 use crate::place::{Place, Placed};
-
-/// Distance from a surface within which nothing shadows it, as a share of the light's size or of the way to the source.
-const CONTACT: f64 = 1e-9;
-
-/// How far from a surface the source stays, in the scene's sizes.
-const FROM_SURFACE: f64 = 1e-3;
 
 /// A scene as one light sees it.
 pub(crate) struct Occlusion<'a> {
-    bvh: &'a Bvh,
+    pub bvh: &'a Bvh,
     linked: Linked,
     /// Whether anything shadows it.
     shadow_enable: bool,
@@ -59,8 +52,8 @@ impl<'a> Occlusion<'a> {
             Rays::Parallel(_) => 2.0 * self.bvh.posed.half_extent.length(),
             _ => surface.position.distance(placed.source()),
         };
-        let rounding = 64.0 * f64::EPSILON * surface.position.abs().max_element();
-        let own = Contact { within: CONTACT * size + rounding, triangle: Some(surface.triangle) };
+        let own =
+            Contact { within: CONTACT * size + rounding(surface.position), triangle: Some(surface.triangle) };
         self.first_on(placed, place, place.across, surface.position, own)
     }
 
@@ -97,10 +90,7 @@ impl<'a> Occlusion<'a> {
             return None;
         }
         let stops = |triangle: usize, weights: DVec3| {
-            let triangle = &self.bvh.triangles[triangle];
-            self.linked.stops_at(triangle.node)
-                && is_caster(triangle.node)
-                && self.bvh.is_solid(triangle, weights)
+            is_caster(self.bvh.triangles[triangle].node) && self.bvh.stops(&self.linked, triangle, weights)
         };
         if let Rays::Bent(tube) = placed.rays {
             let path = self.bvh.path(tube, across.x, across.y);
@@ -117,22 +107,5 @@ impl<'a> Occlusion<'a> {
         })?;
         let node = self.bvh.triangles[hit.triangle].node;
         Some(Caster { position: from + way * hit.distance, t: place.t - length * (1.0 - hit.distance), node })
-    }
-
-    /// The first surface on a way, whichever light it stops, as what the source may not go through. The source stays off it by
-    /// a thousandth of the scene's size, or by half of how near it was.
-    pub fn surface_between(&self, from: DVec3, way: DVec3) -> Option<Cut> {
-        let size = self.bvh.posed.half_extent.length();
-        // As much farther as the source has to stay off.
-        let reach = 1.0 + FROM_SURFACE * size / way.length().max(f64::MIN_POSITIVE);
-        let hit = self.bvh.first_hit(from, way, [0.0, reach], |hit| {
-            self.bvh.is_solid(&self.bvh.triangles[hit.triangle], hit.weights)
-        })?;
-        let normal = self.bvh.triangles[hit.triangle].normal().normalize();
-        let normal = if normal.dot(way) < 0.0 { normal } else { -normal };
-        let at = from + way * hit.distance;
-        let off = (FROM_SURFACE * size).min(0.5 * (from - at).dot(normal));
-        let is_off = (from + way - at).dot(normal) >= 0.99 * off;
-        (!is_off).then_some(Cut::Surface { at, normal, off, size })
     }
 }

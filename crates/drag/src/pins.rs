@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use raycast::Bvh;
 
-use crate::goal::{Bound, across_off, behind, bounds_of_place, direction_off};
+use crate::bound::{Bound, across_off, behind, bounds_of_place, direction_off};
 use crate::occlusion::{Contact, Occlusion};
 use crate::place::{Place, Placed};
 use crate::quadratic::Hold;
@@ -121,7 +121,8 @@ impl Pinned {
         bounds: &mut Vec<Bound>,
     ) -> Option<(Option<DVec2>, [f64; 2], Place)> {
         let place = placed.locate(self.point, Some(near[0]))?;
-        bounds_of_place(placed, &place, Some(self), 0.0, bounds);
+        let of = Some((Limit::Pin(self.index), self.give()));
+        bounds_of_place(placed, &place, of, 0.0, bounds);
         bounds.extend(self.facing.map(|normal| {
             let least = FROM_EDGE.min(0.5 * self.place.to_light.dot(normal));
             let value = place.to_light.dot(normal) - least;
@@ -133,7 +134,7 @@ impl Pinned {
             (PinKind::Shadow, Some((pivot, _))) => {
                 let pivot = placed.locate(pivot, Some(near[1]))?;
                 pivot_t = pivot.t;
-                bounds.push(behind(&place, &pivot, &self.place, Some(self)));
+                bounds.push(behind(&place, &pivot, &self.place, of));
                 Some(across_off(pivot.across, &place, &self.place))
             }
             _ => None,

@@ -2,7 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::goal::{Goal, across_off};
+use crate::bound::across_off;
+use crate::goal::Goal;
 use crate::moves::Moves;
 use crate::occlusion::Occlusion;
 use crate::pins::{Cut, Pinned};
@@ -11,6 +12,9 @@ use crate::request::{Limit, PinKind};
 
 /// Halvings by which the first crossing is found.
 const HALVINGS: usize = 40;
+
+/// How far from a surface the source stays, in the scene's sizes.
+const FROM_SURFACE: f64 = 1e-3;
 
 /// How far off an equation that holds may be where it is looked at anew, in radii or radians.
 const HELD: f64 = 1e-6;
@@ -108,7 +112,25 @@ impl Sight<'_> {
             return None;
         }
         let (from, way) = (goal.placed.source(), DVec3::from_slice(&x[..3]) * unit);
-        self.occlusion.surface_between(from, way)
+        self.surface_between(from, way)
+    }
+
+    /// The first surface on a way, whichever light it stops, as what the source may not go through. The source stays off it by
+    /// a thousandth of the scene's size, or by half of how near it was.
+    fn surface_between(&self, from: DVec3, way: DVec3) -> Option<Cut> {
+        let bvh = self.occlusion.bvh;
+        let size = bvh.posed.half_extent.length();
+        // As much farther as the source has to stay off.
+        let reach = 1.0 + FROM_SURFACE * size / way.length().max(f64::MIN_POSITIVE);
+        let hit = bvh.first_hit(from, way, [0.0, reach], |hit| {
+            bvh.is_solid(&bvh.triangles[hit.triangle], hit.weights)
+        })?;
+        let normal = bvh.triangles[hit.triangle].normal().normalize();
+        let normal = if normal.dot(way) < 0.0 { normal } else { -normal };
+        let at = from + way * hit.distance;
+        let off = (FROM_SURFACE * size).min(0.5 * (from - at).dot(normal));
+        let is_off = (from + way - at).dot(normal) >= 0.99 * off;
+        (!is_off).then_some(Cut::Surface { at, normal, off, size })
     }
 }
 

@@ -1,6 +1,7 @@
 //! From where a drag began to where the cursor is, in steps that are solved one after the other.
 
-use crate::goal::{Bound, Evaluation, Goal, Near};
+use crate::bound::Bound;
+use crate::goal::{Evaluation, Goal, Near};
 use crate::quadratic::{Counting, Hold, Linear, Values, dot, length, smallest};
 use crate::request::Limit;
 use crate::sight::Sight;
