@@ -154,12 +154,14 @@ fn land(
     };
     let is_inside = is_the_one(counts, near[0])
         && taken.pivot.is_none_or(|pivot| is_the_one(placed.locate(pivot, None), near[1]));
-    let first = counts.and_then(|_| occlusion.first_at_terminator(&placed, &taken.to));
+    let first = counts.and_then(|place| occlusion.first(&placed, &place, &taken.to));
+    let is_dark =
+        first.is_some() && counts.is_some_and(|place| occlusion.is_dark(&placed, &place, &taken.to));
     landing.status = if landing.residual_px > UNDER_THE_CURSOR_PX {
         Status::Limited(held_by.unwrap_or(Limit::NoDescent))
     } else if !is_inside {
         Status::Limited(Limit::TubeEdge)
-    } else if taken.pivot.is_some() && first.is_none() {
+    } else if taken.pivot.is_some() && !is_dark {
         // The way only touches what throws the shadow.
         Status::Limited(Limit::NoDescent)
     } else {

@@ -7,6 +7,10 @@ use raycast::{Bvh, CONTACT, Linked, Seen, rounding};
 
 use crate::place::{Place, Placed};
 
+/// The cosine below which a surface is turned away from light for certain: pictures go by the path's tangent, which is not quite
+/// the direction that light arrives from.
+const TURNED_AWAY: f64 = -0.05;
+
 /// A scene as one light sees it.
 pub(crate) struct Occlusion<'a> {
     pub bvh: &'a Bvh,
@@ -57,10 +61,13 @@ impl<'a> Occlusion<'a> {
         self.first_on(placed, place, place.across, surface.position, own)
     }
 
-    /// The first that light meets on its way to where a surface's shadow is looked for.
-    pub fn first_at_terminator(&self, placed: &Placed, surface: &Seen) -> Option<Caster> {
+    /// Whether a surface that lies at `place` is dark in pictures: turned away from the light, or in shadow where that is
+    /// looked for.
+    pub fn is_dark(&self, placed: &Placed, place: &Place, surface: &Seen) -> bool {
+        let faces = surface.normal.dot(place.to_light);
         let at = Seen { position: surface.shadow_position(), ..*surface };
-        self.first(placed, &placed.locate(at.position, None)?, &at)
+        let place = placed.locate(at.position, Some(place.t));
+        faces < TURNED_AWAY || place.is_some_and(|place| self.first(placed, &place, &at).is_some())
     }
 
     /// The first that light meets on the way `across`, as far as `point`, which lies at `place`; what the way meets at the

@@ -84,12 +84,8 @@ fn what_says_that_it_landed_did() {
                 assert!(was.is_none_or(|was| was > most) || trial.is_there_already(), "{was:?} {what}");
             }
             println!("{name} {feature:?}: {tally:?}");
-            if std::env::var("COUNT").is_ok() {
-                println!("   {landed:?} of {all:?}");
-                continue;
-            }
             assert!(
-                landed[0] + 1 >= all[0],
+                landed[0] * 100 >= all[0] * 95,
                 "{name} {feature:?} moved as a whole: {landed:?} of {all:?}"
             );
             assert!(landed[1] * 2 >= all[1], "{name} {feature:?} deformed: {landed:?} of {all:?}");
