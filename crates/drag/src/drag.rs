@@ -95,6 +95,7 @@ fn begin<'a>(
         folds: light.tube().map_or_else(Vec::new, light::Tube::r_kappa_max),
         pins,
         cuts: Vec::new(),
+        joint: None,
     };
     Ok((goal, taken, near))
 }

@@ -35,7 +35,8 @@ pub fn glide(light: &CheckedLight, point: usize, to: DVec3, radii: Radii) -> Opt
     let moves = Moves::Points { points: vec![point], radii, unit };
     let asked = Asked::Position { point, to };
     let placed = Placed::new(light.rays(), DVec3::ZERO, DVec3::ZERO);
-    let goal = Goal { asked, start: light, moves, placed, folds, pins: Vec::new(), cuts: Vec::new() };
+    let goal =
+        Goal { asked, start: light, moves, placed, folds, pins: Vec::new(), cuts: Vec::new(), joint: None };
     let near = vec![[0.0; 2]];
     // Where nothing is in the way it is there, to the last bit.
     let all_of_it = ((to - points[point].position) / unit).to_array();

@@ -28,6 +28,8 @@ pub(crate) struct Goal<'a> {
     pub pins: Vec<Pinned>,
     /// Edges of shadows, and surfaces, that what is pinned may not cross.
     pub cuts: Vec<Cut>,
+    /// Where two segments of a tube meet, and which of the followed places is to stay there: the feature's or its pivot's.
+    pub joint: Option<(usize, f64)>,
 }
 
 /// What is asked.
@@ -145,6 +147,7 @@ impl Goal<'_> {
                 bounds.push(cut.bound_of_way(&placed, &place, pin)?);
             }
         }
+        residual.extend(self.joint.map(|(which, t)| followed[0][which] - t));
         bounds.extend(self.cuts.iter().filter_map(|cut| cut.bound_of_source(&placed)));
         let is_finite =
             residual.iter().chain(bounds.iter().map(|bound| &bound.value)).all(|value| value.is_finite());
@@ -159,6 +162,7 @@ impl Goal<'_> {
         };
         let mut rows = vec![Hold::Asked; asked];
         rows.extend(self.pins.iter().flat_map(Pinned::rows));
+        rows.extend(self.joint.map(|_| Hold::Fixed));
         rows
     }
 

@@ -24,6 +24,9 @@ const QUARTERINGS: usize = 4;
 /// is linear on one side leads nowhere on the other, and what is on the mean over both does.
 const DIFFERENCES: [f64; 6] = [1e-6, 1e-6, 1e-6, 1e-3, 1e-2, 5e-2];
 
+/// How far from a joint, in segments, a place may go on along that.
+const NEAR_JOINT: f64 = 0.1;
+
 /// Steps from one place to the nearest at which all holds, with one Jacobian.
 const STEPS_BACK: usize = 8;
 
@@ -189,7 +192,9 @@ impl Solution {
     fn follow(&mut self, goal: &Goal, share: f64, next: f64) -> Option<f64> {
         let mut step = next - share;
         for _ in 0..QUARTERINGS {
-            if let Some(at) = self.reach(goal, share + step) {
+            let reached =
+                self.reach(goal, share + step).or_else(|| self.reach_along_joint(goal, share + step));
+            if let Some(at) = reached {
                 self.at = at;
                 return Some(if step == next - share { next } else { share + step });
             }
@@ -221,6 +226,23 @@ impl Solution {
             }
         }
         None
+    }
+
+    /// The same along a joint of the tube. Slopes jump where two segments meet, and where those of each side lead to the other
+    /// the nearest place is on the joint itself: along that they are the same.
+    fn reach_along_joint(&mut self, goal: &Goal, share: f64) -> Option<At> {
+        let places = self.at.evaluation.near.first()?.iter().enumerate();
+        let joints: Vec<_> = places
+            .map(|(which, t)| (which, t.round()))
+            .filter(|(which, joint)| {
+                *joint > 0.0 && (self.at.evaluation.near[0][*which] - joint).abs() < NEAR_JOINT
+            })
+            .collect();
+        joints.into_iter().find_map(|joint| {
+            let found = self.reach(&Goal { joint: Some(joint), ..goal.clone() }, share)?;
+            let evaluation = goal.evaluate(&found.x, share, &found.evaluation.near)?;
+            Some(At { evaluation, ..found }).filter(At::is_there)
+        })
     }
 
     /// Makes the change smaller as long as the feature stays where it should be.
