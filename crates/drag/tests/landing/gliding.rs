@@ -1,5 +1,7 @@
 //! Control points that go as far as the tube lets them.
 
+use std::fmt::Write as _;
+
 use drag::{Radii, glide};
 use glam::DVec3;
 use light::{CheckedLight, Light};
@@ -39,8 +41,8 @@ fn control_points_glide_along_the_fold() {
     let length: f64 = points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
     let mut sums = [0.0; 3];
     let mut table = String::new();
-    for point in 1..points.len() {
-        let from = points[point].position;
+    for (point, control) in points.iter().enumerate().skip(1) {
+        let from = control.position;
         for direction in directions() {
             let to = from + direction * length;
             // As it was: the last valid place on the straight way.
@@ -57,7 +59,7 @@ fn control_points_glide_along_the_fold() {
                 reach(from, glided.light.light().points()[point].position, to),
                 reach(from, followed.light.light().points()[point].position, to),
             ];
-            table += &format!("{point} {direction:.2} {reaches:.3?} {:?}\n", glided.limit);
+            writeln!(table, "{point} {direction:.2} {reaches:.3?} {:?}", glided.limit).expect("into text");
             assert_eq!(glided.limit.is_none(), glided.short_by == 0.0);
             // The tube's limit for drags is .97 of the fold's.
             assert!(reaches[1] > 0.9 * reaches[0] - 0.02, "{table}");
