@@ -65,6 +65,15 @@ fn a_light_is_bent_in_place_on_the_page() {
     in_a_browser("bend.mjs");
 }
 
+/// Drags a control point past the wall at which its tube folds, back, and with radii that follow.
+///
+/// Rules: CMD-14, GEST-1
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn a_control_point_glides_on_the_page() {
+    in_a_browser("glide.mjs");
+}
+
 /// Bends the spotlight of another maker's scene, in a room that holds all of its control points.
 ///
 /// Rules: CMD-12

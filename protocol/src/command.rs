@@ -73,6 +73,18 @@ pub enum Command {
         /// The parameter.
         parameter: PointParameter,
     },
+    /// Drags a control point: it goes as near to a position as it can without the tube folding.
+    DragPoint {
+        /// Its light's id.
+        light: u64,
+        /// Its index, 1 or more.
+        point: usize,
+        /// Where it is to go, in light-local space.
+        position: Vec3,
+        /// What becomes of radii; they stay by default.
+        #[serde(default)]
+        radii: RadiiOfDrag,
+    },
     /// Adds a control point.
     InsertPoint {
         /// The light's id.
@@ -152,6 +164,17 @@ pub enum Command {
     },
 }
 
+/// What becomes of a light's radii while one of its control points is dragged.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum RadiiOfDrag {
+    /// They stay.
+    #[default]
+    Keep,
+    /// Those that would make the tube fold shrink, and come back.
+    Follow,
+}
+
 /// [`document::CameraParameter`] in JSON: an object with one field.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
@@ -193,6 +216,12 @@ impl TryFrom<Command> for document::Command {
             Command::SetPoint { light, point, parameter } => {
                 Self::SetPoint { light: LightId(light), point, setting: parameter.into() }
             }
+            Command::DragPoint { light, point, position, radii } => Self::DragPoint {
+                light: LightId(light),
+                point,
+                position: position.into(),
+                radii_follow: radii == RadiiOfDrag::Follow,
+            },
             Command::InsertPoint { light, point, position, radius, color, intensity } => Self::InsertPoint {
                 light: LightId(light),
                 point,
@@ -280,6 +309,12 @@ impl From<&document::Command> for Command {
             C::SetPoint { light, point, setting } => {
                 Self::SetPoint { light: light.0, point: *point, parameter: setting.clone().into() }
             }
+            C::DragPoint { light, point, position, radii_follow } => Self::DragPoint {
+                light: light.0,
+                point: *point,
+                position: position.to_array(),
+                radii: if *radii_follow { RadiiOfDrag::Follow } else { RadiiOfDrag::Keep },
+            },
             C::InsertPoint { light, point, position, radius, color, intensity } => Self::InsertPoint {
                 light: light.0,
                 point: *point,

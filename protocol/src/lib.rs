@@ -31,7 +31,7 @@ mod variants;
 pub use self::light::Light;
 pub use checkpoint::{LightTouch, PastUndo, Renumbering, SessionCheckpoint};
 pub use code::{ErrorCode, Problem};
-pub use command::{CameraParameter, Command};
+pub use command::{CameraParameter, Command, RadiiOfDrag};
 pub use document::{
     Bounds, Camera, Document, DocumentCamera, DocumentLight, Projection, Quat, SceneRef, Vec3,
 };

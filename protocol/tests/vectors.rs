@@ -130,6 +130,10 @@ fn commands() -> Vec<(&'static str, Command)> {
         ("a point's colour", set_point(POINT_COLOR.to(vector))),
         ("a point's intensity", set_point(POINT_INTENSITY.to(3.5))),
         (
+            "a point dragged, and radii that follow",
+            Command::DragPoint { light: BENDY, point: 2, position: DVec3::NEG_X * 3.0, radii_follow: true },
+        ),
+        (
             "a point inserted",
             Command::InsertPoint { light: BENDY, point: 2, position, radius, color, intensity },
         ),

@@ -3,7 +3,10 @@
 use light::parameters::RADIUS;
 use std::time::Duration;
 
-use protocol::{ClientMessage, ErrorCode, GestureState, GestureStatus, ServerMessage};
+use glam::DVec3;
+use protocol::{
+    ClientMessage, Command, ErrorCode, GestureState, GestureStatus, RadiiOfDrag, Scope, ServerMessage,
+};
 
 use crate::support::{Mirror, Server, committed, move_point, moved, rejected, rename};
 
@@ -96,6 +99,48 @@ fn a_fold_leaves_the_last_valid_state() {
     ada.send(&ClientMessage::GestureCommit { gesture: "widen".into(), op_id: "commit".into() });
     committed(&ada.result("commit"));
     assert_eq!(ada.radius(2), 1.6);
+}
+
+/// The wall is no refusal: the gesture is held, the point goes as far as the tube can bend, and where the cursor comes back
+/// it comes too, wherever it was between.
+///
+/// Rules: CMD-14, GEST-1, REC-2
+#[test]
+fn a_control_point_glides_along_the_wall() {
+    let server = Server::start();
+    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let (light, seq, start) = (ada.light(), ada.seq, ada.point(2));
+    let (past_the_wall, near) = (moved(start, [0.0, 40.0, 0.0]), moved(start, [0.0, 0.0, 0.02]));
+    let refused = ada.edited(move_point(light, 2, past_the_wall));
+    assert!(rejected(&refused).message.contains("folds"), "there is a wall");
+
+    begin(&mut ada, "drag");
+    let mut dragged = |update: u64, position: [f64; 3], radii: RadiiOfDrag| {
+        let command = Command::DragPoint { light, point: 2, position, radii };
+        ada.send(&ClientMessage::GestureUpdate { gesture: "drag".into(), update, command });
+        let state = state_of(&mut ada, |state| state.update == update || state.status.problem().is_some());
+        assert_eq!(state.status, GestureStatus::Held { refused: None });
+        state.changes
+    };
+    let there = dragged(1, near, RadiiOfDrag::Keep);
+    let wall = dragged(2, past_the_wall, RadiiOfDrag::Keep);
+    assert_eq!(dragged(3, near, RadiiOfDrag::Keep), there, "it comes back");
+    let followed = dragged(4, past_the_wall, RadiiOfDrag::Follow);
+    assert!(followed.len() > 1, "radii follow: {followed:?}");
+    assert_eq!(dragged(5, past_the_wall, RadiiOfDrag::Keep), wall, "begin and cursor alone count");
+    ada.send(&ClientMessage::GestureCommit { gesture: "drag".into(), op_id: "commit".into() });
+    assert_eq!(committed(&ada.result("commit")), seq + 1);
+
+    let distance = |a: [f64; 3], b: [f64; 3]| DVec3::from(a).distance(b.into());
+    let glided = ada.point(2);
+    assert!(distance(glided, start) > 0.1, "it moved");
+    assert!(distance(glided, past_the_wall) < distance(start, past_the_wall), "and nearer to the cursor");
+    ben.catch_up(seq + 1);
+    assert_eq!(ben.point(2), glided);
+    let op_id = ada.op_id();
+    ada.send(&ClientMessage::Undo { op_id: op_id.clone(), scope: Scope::Mine });
+    committed(&ada.result(&op_id));
+    assert_eq!(ada.point(2), start, "one step takes it back");
 }
 
 /// Nothing of it was ever to be seen: that is a cancel, and the last reason is the answer.

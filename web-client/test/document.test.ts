@@ -113,6 +113,7 @@ test("nothing is predicted for lights that are not there, and of what the server
     { type: "setPoint", light: 1, point: 50, parameter: { radius: 1 } },
     { type: "removeLight", light: 1 },
     { type: "insertPoint", light: 1, point: 2 },
+    { type: "dragPoint", light: 1, point: 2, position: [9, 9, 9], radii: "keep" },
     { type: "addCamera", camera: CAMERA },
   ];
   for (const command of commands) expect(predict(DOCUMENT, command)).toEqual(DOCUMENT);

@@ -5,6 +5,7 @@ import type {
   Bendy,
   Camera,
   Change,
+  Command,
   Directional,
   Document,
   Omni,
@@ -145,4 +146,11 @@ export const someVector = (next: () => number, size: number): Vec3 => [
 export function difference(a: readonly number[], b: readonly number[]): number {
   if (a.length !== b.length) return Infinity;
   return a.reduce((most, value, k) => Math.max(most, Math.abs(value - (b[k] ?? NaN))), 0);
+}
+
+/** What the server makes of the drag of a control point where nothing is in its way; other commands as they are. */
+export function unhindered(command: Command): Command {
+  if (command.type !== "dragPoint") return command;
+  const { light, point, position } = command;
+  return { type: "setPoint", light, point, parameter: { position } };
 }

@@ -15,20 +15,30 @@ import {
 import { arrowHead, circle, ringAt, sideways, silhouette, sphereOf, tubeOf } from "../src/core/outline";
 import type { Light } from "../src/core/protocol";
 import { add, cross, dot, perpendicular, rotate, scale, sub } from "../src/core/vector";
-import { BENDY, CAMERA, DIRECTIONAL, DOCUMENT, OMNI, SPOT } from "./examples";
+import { BENDY, CAMERA, DIRECTIONAL, DOCUMENT, OMNI, SPOT, unhindered } from "./examples";
 import { TABLE } from "./parameters_fixture";
 
 const VIEW: View = { camera: CAMERA, width: 900, height: 600 };
 const REACH = 2;
 
-const drawn = (light: Light): Drawn => ({ id: 1, light, tube: tubeOf(light, REACH), view: VIEW });
+const drawn = (light: Light): Drawn => ({
+  id: 1,
+  light,
+  tube: tubeOf(light, REACH),
+  view: VIEW,
+  radii: "keep",
+});
 
 /** The light after `handle` was dragged by `way`, and where that handle should be and is then. */
 function dragged(light: Light, handle: Handle, way: Pixel) {
   const start = project(VIEW, positionOf(handle, drawn(light))) ?? { x: NaN, y: NaN };
   const to = { x: start.x + way.x, y: start.y + way.y };
   const command = grab(handle, drawn(light), start)(to);
-  const document = predict(TABLE, { ...DOCUMENT, lights: [{ id: 1, layout: 1, light }] }, command);
+  const document = predict(
+    TABLE,
+    { ...DOCUMENT, lights: [{ id: 1, layout: 1, light }] },
+    unhindered(command),
+  );
   const after = document.lights[0]?.light ?? light;
   return { to, at: project(VIEW, positionOf(handle, drawn(after))) ?? start, after };
 }
@@ -44,6 +54,15 @@ test("a control point and the source end under the pointer", () => {
   for (const handle of handles) {
     const { to, at } = dragged(BENDY, handle, { x: 41, y: -17 });
     expect(distance(to, at)).toBeLessThan(PIXEL_ROUNDING);
+  }
+});
+
+test("a control point is dragged with radii as the page has chosen", () => {
+  const handle: Handle = { kind: "point", point: 2 };
+  for (const radii of ["keep", "follow"] as const) {
+    const start = { ...drawn(BENDY), radii };
+    const at = project(VIEW, positionOf(handle, start)) ?? { x: NaN, y: NaN };
+    expect(grab(handle, start, at)(at)).toMatchObject({ type: "dragPoint", light: 1, point: 2, radii });
   }
 });
 

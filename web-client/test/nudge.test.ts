@@ -7,7 +7,7 @@ import { NO_STEPS, nudge, STEP_PX, type Steps } from "../src/core/nudge";
 import { tubeOf } from "../src/core/outline";
 import type { Light } from "../src/core/protocol";
 import { aboutAxis, toEulerDegrees } from "../src/core/vector";
-import { BENDY, CAMERA, DOCUMENT, SPOT } from "./examples";
+import { BENDY, CAMERA, DOCUMENT, SPOT, unhindered } from "./examples";
 import { TABLE } from "./parameters_fixture";
 
 /** Looks down and a little to the side, so that no axis of the world is one of the picture. */
@@ -17,11 +17,11 @@ const VIEW: View = {
   height: 600,
 };
 
-const drawn = (light: Light): Drawn => ({ id: 1, light, tube: tubeOf(light, 2), view: VIEW });
+const drawn = (light: Light): Drawn => ({ id: 1, light, tube: tubeOf(light, 2), view: VIEW, radii: "keep" });
 
 /** The light after so many steps of `handle`. */
 function nudged(handle: Handle, steps: Partial<Steps>): Light {
-  const command = nudge(handle, drawn(BENDY))({ ...NO_STEPS, ...steps });
+  const command = unhindered(nudge(handle, drawn(BENDY))({ ...NO_STEPS, ...steps }));
   return (
     predict(TABLE, { ...DOCUMENT, lights: [{ id: 1, layout: 1, light: BENDY }] }, command).lights[0]?.light ??
     BENDY

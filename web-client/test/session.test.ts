@@ -1,9 +1,10 @@
 import { beforeEach, describe, expect, test } from "vitest";
 
 import { aspectOf } from "../src/core/camera";
-import { lightOf } from "../src/core/document";
-import type { ClientMessage, Command, ServerMessage, Welcome } from "../src/core/protocol";
+import { isAtLimit, lightOf } from "../src/core/document";
+import type { Change, ClientMessage, Command, ServerMessage, Welcome } from "../src/core/protocol";
 import type { Session } from "../src/core/session";
+import type { Vec3 } from "../src/core/vector";
 import { BENDY, CAMERA, log, radiusChange, record, WELCOME } from "./examples";
 import { type FakeHost, fakeHost, sessionOn } from "./fake_host";
 
@@ -49,6 +50,42 @@ function reconnect(changed: Partial<Welcome>): void {
   host.pass(1000);
   welcome(changed);
 }
+
+const dragTo = (to: Vec3): Command => ({
+  type: "dragPoint",
+  light: 1,
+  point: 2,
+  position: to,
+  radii: "keep",
+});
+
+const moved = (to: Vec3): Change => ({
+  type: "point",
+  light: 1,
+  layout: 1,
+  point: 2,
+  old: { position: BENDY.points[2] ?? [0, 0, 0] },
+  new: { position: to },
+});
+
+const held = () => ({
+  gesture: sent("gestureBegin")[0]?.gesture ?? "",
+  client: 7,
+  light: 1,
+  liveRevision: 1,
+});
+
+/** The server lets control point 2 go so far. */
+function answer(update: number, to: Vec3): void {
+  receive({ type: "gestureState", ...held(), update, changes: [moved(to)] });
+}
+
+function position(point: number): Vec3 | undefined {
+  const light = lightOf(session.document.value, 1);
+  return light?.type === "bendy" ? light.points[point] : undefined;
+}
+
+const atLimit = () => isAtLimit(session.document.value, session.ownDrag.value?.taken ?? null);
 
 describe("the mirror", () => {
   test("takes the snapshot, then each record once and in order", () => {
@@ -289,6 +326,50 @@ describe("drags", () => {
     host.frame();
     receive({ type: "gestureState", ...state, update: 2 });
     expect(session.ownDrag.value?.refusal).toBeNull();
+  });
+
+  test("of control points show where the server lets them go, and that this is as far as it goes", () => {
+    welcome();
+    const drag = session.drag(1);
+    const [asked, wall] = [
+      [9, 9, 9],
+      [1.5, -1, 0.25],
+    ] as const satisfies Vec3[];
+    drag.update(dragTo(asked));
+    host.frame();
+    expect(position(2)).toEqual(BENDY.points[2]);
+    expect(atLimit()).toBe(false);
+    answer(1, wall);
+    expect(position(2)).toEqual(wall);
+    expect(session.ownDrag.value?.refusal).toBeNull();
+    expect(atLimit()).toBe(true);
+    // A cursor that comes back: the server's word counts, and until it comes the point stays.
+    const near: Vec3 = [1.25, -1, 0.25];
+    drag.update(dragTo(near));
+    host.frame();
+    expect([position(2), atLimit()]).toEqual([wall, true]);
+    answer(2, near);
+    expect([position(2), atLimit()]).toEqual([near, false]);
+    // A point that does not move at all has no change.
+    drag.update(dragTo(asked));
+    host.frame();
+    receive({ type: "gestureState", ...held(), update: 3, changes: [] });
+    expect([position(2), atLimit()]).toEqual([BENDY.points[2], true]);
+  });
+
+  test("of control points stay where they were let go of until the record is there", () => {
+    welcome();
+    const drag = session.drag(1);
+    drag.update(dragTo([9, 9, 9]));
+    host.frame();
+    const wall: Vec3 = [1.5, -1, 0.25];
+    answer(1, wall);
+    drag.commit();
+    expect([position(2), session.ownDrag.value]).toEqual([wall, null]);
+    receive(log(record(4, [moved(wall)], sent("gestureCommit")[0]?.opId)));
+    expect(position(2)).toEqual(wall);
+    receive(log(record(5, [moved([0.5, -1, 0.25])])));
+    expect(position(2)).toEqual([0.5, -1, 0.25]);
   });
 
   test("on a light that somebody holds end with the server's sentence", () => {

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use drag::Radii;
 use light::{CheckedLight, Light, LightId, MAX_NAME_BYTES, Owner, Reach, Setting};
 use scene::Camera;
 
 use crate::bending::{Bending, reshaped};
 use crate::camera::{camera_parameter, set_camera};
 use crate::naming::quoted;
-use crate::points::renumbered;
+use crate::points::{moved_points, renumbered};
 use crate::{
     AssetHash, CameraId, CameraParameter, Change, Command, Document, EditError, Layout, PlacedLight,
     SceneContents, SceneRef,
@@ -76,6 +77,16 @@ fn changes_of(document: &Document, command: &Command, context: Context) -> Resul
         Command::SetLight { light: id, setting } => vec![light_change(document, *id, setting.clone())?],
         Command::SetPoint { light: id, point, setting } => {
             vec![point_change(document, *id, *point, setting.clone())?]
+        }
+        Command::DragPoint { light: id, point, position, radii_follow } => {
+            // What setting the position refuses, and what it does where there is nothing to solve, as for NaN.
+            let set = point_change(document, *id, *point, light::parameters::POSITION.to(*position))?;
+            let radii = if *radii_follow { Radii::Follow } else { Radii::Keep };
+            let placed = light(document, *id)?;
+            match drag::glide(&placed.light, *point, *position, radii) {
+                Some(glided) => moved_points((*id, placed), *point, glided.light.light().points()),
+                None => vec![set],
+            }
         }
         Command::InsertPoint { light, .. } | Command::RemovePoint { light, .. } => {
             vec![renumbered(document, *light, bendy(document, *light)?, command)?]

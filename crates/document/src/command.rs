@@ -49,6 +49,18 @@ pub enum Command {
         /// The parameter and its value.
         setting: Setting,
     },
+    /// Drags a control point: it goes as near to `position` as it can without the tube folding, worked out from the light as
+    /// the document has it.
+    DragPoint {
+        /// The light that it bends.
+        light: LightId,
+        /// Its index, 1 or more.
+        point: usize,
+        /// Where it is to go, in light-local space.
+        position: DVec3,
+        /// Whether radii that would make the tube fold shrink, so that nothing is in the way.
+        radii_follow: bool,
+    },
     /// Adds a control point that gets the index `point`, 1 to the number of points.
     ///
     /// Without a position the control point that had that index (for the last one, the one before it) becomes two, a
@@ -138,6 +150,7 @@ impl Command {
             | Self::PlaceLight { light, .. }
             | Self::SetLight { light, .. }
             | Self::SetPoint { light, .. }
+            | Self::DragPoint { light, .. }
             | Self::InsertPoint { light, .. }
             | Self::RemovePoint { light, .. }
             | Self::BendLight { light, .. }
@@ -153,6 +166,12 @@ impl Command {
 
     /// Whether it refers to a control point by its index, and so to a numbering.
     pub fn counts_points(&self) -> bool {
-        matches!(self, Self::SetPoint { .. } | Self::InsertPoint { .. } | Self::RemovePoint { .. })
+        matches!(
+            self,
+            Self::SetPoint { .. }
+                | Self::DragPoint { .. }
+                | Self::InsertPoint { .. }
+                | Self::RemovePoint { .. }
+        )
     }
 }

@@ -1,6 +1,7 @@
 //! One control point more or less.
 
-use light::{ControlPoint, Light, LightId, Tube};
+use light::parameters::{POSITION, RADIUS};
+use light::{ControlPoint, Light, LightId, Parameter, Tube};
 
 use crate::{Change, Command, ControlPoints, Document, EditError, Layout, PlacedLight};
 
@@ -49,6 +50,22 @@ pub fn renumbered(
     let old = ControlPoints { layout: placed.layout, points: points.to_vec() };
     let new = ControlPoints { layout: Layout(document.next_number()), points: new };
     Ok(Change::ControlPoints { light: id, old, new })
+}
+
+/// What takes a light's control points to where those of `moved` are, with their radii: first the position of the `dragged`
+/// one, by which people call it.
+pub fn moved_points(
+    (light, placed): (LightId, &PlacedLight),
+    dragged: usize,
+    moved: &[ControlPoint],
+) -> Vec<Change> {
+    let points = placed.light.light().points();
+    let change = |point: usize, parameter: &'static Parameter| {
+        let (old, new) = (points[point].value(parameter)?, moved.get(point)?.value(parameter)?);
+        Some(Change::Point { light, layout: placed.layout, point, parameter, old, new })
+    };
+    let radii = (0..points.len()).filter_map(|point| change(point, RADIUS.row()));
+    change(dragged, POSITION.row()).into_iter().chain(radii).collect()
 }
 
 /// How one value more comes among those of the control points.

@@ -39,7 +39,7 @@ export function applyChange(table: ParameterTable, document: Document, change: C
 
 /**
  * The document as `command` will leave it if the server agrees, for commands that a hand at a control sends.
- * What makes new ids or fills in values waits for the server: there the document comes back as it is.
+ * What makes new ids, fills in values or is solved for waits for the server: there the document comes back as it is.
  */
 export function predict(table: ParameterTable, document: Document, command: Command): Document {
   switch (command.type) {
@@ -60,6 +60,15 @@ export function predict(table: ParameterTable, document: Document, command: Comm
     default:
       return document;
   }
+}
+
+/** Whether the control point that `command` drags is not where it was to go: as far as the tube can bend. */
+export function isAtLimit(document: Document, command: Command | null): boolean {
+  if (command?.type !== "dragPoint") return false;
+  const light = lightOf(document, command.light);
+  const at = light?.type === "bendy" ? light.points[command.point] : undefined;
+  // Where nothing is in the way it is there to the last bit.
+  return at?.some((x, k) => x !== command.position[k]) ?? false;
 }
 
 /** Whether a picture can show the change of `document` (SPEC, FRAME-7). */

@@ -5,12 +5,16 @@ import { type ReadonlySignal, signal } from "@preact/signals-core";
 import type { Host } from "./connection";
 import type { LightId } from "./ids";
 import type { LatencyMeter } from "./latency";
-import type { ClientMessage, Command, GestureState } from "./protocol";
+import type { Change, ClientMessage, Command, GestureState } from "./protocol";
 
 /** What the page shows of its own drag before the server has answered. */
 export interface OwnDrag {
   light: LightId;
   command: Command;
+  /** The latest command that the server took; `null` before its first answer. */
+  taken: Command | null;
+  /** What the server makes of that. */
+  changes: readonly Change[];
   /** Why the server keeps an earlier state (SPEC, GEST-4); `null` where it took the latest. */
   refusal: string | null;
 }
@@ -39,8 +43,17 @@ export interface DragParts {
   baseSeq(): number;
   /** What sentences call a light. */
   lightName(light: LightId): string;
-  /** Asks for the record; `edit` says the same on a later connection, where the gesture is gone. */
-  commit(edit: ClientMessage & { type: "edit" }, commit: ClientMessage): void;
+  /**
+   * Asks for the record; `edit` says the same on a later connection, where the gesture is gone. `changes` are what the
+   * server made of the drag so far.
+   */
+  commit(edit: ClientMessage & { type: "edit" }, commit: ClientMessage, changes: readonly Change[]): void;
+}
+
+/** An update that the server has not answered. */
+interface Sent {
+  atMs: number;
+  command: Command;
 }
 
 interface Gesture {
@@ -49,7 +62,7 @@ interface Gesture {
   baseSeq: number;
   /** The latest update that was sent, counted from 1; 0 before the gesture is begun. */
   update: number;
-  sentMs: Map<number, number>;
+  sent: Map<number, Sent>;
   waiting: Command | null;
 }
 
@@ -70,7 +83,7 @@ export function dragging({ host, send, notify, latency, baseSeq, lightName, comm
       send({ type: "gestureBegin", gesture: gesture.id, light: gesture.light, baseSeq: gesture.baseSeq });
     }
     gesture.update += 1;
-    gesture.sentMs.set(gesture.update, host.nowMs());
+    gesture.sent.set(gesture.update, { atMs: host.nowMs(), command: gesture.waiting });
     send({ type: "gestureUpdate", gesture: gesture.id, update: gesture.update, command: gesture.waiting });
     gesture.waiting = null;
   }
@@ -87,7 +100,7 @@ export function dragging({ host, send, notify, latency, baseSeq, lightName, comm
       light,
       baseSeq: baseSeq(),
       update: 0,
-      sentMs: new Map(),
+      sent: new Map(),
       waiting: null,
     };
     gesture = current;
@@ -97,7 +110,8 @@ export function dragging({ host, send, notify, latency, baseSeq, lightName, comm
         if (!isCurrent()) return;
         if (current.waiting === null) host.beforeRepaint(() => isCurrent() && flush());
         current.waiting = command;
-        own.value = { light, command, refusal: own.value?.refusal ?? null };
+        const before = own.value ?? { taken: null, changes: [], refusal: null };
+        own.value = { ...before, light, command };
       },
       commit() {
         if (!isCurrent()) return;
@@ -107,7 +121,7 @@ export function dragging({ host, send, notify, latency, baseSeq, lightName, comm
         if (latest === null) return;
         const opId = host.newId();
         const edit = { type: "edit", opId, baseSeq: current.baseSeq, command: latest.command } as const;
-        commit(edit, { type: "gestureCommit", gesture: current.id, opId });
+        commit(edit, { type: "gestureCommit", gesture: current.id, opId }, latest.changes);
       },
       cancel: () => isCurrent() && cancel(),
     };
@@ -118,11 +132,15 @@ export function dragging({ host, send, notify, latency, baseSeq, lightName, comm
     end();
   }
 
-  /** The server has come as far as the state's update. */
-  function keptUp(sent: Map<number, number>, { update, code, liveRevision }: GestureState): void {
-    const sentMs = sent.get(update);
-    if (sentMs !== undefined && code === undefined) latency.expect("liveRevision", liveRevision, sentMs);
+  /** The server has come as far as the state's update; the command of that, where it is news. */
+  function keptUp(
+    sent: Map<number, Sent>,
+    { update, code, liveRevision }: GestureState,
+  ): Command | undefined {
+    const taken = sent.get(update);
+    if (taken !== undefined && code === undefined) latency.expect("liveRevision", liveRevision, taken.atMs);
     for (const earlier of sent.keys()) if (earlier <= update) sent.delete(earlier);
+    return taken?.command;
   }
 
   return {
@@ -131,8 +149,10 @@ export function dragging({ host, send, notify, latency, baseSeq, lightName, comm
     answered(state) {
       if (gesture === null || gesture.id !== state.gesture) return;
       if (state.ended === undefined) {
-        keptUp(gesture.sentMs, state);
-        if (own.value !== null) own.value = { ...own.value, refusal: state.message ?? null };
+        const taken = keptUp(gesture.sent, state);
+        if (own.value === null) return;
+        const { changes, message = null } = state;
+        own.value = { ...own.value, taken: taken ?? own.value.taken, changes, refusal: message };
         return;
       }
       if (state.ended !== "committed") {

@@ -6,7 +6,7 @@ import { depthOf, inPlaneOf, type Pixel, project, type View, worldPerPixel } fro
 import { abscissa, numberAt, positionAt, weightOf } from "./curve";
 import type { LightId } from "./ids";
 import { circle, sideways, toLocal, type Tube } from "./outline";
-import type { Command, Light } from "./protocol";
+import type { Command, Light, RadiiOfDrag } from "./protocol";
 import {
   aboutAxis,
   add,
@@ -48,6 +48,8 @@ export interface Drawn {
   light: Light;
   tube: Tube;
   view: View;
+  /** What becomes of its radii where a control point is dragged. */
+  radii: RadiiOfDrag;
 }
 
 /** The control points' and edges' handles of a light; its source and turning rings come with every light. */
@@ -107,13 +109,13 @@ export function grab(handle: Handle, drawn: Drawn, from: Pixel): (pointer: Pixel
 
 /** What it means that `handle` is pulled by `way`, in the world. Of an edge counts how far that is across the tube. */
 export function pulled(handle: Pulled, drawn: Drawn, way: Vec3): Command {
-  const { id, light, tube, view } = drawn;
+  const { id, light, tube, view, radii } = drawn;
   switch (handle.kind) {
     case "source":
       return { type: "placeLight", light: id, translation: add(light.transform.translation, way) };
     case "point": {
       const position = toLocal(light.transform, add(positionOf(handle, drawn), way));
-      return { type: "setPoint", light: id, point: handle.point, parameter: { position } };
+      return { type: "dragPoint", light: id, point: handle.point, position, radii };
     }
     case "radius": {
       const { point } = handle;

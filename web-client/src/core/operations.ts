@@ -4,25 +4,37 @@ import { type ReadonlySignal, signal } from "@preact/signals-core";
 
 import type { Host } from "./connection";
 import type { LatencyMeter } from "./latency";
-import type { ClientMessage, Command, EditResult, Record } from "./protocol";
+import type { Change, ClientMessage, Command, EditResult, Record } from "./protocol";
 
 /** A request that ends in a record. */
 export type Request = Extract<ClientMessage, { type: "edit" | "undo" | "redo" }>;
 
+/** What is asked for, and what the server has made of it while it was dragged. */
+export interface Underway {
+  command: Command;
+  changes: readonly Change[];
+}
+
 interface Operation {
   request: Request;
+  changes: readonly Change[];
   sentMs: number;
   done(record: Record): void;
 }
 
 export interface Operations {
   /** Commands under way, in the order in which they were sent. */
-  commands: ReadonlySignal<readonly Command[]>;
+  underway: ReadonlySignal<readonly Underway[]>;
   /**
    * Sends `request`, or on this connection what `standsFor` it, and remembers it until it is in the log.
-   * Then `done` is told its record.
+   * Then `done` is told its record. Until then the page shows `changes`, and what is sure of the command.
    */
-  start(request: Request, standsFor?: ClientMessage, done?: (record: Record) => void): void;
+  start(
+    request: Request,
+    standsFor?: ClientMessage,
+    done?: (record: Record) => void,
+    changes?: readonly Change[],
+  ): void;
   /** A record of the log, and whether a picture can show it. */
   logged(record: Record, isSeen: boolean): void;
   /** The server's answer, where the mirror stands at `seq`. */
@@ -40,19 +52,21 @@ export interface OperationParts {
 
 export function operations({ host, send, notify, latency }: OperationParts): Operations {
   let pending: readonly Operation[] = [];
-  const commands = signal<readonly Command[]>([]);
+  const underway = signal<readonly Underway[]>([]);
 
   function keep(operations: readonly Operation[]): void {
     pending = operations;
-    commands.value = pending.flatMap(({ request }) => (request.type === "edit" ? [request.command] : []));
+    underway.value = pending.flatMap(({ request, changes }) =>
+      request.type === "edit" ? [{ command: request.command, changes }] : [],
+    );
   }
 
   const forget = (opId: string) => keep(pending.filter(({ request }) => request.opId !== opId));
 
   return {
-    commands,
-    start(request, standsFor = request, done = () => {}) {
-      if (send(standsFor)) keep([...pending, { request, sentMs: host.nowMs(), done }]);
+    underway,
+    start(request, standsFor = request, done = () => {}, changes = []) {
+      if (send(standsFor)) keep([...pending, { request, changes, sentMs: host.nowMs(), done }]);
       else notify("Not connected: nothing was changed. Do it again once the page is connected.");
     },
     logged(record, isSeen) {

@@ -45,6 +45,7 @@ export type Command =
   | Set
   | SetLight
   | SetPoint
+  | DragPoint
   | InsertPoint
   | RemovePoint
   | BendLight
@@ -103,6 +104,13 @@ export type LightParameter =
  * A parameter and its value: an object with one field.
  */
 export type PointParameter = PointPosition | PointRadius | PointColor | PointIntensity;
+/**
+ * What becomes of a light's radii while one of its control points is dragged.
+ *
+ * - `keep`: They stay.
+ * - `follow`: Those that would make the tube fold shrink, and come back.
+ */
+export type RadiiOfDrag = "keep" | "follow";
 /**
  * `document::CameraParameter` in JSON: an object with one field.
  */
@@ -1718,6 +1726,28 @@ export interface PointIntensity {
    * How bright it is there, as a factor of the whole light's intensity.
    */
   intensity: number;
+}
+/**
+ * Drags a control point: it goes as near to a position as it can without the tube folding.
+ */
+export interface DragPoint {
+  /**
+   * Its light's id.
+   */
+  light: number;
+  /**
+   * Its index, 1 or more.
+   */
+  point: number;
+  /**
+   * Where it is to go, in light-local space.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  position: [number, number, number];
+  radii: RadiiOfDrag;
+  type: "dragPoint";
 }
 /**
  * Adds a control point.

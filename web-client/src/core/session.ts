@@ -15,6 +15,7 @@ import type { ParameterTable } from "./protocol";
 import type {
   Actor,
   Bounds,
+  Change,
   ClientMessage,
   Command,
   Document,
@@ -110,18 +111,21 @@ export function startSession<T>(options: SessionOptions<T>): Session {
     latency,
     baseSeq: () => mirror.value.seq,
     lightName: (light) => lightName(mirror.value.document, light),
-    commit: asked.start,
+    commit: (edit, commit, changes) => asked.start(edit, commit, undefined, changes),
   });
   const viewer = viewing({ host, send, bounds: () => bounds.value, latency });
   const { frame, statistics, feed, roundTrip } = display({ host, screen, send, notify, latency });
 
   const document = computed(() => {
-    const live = gestures.value
-      .flatMap((gesture) => gesture.changes)
-      .reduce((document, change) => applyChange(table, document, change), mirror.value.document);
-    const dragged = drags.own.value === null ? [] : [drags.own.value.command];
-    return [...asked.commands.value, ...dragged].reduce(
-      (document, command) => predict(table, document, command),
+    const changed = (document: Document, changes: readonly Change[]) =>
+      changes.reduce((document, change) => applyChange(table, document, change), document);
+    const live = gestures.value.reduce(
+      (document, { changes }) => changed(document, changes),
+      mirror.value.document,
+    );
+    const dragged = drags.own.value === null ? [] : [drags.own.value];
+    return [...asked.underway.value, ...dragged].reduce(
+      (document, { command, changes }) => predict(table, changed(document, changes), command),
       live,
     );
   });

@@ -50,7 +50,8 @@ interface LightOverlayProps {
 function LightOverlay({ entry: { id, light }, view, selected }: LightOverlayProps) {
   const page = usePage();
   const { session } = page;
-  const drawn: Drawn = { id, light, tube: tubeOf(light, coneReach(page)), view };
+  const radii = page.radiiFollow.value ? "follow" : "keep";
+  const drawn: Drawn = { id, light, tube: tubeOf(light, coneReach(page)), view, radii };
   const holder = session.gestures.value.find((gesture) => gesture.light === id)?.client;
   const refused = session.ownDrag.value?.light === id && session.ownDrag.value.refusal !== null;
   const color = holder === undefined ? undefined : colorOf(holder);

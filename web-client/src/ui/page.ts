@@ -28,6 +28,8 @@ export interface Page {
   selectedLight: Signal<LightId | null>;
   /** Control point of the selected light; `null` for the light as a whole. */
   selectedPoint: Signal<number | null>;
+  /** Whether radii that would fold the tube shrink where control points are dragged. */
+  radiiFollow: Signal<boolean>;
   scope: Signal<Scope>;
   showHandles: Signal<boolean>;
   /** Whether what `render` would not write is darkened. */
@@ -84,6 +86,7 @@ export function startPage({ host, session, screen, name, pick, toasts, fetchNode
     pick,
     selectedLight,
     selectedPoint: signal(null),
+    radiiFollow: signal(false),
     scope: signal<Scope>("mine"),
     showHandles: signal(true),
     showGate: signal(true),

@@ -5,6 +5,7 @@ import type { LightId } from "../core/ids";
 import { rowsOf, setParameter, valueIn } from "../core/parameters";
 import type { Bendy } from "../core/protocol";
 import { lightBinding } from "./binding";
+import { Checkbox } from "./fields";
 import { Icon } from "./icons";
 import { usePage } from "./page";
 import { ParameterField } from "./parameter_field";
@@ -72,7 +73,23 @@ export function PointPanel({ id, light, disabled }: PointPanelProps) {
       ) : (
         <PointFields key={selected} id={id} light={light} point={selected} disabled={disabled} />
       )}
+      <RadiiFollow disabled={disabled} />
     </FoldingSection>
+  );
+}
+
+/** This page's own choice, which its next drags keep to. */
+function RadiiFollow({ disabled }: { disabled: boolean }) {
+  const { radiiFollow } = usePage();
+  const set = (follow: boolean) => (radiiFollow.value = follow);
+  return (
+    <Checkbox
+      label="Radii follow"
+      doc="Where a control point is dragged farther than the tube can bend, the tube becomes thinner instead of stopping it."
+      value={radiiFollow.value}
+      binding={{ set, drag: () => ({ update: set, commit() {}, cancel() {} }) }}
+      disabled={disabled}
+    />
   );
 }
 

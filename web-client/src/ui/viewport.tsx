@@ -5,6 +5,7 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import type { Box, Size, View } from "../core/camera";
+import { isAtLimit } from "../core/document";
 import { orbit, pan, pinch, zoom } from "../core/navigation";
 import { twoFingers } from "./fingers";
 import { fitLight, fitScene } from "./fitting";
@@ -175,10 +176,20 @@ function Staleness() {
   );
 }
 
-/** Why the server does not follow the hand. */
+/** Why the server does not follow the hand, or not all the way. */
 function DragRefusal() {
-  const refusal = usePage().session.ownDrag.value?.refusal;
-  if (refusal === null || refusal === undefined) return null;
+  const { session, radiiFollow } = usePage();
+  const drag = session.ownDrag.value;
+  if (drag === null) return null;
+  const { refusal, taken } = drag;
+  if (refusal === null && isAtLimit(session.document.value, taken)) {
+    return (
+      <div class="banner limited-drag" role="status">
+        As far as the tube can bend{radiiFollow.value ? "" : ". With Radii follow it becomes thinner instead"}
+      </div>
+    );
+  }
+  if (refusal === null) return null;
   return (
     <div class="banner refused-drag" role="alert">
       <span>{sentence(refusal)}</span>

@@ -75,11 +75,12 @@ async function aHandle(page, picture) {
   const said = await handle.getAttribute("aria-valuetext");
   await press(page, "ArrowRight", 5);
   await press(page, "Shift+ArrowUp", 1);
-  const live = await handleAt(page, "point-2");
-  expect(
-    Math.hypot(live.x - before.x, live.y - before.y) > 15,
-    "Presses must be seen before they are a record.",
-  );
+  // They are seen once the server has said how far the tube can bend.
+  await page.waitForFunction(({ x, y }) => {
+    const mark = document.querySelector('[data-handle="point-2"] .mark').getBoundingClientRect();
+    return Math.hypot(mark.x + mark.width / 2 - x, mark.y + mark.height / 2 - y) > 15;
+  }, before);
+  expect((await seqOf(page)) === seq, "Presses must be seen before they are a record.");
   expect((await handle.getAttribute("aria-valuetext")) !== said, "The handle must say where it is by now.");
   await reached(page, seq + 1);
   await settled(page);

@@ -5,6 +5,7 @@ mod asset_names;
 mod bending;
 mod cameras;
 mod checks;
+mod dragging;
 mod hash;
 mod hash_rows;
 mod identity;

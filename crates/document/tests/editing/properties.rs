@@ -108,7 +108,7 @@ fn random_commands_are_mostly_valid() {
             Err(_) => count.1 += 1,
         }
     }
-    assert_eq!(kinds.len(), 14, "every type of command: {kinds:?}");
+    assert_eq!(kinds.len(), 15, "every type of command: {kinds:?}");
     assert!(kinds.values().all(|count| count.0 >= 20), "(done, refused): {kinds:?}");
     assert!(kinds.values().map(|count| count.1).sum::<u32>() >= 200, "some are refused: {kinds:?}");
 }

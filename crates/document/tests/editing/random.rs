@@ -34,6 +34,9 @@ pub fn command(scenes: &'static [AssetHash]) -> impl Strategy<Value = Command> {
         8 => (light(), light_parameter()).prop_map(|(light, setting)| Command::SetLight { light, setting }),
         8 => (light(), 0..6_usize, point_parameter())
             .prop_map(|(light, point, setting)| Command::SetPoint { light, point, setting }),
+        2 => (light(), 0..6_usize, vector(), any::<bool>()).prop_map(|(light, point, position, radii_follow)| {
+            Command::DragPoint { light, point, position, radii_follow }
+        }),
         3 => insert.prop_map(|(light, point, position, radius, color, intensity)| {
             Command::InsertPoint { light, point, position, radius, color, intensity }
         }),
@@ -63,6 +66,7 @@ pub fn aimed(mut command: Command, document: &Document) -> Command {
         | Command::PlaceLight { light, .. }
         | Command::SetLight { light, .. }
         | Command::SetPoint { light, .. }
+        | Command::DragPoint { light, .. }
         | Command::InsertPoint { light, .. }
         | Command::RemovePoint { light, .. }
         | Command::BendLight { light, .. }
