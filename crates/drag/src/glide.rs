@@ -44,7 +44,7 @@ pub fn glide(light: &CheckedLight, point: usize, to: DVec3, radii: Radii) -> Opt
         .evaluate(&all_of_it, 1.0, &near)
         .is_some_and(|at| at.bounds.iter().all(|bound| bound.value >= 0.0));
     if reaches {
-        let mut moved = goal.moves.light(light.light(), &[0.0; 3]);
+        let mut moved = light.light().clone();
         if let Some(moving) = moved.points_mut().and_then(|points| points.get_mut(point)) {
             moving.position = to;
         }

@@ -123,3 +123,17 @@ fn radii_that_fold_nothing_stay() {
     assert_eq!(changes.len(), 1, "{changes:?}");
     assert!(points(&document).iter().zip(&before).all(|(now, was)| now.radius == was.radius));
 }
+
+/// A light that is near to folding and is straightened has nothing to follow, whatever it was when the drag began.
+///
+/// Rules: CMD-14
+#[test]
+fn radii_stay_where_the_bend_opens() {
+    let mut document = sample();
+    done(&mut document, &drag(3, PAST_THE_WALL, false));
+    let (before, tight) = (points(&document), fold(&document));
+    assert!(tight > 0.9, "it is at the wall: {tight}");
+    let changes = done(&mut document, &drag(3, before[3].position + DVec3::X, true));
+    assert!(fold(&document) < 0.5, "the bend is open: {}", fold(&document));
+    assert_eq!(changes.len(), 1, "{changes:?}");
+}
