@@ -48,7 +48,7 @@ pub fn glide(light: &CheckedLight, point: usize, to: DVec3, radii: Radii) -> Opt
         if let Some(moving) = moved.points_mut().and_then(|points| points.get_mut(point)) {
             moving.position = to;
         }
-        if let Ok(light) = CheckedLight::new(goal.moves.settled(moved)) {
+        if let Ok(light) = CheckedLight::new(goal.moves.settled(light.light(), moved)) {
             return Some(Glided { light, limit: None, short_by: 0.0 });
         }
     }

@@ -57,7 +57,7 @@ impl Moves {
                         point.radius += x[3 * points.len() + k] * unit;
                     }
                 }
-                self.settled(moved)
+                self.settled(start, moved)
             }
         }
     }
@@ -84,9 +84,9 @@ impl Moves {
 
 impl Moves {
     /// The light once its control points have moved, with radii as they follow.
-    pub fn settled(&self, moved: Light) -> Light {
+    pub fn settled(&self, start: &Light, moved: Light) -> Light {
         match self {
-            Self::Points { radii: Radii::Follow, .. } => following(moved),
+            Self::Points { radii: Radii::Follow, .. } => following(start, moved),
             _ => moved,
         }
     }
@@ -100,15 +100,17 @@ impl Moves {
 }
 
 /// The light with those radii made smaller that would make its tube fold: continuous in its control points, and where nothing
-/// is near to folding the light itself.
+/// is nearer to folding than `start` was the light itself.
 ///
 /// A segment's radius is a mean of those of its three control points, so that a segment whose three shrink by a factor
 /// shrinks by that at least.
-fn following(mut light: Light) -> Light {
-    let Ok(folds) = fold_of_each_segment(&light) else { return light };
+fn following(start: &Light, mut light: Light) -> Light {
+    let (Ok(begun), Ok(folds)) = (fold_of_each_segment(start), fold_of_each_segment(&light)) else {
+        return light;
+    };
     let factor = |point: usize| {
         let segments = point.saturating_sub(2)..(point + 1).min(folds.len());
-        segments.map(|segment| allowed(folds[segment])).fold(1.0, f64::min)
+        segments.map(|segment| allowed(folds[segment], begun[segment])).fold(1.0, f64::min)
     };
     let factors: Vec<f64> = (0..light.points().len()).map(factor).collect();
     for (point, factor) in light.points_mut().into_iter().flatten().zip(factors) {
@@ -119,16 +121,17 @@ fn following(mut light: Light) -> Light {
     light
 }
 
-/// The share of its radius that a segment with that `R kappa` may have.
-fn allowed(fold: f64) -> f64 {
-    if fold <= SHRINKS_FROM {
+/// The share of its radius that a segment with that `R kappa` may have, which had `begun`: what was near to folding already
+/// may stay so.
+fn allowed(fold: f64, begun: f64) -> f64 {
+    let shrinks_from = begun.clamp(SHRINKS_FROM, LARGEST_FOLD);
+    if fold <= shrinks_from {
         return 1.0;
     }
     if !fold.is_finite() {
         return 0.0;
     }
-    let room = LARGEST_FOLD - SHRINKS_FROM;
-    let beyond = (fold - SHRINKS_FROM) / room;
+    let (room, beyond) = (LARGEST_FOLD - shrinks_from, fold - shrinks_from);
     // With the slope 1 at first, and never all of the room.
-    (SHRINKS_FROM + room * beyond / (1.0 + beyond)) / fold
+    (shrinks_from + room * beyond / (room + beyond)) / fold
 }

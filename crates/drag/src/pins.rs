@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use raycast::Bvh;
 
 use crate::bound::{Bound, across_off, behind, bounds_of_place, direction_off};
-use crate::occlusion::{Contact, Occlusion};
+use crate::occlusion::{Caster, Contact, Occlusion};
 use crate::place::{Place, Placed};
 use crate::quadratic::Hold;
 use crate::request::{Limit, Pin, PinKind, Refusal};
@@ -30,8 +30,10 @@ pub(crate) struct Pinned {
     pub point: DVec3,
     /// Where it was in the light.
     pub place: Place,
-    /// Of what is to stay lit: the surface's normal on the side that is lit. Light from behind does not arrive.
-    pub facing: Option<DVec3>,
+    /// The surface's unit normal on the side that is lit. Light from behind does not arrive.
+    pub normal: DVec3,
+    /// Where its shadow is looked for, in scene space, as pictures do.
+    pub shadow_point: DVec3,
     /// Of a shadow: what throws it, and how far along the light.
     pub pivot: Option<(DVec3, f64)>,
     pub contact: Contact,
@@ -62,9 +64,10 @@ impl Pinned {
             return None;
         }
         let contact = Contact { within: CONTACT * posed.half_extent.length(), triangle: None };
-        let facing = bvh.nearest(point, contact.within, |_| true).map(|surface| {
-            let normal = bvh.triangles[surface.triangle].normal().normalize();
-            if normal.dot(place.to_light) < 0.0 { -normal } else { normal }
+        let surface = bvh.nearest(point, contact.within, |_| true);
+        let (normal, offset) = surface.map_or((place.to_light, 0.0), |surface| {
+            let (normal, offset) = bvh.smooth(surface.triangle, surface.weights, surface.position);
+            (if normal.dot(place.to_light) < 0.0 { -normal } else { normal }, offset)
         });
         let pinned = Self {
             index,
@@ -72,7 +75,8 @@ impl Pinned {
             is_hard: pin.is_hard,
             point,
             place,
-            facing: facing.filter(|_| pin.kind == PinKind::Lit),
+            normal,
+            shadow_point: point + normal * offset,
             pivot: None,
             contact,
         };
@@ -83,7 +87,7 @@ impl Pinned {
         match pin.kind {
             PinKind::Direction => Some(pinned),
             PinKind::Lit => pinned.is_lit(occlusion, placed, &place).then_some(pinned),
-            PinKind::Shadowed => (!pinned.is_lit(occlusion, placed, &place)).then_some(pinned),
+            PinKind::Shadowed => pinned.is_shadowed(occlusion, placed, &place).then_some(pinned),
             PinKind::Shadow => {
                 let caster = occlusion.first_of(placed, &place, place.across, point, contact, is_caster)?;
                 Some(Self { pivot: Some((caster.position, caster.t)), ..pinned })
@@ -91,9 +95,25 @@ impl Pinned {
         }
     }
 
-    /// Whether nothing stands in the light's way to it.
+    /// Whether light arrives that nothing stands in the way of.
     pub fn is_lit(&self, occlusion: &Occlusion, placed: &Placed, place: &Place) -> bool {
-        occlusion.first_on(placed, place, place.across, self.point, self.contact).is_none()
+        self.normal.dot(place.to_light) > 0.0 && self.first(occlusion, placed, place).is_none()
+    }
+
+    /// Whether something stands in the light's way.
+    pub fn is_shadowed(&self, occlusion: &Occlusion, placed: &Placed, place: &Place) -> bool {
+        self.first(occlusion, placed, place).is_some()
+    }
+
+    /// The first that does.
+    fn first(&self, occlusion: &Occlusion, placed: &Placed, place: &Place) -> Option<Caster> {
+        let place = self.shadow_place(placed, place)?;
+        occlusion.first_on(placed, &place, place.across, self.shadow_point, self.contact)
+    }
+
+    /// Where its shadow is looked for, in a light in which the pin lies at `place`.
+    pub fn shadow_place(&self, placed: &Placed, place: &Place) -> Option<Place> {
+        placed.locate(self.shadow_point, Some(place.t))
     }
 
     /// The places that are followed for it, as they were.
@@ -123,11 +143,11 @@ impl Pinned {
         let place = placed.locate(self.point, Some(near[0]))?;
         let of = Some((Limit::Pin(self.index), self.give()));
         bounds_of_place(placed, &place, of, 0.0, bounds);
-        bounds.extend(self.facing.map(|normal| {
-            let least = FROM_EDGE.min(0.5 * self.place.to_light.dot(normal));
-            let value = place.to_light.dot(normal) - least;
-            Bound { value, limit: Limit::Pin(self.index), give: self.give() }
-        }));
+        if self.kind == PinKind::Lit {
+            let least = FROM_EDGE.min(0.5 * self.place.to_light.dot(self.normal));
+            let value = place.to_light.dot(self.normal) - least;
+            bounds.push(Bound { value, limit: Limit::Pin(self.index), give: self.give() });
+        }
         let mut pivot_t = near[1];
         let off = match (self.kind, self.pivot) {
             (PinKind::Direction, _) => Some(direction_off(place.to_light, self.place.to_light)?),
@@ -183,6 +203,7 @@ impl Cut {
     pub fn bound_of_way(&self, placed: &Placed, place: &Place, pin: &Pinned) -> Option<Bound> {
         let Self::Edge { caster, t, allowed, .. } = self else { return None };
         let edge = placed.locate(*caster, Some(*t))?;
+        let place = &pin.shadow_place(placed, place)?;
         let value = -across_off(edge.across, place, &pin.place).dot(*allowed) - FROM_EDGE;
         Some(Bound { value, limit: Limit::Pin(pin.index), give: pin.give() })
     }

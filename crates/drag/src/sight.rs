@@ -60,7 +60,7 @@ impl Sight<'_> {
                     let pivot = placed.locate(pivot, None)?;
                     pivot.t < place.t && across_off(pivot.across, &place, &pin.place).length() < HELD
                 }
-                (PinKind::Shadowed | PinKind::Shadow, _) => !pin.is_lit(self.occlusion, placed, &place),
+                (PinKind::Shadowed | PinKind::Shadow, _) => pin.is_shadowed(self.occlusion, placed, &place),
                 (PinKind::Direction, _) => place.to_light.distance(pin.place.to_light) < HELD,
             };
             Some(is_inside && is_held)
@@ -81,9 +81,10 @@ impl Sight<'_> {
         }
         let shadowed = if pin.kind == PinKind::Lit { broken } else { holds };
         in_light(goal, &at(shadowed), |placed| {
-            let place = placed.locate(pin.point, None)?;
-            let first =
-                |across: DVec2, contact| self.occlusion.first_on(placed, &place, across, pin.point, contact);
+            let place = pin.shadow_place(placed, &placed.locate(pin.point, None)?)?;
+            let first = |across: DVec2, contact| {
+                self.occlusion.first_on(placed, &place, across, pin.shadow_point, contact)
+            };
             let caster = first(place.across, pin.contact)?;
             // Its own surface, which ways beside it meet too, does not count.
             let reach = AROUND * pin.place.width / place.width;

@@ -34,6 +34,9 @@ const STEPS_BACK: usize = 8;
 const GLIDING: usize = 24;
 const SETTLING: usize = 40;
 
+/// A step this small is none.
+const STILL: f64 = 1e-7;
+
 /// How softly the feature pulls there, as a share of the trace of `J J^T`: what helps little is not done.
 const GIVE_WAY: f64 = 1e-2;
 
@@ -277,7 +280,11 @@ impl Solution {
             self.nearer(goal, from + (1.0 - from) * part);
         }
         for _ in 0..SETTLING {
+            let before = self.at.x.clone();
             self.nearer(goal, 1.0);
+            if length_between(&self.at.x, &before) < STILL {
+                break;
+            }
         }
         if let Some(at) = self.reach(goal, 1.0) {
             self.at = at;

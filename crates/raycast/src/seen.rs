@@ -62,30 +62,38 @@ impl Bvh {
 
     fn seen_at(&self, ray: &ViewRay, hit: &Hit) -> Seen {
         let triangle = &self.triangles[hit.triangle];
-        let primitive = self.primitive(triangle);
         let face = triangle.normal().normalize();
         let side = if face.dot(ray.direction) < 0.0 { 1.0 } else { -1.0 };
-        let (normal_matrix, vertices) =
-            (self.posed.primitives[triangle.primitive].normal_matrix(), triangle.vertices);
-        let normals = vertices.map(|vertex| {
-            let local = primitive.normals[vertex as usize].as_dvec3();
-            (normal_matrix * local).normalize_or_zero()
-        });
-        let mean: DVec3 = (0..3).map(|k| normals[k] * hit.weights[k]).sum();
-        // Vertex normals that cancel leave nothing to interpolate: the face's own normal then.
-        let normal = if mean.length_squared() > 1e-12 { mean.normalize() } else { face };
         let position = ray.origin + ray.direction * hit.distance;
-        let bulge = |k: usize| (triangle.corners[k] - position).dot(normals[k] - mean).abs();
+        let (normal, terminator_offset) = self.smooth(hit.triangle, hit.weights, position);
         Seen {
             position,
             depth: hit.distance,
             geometric_normal: face * side,
             normal: normal * side,
-            terminator_offset: (0..3).map(|k| hit.weights[k].max(0.0) * bulge(k)).sum(),
+            terminator_offset,
             to_eye: -ray.direction.normalize(),
             node: triangle.node,
             triangle: hit.triangle,
             weights: hit.weights,
         }
+    }
+
+    /// The smooth surface that the vertex normals of a triangle stand for, at a position on it with those weights of its corners:
+    /// its unit normal on the triangle's front, and [`Seen::terminator_offset`].
+    pub fn smooth(&self, triangle: usize, weights: DVec3, position: DVec3) -> (DVec3, f64) {
+        let triangle = &self.triangles[triangle];
+        let primitive = self.primitive(triangle);
+        let normal_matrix = self.posed.primitives[triangle.primitive].normal_matrix();
+        let normals = triangle.vertices.map(|vertex| {
+            let local = primitive.normals[vertex as usize].as_dvec3();
+            (normal_matrix * local).normalize_or_zero()
+        });
+        let mean: DVec3 = (0..3).map(|k| normals[k] * weights[k]).sum();
+        // Vertex normals that cancel leave nothing to interpolate: the face's own normal then.
+        let normal =
+            if mean.length_squared() > 1e-12 { mean.normalize() } else { triangle.normal().normalize() };
+        let bulge = |k: usize| (triangle.corners[k] - position).dot(normals[k] - mean).abs();
+        (normal, (0..3).map(|k| weights[k].max(0.0) * bulge(k)).sum())
     }
 }
