@@ -141,7 +141,7 @@ impl Goal<'_> {
         };
         for (pin, near) in self.pins.iter().zip(&near[1..]) {
             let (off, at, place) = pin.off(&placed, *near, &mut bounds)?;
-            residual.extend(off.into_iter().flat_map(|off| off.to_array()));
+            residual.extend(off);
             followed.push(at);
             for cut in self.cuts.iter().filter(|cut| cut.pin() == Some(pin.index)) {
                 bounds.push(cut.bound_of_way(&placed, &place, pin)?);
@@ -164,6 +164,11 @@ impl Goal<'_> {
         rows.extend(self.pins.iter().flat_map(Pinned::rows));
         rows.extend(self.joint.map(|_| Hold::Fixed));
         rows
+    }
+
+    /// Whether something is held softly.
+    pub fn has_soft_pins(&self) -> bool {
+        self.rows().iter().any(|row| matches!(row, Hold::Soft(_)))
     }
 
     /// What holds the light back most, by how its limits and pins pull.

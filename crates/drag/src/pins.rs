@@ -12,6 +12,10 @@ use crate::request::{Limit, Pin, PinKind, Refusal};
 /// How softly soft pins give way: a pin that is off by a tenth weighs as much as a change of three lengths of the light.
 const GIVE: f64 = 1e-3;
 
+/// How softly what arrives at a pinned direction gives way, as a share: the direction is what is pinned, but a surface looks as it
+/// did only with as much light.
+const ARRIVING_GIVES: f64 = 1e-5;
+
 /// How near to a pin what light meets is the pinned surface itself, as a share of the scene's size: positions are written down
 /// with some digits.
 const CONTACT: f64 = 1e-5;
@@ -30,6 +34,8 @@ pub(crate) struct Pinned {
     pub point: DVec3,
     /// Where it was in the light.
     pub place: Place,
+    /// How much light arrived.
+    pub irradiance: f64,
     /// The surface's unit normal on the side that is lit. Light from behind does not arrive.
     pub normal: DVec3,
     /// Where its shadow is looked for, in scene space, as pictures do.
@@ -75,6 +81,7 @@ impl Pinned {
             is_hard: pin.is_hard,
             point,
             place,
+            irradiance: placed.irradiance(point, place.t),
             normal,
             shadow_point: point + normal * offset,
             pivot: None,
@@ -130,7 +137,12 @@ impl Pinned {
     pub fn rows(&self) -> impl Iterator<Item = Hold> {
         let hold = if self.is_hard { Hold::Fixed } else { Hold::Soft(GIVE) };
         let count = if matches!(self.kind, PinKind::Direction | PinKind::Shadow) { 2 } else { 0 };
-        std::iter::repeat_n(hold, count)
+        let arriving = self.holds_what_arrives().then_some(Hold::Soft(ARRIVING_GIVES));
+        std::iter::repeat_n(hold, count).chain(arriving)
+    }
+
+    fn holds_what_arrives(&self) -> bool {
+        self.kind == PinKind::Direction && self.irradiance > 0.0
     }
 
     /// How far it is off, where that is an equation, and where it is in the light.
@@ -139,7 +151,7 @@ impl Pinned {
         placed: &Placed,
         near: [f64; 2],
         bounds: &mut Vec<Bound>,
-    ) -> Option<(Option<DVec2>, [f64; 2], Place)> {
+    ) -> Option<(Vec<f64>, [f64; 2], Place)> {
         let place = placed.locate(self.point, Some(near[0]))?;
         let of = Some((Limit::Pin(self.index), self.give()));
         bounds_of_place(placed, &place, of, 0.0, bounds);
@@ -159,6 +171,10 @@ impl Pinned {
             }
             _ => None,
         };
+        let mut off = off.map_or_else(Vec::new, |off| off.to_array().to_vec());
+        if self.holds_what_arrives() {
+            off.push(placed.irradiance(self.point, place.t) / self.irradiance - 1.0);
+        }
         Some((off, [place.t, pivot_t], place))
     }
 }

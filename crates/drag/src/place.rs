@@ -139,6 +139,24 @@ impl<'a> Placed<'a> {
         }
     }
 
+    /// The largest component of the irradiance at a point in scene space on a surface square to the light, without shadows, in the
+    /// place that is followed from `near`; 0 outside the light.
+    pub fn irradiance(&self, point: DVec3, near: f64) -> f64 {
+        let way = point - self.source();
+        let irradiance = match self.rays {
+            Rays::Bent(tube) => {
+                let q = tube.placement.rotation.transpose() * way / tube.placement.world_per_tube;
+                Some(tube.irradiance(&follow(tube, q, near)))
+            }
+            Rays::Cone(cone) => cone.locate(way).map(|place| cone.irradiance(&place)),
+            Rays::Omni(omni) => omni.locate(way).map(|place| omni.irradiance(&place)),
+            Rays::Parallel(parallel) => {
+                parallel.locate(point + self.origin).map(|place| parallel.irradiance(&place))
+            }
+        };
+        irradiance.map_or(0.0, DVec3::max_element)
+    }
+
     /// How far out in the light a place lies, squared: 1 at its edge. 0 where it has none.
     pub fn out2(&self, place: &Place) -> f64 {
         match self.rays {

@@ -55,6 +55,9 @@ const SOFT_BESIDE_LIMITS: f64 = 1e-7;
 /// The `mu` of a residual that does not count.
 const UNHEARD: f64 = 1e200;
 
+/// The least `mu`: what no change does anything to asks for nothing.
+const LEAST: f64 = 1e-30;
+
 /// To what share of their size limits are held.
 const ROUNDED: f64 = 1e-14;
 
@@ -184,7 +187,7 @@ fn with_active(
     let is_firm = rows.contains(&Hold::Fixed) || active.iter().any(|limit| give[*limit] == 0.0);
     let asking = if is_firm { mu.max(SOFT_BESIDE_LIMITS * trace) } else { mu };
     for row in 0..count {
-        let firm = ROUNDED * *normal.at(row, row) + f64::MIN_POSITIVE;
+        let firm = ROUNDED * *normal.at(row, row) + LEAST;
         *normal.at(row, row) += match rows.get(row) {
             Some(Hold::Asked) if counting == Counting::Fixed => UNHEARD,
             Some(Hold::Asked) => asking,

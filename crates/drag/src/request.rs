@@ -48,7 +48,8 @@ pub struct Pin {
 /// What stays at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PinKind {
-    /// The direction from which light arrives.
+    /// The direction from which light arrives and, as far as what is asked lets it, how much of it, so that the surface looks as it
+    /// did.
     Direction,
     /// That light arrives.
     Lit,

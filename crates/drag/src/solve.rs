@@ -192,22 +192,27 @@ impl At {
 impl Solution {
     /// Goes on from one share of the way to another, or to one between, by the smallest change that has the feature there; `None`
     /// where nothing does even for a small part of it.
-    fn follow(&mut self, goal: &Goal, share: f64, next: f64) -> Option<f64> {
-        let mut step = next - share;
-        for _ in 0..QUARTERINGS {
-            let reached =
-                self.reach(goal, share + step).or_else(|| self.reach_along_joint(goal, share + step));
-            if let Some(at) = reached {
-                self.at = at;
-                return Some(if step == next - share { next } else { share + step });
-            }
-            step *= 0.25;
+    fn follow(&mut self, goal: &Goal, share: f64, end: f64) -> Option<f64> {
+        let parts = || std::iter::successors(Some(end - share), |part| Some(part * 0.25)).take(QUARTERINGS);
+        let mut reached = parts().find_map(|part| {
+            let next = (share + part).min(end);
+            let at = self.reach(goal, next, Counting::All).or_else(|| self.reach_along_joint(goal, next))?;
+            Some((at, next))
+        });
+        // What is soft gives way where nothing else does.
+        if reached.is_none() && goal.has_soft_pins() {
+            reached = parts().find_map(|part| {
+                let next = (share + part).min(end);
+                Some((self.reach(goal, next, Counting::Firm)?, next))
+            });
         }
-        None
+        let (at, next) = reached?;
+        self.at = at;
+        Some(next)
     }
 
     /// The nearest place with the feature where it should be, by Newton's method.
-    fn reach(&mut self, goal: &Goal, share: f64) -> Option<At> {
+    fn reach(&mut self, goal: &Goal, share: f64, counting: Counting) -> Option<At> {
         let evaluation = goal.evaluate(&self.at.x, share, &self.at.evaluation.near)?;
         let from = self.at.x.clone();
         let mut at = At { x: from.clone(), evaluation };
@@ -217,7 +222,8 @@ impl Solution {
             }
             self.iterations += 1;
             let linear = goal.linear(&at.x, share, &at.evaluation, over);
-            let x = self.wanted(goal, &from, &at, &linear, 1e-15 * trace_of(&linear));
+            let mu = 1e-15 * trace_of(&linear);
+            let x = self.wanted(goal, &from, &at, &linear, (mu, counting));
             if length_between(&x, &from) > LONGEST_STEP[0] {
                 return None;
             }
@@ -242,7 +248,7 @@ impl Solution {
             })
             .collect();
         joints.into_iter().find_map(|joint| {
-            let found = self.reach(&Goal { joint: Some(joint), ..goal.clone() }, share)?;
+            let found = self.reach(&Goal { joint: Some(joint), ..goal.clone() }, share, Counting::All)?;
             let evaluation = goal.evaluate(&found.x, share, &found.evaluation.near)?;
             Some(At { evaluation, ..found }).filter(At::is_there)
         })
@@ -254,7 +260,7 @@ impl Solution {
             let smaller: Vec<f64> = self.at.x.iter().map(|x| x * (1.0 - SHRINK)).collect();
             let Some(evaluation) = goal.evaluate(&smaller, 1.0, &self.at.evaluation.near) else { return };
             let mut found = Self { at: At { x: smaller, evaluation }, ..self.clone() };
-            match found.reach(goal, 1.0) {
+            match found.reach(goal, 1.0, Counting::All) {
                 Some(at) if dot(&at.x, &at.x) < dot(&self.at.x, &self.at.x) => self.at = at,
                 _ => return,
             }
@@ -263,10 +269,17 @@ impl Solution {
     }
 
     /// What is linear about a place nearby wants of `at`, with the smallest change since `from`.
-    fn wanted(&mut self, goal: &Goal, from: &[f64], at: &At, linear: &Linear, mu: f64) -> Vec<f64> {
+    fn wanted(
+        &mut self,
+        goal: &Goal,
+        from: &[f64],
+        at: &At,
+        linear: &Linear,
+        (mu, counting): (f64, Counting),
+    ) -> Vec<f64> {
         let moved: Vec<f64> = at.x.iter().zip(from).map(|(x, from)| x - from).collect();
         let limits: Vec<f64> = at.evaluation.bounds.iter().map(|bound| bound.value - 1e-12).collect();
-        let values = Values { residual: &at.evaluation.residual, limits: &limits, counting: Counting::All };
+        let values = Values { residual: &at.evaluation.residual, limits: &limits, counting };
         let (wanted, pulls) = smallest(&moved, linear, values, mu);
         self.held_by = goal.held_by(&at.evaluation, &pulls);
         wanted.iter().zip(from).map(|(wanted, from)| from + wanted).collect()
@@ -286,7 +299,7 @@ impl Solution {
                 break;
             }
         }
-        if let Some(at) = self.reach(goal, 1.0) {
+        if let Some(at) = self.reach(goal, 1.0, Counting::Firm) {
             self.at = at;
         }
     }
@@ -298,7 +311,8 @@ impl Solution {
         self.at.evaluation = evaluation;
         let at = self.at.clone();
         let linear = goal.linear(&at.x, share, &at.evaluation, DIFFERENCES[0]);
-        let x = self.wanted(goal, &at.x, &at, &linear, GIVE_WAY * trace_of(&linear));
+        let pull = GIVE_WAY * trace_of(&linear);
+        let x = self.wanted(goal, &at.x, &at, &linear, (pull, Counting::All));
         let way: Vec<f64> = x.iter().zip(&at.x).map(|(wanted, x)| wanted - x).collect();
         let mut factor = (LONGEST_STEP[1] / length(&way)).min(1.0);
         for _ in 0..HALVINGS {

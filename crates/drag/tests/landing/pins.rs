@@ -1,6 +1,6 @@
 //! Pins: what is to stay does, by ways that share nothing with the solver.
 
-use drag::{Drag, Feature, Limit, Pin, PinKind, Refusal, Status, drag};
+use drag::{Drag, Feature, Limit, Pin, PinKind, Radii, Refusal, Status, drag};
 use glam::{DVec2, DVec3};
 use light::CheckedLight;
 use reference::{Reference, Source, Surface};
@@ -209,4 +209,46 @@ fn the_source_stays_outside() {
     }
     println!("{through} would go through something, {kept} say why not");
     assert!(through > 0 && kept * 2 > through);
+}
+
+/// The shadow of the blue vase moves, and the vase looks as it did where directions are pinned: the same light from the same
+/// direction, to less than a step of 255.
+#[test]
+fn a_pinned_caster_keeps_its_look_while_its_shadow_moves() {
+    let scene = support::demo();
+    let reference = Reference::new(std::sync::Arc::clone(&scene.bvh.posed));
+    let mut trial = scene.trial_of_the_demo(None);
+    trial.drag.points = Some(vec![1, 2, 3, 4]);
+    trial.drag.radii = Radii::Solve;
+    trial.drag.to = DVec2::new(410.5, 300.5);
+    let view = View::beauty(trial.view.camera.clone(), trial.view.size);
+    let pixels = [(140.5, 150.5), (165.5, 100.5), (200.5, 180.5)].map(DVec2::from);
+    let surfaces = pixels.map(|pixel| reference.surface(&view, pixel).expect("the vase"));
+    let origin = scene.bvh.posed.origin_in_world;
+    let pins = surfaces.iter().map(|surface| Pin {
+        kind: PinKind::Direction,
+        at: surface.position + origin,
+        caster: None,
+        is_hard: true,
+    });
+    let pins: Vec<Pin> = pins.collect();
+    let differs = |light: &light::Light| {
+        let lit = |light: &CheckedLight, surface: &Surface| {
+            let sample = reference.sample(&Source::new(light), surface).expect("inside the light");
+            sample.irradiance * surface.normal.dot(sample.place.direction).max(0.0)
+        };
+        let now = CheckedLight::new(light.clone()).expect("valid");
+        let off = surfaces
+            .iter()
+            .map(|surface| (lit(&now, surface) - lit(&trial.light, surface)).abs().max_element());
+        off.fold(0.0, f64::max)
+    };
+    let free = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
+    let pinned = Drag { pins, ..trial.drag.clone() };
+    let pinned = drag(&scene.bvh, &trial.view, &trial.light, &pinned);
+    assert_eq!((free.status, pinned.status), (Status::Landed, Status::Landed));
+    let (without, with) = (differs(&free.light), differs(&pinned.light));
+    // A step of sRGB is the least of what is linear where it is dark, 1 / 12.92 / 255.
+    assert!(with < 1.0 / 12.92 / 255.0, "{with}");
+    assert!(without > 1.0 / 255.0, "{without}: nothing had to be held");
 }
