@@ -138,7 +138,7 @@ test("angles in degrees and back are the same rotation", () => {
   }
 });
 
-// The same numbers as in render's and reference's camera.rs: a camera that frames 2 by 1.
+// The same numbers as in render's camera.rs and scene's view_ray.rs: a camera that frames 2 by 1.
 test("all that a camera frames is in the picture", () => {
   const projections: Projection[] = [
     { perspective: { yfov: 2 * Math.atan(0.5), aspectRatio: 2, znear: 0.1 } },

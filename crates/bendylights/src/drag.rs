@@ -14,7 +14,7 @@ use scene::{Camera, framing_camera};
 
 use crate::error::Error;
 use crate::files;
-use crate::render::{choices, no_such_light, open_scene};
+use crate::render::{choices, no_such_light, open_lit};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -57,17 +57,12 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     let drags = files::read_drags(&args.drags)?;
-    let loaded = open_scene(&args.scene)?;
-    let (loaded, brought) = match &args.lights {
-        Some(file) => (loaded, Some(files::read_lights(file)?)),
-        None => (loaded.lit(), None),
-    };
-    let Loaded { scene, contents, notes, .. } = loaded;
+    let Loaded { scene, contents, notes, .. } = open_lit(&args.scene, args.lights.as_deref())?;
     for note in &notes {
         say(&format!("note: {note}"));
     }
     let whose_lights = args.lights.as_ref().map_or(args.scene.clone(), |file| file.display().to_string());
-    let lights = brought.unwrap_or(contents.lights);
+    let lights = contents.lights;
     let bvh = Bvh::new(scene::pose(scene));
     let file = args.drags.display().to_string();
     let objects: Result<Vec<String>, Error> = drags
@@ -114,9 +109,7 @@ fn answered(
 fn viewport(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &Drag) -> Result<Option<Viewport>, Error> {
     let [width, height] = drag.size;
     let is_within = |side: u32| (1..=LIMITS.max_side).contains(&side);
-    let pins = drag.pins.iter().flat_map(|pin| pin.at);
-    let are_finite = [drag.from, drag.to].concat().into_iter().chain(pins).all(f64::is_finite);
-    if !(is_within(width) && is_within(height) && are_finite) {
+    if !(is_within(width) && is_within(height)) {
         return Ok(None);
     }
     let framing = || framing_camera(&bvh.posed.reach(), f64::from(width) / f64::from(height));

@@ -47,10 +47,7 @@ pub enum Error {
     #[error("{file}: a spotlight keeps its own cone and direction: leave out --cone-angle and --toward")]
     HasCone { file: String },
     /// A drag in a picture that there cannot be.
-    #[error(
-        "{file}: drag {index}: `size` must be two whole numbers from 1 to {max_side}, and `from` and `to` two finite numbers: \
-         change them"
-    )]
+    #[error("{file}: drag {index}: `size` must be two whole numbers from 1 to {max_side}: change it")]
     BadDrag { file: String, index: usize, max_side: u32 },
     /// A scene file that cannot be used.
     #[error(transparent)]

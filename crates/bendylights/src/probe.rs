@@ -7,15 +7,13 @@ use std::sync::Arc;
 use assets::Loaded;
 use cli::{Size, answer, say};
 use glam::DVec2;
-use light::{LightId, LightInstance};
 use protocol::{ProbeState, Probed, ProbedLight, Vec3};
 use raycast::Bvh;
 use reference::Reference;
 use scene::View;
 
 use crate::error::Error;
-use crate::files;
-use crate::render::{choose_camera, open_scene};
+use crate::render::{choose_camera, instances, open_lit};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -63,21 +61,11 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    let loaded = open_scene(&args.scene)?;
-    let (loaded, brought) = match &args.lights {
-        Some(file) => (loaded, Some(files::read_lights(file)?)),
-        None => (loaded.lit(), None),
-    };
-    let Loaded { scene, contents, notes, .. } = loaded;
+    let Loaded { scene, contents, notes, .. } = open_lit(&args.scene, args.lights.as_deref())?;
     for note in &notes {
         say(&format!("note: {note}"));
     }
-    let lights: Vec<LightInstance> = brought
-        .unwrap_or(contents.lights)
-        .into_iter()
-        .zip(0..)
-        .map(|(light, number)| LightInstance { id: LightId(number), light })
-        .collect();
+    let lights = instances(contents.lights);
     let posed = scene::pose(scene);
     let Size { width, height } = args.size;
     let aspect = f64::from(width) / f64::from(height);

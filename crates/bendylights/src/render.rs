@@ -9,8 +9,9 @@ use assets::Loaded;
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use cli::{LIMITS, Output, Size, say};
+use document::SceneContents;
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
-use light::{LightId, LightInstance, Reach, Tube};
+use light::{CheckedLight, LightId, LightInstance, Reach, Tube};
 use protocol::RenderRequest;
 use reference::Reference;
 use render::{Aov, Gpu, Picture, PictureFormat, Renderer, ShadowSettings, View, ViewSlot};
@@ -124,18 +125,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let shadows = shadow_settings(args)?;
     let format = picture_format(&args.output)?;
     let output = Output::create(&args.output)?;
-    let loaded = open_scene(&args.scene)?;
-    let (loaded, brought) = match &args.lights {
-        Some(file) => (loaded, Some(files::read_lights(file)?)),
-        None => (loaded.lit(), None),
-    };
-    let Loaded { scene, contents, mut notes, .. } = loaded;
-    let lights = brought.unwrap_or(contents.lights);
-    let lights: Vec<LightInstance> = lights
-        .into_iter()
-        .zip(0..)
-        .map(|(light, number)| LightInstance { id: LightId(number), light })
-        .collect();
+    let Loaded { scene, contents, mut notes, .. } = open_lit(&args.scene, args.lights.as_deref())?;
+    let lights = instances(contents.lights);
     if lights.is_empty() && args.aov.is_of_light() {
         return Err(Error::NothingToShow { scene: args.scene.clone(), aov: args.aov.name() });
     }
@@ -243,6 +234,20 @@ pub fn open_scene(name: &str) -> Result<Loaded, Error> {
         choices: choices(assets::DEMO_NAMES.iter().map(|(name, _)| *name)),
     };
     assets::demo(demo).ok_or_else(no_such)
+}
+
+/// The same with the lights of a file in place of its own, or with its own or the key that a scene without any gets.
+pub fn open_lit(name: &str, lights: Option<&Path>) -> Result<Loaded, Error> {
+    let loaded = open_scene(name)?;
+    let Some(file) = lights else { return Ok(loaded.lit()) };
+    let lights = files::read_lights(file)?;
+    Ok(Loaded { contents: SceneContents { lights, ..loaded.contents }, ..loaded })
+}
+
+/// Lights as pictures take them, by their index.
+pub fn instances(lights: Vec<Arc<CheckedLight>>) -> Vec<LightInstance> {
+    let numbered = lights.into_iter().zip(0..);
+    numbered.map(|(light, number)| LightInstance { id: LightId(number), light }).collect()
 }
 
 /// The camera of that name or index among those of `scene`; by default the first, or one that frames it in a picture of that

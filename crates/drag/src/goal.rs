@@ -203,8 +203,8 @@ impl Goal<'_> {
         let x = vec![0.0; self.moves.count()];
         let Some(at) = self.evaluate(&x, 0.0, near) else { return false };
         let jacobian = self.linear(&x, 0.0, &at, 1e-6).jacobian;
-        let asked = (0..at.rows.len()).filter(|row| at.rows[*row] == Hold::Asked);
-        asked.into_iter().all(|row| jacobian.row(row).iter().all(|slope| slope.abs() < 1e-9))
+        let mut asked = (0..at.rows.len()).filter(|row| at.rows[*row] == Hold::Asked);
+        asked.all(|row| jacobian.row(row).iter().all(|slope| slope.abs() < 1e-9))
     }
 
     /// What keeps the light's own shape: no fold, no radius below nothing.

@@ -30,7 +30,8 @@ const NEAR_JOINT: f64 = 0.1;
 /// Steps from one place to the nearest at which all holds, with one Jacobian.
 const STEPS_BACK: usize = 8;
 
-/// Steps where nothing lands, on the way and at its end: so many in each case, so that the light's end is continuous.
+/// Steps where nothing lands: so many on the way, whatever is left of it, so that the light's end is continuous; and at its end
+/// until they are [`STILL`], so many at most.
 const GLIDING: usize = 24;
 const SETTLING: usize = 40;
 

@@ -245,7 +245,7 @@ mod tests {
         }
     }
 
-    /// The same numbers as in reference's camera.rs and the page's camera.test.ts: a camera that frames 2 by 1.
+    /// The same numbers as in `view_ray.rs` of scene and `camera.test.ts` of the page: a camera that frames 2 by 1.
     #[test]
     fn all_that_a_camera_frames_is_in_the_picture() {
         let yfov = 2.0 * 0.5_f64.atan();
