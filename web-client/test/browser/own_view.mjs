@@ -1,6 +1,6 @@
 // What each person has of their own: exposure and lights seen alone; and what is done to a light as a whole, for all.
 
-import { expect, field, pixels, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
+import { comesToShow, expect, field, pixels, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
 
 await runBrowserTest(async ({ open, picture, http }) => {
   const ada = await open("Ada", { width: 1440, height: 860 });
@@ -84,8 +84,7 @@ async function solo(ada, bob, picture) {
 
   await bob.getByRole("button", { name: "Follow Ada's view" }).click();
   await bob.getByText("Solo: key 2").waitFor();
-  await settled(bob);
-  expect((await pixels(bob)) === alone, "Who follows must see what is followed.");
+  await comesToShow(bob, alone, "Who follows must see what is followed.");
   await picture(bob, "3-following-solo");
   await bob.locator(".banner").getByRole("button", { name: "Stop following" }).click();
   await bob.getByText("Solo:").waitFor({ state: "hidden" });

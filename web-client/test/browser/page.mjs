@@ -10,6 +10,9 @@ import { findings } from "./accessible.mjs";
 /** Software renderers are slow beside a browser; this only ends a test that hangs. */
 const PATIENCE_MS = 120_000;
 
+/** Within this a picture has to be what it should; many times what it takes on a busy machine, so that it only tells that it never will be. */
+const SOON_MS = 30_000;
+
 const CHROMIUM = {
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
   args: [
@@ -145,6 +148,16 @@ export async function pixels(page) {
     const digest = new Uint8Array(await crypto.subtle.digest("SHA-256", data));
     return `${width}x${height} ${[...digest].map((b) => b.toString(16).padStart(2, "0")).join("")}`;
   });
+}
+
+/** Waits until the page shows just `wanted`, as `pixels` gives it; else fails with `sentence`. A followed view's frames do not
+ * tell whether they came after one began to follow, so `settled` may see one from before. */
+export async function comesToShow(page, wanted, sentence) {
+  const end = Date.now() + SOON_MS;
+  while ((await pixels(page)) !== wanted) {
+    expect(Date.now() < end, sentence);
+    await page.waitForTimeout(50);
+  }
 }
 
 /** Keeps the picture in the page, for `difference` to compare later ones with. */
