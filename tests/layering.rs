@@ -27,7 +27,7 @@ const NO_IO: &[&str] = &["tokio", "wgpu", "axum", "serde", "serde_core", "rand",
 const LAYERS: &[Layer] = &[
     Layer { name: "light", uses: &[], never: NO_IO, pure: true },
     Layer { name: "scene", uses: &["light"], never: NO_IO, pure: true },
-    Layer { name: "document", uses: &["light", "scene", "drag"], never: NO_IO, pure: true },
+    Layer { name: "document", uses: &["light", "scene", "raycast", "drag"], never: NO_IO, pure: true },
     Layer { name: "raycast", uses: &["light", "scene"], never: NO_IO, pure: true },
     Layer { name: "drag", uses: &["light", "scene", "raycast"], never: NO_IO, pure: true },
     Layer {
@@ -63,6 +63,7 @@ const LAYERS: &[Layer] = &[
             "light",
             "scene",
             "raycast",
+            "drag",
             "reference",
             "document",
             "assets",

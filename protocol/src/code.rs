@@ -46,6 +46,8 @@ codes! {
     BadName = "badName", 400;
     /// The scene's file cannot be used.
     BadScene = "badScene", 400;
+    /// The feature cannot be dragged there, or the pin cannot be.
+    Drag = "drag", 400;
     /// The log was changed or does not fit together.
     BadLog = "badLog", 400;
     /// The record is of a format that this server does not know.
@@ -164,9 +166,14 @@ impl From<&LightError> for ErrorCode {
 impl From<&EditError> for ErrorCode {
     fn from(error: &EditError) -> Self {
         match error {
-            EditError::NoLight(_) | EditError::NoCamera(_) | EditError::NoPoint { .. } => Self::NotFound,
+            EditError::NoLight(_)
+            | EditError::NoCamera(_)
+            | EditError::NoPoint { .. }
+            | EditError::NoPin(_) => Self::NotFound,
             EditError::WrongKind { .. } | EditError::NoPointParameter(_) => Self::WrongKind,
             EditError::Source => Self::Source,
+            EditError::NotDragged { .. } | EditError::InvalidPin | EditError::NoPicture => Self::Drag,
+            EditError::NotSolved(_) => Self::Fault,
             EditError::InvalidLight { reason, .. } => reason.into(),
             EditError::OutOfReach(_) => Self::InvalidLight,
             EditError::InvalidCamera(_) => Self::InvalidCamera,

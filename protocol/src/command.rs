@@ -1,6 +1,6 @@
 //! Commands and their parameters in JSON.
 
-use document::{CameraId, Target};
+use document::{CameraId, PinId, Target};
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
@@ -10,9 +10,10 @@ use serde::de::DeserializeSeed;
 use serde::{Deserialize, Serialize};
 
 use crate::document::{Quat, Vec3};
+use crate::drag::feature_drag;
 use crate::error::excerpt;
 use crate::parameter::{ValueOf, unknown};
-use crate::{Camera, Light, LightParameter, PointParameter, Projection, Refused};
+use crate::{Camera, DragKind, DragRadii, Light, LightParameter, Pin, PointParameter, Projection, Refused};
 
 /// [`document::Command`] in JSON; `type` says which (SPEC, section 2).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -84,6 +85,48 @@ pub enum Command {
         /// What becomes of radii; they stay by default.
         #[serde(default)]
         radii: RadiiOfDrag,
+    },
+    /// Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another place of a picture; the document's
+    /// pins of the light stay.
+    DragFeature {
+        /// The light's id.
+        light: u64,
+        /// What is dragged.
+        kind: DragKind,
+        /// The control points that take part; without them the light moves as a whole.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        points: Option<Vec<usize>>,
+        /// What becomes of radii; they stay by default.
+        #[serde(default)]
+        radii: DragRadii,
+        /// Who looks.
+        camera: Camera,
+        /// Width and height of the picture, in pixels.
+        size: [u32; 2],
+        /// Where the feature is taken, in pixels from the picture's top left corner; a pixel's centre is at .5.
+        from: [f64; 2],
+        /// Where it goes.
+        to: [f64; 2],
+        /// Whether the source may not go through a surface.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        source_outside: bool,
+    },
+    /// Adds a pin.
+    AddPin {
+        /// What it holds, and of which light.
+        pin: Pin,
+    },
+    /// Removes a pin.
+    RemovePin {
+        /// Id of one of the document's.
+        pin: u64,
+    },
+    /// Makes a pin hard or soft.
+    SetPin {
+        /// Id of one of the document's.
+        pin: u64,
+        /// Whether it stays whatever is asked, or as far as that lets it.
+        hard: bool,
     },
     /// Adds a control point.
     InsertPoint {
@@ -222,6 +265,20 @@ impl TryFrom<Command> for document::Command {
                 position: position.into(),
                 radii_follow: radii == RadiiOfDrag::Follow,
             },
+            Command::DragFeature { light, kind, points, radii, camera, size, from, to, source_outside } => {
+                Self::DragFeature {
+                    light: LightId(light),
+                    drag: Box::new(feature_drag(
+                        (kind, points, radii),
+                        (camera, size),
+                        [from, to],
+                        source_outside,
+                    )),
+                }
+            }
+            Command::AddPin { pin } => Self::AddPin(pin.into()),
+            Command::RemovePin { pin } => Self::RemovePin(PinId(pin)),
+            Command::SetPin { pin, hard } => Self::SetPin { pin: PinId(pin), is_hard: hard },
             Command::InsertPoint { light, point, position, radius, color, intensity } => Self::InsertPoint {
                 light: LightId(light),
                 point,
@@ -315,6 +372,20 @@ impl From<&document::Command> for Command {
                 position: position.to_array(),
                 radii: if *radii_follow { RadiiOfDrag::Follow } else { RadiiOfDrag::Keep },
             },
+            C::DragFeature { light, drag } => Self::DragFeature {
+                light: light.0,
+                kind: drag.feature.into(),
+                points: drag.points.clone(),
+                radii: drag.radii.into(),
+                camera: (&drag.view.camera).into(),
+                size: drag.view.size,
+                from: drag.from.to_array(),
+                to: drag.to.to_array(),
+                source_outside: drag.source_outside,
+            },
+            C::AddPin(pin) => Self::AddPin { pin: pin.into() },
+            C::RemovePin(pin) => Self::RemovePin { pin: pin.0 },
+            C::SetPin { pin, is_hard } => Self::SetPin { pin: pin.0, hard: *is_hard },
             C::InsertPoint { light, point, position, radius, color, intensity } => Self::InsertPoint {
                 light: light.0,
                 point: *point,

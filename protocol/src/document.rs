@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use document::{AssetHash, CameraId, Layout, NotAnAssetHash};
+use document::{AssetHash, CameraId, Layout, NotAnAssetHash, PinId};
 use glam::{DQuat, DVec3};
 use light::Reach;
 use light::{CheckedLight, LightId};
@@ -10,7 +10,7 @@ use scene::PosedScene;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Light, Refused};
+use crate::{DocumentPin, Light, Refused};
 
 /// A vector or a colour: `[x, y, z]`, `[r, g, b]`.
 pub type Vec3 = [f64; 3];
@@ -27,6 +27,9 @@ pub struct Document {
     pub lights: Vec<DocumentLight>,
     /// Its cameras.
     pub cameras: Vec<DocumentCamera>,
+    /// Its pins; left out where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pins: Vec<DocumentPin>,
 }
 
 /// [`document::SceneRef`] in JSON.
@@ -139,6 +142,7 @@ impl From<&document::Document> for Document {
             scene: document.scene().map(SceneRef::from),
             lights: lights.collect(),
             cameras: cameras.map(|(id, camera)| DocumentCamera { id: id.0, camera: camera.into() }).collect(),
+            pins: document.pins().iter().map(|(id, pin)| (*id, pin).into()).collect(),
         }
     }
 }
@@ -153,7 +157,8 @@ impl Document {
         };
         let lights = self.lights.into_iter().map(placed).collect::<Result<_, Refused>>()?;
         let cameras = self.cameras.into_iter().map(|wire| (CameraId(wire.id), wire.camera.into())).collect();
-        Ok(document::Document::restore(scene, lights, cameras, last_number))
+        let pins = self.pins.into_iter().map(|wire| (PinId(wire.id), wire.pin.into())).collect();
+        Ok(document::Document::restore(scene, lights, cameras, pins, last_number))
     }
 }
 

@@ -2,15 +2,17 @@
 
 use std::fmt;
 
-use drag::{Feature, Landing, Limit, PinKind as Kind, Radii, Refusal, Status};
+use drag::Landing;
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::drag::parts;
 use crate::error::from_json;
-use crate::{FileError, Light};
+use crate::{DragKind, DragLimit, DragRadii, DragReason, DragStatus, FileError, Light, PinKind};
 
 /// A drag as it is written down. M is the surface seen at `from`, M' the one seen at `to`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Drag {
     /// The light, by its name or its index.
@@ -32,16 +34,17 @@ pub struct Drag {
     pub from: [f64; 2],
     /// Where it goes.
     pub to: [f64; 2],
-    /// What is to stay as it is; pins of other lights than the dragged one stay anyway.
+    /// What is to stay as it is; pins of other lights than the dragged one stay anyway. Without a list it is what is pinned in the
+    /// document, where there is one.
     #[serde(default)]
-    pub pins: Vec<DragPin>,
+    pub pins: Option<Vec<DragPin>>,
     /// Whether the source may not go through a surface.
     #[serde(default)]
     pub source_outside: bool,
 }
 
 /// What is to stay as it is at a point while a light is dragged.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DragPin {
     /// What stays.
@@ -57,28 +60,24 @@ pub struct DragPin {
     pub hard: bool,
 }
 
-/// [`drag::PinKind`] in JSON.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub enum PinKind {
-    /// The direction from which light arrives.
-    Direction,
-    /// That light arrives.
-    Lit,
-    /// That something stands in the light's way.
-    Shadowed,
-    /// The shadow of the very point of the caster that throws it.
-    Shadow,
-}
-
 /// What names a light or a camera.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "a name or an index")]
 pub enum NameOrIndex {
     /// Its place in the list, from 0.
     Index(usize),
     /// Its name.
     Name(String),
+}
+
+impl NameOrIndex {
+    /// The place in a list of what it names, the first of several of one name. `names` are those of the list.
+    pub fn place_in<'a>(&self, mut names: impl ExactSizeIterator<Item = &'a str>) -> Option<usize> {
+        match self {
+            Self::Index(index) => (*index < names.len()).then_some(*index),
+            Self::Name(wanted) => names.position(|name| name == wanted),
+        }
+    }
 }
 
 impl fmt::Display for NameOrIndex {
@@ -90,35 +89,8 @@ impl fmt::Display for NameOrIndex {
     }
 }
 
-/// [`Feature`] in JSON.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub enum DragKind {
-    /// M' comes to lie behind what shadows M.
-    Shadow,
-    /// M' comes to lie where M was in the light.
-    Hotspot,
-    /// At M' light arrives along the mirror direction.
-    Highlight,
-    /// At M' light arrives along the normal.
-    Diffuse,
-}
-
-/// [`Radii`] in JSON.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub enum DragRadii {
-    /// They stay.
-    #[default]
-    Keep,
-    /// Those of the moving points may change.
-    Solve,
-    /// Those that would make the tube fold shrink.
-    Follow,
-}
-
 /// What came of a drag.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Dragged {
     /// Whether the feature lies under the cursor.
     pub status: DragStatus,
@@ -146,58 +118,6 @@ pub struct Dragged {
     pub light: Light,
 }
 
-/// [`Status`] in JSON.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub enum DragStatus {
-    /// Within half a pixel.
-    Landed,
-    /// As near as the light may bring it.
-    Limited,
-    /// Nothing was moved.
-    Refused,
-}
-
-/// [`Limit`] in JSON.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub enum DragLimit {
-    /// The tube would fold.
-    Fold,
-    /// A radius would be less than 0.
-    Radius,
-    /// M' would lie outside the light, or elsewhere in it.
-    TubeEdge,
-    /// No small change brings the feature nearer.
-    NoDescent,
-    /// The source would go through a surface.
-    SourceInside,
-    /// What is pinned would not stay: see `pin`.
-    Pin,
-}
-
-/// [`Refusal`] in JSON.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub enum DragReason {
-    /// There is no surface at `from`.
-    NothingAtStart,
-    /// There is no surface at `to`.
-    NothingAtEnd,
-    /// M lies outside the light, or the light may not show on it.
-    OutsideTheLight,
-    /// Nothing shadows M.
-    NoShadow,
-    /// Control points were named of a light that has none.
-    NotBendy,
-    /// The light has no such control point, or it is its source.
-    NoSuchPoint,
-    /// The control points do nothing to the light at M.
-    NoWeight,
-    /// A hard pin holds what is not so: see `pin`.
-    PinDoesNotHold,
-}
-
 /// Reads a drag file's text.
 pub fn parse(text: &str) -> Result<Vec<Drag>, FileError> {
     from_json(text)
@@ -207,21 +127,12 @@ impl Drag {
     /// What is asked of the light, where `is_dragged` says of which lights the names are that light's; and for each of its pins
     /// which of this drag's pins that is.
     pub fn to_domain(&self, is_dragged: impl Fn(&NameOrIndex) -> bool) -> (drag::Drag, Vec<usize>) {
-        let of_light = self.pins.iter().enumerate().filter(|(_, pin)| is_dragged(&pin.light));
+        let of_light = self.pins.iter().flatten().enumerate().filter(|(_, pin)| is_dragged(&pin.light));
         let (indices, pins) = of_light.map(|(index, pin)| (index, pin.to_domain())).unzip();
         let drag = drag::Drag {
-            feature: match self.kind {
-                DragKind::Shadow => Feature::Shadow,
-                DragKind::Hotspot => Feature::Hotspot,
-                DragKind::Highlight => Feature::Highlight,
-                DragKind::Diffuse => Feature::Diffuse,
-            },
+            feature: self.kind.into(),
             points: self.points.clone(),
-            radii: match self.radii {
-                DragRadii::Keep => Radii::Keep,
-                DragRadii::Solve => Radii::Solve,
-                DragRadii::Follow => Radii::Follow,
-            },
+            radii: self.radii.into(),
             from: self.from.into(),
             to: self.to.into(),
             pins,
@@ -234,12 +145,7 @@ impl Drag {
 impl DragPin {
     fn to_domain(&self) -> drag::Pin {
         drag::Pin {
-            kind: match self.kind {
-                PinKind::Direction => Kind::Direction,
-                PinKind::Lit => Kind::Lit,
-                PinKind::Shadowed => Kind::Shadowed,
-                PinKind::Shadow => Kind::Shadow,
-            },
+            kind: self.kind.into(),
             at: self.at.into(),
             caster: self.caster.clone(),
             is_hard: self.hard,
@@ -251,23 +157,13 @@ impl Dragged {
     /// What came of a drag in a scene whose nodes are called `name`, after so many seconds; `pins` are the indices that
     /// [`Drag::to_domain`] gave.
     pub fn new(landing: &Landing, pins: &[usize], name: impl Fn(usize) -> String, seconds: f64) -> Self {
-        let pin = match landing.status {
-            Status::Limited(Limit::Pin(pin)) | Status::Refused(Refusal::PinDoesNotHold(pin)) => {
-                pins.get(pin).copied()
-            }
-            _ => None,
-        };
-        let (status, limit, reason) = match landing.status {
-            Status::Landed => (DragStatus::Landed, None, None),
-            Status::Limited(limit) => (DragStatus::Limited, Some(limit.into()), None),
-            Status::Refused(refusal) => (DragStatus::Refused, None, Some(refusal.into())),
-        };
+        let (status, limit, reason, pin) = parts(landing.status);
         let array = |position: Option<DVec3>| position.map(|position| position.to_array());
         Self {
             status,
             limit,
             reason,
-            pin,
+            pin: pin.and_then(|pin| pins.get(pin).copied()),
             residual_px: Some(landing.residual_px).filter(|residual| residual.is_finite()),
             shadowed_by: landing.shadowed_by.map(name),
             iterations: landing.iterations,
@@ -276,34 +172,6 @@ impl Dragged {
             to_world: array(landing.to_world),
             pivot_world: array(landing.pivot_world),
             light: Light::from(&landing.light),
-        }
-    }
-}
-
-impl From<Limit> for DragLimit {
-    fn from(limit: Limit) -> Self {
-        match limit {
-            Limit::Fold => Self::Fold,
-            Limit::Radius => Self::Radius,
-            Limit::TubeEdge => Self::TubeEdge,
-            Limit::NoDescent => Self::NoDescent,
-            Limit::SourceInside => Self::SourceInside,
-            Limit::Pin(_) => Self::Pin,
-        }
-    }
-}
-
-impl From<Refusal> for DragReason {
-    fn from(refusal: Refusal) -> Self {
-        match refusal {
-            Refusal::NothingAtStart => Self::NothingAtStart,
-            Refusal::NothingAtEnd => Self::NothingAtEnd,
-            Refusal::OutsideTheLight => Self::OutsideTheLight,
-            Refusal::NoShadow => Self::NoShadow,
-            Refusal::NotBendy => Self::NotBendy,
-            Refusal::NoSuchPoint => Self::NoSuchPoint,
-            Refusal::NoWeight => Self::NoWeight,
-            Refusal::PinDoesNotHold(_) => Self::PinDoesNotHold,
         }
     }
 }

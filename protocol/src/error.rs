@@ -54,6 +54,9 @@ pub enum Refused {
     /// What names no value of a document.
     #[error("{0}")]
     Address(String),
+    /// How a drag ended, told in parts that do not fit together.
+    #[error("{0}: the log was changed; export it again")]
+    Outcome(&'static str),
     /// A record of a format that this program does not know.
     #[error(
         "format {found} is not known to this program, which knows formats 1 to {}: use a newer program",
@@ -81,7 +84,7 @@ impl Refused {
             Self::Asset(_) | Self::Address(_) => ErrorCode::BadMessage,
             Self::Edit(error) => error.into(),
             Self::Format { .. } => ErrorCode::Format,
-            Self::Younger { .. } => ErrorCode::BadLog,
+            Self::Younger { .. } | Self::Outcome(_) => ErrorCode::BadLog,
         }
     }
 }

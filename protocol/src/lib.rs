@@ -8,6 +8,7 @@ mod checkpoint;
 mod code;
 mod command;
 mod document;
+mod drag;
 pub mod drag_file;
 mod error;
 mod evaluation;
@@ -28,6 +29,9 @@ mod render_request;
 mod schema;
 mod variants;
 
+pub use self::drag::{
+    DocumentPin, DragKind, DragLimit, DragOutcome, DragRadii, DragReason, DragStatus, Pin, PinKind,
+};
 pub use self::light::Light;
 pub use checkpoint::{LightTouch, PastUndo, Renumbering, SessionCheckpoint};
 pub use code::{ErrorCode, Problem};

@@ -7,6 +7,7 @@ use schemars::SchemaGenerator;
 use serde_json::{Map, Value, json};
 
 use crate::ErrorCode as Code;
+use crate::drag_file::{Drag, Dragged};
 use crate::schema::{Face, definitions, generator, name};
 use crate::{
     Asset, Document, EditResults, Edits, ErrorBody, NewSession, PROTOCOL, ParameterTable, Pick, Picked,
@@ -173,6 +174,16 @@ fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
             body: Some(json_content(&name::<Pick>(g))),
             answer: json_content(&name::<Picked>(g)),
             codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_SESSION, OF_PICTURE, &[Code::InvalidCamera]],
+            ..of_session.clone()
+        },
+        Operation {
+            path: "/sessions/{session}/drags",
+            method: "post",
+            id: "dragFeatures",
+            summary: "Where drags of shadows, hotspots, highlights and diffuse light would lead, each from the document as it is.",
+            body: Some(json_content(&list_of(&name::<Drag>(g)))),
+            answer: json_content(&list_of(&name::<Dragged>(g))),
+            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_SESSION, OF_PICTURE, &[Code::Drag]],
             ..of_session.clone()
         },
         Operation {
@@ -398,6 +409,10 @@ fn picture_parameters() -> Vec<Value> {
 
 fn query(name: &str, description: &str, schema: &Value) -> Value {
     json!({"name": name, "in": "query", "description": description, "schema": schema})
+}
+
+fn list_of(schema: &Value) -> Value {
+    json!({"type": "array", "items": schema})
 }
 
 fn json_content(schema: &Value) -> Value {

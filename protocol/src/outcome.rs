@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Change, ErrorCode, Problem};
+use crate::{Change, DragOutcome, ErrorCode, Problem};
 
 /// The answer to a request that ends in a record.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -73,6 +73,8 @@ pub struct GestureState {
     pub live_revision: u32,
     /// What it changes in the document now.
     pub changes: Vec<Change>,
+    /// How it stands where it drags a feature.
+    pub outcome: Option<Box<DragOutcome>>,
     /// Whether it goes on, and how it ended where it does not.
     pub status: GestureStatus,
 }
@@ -162,6 +164,9 @@ struct GestureStateJson {
     live_revision: u32,
     /// What it changes in the document now.
     changes: Vec<Change>,
+    /// How it stands where it drags a feature.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    outcome: Option<Box<DragOutcome>>,
     /// How it ended; missing while it is under way.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     ended: Option<GestureEnd>,
@@ -244,7 +249,7 @@ impl TryFrom<EditResultJson> for EditResult {
 
 impl From<GestureState> for GestureStateJson {
     fn from(state: GestureState) -> Self {
-        let GestureState { gesture, client, light, update, live_revision, changes, status } = state;
+        let GestureState { gesture, client, light, update, live_revision, changes, outcome, status } = state;
         let (ended, problem) = match status {
             GestureStatus::Held { refused } => (None, refused),
             GestureStatus::Committed => (Some(GestureEnd::Committed), None),
@@ -253,7 +258,7 @@ impl From<GestureState> for GestureStateJson {
             GestureStatus::Rejected(problem) => (Some(GestureEnd::Rejected), Some(problem)),
         };
         let (code, message) = parts(problem);
-        Self { gesture, client, light, update, live_revision, changes, ended, code, message }
+        Self { gesture, client, light, update, live_revision, changes, outcome, ended, code, message }
     }
 }
 
@@ -261,7 +266,7 @@ impl TryFrom<GestureStateJson> for GestureState {
     type Error = &'static str;
 
     fn try_from(json: GestureStateJson) -> Result<Self, &'static str> {
-        let GestureStateJson { gesture, client, light, update, live_revision, changes, .. } = json;
+        let GestureStateJson { gesture, client, light, update, live_revision, changes, outcome, .. } = json;
         let refused = problem(json.code, json.message)?;
         let status = match (json.ended, refused) {
             (None, refused) => GestureStatus::Held { refused },
@@ -274,7 +279,7 @@ impl TryFrom<GestureStateJson> for GestureState {
             (Some(GestureEnd::Rejected), Some(problem)) => GestureStatus::Rejected(problem),
             (Some(GestureEnd::Rejected), None) => return Err(NO_PROBLEM),
         };
-        Ok(Self { gesture, client, light, update, live_revision, changes, status })
+        Ok(Self { gesture, client, light, update, live_revision, changes, outcome, status })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use document::{CameraId, EditError, Layout, was_in_format_2};
+use document::{CameraId, EditError, Layout, PinId, was_in_format_2};
 use light::{ControlPoint, LightError, LightId, Owner, Setting};
 use schemars::JsonSchema;
 use serde::de::IgnoredAny;
@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 use crate::document::Vec3;
 use crate::error::from_json;
 use crate::{
-    Camera, CameraParameter, Command, FileError, Light, LightParameter, PointParameter, Refused, SceneRef,
+    Camera, CameraParameter, Command, DragOutcome, FileError, Light, LightParameter, Pin, PointParameter,
+    Refused, SceneRef,
 };
 
 /// The format of records that this version writes. Earlier ones are upgraded when they are read: 1 knew neither
@@ -41,6 +42,8 @@ pub enum Change {
     Camera { camera: u64, old: Option<Camera>, new: Option<Camera> },
     /// A parameter of a camera.
     CameraParameter { camera: u64, old: CameraParameter, new: CameraParameter },
+    /// A pin that comes, goes, or becomes another.
+    Pin { pin: u64, old: Option<Pin>, new: Option<Pin> },
 }
 
 /// [`document::PlacedLight`] in JSON.
@@ -99,12 +102,16 @@ pub enum Action {
         command: Command,
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         rebased: bool,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        outcome: Option<Box<DragOutcome>>,
     },
     /// The last command of a drag.
     Gesture {
         command: Command,
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         rebased: bool,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        outcome: Option<Box<DragOutcome>>,
     },
     /// Taking back a step.
     Undo { scope: Scope, target: u64, skipped: Vec<String> },
@@ -204,7 +211,9 @@ impl Change {
             Self::Scene { .. }
             | Self::ControlPoints { .. }
             | Self::Camera { .. }
-            | Self::CameraParameter { .. } => None,
+            | Self::CameraParameter { .. }
+            // Hashes of those formats are over pins too.
+            | Self::Pin { .. } => None,
         }
     }
 }
@@ -307,6 +316,9 @@ impl From<&document::Change> for Change {
                 old: old.as_ref().map(Into::into),
                 new: new.as_ref().map(Into::into),
             },
+            C::Pin { pin, old, new } => {
+                Self::Pin { pin: pin.0, old: old.as_ref().map(Into::into), new: new.as_ref().map(Into::into) }
+            }
             C::CameraParameter { camera, old, new } => {
                 Self::CameraParameter { camera: camera.0, old: old.into(), new: new.into() }
             }
@@ -342,6 +354,9 @@ impl TryFrom<Change> for document::Change {
             }
             Change::Camera { camera, old, new } => {
                 Self::Camera { camera: CameraId(camera), old: old.map(Into::into), new: new.map(Into::into) }
+            }
+            Change::Pin { pin, old, new } => {
+                Self::Pin { pin: PinId(pin), old: old.map(Into::into), new: new.map(Into::into) }
             }
             Change::CameraParameter { camera, old, new } => {
                 Self::CameraParameter { camera: CameraId(camera), old: old.into(), new: new.into() }
@@ -380,12 +395,22 @@ impl From<edit::Scope> for Scope {
     }
 }
 
+fn from_outcome(outcome: Option<Box<document::DragOutcome>>) -> Option<Box<DragOutcome>> {
+    outcome.map(|outcome| Box::new((&*outcome).into()))
+}
+
+fn to_outcome(wire: Option<Box<DragOutcome>>) -> Result<Option<Box<document::DragOutcome>>, Refused> {
+    wire.map(|wire| (*wire).try_into().map(Box::new).map_err(Refused::Outcome)).transpose()
+}
+
 impl From<&edit::Record> for Record {
     fn from(record: &edit::Record) -> Self {
         let action = match record.action.clone() {
-            edit::Action::Edit { command, rebased } => Action::Edit { command: (&command).into(), rebased },
-            edit::Action::Gesture { command, rebased } => {
-                Action::Gesture { command: (&command).into(), rebased }
+            edit::Action::Edit { command, rebased, outcome } => {
+                Action::Edit { command: (&command).into(), rebased, outcome: from_outcome(outcome) }
+            }
+            edit::Action::Gesture { command, rebased, outcome } => {
+                Action::Gesture { command: (&command).into(), rebased, outcome: from_outcome(outcome) }
             }
             edit::Action::Undo { scope, target, skipped } => {
                 Action::Undo { scope: scope.into(), target, skipped }
@@ -415,9 +440,11 @@ impl TryFrom<Record> for edit::Record {
             return Err(Refused::Younger { format: wire.format, what });
         }
         let action = match wire.action {
-            Action::Edit { command, rebased } => edit::Action::Edit { command: command.try_into()?, rebased },
-            Action::Gesture { command, rebased } => {
-                edit::Action::Gesture { command: command.try_into()?, rebased }
+            Action::Edit { command, rebased, outcome } => {
+                edit::Action::Edit { command: command.try_into()?, rebased, outcome: to_outcome(outcome)? }
+            }
+            Action::Gesture { command, rebased, outcome } => {
+                edit::Action::Gesture { command: command.try_into()?, rebased, outcome: to_outcome(outcome)? }
             }
             Action::Undo { scope, target, skipped } => {
                 edit::Action::Undo { scope: scope.into(), target, skipped }

@@ -1,7 +1,6 @@
 //! `bendylights drag`: features of lights, taken in the picture and put elsewhere.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::Instant;
 
 use ::drag::{Viewport, drag};
@@ -69,19 +68,18 @@ pub fn run(args: &Args) -> Result<(), Error> {
         .iter()
         .enumerate()
         .map(|(index, asked)| {
-            let name = |light: &Arc<CheckedLight>| light.light().name().to_owned();
+            let names = || lights.iter().map(|light| light.light().name());
             let find = |wanted: &NameOrIndex| {
-                position(wanted, &lights, name).ok_or_else(|| {
-                    let names = lights.iter().map(|light| light.light().name());
-                    no_such_light(whose_lights.clone(), &wanted.to_string(), names)
-                })
+                wanted
+                    .place_in(names())
+                    .ok_or_else(|| no_such_light(whose_lights.clone(), &wanted.to_string(), names()))
             };
             let light = find(&asked.light)?;
-            asked.pins.iter().try_for_each(|pin| find(&pin.light).map(|_| ()))?;
+            asked.pins.iter().flatten().try_for_each(|pin| find(&pin.light).map(|_| ()))?;
             let view = viewport(&args.scene, &bvh, &contents.cameras, asked)?;
             let view =
                 view.ok_or_else(|| Error::BadDrag { file: file.clone(), index, max_side: LIMITS.max_side })?;
-            let is_dragged = |wanted: &NameOrIndex| position(wanted, &lights, name) == Some(light);
+            let is_dragged = |wanted: &NameOrIndex| wanted.place_in(names()) == Some(light);
             Ok(answered(&bvh, &view, &lights[light], asked, is_dragged))
         })
         .collect();
@@ -116,23 +114,15 @@ fn viewport(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &Drag) -> Result<O
     let camera = match &drag.camera {
         None => cameras.first().cloned().unwrap_or_else(framing),
         Some(wanted) => {
-            let found = position(wanted, cameras, |camera| camera.name.clone()).map(|index| &cameras[index]);
-            let names = cameras.iter().map(|camera| camera.name.as_str());
-            found.cloned().ok_or_else(|| Error::NoSuch {
+            let names = || cameras.iter().map(|camera| camera.name.as_str());
+            let found = wanted.place_in(names()).map(|index| cameras[index].clone());
+            found.ok_or_else(|| Error::NoSuch {
                 whose: scene.into(),
                 what: "camera",
                 name: wanted.to_string(),
-                choices: choices(names),
+                choices: choices(names()),
             })?
         }
     };
     Ok(Some(Viewport { camera, size: drag.size }))
-}
-
-/// The place of the one of that name or index.
-fn position<T>(wanted: &NameOrIndex, all: &[T], name: impl Fn(&T) -> String) -> Option<usize> {
-    match wanted {
-        NameOrIndex::Index(index) => (*index < all.len()).then_some(*index),
-        NameOrIndex::Name(wanted) => all.iter().position(|one| name(one) == *wanted),
-    }
 }

@@ -16,6 +16,7 @@ mod parameters;
 mod probe;
 mod render;
 mod replay;
+mod resolve;
 mod scenes;
 mod serve;
 mod sessions;

@@ -5,14 +5,15 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use cli::{LIMITS, Output, answer, say};
-use document::{Document, EditError};
+use document::{AssetHash, Document, EditError};
 use edit::ReplayError;
 use render::{Gpu, PictureFormat, Renderer, View};
 use scene::{DEFAULT_ASPECT, Scene, framing_camera};
-use store::{Store, StoreError, replay_log};
+use store::{Store, StoreError, visit_log};
 
 use crate::error::Error;
 use crate::render::{left_out, picture_format};
+use crate::resolve::Resolver;
 use crate::{files, known_scenes};
 
 #[derive(clap::Args)]
@@ -22,19 +23,27 @@ Prints JSON:
   hash            SHA-256 of the document after them, the same on every machine
   checkpoints_ok  whether every checkpoint on the way says the hash that the document had
   seconds         how long it took
+  resolved        with --resolve: how many drags there are (`drags`), how many came to the same light to the last bit
+                  (`same`), how far the others' numbers are from the log's at most (`drift`, in the units of positions and
+                  radii) and in which record (`drift_seq`), how many were refused (`refused`), and how many another solver
+                  or version of it had solved (`other_solver`)
 
-Example:
-  bendylights replay main.jsonl --data bendylights-data --to 120 --render before.png")]
+Examples:
+  bendylights replay main.jsonl --data bendylights-data --to 120 --render before.png
+  bendylights replay main.jsonl --data bendylights-data --resolve")]
 pub struct Args {
     /// Log file that `bendylights export` wrote
     #[arg(value_name = "LOG.jsonl")]
     log: PathBuf,
-    /// Data folder with the scene that --render draws; demos are always found
+    /// Data folder with the scenes that --render draws and --resolve drags in; demos are always found
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
     /// Last record to replay [default: the last there is]
     #[arg(long, value_name = "N")]
     to: Option<u64>,
+    /// Solve every drag again, beside what the log has of it
+    #[arg(long)]
+    resolve: bool,
     /// Picture to draw of the document, 640x360 or in the shape of its first camera, from which it looks, as PNG or EXR by its ending
     #[arg(long, value_name = "OUT.png|OUT.exr")]
     render: Option<PathBuf>,
@@ -48,27 +57,31 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let store = args.data.as_deref().map(Store::open).transpose()?;
     let (log, bar) = files::open_log(&args.log)?;
     let start = Instant::now();
-    let replayed = replay_log(log, args.to);
+    let mut resolver = args.resolve.then(|| Resolver::new(store.as_ref()));
+    let replayed = visit_log(log, args.to, |record, session| {
+        if let Some(resolver) = &mut resolver {
+            resolver.visit(record, session);
+        }
+    });
     bar.finish_and_clear();
     let replayed = replayed.map_err(|reason| refused(&args.log, reason))?;
     let document = replayed.session.document();
+    let resolved = resolver.map(Resolver::answer).transpose();
+    let resolved = resolved.map_err(|(seq, asset)| no_scene(&args.log, seq, asset))?;
     answer(&format!(
-        r#"{{"records": {}, "hash": "{}", "checkpoints_ok": {}, "seconds": {:.3}}}"#,
+        r#"{{"records": {}, "hash": "{}", "checkpoints_ok": {}, "seconds": {:.3}{}}}"#,
         replayed.session.seq(),
         document.hash(),
         replayed.differs.is_none(),
         start.elapsed().as_secs_f64(),
+        resolved.map_or_else(String::new, |resolved| format!(r#", "resolved": {resolved}"#)),
     ))?;
     if let Some((format, output)) = picture {
         let scene = match document.scene() {
             None => Scene::default(),
             Some(scene) => {
-                let (file, asset) = (args.log.display().to_string(), scene.asset);
-                known_scenes::load(store.as_ref(), &asset).ok_or(Error::NoScene {
-                    file,
-                    seq: replayed.session.seq(),
-                    asset,
-                })?
+                let no_scene = || no_scene(&args.log, replayed.session.seq(), scene.asset);
+                known_scenes::load(store.as_ref(), &scene.asset).ok_or_else(no_scene)?
             }
         };
         output.write(&drawn(document, scene, format)?)?;
@@ -81,14 +94,17 @@ pub fn run(args: &Args) -> Result<(), Error> {
 
 /// Why a log file is refused, in this program's words where the way out is on its command line.
 pub fn refused(log: &Path, reason: StoreError) -> Error {
-    let file = log.display().to_string();
     match reason {
         StoreError::Replay(ReplayError::Record { seq, reason: EditError::UnknownAsset(asset) }) => {
-            Error::NoScene { file, seq, asset }
+            no_scene(log, seq, asset)
         }
         StoreError::Io { .. } | StoreError::Database(_) => Error::Store(reason),
-        reason => Error::BadLog { file, reason },
+        reason => Error::BadLog { file: log.display().to_string(), reason },
     }
+}
+
+fn no_scene(log: &Path, seq: u64, asset: AssetHash) -> Error {
+    Error::NoScene { file: log.display().to_string(), seq, asset }
 }
 
 /// Refuses, before any work is done, what cannot become a picture file.

@@ -9,11 +9,13 @@ use scene::Camera;
 
 use crate::bending::{Bending, reshaped};
 use crate::camera::{camera_parameter, set_camera};
+use crate::features::dragged_feature;
 use crate::naming::quoted;
+use crate::pins::{MAX_PINS, added_pin, changed_pin, check_pin, removed_pins};
 use crate::points::{moved_points, renumbered};
 use crate::{
-    AssetHash, CameraId, CameraParameter, Change, Command, Document, EditError, Layout, PlacedLight,
-    SceneContents, SceneRef,
+    AssetHash, CameraId, CameraParameter, Change, Command, Document, DragOutcome, EditError, Layout,
+    PlacedLight, SceneContents, SceneRef, SolvedDrag,
 };
 
 /// Lights that a document holds at most; each has a shadow map.
@@ -30,6 +32,9 @@ pub struct Context<'a> {
     pub reach: Reach,
     /// What comes with the scene that a command loads; `None` where that is not at hand.
     pub loaded: Option<&'a SceneContents>,
+    /// Where the drag of a feature leads, as [`crate::solve_drag`] found for this command and document; `None` where that is not
+    /// at hand.
+    pub solved: Option<&'a SolvedDrag>,
 }
 
 /// What a command comes to.
@@ -39,6 +44,8 @@ pub struct Edited {
     pub changes: Vec<Change>,
     /// The document after that, valid.
     pub document: Document,
+    /// How the drag of a feature ended.
+    pub outcome: Option<DragOutcome>,
 }
 
 /// Carries out `command` on `document`.
@@ -54,7 +61,8 @@ pub fn edited(document: &Document, command: &Command, context: Context) -> Resul
     if !matches!(command, Command::LoadScene { .. }) {
         stays_in_reach(document, &after, &changes, context.reach)?;
     }
-    Ok(Edited { changes, document: after })
+    let outcome = context.solved.filter(|_| matches!(command, Command::DragFeature { .. }));
+    Ok(Edited { changes, document: after, outcome: outcome.map(|solved| solved.outcome.clone()) })
 }
 
 fn changes_of(document: &Document, command: &Command, context: Context) -> Result<Vec<Change>, EditError> {
@@ -62,7 +70,8 @@ fn changes_of(document: &Document, command: &Command, context: Context) -> Resul
         Command::LoadScene { asset, name } => load_scene(document, *asset, name, context.loaded)?,
         Command::AddLight(light) => vec![added_light(document.next_number(), light)],
         Command::RemoveLight(id) => {
-            vec![Change::Light { light: *id, old: Some(light(document, *id)?.clone()), new: None }]
+            let gone = Change::Light { light: *id, old: Some(light(document, *id)?.clone()), new: None };
+            [vec![gone], removed_pins(document, |pin| pin.light == *id)].concat()
         }
         Command::PlaceLight { light: id, translation, rotation, scale } => {
             light(document, *id)?;
@@ -84,10 +93,27 @@ fn changes_of(document: &Document, command: &Command, context: Context) -> Resul
             let radii = if *radii_follow { Radii::Follow } else { Radii::Keep };
             let placed = light(document, *id)?;
             match drag::glide(&placed.light, *point, *position, radii) {
-                Some(glided) => moved_points((*id, placed), *point, glided.light.light().points()),
+                // The one by which people call it comes first.
+                Some(glided) => {
+                    let moved = moved_points((*id, placed), glided.light.light().points());
+                    let (dragged, others): (Vec<_>, Vec<_>) =
+                        moved.into_iter().partition(|change| change.overrides(&set));
+                    [dragged, others].concat()
+                }
                 None => vec![set],
             }
         }
+        Command::DragFeature { light: id, .. } => {
+            let placed = light(document, *id)?;
+            let solved = context.solved.ok_or_else(|| EditError::NotSolved(document.light_name(*id)))?;
+            dragged_feature(document, (*id, placed), solved)?
+        }
+        Command::AddPin(pin) => vec![added_pin(document, pin)?],
+        Command::RemovePin(id) => vec![changed_pin(document, *id, |_| None)?],
+        Command::SetPin { pin, is_hard } => vec![changed_pin(document, *pin, |mut held| {
+            held.pin.is_hard = *is_hard;
+            Some(held)
+        })?],
         Command::InsertPoint { light, .. } | Command::RemovePoint { light, .. } => {
             vec![renumbered(document, *light, bendy(document, *light)?, command)?]
         }
@@ -185,6 +211,7 @@ impl Document {
                     && light.is_some_and(|light| !light.points().is_empty() && light.points() == old.points)
             }
             Change::Camera { camera, old, .. } => self.cameras.get(camera) == old.as_ref(),
+            Change::Pin { pin, old, .. } => self.pins.get(pin) == old.as_ref(),
             Change::CameraParameter { camera, old, .. } => {
                 self.cameras.get(camera).map(|now| camera_parameter(now, old)).as_ref() == Some(old)
             }
@@ -199,6 +226,12 @@ impl Document {
         }
         if self.cameras.len() > MAX_CAMERAS {
             return too_many("cameras", MAX_CAMERAS);
+        }
+        if self.pins.len() > MAX_PINS {
+            return too_many("pins", MAX_PINS);
+        }
+        if let Change::Pin { new: Some(pin), .. } = change {
+            check_pin(pin)?;
         }
         if let Change::Scene { new: Some(scene), .. } = change {
             check_name(&scene.name)?;
@@ -253,6 +286,12 @@ impl Draft {
             }
             Change::Camera { camera, new: None, .. } => {
                 self.after.cameras.remove(camera);
+            }
+            Change::Pin { pin, new: Some(new), .. } => {
+                self.after.pins.insert(*pin, new.clone());
+            }
+            Change::Pin { pin, new: None, .. } => {
+                self.after.pins.remove(pin);
             }
             Change::CameraParameter { camera, new, .. } => match self.after.cameras.get_mut(camera) {
                 Some(camera) => set_camera(camera, new),
@@ -339,6 +378,7 @@ fn load_scene(
         gone.map(|(&light, old)| Change::Light { light, old: Some(old.clone()), new: None }).collect();
     let gone = document.cameras.iter();
     changes.extend(gone.map(|(&camera, old)| Change::Camera { camera, old: Some(old.clone()), new: None }));
+    changes.extend(removed_pins(document, |_| true));
     let new = Some(SceneRef { asset, name: name.into() });
     changes.push(Change::Scene { old: document.scene.clone(), new });
     let mut numbers = document.next_number()..;

@@ -2,10 +2,13 @@
 
 use std::mem::discriminant;
 
+use drag::Refusal;
 use light::{LightError, LightId, OutOfReach, Parameter, Touches, Value};
 use thiserror::Error;
 
-use crate::{AssetHash, CameraId, CameraParameter, ControlPoints, Layout, PlacedLight, SceneRef};
+use crate::{
+    AssetHash, CameraId, CameraParameter, ControlPoints, Layout, LightPin, PinId, PlacedLight, SceneRef,
+};
 
 use scene::Camera;
 
@@ -73,6 +76,15 @@ pub enum Change {
         /// After.
         new: Option<Camera>,
     },
+    /// A pin that comes, goes, or becomes another.
+    Pin {
+        /// The pin that it is of.
+        pin: PinId,
+        /// What it held; `None` where it comes.
+        old: Option<LightPin>,
+        /// What it holds; `None` where it goes.
+        new: Option<LightPin>,
+    },
     /// A parameter of a camera; both values are of the same parameter.
     CameraParameter {
         /// Of which.
@@ -93,6 +105,26 @@ pub enum EditError {
     /// No such camera.
     #[error("there is no camera {0}: choose one of the document's cameras")]
     NoCamera(CameraId),
+    /// No such pin.
+    #[error("there is no pin {0}: choose one of the document's pins")]
+    NoPin(PinId),
+    /// A pin that lies nowhere.
+    #[error("a pin lies at three finite numbers: give it a place on a surface")]
+    InvalidPin,
+    /// A picture without pixels, or a place in none.
+    #[error("a drag is made in a picture: give its size, 1 or more each way, and where it begins and ends")]
+    NoPicture,
+    /// A drag of a feature whose scene is not at hand.
+    #[error("the scene is not at hand, and where {0} lies in it unknown: send the drag again")]
+    NotSolved(String),
+    /// A feature that cannot be dragged.
+    #[error("{light}: {}", sentence(*reason))]
+    NotDragged {
+        /// Which light, as [`Document::light_name`](crate::Document::light_name) says it.
+        light: String,
+        /// Why; a pin by the number of its [`PinId`].
+        reason: Refusal,
+    },
     /// No such control point.
     #[error("{light} has {count} control points and none with index {point}: choose 0 to {}", count - 1)]
     NoPoint {
@@ -172,6 +204,7 @@ impl Change {
             }
             Self::ControlPoints { light, old, new } => Self::ControlPoints { light, old: new, new: old },
             Self::Camera { camera, old, new } => Self::Camera { camera, old: new, new: old },
+            Self::Pin { pin, old, new } => Self::Pin { pin, old: new, new: old },
             Self::CameraParameter { camera, old, new } => {
                 Self::CameraParameter { camera, old: new, new: old }
             }
@@ -185,9 +218,11 @@ impl Change {
                 parameter.takes(new)
             }
             Self::CameraParameter { old, new, .. } => discriminant(old) == discriminant(new),
-            Self::Scene { .. } | Self::Light { .. } | Self::ControlPoints { .. } | Self::Camera { .. } => {
-                true
-            }
+            Self::Scene { .. }
+            | Self::Light { .. }
+            | Self::ControlPoints { .. }
+            | Self::Camera { .. }
+            | Self::Pin { .. } => true,
         }
     }
 
@@ -197,6 +232,7 @@ impl Change {
             Self::Light { light, new: Some(new), .. } => light.0.max(new.layout.0),
             Self::ControlPoints { new, .. } => new.layout.0,
             Self::Camera { camera, new: Some(_), .. } => camera.0,
+            Self::Pin { pin, new: Some(_), .. } => pin.0,
             _ => 0,
         }
     }
@@ -204,6 +240,7 @@ impl Change {
     /// The light that it touches.
     pub fn light(&self) -> Option<LightId> {
         match *self {
+            Self::Pin { ref old, ref new, .. } => old.as_ref().or(new.as_ref()).map(|pin| pin.light),
             Self::Light { light, .. }
             | Self::LightParameter { light, .. }
             | Self::Point { light, .. }
@@ -221,24 +258,48 @@ impl Change {
             (Self::Point { point: p, parameter: a, .. }, Self::Point { point: q, parameter: b, .. }) => {
                 p == q && a == b
             }
+            (Self::Pin { pin: a, .. }, Self::Pin { pin: b, .. }) => a == b,
             _ => is_of_points(self) && is_of_points(earlier),
         };
         same_parameter && self.light().is_some() && self.light() == earlier.light()
     }
 
-    /// What it makes stale of what is kept from picture to picture. A camera never shows: views have cameras of their own.
+    /// What it makes stale of what is kept from picture to picture. A camera never shows: views have cameras of their own, and a pin
+    /// holds only what is dragged later.
     pub fn touches(&self) -> Touches {
         match self {
             Self::Scene { .. } => Touches::Scene,
             Self::Light { .. } | Self::ControlPoints { .. } => Touches::ShadowMap,
             Self::LightParameter { parameter, .. } | Self::Point { parameter, .. } => parameter.touches(),
-            Self::Camera { .. } | Self::CameraParameter { .. } => Touches::Nothing,
+            Self::Camera { .. } | Self::CameraParameter { .. } | Self::Pin { .. } => Touches::Nothing,
         }
     }
 
     /// Whether a picture can show it.
     pub fn changes_picture(&self) -> bool {
         self.touches() > Touches::Nothing
+    }
+}
+
+/// Why a feature is not dragged, and what to do.
+fn sentence(reason: Refusal) -> String {
+    match reason {
+        Refusal::NothingAtStart => "there is no surface where the drag begins: begin on one".into(),
+        Refusal::NothingAtEnd => "there is no surface under the cursor: go where one is".into(),
+        Refusal::OutsideTheLight => {
+            "the surface where the drag begins is not in its light: begin on one that is".into()
+        }
+        Refusal::NoShadow => "it throws no shadow where the drag begins: begin in one of its shadows".into(),
+        Refusal::NotBendy => "it has no control points: drag it as a whole, or bend it first".into(),
+        Refusal::NoSuchPoint => {
+            "control points that can be dragged are 1 to the last: choose of those".into()
+        }
+        Refusal::NoWeight => {
+            "the chosen control points do nothing where the drag begins: choose others too".into()
+        }
+        Refusal::PinDoesNotHold(pin) => {
+            format!("pin {pin} does not hold before anything moves: remove it, or make it soft")
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 use light::{CheckedLight, LightId, Setting};
 
-use crate::{AssetHash, CameraId};
+use crate::{AssetHash, CameraId, FeatureDrag, LightPin, PinId};
 use scene::{Camera, Projection};
 
 /// One request. [`crate::edited`] turns it into changes, or says why not.
@@ -60,6 +60,25 @@ pub enum Command {
         position: DVec3,
         /// Whether radii that would make the tube fold shrink, so that nothing is in the way.
         radii_follow: bool,
+    },
+    /// Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another place of a picture. The light goes as
+    /// near as it can; [`crate::solve_drag`] says how, in [`crate::Context::solved`].
+    DragFeature {
+        /// The light that it moves or bends.
+        light: LightId,
+        /// What goes where.
+        drag: Box<FeatureDrag>,
+    },
+    /// Adds a pin: what it names stays as it is where its light is dragged.
+    AddPin(LightPin),
+    /// Removes it.
+    RemovePin(PinId),
+    /// Says whether a pin holds whatever is asked, or as far as that lets it.
+    SetPin {
+        /// One of the document's.
+        pin: PinId,
+        /// Whatever is asked.
+        is_hard: bool,
     },
     /// Adds a control point that gets the index `point`, 1 to the number of points.
     ///
@@ -143,7 +162,7 @@ pub enum CameraParameter {
 }
 
 impl Command {
-    /// The light that it changes; `None` for one that is only being added, for cameras and scenes.
+    /// The light that it changes; `None` for one that is only being added, for cameras, pins and scenes.
     pub fn light(&self) -> Option<LightId> {
         match *self {
             Self::RemoveLight(light)
@@ -151,12 +170,16 @@ impl Command {
             | Self::SetLight { light, .. }
             | Self::SetPoint { light, .. }
             | Self::DragPoint { light, .. }
+            | Self::DragFeature { light, .. }
             | Self::InsertPoint { light, .. }
             | Self::RemovePoint { light, .. }
             | Self::BendLight { light, .. }
             | Self::StraightenLight(light) => Some(light),
             Self::LoadScene { .. }
             | Self::AddLight(_)
+            | Self::AddPin(_)
+            | Self::RemovePin(_)
+            | Self::SetPin { .. }
             | Self::AddCamera(_)
             | Self::RemoveCamera(_)
             | Self::PlaceCamera { .. }
@@ -166,12 +189,13 @@ impl Command {
 
     /// Whether it refers to a control point by its index, and so to a numbering.
     pub fn counts_points(&self) -> bool {
-        matches!(
-            self,
+        match self {
             Self::SetPoint { .. }
-                | Self::DragPoint { .. }
-                | Self::InsertPoint { .. }
-                | Self::RemovePoint { .. }
-        )
+            | Self::DragPoint { .. }
+            | Self::InsertPoint { .. }
+            | Self::RemovePoint { .. } => true,
+            Self::DragFeature { drag, .. } => drag.points.is_some(),
+            _ => false,
+        }
     }
 }

@@ -9,6 +9,8 @@ use light::{CheckedLight, ControlPoint, LightId, LightInstance};
 use scene::Camera;
 use sha2::{Digest, Sha256};
 
+use crate::{LightPin, PinId};
+
 /// Identifies a camera for as long as a session lives. Never used twice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CameraId(pub u64);
@@ -46,13 +48,14 @@ impl PartialEq for PlacedLight {
     }
 }
 
-/// Everything that an edit log describes: lights, cameras, and the name of a scene, whose geometry lies elsewhere. It
+/// Everything that an edit log describes: lights, cameras, pins, and the name of a scene, whose geometry lies elsewhere. It
 /// changes by [`Document::apply`] alone, so that ids stay unique.
 #[derive(Clone, Debug, Default)]
 pub struct Document {
     pub(crate) scene: Option<SceneRef>,
     pub(crate) lights: BTreeMap<LightId, PlacedLight>,
     pub(crate) cameras: BTreeMap<CameraId, Camera>,
+    pub(crate) pins: BTreeMap<PinId, LightPin>,
     /// The largest number given out as an id or a layout. Not part of the document's content: undoing an
     /// addition gives the content back, but not the number.
     last_number: u64,
@@ -92,6 +95,11 @@ impl Document {
         &self.cameras
     }
 
+    /// The pins, in the order of their ids; those of lights that are not there hold nothing.
+    pub fn pins(&self) -> &BTreeMap<PinId, LightPin> {
+        &self.pins
+    }
+
     /// The next number for an id or a layout. It is taken once something carries it.
     pub(crate) fn next_number(&self) -> u64 {
         self.last_number.saturating_add(1)
@@ -107,11 +115,13 @@ impl Document {
         scene: Option<SceneRef>,
         lights: BTreeMap<LightId, PlacedLight>,
         cameras: BTreeMap<CameraId, Camera>,
+        pins: BTreeMap<PinId, LightPin>,
         last_number: u64,
     ) -> Self {
         let numbers = lights.iter().flat_map(|(id, light)| [id.0, light.layout.0]);
-        let last_number = numbers.chain(cameras.keys().map(|id| id.0)).fold(last_number, u64::max);
-        Self { scene, lights, cameras, last_number }
+        let numbers = numbers.chain(cameras.keys().map(|id| id.0)).chain(pins.keys().map(|id| id.0));
+        let last_number = numbers.fold(last_number, u64::max);
+        Self { scene, lights, cameras, pins, last_number }
     }
 
     /// The largest number ever given out as an id or a layout; what [`Document::restore`] needs.

@@ -4,11 +4,12 @@ mod format_2;
 
 use std::fmt;
 
+use drag::{Pin, PinKind};
 use glam::{DQuat, DVec3};
 use scene::{Camera, Projection};
 use sha2::{Digest, Sha256};
 
-use crate::{Document, PlacedLight};
+use crate::{Document, LightPin, PlacedLight};
 
 pub use format_2::was_in_format_2;
 
@@ -76,6 +77,15 @@ impl Document {
             walk.number(id.0);
             walk.camera(camera);
         }
+        // A document without pins has the hash that it had before there were any.
+        if !self.pins.is_empty() {
+            walk.text("pins");
+            walk.number(self.pins.len() as u64);
+            for (id, pin) in &self.pins {
+                walk.number(id.0);
+                walk.pin(pin);
+            }
+        }
         DocumentHash(walk.0.finalize().into())
     }
 }
@@ -119,6 +129,21 @@ impl Walk {
     fn text(&mut self, text: &str) {
         self.number(text.len() as u64);
         self.0.update(text);
+    }
+
+    fn pin(&mut self, LightPin { light, pin }: &LightPin) {
+        let Pin { kind, at, caster, is_hard } = pin;
+        self.number(light.0);
+        self.tag(match kind {
+            PinKind::Direction => 0,
+            PinKind::Lit => 1,
+            PinKind::Shadowed => 2,
+            PinKind::Shadow => 3,
+        });
+        self.vector(*at);
+        self.tag(u8::from(caster.is_some()));
+        self.text(caster.as_deref().unwrap_or_default());
+        self.tag(u8::from(*is_hard));
     }
 
     fn camera(&mut self, camera: &Camera) {

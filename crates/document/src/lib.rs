@@ -1,4 +1,4 @@
-//! What a session edits: lights, cameras and which scene they light; the commands that edit them.
+//! What a session edits: lights, cameras, pins and which scene they light; the commands that edit them.
 //!
 //! A document has no geometry: of the scene it holds the name and the hash of its bytes. [`edited`] turns a [`Command`] into
 //! [`Change`]s, [`Document::apply`] makes them, [`Document::hash`] proves them.
@@ -9,9 +9,11 @@ mod camera;
 mod change;
 mod command;
 mod document;
+mod features;
 mod hash;
 mod naming;
 mod parameters;
+mod pins;
 mod points;
 
 pub use apply::{Context, Edited, MAX_CAMERAS, MAX_LIGHTS, edited};
@@ -22,6 +24,8 @@ pub use document::{
     AssetHash, CameraId, ControlPoints, Document, Layout, NotAnAssetHash, PlacedLight, SceneContents,
     SceneRef,
 };
+pub use features::{DragOutcome, FeatureDrag, SolvedDrag, solve_drag};
 pub use hash::{DocumentHash, was_in_format_2};
 pub use naming::deed;
 pub use parameters::{Target, parameters};
+pub use pins::{LightPin, MAX_PINS, PinId};

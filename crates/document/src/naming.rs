@@ -50,6 +50,11 @@ impl Change {
                 let name = old.as_ref().or(new.as_ref()).and_then(|camera| quoted(&camera.name));
                 name.unwrap_or_else(|| document.camera_name(*camera))
             }
+            Self::Pin { pin, .. } => {
+                let whose =
+                    self.light().map_or_else(String::new, |id| format!(" of {}", document.light_name(id)));
+                format!("pin {pin}{whose}")
+            }
             Self::CameraParameter { camera, new, .. } => {
                 format!("the {} of {}", words(new.name()), document.camera_name(*camera))
             }
@@ -63,12 +68,16 @@ impl Change {
             Self::Scene { new: Some(scene), .. } => {
                 format!("loading {}", quoted(&scene.name).unwrap_or(subject))
             }
-            Self::Light { old: None, .. } | Self::Camera { old: None, .. } => format!("adding {subject}"),
+            Self::Light { old: None, .. } | Self::Camera { old: None, .. } | Self::Pin { old: None, .. } => {
+                format!("adding {subject}")
+            }
             Self::Light { old: Some(_), new: Some(new), .. } => {
                 let is_bent = new.light.light().owner() == Owner::Bendy;
                 format!("{} {subject}", if is_bent { "bending" } else { "straightening" })
             }
-            Self::Light { new: None, .. } | Self::Camera { new: None, .. } => format!("removing {subject}"),
+            Self::Light { new: None, .. } | Self::Camera { new: None, .. } | Self::Pin { new: None, .. } => {
+                format!("removing {subject}")
+            }
             _ => subject,
         }
     }

@@ -52,20 +52,15 @@ pub fn renumbered(
     Ok(Change::ControlPoints { light: id, old, new })
 }
 
-/// What takes a light's control points to where those of `moved` are, with their radii: first the position of the `dragged`
-/// one, by which people call it.
-pub fn moved_points(
-    (light, placed): (LightId, &PlacedLight),
-    dragged: usize,
-    moved: &[ControlPoint],
-) -> Vec<Change> {
+/// What takes a light's control points to where those of `moved` are, with their radii. The source has no position to change.
+pub fn moved_points((light, placed): (LightId, &PlacedLight), moved: &[ControlPoint]) -> Vec<Change> {
     let points = placed.light.light().points();
     let change = |point: usize, parameter: &'static Parameter| {
         let (old, new) = (points[point].value(parameter)?, moved.get(point)?.value(parameter)?);
         Some(Change::Point { light, layout: placed.layout, point, parameter, old, new })
     };
-    let radii = (0..points.len()).filter_map(|point| change(point, RADIUS.row()));
-    change(dragged, POSITION.row()).into_iter().chain(radii).collect()
+    let positions = (1..points.len()).filter_map(|point| change(point, POSITION.row()));
+    positions.chain((0..points.len()).filter_map(|point| change(point, RADIUS.row()))).collect()
 }
 
 /// How one value more comes among those of the control points.

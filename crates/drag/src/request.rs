@@ -5,7 +5,7 @@ use light::Light;
 use scene::Camera;
 
 /// A picture that is dragged in.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Viewport {
     /// Who looks.
     pub camera: Camera,

@@ -1,6 +1,6 @@
 //! Drags under way: live for everybody, in no log, and a soft lock on one light each.
 
-use document::{Change, Command, Context, Document, EditError, Edited, PlacedLight, edited};
+use document::{Change, Command, Context, Document, DragOutcome, EditError, Edited, PlacedLight, edited};
 use light::LightId;
 
 use crate::{Actor, Refusal};
@@ -40,6 +40,8 @@ pub struct Gesture {
 pub struct Shown {
     /// What would change in the document.
     pub changes: Vec<Change>,
+    /// How the drag of a feature stands.
+    pub outcome: Option<DragOutcome>,
     /// The light as the document has it.
     pub(crate) from: PlacedLight,
     /// The light with the changes.
@@ -54,12 +56,12 @@ impl Shown {
         command: &Command,
         context: Context,
     ) -> Result<Self, Refusal> {
-        let Edited { changes, document: after } = edited(document, command, context)?;
+        let Edited { changes, document: after, outcome } = edited(document, command, context)?;
         let placed = |document: &Document| {
             let placed = document.lights().get(&light).cloned();
             placed.ok_or(Refusal::Edit(EditError::NoLight(light)))
         };
-        Ok(Self { changes, from: placed(document)?, to: placed(&after)? })
+        Ok(Self { changes, outcome, from: placed(document)?, to: placed(&after)? })
     }
 }
 

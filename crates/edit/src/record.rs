@@ -1,6 +1,6 @@
 //! What the log holds.
 
-use document::{Change, Command};
+use document::{Change, Command, DragOutcome};
 
 /// Who did it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,6 +46,8 @@ pub enum Action {
         command: Command,
         /// Whether somebody else had changed the same light after the latest record that the sender knew.
         rebased: bool,
+        /// How it ended where it drags a feature.
+        outcome: Option<Box<DragOutcome>>,
     },
     /// The last command of a drag.
     Gesture {
@@ -53,6 +55,8 @@ pub enum Action {
         command: Command,
         /// As of an edit, from the record that the holder knew when the drag began.
         rebased: bool,
+        /// As of an edit.
+        outcome: Option<Box<DragOutcome>>,
     },
     /// Taking back a step.
     Undo {
@@ -80,6 +84,16 @@ impl Action {
         match self {
             Self::Edit { .. } | Self::Gesture { .. } => &[],
             Self::Undo { skipped, .. } | Self::Redo { skipped, .. } => skipped,
+        }
+    }
+
+    /// The command, and how it ended where it drags a feature; `None` of undo and redo.
+    pub fn command(&self) -> Option<(&Command, Option<&DragOutcome>)> {
+        match self {
+            Self::Edit { command, outcome, .. } | Self::Gesture { command, outcome, .. } => {
+                Some((command, outcome.as_deref()))
+            }
+            Self::Undo { .. } | Self::Redo { .. } => None,
         }
     }
 

@@ -108,12 +108,16 @@ impl Session {
     }
 
     /// Goes back to the records of `before`, which this session went on from. Gestures stay as they are now, but for
-    /// what they would change, which is worked out again.
+    /// what they would change, which is worked out again; where that takes the scene, as drags of features do, they show what
+    /// they showed.
     pub fn go_back_to(&mut self, before: Self, context: Context) {
         let gestures = std::mem::take(&mut self.gestures);
         *self = Self { gestures, ..before };
         for gesture in self.gestures.values_mut() {
             let Some(command) = &gesture.command else { continue };
+            if matches!(command, Command::DragFeature { .. }) {
+                continue;
+            }
             gesture.shown = Shown::of(gesture.light, &self.document, command, context).ok();
         }
     }
@@ -176,8 +180,8 @@ impl Session {
         let (action, edited) = match request {
             Request::Edit { base_seq, command } => {
                 let rebased = self.check_base(&command, actor, base_seq)?;
-                let edited = edited(&self.document, &command, sources.context)?;
-                (Action::Edit { command, rebased }, edited)
+                let mut edited = edited(&self.document, &command, sources.context)?;
+                (Action::Edit { command, rebased, outcome: edited.outcome.take().map(Box::new) }, edited)
             }
             Request::Commit(id) => {
                 let gesture = self.end_gesture(&id, actor)?;
@@ -185,21 +189,21 @@ impl Session {
                     return Err(gesture.refused.unwrap_or(Refusal::EmptyGesture(id)));
                 };
                 let rebased = self.check_base(&command, actor, Some(gesture.base_seq))?;
-                let edited = edited(&self.document, &command, sources.context)?;
-                (Action::Gesture { command, rebased }, edited)
+                let mut edited = edited(&self.document, &command, sources.context)?;
+                (Action::Gesture { command, rebased, outcome: edited.outcome.take().map(Box::new) }, edited)
             }
             Request::Undo(scope) => {
                 let TakenBack { target, changes, skipped, document, .. } =
                     found.ok_or(Refusal::NothingToUndo { passed: None })?;
-                (Action::Undo { scope, target, skipped }, Edited { changes, document })
+                (Action::Undo { scope, target, skipped }, Edited { changes, document, outcome: None })
             }
             Request::Redo(scope) => {
                 let TakenBack { target, changes, skipped, document, .. } =
                     found.ok_or(Refusal::NothingToRedo { passed: None })?;
-                (Action::Redo { scope, target, skipped }, Edited { changes, document })
+                (Action::Redo { scope, target, skipped }, Edited { changes, document, outcome: None })
             }
         };
-        let Edited { changes, document } = edited;
+        let Edited { changes, document, .. } = edited;
         self.check_locks(&changes, actor)?;
         let (actor, op_id) = (actor.clone(), op_id.to_owned());
         let record = Record { seq: self.seq + 1, time_ms: now_ms, actor, op_id, action, changes };

@@ -68,7 +68,7 @@ impl Session {
                     None => format!("somebody has changed {} since", change.subject(self.document())),
                 }
             };
-            if let Some(Edited { changes, document }) = left {
+            if let Some(Edited { changes, document, .. }) = left {
                 let since = changed_since.iter().enumerate().map(since);
                 let skipped = passed.into_iter().chain(since).chain(stays).collect();
                 return Ok(Some(TakenBack { seq: self.seq(), document, target, changes, skipped }));
@@ -148,6 +148,6 @@ fn inverted(document: &Document, changes: &[Change]) -> Parts {
             }
         }
     }
-    parts.left = (!changes.is_empty()).then_some(Edited { changes, document: after });
+    parts.left = (!changes.is_empty()).then_some(Edited { changes, document: after, outcome: None });
     parts
 }

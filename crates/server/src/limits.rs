@@ -33,6 +33,8 @@ pub const MAX_MESSAGE_BYTES: usize = 1 << 20;
 pub const MAX_BODY_BYTES: usize = 8 << 20;
 /// Edits in one request.
 pub const MAX_EDITS: usize = 1_000;
+/// Drags of features that a request asks of at most; one takes some milliseconds.
+pub const MAX_DRAGS: usize = 1_000;
 /// Records in one answer of the log.
 pub const MAX_LOG_RECORDS: usize = 10_000;
 /// Nodes of a scene that are listed.

@@ -23,7 +23,7 @@ pub use assets::check_scene_name;
 pub use checkpoints::Opened;
 pub use error::StoreError;
 pub use limits::{MAX_ASSET_BYTES, MAX_NAME_CHARS, MAX_PAGE_BYTES, MAX_REJECTIONS, MAX_SESSIONS};
-pub use log_file::{ReplayedLog, replay_log};
+pub use log_file::{ReplayedLog, replay_log, visit_log};
 pub use protocol::MAX_RECORD_BYTES;
 pub use records::{Batch, Tail};
 pub use sqlite::DATABASE;

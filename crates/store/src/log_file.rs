@@ -28,11 +28,22 @@ pub struct ReplayedLog {
 
 /// Replays a log file up to record `to`, or to its end.
 pub fn replay_log(log: impl BufRead, to: Option<u64>) -> Result<ReplayedLog, StoreError> {
+    visit_log(log, to, |_, _| {})
+}
+
+/// The same, with `visit` told each record and the session after it.
+pub fn visit_log(
+    log: impl BufRead,
+    to: Option<u64>,
+    mut visit: impl FnMut(&Record, &Session),
+) -> Result<ReplayedLog, StoreError> {
     let (header, lines) = open(log)?;
     let mut differs = None;
     let session = walk(&header, lines, to, |passed| {
-        if let Passed::Checkpoint { seq, holds: false, .. } = passed {
-            differs = differs.or(Some(seq));
+        match passed {
+            Passed::Record(record, session) => visit(&record, session),
+            Passed::Checkpoint { seq, holds: false, .. } => differs = differs.or(Some(seq)),
+            Passed::Checkpoint { .. } => {}
         }
         Ok(())
     })?;

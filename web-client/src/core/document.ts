@@ -34,6 +34,10 @@ export function applyChange(table: ParameterTable, document: Document, change: C
     }
     case "cameraParameter":
       return onCamera(table, document, change.camera, change.new);
+    case "pin": {
+      const content = change.new === null ? null : { pin: change.new };
+      return { ...document, pins: withId(document.pins ?? [], change.pin, content) };
+    }
   }
 }
 
@@ -76,6 +80,7 @@ export function changesPicture(table: ParameterTable, document: Document, change
   switch (change.type) {
     case "camera":
     case "cameraParameter":
+    case "pin":
       return false;
     case "lightParameter": {
       const light = lightOf(document, change.light);

@@ -46,6 +46,10 @@ export type Command =
   | SetLight
   | SetPoint
   | DragPoint
+  | DragFeature
+  | AddPin
+  | RemovePin
+  | SetPin
   | InsertPoint
   | RemovePoint
   | BendLight
@@ -112,6 +116,32 @@ export type PointParameter = PointPosition | PointRadius | PointColor | PointInt
  */
 export type RadiiOfDrag = "keep" | "follow";
 /**
+ * `Feature` in JSON.
+ *
+ * - `shadow`: M' comes to lie behind what shadows M.
+ * - `hotspot`: M' comes to lie where M was in the light.
+ * - `highlight`: At M' light arrives along the mirror direction.
+ * - `diffuse`: At M' light arrives along the normal.
+ */
+export type DragKind = "shadow" | "hotspot" | "highlight" | "diffuse";
+/**
+ * `Radii` in JSON.
+ *
+ * - `keep`: They stay.
+ * - `solve`: Those of the moving points may change.
+ * - `follow`: Those that would make the tube fold shrink.
+ */
+export type DragRadii = "keep" | "solve" | "follow";
+/**
+ * `drag::PinKind` in JSON.
+ *
+ * - `direction`: The direction from which light arrives.
+ * - `lit`: That light arrives.
+ * - `shadowed`: That something stands in the light's way.
+ * - `shadow`: The shadow of the very point of the caster that throws it.
+ */
+export type PinKind = "direction" | "lit" | "shadowed" | "shadow";
+/**
  * `document::CameraParameter` in JSON: an object with one field.
  */
 export type CameraParameter = CameraName | CameraTranslation | CameraRotation | CameraProjection;
@@ -155,13 +185,15 @@ export type Change =
   | PointChange
   | ControlPointsChange
   | CameraChange
-  | CameraParameterChange;
+  | CameraParameterChange
+  | PinChange;
 /**
  * Why something is refused, for programs. The sentence beside it is for people.
  *
  * - `badMessage`: The message, the body or a parameter cannot be read.
  * - `badName`: The name cannot name a session or a scene.
  * - `badScene`: The scene's file cannot be used.
+ * - `drag`: The feature cannot be dragged there, or the pin cannot be.
  * - `badLog`: The log was changed or does not fit together.
  * - `format`: The record is of a format that this server does not know.
  * - `render`: The picture cannot be made.
@@ -202,6 +234,7 @@ export type ErrorCode =
   | "badMessage"
   | "badName"
   | "badScene"
+  | "drag"
   | "badLog"
   | "format"
   | "render"
@@ -246,6 +279,25 @@ export type ErrorCode =
  * - `rejected`: The begin or the commit was refused.
  */
 export type GestureEnd = "committed" | "cancelled" | "expired" | "rejected";
+/**
+ * `Limit` in JSON.
+ *
+ * - `fold`: The tube would fold.
+ * - `radius`: A radius would be less than 0.
+ * - `tubeEdge`: M' would lie outside the light, or elsewhere in it.
+ * - `noDescent`: No small change brings the feature nearer.
+ * - `sourceInside`: The source would go through a surface.
+ * - `pin`: What is pinned would not stay: see `pin`.
+ */
+export type DragLimit = "fold" | "radius" | "tubeEdge" | "noDescent" | "sourceInside" | "pin";
+/**
+ * `Status` in JSON.
+ *
+ * - `landed`: Within half a pixel.
+ * - `limited`: As near as the light may bring it.
+ * - `refused`: Nothing was moved.
+ */
+export type DragStatus = "landed" | "limited" | "refused";
 /**
  * The document, whole or from where the client stands.
  */
@@ -1750,6 +1802,105 @@ export interface DragPoint {
   type: "dragPoint";
 }
 /**
+ * Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another place of a picture; the document's
+ * pins of the light stay.
+ */
+export interface DragFeature {
+  camera: Camera;
+  /**
+   * Where the feature is taken, in pixels from the picture's top left corner; a pixel's centre is at .5.
+   *
+   * @minItems 2
+   * @maxItems 2
+   */
+  from: [number, number];
+  kind: DragKind;
+  /**
+   * The light's id.
+   */
+  light: number;
+  /**
+   * The control points that take part; without them the light moves as a whole.
+   */
+  points?: number[];
+  radii: DragRadii;
+  /**
+   * Width and height of the picture, in pixels.
+   *
+   * @minItems 2
+   * @maxItems 2
+   */
+  size: [number, number];
+  /**
+   * Whether the source may not go through a surface.
+   */
+  sourceOutside?: boolean;
+  /**
+   * Where it goes.
+   *
+   * @minItems 2
+   * @maxItems 2
+   */
+  to: [number, number];
+  type: "dragFeature";
+}
+/**
+ * Adds a pin.
+ */
+export interface AddPin {
+  pin: Pin;
+  type: "addPin";
+}
+/**
+ * `LightPin` in JSON: what is to stay as it is at a point while its light is dragged.
+ */
+export interface Pin {
+  /**
+   * Where, in the world: on a surface.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  at: [number, number, number];
+  /**
+   * Of a shadow: the node that throws it, by its name or its path; the first that light meets where it is left out.
+   */
+  caster?: string;
+  /**
+   * Whether it stays whatever is asked, or as far as that lets it.
+   */
+  hard: boolean;
+  kind: PinKind;
+  /**
+   * Id of the light.
+   */
+  light: number;
+}
+/**
+ * Removes a pin.
+ */
+export interface RemovePin {
+  /**
+   * Id of one of the document's.
+   */
+  pin: number;
+  type: "removePin";
+}
+/**
+ * Makes a pin hard or soft.
+ */
+export interface SetPin {
+  /**
+   * Whether it stays whatever is asked, or as far as that lets it.
+   */
+  hard: boolean;
+  /**
+   * Id of one of the document's.
+   */
+  pin: number;
+  type: "setPin";
+}
+/**
  * Adds a control point.
  */
 export interface InsertPoint {
@@ -2185,6 +2336,7 @@ export interface GestureState {
    * Why an update or a commit was refused, for people.
    */
   message?: string;
+  outcome?: DragOutcome;
   /**
    * The latest update.
    */
@@ -2303,6 +2455,67 @@ export interface CameraParameterChange {
   type: "cameraParameter";
 }
 /**
+ * A pin that comes, goes, or becomes another.
+ */
+export interface PinChange {
+  new: Pin | null;
+  old: Pin | null;
+  pin: number;
+  type: "pin";
+}
+/**
+ * How a drag of a feature stands, or ended: what a program reads of it besides the light.
+ */
+export interface DragOutcome {
+  /**
+   * M.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  fromWorld: [number, number, number] | null;
+  /**
+   * Steps of the solver.
+   */
+  iterations: number;
+  limit?: DragLimit;
+  /**
+   * Id of the pin that keeps it.
+   */
+  pin?: number;
+  /**
+   * What throws the shadow that is dragged.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  pivotWorld: [number, number, number] | null;
+  /**
+   * On the screen, from `to` to where the feature lies now; `null` where it is not in the picture.
+   */
+  residualPx: number | null;
+  /**
+   * The node that shadows M' besides the one whose shadow is dragged.
+   */
+  shadowedBy: string | null;
+  /**
+   * What solved it.
+   */
+  solver: string;
+  status: DragStatus;
+  /**
+   * M'.
+   *
+   * @minItems 3
+   * @maxItems 3
+   */
+  toWorld: [number, number, number] | null;
+  /**
+   * Of the solver: another one may give another light.
+   */
+  version: number;
+}
+/**
  * Numbers that clients need.
  */
 export interface Settings {
@@ -2338,6 +2551,10 @@ export interface Document {
    */
   lights: DocumentLight[];
   /**
+   * Its pins; left out where there are none.
+   */
+  pins?: DocumentPin[];
+  /**
    * Its scene; `null` before one is loaded.
    */
   scene: SceneRef | null;
@@ -2365,6 +2582,16 @@ export interface DocumentLight {
    */
   layout: number;
   light: Light;
+}
+/**
+ * A pin of a document.
+ */
+export interface DocumentPin {
+  /**
+   * By which commands name it.
+   */
+  id: number;
+  pin: Pin;
 }
 /**
  * The records after the client's `lastSeq`.
@@ -2404,6 +2631,7 @@ export interface Record {
  */
 export interface EditAction {
   command: Command;
+  outcome?: DragOutcome;
   rebased?: boolean;
   type: "edit";
 }
@@ -2412,6 +2640,7 @@ export interface EditAction {
  */
 export interface GestureAction {
   command: Command;
+  outcome?: DragOutcome;
   rebased?: boolean;
   type: "gesture";
 }

@@ -143,7 +143,7 @@ fn numbers_count_where_the_rest_is_the_same() {
     let with_ids = |ids: [u64; 2]| {
         let lights = sample().lights().clone().into_values().zip(ids);
         let lights = lights.map(|(placed, id)| (LightId(id), placed)).collect();
-        Document::restore(None, lights, BTreeMap::new(), 0)
+        Document::restore(None, lights, BTreeMap::new(), BTreeMap::new(), 0)
     };
     for hash in HASHES {
         assert_ne!(hash(&with_ids([1, 2])), hash(&with_ids([1, 3])));
@@ -153,7 +153,8 @@ fn numbers_count_where_the_rest_is_the_same() {
 /// Rules: DOC-4
 #[test]
 fn what_does_not_count() {
-    let more_numbers = Document::restore(None, sample().lights().clone(), sample().cameras().clone(), 99);
+    let more_numbers =
+        Document::restore(None, sample().lights().clone(), sample().cameras().clone(), BTreeMap::new(), 99);
     for hash in HASHES {
         let set = |x: f64| {
             let setting = TRANSLATION.to(DVec3::new(x, 1.0, x));

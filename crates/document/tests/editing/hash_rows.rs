@@ -22,7 +22,7 @@ fn plain_lights() -> [Light; 4] {
 
 fn holding(light: Light) -> Document {
     let placed = PlacedLight { layout: Layout(1), light: checked(light) };
-    Document::restore(None, BTreeMap::from([(BENDY, placed)]), BTreeMap::new(), 0)
+    Document::restore(None, BTreeMap::from([(BENDY, placed)]), BTreeMap::new(), BTreeMap::new(), 0)
 }
 
 /// A value that `parameter` may have, other than `now` and not far from it.

@@ -1,5 +1,7 @@
 //! Numbers: ids and layouts.
 
+use std::collections::BTreeMap;
+
 use document::{Change, Command, Document, Layout};
 use glam::DVec3;
 use light::LightId;
@@ -35,8 +37,9 @@ fn an_id_is_never_used_again() {
 fn a_restored_document_counts_on() {
     let mut document = sample();
     done(&mut document, &Command::RemoveLight(LightId(2)));
-    let restored =
-        |last| Document::restore(None, document.lights().clone(), document.cameras().clone(), last);
+    let restored = |last| {
+        Document::restore(None, document.lights().clone(), document.cameras().clone(), BTreeMap::new(), last)
+    };
     assert_eq!((restored(0).last_number(), restored(9).last_number()), (4, 9));
     assert_eq!((content(&restored(0)), restored(0).hash()), (content(&document), document.hash()));
     let mut later = restored(9);
@@ -86,6 +89,12 @@ fn numbers_past_what_json_keeps_are_refused() {
     }
     document.apply(&[add(largest)]).expect("the largest");
     edit(&document, &Command::AddCamera(eye())).expect_err("no number is left");
-    let none_left = Document::restore(None, document.lights().clone(), document.cameras().clone(), u64::MAX);
+    let none_left = Document::restore(
+        None,
+        document.lights().clone(),
+        document.cameras().clone(),
+        BTreeMap::new(),
+        u64::MAX,
+    );
     edit(&none_left, &Command::AddCamera(eye())).expect_err("no number is left");
 }

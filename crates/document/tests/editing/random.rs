@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use document::{AssetHash, CameraId, CameraParameter, Command, Document};
-use glam::{DQuat, DVec3};
+use document::{AssetHash, CameraId, CameraParameter, Command, Document, FeatureDrag, LightPin, PinId};
+use drag::{Feature, Pin, PinKind, Radii, Viewport};
+use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{
     COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, HEIGHT, INTENSITY, NAME,
     POINT_COLOR, POINT_INTENSITY, POSITION, RADIUS, RANGE, ROTATION, SCALE, TRANSLATION, UP, WIDTH,
@@ -37,6 +38,11 @@ pub fn command(scenes: &'static [AssetHash]) -> impl Strategy<Value = Command> {
         2 => (light(), 0..6_usize, vector(), any::<bool>()).prop_map(|(light, point, position, radii_follow)| {
             Command::DragPoint { light, point, position, radii_follow }
         }),
+        1 => (light(), feature_drag())
+            .prop_map(|(light, drag)| Command::DragFeature { light, drag: Box::new(drag) }),
+        2 => (light(), pin()).prop_map(|(light, pin)| Command::AddPin(LightPin { light, pin })),
+        1 => (0..8_u64).prop_map(|pin| Command::RemovePin(PinId(pin))),
+        1 => (0..8_u64, any::<bool>()).prop_map(|(pin, is_hard)| Command::SetPin { pin: PinId(pin), is_hard }),
         3 => insert.prop_map(|(light, point, position, radius, color, intensity)| {
             Command::InsertPoint { light, point, position, radius, color, intensity }
         }),
@@ -61,12 +67,15 @@ pub fn command(scenes: &'static [AssetHash]) -> impl Strategy<Value = Command> {
 pub fn aimed(mut command: Command, document: &Document) -> Command {
     let lights: Vec<LightId> = document.lights().keys().copied().collect();
     let cameras: Vec<CameraId> = document.cameras().keys().copied().collect();
+    let pins: Vec<PinId> = document.pins().keys().copied().collect();
     match &mut command {
         Command::RemoveLight(light)
         | Command::PlaceLight { light, .. }
         | Command::SetLight { light, .. }
         | Command::SetPoint { light, .. }
         | Command::DragPoint { light, .. }
+        | Command::DragFeature { light, .. }
+        | Command::AddPin(LightPin { light, .. })
         | Command::InsertPoint { light, .. }
         | Command::RemovePoint { light, .. }
         | Command::BendLight { light, .. }
@@ -78,9 +87,46 @@ pub fn aimed(mut command: Command, document: &Document) -> Command {
         | Command::SetCamera { camera, .. } => {
             *camera = *cameras.get(camera.0 as usize % cameras.len().max(1)).unwrap_or(camera);
         }
+        Command::RemovePin(pin) | Command::SetPin { pin, .. } => {
+            *pin = *pins.get(pin.0 as usize % pins.len().max(1)).unwrap_or(pin);
+        }
         Command::LoadScene { .. } | Command::AddLight(_) | Command::AddCamera(_) => {}
     }
     command
+}
+
+/// A drag of a feature; where it leads is not at hand here, so that a document refuses it.
+fn feature_drag() -> impl Strategy<Value = FeatureDrag> {
+    let feature = prop_oneof![
+        Just(Feature::Shadow),
+        Just(Feature::Hotspot),
+        Just(Feature::Highlight),
+        Just(Feature::Diffuse)
+    ];
+    let radii = prop_oneof![Just(Radii::Keep), Just(Radii::Solve), Just(Radii::Follow)];
+    let view = (any_camera(), [1..4096_u32, 1..4096]).prop_map(|(camera, size)| Viewport { camera, size });
+    let way = [-1.0..4096.0, -1.0..4096.0, -1.0..4096.0, -1.0..4096.0];
+    (feature, option(vec(0..6_usize, 0..4)), radii, view, way, any::<bool>()).prop_map(
+        |(feature, points, radii, view, [from_x, from_y, to_x, to_y], source_outside)| {
+            let (from, to) = (DVec2::new(from_x, from_y), DVec2::new(to_x, to_y));
+            FeatureDrag { feature, points, radii, view, from, to, source_outside }
+        },
+    )
+}
+
+fn pin() -> impl Strategy<Value = Pin> {
+    let kind = prop_oneof![
+        Just(PinKind::Direction),
+        Just(PinKind::Lit),
+        Just(PinKind::Shadowed),
+        Just(PinKind::Shadow)
+    ];
+    (kind, vector(), option(name()), any::<bool>()).prop_map(|(kind, at, caster, is_hard)| Pin {
+        kind,
+        at,
+        caster,
+        is_hard,
+    })
 }
 
 fn option<T: std::fmt::Debug>(value: impl Strategy<Value = T>) -> impl Strategy<Value = Option<T>> {

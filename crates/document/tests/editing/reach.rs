@@ -59,7 +59,7 @@ fn records_of_lights_out_of_reach_apply() {
 fn lights_are_measured_against_the_scene() {
     let document = sample();
     let reach = Reach { middle: DVec3::X * 9e14, half_extent: DVec3::splat(1e13) };
-    let there = |x| edited(&document, &place(SPOT, x), Context { reach, loaded: None });
+    let there = |x| edited(&document, &place(SPOT, x), Context { reach, ..Context::default() });
     there(1.1e15).expect("near that scene");
     edit(&document, &place(SPOT, 1.1e15)).expect_err("far from one about the origin");
     let error = there(-2e14).expect_err("far from that scene");

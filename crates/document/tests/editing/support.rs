@@ -7,7 +7,7 @@ use document::{
 };
 use glam::{DQuat, DVec3};
 use light::parameters::NAME;
-use light::{CheckedLight, Key, Light, LightId, Reach, Typed};
+use light::{CheckedLight, Key, Light, LightId, Typed};
 use scene::{Camera, Projection};
 
 /// A scene with a BendyLight and a camera.
@@ -84,12 +84,12 @@ pub fn sample() -> Document {
 /// What comes of a command, with the scenes above at hand and no geometry.
 pub fn edit(document: &Document, command: &Command) -> Result<Edited, EditError> {
     let loaded = if let Command::LoadScene { asset, .. } = command { find_scene(*asset) } else { None };
-    document::edited(document, command, Context { reach: Reach::default(), loaded: loaded.as_ref() })
+    document::edited(document, command, Context { loaded: loaded.as_ref(), ..Context::default() })
 }
 
 /// Carries out a command that must be valid.
 pub fn done(document: &mut Document, command: &Command) -> Vec<Change> {
-    let Edited { changes, document: after } = edit(document, command).expect("a valid command");
+    let Edited { changes, document: after, .. } = edit(document, command).expect("a valid command");
     document.apply(&changes).expect("changes just made");
     assert_eq!(
         (document.hash(), document.last_number()),

@@ -38,7 +38,7 @@ fn a_drag_is_live_while_it_lasts_and_one_record_in_the_end() {
     }
     assert_eq!(studio.session.seq(), 1, "nothing is logged");
     let record = studio.done("ada", Request::Commit("g".into()));
-    assert_eq!(record.action, Action::Gesture { command: angle(50.0), rebased: false });
+    assert_eq!(record.action, Action::Gesture { command: angle(50.0), rebased: false, outcome: None });
     assert_eq!((studio.angle(), studio.live_angle()), (50.0, 50.0));
     assert_eq!(studio.session.gestures().count(), 0);
     studio.undo("ada");
@@ -120,7 +120,7 @@ fn an_invalid_state_leaves_the_last_valid_one() {
     let record = studio.done("ada", Request::Commit("g".into()));
     assert_eq!(
         (record.action, studio.hash()),
-        (Action::Gesture { command: position(2, 0.5, -4.0), rebased: false }, live)
+        (Action::Gesture { command: position(2, 0.5, -4.0), rebased: false, outcome: None }, live)
     );
 }
 

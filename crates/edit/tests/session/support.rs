@@ -6,7 +6,7 @@ use document::{AssetHash, Command, Context, DocumentHash, SceneContents};
 use edit::{Actor, Record, Refusal, Request, Scope, Session, Sources};
 use glam::DVec3;
 use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, NAME, POSITION, RADIUS};
-use light::{CheckedLight, Light, LightId, Reach};
+use light::{CheckedLight, Light, LightId};
 
 /// Scenes that can be loaded: one with a light, one with nothing.
 pub const SCENES: &[AssetHash] = &[AssetHash([1; 32]), AssetHash([2; 32])];
@@ -55,7 +55,7 @@ impl Studio {
             Request::Edit { command: Command::LoadScene { asset, .. }, .. } => find_scene(*asset),
             _ => None,
         };
-        let context = Context { reach: Reach::default(), loaded: loaded.as_ref() };
+        let context = Context { loaded: loaded.as_ref(), ..Context::default() };
         let sources = Sources { context, taken_back };
         let record = self.session.request(request, &actor(who), &op_id, 0, sources)?;
         self.log.push(record.clone());

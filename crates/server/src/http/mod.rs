@@ -2,6 +2,7 @@
 
 mod answer;
 mod assets;
+mod drags;
 mod guard;
 mod page;
 mod pick;
@@ -39,6 +40,7 @@ pub fn router(state: Arc<AppState>) -> Router {
         .route("/sessions/{name}/log", get(sessions::log))
         .route("/sessions/{name}/render", get(render::render))
         .route("/sessions/{name}/pick", post(pick::pick))
+        .route("/sessions/{name}/drags", post(drags::answer))
         .route("/sessions/{name}/probe", post(probe::answer))
         .route("/parameters", get(|| async { json(&protocol::parameter_table()) }))
         .route("/metrics", get(metrics))

@@ -61,7 +61,7 @@ pub async fn create(State(state): State<Arc<AppState>>, headers: HeaderMap, body
             _ => Decoded::default(),
         };
         notes = scene.notes.to_vec();
-        let context = Context { reach: scene.posed.reach(), loaded: Some(&scene.contents) };
+        let context = Context { reach: scene.posed.reach(), loaded: Some(&scene.contents), solved: None };
         let sources = Sources { context, taken_back: None };
         records.push(session.request(load, &program(), &new_op_id()?, time_ms(), sources)?);
     }

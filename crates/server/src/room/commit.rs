@@ -33,7 +33,7 @@ impl Room {
     fn roll_back(&mut self, tick: &mut Tick, error: &ServerError) {
         if let Some((session, scene)) = tick.before.take().map(|before| *before) {
             self.scene = scene;
-            let context = Context { reach: self.scene.decoded.posed.reach(), loaded: None };
+            let context = Context { reach: self.scene.decoded.posed.reach(), loaded: None, solved: None };
             self.session.go_back_to(session, context);
         }
         let rolled_back = |outgoing| match outgoing {

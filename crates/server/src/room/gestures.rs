@@ -27,7 +27,7 @@ impl Room {
         }
     }
 
-    pub(super) fn update_gesture(
+    pub(super) async fn update_gesture(
         &mut self,
         id: &str,
         update: u64,
@@ -39,14 +39,7 @@ impl Room {
             let error = Refusal::NoGesture(id.to_owned()).into();
             return self.refuse_gesture((id, 0), client, &error, tick);
         };
-        let now_ms = self.clock_ms();
-        let updated = command.and_then(|command| {
-            let posed = &self.scene.decoded.posed;
-            let command = document::resolved(command, self.session.document(), posed);
-            let context = Context { reach: posed.reach(), loaded: None };
-            Ok(self.session.update_gesture(id, update, command, actor, now_ms, context).cloned()?)
-        });
-        match updated {
+        match self.updated_gesture(id, update, command, actor).await {
             Ok(gesture) => {
                 tick.shows |= shows(&before) || shows(&gesture);
                 self.live_revision = self.live_revision.wrapping_add(1);
@@ -59,6 +52,21 @@ impl Room {
                 tick.send(Outgoing::GestureRefusal(client, self.gesture_state(&before, status)));
             }
         }
+    }
+
+    async fn updated_gesture(
+        &mut self,
+        id: &str,
+        update: u64,
+        command: Result<Command, ServerError>,
+        actor: &Actor,
+    ) -> Result<Gesture, ServerError> {
+        let command = document::resolved(command?, self.session.document(), &self.scene.decoded.posed);
+        let solved = self.solved(&command).await?;
+        let reach = self.scene.decoded.posed.reach();
+        let context = Context { reach, loaded: None, solved: solved.as_ref() };
+        let now_ms = self.clock_ms();
+        Ok(self.session.update_gesture(id, update, command, actor, now_ms, context).cloned()?)
     }
 
     pub(super) fn cancel_gesture(&mut self, id: &str, (client, actor): (ClientId, &Actor), tick: &mut Tick) {
@@ -101,6 +109,7 @@ impl Room {
             update: 0,
             live_revision: self.live_revision,
             changes: Vec::new(),
+            outcome: None,
             status: GestureStatus::Rejected(error.problem()),
         };
         tick.send(Outgoing::GestureRefusal(client, state));
@@ -119,6 +128,11 @@ impl Room {
             update: gesture.update,
             live_revision: self.live_revision,
             changes: gesture.changes().iter().map(protocol::Change::from).collect(),
+            outcome: gesture
+                .shown
+                .as_ref()
+                .and_then(|shown| shown.outcome.as_ref())
+                .map(|o| Box::new(o.into())),
             status,
         }
     }

@@ -1,7 +1,9 @@
 //! The messages of a tick: taken from the inbox, and carried out in order.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use document::Command;
 use protocol::ServerMessage;
 use tokio::sync::mpsc;
 
@@ -12,6 +14,36 @@ use crate::ServerError;
 use crate::limits::MAX_TICK;
 use crate::outboxes::ClientId;
 use crate::request::ClientRequest;
+
+/// Takes out the updates of feature drags after which the client's next message updates the same gesture again: to solve them
+/// takes longer than they may come apart, and the picture would fall behind the cursor.
+fn pass_over_outrun_drags(messages: &mut Vec<Message>) {
+    let mut next: BTreeMap<ClientId, Option<String>> = BTreeMap::new();
+    let mut kept: Vec<Message> = Vec::with_capacity(messages.len());
+    for message in std::mem::take(messages).into_iter().rev() {
+        if let Message::Client { client, request } = &message {
+            let update = match request {
+                ClientRequest::UpdateGesture {
+                    gesture, command: Ok(Command::DragFeature { .. }), ..
+                } => Some(gesture),
+                _ => None,
+            };
+            let outrun = update.is_some() && next.get(client).and_then(Option::as_ref) == update;
+            let updates = if let ClientRequest::UpdateGesture { gesture, .. } = request {
+                Some(gesture.clone())
+            } else {
+                None
+            };
+            next.insert(*client, updates);
+            if outrun {
+                continue;
+            }
+        }
+        kept.push(message);
+    }
+    kept.reverse();
+    *messages = kept;
+}
 
 impl Room {
     /// Carries out a message and those that wait behind it, and some of what programs have asked for.
@@ -31,6 +63,7 @@ impl Room {
                 Message::Join(_) | Message::Snapshot(_) | Message::Drain => afterwards.push(message),
             }
         }
+        pass_over_outrun_drags(&mut now);
         let mut tick = Tick { earlier: self.earlier_outcomes(&now).await, ..Tick::default() };
         for message in now {
             match message {
@@ -128,7 +161,7 @@ impl Room {
                 self.begin_gesture(&gesture, light, base_seq, holder, tick);
             }
             ClientRequest::UpdateGesture { gesture, update, command } => {
-                self.update_gesture(&gesture, update, command, holder, tick);
+                self.update_gesture(&gesture, update, command, holder, tick).await;
             }
             ClientRequest::CancelGesture(gesture) => self.cancel_gesture(&gesture, holder, tick),
             ClientRequest::Select(light) => {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use document::{Change, Command, Context, SceneContents};
+use document::{Change, Command, Context, SceneContents, SolvedDrag};
 use edit::{Actor, Record, Request, Sources, TakenBack};
 use protocol::{EditResult, GestureStatus, Outcome, ServerMessage, SessionCheckpoint};
 use store::{Rejection, StoreError};
@@ -22,6 +22,8 @@ use crate::request::Step;
 struct Found {
     /// What comes with the scene that it loads.
     loaded: Option<Arc<SceneContents>>,
+    /// Where the drag of a feature leads.
+    solved: Option<SolvedDrag>,
     taken_back: Option<TakenBack>,
 }
 
@@ -111,14 +113,15 @@ impl Room {
             }
             request => request,
         };
-        let found = self.find_for(&request, &actor.id, tick).await?;
+        let found = self.find_for(&request, actor, tick).await?;
         let held = match &request {
             Request::Commit(id) => self.gesture_of(id, actor),
             Request::Edit { .. } | Request::Undo(_) | Request::Redo(_) => None,
         };
         tick.before.get_or_insert_with(|| Box::new((self.session.clone(), self.scene.clone())));
-        let Found { loaded, taken_back } = found;
-        let context = Context { reach: self.scene.decoded.posed.reach(), loaded: loaded.as_deref() };
+        let Found { loaded, solved, taken_back } = found;
+        let reach = self.scene.decoded.posed.reach();
+        let context = Context { reach, loaded: loaded.as_deref(), solved: solved.as_ref() };
         let sources = Sources { context, taken_back };
         let committed = self.session.request(request, actor, op_id, time_ms(), sources);
         // A gesture whose commit is refused has ended all the same.
@@ -160,17 +163,38 @@ impl Room {
         tick.records.push(Arc::new(record.clone()));
     }
 
-    /// The scenes that a request loads, decoded, and the record that it takes back.
-    async fn find_for(&self, request: &Request, actor_id: &str, tick: &Tick) -> Result<Found, ServerError> {
+    /// Where the drag of a feature leads from the document as it is: found off the task's thread, as it takes a while.
+    pub(super) async fn solved(&self, command: &Command) -> Result<Option<SolvedDrag>, ServerError> {
+        let Command::DragFeature { light, drag } = command else { return Ok(None) };
+        let (bvh, document) = (self.scene.decoded.bvh().await?, self.session.document().clone());
+        let (light, drag) = (*light, drag.clone());
+        let solved = spawn_blocking(move || document::solve_drag(&document, light, &drag, &bvh)).await;
+        Ok(Some(solved.map_err(|_| ServerError::Fault)?.map_err(edit::Refusal::from)?))
+    }
+
+    /// The scenes that a request loads, decoded, where a drag leads, and the record that it takes back.
+    async fn find_for(&self, request: &Request, actor: &Actor, tick: &Tick) -> Result<Found, ServerError> {
         let mut found = Found::default();
         if matches!(request, Request::Undo(_) | Request::Redo(_)) {
-            found.taken_back = self.taken_back(request, actor_id, &tick.records).await?;
+            found.taken_back = self.taken_back(request, &actor.id, &tick.records).await?;
             for change in found.taken_back.iter().flat_map(|taken| &taken.changes) {
                 if let Change::Scene { new: Some(scene), .. } = change {
                     // So that an undo is refused here where the scene cannot be had.
                     self.backend.scenes.load(scene.asset).await?;
                 }
             }
+        }
+        match request {
+            Request::Edit { command, .. } => found.solved = self.solved(command).await?,
+            // What stands in its way now is said where the gesture ends.
+            Request::Commit(id) => {
+                let command = self.gesture_of(id, actor).and_then(|gesture| gesture.command);
+                found.solved = match command {
+                    Some(command) => self.solved(&command).await.unwrap_or_default(),
+                    None => None,
+                };
+            }
+            Request::Undo(_) | Request::Redo(_) => {}
         }
         if let Request::Edit { command: Command::LoadScene { asset, .. }, .. } = request {
             found.loaded = Some(self.backend.scenes.load(*asset).await?.contents);

@@ -130,12 +130,12 @@ impl Cell {
 
 /// The names that the contract has.
 fn limit_name(limit: Limit) -> String {
-    let name = serde_json::to_value(protocol::drag_file::DragLimit::from(limit));
+    let name = serde_json::to_value(protocol::DragLimit::from(limit));
     name.expect("a word").as_str().unwrap_or_default().to_owned()
 }
 
 fn reason_name(reason: Refusal) -> String {
-    let name = serde_json::to_value(protocol::drag_file::DragReason::from(reason));
+    let name = serde_json::to_value(protocol::DragReason::from(reason));
     name.expect("a word").as_str().unwrap_or_default().to_owned()
 }
 

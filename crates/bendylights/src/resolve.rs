@@ -1,0 +1,150 @@
+//! `bendylights replay --resolve`: drags solved again, beside what the log has of them.
+
+use std::sync::Arc;
+
+use document::{AssetHash, Command, Context, Document, EditError, SolvedDrag, edited, solve_drag};
+use drag::SOLVER;
+use edit::Session;
+use glam::DQuat;
+use light::{Light, LightId};
+use protocol::Record;
+use raycast::Bvh;
+use serde_json::json;
+use store::Store;
+
+use crate::known_scenes;
+
+/// What came of solving again.
+#[derive(Clone, Copy, Debug, Default)]
+struct Resolved {
+    /// Drags in the log: of features and of control points.
+    drags: usize,
+    /// Those that came to the log's light to the last bit.
+    same: usize,
+    /// How far the others' numbers are from the log's at most.
+    drift: f64,
+    /// The record where that is.
+    drift_seq: Option<u64>,
+    /// Those that are refused now.
+    refused: usize,
+    /// Those that another solver solved, or another version of this one.
+    other_solver: usize,
+}
+
+/// Solves the drags of a log again, one after the other.
+pub struct Resolver<'a> {
+    store: Option<&'a Store>,
+    /// The latest scene, ready for rays.
+    scene: Option<(AssetHash, Arc<Bvh>)>,
+    resolved: Resolved,
+    /// The first record whose scene is not to be found, and the scene.
+    missing: Option<(u64, AssetHash)>,
+}
+
+impl<'a> Resolver<'a> {
+    /// Scenes are looked for in `store` and among the demos.
+    pub fn new(store: Option<&'a Store>) -> Self {
+        Self { store, scene: None, resolved: Resolved::default(), missing: None }
+    }
+
+    /// Takes in a record, after which the session is as `after`.
+    pub fn visit(&mut self, record: &Record, after: &Session) {
+        // Both were read and replayed already.
+        let Ok(record) = edit::Record::try_from(record.clone()) else { return };
+        let Some((command, outcome)) = record.action.command() else { return };
+        let (Command::DragFeature { light, .. } | Command::DragPoint { light, .. }) = *command else {
+            return;
+        };
+        let mut before = after.document().clone();
+        let inverses: Vec<_> = record.changes.iter().rev().map(document::Change::inverse).collect();
+        if before.apply(&inverses).is_err() {
+            return;
+        }
+        self.resolved.drags += 1;
+        let is_of_this = |solver: &str, version: u32| (solver, version) == SOLVER;
+        if outcome.is_some_and(|outcome| !is_of_this(&outcome.solver, outcome.version)) {
+            self.resolved.other_solver += 1;
+        }
+        match self.again(&before, command, record.seq) {
+            Some(Ok(again)) => self.compare(&again, after.document(), light, record.seq),
+            Some(Err(_)) => self.resolved.refused += 1,
+            None => {}
+        }
+    }
+
+    /// The document after `command`, solved now; `None` where its scene is not to be found.
+    fn again(
+        &mut self,
+        before: &Document,
+        command: &Command,
+        seq: u64,
+    ) -> Option<Result<Document, EditError>> {
+        let solved = match command {
+            Command::DragFeature { light, drag } => {
+                let bvh = match before.scene() {
+                    None => Arc::new(Bvh::new(scene::pose(scene::Scene::default()))),
+                    Some(scene) => self.bvh(scene.asset).or_else(|| {
+                        self.missing = self.missing.or(Some((seq, scene.asset)));
+                        None
+                    })?,
+                };
+                Some(solve_drag(before, *light, drag, &bvh))
+            }
+            _ => None,
+        };
+        let solved: Option<SolvedDrag> = match solved.transpose() {
+            Ok(solved) => solved,
+            Err(error) => return Some(Err(error)),
+        };
+        let context = Context { solved: solved.as_ref(), ..Context::default() };
+        Some(edited(before, command, context).map(|edited| edited.document))
+    }
+
+    fn bvh(&mut self, asset: AssetHash) -> Option<Arc<Bvh>> {
+        if let Some((known, bvh)) = &self.scene
+            && *known == asset
+        {
+            return Some(Arc::clone(bvh));
+        }
+        let bvh = Arc::new(Bvh::new(scene::pose(known_scenes::load(self.store, &asset)?)));
+        self.scene = Some((asset, Arc::clone(&bvh)));
+        Some(bvh)
+    }
+
+    fn compare(&mut self, again: &Document, logged: &Document, light: LightId, seq: u64) {
+        let of =
+            |document: &Document| document.lights().get(&light).map(|placed| placed.light.light().clone());
+        let (Some(again), Some(logged)) = (of(again), of(logged)) else { return };
+        if again == logged {
+            self.resolved.same += 1;
+            return;
+        }
+        let drift = drift(&again, &logged);
+        if self.resolved.drift_seq.is_none() || drift > self.resolved.drift {
+            (self.resolved.drift, self.resolved.drift_seq) = (drift, Some(seq));
+        }
+    }
+
+    /// In JSON; or the first record whose scene is not to be found, and the scene.
+    pub fn answer(self) -> Result<String, (u64, AssetHash)> {
+        let Resolved { drags, same, drift, drift_seq, refused, other_solver } = self.resolved;
+        let answer = json!({
+            "drags": drags,
+            "same": same,
+            "drift": drift,
+            "drift_seq": drift_seq,
+            "refused": refused,
+            "other_solver": other_solver,
+        });
+        self.missing.map_or(Ok(answer.to_string()), Err)
+    }
+}
+
+/// The largest difference of what a drag changes: of placements and of control points.
+fn drift(a: &Light, b: &Light) -> f64 {
+    let (at, bt) = (a.transform(), b.transform());
+    let turned = |q: DQuat, r: DQuat| (q - r).length();
+    let points = a.points().iter().zip(b.points());
+    let of_points = points.map(|(p, q)| p.position.distance(q.position).max((p.radius - q.radius).abs()));
+    of_points.fold(at.translation.distance(bt.translation).max(turned(at.rotation, bt.rotation)), f64::max)
+}

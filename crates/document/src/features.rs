@@ -1,0 +1,119 @@
+//! Drags of shadows, hotspots, highlights and diffuse light: what is asked, and what the document makes of the answer.
+
+use drag::{Drag, Feature, Landing, Limit, Radii, Refusal, SOLVER, Status, Viewport};
+use glam::{DVec2, DVec3};
+use light::parameters::{ROTATION, TRANSLATION};
+use light::{Light, LightId};
+use raycast::Bvh;
+
+use crate::points::moved_points;
+use crate::{Change, Document, EditError, PlacedLight};
+
+/// A feature of a light that is dragged in a picture, as [`drag::Drag`]. What is to stay are the document's pins of the light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FeatureDrag {
+    /// What is dragged.
+    pub feature: Feature,
+    /// The control points that take part, by their indices; `None` moves the light as a whole.
+    pub points: Option<Vec<usize>>,
+    /// What becomes of radii where control points take part.
+    pub radii: Radii,
+    /// The picture that is dragged in.
+    pub view: Viewport,
+    /// Where the feature is taken, in pixels from the picture's top left corner.
+    pub from: DVec2,
+    /// Where it goes.
+    pub to: DVec2,
+    /// Whether the source may not go through a surface.
+    pub source_outside: bool,
+}
+
+/// How a drag of a feature ended, besides the light. A record holds it beside the changes; nothing depends on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DragOutcome {
+    /// What solved it.
+    pub solver: String,
+    /// Of the solver: another one may give another light.
+    pub version: u32,
+    /// Whether the feature lies under the cursor. A pin is named by the number of its [`PinId`](crate::PinId), not by an index.
+    pub status: Status,
+    /// On the screen, from the cursor to where the feature lies, in pixels; infinite where it is not in the picture.
+    pub residual_px: f64,
+    /// The node that shadows the surface under the cursor besides the one whose shadow was dragged, by its name.
+    pub shadowed_by: Option<String>,
+    /// Steps that the solver took.
+    pub iterations: usize,
+    /// Where the drag began, in the world; `None` where no surface is seen.
+    pub from_world: Option<DVec3>,
+    /// Where it ended.
+    pub to_world: Option<DVec3>,
+    /// Of a shadow: the point that throws it.
+    pub pivot_world: Option<DVec3>,
+}
+
+/// A drag of a feature, solved.
+#[derive(Clone, Debug)]
+pub struct SolvedDrag {
+    /// How it ended.
+    pub outcome: DragOutcome,
+    /// The light then.
+    light: Light,
+}
+
+/// Solves a drag of the light `id` as `document` has it, in its scene. It may take some hundredths of a second.
+pub fn solve_drag(
+    document: &Document,
+    id: LightId,
+    asked: &FeatureDrag,
+    bvh: &Bvh,
+) -> Result<SolvedDrag, EditError> {
+    let placed = document.lights.get(&id).ok_or(EditError::NoLight(id))?;
+    let FeatureDrag { feature, points, radii, view, from, to, source_outside } = asked.clone();
+    view.camera.check().map_err(EditError::InvalidCamera)?;
+    if view.size.contains(&0) || !(from.is_finite() && to.is_finite()) {
+        return Err(EditError::NoPicture);
+    }
+    let (ids, pins): (Vec<_>, Vec<_>) = document.pins_of(id).map(|(id, pin)| (id, pin.clone())).unzip();
+    let drag = Drag { feature, points, radii, from, to, pins, source_outside };
+    let landing = drag::drag(bvh, &view, &placed.light, &drag);
+    let name = |pin: usize| ids.get(pin).map_or(pin, |id| id.0 as usize);
+    let status = match landing.status {
+        Status::Limited(Limit::Pin(pin)) => Status::Limited(Limit::Pin(name(pin))),
+        Status::Refused(Refusal::PinDoesNotHold(pin)) => Status::Refused(Refusal::PinDoesNotHold(name(pin))),
+        status => status,
+    };
+    let Landing { light, residual_px, iterations, from_world, to_world, pivot_world, .. } = landing;
+    let shadowed_by = landing.shadowed_by.map(|node| bvh.posed.scene.nodes[node].name.clone());
+    let (solver, version) = SOLVER;
+    let solver = solver.to_owned();
+    let outcome = DragOutcome {
+        solver,
+        version,
+        status,
+        residual_px,
+        shadowed_by,
+        iterations,
+        from_world,
+        to_world,
+        pivot_world,
+    };
+    Ok(SolvedDrag { outcome, light })
+}
+
+/// What takes the light to where the drag leads: its placement, or its control points.
+pub(crate) fn dragged_feature(
+    document: &Document,
+    (id, placed): (LightId, &PlacedLight),
+    solved: &SolvedDrag,
+) -> Result<Vec<Change>, EditError> {
+    if let Status::Refused(reason) = solved.outcome.status {
+        return Err(EditError::NotDragged { light: document.light_name(id), reason });
+    }
+    let (light, moved) = (placed.light.light(), &solved.light);
+    let placement = [TRANSLATION.row(), ROTATION.row()].into_iter().filter_map(|parameter| {
+        let (old, new) = (light.value(parameter)?.clone(), moved.value(parameter)?.clone());
+        Some(Change::LightParameter { light: id, parameter, old, new })
+    });
+    // Those of points that did not move change nothing, and go.
+    Ok(placement.chain(moved_points((id, placed), moved.points())).collect())
+}

@@ -1,0 +1,71 @@
+//! What is to stay as it is while lights are dragged.
+
+use std::fmt;
+
+use drag::Pin;
+use light::{LightId, MAX_NAME_BYTES};
+
+use crate::{Change, Document, EditError};
+
+/// Pins that a document holds at most.
+pub const MAX_PINS: usize = 256;
+
+/// Identifies a pin for as long as a session lives. Never used twice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PinId(pub u64);
+
+/// A pin and the light that it holds. It outlives the light where undo takes that away, holds nothing meanwhile, and holds again
+/// once redo brings it back.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightPin {
+    /// The light of which something stays.
+    pub light: LightId,
+    /// What stays of it, and where.
+    pub pin: Pin,
+}
+
+impl fmt::Display for PinId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl Document {
+    /// The pins that hold a light, in the order of their ids.
+    pub fn pins_of(&self, light: LightId) -> impl Iterator<Item = (PinId, &Pin)> {
+        self.pins.iter().filter(move |(_, held)| held.light == light).map(|(id, held)| (*id, &held.pin))
+    }
+}
+
+/// A pin that comes. Whether it holds, drags find out: the scene is not at hand here.
+pub(crate) fn added_pin(document: &Document, pin: &LightPin) -> Result<Change, EditError> {
+    if !document.lights.contains_key(&pin.light) {
+        return Err(EditError::NoLight(pin.light));
+    }
+    Ok(Change::Pin { pin: PinId(document.next_number()), old: None, new: Some(pin.clone()) })
+}
+
+/// The pin `id` as `edit` leaves it, or gone.
+pub(crate) fn changed_pin(
+    document: &Document,
+    id: PinId,
+    edit: impl FnOnce(LightPin) -> Option<LightPin>,
+) -> Result<Change, EditError> {
+    let old = document.pins.get(&id).ok_or(EditError::NoPin(id))?.clone();
+    Ok(Change::Pin { pin: id, new: edit(old.clone()), old: Some(old) })
+}
+
+/// All pins that `goes` names, gone.
+pub(crate) fn removed_pins(document: &Document, goes: impl Fn(&LightPin) -> bool) -> Vec<Change> {
+    let gone = document.pins.iter().filter(|(_, pin)| goes(pin));
+    gone.map(|(&pin, old)| Change::Pin { pin, old: Some(old.clone()), new: None }).collect()
+}
+
+/// Whether a pin is within limits.
+pub(crate) fn check_pin(held: &LightPin) -> Result<(), EditError> {
+    let Pin { at, caster, .. } = &held.pin;
+    if caster.as_ref().is_some_and(|caster| caster.len() > MAX_NAME_BYTES) {
+        return Err(EditError::TooLong { field: "caster", limit: MAX_NAME_BYTES });
+    }
+    if at.is_finite() { Ok(()) } else { Err(EditError::InvalidPin) }
+}

@@ -1,0 +1,187 @@
+//! Drags of features in the demo scene: what they change, what is refused, what pins do.
+
+use std::sync::{Arc, LazyLock};
+
+use document::{
+    Change, Command, Context, Document, EditError, Edited, FeatureDrag, LightPin, edited, solve_drag,
+};
+use drag::{Feature, Limit, Pin, PinKind, Radii, Refusal, SOLVER, Status, Viewport};
+use glam::{DQuat, DVec2, DVec3};
+use light::parameters::{POSITION, ROTATION, TRANSLATION};
+use light::{CheckedLight, Light, LightId};
+use raycast::Bvh;
+
+use crate::support::done;
+
+const LIGHT: LightId = LightId(1);
+
+struct Demo {
+    bvh: Bvh,
+    view: Viewport,
+    light: Arc<CheckedLight>,
+}
+
+static DEMO: LazyLock<Demo> = LazyLock::new(|| {
+    let demo = assets::demo("vases").expect("it is one of the demos");
+    let camera = demo.contents.cameras[0].clone();
+    let light = Arc::clone(&demo.contents.lights[0]);
+    Demo { bvh: Bvh::new(scene::pose(demo.scene)), view: Viewport { camera, size: [640, 360] }, light }
+});
+
+/// The demo's light alone in a document.
+fn document() -> Document {
+    let mut document = Document::default();
+    done(&mut document, &Command::AddLight(Arc::clone(&DEMO.light)));
+    document
+}
+
+/// The shadow of the blue vase's neck goes down the table by `down` pixels.
+fn shadow(points: Option<Vec<usize>>, down: f64) -> FeatureDrag {
+    let from = DVec2::new(430.5, 265.5);
+    FeatureDrag {
+        feature: Feature::Shadow,
+        points,
+        radii: Radii::Keep,
+        view: DEMO.view.clone(),
+        from,
+        to: from + DVec2::new(0.0, down),
+        source_outside: false,
+    }
+}
+
+fn dragged(document: &Document, drag: &FeatureDrag) -> Result<Edited, EditError> {
+    let solved = solve_drag(document, LIGHT, drag, &DEMO.bvh)?;
+    let command = Command::DragFeature { light: LIGHT, drag: Box::new(drag.clone()) };
+    edited(document, &command, Context { solved: Some(&solved), ..Context::default() })
+}
+
+fn light_of(document: &Document) -> &Light {
+    document.lights()[&LIGHT].light.light()
+}
+
+/// Where light goes that a drag bends: what a pin that is a little way off may notice.
+fn a_lit_point(document: &Document) -> DVec3 {
+    let light = document.lights()[&LIGHT].light.tube().expect("a BendyLight").clone();
+    let origin = DEMO.bvh.posed.origin_in_world;
+    let mut seen = (0..640).step_by(20).filter_map(|x| {
+        let ray =
+            scene::ViewRay::new(&DEMO.view.camera, DEMO.view.size, DVec2::new(f64::from(x), 330.5), origin);
+        DEMO.bvh.seen(&ray).map(|seen| seen.position + origin)
+    });
+    seen.find(|at| light.locate(*at).point.is_some()).expect("the light reaches the picture's lower rows")
+}
+
+/// Rules: CMD-15, REC-7
+#[test]
+fn a_light_that_is_dragged_as_a_whole_is_placed_anew() {
+    let before = document();
+    let Edited { changes, document: after, outcome } =
+        dragged(&before, &shadow(None, 45.0)).expect("it lands");
+    let outcome = outcome.expect("a drag has an outcome");
+    assert_eq!((outcome.status, (outcome.solver.as_str(), outcome.version)), (Status::Landed, SOLVER));
+    assert!(outcome.residual_px <= 0.5 && outcome.pivot_world.is_some());
+    let is_placement = |change: &Change| matches!(change, Change::LightParameter { parameter, .. } if *parameter == TRANSLATION.row() || *parameter == ROTATION.row());
+    assert!(!changes.is_empty() && changes.iter().all(is_placement), "{changes:?}");
+    assert_ne!(before.hash(), after.hash());
+    // The changes alone lead there, and back.
+    let mut replayed = before.clone();
+    replayed.apply(&changes).expect("it fits");
+    assert_eq!(replayed.hash(), after.hash());
+    let back: Vec<_> = changes.iter().rev().map(Change::inverse).collect();
+    replayed.apply(&back).expect("it fits");
+    assert_eq!(replayed.hash(), before.hash());
+}
+
+/// Rules: CMD-15, DRAG-3
+#[test]
+fn a_light_that_is_bent_keeps_all_but_the_points_that_take_part() {
+    let before = document();
+    let Edited { changes, document: after, .. } =
+        dragged(&before, &shadow(Some(vec![2, 3, 4]), 45.0)).expect("it lands");
+    let is_of_those = |change: &Change| matches!(change, Change::Point { point: 2..=4, parameter, .. } if *parameter == POSITION.row());
+    assert!(!changes.is_empty() && changes.iter().all(is_of_those), "{changes:?}");
+    assert_eq!(light_of(&after).transform(), light_of(&before).transform());
+}
+
+/// The result depends on the document and the cursor: dragged on from where a drag has led is something else.
+///
+/// Rules: CMD-15, DRAG-2
+#[test]
+fn the_same_drag_gives_the_same_light() {
+    let (before, drag) = (document(), shadow(None, 45.0));
+    let [one, two] = [0, 1].map(|_| dragged(&before, &drag).expect("it lands").document.hash());
+    assert_eq!(one, two);
+    let between = dragged(&before, &shadow(None, 20.0)).expect("it lands").document;
+    let on = dragged(&between, &drag).map(|edited| edited.document.hash());
+    assert_ne!(on, Ok(one), "the planted fault: another document");
+}
+
+/// Rules: CMD-15, DRAG-4, CMD-1
+#[test]
+fn what_cannot_be_dragged_is_refused_and_says_why() {
+    let before = document();
+    let refused = |drag: &FeatureDrag| dragged(&before, drag).map(|_| ()).expect_err("refused");
+    let not_dragged = |reason| EditError::NotDragged { light: before.light_name(LIGHT), reason };
+    let off = FeatureDrag { to: DVec2::new(-50.5, -50.5), ..shadow(None, 0.0) };
+    let off = FeatureDrag { view: Viewport { camera: sky(), ..off.view.clone() }, ..off };
+    assert_eq!(refused(&off), not_dragged(Refusal::NothingAtStart));
+    assert_eq!(refused(&shadow(Some(vec![0]), 9.0)), not_dragged(Refusal::NoSuchPoint));
+    let lit = FeatureDrag { from: DVec2::new(600.5, 300.5), ..shadow(None, 9.0) };
+    assert!(matches!(refused(&lit), EditError::NotDragged { .. }));
+    let pixelless = FeatureDrag { view: Viewport { size: [0, 9], ..DEMO.view.clone() }, ..shadow(None, 9.0) };
+    assert_eq!(refused(&pixelless), EditError::NoPicture);
+    assert!(refused(&off).to_string().contains("begin on one"), "{}", refused(&off));
+
+    // Without a scene at hand nothing is known, and nothing moves.
+    let command = Command::DragFeature { light: LIGHT, drag: Box::new(shadow(None, 9.0)) };
+    let error = edited(&before, &command, Context::default()).expect_err("refused");
+    assert!(matches!(error, EditError::NotSolved(_)));
+    let nobodys = Command::DragFeature { light: LightId(9), drag: Box::new(shadow(None, 9.0)) };
+    assert!(matches!(edited(&before, &nobodys, Context::default()), Err(EditError::NoLight(LightId(9)))));
+}
+
+/// The demo's camera, turned up.
+fn sky() -> scene::Camera {
+    let camera = DEMO.view.camera.clone();
+    scene::Camera { rotation: DQuat::from_rotation_x(1.5), ..camera }
+}
+
+/// Rules: CMD-15, DRAG-5
+#[test]
+fn pins_of_the_document_hold_and_are_named_by_their_ids() {
+    let mut before = document();
+    let at = a_lit_point(&before);
+    let pin = |kind| Pin { kind, at, caster: None, is_hard: true };
+    let add = |kind, light| Command::AddPin(LightPin { light, pin: pin(kind) });
+    // Another light's pins are no matter.
+    done(&mut before, &Command::AddLight(Arc::clone(&DEMO.light)));
+    done(&mut before, &add(PinKind::Shadow, LightId(2)));
+    let free = dragged(&before, &shadow(None, 45.0)).expect("it lands");
+    assert_eq!(free.outcome.map(|outcome| outcome.status), Some(Status::Landed));
+
+    done(&mut before, &add(PinKind::Direction, LIGHT));
+    let (id, _) = before.pins_of(LIGHT).next().expect("a pin");
+    let held = dragged(&before, &shadow(None, 45.0)).expect("as near as may be");
+    let direction = |document: &Document| {
+        let tube = document.lights()[&LIGHT].light.tube().expect("a BendyLight").clone();
+        tube.locate(at).point.map(|point| point.direction)
+    };
+    let began = direction(&before).expect("inside");
+    // Outside the light there is no direction to keep.
+    let turned = |document: &Document| {
+        direction(document).map_or(f64::INFINITY, |now| now.angle_between(began).to_degrees())
+    };
+    assert!(turned(&free.document) > 0.2, "the planted fault: without the pin it turns");
+    assert!(turned(&held.document) < 0.1, "{}", turned(&held.document));
+    let status = held.outcome.expect("an outcome").status;
+    assert!(status == Status::Landed || status == Status::Limited(Limit::Pin(id.0 as usize)), "{status:?}");
+
+    // One that holds what is not so.
+    done(&mut before, &Command::SetPin { pin: id, is_hard: false });
+    done(&mut before, &add(PinKind::Shadowed, LIGHT));
+    let (wrong, _) = before.pins_of(LIGHT).last().expect("a pin");
+    let error = dragged(&before, &shadow(None, 45.0)).map(|_| ()).expect_err("it does not hold");
+    let reason = Refusal::PinDoesNotHold(wrong.0 as usize);
+    assert_eq!(error, EditError::NotDragged { light: before.light_name(LIGHT), reason });
+    assert!(error.to_string().contains(&format!("pin {wrong}")));
+}

@@ -1,0 +1,127 @@
+//! Pins come, go and change; what they hold is for drags to see.
+
+use document::{Change, Command, Document, EditError, LightPin, MAX_PINS, PinId, deed};
+use drag::{Pin, PinKind};
+use glam::DVec3;
+use light::LightId;
+use light::parameters::NAME;
+
+use crate::support::{BENDY, ROOM, SPOT, done, refused, sample};
+
+fn pin(light: LightId, kind: PinKind) -> LightPin {
+    let at = DVec3::new(1.0, -0.25, 3.5);
+    LightPin { light, pin: Pin { kind, at, caster: Some("vase".into()), is_hard: true } }
+}
+
+fn added(document: &mut Document, light: LightId) -> PinId {
+    let changes = done(document, &Command::AddPin(pin(light, PinKind::Shadow)));
+    let [Change::Pin { pin, old: None, new: Some(_) }] = changes[..] else { panic!("{changes:?}") };
+    pin
+}
+
+fn take_back(document: &mut Document, changes: &[Change]) {
+    let back: Vec<_> = changes.iter().rev().map(Change::inverse).collect();
+    document.apply(&back).expect("the changes just made");
+}
+
+/// Rules: DOC-1, DOC-4, DOC-6, CMD-1
+#[test]
+fn a_pin_comes_changes_and_goes() {
+    let mut document = sample();
+    let before = document.hash();
+    let id = added(&mut document, BENDY);
+    let with = document.hash();
+    assert_ne!(before, with);
+    let soft = done(&mut document, &Command::SetPin { pin: id, is_hard: false });
+    assert!(!document.pins()[&id].pin.is_hard && document.hash() != with);
+    assert_eq!(done(&mut document, &Command::SetPin { pin: id, is_hard: false }), [], "it is so already");
+    take_back(&mut document, &soft);
+    assert_eq!(document.hash(), with);
+    let gone = done(&mut document, &Command::RemovePin(id));
+    assert_eq!((document.hash(), deed(&gone, &document)), (before, format!("removing pin {id} of “key”")));
+    let other = added(&mut document, BENDY);
+    assert!(other > id, "no number is used twice");
+}
+
+/// Rules: DOC-4
+#[test]
+fn every_part_of_a_pin_is_in_the_hash() {
+    let hash_of = |pin: LightPin| {
+        let mut document = sample();
+        done(&mut document, &Command::AddPin(pin));
+        document.hash()
+    };
+    let one = pin(BENDY, PinKind::Shadow);
+    let of = |change: fn(&mut Pin)| {
+        let mut other = one.clone();
+        change(&mut other.pin);
+        hash_of(other)
+    };
+    let hashes = [
+        hash_of(one.clone()),
+        hash_of(LightPin { light: SPOT, ..one.clone() }),
+        of(|pin| pin.kind = PinKind::Lit),
+        of(|pin| pin.kind = PinKind::Direction),
+        of(|pin| pin.kind = PinKind::Shadowed),
+        of(|pin| pin.at.y = 0.25),
+        of(|pin| pin.caster = None),
+        of(|pin| pin.caster = Some(String::new())),
+        of(|pin| pin.is_hard = false),
+    ];
+    for (i, hash) in hashes.iter().enumerate() {
+        assert!(!hashes[..i].contains(hash), "variant {i} has the hash of another");
+    }
+    assert_eq!(of(|pin| pin.at.x = 1.0), hashes[0], "the same pin, the same hash");
+}
+
+/// Rules: DOC-6, UNDO-1
+#[test]
+fn pins_go_with_their_light_and_come_back_with_it() {
+    let mut document = sample();
+    added(&mut document, BENDY);
+    let others = added(&mut document, SPOT);
+    let hash = document.hash();
+    let removal = done(&mut document, &Command::RemoveLight(BENDY));
+    assert_eq!(document.pins().keys().copied().collect::<Vec<_>>(), [others]);
+    take_back(&mut document, &removal);
+    assert_eq!(document.hash(), hash);
+    done(&mut document, &Command::LoadScene { asset: ROOM, name: "room".into() });
+    assert!(document.pins().is_empty());
+}
+
+/// Where the light's own addition is taken back the pin stays behind, of no light.
+///
+/// Rules: DOC-6
+#[test]
+fn a_pin_outlives_a_light_that_was_taken_back() {
+    let mut document = sample();
+    let addition = done(&mut document, &Command::AddLight(crate::support::checked(crate::support::spot())));
+    let light = addition[0].light().expect("a light");
+    let id = added(&mut document, light);
+    let hash = document.hash();
+    take_back(&mut document, &addition);
+    assert!(document.pins().contains_key(&id) && !document.lights().contains_key(&light));
+    document.apply(&addition).expect("it comes back");
+    assert_eq!(document.hash(), hash);
+    done(&mut document, &Command::SetLight { light, setting: NAME.to("again".into()) });
+}
+
+/// Rules: CMD-1, DOC-6
+#[test]
+fn what_cannot_be_pinned_is_refused() {
+    let mut document = sample();
+    let nobodys = LightId(99);
+    assert_eq!(refused(&document, &Command::AddPin(pin(nobodys, PinKind::Lit))), EditError::NoLight(nobodys));
+    assert_eq!(refused(&document, &Command::RemovePin(PinId(99))), EditError::NoPin(PinId(99)));
+    let mut nowhere = pin(BENDY, PinKind::Lit);
+    nowhere.pin.at.x = f64::NAN;
+    assert_eq!(refused(&document, &Command::AddPin(nowhere)), EditError::InvalidPin);
+    let mut long = pin(BENDY, PinKind::Lit);
+    long.pin.caster = Some("x".repeat(10_000));
+    assert!(matches!(refused(&document, &Command::AddPin(long)), EditError::TooLong { .. }));
+    for _ in 0..MAX_PINS {
+        added(&mut document, BENDY);
+    }
+    let one_more = Command::AddPin(pin(BENDY, PinKind::Lit));
+    assert!(matches!(refused(&document, &one_more), EditError::TooMany { what: "pins", .. }));
+}
