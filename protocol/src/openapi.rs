@@ -183,7 +183,7 @@ fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
             summary: "Where drags of shadows, hotspots, highlights and diffuse light would lead, each from the document as it is.",
             body: Some(json_content(&list_of(&name::<Drag>(g)))),
             answer: json_content(&list_of(&name::<Dragged>(g))),
-            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_SESSION, OF_PICTURE, &[Code::Drag]],
+            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_SESSION, &[Code::Drag]],
             ..of_session.clone()
         },
         Operation {

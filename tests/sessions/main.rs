@@ -3,6 +3,7 @@
 mod bending;
 mod crash;
 mod disk;
+mod features;
 mod frames;
 mod gestures;
 mod history;
