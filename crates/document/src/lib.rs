@@ -9,10 +9,12 @@ mod camera;
 mod change;
 mod command;
 mod document;
+mod feature_drag;
 mod features;
 mod hash;
 mod naming;
 mod parameters;
+mod pin;
 mod pins;
 mod points;
 
@@ -24,8 +26,10 @@ pub use document::{
     AssetHash, CameraId, ControlPoints, Document, Layout, NotAnAssetHash, PlacedLight, SceneContents,
     SceneRef,
 };
-pub use features::{DragOutcome, FeatureDrag, SolvedDrag, solve_drag};
+pub use feature_drag::{DragOutcome, FeatureDrag};
+pub use features::{SolvedDrag, solve_drag};
 pub use hash::{DocumentHash, was_in_format_2};
 pub use naming::deed;
 pub use parameters::{Target, parameters};
-pub use pins::{LightPin, MAX_PINS, PinId};
+pub use pin::{LightPin, PinId};
+pub use pins::MAX_PINS;

@@ -1,34 +1,12 @@
-//! What is to stay as it is while lights are dragged.
-
-use std::fmt;
+//! Pins that come, change and go.
 
 use drag::Pin;
 use light::{LightId, MAX_NAME_BYTES};
 
-use crate::{Change, Document, EditError};
+use crate::{Change, Document, EditError, LightPin, PinId};
 
 /// Pins that a document holds at most.
 pub const MAX_PINS: usize = 256;
-
-/// Identifies a pin for as long as a session lives. Never used twice.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct PinId(pub u64);
-
-/// A pin and the light that it holds. It outlives the light where undo takes that away, holds nothing meanwhile, and holds again
-/// once redo brings it back.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LightPin {
-    /// The light of which something stays.
-    pub light: LightId,
-    /// What stays of it, and where.
-    pub pin: Pin,
-}
-
-impl fmt::Display for PinId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
-    }
-}
 
 impl Document {
     /// The pins that hold a light, in the order of their ids.
