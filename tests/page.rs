@@ -74,6 +74,15 @@ fn a_control_point_glides_on_the_page() {
     in_a_browser("glide.mjs");
 }
 
+/// Asks why pixels are lit.
+///
+/// Rules: PROBE-2, PROBE-5
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn lights_are_directed_in_the_picture() {
+    in_a_browser("directing.mjs");
+}
+
 /// Bends the spotlight of another maker's scene, in a room that holds all of its control points.
 ///
 /// Rules: CMD-12

@@ -11,6 +11,7 @@ import type { ClientId, LightId } from "./ids";
 import { latencyMeter } from "./latency";
 import { advance, type Mirror, NOTHING, snapshotOf } from "./mirror";
 import { operations, type Request } from "./operations";
+import { type Probing, probing } from "./probing";
 import type { ParameterTable } from "./protocol";
 import type {
   Actor,
@@ -54,6 +55,8 @@ export interface Session {
   frame: ReadonlySignal<FrameHeader | null>;
   statistics: ReadonlySignal<Statistics>;
   viewer: Viewer;
+  /** Asks what is seen at a pixel, and what each light does there. */
+  probe: Probing["ask"];
   /** Asks for `command`; `done` is told its record. */
   edit(command: Command, done?: (record: Record) => void): void;
   undo(scope: Scope): void;
@@ -113,6 +116,7 @@ export function startSession<T>(options: SessionOptions<T>): Session {
     lightName: (light) => lightName(mirror.value.document, light),
     commit: (edit, commit, changes) => asked.start(edit, commit, undefined, changes),
   });
+  const probes = probing({ host, send });
   const viewer = viewing({ host, send, bounds: () => bounds.value, latency });
   const { frame, statistics, feed, roundTrip } = display({ host, screen, send, notify, latency });
 
@@ -222,6 +226,9 @@ export function startSession<T>(options: SessionOptions<T>): Session {
       case "presence":
         setPeople(message.clients);
         break;
+      case "probed":
+        probes.answered(message);
+        break;
       case "error":
         if (!message.fatal) notify(message.message);
         break;
@@ -243,7 +250,9 @@ export function startSession<T>(options: SessionOptions<T>): Session {
     frame: feed.receive,
     state(state) {
       connection.value = state;
-      if (state.kind === "reconnecting") drags.lost();
+      if (state.kind !== "reconnecting") return;
+      drags.lost();
+      probes.lost();
     },
     roundTrip,
   });
@@ -264,6 +273,7 @@ export function startSession<T>(options: SessionOptions<T>): Session {
     frame,
     statistics,
     viewer,
+    probe: probes.ask,
     edit(command, done) {
       const request: Request = { type: "edit", opId: host.newId(), baseSeq: mirror.value.seq, command };
       asked.start(request, request, done);

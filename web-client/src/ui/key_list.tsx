@@ -17,6 +17,7 @@ const KEYS: readonly [where: string, rows: readonly [keys: string, what: string]
       ["F", "Frame the selected light"],
       ["H", "Show or hide the handles"],
       ["G", "Show or hide the film gate"],
+      ["Hold I", "Say why the pixel under the pointer is lit or not"],
     ],
   ],
   [

@@ -7,6 +7,9 @@ import { canEdit, type Page } from "./page";
 const FIELDS = "input:not([type=range]), select, textarea";
 const TYPED = ".text, [data-typed=true]";
 
+/** While it is held, pixels are asked about. */
+const PROBE_KEY = "i";
+
 /** Listens for as long as the page lives. */
 export function bindKeys(page: Page): void {
   addEventListener("keydown", (event) => {
@@ -17,10 +20,16 @@ export function bindKeys(page: Page): void {
     event.preventDefault();
     task();
   });
+  const letGo = () => {
+    page.probe.held.value = false;
+  };
+  addEventListener("keyup", ({ key }) => key.toLowerCase() === PROBE_KEY && letGo());
+  // A key that is let go of elsewhere says nothing here.
+  addEventListener("blur", letGo);
 }
 
 function taskFor(page: Page, event: KeyboardEvent): (() => void) | null {
-  const { session, scope, showGate, showHandles, showKeys } = page;
+  const { session, scope, showGate, showHandles, showKeys, probe } = page;
   const key = event.key.toLowerCase();
   if (event.ctrlKey || event.metaKey) {
     if (!canEdit(page)) return null;
@@ -37,6 +46,8 @@ function taskFor(page: Page, event: KeyboardEvent): (() => void) | null {
       return () => (showGate.value = !showGate.value);
     case "h":
       return () => (showHandles.value = !showHandles.value);
+    case PROBE_KEY:
+      return () => (probe.held.value = true);
     case "?":
       return () => (showKeys.value = true);
     default:

@@ -16,6 +16,7 @@ import "./style/page.css";
 import "./style/fields.css";
 import "./style/panels.css";
 import "./style/viewport.css";
+import "./style/directing.css";
 import "./style/layout.css";
 
 const root = document.getElementById("page") as HTMLElement;

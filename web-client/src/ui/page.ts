@@ -4,6 +4,7 @@ import { computed, effect, type Signal, signal } from "@preact/signals";
 import { createContext } from "preact";
 import { useContext } from "preact/hooks";
 
+import type { Pixel } from "../core/camera";
 import type { Host } from "../core/connection";
 import type { LightId } from "../core/ids";
 import type { Camera, SceneNodes, Scope } from "../core/protocol";
@@ -36,6 +37,13 @@ export interface Page {
   showGate: Signal<boolean>;
   /** Whether the list of keys is shown. */
   showKeys: Signal<boolean>;
+  /** Whether it is asked why pixels are lit: while its key is held, and until its button is pressed again. */
+  probe: {
+    held: Signal<boolean>;
+    on: Signal<boolean>;
+    /** The pointer in the picture as it is shown; `null` where it is elsewhere. */
+    at: Signal<Pixel | null>;
+  };
   toasts: Signal<readonly Toast[]>;
   /** The nodes of the scene; `null` while they are not known. */
   nodes: Signal<SceneNodes | null>;
@@ -91,6 +99,7 @@ export function startPage({ host, session, screen, name, pick, toasts, fetchNode
     showHandles: signal(true),
     showGate: signal(true),
     showKeys: signal(false),
+    probe: { held: signal(false), on: signal(false), at: signal<Pixel | null>(null) },
     toasts: toasts.list,
     nodes: signal(null),
   };

@@ -6,25 +6,23 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import type { Box, Size, View } from "../core/camera";
 import { isAtLimit } from "../core/document";
-import { orbit, pan, pinch, zoom } from "../core/navigation";
+import { pinch, zoom } from "../core/navigation";
 import { twoFingers } from "./fingers";
 import { fitLight, fitScene } from "./fitting";
 import { FilmGate } from "./gate";
 import { Icon } from "./icons";
 import { Overlay } from "./overlay";
-import { type Page, usePage } from "./page";
+import { usePage } from "./page";
 import { colorOf, nameOf } from "./person";
-import { followPointer } from "./pointer";
+import { hovering, pressPicture } from "./picture_press";
+import { isProbing, ProbeView } from "./probe_view";
 import { QuietButton } from "./quiet_button";
 import { sentence } from "./sentence";
 import { ViewExposure } from "./view_exposure";
 import { pressView } from "./view_keys";
 
 const LARGEST_SIDE = 1280;
-const RADIANS_PER_PIXEL = 0.006;
 const ZOOM_PER_WHEEL_PIXEL = 0.0012;
-/** A press that moves less is a click. */
-const CLICK_PX = 4;
 
 export function Viewport() {
   const page = usePage();
@@ -50,6 +48,7 @@ export function Viewport() {
       ),
     [session, size],
   );
+  const { onPointerDown: point, ...hover } = hovering(page);
   return (
     <main class="viewport">
       <ViewTools />
@@ -57,12 +56,17 @@ export function Viewport() {
         class="stage"
         ref={stage}
         data-stale={!connected && frame !== null}
+        data-probing={isProbing(page)}
         // biome-ignore lint/a11y/noNoninteractiveTabindex: as an application it takes keys
         tabIndex={0}
         role="application"
         aria-label="View: arrow keys orbit, with Shift they pan, plus and minus zoom"
         onKeyDown={(event) => pressView(event, page, view)}
-        onPointerDown={(event) => startNavigation(event, page, size)}
+        onPointerDown={(event) => {
+          point(event);
+          pressPicture(event, page, size);
+        }}
+        {...hover}
         {...fingers}
         onContextMenu={(event) => event.preventDefault()}
         onWheel={(event) => {
@@ -84,6 +88,7 @@ export function Viewport() {
         />
         {view !== null && page.showGate.value && <FilmGate view={view} at={picture} />}
         {view !== null && page.showHandles.value && <Overlay view={view} at={picture} size={size} />}
+        {view !== null && <ProbeView view={view} at={picture} size={size} />}
         <Following />
         <Staleness />
         <DragRefusal />
@@ -94,7 +99,7 @@ export function Viewport() {
 
 function ViewTools() {
   const page = usePage();
-  const { showHandles, showGate, showKeys } = page;
+  const { showHandles, showGate, showKeys, probe } = page;
   return (
     <div class="view-tools" role="toolbar" aria-label="View">
       <QuietButton title="Frame the scene (A)" label="Frame the scene" press={() => fitScene(page)}>
@@ -112,6 +117,9 @@ function ViewTools() {
       </Toggle>
       <Toggle of={showGate} title="Darken what render will not write (G)" label="Show the film gate">
         <Icon name="gate" /> Gate
+      </Toggle>
+      <Toggle of={probe.on} title="Say why the pixel under the pointer is lit or not (hold I)" label="Probe">
+        <Icon name="probe" /> Probe
       </Toggle>
       <ViewExposure />
       <span class="spring" />
@@ -195,28 +203,6 @@ function DragRefusal() {
       <span>{sentence(refusal)}</span>
     </div>
   );
-}
-
-/** Alt with the left button or the left button on nothing orbits; shift or the middle button pans. */
-function startNavigation(down: PointerEvent, page: Page, size: Size): void {
-  if (down.button === 2) return;
-  const { viewer } = page.session;
-  const pans = down.button === 1 || down.shiftKey;
-  let way = 0;
-  down.preventDefault();
-  (down.currentTarget as HTMLElement).focus({ preventScroll: true });
-  followPointer(down, {
-    move(_, by) {
-      way += Math.hypot(by.x, by.y);
-      if (way < CLICK_PX) return;
-      viewer.move((from) =>
-        pans ? pan(from, size, by) : orbit(from, -by.x * RADIANS_PER_PIXEL, -by.y * RADIANS_PER_PIXEL),
-      );
-    },
-    end() {
-      if (way < CLICK_PX && !pans) page.selectedPoint.value = null;
-    },
-  });
 }
 
 /** Wheels that count lines count 16 pixels each. */

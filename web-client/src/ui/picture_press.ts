@@ -1,0 +1,62 @@
+// What a press on the picture, beside all handles, does: here tools that work on the picture take it before the view does.
+
+import type { Pixel, Size } from "../core/camera";
+import { orbit, pan } from "../core/navigation";
+import type { Page } from "./page";
+import { followPointer } from "./pointer";
+import { isProbing } from "./probe_view";
+
+const RADIANS_PER_PIXEL = 0.006;
+/** A press that moves less is a click. */
+const CLICK_PX = 4;
+
+/** Where a pointer is in the picture of the stage that it is over. */
+export function inPicture(stage: Element, { clientX, clientY }: PointerEvent): Pixel {
+  const { x, y } = stage.querySelector("canvas")?.getBoundingClientRect() ?? { x: 0, y: 0 };
+  return { x: clientX - x, y: clientY - y };
+}
+
+/** `size` is the stage's. */
+export function pressPicture(down: PointerEvent, page: Page, size: Size): void {
+  if (down.button === 2) return;
+  down.preventDefault();
+  const stage = down.currentTarget as HTMLElement;
+  stage.focus({ preventScroll: true });
+  // A finger cannot hover: while pixels are asked about, it points at them.
+  if (down.pointerType === "touch" && isProbing(page)) return;
+  navigate(down, page, size);
+}
+
+/** Alt with the left button or the left button on nothing orbits; shift or the middle button pans. */
+function navigate(down: PointerEvent, page: Page, size: Size): void {
+  const { viewer } = page.session;
+  const pans = down.button === 1 || down.shiftKey;
+  let way = 0;
+  followPointer(down, {
+    move(_, by) {
+      way += Math.hypot(by.x, by.y);
+      if (way < CLICK_PX) return;
+      viewer.move((from) =>
+        pans ? pan(from, size, by) : orbit(from, -by.x * RADIANS_PER_PIXEL, -by.y * RADIANS_PER_PIXEL),
+      );
+    },
+    end() {
+      if (way < CLICK_PX && !pans) page.selectedPoint.value = null;
+    },
+  });
+}
+
+/** Follows the pointer over the picture, for what is asked about the pixel under it. */
+export function hovering({ probe }: Page) {
+  const follow = (event: PointerEvent) => {
+    probe.at.value = inPicture(event.currentTarget as Element, event);
+  };
+  return {
+    onPointerDown: follow,
+    onPointerMove: follow,
+    // A finger that is lifted leaves what it has asked in sight.
+    onPointerLeave: (event: PointerEvent) => {
+      if (event.pointerType !== "touch") probe.at.value = null;
+    },
+  };
+}
