@@ -117,6 +117,17 @@ export function worldPerPixel(view: View, point: Vec3): number {
   return (2 * size * (perspective ? depth : 1)) / view.height;
 }
 
+/** How what is at `point` moves on the screen, pixels for each unit that it goes along `direction`. */
+export function screenVelocity(view: View, point: Vec3, direction: Vec3): Pixel {
+  const { camera } = view;
+  const turned = inverse(camera.rotation);
+  const [at, by] = [rotate(turned, sub(point, camera.translation)), rotate(turned, direction)];
+  const perPixel = worldPerPixel(view, point);
+  // What comes nearer goes away from the middle of the picture.
+  const nearing = "perspective" in camera.projection ? by[2] / Math.max(-at[2], nearOf(camera)) : 0;
+  return { x: (by[0] + at[0] * nearing) / perPixel, y: -(by[1] + at[1] * nearing) / perPixel };
+}
+
 /** The point under `pixel` in the plane through `through` that is parallel to the picture. */
 export function inPlaneOf(view: View, pixel: Pixel, through: Vec3): Vec3 {
   const { camera, width, height } = view;

@@ -94,6 +94,12 @@ export function positionOf(handle: Handle, { light, tube, view }: Drawn): Vec3 {
 /** A handle that is pulled along, rather than turned. */
 export type Pulled = Exclude<Handle, { kind: "turn" }>;
 
+/** A handle that goes wherever it is taken. */
+export type Movable = Extract<Handle, { kind: "source" | "point" }>;
+
+export const isMovable = (handle: Handle): handle is Movable =>
+  handle.kind === "source" || handle.kind === "point";
+
 /** Grabs `handle` with the pointer at `from`: the answer says what each later position of the pointer means. */
 export function grab(handle: Handle, drawn: Drawn, from: Pixel): (pointer: Pixel) => Command {
   const { light, view } = drawn;

@@ -2,7 +2,7 @@
 
 import type { JSX } from "preact";
 
-import { depthOf, isInPicture, type Pixel, project, type View } from "../core/camera";
+import { depthOf, isInPicture, project, type View } from "../core/camera";
 import {
   type Axis,
   type Drawn,
@@ -16,11 +16,12 @@ import {
 } from "../core/handles";
 import { circle } from "../core/outline";
 import type { Vec3 } from "../core/vector";
+import { Arrows } from "./arrows";
+import { dragHandle } from "./handle_drag";
 import { pressHandle } from "./handle_keys";
 import { described, titleOf } from "./handle_texts";
 import { pathOf } from "./lines";
 import { canEdit, type Page, usePage } from "./page";
-import { followPointer } from "./pointer";
 
 interface HandlesProps {
   drawn: Drawn;
@@ -50,6 +51,7 @@ export function Handles({ drawn, locked }: HandlesProps) {
       {AXES.map((axis) => (
         <TurnRing key={axis} axis={axis} drawn={drawn} props={operate({ kind: "turn", axis })} />
       ))}
+      {!disabled && <Arrows drawn={drawn} />}
       {handlesOf(drawn.light).map((handle) => (
         <PointHandle key={handleName(handle)} handle={handle} drawn={drawn} props={operate(handle)} />
       ))}
@@ -158,14 +160,5 @@ function startDrag(down: PointerEvent, page: Page, handle: Handle, drawn: Drawn,
   (down.currentTarget as SVGElement).focus({ preventScroll: true });
   select(page, handle);
   if (disabled) return;
-  const picture = (down.currentTarget as Element).closest(".stage")?.querySelector("canvas");
-  const corner = picture?.getBoundingClientRect() ?? { x: 0, y: 0 };
-  const inPicture = ({ x, y }: Pixel): Pixel => ({ x: x - corner.x, y: y - corner.y });
-  const command = grab(handle, drawn, inPicture({ x: down.clientX, y: down.clientY }));
-  const drag = page.session.drag(drawn.id);
-  followPointer(down, {
-    move: (at) => drag.update(command(inPicture(at))),
-    end: drag.commit,
-    cancel: drag.cancel,
-  });
+  dragHandle(down, page, drawn, (from) => grab(handle, drawn, from));
 }

@@ -26,6 +26,8 @@ const KEYS: readonly [where: string, rows: readonly [keys: string, what: string]
       ["Tab", "Go to the next one"],
       ["Drag, arrows", "Move, widen or turn it"],
       ["Page Up, Page Down", "Move it away from the eye, or back"],
+      ["Drag an arrow", "Move it along one axis, or towards you"],
+      ["Shift while dragging", "Move it a tenth as far"],
       ["Shift with keys", "Ten steps at once"],
       ["Escape", "Take back what is under way"],
       ["Delete", "Remove the point, at the source the light"],

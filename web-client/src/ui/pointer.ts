@@ -4,7 +4,7 @@ import type { Pixel } from "../core/camera";
 
 export interface PointerDrag {
   /** The pointer is at `at`, `by` from where it last was; CSS pixels of the page. */
-  move(at: Pixel, by: Pixel): void;
+  move(at: Pixel, by: Pixel, event: PointerEvent): void;
   end?(): void;
   /** Escape, a second finger, or the pointer was taken away. */
   cancel?(): void;
@@ -27,8 +27,9 @@ export function followPointer(down: PointerEvent, drag: PointerDrag): void {
       (event) => (event as PointerEvent).pointerId === down.pointerId && task(event as PointerEvent),
       { signal },
     );
-  on("pointermove", ({ clientX: x, clientY: y }) => {
-    drag.move({ x, y }, { x: x - last.x, y: y - last.y });
+  on("pointermove", (event) => {
+    const { clientX: x, clientY: y } = event;
+    drag.move({ x, y }, { x: x - last.x, y: y - last.y }, event);
     last = { x, y };
   });
   on("pointerup", () => stop(drag.end));

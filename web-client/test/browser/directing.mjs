@@ -1,12 +1,19 @@
 // Lights are directed in the picture: asked why a pixel is lit, pulled along one way, laid on surfaces, aimed, and looked
 // through.
 
-import { expect, reached, runBrowserTest, seqOf } from "./page.mjs";
+import { expect, handleAt, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
 
-await runBrowserTest(async ({ open, picture }) => {
+await runBrowserTest(async ({ open, picture, http }) => {
   const page = await open("Ada", { width: 1440, height: 860 });
   await theProbe(page, picture);
+  await arrows(page, picture, http);
+  await fine(page);
 });
+
+/** The demo's light as the server has it. */
+async function keyOf(http) {
+  return (await (await http("")).json()).document.lights[0].light;
+}
 
 /** A place on the stage by shares of the picture. */
 async function onPicture(page, x, y) {
@@ -69,4 +76,93 @@ async function theProbe(page, picture) {
   await probed(page, shadowed, "shadowed by blue vase");
   await page.getByRole("button", { name: "Probe", exact: true }).click();
   await panel.waitFor({ state: "detached" });
+}
+
+/** Drags the middle of an arrow's head by so many pixels of its own way, and waits for the record. */
+async function pull(page, name, px) {
+  const seq = await seqOf(page);
+  const mark = page.locator(`[data-handle="${name}"] .mark`);
+  const [tail, tip] = await mark.evaluate((path) => {
+    const { a, b, e, f } = path.getScreenCTM();
+    const at = (along) => ({ x: e + along * a, y: f + along * b });
+    return [at(0), at(30)];
+  });
+  const way = { x: (tip.x - tail.x) / 30, y: (tip.y - tail.y) / 30 };
+  await page.mouse.move(tip.x, tip.y);
+  await page.mouse.down();
+  await page.mouse.move(tip.x + way.x * px, tip.y + way.y * px, { steps: 6 });
+  await page.mouse.up();
+  await reached(page, seq + 1);
+  return { x: way.x * px, y: way.y * px };
+}
+
+/** An arrow pulls what is selected along its axis, and the depth arrow leaves it under its pixel. */
+async function arrows(page, picture, http) {
+  await page.keyboard.press("f");
+  await settled(page);
+  await picture(page, "4-arrows-of-the-source");
+  const before = await keyOf(http);
+  await pull(page, "pull-y", 30);
+  const raised = (await keyOf(http)).transform.translation;
+  const [x, y, z] = sub(raised, before.transform.translation);
+  expect(x === 0 && z === 0 && y > 0.05, `The light must go up and nowhere else; it went by ${[x, y, z]}.`);
+
+  await page.getByRole("button", { name: "2", exact: true }).click();
+  // So that the tube's bend is in no arrow's way.
+  const follow = page.getByRole("checkbox", { name: "Radii follow" });
+  await follow.check();
+  await picture(page, "5-arrows-of-a-point");
+  const start = await handleAt(page, "point-2");
+  const along = await pull(page, "pull-z", 25);
+  const pulled = await handleAt(page, "point-2");
+  const [gone, aside] = [
+    ((pulled.x - start.x) * along.x + (pulled.y - start.y) * along.y) / 25,
+    ((pulled.x - start.x) * along.y - (pulled.y - start.y) * along.x) / 25,
+  ];
+  expect(Math.abs(gone - 25) < 0.2, `It must go as far as the pointer: 25 pixels, not ${gone}.`);
+  expect(Math.abs(aside) < 0.2, `It must stay on its axis; it is ${aside} pixels off.`);
+  const moved = sub((await keyOf(http)).points[2], before.points[2]);
+  const off = Math.max(Math.abs(moved[0]), Math.abs(moved[1]));
+  expect(off < 1e-9 && Math.abs(moved[2]) > 0.05, `Along z it must go; it went by ${moved}.`);
+
+  await pull(page, "pull-depth", 25);
+  const nearer = await handleAt(page, "point-2");
+  expect(distance(nearer, pulled) < 0.2, "Towards the eye it must stay where it is seen.");
+  const there = (await keyOf(http)).points[2];
+  expect(Math.hypot(...sub(there, before.points[2])) > 0.1, "And come nearer.");
+  for (const _ of [1, 2, 3]) await page.keyboard.press("Control+z");
+  await settled(page);
+  expect(isSame(await keyOf(http), before), "Each pull must be one step.");
+  await follow.uncheck();
+}
+
+/** With Shift a handle goes a tenth of the pointer's way, and goes on from there without. */
+async function fine(page) {
+  const seq = await seqOf(page);
+  const start = await handleAt(page, "point-2");
+  await page.mouse.move(start.x, start.y);
+  await page.mouse.down();
+  await page.keyboard.down("Shift");
+  await page.mouse.move(start.x + 40, start.y - 20, { steps: 4 });
+  await page.keyboard.up("Shift");
+  await page.mouse.move(start.x + 45, start.y - 20, { steps: 2 });
+  await page.mouse.up();
+  await reached(page, seq + 1);
+  const end = await handleAt(page, "point-2");
+  const off = distance(end, { x: start.x + 4 + 5, y: start.y - 2 });
+  expect(off < 0.2, `Forty pixels with Shift are four: it is ${off} pixels off.`);
+  await page.keyboard.press("Control+z");
+  await reached(page, seq + 2);
+}
+
+function sub(a, b) {
+  return a.map((x, k) => x - b[k]);
+}
+
+function distance(a, b) {
+  return Math.hypot(a.x - b.x, a.y - b.y);
+}
+
+function isSame(a, b) {
+  return JSON.stringify(a) === JSON.stringify(b);
 }
