@@ -74,9 +74,9 @@ fn a_control_point_glides_on_the_page() {
     in_a_browser("glide.mjs");
 }
 
-/// Asks why pixels are lit, and pulls a light by its arrows.
+/// Asks why pixels are lit, pulls a light by its arrows, lays it on surfaces, aims it, and looks through it.
 ///
-/// Rules: PROBE-2, PROBE-5, GEST-1
+/// Rules: PROBE-1, PROBE-2, PROBE-5, GEST-1, SOCK-7
 #[test]
 #[ignore = "needs the page and a browser: make page test-packages"]
 fn lights_are_directed_in_the_picture() {

@@ -65,5 +65,5 @@ function startPulling(down: PointerEvent, page: Page, arrow: Arrow, drawn: Drawn
   const name = moves.kind === "source" ? moves.kind : `point-${moves.point}`;
   const overlay = (down.currentTarget as Element).closest(".overlay");
   overlay?.querySelector<SVGElement>(`[data-handle="${name}"]`)?.focus({ preventScroll: true });
-  dragHandle(down, page, drawn, (from) => grabArrow(arrow, drawn, from));
+  dragHandle(down, page, { drawn, grab: (from) => grabArrow(arrow, drawn, from), movable: null });
 }

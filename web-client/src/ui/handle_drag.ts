@@ -1,36 +1,62 @@
 // Drags of handles and arrows with the pointer.
 
 import type { Pixel } from "../core/camera";
-import type { Drawn } from "../core/handles";
+import type { Drawn, Movable } from "../core/handles";
 import type { Command } from "../core/protocol";
+import { laidOn, snapping } from "../core/snapping";
 import type { Page } from "./page";
+import { inPicture, questionOn } from "./picture_press";
 import { followPointer } from "./pointer";
-import { inPicture } from "./picture_press";
 
-/** What the pointer's positions mean, from where it has grabbed something. */
-export type Grab = (from: Pixel) => (pointer: Pixel) => Command;
+export interface Grabbed {
+  drawn: Drawn;
+  /** What the pointer's positions mean, from where it has grabbed something. */
+  grab(from: Pixel): (pointer: Pixel) => Command;
+  /** What can be laid on surfaces, if that is dragged. */
+  movable: Movable | null;
+}
 
 /** With Shift what is dragged goes this much of the pointer's way. */
 const FINE = 0.1;
 
 /** Drags something of a light until the pointer is let go of. */
-export function dragHandle(down: PointerEvent, page: Page, drawn: Drawn, grab: Grab): void {
+export function dragHandle(down: PointerEvent, page: Page, { drawn, grab, movable }: Grabbed): void {
   const stage = (down.currentTarget as Element).closest(".stage");
   if (stage === null) return;
   const command = grab(inPicture(stage, down));
-  const drag = page.session.drag(drawn.id);
+  const { session } = page;
+  const drag = session.drag(drawn.id);
   /** How far what is dragged stays behind the pointer, for the ways that it went with Shift. */
   const behind: Pixel = { x: 0, y: 0 };
+  const snap = snapping(
+    (pixel, onProbed) => {
+      const question = questionOn(stage, page, pixel);
+      if (question === null) onProbed(null);
+      else session.probe("snap", question, onProbed);
+    },
+    (surface) => {
+      if (movable !== null) drag.update(laidOn(movable, drawn, surface, session.bounds.value));
+    },
+  );
   followPointer(down, {
     move(_, by, event) {
+      const pixel = inPicture(stage, event);
+      // The key turns the page's choice around.
+      if (movable !== null && page.snaps.value !== (event.ctrlKey || event.metaKey)) {
+        snap.to(pixel);
+        return;
+      }
+      snap.stop();
       if (event.shiftKey) {
         behind.x += (1 - FINE) * by.x;
         behind.y += (1 - FINE) * by.y;
       }
-      const { x, y } = inPicture(stage, event);
-      drag.update(command({ x: x - behind.x, y: y - behind.y }));
+      drag.update(command({ x: pixel.x - behind.x, y: pixel.y - behind.y }));
     },
-    end: drag.commit,
-    cancel: drag.cancel,
+    end: () => snap.afterLast(drag.commit),
+    cancel() {
+      snap.stop();
+      drag.cancel();
+    },
   });
 }

@@ -10,6 +10,7 @@ import {
   type Handle,
   handleName,
   handlesOf,
+  isMovable,
   positionOf,
   turnAxis,
   turnRadius,
@@ -160,5 +161,6 @@ function startDrag(down: PointerEvent, page: Page, handle: Handle, drawn: Drawn,
   (down.currentTarget as SVGElement).focus({ preventScroll: true });
   select(page, handle);
   if (disabled) return;
-  dragHandle(down, page, drawn, (from) => grab(handle, drawn, from));
+  const movable = isMovable(handle) ? handle : null;
+  dragHandle(down, page, { drawn, grab: (from) => grab(handle, drawn, from), movable });
 }

@@ -27,6 +27,7 @@ const KEYS: readonly [where: string, rows: readonly [keys: string, what: string]
       ["Drag, arrows", "Move, widen or turn it"],
       ["Page Up, Page Down", "Move it away from the eye, or back"],
       ["Drag an arrow", "Move it along one axis, or towards you"],
+      ["Ctrl while dragging", "Lay it on the surface under the pointer"],
       ["Shift while dragging", "Move it a tenth as far"],
       ["Shift with keys", "Ten steps at once"],
       ["Escape", "Take back what is under way"],
@@ -39,6 +40,8 @@ const KEYS: readonly [where: string, rows: readonly [keys: string, what: string]
       ["M", "Switch the selected one off or on"],
       ["S", "See it alone, or all again"],
       ["D", "Duplicate it"],
+      ["T", "Aim it at what is clicked next"],
+      ["L", "Look through it, and back"],
     ],
   ],
   [

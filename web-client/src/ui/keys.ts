@@ -1,5 +1,6 @@
 // Keys of the whole page. Fields keep theirs, but for undo where nothing was typed.
 
+import { canAim, toggleAiming, toggleLookThrough } from "./directing";
 import { fitLight, fitScene } from "./fitting";
 import { duplicateLight, isFree, toggleMute, toggleSolo } from "./light_actions";
 import { canEdit, type Page } from "./page";
@@ -46,6 +47,8 @@ function taskFor(page: Page, event: KeyboardEvent): (() => void) | null {
       return () => (showGate.value = !showGate.value);
     case "h":
       return () => (showHandles.value = !showHandles.value);
+    case "escape":
+      return page.aiming.value === "off" ? null : () => (page.aiming.value = "off");
     case PROBE_KEY:
       return () => (probe.held.value = true);
     case "?":
@@ -61,6 +64,8 @@ function taskForLight(page: Page, key: string): (() => void) | null {
   const light = selectedLight.value;
   if (light === null) return null;
   if (key === "s") return session.viewer.following.value === null ? () => toggleSolo(page, light) : null;
+  if (key === "l") return () => toggleLookThrough(page);
+  if (key === "t") return canAim(page, light) ? () => toggleAiming(page) : null;
   const edit = { d: duplicateLight, m: toggleMute }[key];
   return edit !== undefined && isFree(page, light) ? () => edit(page, light) : null;
 }

@@ -7,6 +7,7 @@ import type { LightId } from "../core/ids";
 import { type Section, sectionsOf, setParameter, valueIn } from "../core/parameters";
 import type { Light } from "../core/protocol";
 import { lightBinding } from "./binding";
+import { toggleAiming, toggleLookThrough } from "./directing";
 import { Icon } from "./icons";
 import { bendLight, duplicateLight, hasCone, straightenLight } from "./light_actions";
 import { canEdit, usePage } from "./page";
@@ -90,6 +91,25 @@ function LightTools({ id, light, disabled }: { id: LightId; light: Light; disabl
           <Icon name="bendy" /> Bend
         </QuietButton>
       )}
+      {light.type !== "omni" && (
+        <QuietButton
+          title="Turn this light to what is clicked next in the picture (T)"
+          label="Aim this light"
+          pressed={page.aiming.value !== "off"}
+          disabled={disabled}
+          press={() => toggleAiming(page)}
+        >
+          <Icon name="aim" /> Aim
+        </QuietButton>
+      )}
+      <QuietButton
+        title="Look from where this light stands to where it shines, and back (L)"
+        label="Look through this light"
+        pressed={page.excursion.value?.light === id}
+        press={() => toggleLookThrough(page)}
+      >
+        <Icon name="view" /> Through
+      </QuietButton>
       <QuietButton
         title="Duplicate this light (D)"
         label="Duplicate this light"

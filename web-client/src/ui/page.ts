@@ -10,6 +10,7 @@ import type { LightId } from "../core/ids";
 import type { Camera, SceneNodes, Scope } from "../core/protocol";
 import type { Session } from "../core/session";
 import type { Vec3 } from "../core/vector";
+import type { Aiming, Excursion } from "./directing";
 import { committing, type Presses, startPresses } from "./presses";
 import type { Screen } from "./screen";
 
@@ -31,6 +32,11 @@ export interface Page {
   selectedPoint: Signal<number | null>;
   /** Whether radii that would fold the tube shrink where control points are dragged. */
   radiiFollow: Signal<boolean>;
+  /** Whether what is dragged is laid on the surface under the pointer. */
+  snaps: Signal<boolean>;
+  aiming: Signal<Aiming>;
+  /** The view through a light, while one has not gone back from it. */
+  excursion: Signal<Excursion | null>;
   scope: Signal<Scope>;
   showHandles: Signal<boolean>;
   /** Whether what `render` would not write is darkened. */
@@ -95,6 +101,9 @@ export function startPage({ host, session, screen, name, pick, toasts, fetchNode
     selectedLight,
     selectedPoint: signal(null),
     radiiFollow: signal(false),
+    snaps: signal(false),
+    aiming: signal<Aiming>("off"),
+    excursion: signal<Excursion | null>(null),
     scope: signal<Scope>("mine"),
     showHandles: signal(true),
     showGate: signal(true),

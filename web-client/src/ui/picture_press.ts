@@ -2,6 +2,8 @@
 
 import type { Pixel, Size } from "../core/camera";
 import { orbit, pan } from "../core/navigation";
+import { type PixelQuestion, questionAt } from "../core/probing";
+import { aimAt } from "./directing";
 import type { Page } from "./page";
 import { followPointer } from "./pointer";
 import { isProbing } from "./probe_view";
@@ -16,6 +18,12 @@ export function inPicture(stage: Element, { clientX, clientY }: PointerEvent): P
   return { x: clientX - x, y: clientY - y };
 }
 
+/** What is asked of a pixel of the picture as the stage shows it; `null` beside the picture, and while there is none. */
+export function questionOn(stage: Element, { session }: Page, pixel: Pixel): PixelQuestion | null {
+  const [shown, frame] = [stage.querySelector("canvas")?.getBoundingClientRect(), session.frame.value];
+  return shown === undefined || frame === null ? null : questionAt(pixel, shown, frame);
+}
+
 /** `size` is the stage's. */
 export function pressPicture(down: PointerEvent, page: Page, size: Size): void {
   if (down.button === 2) return;
@@ -24,11 +32,15 @@ export function pressPicture(down: PointerEvent, page: Page, size: Size): void {
   stage.focus({ preventScroll: true });
   // A finger cannot hover: while pixels are asked about, it points at them.
   if (down.pointerType === "touch" && isProbing(page)) return;
-  navigate(down, page, size);
+  // A tool that takes whole presses goes here; a click that aims leaves drags to the view.
+  const click =
+    page.aiming.value === "off" ? null : () => aimAt(page, questionOn(stage, page, inPicture(stage, down)));
+  navigate(down, page, size, click);
 }
 
-/** Alt with the left button or the left button on nothing orbits; shift or the middle button pans. */
-function navigate(down: PointerEvent, page: Page, size: Size): void {
+/** Alt with the left button or the left button on nothing orbits; shift or the middle button pans. A click does `click`, or
+ * else selects the light as a whole. */
+function navigate(down: PointerEvent, page: Page, size: Size, click: (() => void) | null): void {
   const { viewer } = page.session;
   const pans = down.button === 1 || down.shiftKey;
   let way = 0;
@@ -41,7 +53,9 @@ function navigate(down: PointerEvent, page: Page, size: Size): void {
       );
     },
     end() {
-      if (way < CLICK_PX && !pans) page.selectedPoint.value = null;
+      if (way >= CLICK_PX || pans) return;
+      if (click === null) page.selectedPoint.value = null;
+      else click();
     },
   });
 }

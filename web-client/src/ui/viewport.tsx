@@ -7,10 +7,12 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Box, Size, View } from "../core/camera";
 import { isAtLimit } from "../core/document";
 import { pinch, zoom } from "../core/navigation";
+import { aimAt, middleOf } from "./directing";
 import { twoFingers } from "./fingers";
 import { fitLight, fitScene } from "./fitting";
 import { FilmGate } from "./gate";
 import { Icon } from "./icons";
+import { Modes } from "./modes";
 import { Overlay } from "./overlay";
 import { usePage } from "./page";
 import { colorOf, nameOf } from "./person";
@@ -49,6 +51,7 @@ export function Viewport() {
     [session, size],
   );
   const { onPointerDown: point, ...hover } = hovering(page);
+  const aims = page.aiming.value !== "off";
   return (
     <main class="viewport">
       <ViewTools />
@@ -56,12 +59,16 @@ export function Viewport() {
         class="stage"
         ref={stage}
         data-stale={!connected && frame !== null}
-        data-probing={isProbing(page)}
+        data-pointing={isProbing(page) || aims}
+        data-aiming={aims}
         // biome-ignore lint/a11y/noNoninteractiveTabindex: as an application it takes keys
         tabIndex={0}
         role="application"
         aria-label="View: arrow keys orbit, with Shift they pan, plus and minus zoom"
-        onKeyDown={(event) => pressView(event, page, view)}
+        onKeyDown={(event) => {
+          if (aims && event.key === "Enter") aimAt(page, middleOf(page));
+          else pressView(event, page, view);
+        }}
         onPointerDown={(event) => {
           point(event);
           pressPicture(event, page, size);
@@ -91,6 +98,7 @@ export function Viewport() {
         {view !== null && <ProbeView view={view} at={picture} size={size} />}
         <Following />
         <Staleness />
+        <Modes />
         <DragRefusal />
       </div>
     </main>
@@ -99,7 +107,7 @@ export function Viewport() {
 
 function ViewTools() {
   const page = usePage();
-  const { showHandles, showGate, showKeys, probe } = page;
+  const { showHandles, showGate, showKeys, snaps, probe } = page;
   return (
     <div class="view-tools" role="toolbar" aria-label="View">
       <QuietButton title="Frame the scene (A)" label="Frame the scene" press={() => fitScene(page)}>
@@ -117,6 +125,13 @@ function ViewTools() {
       </Toggle>
       <Toggle of={showGate} title="Darken what render will not write (G)" label="Show the film gate">
         <Icon name="gate" /> Gate
+      </Toggle>
+      <Toggle
+        of={snaps}
+        title="Lay points and sources that are dragged on the surface under the pointer (Ctrl turns it around)"
+        label="Snap to surfaces"
+      >
+        <Icon name="snap" /> Snap
       </Toggle>
       <Toggle of={probe.on} title="Say why the pixel under the pointer is lit or not (hold I)" label="Probe">
         <Icon name="probe" /> Probe

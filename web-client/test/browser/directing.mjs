@@ -1,13 +1,16 @@
 // Lights are directed in the picture: asked why a pixel is lit, pulled along one way, laid on surfaces, aimed, and looked
 // through.
 
-import { expect, handleAt, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
+import { expect, handleAt, pixels, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
 
 await runBrowserTest(async ({ open, picture, http }) => {
   const page = await open("Ada", { width: 1440, height: 860 });
   await theProbe(page, picture);
   await arrows(page, picture, http);
   await fine(page);
+  await snapping(page, picture, http);
+  await aiming(page, picture, http);
+  await lookingThrough(page, picture, http);
 });
 
 /** The demo's light as the server has it. */
@@ -153,6 +156,127 @@ async function fine(page) {
   expect(off < 0.2, `Forty pixels with Shift are four: it is ${off} pixels off.`);
   await page.keyboard.press("Control+z");
   await reached(page, seq + 2);
+}
+
+/** Where a control point of the demo's light is in the world; the light stands unturned. */
+function worldOf({ transform: { translation }, points }, point) {
+  return points[point].map((x, k) => x + translation[k]);
+}
+
+/** What is dragged with Ctrl, or with the toggle on, lies on the surface under the pointer. */
+async function snapping(page, picture, http) {
+  await page.getByRole("checkbox", { name: "Radii follow" }).check();
+  const seq = await seqOf(page);
+  const before = await keyOf(http);
+  const onTable = await onPicture(page, 0.6, 0.62);
+  const start = await handleAt(page, "point-3");
+  await page.mouse.move(start.x, start.y);
+  await page.mouse.down();
+  await page.keyboard.down("Control");
+  await page.mouse.move(onTable.x, onTable.y, { steps: 5 });
+  await page.mouse.up();
+  await page.keyboard.up("Control");
+  await reached(page, seq + 1);
+  await settled(page);
+  expect(distance(await handleAt(page, "point-3"), onTable) < 0.2, "The point must be under the pointer.");
+  const table = worldOf(await keyOf(http), 3);
+  expect(Math.abs(table[1]) < 1e-9, `The table's top has height 0; the point has ${table[1]}.`);
+  expect(Math.abs(worldOf(before, 3)[1]) > 0.1, "It must not have been there before.");
+  await picture(page, "6-snapped");
+  await page.keyboard.press("Control+z");
+  await reached(page, seq + 2);
+
+  await page.getByRole("button", { name: "Snap to surfaces" }).click();
+  const source = await handleAt(page, "source");
+  await page.mouse.move(source.x, source.y);
+  await page.mouse.down();
+  await page.mouse.move(onTable.x, onTable.y, { steps: 5 });
+  await page.mouse.up();
+  await reached(page, seq + 3);
+  const [, height] = (await keyOf(http)).transform.translation;
+  expect(height > 0 && height < 0.02, `The source must lie just above the table, not ${height} over it.`);
+  await page.keyboard.press("Control+z");
+  await reached(page, seq + 4);
+  await page.getByRole("button", { name: "Snap to surfaces" }).click();
+  expect(isSame(await keyOf(http), before), "Each must be one step.");
+  await page.getByRole("checkbox", { name: "Radii follow" }).uncheck();
+}
+
+/** The next click turns the light there; one beside everything does not, and Enter takes the middle. */
+async function aiming(page, picture, http) {
+  const seq = await seqOf(page);
+  const before = await keyOf(http);
+  const banner = page.locator(".banner.mode");
+  await page.getByRole("button", { name: "Aim this light" }).click();
+  await banner.getByText("Click what “key” is to shine at").waitFor();
+  await picture(page, "7-aiming");
+  const sky = await onPicture(page, 0.5, 0.01);
+  await page.mouse.click(sky.x, sky.y);
+  await banner.getByText("Nothing is seen there").waitFor();
+  // On a handle, too, it is what is behind.
+  const target = await handleAt(page, "point-4");
+  await page.mouse.click(target.x, target.y);
+  await banner.waitFor({ state: "detached" });
+  await reached(page, seq + 1);
+  await settled(page, seq + 1);
+  const aimed = await keyOf(http);
+  expect(isSame(aimed.transform.translation, before.transform.translation), "It must stay where it is.");
+  const source = await handleAt(page, "source");
+  const first = await handleAt(page, "point-1");
+  const [way, wanted] = [
+    Math.atan2(first.y - source.y, first.x - source.x),
+    Math.atan2(target.y - source.y, target.x - source.x),
+  ];
+  // On the screen a straight way is straight.
+  expect(Math.abs(way - wanted) < 0.005, `It must leave its source towards the target: ${way}, ${wanted}.`);
+  await picture(page, "8-aimed");
+  await page.keyboard.press("t");
+  await banner.waitFor();
+  await page.locator(".stage").focus();
+  await page.keyboard.press("Enter");
+  await reached(page, seq + 2);
+  await page.keyboard.press("t");
+  await banner.waitFor();
+  await page.keyboard.press("Escape");
+  await banner.waitFor({ state: "detached" });
+  for (const _ of [1, 2]) await page.keyboard.press("Control+z");
+  await reached(page, seq + 4);
+  expect(isSame(await keyOf(http), before), "Undo must turn it back.");
+}
+
+/** One's own view from the light, and back to the very same view. */
+async function lookingThrough(page, picture, http) {
+  const seq = await seqOf(page);
+  await page.keyboard.press("a");
+  await settled(page);
+  const shown = await pixels(page);
+  await page.getByRole("button", { name: "Look through this light" }).click();
+  const banner = page.locator(".banner.mode");
+  await banner.getByText("Looking through “key”").waitFor();
+  await settled(page);
+  await picture(page, "9-looking-through");
+  await page.locator(".stage").focus();
+  await page.keyboard.press("ArrowLeft");
+  await banner.getByText("Away from your view").waitFor();
+  await banner.getByRole("button", { name: "Back" }).click();
+  await settled(page);
+  expect((await pixels(page)) === shown, "Back must be where one was.");
+  for (const _ of [1, 2]) await page.keyboard.press("l");
+  await settled(page);
+  expect((await pixels(page)) === shown, "By its key, too.");
+  expect((await seqOf(page)) === seq, "None of it may be logged.");
+
+  // A wide spotlight's cone is what the gate frames.
+  const light = { type: "spot", name: "rim", coneAngle: 40, transform: { translation: [0, 3, 2] } };
+  await http("/edits", { edits: [{ command: { type: "addLight", light } }] });
+  await page.getByRole("button", { name: "rim", exact: true }).click();
+  await page.keyboard.press("l");
+  await banner.getByText("Looking through “rim”").waitFor();
+  await settled(page);
+  const gate = await page.locator(".gate").boundingBox();
+  expect(Math.abs(gate.width - gate.height) < 0.1, "A cone is as high as it is wide.");
+  await picture(page, "10-looking-through-a-spotlight");
+  await page.keyboard.press("l");
 }
 
 function sub(a, b) {

@@ -1,0 +1,63 @@
+// What is said over the picture while a click aims a light, or while one looks through a light.
+
+import type { ComponentChildren } from "preact";
+
+import { seeTheSame } from "../core/camera";
+import { lightName } from "../core/document";
+import { type Aiming as AimingState, lookBack } from "./directing";
+import { usePage } from "./page";
+
+export function Modes() {
+  return (
+    <>
+      <LookingThrough />
+      <Aiming />
+    </>
+  );
+}
+
+function LookingThrough() {
+  const page = usePage();
+  const { session, excursion } = page;
+  const { value } = excursion;
+  if (value === null) return null;
+  const own = session.viewer.own.value;
+  const isThere = own !== null && seeTheSame(own.camera, value.camera);
+  return (
+    <Mode>
+      {isThere ? `Looking through ${value.name}` : "Away from your view"}
+      <button class="quiet" onClick={() => lookBack(page)}>
+        Back
+      </button>
+    </Mode>
+  );
+}
+
+function Aiming() {
+  const { session, selectedLight, aiming } = usePage();
+  const id = selectedLight.value;
+  if (aiming.value === "off" || id === null) return null;
+  const name = lightName(session.document.value, id);
+  const said: { [S in AimingState]: string } = {
+    off: "",
+    on: `Click what ${name} is to shine at; Enter takes the middle`,
+    missed: "Nothing is seen there: click on a surface",
+  };
+  return (
+    <Mode>
+      <span>{said[aiming.value]}</span>
+      <button class="quiet" onClick={() => (aiming.value = "off")}>
+        Stop
+      </button>
+    </Mode>
+  );
+}
+
+/** A press on it is none on the picture, which would keep the pointer to itself. */
+function Mode({ children }: { children: ComponentChildren }) {
+  return (
+    <div class="banner mode" role="status" onPointerDown={(event) => event.stopPropagation()}>
+      {children}
+    </div>
+  );
+}
