@@ -147,6 +147,9 @@ pub enum ClientMessage {
         /// Width and height of the picture in pixels; by default those of that view.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         size: Option<[u32; 2]>,
+        /// Whether it is asked where highlights lie.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        highlights: bool,
     },
     /// Answered by `pong`.
     Ping {

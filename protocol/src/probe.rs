@@ -19,6 +19,9 @@ pub struct ProbeRequest {
     pub size: [u32; 2],
     /// In pixels from the picture's top left corner; a pixel's centre is at .5.
     pub pixel: [f64; 2],
+    /// Whether it is asked where highlights lie.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub highlights: bool,
 }
 
 /// Who looks.
@@ -100,6 +103,9 @@ pub struct ProbedLight {
     /// The way of its light to the surface as a polyline: points in the world, from the source on; of a directional light from
     /// outside of the scene. Empty outside.
     pub path: Vec<Vec3>,
+    /// The centre of its highlight near the pixel, in pixels; left out where it is not asked for or there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub highlight: Option<[f64; 2]>,
 }
 
 /// Whether a light lights a surface, or the first reason of these that it does not.
@@ -165,7 +171,13 @@ pub struct ProbedPlace {
 
 impl Probed {
     /// What was found in a scene.
-    pub fn new(probe: &Probe, posed: &PosedScene) -> Self {
+    ///
+    /// `highlight` says where the highlight of a light lies that is asked for.
+    pub fn new(
+        probe: &Probe,
+        posed: &PosedScene,
+        highlight: impl Fn(&LightProbe) -> Option<[f64; 2]>,
+    ) -> Self {
         let seen = probe.seen.map(|seen| ProbedSurface {
             node: posed.nodes().path(seen.node),
             material: Some(posed.scene.materials[seen.material].name.clone()).filter(|name| !name.is_empty()),
@@ -174,12 +186,12 @@ impl Probed {
             depth: seen.depth,
             fill: finite(seen.fill),
         });
-        Self { seen, lights: probe.lights.iter().map(|light| ProbedLight::new(light, posed)).collect() }
+        Self { seen, lights: probe.lights.iter().map(|light| ProbedLight::new(light, posed, highlight(light))).collect() }
     }
 }
 
 impl ProbedLight {
-    fn new(probe: &LightProbe, posed: &PosedScene) -> Self {
+    fn new(probe: &LightProbe, posed: &PosedScene, highlight: Option<[f64; 2]>) -> Self {
         let (disabled_by, shadowed_by) = match probe.state {
             LightState::Disabled(by) => (Some(by.into()), None),
             LightState::Shadowed(caster) => {
@@ -207,6 +219,7 @@ impl ProbedLight {
             radiance: finite(probe.radiance),
             share: probe.share,
             path: probe.path.iter().map(DVec3::to_array).collect(),
+            highlight,
         }
     }
 }

@@ -74,7 +74,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let reference = Reference::for_points(Arc::new(Bvh::new(posed)));
     let view = View::beauty(camera, [width, height]);
     let probe = reference.probe(&view, DVec2::new(args.x, args.y), &lights, &BTreeSet::new())?;
-    let probed = Probed::new(&probe, &reference.bvh.posed);
+    let probed = Probed::new(&probe, &reference.bvh.posed, |_| None);
     let text = if args.table {
         table(&probed)
     } else {

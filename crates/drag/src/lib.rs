@@ -28,6 +28,7 @@ mod start;
 
 pub use drag::drag;
 pub use glide::{Glided, glide};
+pub use lies::highlight_near;
 pub use request::{Drag, Feature, Landing, Limit, Pin, PinKind, Radii, Refusal, Status, Viewport};
 
 /// What solves drags of features: its name and its version, which grows with every change after which a drag may give another

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use glam::{DMat2, DVec2, DVec3};
-use light::Rays;
+use light::{CheckedLight, Rays};
 use raycast::{Bvh, Seen};
 use scene::{ViewRay, pixel_of};
 
@@ -16,6 +16,19 @@ const TURNED: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
 /// How far pixels are apart that tell how a direction changes over the picture.
 const BESIDE_PX: f64 = 0.25;
+
+/// Where in the picture the centre of the highlight lies that `light` has near `pixel`, in pixels: there light arrives along the mirror
+/// direction. `None` where no surface is seen, outside of the light, and where none is found near.
+pub fn highlight_near(bvh: &Bvh, view: &Viewport, light: &CheckedLight, pixel: DVec2) -> Option<DVec2> {
+    let origin = bvh.posed.origin_in_world;
+    let seen = bvh.seen(&ViewRay::new(&view.camera, view.size, pixel, origin))?;
+    let placed = Placed::new(light.rays(), origin, seen.position);
+    let place = placed.locate(seen.position, None)?;
+    let directions = [place.to_light, seen.mirrored()];
+    let near_t = place.t;
+    let taken = Taken { feature: Feature::Highlight, from: seen, to: seen, pivot: None, place, directions };
+    Lies { bvh, view, taken: &taken, placed: &placed }.nearest_turned(near_t, pixel)
+}
 
 /// A light that has been dragged.
 pub(crate) struct Lies<'a> {
@@ -30,7 +43,9 @@ impl Lies<'_> {
     pub fn distance_px(&self, near: [f64; 2], cursor: DVec2) -> f64 {
         match self.taken.feature {
             Feature::Shadow | Feature::Hotspot => self.nearest_on_way(near, cursor),
-            Feature::Highlight | Feature::Diffuse => self.nearest_turned(near, cursor),
+            Feature::Highlight | Feature::Diffuse => {
+                self.nearest_turned(near[0], cursor).map_or(f64::INFINITY, |pixel| pixel.distance(cursor))
+            }
         }
     }
 
@@ -93,31 +108,29 @@ impl Lies<'_> {
         met.into_inner()
     }
 
-    /// Newton's method over the picture, from the cursor to the nearest surface point at which light arrives as it should.
-    fn nearest_turned(&self, near: [f64; 2], cursor: DVec2) -> f64 {
+    /// Newton's method over the picture, from the cursor to a surface point near to it at which light arrives as it should;
+    /// `None` where it leads to none.
+    fn nearest_turned(&self, near_t: f64, cursor: DVec2) -> Option<DVec2> {
         let mut pixel = cursor;
         for _ in 0..20 {
-            let Some(off) = self.off(pixel, near[0]) else { return f64::INFINITY };
+            let off = self.off(pixel, near_t)?;
             let enough = if self.taken.feature == Feature::Diffuse { TURNED } else { 1e-9 };
             if off.length() <= enough {
-                return pixel.distance(cursor);
+                return Some(pixel);
             }
-            let beside = |step: DVec2| Some((self.off(pixel + step, near[0])? - off) / BESIDE_PX);
-            let (Some(x), Some(y)) = (beside(DVec2::X * BESIDE_PX), beside(DVec2::Y * BESIDE_PX)) else {
-                return f64::INFINITY;
-            };
-            let slope = DMat2::from_cols(x, y);
+            let beside = |step: DVec2| Some((self.off(pixel + step, near_t)? - off) / BESIDE_PX);
+            let slope = DMat2::from_cols(beside(DVec2::X * BESIDE_PX)?, beside(DVec2::Y * BESIDE_PX)?);
             if slope.determinant().abs() < 1e-300 {
-                return f64::INFINITY;
+                return None;
             }
             let step = slope.inverse() * off;
             let longest = 0.1 * f64::from(self.view.size[0]);
             pixel -= step.clamp_length_max(longest);
             if step.length() < 1e-9 {
-                return pixel.distance(cursor);
+                return Some(pixel);
             }
         }
-        f64::INFINITY
+        None
     }
 
     /// How far light at a pixel is from arriving as it should, in radians, across the direction that it should have.

@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use document::{CameraId, Document};
+use drag::{Viewport, highlight_near};
 use light::{LightId, LightInstance};
 use protocol::{ProbeCamera, Probed, RenderLimits};
-use reference::Reference;
+use reference::{LightState, Reference};
 use scene::{Camera, View};
 use tokio::task::spawn_blocking;
 
@@ -24,6 +25,8 @@ pub struct Probe {
     pub size: [u32; 2],
     /// In pixels from its top left corner.
     pub pixel: [f64; 2],
+    /// Whether it is asked where highlights lie.
+    pub highlights: bool,
     /// The lights of the document.
     pub lights: Vec<LightInstance>,
     /// Those of them that the view does not show.
@@ -51,9 +54,14 @@ pub async fn probe(backend: &Backend, probe: Probe) -> Result<Probed, ServerErro
     let found = spawn_blocking(move || {
         let _permit = permit;
         let reference = Reference::for_points(bvh);
+        let viewport = Viewport { camera: probe.camera.clone(), size };
         let view = View::beauty(probe.camera, size);
         let found = reference.probe(&view, probe.pixel.into(), &probe.lights, &probe.muted)?;
-        Ok(Probed::new(&found, &reference.bvh.posed))
+        Ok(Probed::new(&found, &reference.bvh.posed, |light| {
+            let shows = probe.highlights && light.state == LightState::Lit;
+            let centre = || highlight_near(&reference.bvh, &viewport, &light.light.light, probe.pixel.into());
+            shows.then(centre).flatten().map(Into::into)
+        }))
     });
     found.await.map_err(|_| ServerError::Fault)?
 }

@@ -92,6 +92,8 @@ pub struct ProbeQuestion {
     pub size: Option<[u32; 2]>,
     /// In pixels from the top left corner.
     pub pixel: [f64; 2],
+    /// Whether it is asked where highlights lie.
+    pub highlights: bool,
 }
 
 /// A request that ends in a record, under its sender's name for it; or why it has no meaning.
@@ -155,8 +157,8 @@ async fn parse(message: ClientMessage, scenes: &Scenes) -> Result<ClientRequest,
         ClientMessage::GestureCancel { gesture } => ClientRequest::CancelGesture(label(gesture)?),
         ClientMessage::Presence { selection } => ClientRequest::Select(selection),
         ClientMessage::History {} => ClientRequest::History,
-        ClientMessage::Probe { probe, pixel, camera, size } => {
-            ClientRequest::Probe(ProbeQuestion { probe: label(probe)?, camera, size, pixel })
+        ClientMessage::Probe { probe, pixel, camera, size, highlights } => {
+            ClientRequest::Probe(ProbeQuestion { probe: label(probe)?, camera, size, pixel, highlights })
         }
         ClientMessage::Ping { sent } => ClientRequest::Ping(sent),
     })

@@ -5,7 +5,7 @@ import { type ReadonlySignal, signal } from "@preact/signals-core";
 import type { Host } from "./connection";
 import type { LightId } from "./ids";
 import type { LatencyMeter } from "./latency";
-import type { Change, ClientMessage, Command, GestureState } from "./protocol";
+import type { Change, ClientMessage, Command, DragOutcome, GestureState } from "./protocol";
 
 /** What the page shows of its own drag before the server has answered. */
 export interface OwnDrag {
@@ -15,6 +15,8 @@ export interface OwnDrag {
   taken: Command | null;
   /** What the server makes of that. */
   changes: readonly Change[];
+  /** How the drag of a feature stands there; `null` before the first answer, and of other drags. */
+  outcome: DragOutcome | null;
   /** Why the server keeps an earlier state (SPEC, GEST-4); `null` where it took the latest. */
   refusal: string | null;
 }
@@ -110,7 +112,7 @@ export function dragging({ host, send, notify, latency, baseSeq, lightName, comm
         if (!isCurrent()) return;
         if (current.waiting === null) host.beforeRepaint(() => isCurrent() && flush());
         current.waiting = command;
-        const before = own.value ?? { taken: null, changes: [], refusal: null };
+        const before = own.value ?? { taken: null, changes: [], outcome: null, refusal: null };
         own.value = { ...before, light, command };
       },
       commit() {
@@ -151,8 +153,8 @@ export function dragging({ host, send, notify, latency, baseSeq, lightName, comm
       if (state.ended === undefined) {
         const taken = keptUp(gesture.sent, state);
         if (own.value === null) return;
-        const { changes, message = null } = state;
-        own.value = { ...own.value, taken: taken ?? own.value.taken, changes, refusal: message };
+        const { changes, outcome = null, message = null } = state;
+        own.value = { ...own.value, taken: taken ?? own.value.taken, changes, outcome, refusal: message };
         return;
       }
       if (state.ended !== "committed") {

@@ -4,13 +4,16 @@ import type { Pixel, Size } from "./camera";
 import type { Host } from "./connection";
 import type { ClientMessage, ProbeAnswer, Probed } from "./protocol";
 
-/** What wants to know: the panel at the pointer, a drag that snaps, a light that is aimed. */
-export type Asker = "panel" | "snap" | "aim";
+/** What wants to know: the panel at the pointer, a drag that snaps, a light that is aimed, what a tool would take, and what it
+ * takes. */
+export type Asker = "panel" | "snap" | "aim" | "hover" | "tool";
 
 /** A pixel of a picture of one's view, which is `size` pixels large. */
 export interface PixelQuestion {
   pixel: Pixel;
   size: Size;
+  /** Whether it is asked where highlights lie. */
+  highlights?: boolean;
 }
 
 /** Told what is there; `null` where the server does not say. Of a question that a later one replaced, never. */
@@ -39,7 +42,7 @@ export function probing({ host, send }: ProbingParts): Probing {
   function sendNext(): void {
     const [next] = waiting;
     if (onItsWay !== null || next === undefined) return;
-    const [asker, { pixel, size, onProbed }] = next;
+    const [asker, { pixel, size, highlights = false, onProbed }] = next;
     waiting.delete(asker);
     const name = host.newId();
     onItsWay = { name, onProbed };
@@ -48,6 +51,7 @@ export function probing({ host, send }: ProbingParts): Probing {
       probe: name,
       pixel: [pixel.x, pixel.y],
       size: [size.width, size.height],
+      highlights,
     });
     if (!isSent) lost();
   }

@@ -2175,6 +2175,10 @@ export interface ClientHistory {
 export interface ClientProbe {
   camera?: ProbeCamera;
   /**
+   * Whether it is asked where highlights lie.
+   */
+  highlights?: boolean;
+  /**
    * In pixels from the picture's top left corner; a pixel's centre is at .5.
    *
    * @minItems 2
@@ -2823,6 +2827,13 @@ export interface ProbedLight {
    * Why it shines nowhere, where it is `disabled`; else `null`.
    */
   disabledBy: ProbeDisabledBy | null;
+  /**
+   * The centre of its highlight near the pixel, in pixels; left out where it is not asked for or there is none.
+   *
+   * @minItems 2
+   * @maxItems 2
+   */
+  highlight?: [number, number];
   /**
    * On a surface square to the light, linear RGB, were nothing in the way; 0 where it is `disabled`, `unlinked` or `outside`.
    *

@@ -35,6 +35,16 @@ const KEYS: readonly [where: string, rows: readonly [keys: string, what: string]
     ],
   ],
   [
+    "Tool",
+    [
+      ["1 to 6", "Select, shadow, hotspot, highlight, diffuse, pin"],
+      ["Drag, or Enter, arrows, Enter", "Take a feature and put it elsewhere"],
+      ["B", "Lights that follow bend, or move as a whole"],
+      ["Escape", "Take back what is under way, then the tool"],
+      ["Delete", "Remove the pin that has the focus"],
+    ],
+  ],
+  [
     "Light",
     [
       ["M", "Switch the selected one off or on"],

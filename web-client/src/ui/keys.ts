@@ -1,9 +1,11 @@
 // Keys of the whole page. Fields keep theirs, but for undo where nothing was typed.
 
+import { TOOLS } from "../core/tools";
 import { canAim, toggleAiming, toggleLookThrough } from "./directing";
 import { fitLight, fitScene } from "./fitting";
 import { duplicateLight, isFree, toggleMute, toggleSolo } from "./light_actions";
 import { canEdit, type Page } from "./page";
+import { takeTool } from "./tools";
 
 const FIELDS = "input:not([type=range]), select, textarea";
 const TYPED = ".text, [data-typed=true]";
@@ -48,14 +50,29 @@ function taskFor(page: Page, event: KeyboardEvent): (() => void) | null {
     case "h":
       return () => (showHandles.value = !showHandles.value);
     case "escape":
-      return page.aiming.value === "off" ? null : () => (page.aiming.value = "off");
+      return leaving(page);
+    case "b":
+      return () => {
+        const { following } = page.toolbox;
+        following.value = { ...following.value, bends: !following.value.bends };
+      };
     case PROBE_KEY:
       return () => (probe.held.value = true);
     case "?":
       return () => (showKeys.value = true);
-    default:
-      return taskForLight(page, key);
+    default: {
+      const tool = TOOLS[Number(key) - 1];
+      return tool === undefined ? taskForLight(page, key) : () => takeTool(page, tool);
+    }
   }
+}
+
+/** Out of what a press on the picture would do. */
+function leaving(page: Page): (() => void) | null {
+  const { aiming, toolbox } = page;
+  if (aiming.value !== "off") return () => (aiming.value = "off");
+  if (toolbox.tool.value === "select" || toolbox.dragged.value !== null) return null;
+  return () => takeTool(page, "select");
 }
 
 /** What the key does to the selected light. */

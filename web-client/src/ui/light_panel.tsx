@@ -13,6 +13,7 @@ import { bendLight, duplicateLight, hasCone, straightenLight } from "./light_act
 import { canEdit, usePage } from "./page";
 import { ParameterField } from "./parameter_field";
 import { nameOf } from "./person";
+import { PinPanel } from "./pin_panel";
 import { PointPanel } from "./point_panel";
 import { QuietButton } from "./quiet_button";
 import { FoldingSection } from "./sections";
@@ -57,6 +58,7 @@ export function LightPanel() {
           </FoldingSection>
           {/* What bends it is used most, and stays in sight. */}
           {k === 0 && light.type === "bendy" && <PointPanel id={id} light={light} disabled={disabled} />}
+          {k === 0 && <PinPanel id={id} disabled={disabled} />}
         </Fragment>
       ))}
     </div>

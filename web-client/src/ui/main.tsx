@@ -17,6 +17,7 @@ import "./style/fields.css";
 import "./style/panels.css";
 import "./style/viewport.css";
 import "./style/directing.css";
+import "./style/tools.css";
 import "./style/layout.css";
 
 const root = document.getElementById("page") as HTMLElement;

@@ -12,6 +12,7 @@ export function Modes() {
     <>
       <LookingThrough />
       <Aiming />
+      <ToolSays />
     </>
   );
 }
@@ -51,6 +52,12 @@ function Aiming() {
       </button>
     </Mode>
   );
+}
+
+/** Why the last press of a tool came to nothing. */
+function ToolSays() {
+  const { said } = usePage().toolbox;
+  return said.value === null ? null : <Mode>{said.value}</Mode>;
 }
 
 /** A press on it is none on the picture, which would keep the pointer to itself. */

@@ -13,6 +13,7 @@ import type { Vec3 } from "../core/vector";
 import type { Aiming, Excursion } from "./directing";
 import { committing, type Presses, startPresses } from "./presses";
 import type { Screen } from "./screen";
+import { startTools, type Toolbox } from "./toolbox";
 
 export interface Toast {
   key: number;
@@ -34,6 +35,7 @@ export interface Page {
   radiiFollow: Signal<boolean>;
   /** Whether what is dragged is laid on the surface under the pointer. */
   snaps: Signal<boolean>;
+  toolbox: Toolbox;
   aiming: Signal<Aiming>;
   /** The view through a light, while one has not gone back from it. */
   excursion: Signal<Excursion | null>;
@@ -102,6 +104,7 @@ export function startPage({ host, session, screen, name, pick, toasts, fetchNode
     selectedPoint: signal(null),
     radiiFollow: signal(false),
     snaps: signal(false),
+    toolbox: startTools(),
     aiming: signal<Aiming>("off"),
     excursion: signal<Excursion | null>(null),
     scope: signal<Scope>("mine"),

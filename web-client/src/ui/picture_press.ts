@@ -32,7 +32,7 @@ export function pressPicture(down: PointerEvent, page: Page, size: Size): void {
   stage.focus({ preventScroll: true });
   // A finger cannot hover: while pixels are asked about, it points at them.
   if (down.pointerType === "touch" && isProbing(page)) return;
-  // A tool that takes whole presses goes here; a click that aims leaves drags to the view.
+  // A click that aims leaves drags to the view.
   const click =
     page.aiming.value === "off" ? null : () => aimAt(page, questionOn(stage, page, inPicture(stage, down)));
   navigate(down, page, size, click);

@@ -57,7 +57,7 @@ function Probe({ view, at, size, pixel }: ProbeViewProps & { pixel: Pixel }) {
 }
 
 /** The way of the light to the surface, dashed behind what it meets first. */
-function Way({ view, probed: { path, shadowedBy } }: { view: View; probed: ProbedLight }) {
+export function Way({ view, probed: { path, shadowedBy } }: { view: View; probed: ProbedLight }) {
   if (shadowedBy === null) return <Line view={view} points={path} kind="way" />;
   const { before, after } = splitAt(path, shadowedBy.position);
   const met = project(view, shadowedBy.position);

@@ -7,6 +7,8 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Box, Size, View } from "../core/camera";
 import { isAtLimit } from "../core/document";
 import { pinch, zoom } from "../core/navigation";
+import type { PixelQuestion } from "../core/probing";
+import { outcomeText } from "../core/tools";
 import { aimAt, middleOf } from "./directing";
 import { twoFingers } from "./fingers";
 import { fitLight, fitScene } from "./fitting";
@@ -14,12 +16,15 @@ import { FilmGate } from "./gate";
 import { Icon } from "./icons";
 import { Modes } from "./modes";
 import { Overlay } from "./overlay";
-import { usePage } from "./page";
+import { type Page, usePage } from "./page";
 import { colorOf, nameOf } from "./person";
-import { hovering, pressPicture } from "./picture_press";
+import { hovering, pressPicture, questionOn } from "./picture_press";
 import { isProbing, ProbeView } from "./probe_view";
 import { QuietButton } from "./quiet_button";
 import { sentence } from "./sentence";
+import { ToolBar } from "./tool_bar";
+import { ToolView } from "./tool_view";
+import { pressTool, toolKeys } from "./tools";
 import { ViewExposure } from "./view_exposure";
 import { pressView } from "./view_keys";
 
@@ -52,26 +57,31 @@ export function Viewport() {
   );
   const { onPointerDown: point, ...hover } = hovering(page);
   const aims = page.aiming.value !== "off";
+  const tool = page.toolbox.tool.value;
+  const keys = useMemo(() => toolKeys(page, () => hereOf(page, stage.current)), [page]);
   return (
     <main class="viewport">
       <ViewTools />
+      <ToolBar />
       <div
         class="stage"
         ref={stage}
         data-stale={!connected && frame !== null}
         data-pointing={isProbing(page) || aims}
         data-aiming={aims}
+        data-tool={aims || tool === "select" ? undefined : tool === "pin" ? "pin" : "feature"}
         // biome-ignore lint/a11y/noNoninteractiveTabindex: as an application it takes keys
         tabIndex={0}
         role="application"
         aria-label="View: arrow keys orbit, with Shift they pan, plus and minus zoom"
         onKeyDown={(event) => {
           if (aims && event.key === "Enter") aimAt(page, middleOf(page));
+          else if (!aims && keys(event)) event.preventDefault();
           else pressView(event, page, view);
         }}
         onPointerDown={(event) => {
           point(event);
-          pressPicture(event, page, size);
+          if (!pressTool(event, page)) pressPicture(event, page, size);
         }}
         {...hover}
         {...fingers}
@@ -95,6 +105,7 @@ export function Viewport() {
         />
         {view !== null && page.showGate.value && <FilmGate view={view} at={picture} />}
         {view !== null && page.showHandles.value && <Overlay view={view} at={picture} size={size} />}
+        {view !== null && <ToolView view={view} at={picture} size={size} />}
         {view !== null && <ProbeView view={view} at={picture} size={size} />}
         <Following />
         <Staleness />
@@ -205,6 +216,14 @@ function DragRefusal() {
   const drag = session.ownDrag.value;
   if (drag === null) return null;
   const { refusal, taken } = drag;
+  const said = refusal === null && drag.outcome !== null ? outcomeText(drag.outcome) : null;
+  if (said !== null) {
+    return (
+      <div class="banner limited-drag" role="status">
+        {said}
+      </div>
+    );
+  }
   if (refusal === null && isAtLimit(session.document.value, taken)) {
     return (
       <div class="banner limited-drag" role="status">
@@ -218,6 +237,12 @@ function DragRefusal() {
       <span>{sentence(refusal)}</span>
     </div>
   );
+}
+
+/** Where the pointer is in the picture, for keys that take it from there; the middle where it is elsewhere. */
+function hereOf(page: Page, stage: Element | null): PixelQuestion | null {
+  const { at } = page.probe;
+  return (at.value === null || stage === null ? null : questionOn(stage, page, at.value)) ?? middleOf(page);
 }
 
 /** Wheels that count lines count 16 pixels each. */

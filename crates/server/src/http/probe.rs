@@ -22,12 +22,12 @@ pub async fn answer(
     headers: HeaderMap,
     body: Bytes,
 ) -> Answer {
-    let ProbeRequest { camera, size, pixel } = read_json(&headers, &body)?;
+    let ProbeRequest { camera, size, pixel, highlights } = read_json(&headers, &body)?;
     let Snapshot { document, scene, .. } = state.rooms.find(&name).await?.request(Message::Snapshot).await?;
     let aspect = f64::from(size[0].max(1)) / f64::from(size[1].max(1));
     let default = || default_camera(&document, &scene, aspect);
     let camera = camera.map_or_else(|| Ok(default()), |wanted| chosen_camera(wanted, &document))?;
     let (lights, muted) = (document.instances(), BTreeSet::new());
-    let found = probe(&state.backend, Probe { camera, size, pixel, lights, muted, scene }).await?;
+    let found = probe(&state.backend, Probe { camera, size, pixel, highlights, lights, muted, scene }).await?;
     Ok(json(&found))
 }

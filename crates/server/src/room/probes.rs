@@ -75,7 +75,7 @@ impl Room {
 
     /// What is asked, of the session as it is now: by default where the client looks, and of the lights that its view shows.
     fn resolved(&self, client: ClientId, question: ProbeQuestion) -> Result<Probe, ServerError> {
-        let ProbeQuestion { camera, size, pixel, .. } = question;
+        let ProbeQuestion { camera, size, pixel, highlights, .. } = question;
         let document = self.session.live_document();
         let view = self.views.seen_by(client);
         let no_view = || {
@@ -89,6 +89,6 @@ impl Room {
         let size = size.or_else(|| view.map(|(.., size)| size)).ok_or_else(no_view)?;
         let lights = document.instances();
         let muted = view.map(|(_, settings, _)| settings.muted(&lights)).unwrap_or_default();
-        Ok(Probe { camera, size, pixel, lights, muted, scene: self.scene.decoded.clone() })
+        Ok(Probe { camera, size, pixel, highlights, lights, muted, scene: self.scene.decoded.clone() })
     }
 }

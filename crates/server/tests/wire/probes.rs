@@ -90,7 +90,7 @@ fn what_cannot_be_probed_is_refused_in_a_sentence() {
 }
 
 fn probe(name: &str, pixel: [f64; 2]) -> ClientMessage {
-    ClientMessage::Probe { probe: name.into(), pixel, camera: None, size: None }
+    ClientMessage::Probe { probe: name.into(), pixel, camera: None, size: None, highlights: false }
 }
 
 async fn answer_to(client: &mut Client, name: &str) -> ProbeAnswer {
@@ -120,7 +120,7 @@ async fn a_client_asks_of_what_it_sees_now() {
     assert_eq!(refused.code, ErrorCode::BadMessage);
     assert!(refused.message.contains("open one"), "{}", refused.message);
     let camera = Some(ProbeCamera::Own(welcome.camera.clone()));
-    ada.say(&ClientMessage::Probe { probe: "far".into(), pixel: LIT, camera, size: Some(SIZE) }).await;
+    ada.say(&ClientMessage::Probe { probe: "far".into(), pixel: LIT, camera, size: Some(SIZE), highlights: false }).await;
     let far = answer_to(&mut ada, "far").await;
 
     open(&mut ada, welcome.camera).await;

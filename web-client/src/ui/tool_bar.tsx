@@ -1,0 +1,145 @@
+// The tools that a press on the picture can be for, and what the one that is taken up asks to know.
+
+import type { ComponentChildren } from "preact";
+
+import { lightOf } from "../core/document";
+import type { DragRadii } from "../core/protocol";
+import { dragsFeatures, PIN_KINDS, PIN_TEXTS, TOOLS, type Tool } from "../core/tools";
+import { Icon, type IconName } from "./icons";
+import { usePage } from "./page";
+import { QuietButton } from "./quiet_button";
+import { takeTool } from "./tools";
+
+const NAMES: { [T in Tool]: { name: string; icon: IconName; what: string } } = {
+  select: { name: "Select", icon: "select", what: "Handles and the view" },
+  shadow: { name: "Shadow", icon: "shadow", what: "Take a shadow and put it elsewhere" },
+  hotspot: { name: "Hotspot", icon: "hotspot", what: "Take what a light shines on and put it elsewhere" },
+  highlight: { name: "Highlight", icon: "highlight", what: "Take a highlight and put it elsewhere" },
+  diffuse: { name: "Diffuse", icon: "diffuse", what: "Turn the light to the surface under the pointer" },
+  pin: { name: "Pin", icon: "pin", what: "Say what is to stay as it is while lights are dragged" },
+};
+
+export function ToolBar() {
+  const page = usePage();
+  const { tool } = page.toolbox;
+  return (
+    <div class="view-tools tools" role="toolbar" aria-label="Tools">
+      {TOOLS.map((kind, k) => (
+        <QuietButton
+          key={kind}
+          title={`${NAMES[kind].what} (${k + 1})`}
+          label={`${NAMES[kind].name} tool`}
+          pressed={tool.value === kind}
+          press={() => takeTool(page, kind)}
+        >
+          <Icon name={NAMES[kind].icon} /> {NAMES[kind].name}
+        </QuietButton>
+      ))}
+      {dragsFeatures(tool.value) && <FollowingChoices />}
+      {tool.value === "pin" && <PinChoices />}
+    </div>
+  );
+}
+
+const RADII: { [R in DragRadii]: string } = {
+  keep: "Radii stay",
+  solve: "Radii help",
+  follow: "Radii follow",
+};
+
+/** How the light follows: as a whole, or by which control points. */
+function FollowingChoices() {
+  const { toolbox, session, selectedLight } = usePage();
+  const { following } = toolbox;
+  const { bends, resting, radii } = following.value;
+  const light = lightOf(session.document.value, selectedLight.value);
+  const points = light?.type === "bendy" ? light.points.length : 0;
+  const set = (values: Partial<typeof following.value>) =>
+    (following.value = { ...following.value, ...values });
+  return (
+    <Choices label="How the light follows">
+      <QuietButton
+        title="The light moves as a whole (B)"
+        label="Move"
+        pressed={!bends}
+        press={() => set({ bends: false })}
+      >
+        Move
+      </QuietButton>
+      <QuietButton
+        title="The light bends, its source stays (B)"
+        label="Bend along"
+        pressed={bends}
+        press={() => set({ bends: true })}
+      >
+        Bend
+      </QuietButton>
+      {bends &&
+        Array.from({ length: Math.max(0, points - 1) }, (_, k) => k + 1).map((point) => (
+          <QuietButton
+            key={point}
+            class="point-choice"
+            title={`Whether control point ${point} takes part`}
+            label={`Control point ${point} takes part`}
+            pressed={!resting.has(point)}
+            press={() => {
+              const others = new Set(resting);
+              if (!others.delete(point)) others.add(point);
+              set({ resting: others });
+            }}
+          >
+            {point}
+          </QuietButton>
+        ))}
+      {bends && (
+        <select
+          aria-label="Radii while dragging"
+          value={radii}
+          onChange={({ currentTarget }) => set({ radii: currentTarget.value as DragRadii })}
+        >
+          {(Object.keys(RADII) as DragRadii[]).map((choice) => (
+            <option key={choice} value={choice}>
+              {RADII[choice]}
+            </option>
+          ))}
+        </select>
+      )}
+    </Choices>
+  );
+}
+
+/** What the next pin is. */
+function PinChoices() {
+  const { pinKind, pinsHard } = usePage().toolbox;
+  return (
+    <Choices label="What is pinned">
+      {PIN_KINDS.map((kind) => (
+        <QuietButton
+          key={kind}
+          title={`The next pin keeps: ${PIN_TEXTS[kind]}`}
+          label={`Pin: ${PIN_TEXTS[kind]}`}
+          pressed={pinKind.value === kind}
+          press={() => (pinKind.value = kind)}
+        >
+          {PIN_TEXTS[kind]}
+        </QuietButton>
+      ))}
+      <QuietButton
+        title="A hard pin holds whatever is asked, a soft one as far as that lets it"
+        label="Hard"
+        pressed={pinsHard.value}
+        press={() => (pinsHard.value = !pinsHard.value)}
+      >
+        Hard
+      </QuietButton>
+    </Choices>
+  );
+}
+
+function Choices({ label, children }: { label: string; children: ComponentChildren }) {
+  return (
+    <span class="choices" role="group" aria-label={label}>
+      {children}
+    </span>
+  );
+}

@@ -1,0 +1,43 @@
+// What the page knows of its tools.
+
+import { type Signal, signal } from "@preact/signals";
+
+import type { Pixel } from "../core/camera";
+import type { LightId } from "../core/ids";
+import type { DragKind, Light, PinKind } from "../core/protocol";
+import type { Following, Seen, Tool } from "../core/tools";
+
+/** A feature that is being dragged, in pixels of the picture that the server sends. */
+export interface Dragged {
+  kind: DragKind;
+  id: LightId;
+  /** As it was when the drag began. */
+  light: Light;
+  from: Pixel;
+  to: Pixel;
+  seen: Seen;
+}
+
+/** What the page knows of its tools. */
+export interface Toolbox {
+  tool: Signal<Tool>;
+  following: Signal<Following>;
+  pinKind: Signal<PinKind>;
+  pinsHard: Signal<boolean>;
+  selectedPin: Signal<number | null>;
+  dragged: Signal<Dragged | null>;
+  /** What the last press came to nothing for; `null` where it did not. */
+  said: Signal<string | null>;
+}
+
+export function startTools(): Toolbox {
+  return {
+    tool: signal<Tool>("select"),
+    following: signal<Following>({ bends: false, resting: new Set(), radii: "follow" }),
+    pinKind: signal<PinKind>("direction"),
+    pinsHard: signal(true),
+    selectedPin: signal<number | null>(null),
+    dragged: signal<Dragged | null>(null),
+    said: signal<string | null>(null),
+  };
+}

@@ -1,0 +1,185 @@
+// Tools at work: a shadow or a highlight is taken in the picture and follows the pointer, or keys; places are pinned.
+
+import type { Pixel } from "../core/camera";
+import { lightOf } from "../core/document";
+import type { Drag } from "../core/drags";
+import type { PixelQuestion } from "../core/probing";
+import type { DragKind, ProbedLight } from "../core/protocol";
+import {
+  dragsFeatures,
+  featureDrag,
+  nothingTaken,
+  pinAt,
+  type Seen,
+  takenLight,
+  type Tool,
+} from "../core/tools";
+import { isFree } from "./light_actions";
+import { type Page, selectLight } from "./page";
+import { inPicture, questionOn } from "./picture_press";
+import { followPointer } from "./pointer";
+
+/** Takes up a tool; what the last one said is gone. */
+export function takeTool({ toolbox }: Page, tool: Tool): void {
+  toolbox.tool.value = tool;
+  toolbox.said.value = null;
+}
+
+/** Features and pins are for who sees through a camera of which the server knows. */
+function seenBy({ session }: Page, size: PixelQuestion["size"]): Seen | null {
+  const camera = session.viewer.cameraOf(session.frame.value);
+  return camera === null ? null : { camera, size };
+}
+
+/** With Shift what is dragged goes this much of the pointer's way. */
+const FINE = 0.1;
+
+/** A feature on its way: taken once the server has said which light makes it. */
+interface Journey {
+  /** By so many pixels of the picture. */
+  moveBy(way: Pixel): void;
+  end(): void;
+  cancel(): void;
+}
+
+/** Takes the feature at `question`, where a light makes one. */
+function takeFeature(page: Page, kind: DragKind, question: PixelQuestion): Journey {
+  const { session, toolbox } = page;
+  const way: Pixel = { x: 0, y: 0 };
+  let drag: Drag | null = null;
+  let finish: ((drag: Drag) => void) | null = null;
+
+  function update(): void {
+    const { value: dragged } = toolbox.dragged;
+    if (drag === null || dragged === null) return;
+    const { id, light, from, seen } = dragged;
+    const to = { x: from.x + way.x, y: from.y + way.y };
+    toolbox.dragged.value = { ...dragged, to };
+    // A press that goes nowhere moves nothing.
+    if (way.x === 0 && way.y === 0 && session.ownDrag.value === null) return;
+    drag.update(featureDrag(kind, [id, light], toolbox.following.value, seen, [from, to]));
+  }
+
+  function begin({ light: id, highlight }: ProbedLight): void {
+    const light = lightOf(session.document.value, id);
+    const seen = seenBy(page, question.size);
+    if (light === undefined || seen === null || !isFree(page, id)) return;
+    selectLight(page, id);
+    // A highlight goes on from its centre, so that it does not jump under the pointer.
+    const from =
+      highlight === undefined || highlight === null ? question.pixel : { x: highlight[0], y: highlight[1] };
+    toolbox.dragged.value = { kind, id, light, from, to: from, seen };
+    drag = session.drag(id);
+    update();
+    if (finish !== null) leave(finish);
+  }
+
+  function leave(how: (drag: Drag) => void): void {
+    finish = how;
+    if (drag === null) return;
+    toolbox.dragged.value = null;
+    how(drag);
+  }
+
+  toolbox.said.value = null;
+  session.probe("tool", { ...question, highlights: kind === "highlight" }, (found) => {
+    if (found === null) return;
+    const taken = takenLight(kind, found, page.selectedLight.value);
+    if (taken !== null) begin(taken);
+    else toolbox.said.value = nothingTaken(kind, found);
+  });
+  return {
+    moveBy(by) {
+      way.x += by.x;
+      way.y += by.y;
+      update();
+    },
+    end: () => leave((drag) => drag.commit()),
+    cancel: () => leave((drag) => drag.cancel()),
+  };
+}
+
+/** Whether a press on the picture is for the tool that is taken up; then the tool has it. */
+export function pressTool(down: PointerEvent, page: Page): boolean {
+  const stage = down.currentTarget as HTMLElement;
+  const kind = page.toolbox.tool.value;
+  if (kind === "select" || page.aiming.value !== "off" || down.button !== 0 || down.altKey) return false;
+  const question = questionOn(stage, page, inPicture(stage, down));
+  if (question === null) return false;
+  down.preventDefault();
+  stage.focus({ preventScroll: true });
+  if (!dragsFeatures(kind)) {
+    // Where the pointer is let go of is of no matter: a pin goes where it was pressed.
+    followPointer(down, { move: () => {}, end: () => addPin(page, question) });
+    return true;
+  }
+  const journey = takeFeature(page, kind, question);
+  const shown = stage.querySelector("canvas")?.getBoundingClientRect();
+  const scale = shown === undefined ? 1 : question.size.width / shown.width;
+  followPointer(down, {
+    move(_, by, event) {
+      const share = scale * (event.shiftKey ? FINE : 1);
+      journey.moveBy({ x: share * by.x, y: share * by.y });
+    },
+    end: journey.end,
+    cancel: journey.cancel,
+  });
+  return true;
+}
+
+/** What a press on the picture pins, of the selected light. */
+export function addPin(page: Page, question: PixelQuestion): void {
+  const { session, selectedLight, toolbox } = page;
+  session.probe("tool", question, (found) => {
+    const light = selectedLight.value;
+    if (found === null || light === null) return;
+    const pin = pinAt(toolbox.pinKind.value, toolbox.pinsHard.value, light, found);
+    if (typeof pin === "string") {
+      toolbox.said.value = pin;
+      return;
+    }
+    toolbox.said.value = null;
+    if (isFree(page, light)) session.edit({ type: "addPin", pin });
+  });
+}
+
+/** Where arrow keys take what is dragged, y down. */
+const WAYS: { [key: string]: Pixel } = {
+  ArrowLeft: { x: -1, y: 0 },
+  ArrowRight: { x: 1, y: 0 },
+  ArrowUp: { x: 0, y: -1 },
+  ArrowDown: { x: 0, y: 1 },
+};
+const LARGE_STEPS = 10;
+
+/** Keys in the place of a pointer: Enter takes what is there and lets it go, arrows move it, Escape takes it back. What it gives says
+ * whether a key was for the tool. */
+export function toolKeys(page: Page, here: () => PixelQuestion | null): (event: KeyboardEvent) => boolean {
+  let journey: Journey | null = null;
+  const leave = (how: (journey: Journey) => void) => {
+    if (journey !== null) how(journey);
+    journey = null;
+  };
+
+  function take(): boolean {
+    const kind = page.toolbox.tool.value;
+    const question = here();
+    if (kind === "select" || question === null) return false;
+    if (dragsFeatures(kind)) journey = takeFeature(page, kind, question);
+    else addPin(page, question);
+    return true;
+  }
+
+  return (event) => {
+    const { key, shiftKey } = event;
+    if (event.ctrlKey || event.metaKey || event.altKey) return false;
+    if (journey === null) return key === "Enter" && take();
+    const way = WAYS[key];
+    const steps = shiftKey ? LARGE_STEPS : 1;
+    if (way !== undefined) journey.moveBy({ x: steps * way.x, y: steps * way.y });
+    else if (key === "Enter") leave(({ end }) => end());
+    else if (key === "Escape") leave(({ cancel }) => cancel());
+    else return false;
+    return true;
+  };
+}
