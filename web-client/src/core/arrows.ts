@@ -21,7 +21,7 @@ export interface ArrowSpan {
 
 const WAYS: readonly Way[] = [0, 1, 2, "depth"];
 /** From what an arrow moves to its tail, and its length where it is seen from the side, pixels. */
-const TAIL_PX = { point: 13, source: TURN_RADIUS_PX + 9 };
+const TAIL_PX = { point: 13, source: TURN_RADIUS_PX + 13 };
 const LENGTH_PX = 36;
 /** An axis that is seen so nearly end on has no arrow: a pixel along it would be a leap. */
 const LEAST_SHARE = 0.25;

@@ -10,6 +10,9 @@ const HEAD = { length: 11, half: 5.5 };
 const SHAFT_HALF = 1.2;
 const DEPTH_HALF = 3;
 
+/** So far past its tip an arrow is still grabbed, pixels. */
+const BEYOND = 6;
+
 export function Arrows({ drawn }: { drawn: Drawn }) {
   const page = usePage();
   return (
@@ -45,7 +48,7 @@ function Shape({ span: { tail, tip }, isDepth }: { span: ArrowSpan; isDepth: boo
   const head = `L${neck} ${-HEAD.half}L${length} 0L${neck} ${HEAD.half}`;
   return (
     <g transform={`translate(${tail.x.toFixed(2)} ${tail.y.toFixed(2)}) rotate(${degrees.toFixed(2)})`}>
-      <path class="arrow-reach" d={`M0 0L${length} 0`} />
+      <path class="arrow-reach" d={`M0 0L${length + BEYOND} 0`} />
       <path class="mark" d={`${shaft}${head}${back}`} />
     </g>
   );

@@ -41,8 +41,8 @@ function Aiming() {
   const name = lightName(session.document.value, id);
   const said: { [S in AimingState]: string } = {
     off: "",
-    on: `Click what ${name} is to shine at; Enter takes the middle`,
-    missed: "Nothing is seen there: click on a surface",
+    on: `Pick what ${name} is to shine at; Enter takes the middle`,
+    missed: "Nothing is seen there: pick a surface",
   };
   return (
     <Mode>

@@ -30,12 +30,12 @@ export function pressPicture(down: PointerEvent, page: Page, size: Size): void {
   down.preventDefault();
   const stage = down.currentTarget as HTMLElement;
   stage.focus({ preventScroll: true });
+  const aims = page.aiming.value !== "off";
   // A finger cannot hover: while pixels are asked about, it points at them.
-  if (down.pointerType === "touch" && isProbing(page)) return;
+  if (down.pointerType === "touch" && isProbing(page) && !aims) return;
   // A click that aims leaves drags to the view.
-  const click =
-    page.aiming.value === "off" ? null : () => aimAt(page, questionOn(stage, page, inPicture(stage, down)));
-  navigate(down, page, size, click);
+  const aim = () => aimAt(page, questionOn(stage, page, inPicture(stage, down)));
+  navigate(down, page, size, aims ? aim : null);
 }
 
 /** Alt with the left button or the left button on nothing orbits; shift or the middle button pans. A click does `click`, or

@@ -95,7 +95,7 @@ const WIDTH = 290;
 const MOST_ROWS = 8;
 /** From the pixel that is asked about. */
 const BESIDE = 18;
-/** On a stage that is narrower the panel takes its whole width. */
+/** On a stage that is narrower the panel takes its whole width, at the edge that is farther from the pixel. */
 const NARROW = 520;
 
 interface PanelProps {
@@ -154,10 +154,11 @@ function besideOf(at: Pixel, size: Size, rows: number): { [side: string]: string
   const goesAfter = (here: number, all: number, needed: number) =>
     all - here - BESIDE >= needed || all - here >= here;
   const px = (length: number) => `${(length + BESIDE).toFixed(0)}px`;
+  if (size.width < NARROW)
+    return { [at.y < size.height / 2 ? "bottom" : "top"]: "8px", left: "8px", right: "8px" };
   const vertical: { [side: string]: string } = goesAfter(at.y, size.height, rows * ROW_HEIGHT + OTHER_HEIGHT)
     ? { top: px(at.y) }
     : { bottom: px(size.height - at.y) };
-  if (size.width < NARROW) return { ...vertical, left: "8px", right: "8px" };
   const horizontal: { [side: string]: string } = goesAfter(at.x, size.width, WIDTH)
     ? { left: px(at.x) }
     : { right: px(size.width - at.x) };

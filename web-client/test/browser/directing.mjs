@@ -1,7 +1,7 @@
 // Lights are directed in the picture: asked why a pixel is lit, pulled along one way, laid on surfaces, aimed, and looked
 // through.
 
-import { expect, handleAt, pixels, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
+import { expect, fingers, handleAt, pixels, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
 
 await runBrowserTest(async ({ open, picture, http }) => {
   const page = await open("Ada", { width: 1440, height: 860 });
@@ -11,6 +11,7 @@ await runBrowserTest(async ({ open, picture, http }) => {
   await snapping(page, picture, http);
   await aiming(page, picture, http);
   await lookingThrough(page, picture, http);
+  await byFinger(open, picture, http);
 });
 
 /** The demo's light as the server has it. */
@@ -208,7 +209,7 @@ async function aiming(page, picture, http) {
   const before = await keyOf(http);
   const banner = page.locator(".banner.mode");
   await page.getByRole("button", { name: "Aim this light" }).click();
-  await banner.getByText("Click what “key” is to shine at").waitFor();
+  await banner.getByText("Pick what “key” is to shine at").waitFor();
   await picture(page, "7-aiming");
   const sky = await onPicture(page, 0.5, 0.01);
   await page.mouse.click(sky.x, sky.y);
@@ -255,6 +256,7 @@ async function lookingThrough(page, picture, http) {
   await banner.getByText("Looking through “key”").waitFor();
   await settled(page);
   await picture(page, "9-looking-through");
+  expect((await pixels(page)) !== shown, "From the light the picture must be another.");
   await page.locator(".stage").focus();
   await page.keyboard.press("ArrowLeft");
   await banner.getByText("Away from your view").waitFor();
@@ -277,6 +279,56 @@ async function lookingThrough(page, picture, http) {
   expect(Math.abs(gate.width - gate.height) < 0.1, "A cone is as high as it is wide.");
   await picture(page, "10-looking-through-a-spotlight");
   await page.keyboard.press("l");
+}
+
+/** A finger asks, pulls, lays on surfaces and aims. */
+async function byFinger(open, picture, http) {
+  const context = { hasTouch: true, isMobile: true };
+  const page = await open("Ada's fingers", { width: 390, height: 844 }, { context });
+  const touch = await fingers(page);
+  const tap = ({ x, y }) => page.touchscreen.tap(x, y);
+  const before = await keyOf(http);
+  const probe = page.getByRole("button", { name: "Probe", exact: true });
+  await page.getByRole("button", { name: "key", exact: true }).tap();
+  await probe.tap();
+  const [lit, shadowed] = [await onPicture(page, 0.62, 0.72), await onPicture(page, 0.45, 0.67)];
+  await touch([[lit, shadowed]]);
+  await page.locator(".probe-panel").getByText("shadowed by blue vase").waitFor();
+  expect(await isInside(page, ".probe-panel"), "The panel must stay inside the stage.");
+  await settled(page);
+  await picture(page, "11-probed-by-a-finger");
+  await probe.tap();
+  await page.getByRole("button", { name: "Frame the selected light" }).tap();
+  await settled(page);
+
+  let seq = await seqOf(page);
+  await page.getByRole("button", { name: "4", exact: true }).tap();
+  const arrow = await page.locator('[data-handle="pull-y"] .mark').boundingBox();
+  const tip = { x: arrow.x + arrow.width / 2, y: arrow.y + 4 };
+  await touch([[tip, { x: tip.x, y: tip.y - 20 }]]);
+  await reached(page, seq + 1);
+  const moved = sub((await keyOf(http)).points[4], before.points[4]);
+  expect(moved[1] > 0.05, `A finger must pull the point up; it went by ${moved}.`);
+  await page.getByRole("button", { name: "Snap to surfaces" }).tap();
+  const table = await onPicture(page, 0.6, 0.6);
+  await touch([[await handleAt(page, "source"), table]]);
+  await reached(page, seq + 2);
+  const [, height] = (await keyOf(http)).transform.translation;
+  expect(height > 0 && height < 0.02, `A finger must lay the source on the table, not ${height} over it.`);
+  await page.getByRole("button", { name: "Snap to surfaces" }).tap();
+  await settled(page);
+  await picture(page, "12-snapped-by-a-finger");
+
+  seq = await seqOf(page);
+  await page.getByRole("button", { name: "Aim this light" }).tap();
+  await picture(page, "13-aiming-by-a-finger");
+  await tap(await onPicture(page, 0.5, 0.6));
+  await reached(page, seq + 1);
+  await page.getByRole("button", { name: "Look through this light" }).tap();
+  await page.getByText("Looking through “key”").waitFor();
+  await settled(page);
+  await picture(page, "14-through-by-a-finger");
+  await page.locator(".banner.mode").getByRole("button", { name: "Back" }).tap();
 }
 
 function sub(a, b) {

@@ -1,7 +1,7 @@
 // The page on screens of every size, with a pointer and with fingers: nothing is cut off, covered, too small to hit or
 // there unseen, and fingers do on the picture what they do everywhere.
 
-import { expect, field, handleAt, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
+import { expect, field, fingers, handleAt, reached, runBrowserTest, seqOf, settled } from "./page.mjs";
 
 const FINGERS = { hasTouch: true, isMobile: true };
 const SCREENS = {
@@ -58,7 +58,7 @@ async function everythingIsInReach(page, screen) {
       ".toasts { position: fixed; inset: 0; max-width: none } .toast { height: 100vh; width: 100vw }",
       "is covered",
     ],
-    [".view-tools button { width: 40px; overflow: hidden }", "has text that is cut off"],
+    [".light-tools button { width: 40px; overflow: hidden }", "has text that is cut off"],
     [".gate { top: 90vh !important }", "the picture is not in sight"],
   ];
   for (const [style, fault] of planted) {
@@ -344,32 +344,6 @@ async function wayOf(cameras, page, task) {
   await task();
   await settled(page);
   return [before, cameras.at(-1)];
-}
-
-/** Fingers that go down one after the other, each along its way `[from, to]` at once, and are lifted. The third number
- * says after which of the steps a finger goes down. */
-async function fingers(page) {
-  const device = await page.context().newCDPSession(page);
-  const send = (type, touchPoints) => device.send("Input.dispatchTouchEvent", { type, touchPoints });
-  const STEPS = 6;
-  return async (ways) => {
-    for (let step = 0; step <= STEPS; step += 1) {
-      const points = ways.flatMap(([from, to, down = 0], id) => {
-        const share = Math.max(0, step - 1) / (STEPS - 1);
-        const point = { x: from.x + share * (to.x - from.x), y: from.y + share * (to.y - from.y), id };
-        return step < down ? [] : [point];
-      });
-      const fresh = ways.filter(([, , down = 0]) => down === step).length;
-      if (fresh > 0) {
-        for (let k = points.length - fresh; k < points.length; k += 1)
-          await send("touchStart", points.slice(0, k + 1));
-      } else {
-        await send("touchMove", points);
-      }
-      await page.waitForTimeout(30);
-    }
-    await send("touchEnd", []);
-  };
 }
 
 /** Where a camera looks: its local -Z in the world. */

@@ -221,6 +221,32 @@ export async function dragHandle(page, name, by) {
   await reached(page, seq + 1);
 }
 
+/** Fingers that go down one after the other, each along its way `[from, to]` at once, and are lifted. The third number
+ * says after which of the steps a finger goes down. */
+export async function fingers(page) {
+  const device = await page.context().newCDPSession(page);
+  const send = (type, touchPoints) => device.send("Input.dispatchTouchEvent", { type, touchPoints });
+  const STEPS = 6;
+  return async (ways) => {
+    for (let step = 0; step <= STEPS; step += 1) {
+      const points = ways.flatMap(([from, to, down = 0], id) => {
+        const share = Math.max(0, step - 1) / (STEPS - 1);
+        const point = { x: from.x + share * (to.x - from.x), y: from.y + share * (to.y - from.y), id };
+        return step < down ? [] : [point];
+      });
+      const fresh = ways.filter(([, , down = 0]) => down === step).length;
+      if (fresh > 0) {
+        for (let k = points.length - fresh; k < points.length; k += 1)
+          await send("touchStart", points.slice(0, k + 1));
+      } else {
+        await send("touchMove", points);
+      }
+      await page.waitForTimeout(30);
+    }
+    await send("touchEnd", []);
+  };
+}
+
 export function expect(holds, sentence) {
   if (!holds) throw new Error(sentence);
 }
