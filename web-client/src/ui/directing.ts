@@ -20,6 +20,10 @@ export interface Excursion {
   before: Orbit;
 }
 
+/** Whether a click in the picture aims a light. */
+export const isAiming = ({ aiming, selectedLight }: Page): boolean =>
+  aiming.value !== "off" && selectedLight.value !== null;
+
 /** Whether the light shines more to one side than to others, and is free. */
 export const canAim = (page: Page, id: LightId): boolean =>
   isFree(page, id) && lightOf(page.session.document.value, id)?.type !== "omni";

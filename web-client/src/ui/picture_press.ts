@@ -3,7 +3,7 @@
 import type { Pixel, Size } from "../core/camera";
 import { orbit, pan } from "../core/navigation";
 import { type PixelQuestion, questionAt } from "../core/probing";
-import { aimAt } from "./directing";
+import { aimAt, isAiming } from "./directing";
 import type { Page } from "./page";
 import { followPointer } from "./pointer";
 import { isProbing } from "./probe_view";
@@ -30,7 +30,7 @@ export function pressPicture(down: PointerEvent, page: Page, size: Size): void {
   down.preventDefault();
   const stage = down.currentTarget as HTMLElement;
   stage.focus({ preventScroll: true });
-  const aims = page.aiming.value !== "off";
+  const aims = isAiming(page);
   // A finger cannot hover: while pixels are asked about, it points at them.
   if (down.pointerType === "touch" && isProbing(page) && !aims) return;
   // A click that aims leaves drags to the view.

@@ -14,6 +14,7 @@ import {
   takenLight,
   type Tool,
 } from "../core/tools";
+import { isAiming } from "./directing";
 import { isFree } from "./light_actions";
 import { type Page, selectLight } from "./page";
 import { inPicture, questionOn } from "./picture_press";
@@ -103,7 +104,7 @@ function takeFeature(page: Page, kind: DragKind, question: PixelQuestion): Journ
 export function pressTool(down: PointerEvent, page: Page): boolean {
   const stage = down.currentTarget as HTMLElement;
   const kind = page.toolbox.tool.value;
-  if (kind === "select" || page.aiming.value !== "off" || down.button !== 0 || down.altKey) return false;
+  if (kind === "select" || isAiming(page) || down.button !== 0 || down.altKey) return false;
   const question = questionOn(stage, page, inPicture(stage, down));
   if (question === null) return false;
   down.preventDefault();

@@ -9,7 +9,7 @@ import { isAtLimit } from "../core/document";
 import { pinch, zoom } from "../core/navigation";
 import type { PixelQuestion } from "../core/probing";
 import { outcomeText } from "../core/tools";
-import { aimAt, middleOf } from "./directing";
+import { aimAt, isAiming, middleOf } from "./directing";
 import { twoFingers } from "./fingers";
 import { fitLight, fitScene } from "./fitting";
 import { FilmGate } from "./gate";
@@ -56,7 +56,7 @@ export function Viewport() {
     [session, size],
   );
   const { onPointerDown: point, ...hover } = hovering(page);
-  const aims = page.aiming.value !== "off";
+  const aims = isAiming(page);
   const tool = page.toolbox.tool.value;
   const keys = useMemo(() => toolKeys(page, () => hereOf(page, stage.current)), [page]);
   return (
