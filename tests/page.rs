@@ -83,6 +83,15 @@ fn lights_are_directed_in_the_picture() {
     in_a_browser("directing.mjs");
 }
 
+/// A shadow, some control points, a pinned place and a highlight by the mouse, a hotspot by keys.
+///
+/// Rules: CMD-15, DRAG-3, DRAG-5, PROBE-6, GEST-1
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn features_are_dragged_and_pinned_on_the_page() {
+    in_a_browser("features.mjs");
+}
+
 /// Bends the spotlight of another maker's scene, in a room that holds all of its control points.
 ///
 /// Rules: CMD-12

@@ -186,7 +186,14 @@ impl Probed {
             depth: seen.depth,
             fill: finite(seen.fill),
         });
-        Self { seen, lights: probe.lights.iter().map(|light| ProbedLight::new(light, posed, highlight(light))).collect() }
+        Self {
+            seen,
+            lights: probe
+                .lights
+                .iter()
+                .map(|light| ProbedLight::new(light, posed, highlight(light)))
+                .collect(),
+        }
     }
 }
 

@@ -28,6 +28,7 @@ pub async fn answer(
     let default = || default_camera(&document, &scene, aspect);
     let camera = camera.map_or_else(|| Ok(default()), |wanted| chosen_camera(wanted, &document))?;
     let (lights, muted) = (document.instances(), BTreeSet::new());
-    let found = probe(&state.backend, Probe { camera, size, pixel, highlights, lights, muted, scene }).await?;
+    let found =
+        probe(&state.backend, Probe { camera, size, pixel, highlights, lights, muted, scene }).await?;
     Ok(json(&found))
 }

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use protocol::{ProbeAnswer, ServerMessage};
+use protocol::{ProbeAnswer, Probed, ServerMessage};
 use tokio::task::{Id, JoinError, JoinSet};
 
 use super::Room;
@@ -15,8 +15,8 @@ use crate::request::ProbeQuestion;
 #[derive(Default)]
 pub(super) struct Probes {
     tasks: JoinSet<ServerMessage>,
-    /// Whose they are.
-    askers: HashMap<Id, ClientId>,
+    /// Whose they are, and what they call them.
+    askers: HashMap<Id, (ClientId, String)>,
     /// The latest of each client that has one under way.
     waiting: BTreeMap<ClientId, ProbeQuestion>,
 }
@@ -36,38 +36,37 @@ impl Probes {
 impl Room {
     /// Answers a client, or keeps the question until its last one is answered: then only the latest counts.
     pub(super) fn ask(&mut self, client: ClientId, question: ProbeQuestion) {
-        if self.probes.askers.values().any(|asker| *asker == client) {
+        if self.probes.askers.values().any(|(asker, _)| *asker == client) {
             self.probes.waiting.insert(client, question);
             return;
         }
         let name = question.probe.clone();
         let (log_seq, live_revision) = (self.session.seq(), self.live_revision);
-        let answer = move |found: Result<_, ServerError>| {
-            let (found, refused) = match found {
-                Ok(found) => (Some(found), None),
-                Err(error) => (None, Some(error.problem())),
-            };
-            let answer = ProbeAnswer { probe: name, log_seq, live_revision, found, refused };
-            ServerMessage::Probed(Box::new(answer))
-        };
         match self.resolved(client, question) {
             Ok(asked) => {
                 let backend = self.backend.clone();
-                let task = self.probes.tasks.spawn(async move { answer(probe(&backend, asked).await) });
-                self.probes.askers.insert(task.id(), client);
+                let probe_name = name.clone();
+                let task = self.probes.tasks.spawn(async move {
+                    answer(probe_name, log_seq, live_revision, probe(&backend, asked).await)
+                });
+                self.probes.askers.insert(task.id(), (client, name));
             }
-            Err(error) => self.outboxes.send(client, &answer(Err(error))),
+            Err(error) => self.outboxes.send(client, &answer(name, log_seq, live_revision, Err(error))),
         }
     }
 
     /// Sends what [`Probes::next`] gave, and goes on with what its client has asked since.
     pub(super) fn take_probe(&mut self, ended: Result<(Id, ServerMessage), JoinError>) {
         let task = ended.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
-        let Some(client) = self.probes.askers.remove(&task) else { return };
-        match ended {
-            Ok((_, answer)) => self.outboxes.send(client, &answer),
-            Err(fault) => tracing::error!("a probe failed: {fault}"),
-        }
+        let Some((client, name)) = self.probes.askers.remove(&task) else { return };
+        let message = match ended {
+            Ok((_, message)) => message,
+            Err(fault) => {
+                tracing::error!("a probe failed: {fault}");
+                answer(name, self.session.seq(), self.live_revision, Err(ServerError::Fault))
+            }
+        };
+        self.outboxes.send(client, &message);
         if let Some(question) = self.probes.waiting.remove(&client) {
             self.ask(client, question);
         }
@@ -91,4 +90,18 @@ impl Room {
         let muted = view.map(|(_, settings, _)| settings.muted(&lights)).unwrap_or_default();
         Ok(Probe { camera, size, pixel, highlights, lights, muted, scene: self.scene.decoded.clone() })
     }
+}
+
+/// What a client is told of its probe `name`.
+fn answer(
+    name: String,
+    log_seq: u64,
+    live_revision: u32,
+    found: Result<Probed, ServerError>,
+) -> ServerMessage {
+    let (found, refused) = match found {
+        Ok(found) => (Some(found), None),
+        Err(error) => (None, Some(error.problem())),
+    };
+    ServerMessage::Probed(Box::new(ProbeAnswer { probe: name, log_seq, live_revision, found, refused }))
 }

@@ -120,7 +120,14 @@ async fn a_client_asks_of_what_it_sees_now() {
     assert_eq!(refused.code, ErrorCode::BadMessage);
     assert!(refused.message.contains("open one"), "{}", refused.message);
     let camera = Some(ProbeCamera::Own(welcome.camera.clone()));
-    ada.say(&ClientMessage::Probe { probe: "far".into(), pixel: LIT, camera, size: Some(SIZE), highlights: false }).await;
+    ada.say(&ClientMessage::Probe {
+        probe: "far".into(),
+        pixel: LIT,
+        camera,
+        size: Some(SIZE),
+        highlights: false,
+    })
+    .await;
     let far = answer_to(&mut ada, "far").await;
 
     open(&mut ada, welcome.camera).await;
