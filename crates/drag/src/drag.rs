@@ -87,16 +87,8 @@ fn begin<'a>(
         place,
         directions: [place.to_light, end],
     };
-    let goal = Goal {
-        asked: Asked::Feature(Box::new(taken.clone())),
-        start: light,
-        moves: moves(light, drag, from.position.distance(placed.source()))?,
-        placed,
-        folds: light.tube().map_or_else(Vec::new, light::Tube::r_kappa_max),
-        pins,
-        cuts: Vec::new(),
-        joint: None,
-    };
+    let moves = moves(light, drag, from.position.distance(placed.source()))?;
+    let goal = Goal::new(Asked::Feature(Box::new(taken.clone())), (light, moves), placed, pins);
     Ok((goal, taken, near))
 }
 

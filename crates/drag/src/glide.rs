@@ -30,13 +30,12 @@ pub fn glide(light: &CheckedLight, point: usize, to: DVec3, radii: Radii) -> Opt
     if !(1..points.len()).contains(&point) || radii == Radii::Solve || !to.is_finite() {
         return None;
     }
-    let folds = light.tube()?.r_kappa_max();
+    light.tube()?;
     let unit = points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
     let moves = Moves::Points { points: vec![point], radii, unit };
     let asked = Asked::Position { point, to };
     let placed = Placed::new(light.rays(), DVec3::ZERO, DVec3::ZERO);
-    let goal =
-        Goal { asked, start: light, moves, placed, folds, pins: Vec::new(), cuts: Vec::new(), joint: None };
+    let goal = Goal::new(asked, (light, moves), placed, Vec::new());
     let near = vec![[0.0; 2]];
     // Where nothing is in the way it is there, to the last bit.
     let all_of_it = ((to - points[point].position) / unit).to_array();

@@ -1,14 +1,17 @@
 //! What a drag is after: two equations that hold where the feature lies under the cursor, and what must stay above 0.
 
+use std::rc::Rc;
+
 use glam::{DVec2, DVec3};
 use light::{CheckedLight, Rays};
 use raycast::Seen;
 
 use crate::bound::{Bound, INSIDE, across_off, behind, bounds_of_place, direction_off, hard};
+use crate::matrix::Matrix;
 use crate::moves::{LARGEST_FOLD, Moves};
 use crate::pins::{Cut, Pinned};
 use crate::place::{Place, Placed};
-use crate::quadratic::{Hold, Linear, Matrix, Pulls};
+use crate::quadratic::{Hold, Linear, Pulls};
 use crate::request::{Feature, Limit, Radii};
 
 /// How far out of the light the feature may be where it sets out, so that it may go through the air between two surfaces.
@@ -26,10 +29,12 @@ pub(crate) struct Goal<'a> {
     /// The largest `R kappa` of each segment as the drag began, and so what it may have.
     pub folds: Vec<f64>,
     pub pins: Vec<Pinned>,
+    /// How firmly each residual is held.
+    pub rows: Rc<[Hold]>,
     /// Edges of shadows, and surfaces, that what is pinned may not cross.
     pub cuts: Vec<Cut>,
     /// Where two segments of a tube meet, and which of the followed places is to stay there: the feature's or its pivot's.
-    pub joint: Option<(usize, f64)>,
+    joint: Option<(usize, f64)>,
 }
 
 /// What is asked.
@@ -66,7 +71,7 @@ pub(crate) struct Evaluation {
     /// How far the feature lies off, and then how far each pin does, in radii of the light or in radians.
     pub residual: Vec<f64>,
     /// How firmly each of these is held.
-    pub rows: Vec<Hold>,
+    pub rows: Rc<[Hold]>,
     pub bounds: Vec<Bound>,
     pub near: Near,
 }
@@ -121,7 +126,24 @@ impl Taken {
     }
 }
 
-impl Goal<'_> {
+impl<'a> Goal<'a> {
+    pub fn new(
+        asked: Asked,
+        (start, moves): (&'a CheckedLight, Moves),
+        placed: Placed<'a>,
+        pins: Vec<Pinned>,
+    ) -> Self {
+        let folds = start.tube().map_or_else(Vec::new, light::Tube::r_kappa_max);
+        let rows = rows(&asked, &pins);
+        Self { asked, start, moves, placed, folds, pins, rows, cuts: Vec::new(), joint: None }
+    }
+
+    /// The same with a followed place at a joint of the tube.
+    pub fn at_joint(&self, joint: (usize, f64)) -> Self {
+        let rows = self.rows.iter().copied().chain([Hold::Fixed]).collect();
+        Self { joint: Some(joint), rows, ..self.clone() }
+    }
+
     /// How the light with `x` does at a share of the way; `None` where it cannot be evaluated.
     pub fn evaluate(&self, x: &[f64], share: f64, near: &Near) -> Option<Evaluation> {
         let rays = self.moves.rays(self.start, x)?;
@@ -140,8 +162,7 @@ impl Goal<'_> {
             }
         };
         for (pin, near) in self.pins.iter().zip(&near[1..]) {
-            let (off, at, place) = pin.off(&placed, *near, &mut bounds)?;
-            residual.extend(off);
+            let (at, place) = pin.off(&placed, *near, &mut residual, &mut bounds)?;
             followed.push(at);
             for cut in self.cuts.iter().filter(|cut| cut.pin() == Some(pin.index)) {
                 bounds.push(cut.bound_of_way(&placed, &place, pin)?);
@@ -151,24 +172,12 @@ impl Goal<'_> {
         bounds.extend(self.cuts.iter().filter_map(|cut| cut.bound_of_source(&placed)));
         let is_finite =
             residual.iter().chain(bounds.iter().map(|bound| &bound.value)).all(|value| value.is_finite());
-        is_finite.then(|| Evaluation { residual, rows: self.rows(), bounds, near: followed })
-    }
-
-    /// How firmly each residual is held.
-    fn rows(&self) -> Vec<Hold> {
-        let asked = match self.asked {
-            Asked::Feature(_) => 2,
-            Asked::Position { .. } => 3,
-        };
-        let mut rows = vec![Hold::Asked; asked];
-        rows.extend(self.pins.iter().flat_map(Pinned::rows));
-        rows.extend(self.joint.map(|_| Hold::Fixed));
-        rows
+        is_finite.then(|| Evaluation { residual, rows: Rc::clone(&self.rows), bounds, near: followed })
     }
 
     /// Whether something is held softly.
     pub fn has_soft_pins(&self) -> bool {
-        self.rows().iter().any(|row| matches!(row, Hold::Soft(_)))
+        self.rows.iter().any(|row| matches!(row, Hold::Soft(_)))
     }
 
     /// What holds the light back most, by how its limits and pins pull.
@@ -228,12 +237,7 @@ impl Goal<'_> {
     /// Newton's method makes up for.
     pub fn linear(&self, x: &[f64], share: f64, at: &Evaluation, step: f64) -> Linear {
         let (count, rows, limits) = (x.len(), at.residual.len(), at.bounds.len());
-        let mut linear = Linear {
-            jacobian: Matrix::zero(rows, count),
-            slopes: Matrix::zero(limits, count),
-            rows: at.rows.clone(),
-            give: at.bounds.iter().map(|bound| bound.give).collect(),
-        };
+        let (mut jacobian, mut slopes) = (Matrix::zero(rows, count), Matrix::zero(limits, count));
         let mut beside = x.to_vec();
         for k in 0..count {
             let mut side = |by: f64| {
@@ -251,14 +255,24 @@ impl Goal<'_> {
                 (None, None) => continue,
             };
             for row in 0..rows {
-                *linear.jacobian.at(row, k) = (ahead.residual[row] - behind.residual[row]) / length;
+                *jacobian.at(row, k) = (ahead.residual[row] - behind.residual[row]) / length;
             }
             for row in 0..limits {
-                *linear.slopes.at(row, k) = (ahead.bounds[row].value - behind.bounds[row].value) / length;
+                *slopes.at(row, k) = (ahead.bounds[row].value - behind.bounds[row].value) / length;
             }
         }
-        linear
+        let give = at.bounds.iter().map(|bound| bound.give).collect();
+        Linear::new(jacobian, slopes, Rc::clone(&at.rows), give)
     }
+}
+
+/// How firmly what is asked for and what is pinned is held.
+pub(crate) fn rows(asked: &Asked, pins: &[Pinned]) -> Rc<[Hold]> {
+    let count = match asked {
+        Asked::Feature(_) => 2,
+        Asked::Position { .. } => 3,
+    };
+    std::iter::repeat_n(Hold::Asked, count).chain(pins.iter().flat_map(Pinned::rows)).collect()
 }
 
 /// The unit vector at a share of the shortest turn from one to another.

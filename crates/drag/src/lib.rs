@@ -16,6 +16,7 @@ mod drag;
 mod glide;
 mod goal;
 mod lies;
+mod matrix;
 mod moves;
 mod occlusion;
 mod pins;

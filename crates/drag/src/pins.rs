@@ -81,7 +81,7 @@ impl Pinned {
             is_hard: pin.is_hard,
             point,
             place,
-            irradiance: placed.irradiance(point, place.t),
+            irradiance: placed.locate_lit(point, place.t)?.1,
             normal,
             shadow_point: point + normal * offset,
             pivot: None,
@@ -145,14 +145,19 @@ impl Pinned {
         self.kind == PinKind::Direction && self.irradiance > 0.0
     }
 
-    /// How far it is off, where that is an equation, and where it is in the light.
+    /// Adds how far it is off, where that is an equation, and says where it is in the light.
     pub fn off(
         &self,
         placed: &Placed,
         near: [f64; 2],
+        residual: &mut Vec<f64>,
         bounds: &mut Vec<Bound>,
-    ) -> Option<(Vec<f64>, [f64; 2], Place)> {
-        let place = placed.locate(self.point, Some(near[0]))?;
+    ) -> Option<([f64; 2], Place)> {
+        let (place, irradiance) = if self.holds_what_arrives() {
+            placed.locate_lit(self.point, near[0])?
+        } else {
+            (placed.locate(self.point, Some(near[0]))?, 0.0)
+        };
         let of = Some((Limit::Pin(self.index), self.give()));
         bounds_of_place(placed, &place, of, 0.0, bounds);
         if self.kind == PinKind::Lit {
@@ -161,21 +166,22 @@ impl Pinned {
             bounds.push(Bound { value, limit: Limit::Pin(self.index), give: self.give() });
         }
         let mut pivot_t = near[1];
-        let off = match (self.kind, self.pivot) {
-            (PinKind::Direction, _) => Some(direction_off(place.to_light, self.place.to_light)?),
+        match (self.kind, self.pivot) {
+            (PinKind::Direction, _) => {
+                residual.extend(direction_off(place.to_light, self.place.to_light)?.to_array());
+            }
             (PinKind::Shadow, Some((pivot, _))) => {
                 let pivot = placed.locate(pivot, Some(near[1]))?;
                 pivot_t = pivot.t;
                 bounds.push(behind(&place, &pivot, &self.place, of));
-                Some(across_off(pivot.across, &place, &self.place))
+                residual.extend(across_off(pivot.across, &place, &self.place).to_array());
             }
-            _ => None,
-        };
-        let mut off = off.map_or_else(Vec::new, |off| off.to_array().to_vec());
-        if self.holds_what_arrives() {
-            off.push(placed.irradiance(self.point, place.t) / self.irradiance - 1.0);
+            _ => {}
         }
-        Some((off, [place.t, pivot_t], place))
+        if self.holds_what_arrives() {
+            residual.push(irradiance / self.irradiance - 1.0);
+        }
+        Some(([place.t, pivot_t], place))
     }
 }
 

@@ -119,6 +119,25 @@ impl<'a> Placed<'a> {
         }
     }
 
+    /// The same, with the largest component of the irradiance there on a surface square to the light, without shadows; 0 outside
+    /// the light.
+    pub fn locate_lit(&self, point: DVec3, near: f64) -> Option<(Place, f64)> {
+        let way = point - self.source();
+        let irradiance = match self.rays {
+            Rays::Bent(tube) => {
+                let q = tube.placement.rotation.transpose() * way / tube.placement.world_per_tube;
+                let root = follow(tube, q, near);
+                return Some((on_tube(tube, &root), tube.irradiance(&root).max_element()));
+            }
+            Rays::Cone(cone) => cone.locate(way).map(|place| cone.irradiance(&place)),
+            Rays::Omni(omni) => omni.locate(way).map(|place| omni.irradiance(&place)),
+            Rays::Parallel(parallel) => {
+                parallel.locate(point + self.origin).map(|place| parallel.irradiance(&place))
+            }
+        };
+        Some((self.locate(point, Some(near))?, irradiance.map_or(0.0, DVec3::max_element)))
+    }
+
     /// Of a light without a tube: where its way `across` begins, and where it is level with `point`, which lies at `place`.
     /// A sun's way begins `far` before that.
     pub fn straight_way(&self, place: &Place, across: DVec2, point: DVec3, far: f64) -> (DVec3, DVec3) {
@@ -139,24 +158,6 @@ impl<'a> Placed<'a> {
         }
     }
 
-    /// The largest component of the irradiance at a point in scene space on a surface square to the light, without shadows, in the
-    /// place that is followed from `near`; 0 outside the light.
-    pub fn irradiance(&self, point: DVec3, near: f64) -> f64 {
-        let way = point - self.source();
-        let irradiance = match self.rays {
-            Rays::Bent(tube) => {
-                let q = tube.placement.rotation.transpose() * way / tube.placement.world_per_tube;
-                Some(tube.irradiance(&follow(tube, q, near)))
-            }
-            Rays::Cone(cone) => cone.locate(way).map(|place| cone.irradiance(&place)),
-            Rays::Omni(omni) => omni.locate(way).map(|place| omni.irradiance(&place)),
-            Rays::Parallel(parallel) => {
-                parallel.locate(point + self.origin).map(|place| parallel.irradiance(&place))
-            }
-        };
-        irradiance.map_or(0.0, DVec3::max_element)
-    }
-
     /// How far out in the light a place lies, squared: 1 at its edge. 0 where it has none.
     pub fn out2(&self, place: &Place) -> f64 {
         match self.rays {
@@ -175,6 +176,8 @@ impl<'a> Placed<'a> {
 /// The root near `t`, with the radius left aside: Newton's method on `(q - P) . P'`, each step squaring the error.
 fn follow(tube: &Tube<f64>, q: DVec3, near: f64) -> Root<f64> {
     const STEPS: usize = 12;
+    // The error after such a step is its square.
+    const ENOUGH: f64 = 1e-9;
     let last = tube.segments.len() - 1;
     // The extension past the last segment has no end.
     let end = if last == tube.n { f64::INFINITY } else { tube.n as f64 };
@@ -194,7 +197,7 @@ fn follow(tube: &Tube<f64>, q: DVec3, near: f64) -> Root<f64> {
         // A step of one segment at most: past the joint the curve is another.
         let step = (r.dot(d) / slope).clamp(-1.0, 1.0);
         let next = (t + step).clamp(0.0, end);
-        let is_done = (next - t).abs() <= 1e-15 * (1.0 + t);
+        let is_done = (next - t).abs() <= ENOUGH * (1.0 + t);
         t = next;
         if is_done {
             break;

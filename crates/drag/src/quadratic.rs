@@ -1,73 +1,21 @@
 //! The step that a solver takes: the smallest change that fulfils what is linear about the present place.
 
-/// A dense matrix, row by row.
-#[derive(Clone, Debug)]
-pub(crate) struct Matrix {
-    pub rows: usize,
-    pub columns: usize,
-    values: Vec<f64>,
-}
+use std::rc::Rc;
 
-impl Matrix {
-    pub fn zero(rows: usize, columns: usize) -> Self {
-        Self { rows, columns, values: vec![0.0; rows * columns] }
-    }
-
-    pub fn row(&self, row: usize) -> &[f64] {
-        &self.values[row * self.columns..][..self.columns]
-    }
-
-    pub fn at(&mut self, row: usize, column: usize) -> &mut f64 {
-        &mut self.values[row * self.columns + column]
-    }
-
-    /// Its product with a column.
-    pub fn times(&self, x: &[f64]) -> Vec<f64> {
-        (0..self.rows).map(|row| dot(self.row(row), x)).collect()
-    }
-
-    /// The product of its transpose with a column.
-    pub fn transposed_times(&self, y: &[f64]) -> Vec<f64> {
-        let mut sum = vec![0.0; self.columns];
-        for (row, y) in y.iter().enumerate() {
-            for (sum, value) in sum.iter_mut().zip(self.row(row)) {
-                *sum += value * y;
-            }
-        }
-        sum
-    }
-
-    /// `A B^T`.
-    fn times_transposed(&self, other: &Self) -> Self {
-        let mut product = Self::zero(self.rows, other.rows);
-        for i in 0..self.rows {
-            for j in 0..other.rows {
-                *product.at(i, j) = dot(self.row(i), other.row(j));
-            }
-        }
-        product
-    }
-}
+use crate::matrix::{Matrix, backward, dot, forward, independent, solved, triangle};
 
 /// The least `mu` beside limits, as a share of the trace of `J J^T`. What it leaves of a residual goes in further steps.
 const SOFT_BESIDE_LIMITS: f64 = 1e-7;
 
-/// The `mu` of a residual that does not count.
-const UNHEARD: f64 = 1e200;
-
 /// The least `mu`: what no change does anything to asks for nothing.
 const LEAST: f64 = 1e-30;
 
+/// Turns in which springs come in and go together, so that many do not take as many turns. Past these they do so one by one, which
+/// ends for certain.
+const TOGETHER: usize = 8;
+
 /// To what share of their size limits are held.
 const ROUNDED: f64 = 1e-14;
-
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-pub(crate) fn length(a: &[f64]) -> f64 {
-    dot(a, a).sqrt()
-}
 
 /// What is linear about a place `x`: residuals `residual + jacobian dx`, and limits that are to stay 0 or more, `limits +
 /// slopes dx`. The values are given beside it, since they may be of a place nearby.
@@ -75,9 +23,47 @@ pub(crate) struct Linear {
     pub jacobian: Matrix,
     pub slopes: Matrix,
     /// How firmly each residual is held.
-    pub rows: Vec<Hold>,
+    pub rows: Rc<[Hold]>,
     /// How softly each limit gives way; 0 where it does not.
     pub give: Vec<f64>,
+    /// Of the fixed rows those that the others follow from.
+    fixed: Vec<usize>,
+    /// `I + sum a a^T / give` over the soft rows: what the size of a change is measured by where these count.
+    metric: Matrix,
+}
+
+impl Linear {
+    pub fn new(jacobian: Matrix, slopes: Matrix, rows: Rc<[Hold]>, give: Vec<f64>) -> Self {
+        let fixed: Vec<usize> = (0..rows.len()).filter(|row| rows[*row] == Hold::Fixed).collect();
+        let is_few = fixed.len() <= jacobian.columns;
+        let fixed = if is_few { fixed } else { independent(&jacobian, &fixed) };
+        let mut metric = identity(jacobian.columns);
+        for (row, hold) in rows.iter().enumerate() {
+            if let Hold::Soft(give) = hold {
+                add_square(&mut metric, jacobian.row(row), *give);
+            }
+        }
+        Self { jacobian, slopes, rows, give, fixed, metric }
+    }
+}
+
+fn identity(count: usize) -> Matrix {
+    let mut matrix = Matrix::zero(count, count);
+    (0..count).for_each(|k| *matrix.at(k, k) = 1.0);
+    matrix
+}
+
+/// Adds `a a^T / give`.
+fn add_square(metric: &mut Matrix, a: &[f64], give: f64) {
+    for (row, value) in a.iter().enumerate() {
+        let scaled = value / give;
+        a.iter().enumerate().for_each(|(column, value)| *metric.at(row, column) += scaled * value);
+    }
+}
+
+/// Adds `a by`.
+fn add_scaled(sum: &mut [f64], a: &[f64], by: f64) {
+    sum.iter_mut().zip(a).for_each(|(sum, value)| *sum += value * by);
 }
 
 /// How firmly a residual is held at 0.
@@ -115,38 +101,51 @@ pub(crate) enum Counting {
 /// `y` is least in `|y|^2 + |residual|^2 / mu` over what fulfils the limits. Without limits that is `J^T (J J^T + mu I)^-1
 /// (J x - residual)` (light model, section 7). Limits are brought in by an active set: each as a further row that is held at
 /// 0, and let go where it pulls the wrong way. They come before residuals, which only ask; a fixed residual is a row that is
-/// never let go. Soft rows have a `mu` of their own, in limits too, which then are springs on one side.
+/// never let go. What is soft has a `mu` of its own, limits too, which then are springs on one side. That changes what `|y|^2`
+/// is measured by, and adds no rows: however much is pinned, there are as many unknowns.
 pub(crate) fn smallest(x: &[f64], linear: &Linear, values: Values, mu: f64) -> (Vec<f64>, Pulls) {
-    let Linear { jacobian, slopes, give, .. } = linear;
+    let Linear { jacobian, slopes, rows, give, .. } = linear;
     let Values { residual, limits, counting } = values;
     let wanted: Vec<f64> = jacobian.times(x).iter().zip(residual).map(|(a, b)| a - b).collect();
     let floor: Vec<f64> = slopes.times(x).iter().zip(limits).map(|(a, b)| a - b).collect();
+    let mut pull = vec![0.0; jacobian.columns];
+    for (row, hold) in rows.iter().enumerate() {
+        if let (Hold::Soft(give), Counting::All) = (hold, counting) {
+            add_scaled(&mut pull, jacobian.row(row), wanted[row] / give);
+        }
+    }
+    let step = Step { linear, wanted, floor, pull, counting, mu };
     let mut active: Vec<usize> = Vec::new();
     let mut best: Option<(Vec<f64>, Pulls)> = None;
-    for _ in 0..4 * limits.len() + 4 {
-        let (y, weights) = with_active(linear, (&wanted, counting), &floor, &active, mu);
-        let (of_rows, pulls) = weights.split_at(jacobian.rows);
+    let most = 4 * limits.len().min(4 * jacobian.columns) + 4;
+    for turn in 0..most {
+        let (y, of_rows, pulls) = step.with_active(&active);
         // A limit that holds the light back where it wants to go is let go of.
         let wrong = active.iter().enumerate().filter(|(k, _)| pulls[*k] < 0.0);
-        if let Some((k, _)) = wrong.min_by(|a, b| pulls[a.0].total_cmp(&pulls[b.0])) {
-            active.remove(k);
+        if let Some((k, &limit)) = wrong.min_by(|a, b| pulls[a.0].total_cmp(&pulls[b.0])) {
+            if give[limit] > 0.0 && turn < TOGETHER {
+                let mut pulls = pulls.iter();
+                active.retain(|limit| pulls.next().is_some_and(|pull| *pull >= 0.0) || give[*limit] == 0.0);
+            } else {
+                active.remove(k);
+            }
             continue;
         }
         let height = slopes.times(&y);
         let counts = |k: usize| give[k] == 0.0 || counting == Counting::All;
-        let broken =
-            (0..limits.len()).filter(|k| counts(*k) && !active.contains(k) && height[*k] < floor[*k] - 1e-12);
+        let broken: Vec<usize> = (0..limits.len())
+            .filter(|k| counts(*k) && height[*k] < step.floor[*k] - 1e-12 && !active.contains(k))
+            .collect();
         let mut of_limits = vec![0.0; limits.len()];
-        active
-            .iter()
-            .zip(pulls)
-            .for_each(|(&k, pull)| of_limits[k] = if give[k] > 0.0 { 0.0 } else { *pull });
-        best = Some((y, Pulls { rows: of_rows.to_vec(), limits: of_limits }));
-        let Some(worst) = broken.min_by(|&a, &b| (height[a] - floor[a]).total_cmp(&(height[b] - floor[b])))
-        else {
-            break;
-        };
-        active.push(worst);
+        active.iter().zip(pulls).for_each(|(&k, pull)| of_limits[k] = if give[k] > 0.0 { 0.0 } else { pull });
+        best = Some((y, Pulls { rows: of_rows, limits: of_limits }));
+        let below = |k: &usize| height[*k] - step.floor[*k];
+        let Some(worst) = broken.iter().copied().min_by(|a, b| below(a).total_cmp(&below(b))) else { break };
+        if give[worst] > 0.0 && turn < TOGETHER {
+            active.extend(broken.into_iter().filter(|k| give[*k] > 0.0));
+        } else {
+            active.push(worst);
+        }
     }
     let still = || Pulls { rows: vec![0.0; jacobian.rows], limits: vec![0.0; limits.len()] };
     best.unwrap_or_else(|| (x.to_vec(), still()))
@@ -159,83 +158,90 @@ pub(crate) struct Pulls {
     pub limits: Vec<f64>,
 }
 
-/// The smallest `y` with the active limits at 0, and the multipliers of all rows and of those limits.
-fn with_active(
-    linear: &Linear,
-    (wanted, counting): (&[f64], Counting),
-    floor: &[f64],
-    active: &[usize],
+/// What a step is made of.
+struct Step<'a> {
+    linear: &'a Linear,
+    /// What rows and limits are to be at `y`.
+    wanted: Vec<f64>,
+    floor: Vec<f64>,
+    /// Where soft rows pull.
+    pull: Vec<f64>,
+    counting: Counting,
     mu: f64,
-) -> (Vec<f64>, Vec<f64>) {
-    let Linear { jacobian, slopes, rows, give } = linear;
-    let count = jacobian.rows + active.len();
-    let mut all = Matrix::zero(count, jacobian.columns);
-    let mut right = Vec::with_capacity(count);
-    for (row, wanted) in wanted.iter().enumerate() {
-        (0..jacobian.columns).for_each(|column| *all.at(row, column) = jacobian.row(row)[column]);
-        right.push(*wanted);
-    }
-    for (k, &limit) in active.iter().enumerate() {
-        (0..jacobian.columns)
-            .for_each(|column| *all.at(jacobian.rows + k, column) = slopes.row(limit)[column]);
-        right.push(floor[limit]);
-    }
-    let mut normal = all.times_transposed(&all);
-    let asked = || (0..jacobian.rows).filter(|row| rows[*row] == Hold::Asked);
-    let trace: f64 = asked().map(|row| normal.row(row)[row]).sum();
-    // What is firm comes first: residuals ask more softly than it is rounded.
-    let is_firm = rows.contains(&Hold::Fixed) || active.iter().any(|limit| give[*limit] == 0.0);
-    let asking = if is_firm { mu.max(SOFT_BESIDE_LIMITS * trace) } else { mu };
-    for row in 0..count {
-        let firm = ROUNDED * *normal.at(row, row) + LEAST;
-        *normal.at(row, row) += match rows.get(row) {
-            Some(Hold::Asked) if counting == Counting::Fixed => UNHEARD,
-            Some(Hold::Asked) => asking,
-            Some(Hold::Soft(_)) if counting != Counting::All => UNHEARD,
-            Some(Hold::Soft(give)) => *give,
-            Some(Hold::Fixed) => firm,
-            None => firm.max(give[active[row - jacobian.rows]]),
-        };
-    }
-    let weights = solved(normal, right);
-    (all.transposed_times(&weights), weights)
 }
 
-/// The solution of a symmetric positive system, by elimination with pivots from the diagonal.
-fn solved(mut matrix: Matrix, mut right: Vec<f64>) -> Vec<f64> {
-    let n = right.len();
-    let mut order: Vec<usize> = (0..n).collect();
-    for step in 0..n {
-        let pivot = (step..n)
-            .max_by(|&a, &b| {
-                let (a, b) = (order[a], order[b]);
-                matrix.row(a)[a].total_cmp(&matrix.row(b)[b])
-            })
-            .unwrap_or(step);
-        order.swap(step, pivot);
-        let p = order[step];
-        let diagonal = matrix.row(p)[p];
-        if diagonal <= 0.0 {
-            continue;
+impl Step<'_> {
+    /// The smallest `y` with the active limits at 0, and the multipliers of all rows and of those limits.
+    ///
+    /// With `M = L L^T` for what is soft and `y0 = M^-1 pull`, `|y|^2` and the soft rows are `|L^T (y - y0)|^2`, and so only firm
+    /// rows are left, as `L^-1 a` of what they were.
+    fn with_active(&self, active: &[usize]) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        let Linear { jacobian, slopes, rows, give, fixed, metric } = self.linear;
+        let all_count = self.counting == Counting::All;
+        let mut metric = if all_count { metric.clone() } else { identity(jacobian.columns) };
+        let mut pull = self.pull.clone();
+        for &limit in active.iter().filter(|limit| give[**limit] > 0.0) {
+            add_square(&mut metric, slopes.row(limit), give[limit]);
+            add_scaled(&mut pull, slopes.row(limit), self.floor[limit] / give[limit]);
         }
-        for &row in &order[step + 1..] {
-            let factor = matrix.row(row)[p] / diagonal;
-            for &column in &order[step..] {
-                let above = matrix.row(p)[column];
-                *matrix.at(row, column) -= factor * above;
+        let lower = triangle(&metric);
+        let rest = backward(&lower, &forward(&lower, &pull));
+        let asked = || (0..rows.len()).filter(|row| rows[*row] == Hold::Asked);
+        let asking = asked().filter(|_| self.counting != Counting::Fixed);
+        let limits = active.iter().filter(|limit| give[**limit] == 0.0);
+        let firm: Vec<Row> = asking
+            .map(Row::Asked)
+            .chain(fixed.iter().copied().map(Row::Fixed))
+            .chain(limits.copied().map(Row::Limit))
+            .collect();
+        let trace: f64 = asked().map(|row| dot(jacobian.row(row), jacobian.row(row))).sum();
+        // What is firm comes first: residuals ask more softly than it is rounded.
+        let is_asked_alone = firm.iter().all(|row| matches!(row, Row::Asked(_)));
+        let asking = if is_asked_alone { self.mu } else { self.mu.max(SOFT_BESIDE_LIMITS * trace) };
+        let mut all = Matrix::zero(firm.len(), jacobian.columns);
+        let (mut right, mut softness) = (Vec::new(), Vec::new());
+        for (k, row) in firm.iter().enumerate() {
+            let (a, wanted) = match *row {
+                Row::Asked(row) | Row::Fixed(row) => (jacobian.row(row), self.wanted[row]),
+                Row::Limit(limit) => (slopes.row(limit), self.floor[limit]),
+            };
+            let shaped = forward(&lower, a);
+            (0..shaped.len()).for_each(|column| *all.at(k, column) = shaped[column]);
+            right.push(wanted - dot(a, &rest));
+            let is_asked = matches!(row, Row::Asked(_));
+            softness.push(if is_asked { asking } else { ROUNDED * dot(a, a) + LEAST });
+        }
+        let mut normal = all.times_transposed(&all);
+        softness.iter().enumerate().for_each(|(k, mu)| *normal.at(k, k) += mu);
+        let weights = solved(normal, right);
+        let change = backward(&lower, &all.transposed_times(&weights));
+        let y: Vec<f64> = rest.iter().zip(&change).map(|(rest, change)| rest + change).collect();
+        let mut of_rows = vec![0.0; rows.len()];
+        let mut of_limits = vec![0.0; slopes.rows];
+        for (row, weight) in firm.iter().zip(weights) {
+            match *row {
+                Row::Asked(row) | Row::Fixed(row) => of_rows[row] = weight,
+                Row::Limit(limit) => of_limits[limit] = weight,
             }
-            right[row] -= factor * right[p];
         }
+        let pull_of = |&limit: &usize| {
+            if give[limit] > 0.0 {
+                (self.floor[limit] - dot(slopes.row(limit), &y)) / give[limit]
+            } else {
+                of_limits[limit]
+            }
+        };
+        let pulls = active.iter().map(pull_of).collect();
+        (y, of_rows, pulls)
     }
-    let mut solution = vec![0.0; n];
-    for step in (0..n).rev() {
-        let row = order[step];
-        let known: f64 =
-            order[step + 1..].iter().map(|&column| matrix.row(row)[column] * solution[column]).sum();
-        let diagonal = matrix.row(row)[row];
-        solution[row] = if diagonal > 0.0 { (right[row] - known) / diagonal } else { 0.0 };
-    }
-    solution
+}
+
+/// A row that is firm.
+#[derive(Clone, Copy, Debug)]
+enum Row {
+    Asked(usize),
+    Fixed(usize),
+    Limit(usize),
 }
 
 #[cfg(test)]
@@ -258,12 +264,12 @@ mod tests {
     fn pinned(residual: f64, limits: &[(f64, [f64; 2])], pins: &[(Hold, [f64; 2])]) -> Vec<f64> {
         let mut rows: Vec<&[f64]> = vec![&[1.0, 1.0]];
         rows.extend(pins.iter().map(|(_, row)| &row[..]));
-        let linear = Linear {
-            jacobian: matrix(&rows, 2),
-            slopes: matrix(&limits.iter().map(|(_, slope)| &slope[..]).collect::<Vec<_>>(), 2),
-            rows: std::iter::once(Hold::Asked).chain(pins.iter().map(|(hold, _)| *hold)).collect(),
-            give: vec![0.0; limits.len()],
-        };
+        let linear = Linear::new(
+            matrix(&rows, 2),
+            matrix(&limits.iter().map(|(_, slope)| &slope[..]).collect::<Vec<_>>(), 2),
+            std::iter::once(Hold::Asked).chain(pins.iter().map(|(hold, _)| *hold)).collect(),
+            vec![0.0; limits.len()],
+        );
         let residual: Vec<f64> = (0..rows.len()).map(|row| if row == 0 { residual } else { 0.0 }).collect();
         let limits: Vec<f64> = limits.iter().map(|(value, _)| *value).collect();
         smallest(

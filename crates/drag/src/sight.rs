@@ -13,6 +13,9 @@ use crate::request::{Limit, PinKind};
 /// Halvings by which the first crossing is found.
 const HALVINGS: usize = 40;
 
+/// Edges that are found at once. More wait for what these change.
+const EDGES_AT_ONCE: usize = 8;
+
 /// How far from a surface the source stays, in the scene's sizes.
 const FROM_SURFACE: f64 = 1e-3;
 
@@ -33,39 +36,52 @@ pub(crate) struct Sight<'a> {
 }
 
 impl Sight<'_> {
-    /// What the light with `x` breaks, as a limit that keeps it from that; `None` where all that has to hold does. `are_soft`
-    /// looks at soft pins too.
-    pub fn broken(&self, goal: &Goal, x: &[f64], are_soft: bool) -> Option<Cut> {
-        let looked_at = goal.pins.iter().filter(|pin| pin.is_hard || are_soft);
-        let broken =
-            looked_at.filter(|pin| !self.holds(goal, pin, x)).find_map(|pin| self.edge(goal, pin, x));
-        broken.or_else(|| self.surface(goal, x))
+    /// What the light with `x` breaks, as limits that keep it from that; none where all that has to hold does. `are_soft` looks at
+    /// soft pins too.
+    pub fn broken(&self, goal: &Goal, x: &[f64], are_soft: bool) -> Vec<Cut> {
+        let broken = self.unheld_pins(goal, x, |pin| pin.is_hard || are_soft);
+        let edges = broken.into_iter().filter_map(|pin| self.edge(goal, pin, x));
+        let edges: Vec<Cut> = edges.take(EDGES_AT_ONCE).collect();
+        if edges.is_empty() { self.surface(goal, x).into_iter().collect() } else { edges }
     }
 
     /// What has to hold and does not in the light with `x`.
     pub fn unheld(&self, goal: &Goal, x: &[f64]) -> Option<Limit> {
-        let mut hard = goal.pins.iter().filter(|pin| pin.is_hard);
-        let pin = hard.find(|pin| !self.holds(goal, pin, x)).map(|pin| Limit::Pin(pin.index));
+        let pins = self.unheld_pins(goal, x, |pin| pin.is_hard);
+        let pin = pins.first().map(|pin| Limit::Pin(pin.index));
         pin.or_else(|| self.surface(goal, x).map(|_| Limit::SourceInside))
     }
 
-    /// Whether a pin holds in the light with `x`: where ways of the light overlap, in the place that counts.
-    fn holds(&self, goal: &Goal, pin: &Pinned, x: &[f64]) -> bool {
-        let holds = in_light(goal, x, |placed| {
-            let place = placed.locate(pin.point, None)?;
-            let is_inside = placed.out2(&place) <= 1.0 && place.from_ends >= 0.0;
-            let is_held = match (pin.kind, pin.pivot) {
-                (PinKind::Lit, _) => pin.is_lit(self.occlusion, placed, &place),
-                (PinKind::Shadow, Some((pivot, _))) => {
-                    let pivot = placed.locate(pivot, None)?;
-                    pivot.t < place.t && across_off(pivot.across, &place, &pin.place).length() < HELD
-                }
-                (PinKind::Shadowed | PinKind::Shadow, _) => pin.is_shadowed(self.occlusion, placed, &place),
-                (PinKind::Direction, _) => place.to_light.distance(pin.place.to_light) < HELD,
-            };
-            Some(is_inside && is_held)
-        });
-        holds == Some(true)
+    /// Of the pins that are looked at, those that do not hold in the light with `x`.
+    fn unheld_pins<'g>(
+        &self,
+        goal: &'g Goal,
+        x: &[f64],
+        is_looked_at: impl Fn(&Pinned) -> bool,
+    ) -> Vec<&'g Pinned> {
+        let looked_at = goal.pins.iter().filter(|pin| is_looked_at(pin));
+        if let Some(rays) = goal.moves.rays(goal.start, x) {
+            let placed = goal.placed.with(&rays);
+            looked_at.filter(|pin| self.holds(&placed, pin) != Some(true)).collect()
+        } else {
+            looked_at.collect()
+        }
+    }
+
+    /// Whether a pin holds in a light: where ways of it overlap, in the place that counts. `None` where it lies nowhere.
+    fn holds(&self, placed: &Placed, pin: &Pinned) -> Option<bool> {
+        let place = placed.locate(pin.point, None)?;
+        let is_inside = placed.out2(&place) <= 1.0 && place.from_ends >= 0.0;
+        let is_held = match (pin.kind, pin.pivot) {
+            (PinKind::Lit, _) => pin.is_lit(self.occlusion, placed, &place),
+            (PinKind::Shadow, Some((pivot, _))) => {
+                let pivot = placed.locate(pivot, None)?;
+                pivot.t < place.t && across_off(pivot.across, &place, &pin.place).length() < HELD
+            }
+            (PinKind::Shadowed | PinKind::Shadow, _) => pin.is_shadowed(self.occlusion, placed, &place),
+            (PinKind::Direction, _) => place.to_light.distance(pin.place.to_light) < HELD,
+        };
+        Some(is_inside && is_held)
     }
 
     /// The edge of the shadow that a pin crosses on the straight way to `x`.
@@ -77,7 +93,8 @@ impl Sight<'_> {
         let (mut holds, mut broken) = (0.0, 1.0);
         for _ in 0..HALVINGS {
             let middle = f64::midpoint(holds, broken);
-            if self.holds(goal, pin, &at(middle)) { holds = middle } else { broken = middle }
+            let is_held = in_light(goal, &at(middle), |placed| self.holds(placed, pin)) == Some(true);
+            if is_held { holds = middle } else { broken = middle }
         }
         let shadowed = if pin.kind == PinKind::Lit { broken } else { holds };
         in_light(goal, &at(shadowed), |placed| {

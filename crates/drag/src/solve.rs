@@ -2,7 +2,8 @@
 
 use crate::bound::Bound;
 use crate::goal::{Evaluation, Goal, Near};
-use crate::quadratic::{Counting, Hold, Linear, Values, dot, length, smallest};
+use crate::matrix::{dot, length};
+use crate::quadratic::{Counting, Hold, Linear, Values, smallest};
 use crate::request::Limit;
 use crate::sight::Sight;
 use crate::start::rigid_start;
@@ -79,8 +80,11 @@ pub(crate) fn solve(goal: &mut Goal, near: &Near, sight: &Sight) -> Option<Solut
     let mut found = solve_within(goal, near)?;
     while goal.cuts.len() < MOST_CUTS[0] {
         let are_soft = goal.cuts.len() < MOST_CUTS[1];
-        let Some(cut) = sight.broken(goal, &found.at.x, are_soft) else { break };
-        goal.cuts.push(cut);
+        let cuts = sight.broken(goal, &found.at.x, are_soft);
+        if cuts.is_empty() {
+            break;
+        }
+        goal.cuts.extend(cuts);
         let iterations = found.iterations;
         found = solve_within(goal, near)?;
         found.iterations += iterations;
@@ -176,7 +180,7 @@ impl At {
 
     fn sum_of_squares(&self, which: impl Fn(Hold) -> bool) -> f64 {
         let Evaluation { residual, rows, .. } = &self.evaluation;
-        residual.iter().zip(rows).filter(|(_, row)| which(**row)).map(|(off, _)| off * off).sum()
+        residual.iter().zip(rows.iter()).filter(|(_, row)| which(**row)).map(|(off, _)| off * off).sum()
     }
 
     /// How far the feature is off.
@@ -249,7 +253,7 @@ impl Solution {
             })
             .collect();
         joints.into_iter().find_map(|joint| {
-            let found = self.reach(&Goal { joint: Some(joint), ..goal.clone() }, share, Counting::All)?;
+            let found = self.reach(&goal.at_joint(joint), share, Counting::All)?;
             let evaluation = goal.evaluate(&found.x, share, &found.evaluation.near)?;
             Some(At { evaluation, ..found }).filter(At::is_there)
         })

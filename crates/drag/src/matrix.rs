@@ -1,0 +1,156 @@
+//! Dense linear algebra in a few dimensions.
+
+/// What is left of a row that follows from others, as a share of the largest row: differences have an error of 1e-10.
+const DEPENDENT: f64 = 1e-8;
+
+/// A dense matrix, row by row.
+#[derive(Clone, Debug)]
+pub(crate) struct Matrix {
+    pub rows: usize,
+    pub columns: usize,
+    values: Vec<f64>,
+}
+
+impl Matrix {
+    pub fn zero(rows: usize, columns: usize) -> Self {
+        Self { rows, columns, values: vec![0.0; rows * columns] }
+    }
+
+    pub fn row(&self, row: usize) -> &[f64] {
+        &self.values[row * self.columns..][..self.columns]
+    }
+
+    pub fn at(&mut self, row: usize, column: usize) -> &mut f64 {
+        &mut self.values[row * self.columns + column]
+    }
+
+    /// Its product with a column.
+    pub fn times(&self, x: &[f64]) -> Vec<f64> {
+        (0..self.rows).map(|row| dot(self.row(row), x)).collect()
+    }
+
+    /// The product of its transpose with a column.
+    pub fn transposed_times(&self, y: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; self.columns];
+        for (row, y) in y.iter().enumerate() {
+            for (sum, value) in sum.iter_mut().zip(self.row(row)) {
+                *sum += value * y;
+            }
+        }
+        sum
+    }
+
+    /// `A B^T`.
+    pub fn times_transposed(&self, other: &Self) -> Self {
+        let mut product = Self::zero(self.rows, other.rows);
+        for i in 0..self.rows {
+            for j in 0..other.rows {
+                *product.at(i, j) = dot(self.row(i), other.row(j));
+            }
+        }
+        product
+    }
+}
+
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+pub(crate) fn length(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// Which rows, as many as are independent, the others follow from: each next one the row that those before leave most of.
+pub(crate) fn independent(matrix: &Matrix, among: &[usize]) -> Vec<usize> {
+    let mut left: Vec<Vec<f64>> = among.iter().map(|row| matrix.row(*row).to_vec()).collect();
+    let mut chosen = Vec::new();
+    let mut first = 0.0;
+    while chosen.len() < matrix.columns.min(among.len()) {
+        let sizes = left.iter().map(|row| dot(row, row)).enumerate();
+        let Some((next, size)) = sizes.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        first = f64::max(first, size);
+        if size <= DEPENDENT * DEPENDENT * first {
+            break;
+        }
+        chosen.push(among[next]);
+        let direction: Vec<f64> = left[next].iter().map(|value| value / size.sqrt()).collect();
+        for row in &mut left {
+            let along = dot(row, &direction);
+            row.iter_mut().zip(&direction).for_each(|(value, direction)| *value -= along * direction);
+        }
+    }
+    chosen.sort_unstable();
+    chosen
+}
+
+/// The lower triangle `L` of a symmetric positive matrix `L L^T`, by Cholesky's method.
+pub(crate) fn triangle(matrix: &Matrix) -> Matrix {
+    let n = matrix.rows;
+    let mut lower = Matrix::zero(n, n);
+    for row in 0..n {
+        for column in 0..=row {
+            let known = dot(&lower.row(row)[..column], &lower.row(column)[..column]);
+            let left = matrix.row(row)[column] - known;
+            *lower.at(row, column) =
+                if row == column { left.max(0.0).sqrt() } else { left / lower.row(column)[column] };
+        }
+    }
+    lower
+}
+
+/// `L^-1 x`.
+pub(crate) fn forward(lower: &Matrix, x: &[f64]) -> Vec<f64> {
+    let mut y = x.to_vec();
+    for row in 0..y.len() {
+        let known = dot(&lower.row(row)[..row], &y[..row]);
+        y[row] = (y[row] - known) / lower.row(row)[row];
+    }
+    y
+}
+
+/// `L^-T x`.
+pub(crate) fn backward(lower: &Matrix, x: &[f64]) -> Vec<f64> {
+    let mut y = x.to_vec();
+    for row in (0..y.len()).rev() {
+        let known: f64 = (row + 1..y.len()).map(|below| lower.row(below)[row] * y[below]).sum();
+        y[row] = (y[row] - known) / lower.row(row)[row];
+    }
+    y
+}
+
+/// The solution of a symmetric positive system, by elimination with pivots from the diagonal.
+pub(crate) fn solved(mut matrix: Matrix, mut right: Vec<f64>) -> Vec<f64> {
+    let n = right.len();
+    let mut order: Vec<usize> = (0..n).collect();
+    for step in 0..n {
+        let pivot = (step..n)
+            .max_by(|&a, &b| {
+                let (a, b) = (order[a], order[b]);
+                matrix.row(a)[a].total_cmp(&matrix.row(b)[b])
+            })
+            .unwrap_or(step);
+        order.swap(step, pivot);
+        let p = order[step];
+        let diagonal = matrix.row(p)[p];
+        if diagonal <= 0.0 {
+            continue;
+        }
+        for &row in &order[step + 1..] {
+            let factor = matrix.row(row)[p] / diagonal;
+            for &column in &order[step..] {
+                let above = matrix.row(p)[column];
+                *matrix.at(row, column) -= factor * above;
+            }
+            right[row] -= factor * right[p];
+        }
+    }
+    let mut solution = vec![0.0; n];
+    for step in (0..n).rev() {
+        let row = order[step];
+        let known: f64 =
+            order[step + 1..].iter().map(|&column| matrix.row(row)[column] * solution[column]).sum();
+        let diagonal = matrix.row(row)[row];
+        solution[row] = if diagonal > 0.0 { (right[row] - known) / diagonal } else { 0.0 };
+    }
+    solution
+}

@@ -1,0 +1,35 @@
+//! Many pins.
+
+use std::time::Instant;
+
+use drag::{Drag, Pin, PinKind, Status, drag};
+use glam::DVec2;
+
+use crate::support;
+
+/// What 256 pins take is near to 8 times what 32 do: what they ask for has at most as many directions as there are unknowns. What is
+/// solved with a row for each of the three that a pin asks for takes some 500 times as long.
+#[test]
+fn many_pins_take_as_long_as_there_are_many() {
+    let scene = support::demo();
+    let trial = scene.trial_of_the_demo(None);
+    let origin = scene.bvh.posed.origin_in_world;
+    let at = scene.seen(DVec2::new(150.5, 160.5)).expect("the vase").position + origin;
+    for is_hard in [false, true] {
+        let pin = Pin { kind: PinKind::Direction, at, caster: None, is_hard };
+        let run = |count: usize| {
+            let asked = Drag { pins: vec![pin.clone(); count], ..trial.drag.clone() };
+            let began = Instant::now();
+            let landing = drag(&scene.bvh, &trial.view, &trial.light, &asked);
+            (began.elapsed().as_secs_f64() / landing.iterations as f64, landing)
+        };
+        let fastest = |count| (0..3).map(|_| run(count).0).fold(f64::INFINITY, f64::min);
+        let (few, many) = (fastest(32), fastest(256));
+        println!("hard {is_hard}: {few:e} s a step with 32, {many:e} s with 256");
+        assert!(many < 24.0 * few, "{few} {many}");
+        // As many as there are at one point are as one.
+        let (one, all) = (run(1).1, run(256).1);
+        assert_eq!((one.status, all.status), (Status::Landed, Status::Landed), "{all:?}");
+        assert_eq!(run(256).1, all);
+    }
+}
