@@ -32,12 +32,16 @@ Prints JSON, and a table on standard error; for each scene and kind, and for all
   landedOfFeasible  landed, of landed and missed
   slowOfLanded      of those that landed, the share that the slow solver landed too
   wrong             those that say that they landed, and by the reference's pick, its shadow and the light's `locate` did not
+  broken            hard pins that do not hold, by the reference's visibility and the light's `locate`
+  infeasible        drags that land without their pins, and that neither solver lands with them
+  infeasibleNamed   of these, the ones that the product says a pin limits
   worstOff          how far the equation is off at the cursor, at most: pixels of shadow and hotspot, else degrees
   p50Ms, p95Ms      a drag's time, with its picks
 
 Examples:
   bendylights-studies drags --drags 100 --failures failures
-  bendylights drag demo:vases --lights failures/NAME.light.json failures/NAME.drags.json     one of them again")]
+  bendylights drag demo:vases --lights failures/NAME.light.json failures/NAME.drags.json     one of them again
+  bendylights-studies drags --pins 3")]
 pub struct Args {
     /// glTF files, or `demo:NAME` [default: the demo, and three in ../shared/assets/scenes as far as they are there]
     scenes: Vec<String>,
@@ -47,6 +51,9 @@ pub struct Args {
     /// Another number, other drags
     #[arg(long, default_value_t = 1, value_name = "S")]
     seed: u64,
+    /// Pins of each drag, of random kinds, half of them hard; they hold as it begins
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=16))]
+    pins: u32,
     /// Width and height of the picture in pixels
     #[arg(long, default_value = "686x382", value_name = "WxH")]
     size: Size,
@@ -59,7 +66,7 @@ pub fn run(args: &Args) -> Result<(), StudyError> {
     cli::make_folder(args.failures.as_deref())?;
     let defaults = || SCENES.map(String::from).to_vec();
     let scenes = if args.scenes.is_empty() { defaults() } else { args.scenes.clone() };
-    let options = Options { drags: args.drags as usize, seed: args.seed };
+    let options = Options { drags: args.drags as usize, seed: args.seed, pins: args.pins as usize };
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} drags, {msg}").expect("a valid template");
     let bar = ProgressBar::new((scenes.len() * Kind::all().count() * options.drags) as u64).with_style(style);
     let (mut cells, mut all) = (Vec::new(), Vec::new());
@@ -79,7 +86,7 @@ pub fn run(args: &Args) -> Result<(), StudyError> {
     }
     bar.finish_and_clear();
     cells.extend(Kind::all().map(|kind| Cell::of("all", kind, all.iter())));
-    let report = Report { drags: options.drags, seed: options.seed, cells };
+    let report = Report { drags: options.drags, seed: options.seed, pins: options.pins, cells };
     report.table().lines().for_each(say);
     Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
 }

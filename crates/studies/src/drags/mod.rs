@@ -1,5 +1,6 @@
 //! Do drags land? Of random drags, those that the product lands beside those that a slow solver with restarts does.
 
+mod pins;
 mod relaxed;
 mod report;
 mod slow;
@@ -9,7 +10,7 @@ mod tests;
 use std::time::Instant;
 
 use bench::drag::{Kind, Off, Stage, Trial, distance_px};
-use drag::{Feature, Landing, Status, drag};
+use drag::{Drag, Feature, Landing, PinKind, Status, drag};
 use glam::DVec3;
 use light::CheckedLight;
 use rayon::prelude::*;
@@ -18,6 +19,8 @@ use serde_json::{Value, json};
 
 pub use report::{Cell, Outcome, Report};
 
+use pins::Pinned;
+
 /// What to try.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
@@ -25,6 +28,8 @@ pub struct Options {
     pub drags: usize,
     /// Another number, other drags.
     pub seed: u64,
+    /// Pins of each drag.
+    pub pins: usize,
 }
 
 /// A drag that did not land though it could, or that says that it landed and did not.
@@ -44,6 +49,7 @@ pub struct Failure {
 struct Made {
     number: usize,
     trial: Trial,
+    pins: Vec<Pinned>,
     landing: Landing,
     ms: f64,
 }
@@ -58,14 +64,17 @@ pub fn run(stage: &Stage, options: Options, progress: impl Fn() + Sync) -> (Vec<
             .into_par_iter()
             .filter_map(|number| {
                 progress();
-                Some((number, Trial::random(stage, kind, seed(number))?))
+                let mut trial = Trial::random(stage, kind, seed(number))?;
+                let pins = pins::draw(stage, &trial, options.pins, seed(number))?;
+                trial.drag.pins = pins.iter().map(|pinned| pinned.pin.clone()).collect();
+                Some((number, trial, pins))
             })
             .collect();
         // One after the other, since they are timed.
-        let made = trials.into_iter().map(|(number, trial)| {
+        let made = trials.into_iter().map(|(number, trial, pins)| {
             let began = Instant::now();
             let landing = drag(&stage.reference.bvh, &stage.view, &trial.light, &trial.drag);
-            Made { number, trial, landing, ms: began.elapsed().as_secs_f64() * 1e3 }
+            Made { number, trial, pins, landing, ms: began.elapsed().as_secs_f64() * 1e3 }
         });
         let made: Vec<_> = made.collect();
         let judged: Vec<_> = made.par_iter().map(|made| judged(stage, made, seed(made.number))).collect();
@@ -79,7 +88,7 @@ pub fn run(stage: &Stage, options: Options, progress: impl Fn() + Sync) -> (Vec<
 
 /// Holds what the product says to the independent way and to the slow solver.
 fn judged(stage: &Stage, made: &Made, seed: u64) -> (Outcome, Option<Failure>) {
-    let Made { trial, landing, .. } = made;
+    let Made { trial, pins, landing, .. } = made;
     let (kind, is_landed) = (trial.kind, landing.status == Status::Landed);
     let light = CheckedLight::new(landing.light.clone()).ok();
     let off = light.as_ref().and_then(|light| Off::of(stage, trial, light));
@@ -87,7 +96,15 @@ fn judged(stage: &Stage, made: &Made, seed: u64) -> (Outcome, Option<Failure>) {
     // A highlight lies where its centre is seen, however fast directions change over the surface there.
     let is_near = px.is_some_and(|px| px < 0.5) && kind.feature == Feature::Highlight;
     let is_wrong = is_landed && !is_near && !off.is_some_and(|off| off.is_landed(kind.feature));
-    let found = slow::feasible(stage, trial, seed);
+    let found = slow::feasible(stage, trial, pins, seed);
+    let is_broken = |pinned: &&Pinned| {
+        pinned.pin.is_hard && !light.as_ref().is_some_and(|light| pinned.holds(stage, light))
+    };
+    let broken = pins.iter().filter(is_broken).count();
+    let is_infeasible = !is_landed && found.is_none() && !pins.is_empty() && {
+        let free = Drag { pins: Vec::new(), ..trial.drag.clone() };
+        drag(&stage.reference.bvh, &stage.view, &trial.light, &free).status == Status::Landed
+    };
     let outcome = Outcome {
         kind,
         status: landing.status,
@@ -97,8 +114,10 @@ fn judged(stage: &Stage, made: &Made, seed: u64) -> (Outcome, Option<Failure>) {
         px,
         is_wrong,
         is_feasible: found.is_some(),
+        is_infeasible,
+        broken,
     };
-    let is_failure = is_wrong || (found.is_some() && !is_landed);
+    let is_failure = is_wrong || broken > 0 || is_infeasible || (found.is_some() && !is_landed);
     (outcome, is_failure.then(|| failure(stage, made, light.as_ref(), found.as_ref())))
 }
 
@@ -152,7 +171,18 @@ fn contract(stage: &Stage, trial: &Trial) -> Value {
         "size": stage.view.size,
         "from": trial.drag.from.to_array(),
         "to": trial.drag.to.to_array(),
+        "pins": trial.drag.pins.iter().map(pin).collect::<Vec<_>>(),
     }])
+}
+
+fn pin(pin: &drag::Pin) -> Value {
+    let kind = match pin.kind {
+        PinKind::Direction => "direction",
+        PinKind::Lit => "lit",
+        PinKind::Shadowed => "shadowed",
+        PinKind::Shadow => "shadow",
+    };
+    json!({ "kind": kind, "light": 0, "at": pin.at.to_array(), "hard": pin.is_hard })
 }
 
 /// The scene's name without what a file name cannot have.

@@ -15,6 +15,8 @@ pub struct Report {
     pub drags: usize,
     /// Where they began.
     pub seed: u64,
+    /// Pins of each drag.
+    pub pins: usize,
     /// A scene and kind each, and under the scene `all` those of all scenes together.
     pub cells: Vec<Cell>,
 }
@@ -49,6 +51,12 @@ pub struct Cell {
     pub slow_of_landed: Option<f64>,
     /// Those that say that they landed and did not, by the independent way.
     pub wrong: usize,
+    /// Hard pins that do not hold in the product's light.
+    pub broken: usize,
+    /// Drags that land without their pins, and that nothing lands with them.
+    pub infeasible: usize,
+    /// Of these, the ones that a pin limits.
+    pub infeasible_named: usize,
     /// The farthest that the equation is off at the cursor of those that say that they landed: pixels of shadow and hotspot,
     /// degrees of highlight and diffuse.
     pub worst_off: f64,
@@ -81,6 +89,10 @@ pub struct Outcome {
     pub is_wrong: bool,
     /// Whether the slow solver landed it.
     pub is_feasible: bool,
+    /// Whether nothing lands it with its pins, and it lands without.
+    pub is_infeasible: bool,
+    /// Hard pins that do not hold.
+    pub broken: usize,
 }
 
 impl Cell {
@@ -106,6 +118,11 @@ impl Cell {
             landed_of_feasible: (landed + missed > 0).then(|| landed as f64 / (landed + missed) as f64),
             slow_of_landed: (landed > 0).then(|| by_both as f64 / landed as f64),
             wrong: count(&|outcome| outcome.is_wrong),
+            broken: of_kind.iter().map(|outcome| outcome.broken).sum(),
+            infeasible: count(&|outcome| outcome.is_infeasible),
+            infeasible_named: count(&|outcome| {
+                outcome.is_infeasible && matches!(outcome.status, Status::Limited(Limit::Pin(_)))
+            }),
             worst_off: worst(&|outcome| outcome.off),
             worst_px: worst(&|outcome| outcome.px),
             p50_ms: quantile(of_kind.iter().map(|outcome| outcome.ms), 0.5),
@@ -151,7 +168,7 @@ impl Report {
     /// A line a cell.
     pub fn table(&self) -> String {
         let mut text = String::from(
-            "scene            feature   points    way   drags landed missed  of feasible    slow  wrong  worst off   worst px  \
+            "scene            feature   points    way   drags landed missed  of feasible    slow  wrong broken named of infeasible  worst off   worst px  \
              p50 ms  p95 ms  [missed by] held back by\n",
         );
         for cell in &self.cells {
@@ -165,10 +182,10 @@ impl Report {
             let held = [words(&cell.limited), words(&cell.refused)].join(" ");
             let name: String = cell.scene.chars().take(16).collect();
             let Cell { feature, points, way, drags, landed, missed, wrong, .. } = cell;
-            let Cell { worst_off, worst_px, p50_ms, p95_ms, .. } = cell;
+            let Cell { worst_off, worst_px, p50_ms, p95_ms, broken, infeasible, infeasible_named, .. } = cell;
             let _ = writeln!(
                 text,
-                "{name:16} {feature:9} {points:9} {way:5} {drags:5} {landed:6} {missed:6} {share:>12} {slow:>7} {wrong:6} {worst_off:10.2e} \
+                "{name:16} {feature:9} {points:9} {way:5} {drags:5} {landed:6} {missed:6} {share:>12} {slow:>7} {wrong:6} {broken:6} {infeasible_named:5} of {infeasible:10}  {worst_off:10.2e} \
                  {worst_px:10.2e} {p50_ms:7.2} {p95_ms:7.2}  [{missed_by}] {held}"
             );
         }

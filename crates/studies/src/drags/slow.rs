@@ -2,16 +2,17 @@
 //!
 //! Levenberg and Marquardt's method on the equations and on what breaks the limits, from dozens of random lights. It shares
 //! nothing with the product's solver: no path from begin to end, no continuation of roots, no quadratic program. What it
-//! finds is held to the light's own `locate` and to the reference's shadows.
+//! finds is held to the light's own `locate` and to the reference's shadows, and so are hard pins.
 
 use bench::drag::{Off, Stage, Trial};
-use drag::Feature;
+use drag::{Feature, PinKind};
 use fastrand::Rng;
 use glam::{DMat3, DQuat, DVec3};
 use light::parameters::{ROTATION, TRANSLATION};
 use light::{CheckedLight, Light, Tube};
 use raycast::Seen;
 
+use super::pins::Pinned;
 use super::relaxed::beside;
 
 /// Lights that are started from.
@@ -45,6 +46,8 @@ const WEIGHT: f64 = 3.0;
 struct Asked<'a> {
     stage: &'a Stage,
     trial: &'a Trial,
+    /// Those that are hard; the others give way to all that is asked.
+    pins: Vec<&'a Pinned>,
     to: Seen,
     /// The largest `R kappa` that each segment may have.
     folds: Vec<f64>,
@@ -53,9 +56,9 @@ struct Asked<'a> {
 }
 
 /// A light within the limits with the feature under the cursor, if one was found, and from which start: 0 is the light as the
-/// drag began, the others are random.
-pub fn feasible(stage: &Stage, trial: &Trial, seed: u64) -> Option<(usize, CheckedLight)> {
-    let asked = Asked::new(stage, trial)?;
+/// drag began, the others are random. Hard pins hold in it.
+pub fn feasible(stage: &Stage, trial: &Trial, pins: &[Pinned], seed: u64) -> Option<(usize, CheckedLight)> {
+    let asked = Asked::new(stage, trial, pins)?;
     let mut rng = Rng::with_seed(seed);
     (0..RESTARTS).find_map(|restart| {
         let x = asked.start(restart, &mut rng)?;
@@ -66,7 +69,7 @@ pub fn feasible(stage: &Stage, trial: &Trial, seed: u64) -> Option<(usize, Check
 }
 
 impl<'a> Asked<'a> {
-    fn new(stage: &'a Stage, trial: &'a Trial) -> Option<Self> {
+    fn new(stage: &'a Stage, trial: &'a Trial, pins: &'a [Pinned]) -> Option<Self> {
         let to = stage.seen(trial.drag.to)?;
         let tube = trial.light.tube()?;
         let points = trial.light.light().points();
@@ -76,7 +79,8 @@ impl<'a> Asked<'a> {
             (tube.placement.translation - stage.origin()).distance(to.position)
         };
         let folds = tube.r_kappa_max().into_iter().map(|fold| fold.max(LARGEST_FOLD)).collect();
-        Some(Self { stage, trial, to, folds, unit })
+        let pins = pins.iter().filter(|pinned| pinned.pin.is_hard).collect();
+        Some(Self { stage, trial, pins, to, folds, unit })
     }
 
     /// How many unknowns there are.
@@ -127,12 +131,21 @@ impl<'a> Asked<'a> {
         if self.trial.kind.deforms {
             all.extend(tube.r_kappa_max().iter().zip(&self.folds).map(|(fold, most)| over(fold - most)));
         }
-        let turned = |wanted: DVec3| {
-            let (right, up) = wanted.any_orthonormal_pair();
-            let (x, y) = (place.direction.dot(right), place.direction.dot(up));
-            // Away from the wanted side the sines are no measure.
-            if place.direction.dot(wanted) > 0.0 { [x, y] } else { [2.0 - x.abs(), 2.0 - y.abs()] }
-        };
+        let turned = |wanted: DVec3| turned(place.direction, wanted);
+        for pinned in &self.pins {
+            let here = beside(&tube, pinned.surface.position + origin)?;
+            all.extend([over(here.across.length() - (1.0 - INSIDE)), WEIGHT * here.beyond]);
+            match (pinned.pin.kind, pinned.pivot) {
+                (PinKind::Direction, _) => all.extend(self::turned(here.direction, pinned.place.direction)),
+                (PinKind::Shadow, Some(pivot)) => {
+                    let pivot = beside(&tube, pivot + origin)?;
+                    all.extend([over(pivot.t - here.t + 1e-5), WEIGHT * pivot.beyond]);
+                    all.extend((pivot.across - here.across).to_array());
+                }
+                // What is lit and what is not has no slope: restarts find it.
+                _ => {}
+            }
+        }
         let equations = match self.trial.kind.feature {
             Feature::Shadow => {
                 let pivot = beside(&tube, self.trial.pivot? + origin)?;
@@ -251,7 +264,15 @@ impl<'a> Asked<'a> {
             && there.v.hypot(there.w) <= 1.0 - INSIDE
             && Off::of(self.stage, self.trial, light)
                 .is_some_and(|off| off.is_landed(self.trial.kind.feature))
+            && self.pins.iter().all(|pinned| pinned.holds(self.stage, light))
     }
+}
+
+/// How far a direction is from another, as sines across it. Away from the wanted side these are no measure.
+fn turned(direction: DVec3, wanted: DVec3) -> [f64; 2] {
+    let (right, up) = wanted.any_orthonormal_pair();
+    let (x, y) = (direction.dot(right), direction.dot(up));
+    if direction.dot(wanted) > 0.0 { [x, y] } else { [2.0 - x.abs(), 2.0 - y.abs()] }
 }
 
 /// From the normal distribution, by Box and Muller's method.

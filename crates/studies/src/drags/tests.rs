@@ -26,7 +26,7 @@ fn a_light_that_moves_as_a_whole_is_feasible() {
     let all: Vec<_> = trials(&stage, false).collect();
     let mut found = 0;
     for trial in &all {
-        let Some((_, light)) = feasible(&stage, trial, 1) else { continue };
+        let Some((_, light)) = feasible(&stage, trial, &[], 1) else { continue };
         found += 1;
         let is_landed = |light: &CheckedLight| {
             Off::of(&stage, trial, light).is_some_and(|off| off.is_landed(trial.kind.feature))
@@ -44,7 +44,7 @@ fn only_what_is_chosen_moves() {
     let stage = demo();
     let mut found = 0;
     for mut trial in trials(&stage, true) {
-        if let Some((_, light)) = feasible(&stage, &trial, 1) {
+        if let Some((_, light)) = feasible(&stage, &trial, &[], 1) {
             found += 1;
             let chosen = trial.drag.points.as_deref().unwrap_or_default();
             let (before, after) = (trial.light.light(), light.light());
@@ -54,7 +54,7 @@ fn only_what_is_chosen_moves() {
             }
         }
         trial.drag.points = Some(Vec::new());
-        assert!(feasible(&stage, &trial, 1).is_none(), "{:?}", trial.drag);
+        assert!(feasible(&stage, &trial, &[], 1).is_none(), "{:?}", trial.drag);
     }
     assert!(found >= 12, "{found}");
 }

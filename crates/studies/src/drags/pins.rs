@@ -1,0 +1,107 @@
+//! Random pins, and whether they hold: by the reference's visibility and the light's own `locate`.
+
+use bench::drag::{Stage, Trial};
+use drag::{Pin, PinKind};
+use fastrand::Rng;
+use glam::{DVec2, DVec3};
+use light::{CheckedLight, TubePoint};
+use reference::{Source, Surface};
+
+/// Pixels that are tried for all pins of a drag.
+const PIXELS: usize = 400;
+
+/// The least cosine between a surface and the light that is pinned there: light that grazes a facet is nobody's to keep.
+const LEAST_COSINE: f64 = 0.1;
+
+/// Nearer than this nothing shadows a surface, as a share of its distance from the viewer.
+const CONTACT: f64 = 1e-6;
+
+/// How far a hard pin may be off: degrees of a direction, pixels of a shadow.
+const DEGREES: f64 = 0.1;
+const PIXELS_OFF: f64 = 0.5;
+
+/// A pin on a surface that is seen, as it was when its drag began.
+#[derive(Clone, Debug)]
+pub struct Pinned {
+    /// As the product is given it.
+    pub pin: Pin,
+    /// Where it lies.
+    pub surface: Surface,
+    /// Where it lay in the light.
+    pub place: TubePoint,
+    /// Of a shadow: what throws it, in scene space.
+    pub pivot: Option<DVec3>,
+    /// World units that a pixel covers there.
+    pub per_pixel: f64,
+}
+
+/// `count` pins that hold as the drag begins, of random kinds, every other one hard; `None` where so many were not found.
+pub fn draw(stage: &Stage, trial: &Trial, count: usize, seed: u64) -> Option<Vec<Pinned>> {
+    let mut rng = Rng::with_seed(seed);
+    let size = DVec2::from(stage.view.size.map(f64::from));
+    let pixels = (0..PIXELS).map(|_| (DVec2::new(rng.f64(), rng.f64()) * size, rng.bool(), rng.bool()));
+    let pixels: Vec<_> = pixels.collect();
+    let drawn = pixels.into_iter().filter_map(|(pixel, stays, is_hard)| {
+        let surface = stage.surface(pixel)?;
+        let sample = stage.reference.sample(&Source::new(&trial.light), &surface)?;
+        let seen = stage.seen(pixel)?;
+        let direction = sample.place.direction;
+        if seen.normal.dot(direction).min(seen.geometric_normal.dot(direction)) < LEAST_COSINE {
+            return None;
+        }
+        let kind = match (sample.visible, stays) {
+            (true, true) => PinKind::Lit,
+            (true, false) => PinKind::Direction,
+            (false, true) => PinKind::Shadowed,
+            (false, false) => PinKind::Shadow,
+        };
+        let place = stage.locate(&trial.light, surface.position)?;
+        let pivot = if kind == PinKind::Shadow {
+            let bvh = &stage.reference.bvh;
+            let path = bvh.path(trial.light.tube()?, place.v, place.w);
+            let near = CONTACT * surface.depth;
+            let hit = bvh.first_bent_hit(&path, place.t, |hit| {
+                let is_solid = bvh.is_solid(&bvh.triangles[hit.triangle], hit.weights);
+                is_solid && hit.position.distance(surface.position) > near
+            })?;
+            Some(hit.position)
+        } else {
+            None
+        };
+        let beside = stage
+            .seen(pixel + DVec2::X)
+            .map_or(f64::INFINITY, |beside| beside.position.distance(surface.position));
+        let per_pixel = beside.clamp(1e-4 * surface.depth, 0.01 * surface.depth);
+        let pin = Pin { kind, at: surface.position + stage.origin(), caster: None, is_hard };
+        let pinned = Pinned { pin, surface, place, pivot, per_pixel };
+        pinned.holds(stage, &trial.light).then_some(pinned)
+    });
+    let pins: Vec<_> = drawn.take(count).collect();
+    (pins.len() == count).then_some(pins)
+}
+
+impl Pinned {
+    /// Whether it holds in a light, within half a pixel or a tenth of a degree.
+    pub fn holds(&self, stage: &Stage, light: &CheckedLight) -> bool {
+        let is_lit = || {
+            stage.reference.sample(&Source::new(light), &self.surface).is_some_and(|sample| sample.visible)
+        };
+        let Some(place) = stage.locate(light, self.surface.position) else { return false };
+        match (self.pin.kind, self.pivot) {
+            (PinKind::Direction, _) => {
+                let angle = place
+                    .direction
+                    .cross(self.place.direction)
+                    .length()
+                    .atan2(place.direction.dot(self.place.direction));
+                angle.to_degrees() < DEGREES
+            }
+            (PinKind::Lit, _) => is_lit(),
+            (PinKind::Shadow, Some(pivot)) => stage.locate(light, pivot).is_some_and(|pivot| {
+                let off = (pivot.v - place.v).hypot(pivot.w - place.w) * place.radius / self.per_pixel;
+                pivot.t < place.t && off < PIXELS_OFF
+            }),
+            (PinKind::Shadowed | PinKind::Shadow, _) => !is_lit(),
+        }
+    }
+}
