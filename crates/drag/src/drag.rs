@@ -5,6 +5,7 @@ use light::{CheckedLight, Rays};
 use raycast::{Bvh, Seen};
 use scene::ViewRay;
 
+use crate::direct::{others, solve_with};
 use crate::goal::{Asked, Goal, Near, Taken};
 use crate::lies::Lies;
 use crate::moves::Moves;
@@ -126,41 +127,80 @@ fn land(
         return;
     }
     let sight = Sight { occlusion, source_outside: drag.source_outside };
-    let Some(Solution { at: At { x, evaluation }, held_by, iterations }) = solve(&mut goal, near, &sight)
-    else {
+    let Some(first) = solve(&mut goal, near, &sight) else {
         landing.status = Status::Refused(Refusal::OutsideTheLight);
         return;
     };
-    landing.iterations = iterations;
-    let Ok(moved) = CheckedLight::new(goal.moves.light(goal.start.light(), &x)) else {
-        landing.status = Status::Limited(Limit::Fold);
+    let end = End { bvh, view, drag, occlusion, taken };
+    end.judge(&goal, &first, landing);
+    if landing.status == Status::Landed || goal.pins.is_empty() {
+        return;
+    }
+    // Where pins close the way to the cursor there may be another light.
+    let lands = |found: &Solution| {
+        let mut landing = landing.clone();
+        end.judge(&goal, found, &mut landing);
+        (landing.status == Status::Landed).then_some(landing)
+    };
+    let Some(free) = solve_with(&goal, near, &sight, |_| false).filter(|free| lands(free).is_some()) else {
         return;
     };
-    landing.light = moved.light().clone();
-    let placed = goal.placed.with(moved.rays());
-    let near = evaluation.near[0];
-    landing.residual_px = Lies { bvh, view, taken, placed: &placed }.distance_px(near, drag.to);
-    // Where ways of a light overlap, another place than the one that was followed may count.
-    let counts = placed.locate(taken.to.position, None);
-    let is_the_one = |counts: Option<Place>, followed: f64| {
-        counts.is_some_and(|counts| (counts.t - followed).abs() < SAME_PLACE * (1.0 + followed.abs()))
-    };
-    let is_inside = is_the_one(counts, near[0])
-        && taken.pivot.is_none_or(|pivot| is_the_one(placed.locate(pivot, None), near[1]));
-    let first = counts.and_then(|place| occlusion.first(&placed, &place, &taken.to));
-    let is_dark =
-        first.is_some() && counts.is_some_and(|place| occlusion.is_dark(&placed, &place, &taken.to));
-    landing.status = if landing.residual_px > UNDER_THE_CURSOR_PX {
-        Status::Limited(held_by.unwrap_or(Limit::NoDescent))
-    } else if !is_inside {
-        Status::Limited(Limit::TubeEdge)
-    } else if taken.pivot.is_some() && !is_dark {
-        // The way only touches what throws the shadow.
-        Status::Limited(Limit::NoDescent)
-    } else {
-        Status::Landed
-    };
-    let (Some(first), Some(pivot)) = (first, taken.pivot) else { return };
-    let is_the_pivot = pivot.distance(first.position) < SAME_PLACE * pivot.distance(taken.to.position);
-    landing.shadowed_by = (!is_the_pivot).then_some(first.node);
+    let found = others(&goal, near, &sight, [&first.at.x, &free.at.x]).find_map(|other| lands(&other));
+    if let Some(found) = found {
+        *landing = found;
+    } else if !matches!(landing.status, Status::Limited(Limit::Pin(_)))
+        && let Some(limit) = sight.unheld(&goal, &free.at.x)
+    {
+        landing.status = Status::Limited(limit);
+    }
+}
+
+/// The end of a drag, at which what was found is looked at.
+struct End<'a> {
+    bvh: &'a Bvh,
+    view: &'a Viewport,
+    drag: &'a Drag,
+    occlusion: &'a Occlusion<'a>,
+    taken: &'a Taken,
+}
+
+impl End<'_> {
+    /// Says what came of it.
+    fn judge(&self, goal: &Goal, found: &Solution, landing: &mut Landing) {
+        let Self { bvh, view, drag, occlusion, taken } = self;
+        let Solution { at: At { x, evaluation }, held_by, iterations } = found;
+        landing.iterations += iterations;
+        let Ok(moved) = CheckedLight::new(goal.moves.light(goal.start.light(), x)) else {
+            landing.status = Status::Limited(Limit::Fold);
+            return;
+        };
+        landing.light = moved.light().clone();
+        let placed = goal.placed.with(moved.rays());
+        let near = evaluation.near[0];
+        landing.residual_px = Lies { bvh, view, taken, placed: &placed }.distance_px(near, drag.to);
+        // Where ways of a light overlap, another place than the one that was followed may count.
+        let counts = placed.locate(taken.to.position, None);
+        let is_the_one = |counts: Option<Place>, followed: f64| {
+            counts.is_some_and(|counts| (counts.t - followed).abs() < SAME_PLACE * (1.0 + followed.abs()))
+        };
+        let is_inside = is_the_one(counts, near[0])
+            && taken.pivot.is_none_or(|pivot| is_the_one(placed.locate(pivot, None), near[1]));
+        let first = counts.and_then(|place| occlusion.first(&placed, &place, &taken.to));
+        let is_dark =
+            first.is_some() && counts.is_some_and(|place| occlusion.is_dark(&placed, &place, &taken.to));
+        landing.status = if landing.residual_px > UNDER_THE_CURSOR_PX {
+            Status::Limited(held_by.unwrap_or(Limit::NoDescent))
+        } else if !is_inside {
+            Status::Limited(Limit::TubeEdge)
+        } else if taken.pivot.is_some() && !is_dark {
+            // The way only touches what throws the shadow.
+            Status::Limited(Limit::NoDescent)
+        } else {
+            Status::Landed
+        };
+        landing.shadowed_by = None;
+        let (Some(first), Some(pivot)) = (first, taken.pivot) else { return };
+        let is_the_pivot = pivot.distance(first.position) < SAME_PLACE * pivot.distance(taken.to.position);
+        landing.shadowed_by = (!is_the_pivot).then_some(first.node);
+    }
 }

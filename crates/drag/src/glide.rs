@@ -7,7 +7,7 @@ use crate::goal::{Asked, Goal};
 use crate::moves::Moves;
 use crate::place::Placed;
 use crate::request::{Limit, Radii};
-use crate::solve::solve_within;
+use crate::solve::solve_position;
 
 /// What came of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,15 +43,15 @@ pub fn glide(light: &CheckedLight, point: usize, to: DVec3, radii: Radii) -> Opt
         .evaluate(&all_of_it, 1.0, &near)
         .is_some_and(|at| at.bounds.iter().all(|bound| bound.value >= 0.0));
     if reaches {
-        let mut moved = light.light().clone();
-        if let Some(moving) = moved.points_mut().and_then(|points| points.get_mut(point)) {
-            moving.position = to;
-        }
-        if let Ok(light) = CheckedLight::new(goal.moves.settled(light.light(), moved)) {
+        let mut moved = points.to_vec();
+        moved[point].position = to;
+        goal.moves.settle(light.light(), &mut moved);
+        let moved = light.light().clone().with_points(|index, point| *point = moved[index]);
+        if let Ok(light) = CheckedLight::new(moved) {
             return Some(Glided { light, limit: None, short_by: 0.0 });
         }
     }
-    let found = solve_within(&goal, &near)?;
+    let found = solve_position(&goal, &near, &all_of_it)?;
     let moved = CheckedLight::new(goal.moves.light(light.light(), &found.at.x));
     // What the solver passes is no fold, and so can be evaluated; the light as it was can be in any case.
     let light = moved.unwrap_or_else(|_| light.clone());

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use glam::{DVec2, DVec3};
-use light::{CheckedLight, Rays};
+use light::{CheckedLight, Rays, folds_of_segments};
 use raycast::Seen;
 
 use crate::bound::{Bound, INSIDE, across_off, behind, bounds_of_place, direction_off, hard};
@@ -146,21 +146,17 @@ impl<'a> Goal<'a> {
 
     /// How the light with `x` does at a share of the way; `None` where it cannot be evaluated.
     pub fn evaluate(&self, x: &[f64], share: f64, near: &Near) -> Option<Evaluation> {
+        let taken = match &self.asked {
+            Asked::Feature(taken) => taken,
+            Asked::Position { point, to } => return self.evaluate_position(x, share, near, (*point, *to)),
+        };
         let rays = self.moves.rays(self.start, x)?;
         let placed = self.placed.with(&rays);
         let mut bounds = self.shape_bounds(&rays, x);
         let mut followed = Near::with_capacity(near.len());
-        let mut residual = match &self.asked {
-            Asked::Feature(taken) => {
-                let (off, at) = taken.off(&placed, share, near[0], &mut bounds)?;
-                followed.push(at);
-                off.to_array().to_vec()
-            }
-            Asked::Position { point, to } => {
-                followed.push(near[0]);
-                self.moves.position_off(self.start.light(), x, *point, *to, share).to_array().to_vec()
-            }
-        };
+        let (off, at) = taken.off(&placed, share, near[0], &mut bounds)?;
+        let mut residual = off.to_array().to_vec();
+        followed.push(at);
         for (pin, near) in self.pins.iter().zip(&near[1..]) {
             let (at, place) = pin.off(&placed, *near, &mut residual, &mut bounds)?;
             followed.push(at);
@@ -175,9 +171,51 @@ impl<'a> Goal<'a> {
         is_finite.then(|| Evaluation { residual, rows: Rc::clone(&self.rows), bounds, near: followed })
     }
 
+    /// The same for a control point: no more of the tube is made than what may fold by it.
+    fn evaluate_position(
+        &self,
+        x: &[f64],
+        share: f64,
+        near: &Near,
+        (point, to): (usize, DVec3),
+    ) -> Option<Evaluation> {
+        let moved = self.moves.points(self.start.light(), x);
+        let touched = point.saturating_sub(2)..(point + 1).min(self.folds.len());
+        let folds = folds_of_segments(&moved, touched.clone()).ok()?;
+        let bounds: Vec<Bound> = fold_bounds(&folds, &self.folds[touched]).collect();
+        let residual = self.moves.position_off(self.start.light(), x, point, to, share).to_array().to_vec();
+        let is_finite = residual.iter().chain(&folds).all(|value| value.is_finite());
+        is_finite.then(|| Evaluation { residual, rows: Rc::clone(&self.rows), bounds, near: near.clone() })
+    }
+
+    /// The same with some of its pins alone.
+    pub fn with_pins(&self, near: &Near, is_kept: impl Fn(&Pinned) -> bool) -> (Self, Near) {
+        let kept = self.pins.iter().zip(&near[1..]).filter(|(pin, _)| is_kept(pin));
+        let (pins, of_pins): (Vec<Pinned>, Near) = kept.map(|(pin, near)| (pin.clone(), *near)).unzip();
+        let goal = Self { rows: rows(&self.asked, &pins), pins, cuts: Vec::new(), ..self.clone() };
+        (goal, [vec![near[0]], of_pins].concat())
+    }
+
+    /// Where the followed places are in the light with `x`, the feature's at the end of its way: those that count, or where
+    /// they were.
+    pub fn near_at_end(&self, x: &[f64], near: &Near) -> Near {
+        let Some(rays) = self.moves.rays(self.start, x) else { return near.clone() };
+        let placed = self.placed.with(&rays);
+        let t = |point: Option<DVec3>, was: f64| {
+            point.and_then(|point| placed.locate(point, None)).map_or(was, |place| place.t)
+        };
+        let feature = match &self.asked {
+            Asked::Feature(taken) => [Some(taken.to.position), taken.pivot],
+            Asked::Position { .. } => [None; 2],
+        };
+        let pins = self.pins.iter().map(|pin| [Some(pin.point), pin.pivot.map(|(pivot, _)| pivot)]);
+        let points = std::iter::once(feature).chain(pins).zip(near);
+        points.map(|([point, pivot], was)| [t(point, was[0]), t(pivot, was[1])]).collect()
+    }
+
     /// Whether something is held softly.
     pub fn has_soft_pins(&self) -> bool {
-        self.rows.iter().any(|row| matches!(row, Hold::Soft(_)))
+        self.pins.iter().any(|pin| !pin.is_hard) || self.rows.iter().any(|row| matches!(row, Hold::Soft(_)))
     }
 
     /// What holds the light back most, by how its limits and pins pull.
@@ -221,10 +259,7 @@ impl<'a> Goal<'a> {
         let (Moves::Points { points, radii, unit }, Rays::Bent(tube)) = (&self.moves, rays) else {
             return Vec::new();
         };
-        let folds = tube.r_kappa_max();
-        let room = |(fold, most): (&f64, &f64)| (most.max(LARGEST_FOLD) - fold) / LARGEST_FOLD;
-        let mut bounds: Vec<Bound> =
-            folds.iter().zip(&self.folds).map(|fold| hard(room(fold), Limit::Fold)).collect();
+        let mut bounds: Vec<Bound> = fold_bounds(&tube.r_kappa_max(), &self.folds).collect();
         if *radii == Radii::Solve {
             let all = self.start.light().points();
             let radius = |(k, point): (usize, &usize)| x[3 * points.len() + k] + all[*point].radius / unit;
@@ -264,6 +299,12 @@ impl<'a> Goal<'a> {
         let give = at.bounds.iter().map(|bound| bound.give).collect();
         Linear::new(jacobian, slopes, Rc::clone(&at.rows), give)
     }
+}
+
+/// That no segment folds which did not.
+fn fold_bounds<'a>(folds: &'a [f64], begun: &'a [f64]) -> impl Iterator<Item = Bound> + 'a {
+    let room = |(fold, most): (&f64, &f64)| (most.max(LARGEST_FOLD) - fold) / LARGEST_FOLD;
+    folds.iter().zip(begun).map(move |fold| hard(room(fold), Limit::Fold))
 }
 
 /// How firmly what is asked for and what is pinned is held.

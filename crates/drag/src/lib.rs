@@ -12,6 +12,7 @@
 //! drag began to where the cursor is.
 
 mod bound;
+mod direct;
 mod drag;
 mod glide;
 mod goal;

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use light::parameters::{ROTATION, TRANSLATION};
-use light::{CheckedLight, Light, Rays, Tube, fold_of_each_segment};
+use light::{CheckedLight, ControlPoint, Light, Rays, Tube, folds_of_segments};
 
 use crate::request::Radii;
 
@@ -47,19 +47,26 @@ impl Moves {
                 let turn = DQuat::from_scaled_axis(DVec3::from_slice(x));
                 start.clone().with(ROTATION, (turn * start.get(ROTATION).normalize()).normalize())
             }
-            Self::Points { points, radii, unit } => {
-                let mut moved = start.clone();
-                let all = moved.points_mut().into_iter().flatten().enumerate();
-                for (index, point) in all {
-                    let Some(k) = points.iter().position(|&moving| moving == index) else { continue };
-                    point.position += DVec3::from_slice(&x[3 * k..][..3]) * *unit;
-                    if *radii == Radii::Solve {
-                        point.radius += x[3 * points.len() + k] * unit;
-                    }
-                }
-                self.settled(start, moved)
+            Self::Points { .. } => {
+                let moved = self.points(start, x);
+                start.clone().with_points(|index, point| *point = moved[index])
             }
         }
+    }
+
+    /// The light's control points with them.
+    pub fn points(&self, start: &Light, x: &[f64]) -> Vec<ControlPoint> {
+        let mut all = start.points().to_vec();
+        let Self::Points { points, radii, unit } = self else { return all };
+        for (k, &index) in points.iter().enumerate() {
+            let Some(point) = all.get_mut(index) else { continue };
+            point.position += DVec3::from_slice(&x[3 * k..][..3]) * *unit;
+            if *radii == Radii::Solve {
+                point.radius += x[3 * points.len() + k] * unit;
+            }
+        }
+        self.settle(start, &mut all);
+        all
     }
 
     /// How points are found in the light with them; `None` where it cannot be evaluated.
@@ -83,11 +90,10 @@ impl Moves {
 }
 
 impl Moves {
-    /// The light once its control points have moved, with radii as they follow.
-    pub fn settled(&self, start: &Light, moved: Light) -> Light {
-        match self {
-            Self::Points { radii: Radii::Follow, .. } => following(start, moved),
-            _ => moved,
+    /// Lets the radii of control points that have moved follow.
+    pub fn settle(&self, start: &Light, moved: &mut [ControlPoint]) {
+        if let Self::Points { radii: Radii::Follow, .. } = self {
+            follow(start.points(), moved);
         }
     }
 
@@ -99,26 +105,27 @@ impl Moves {
     }
 }
 
-/// The light with those radii made smaller that would make its tube fold: continuous in its control points, and where nothing
-/// is nearer to folding than `start` was the light itself.
+/// Makes those radii smaller that would make the tube of these control points fold: continuous in their positions, and where
+/// nothing is nearer to folding than `start` was they stay.
 ///
 /// A segment's radius is a mean of those of its three control points, so that a segment whose three shrink by a factor
 /// shrinks by that at least.
-fn following(start: &Light, mut light: Light) -> Light {
-    let (Ok(begun), Ok(folds)) = (fold_of_each_segment(start), fold_of_each_segment(&light)) else {
-        return light;
+fn follow(start: &[ControlPoint], moved: &mut [ControlPoint]) {
+    let all = 0..moved.len().saturating_sub(2);
+    let (Ok(begun), Ok(folds)) = (folds_of_segments(start, all.clone()), folds_of_segments(moved, all))
+    else {
+        return;
     };
     let factor = |point: usize| {
         let segments = point.saturating_sub(2)..(point + 1).min(folds.len());
         segments.map(|segment| allowed(folds[segment], begun[segment])).fold(1.0, f64::min)
     };
-    let factors: Vec<f64> = (0..light.points().len()).map(factor).collect();
-    for (point, factor) in light.points_mut().into_iter().flatten().zip(factors) {
+    let factors: Vec<f64> = (0..moved.len()).map(factor).collect();
+    for (point, factor) in moved.iter_mut().zip(factors) {
         if factor < 1.0 {
             point.radius *= factor;
         }
     }
-    light
 }
 
 /// The share of its radius that a segment with that `R kappa` may have, which had `begun`: what was near to folding already

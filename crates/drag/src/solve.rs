@@ -1,7 +1,7 @@
 //! From where a drag began to where the cursor is, in steps that are solved one after the other.
 
 use crate::bound::Bound;
-use crate::goal::{Evaluation, Goal, Near};
+use crate::goal::{Asked, Evaluation, Goal, Near};
 use crate::matrix::{dot, length};
 use crate::quadratic::{Counting, Hold, Linear, Values, smallest};
 use crate::request::Limit;
@@ -23,10 +23,13 @@ const QUARTERINGS: usize = 4;
 
 /// Newton's steps to a place, and over how far each takes differences. Where two segments of a tube meet slopes jump: what
 /// is linear on one side leads nowhere on the other, and what is on the mean over both does.
-const DIFFERENCES: [f64; 6] = [1e-6, 1e-6, 1e-6, 1e-3, 1e-2, 5e-2];
+pub(crate) const DIFFERENCES: [f64; 6] = [1e-6, 1e-6, 1e-6, 1e-3, 1e-2, 5e-2];
 
 /// How far from a joint, in segments, a place may go on along that.
 const NEAR_JOINT: f64 = 0.1;
+
+/// Halvings between the last place on a straight way that can be had and the wall.
+const TO_THE_WALL: usize = 20;
 
 /// Steps from one place to the nearest at which all holds, with one Jacobian.
 const STEPS_BACK: usize = 8;
@@ -50,7 +53,7 @@ const SHRINKING: usize = 24;
 const SHRINK: f64 = 0.3;
 
 /// Edges that may turn up, and for soft pins.
-const MOST_CUTS: [usize; 2] = [24, 4];
+const MOST_CUTS: [usize; 2] = [12, 4];
 
 /// Places on a straight way that are looked at where what was found cannot be had, and halvings between the last two.
 const ON_A_STRAIGHT_WAY: usize = 32;
@@ -135,6 +138,28 @@ fn allowed(goal: &Goal, at: At) -> At {
     back(goal, 1.0, &about, &at, Counting::Fixed).unwrap_or(at)
 }
 
+/// Of a control point that is dragged itself: straight to where it first meets a limit, which of each share of the way is one place
+/// to look at, and on along that.
+pub(crate) fn solve_position(goal: &Goal, near: &Near, way: &[f64]) -> Option<Solution> {
+    let mut found = Solution { at: begin(goal, near)?, held_by: None, iterations: 0 };
+    let at = |share: f64| {
+        let x: Vec<f64> = way.iter().map(|way| way * share).collect();
+        let at = At { evaluation: goal.evaluate(&x, share, near)?, x };
+        at.is_there().then_some(at)
+    };
+    let places = (goal.way() / BETWEEN_PLACES).clamp(PLACES[0], PLACES[1]);
+    let mut share = 0.0;
+    let mut step = 1.0 / places;
+    for _ in 0..places as usize + TO_THE_WALL {
+        match at(share + step).filter(|_| share + step <= 1.0) {
+            Some(next) => (found.at, share) = (next, share + step),
+            None => step *= 0.5,
+        }
+    }
+    found.glide(goal, share);
+    Some(found)
+}
+
 /// The same within the limits that are known.
 pub(crate) fn solve_within(goal: &Goal, near: &Near) -> Option<Solution> {
     let mut found = Solution { at: begin(goal, near)?, held_by: None, iterations: 0 };
@@ -162,7 +187,7 @@ pub(crate) fn solve_within(goal: &Goal, near: &Near) -> Option<Solution> {
 
 impl At {
     /// Whether the feature lies where it should, and nothing is broken.
-    fn is_there(&self) -> bool {
+    pub fn is_there(&self) -> bool {
         self.off() < NOTHING
             && self.pins_off() < NOTHING
             && self.hard_bounds().all(|bound| bound.value >= 0.0)
@@ -186,6 +211,12 @@ impl At {
     /// How far the feature is off.
     fn off(&self) -> f64 {
         self.sum_of_squares(|row| row == Hold::Asked).sqrt()
+    }
+
+    /// How far the feature and hard pins are off and by how much limits are broken, squared.
+    pub fn all_off(&self) -> f64 {
+        let broken = self.hard_bounds().map(|bound| bound.value.min(0.0));
+        self.sum_of_squares(|row| !matches!(row, Hold::Soft(_))) + broken.map(|off| off * off).sum::<f64>()
     }
 
     /// How far hard pins are off.
@@ -260,7 +291,7 @@ impl Solution {
     }
 
     /// Makes the change smaller as long as the feature stays where it should be.
-    fn shrink(&mut self, goal: &Goal) {
+    pub fn shrink(&mut self, goal: &Goal) {
         for _ in 0..SHRINKING {
             let smaller: Vec<f64> = self.at.x.iter().map(|x| x * (1.0 - SHRINK)).collect();
             let Some(evaluation) = goal.evaluate(&smaller, 1.0, &self.at.evaluation.near) else { return };
@@ -304,7 +335,7 @@ impl Solution {
                 break;
             }
         }
-        if let Some(at) = self.reach(goal, 1.0, Counting::Firm) {
+        if let (Asked::Feature(_), Some(at)) = (&goal.asked, self.reach(goal, 1.0, Counting::Firm)) {
             self.at = at;
         }
     }
@@ -365,7 +396,7 @@ fn back(goal: &Goal, share: f64, about: &Linear, from: &At, counting: Counting) 
 }
 
 /// The trace of `J J^T` of what is asked.
-fn trace_of(linear: &Linear) -> f64 {
+pub(crate) fn trace_of(linear: &Linear) -> f64 {
     let asked = (0..linear.rows.len()).filter(|row| linear.rows[*row] == Hold::Asked);
     asked.map(|row| dot(linear.jacobian.row(row), linear.jacobian.row(row))).sum()
 }

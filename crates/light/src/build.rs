@@ -1,6 +1,8 @@
 //! From what an artist set to a [`Tube`] that can be evaluated: checks, Bezier extraction and the frame's
 //! constants.
 
+use std::ops::Range;
+
 use glam::{DMat3, DVec3};
 
 use crate::arc::arc_length;
@@ -108,10 +110,10 @@ where
     (first, second)
 }
 
-/// The largest `R kappa` of each segment of a BendyLight, whether it folds or not; refuses what has no curve.
-pub fn fold_of_each_segment(light: &Light) -> Result<Vec<f64>, LightError> {
-    let values = ControlValues::of(light.points().iter().copied());
-    let segments = 0..light.points().len().saturating_sub(2);
+/// The largest `R kappa` of some segments of the BendyLight that has these control points, whether they fold or not; refuses what has
+/// no curve.
+pub fn folds_of_segments(points: &[ControlPoint], segments: Range<usize>) -> Result<Vec<f64>, LightError> {
+    let values = ControlValues::of(points.iter().copied());
     segments.map(|i| Ok(validity::r_kappa_max(&shape(&values, i)?))).collect()
 }
 

@@ -49,7 +49,7 @@ pub use self::light::{
 };
 pub use arc::GAUSS_LEGENDRE;
 pub use bend::{bend, bend_to, greville, straighten, with_cone};
-pub use build::{MAX_SEGMENTS, Placement, fold_of_each_segment};
+pub use build::{MAX_SEGMENTS, Placement, folds_of_segments};
 pub use checked::{CheckedLight, LightInstance, Rays};
 pub use curve::{Curve, TubeBox, quadratic_range};
 pub use emission::emission;

@@ -50,9 +50,11 @@ fn roots_in_unit_interval(c: &[f64; 4]) -> Vec<f64> {
         .filter(|k| (value(k[0]) <= 0.0) != (value(k[1]) <= 0.0))
         .map(|k| {
             let (mut low, mut high) = (k[0], k[1]);
+            // Where the lower end is moved to the value has that sign too.
+            let below = value(low) <= 0.0;
             for _ in 0..60 {
                 let middle = f64::midpoint(low, high);
-                if (value(low) <= 0.0) == (value(middle) <= 0.0) { low = middle } else { high = middle }
+                if below == (value(middle) <= 0.0) { low = middle } else { high = middle }
             }
             f64::midpoint(low, high)
         })

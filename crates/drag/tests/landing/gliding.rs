@@ -1,6 +1,7 @@
 //! Control points that go as far as the tube lets them.
 
 use std::fmt::Write as _;
+use std::time::Instant;
 
 use drag::{Radii, glide};
 use glam::DVec3;
@@ -117,4 +118,35 @@ fn gliding_on_and_off_a_limit_is_smooth() {
         assert!(steps[499] < 20.0 * steps[250].max(1e-3 * cursors), "{:?}", &steps[480..]);
         assert!(sum < 8.0 * cursors);
     }
+}
+
+/// What a step at the wall takes, in the times that it takes to prepare the light: a control point that is moved in a picture of 60 a
+/// second is not what makes it slow. Solved with a whole tube at each place that is looked at it takes 1500.
+#[test]
+fn gliding_takes_little() {
+    let light = demos();
+    let from = light.light().points()[3].position;
+    let fastest = |what: &dyn Fn()| {
+        let times = (0..5).map(|_| {
+            let began = Instant::now();
+            what();
+            began.elapsed().as_secs_f64()
+        });
+        times.fold(f64::INFINITY, f64::min)
+    };
+    let prepared = fastest(&|| {
+        for _ in 0..100 {
+            CheckedLight::new(light.light().clone()).expect("valid");
+        }
+    }) / 100.0;
+    let mut worst = 0.0_f64;
+    for direction in directions() {
+        let to = from + direction * 1.5;
+        let glided = fastest(&|| {
+            glide(&light, 3, to, Radii::Keep).expect("a control point");
+        });
+        worst = worst.max(glided);
+    }
+    println!("{:.0} of {prepared:e} s", worst / prepared);
+    assert!(worst < 700.0 * prepared, "{:.0} of {prepared:e} s", worst / prepared);
 }

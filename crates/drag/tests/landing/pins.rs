@@ -83,7 +83,8 @@ fn three(scene: &Drawn, reference: &Reference, trial: &Trial, random: &mut Rando
             (false, false) => PinKind::Shadow,
         };
         let at = seen.position + scene.bvh.posed.origin_in_world;
-        pins.push(Placed { pin: Pin { kind, at, caster: None, is_hard: true }, pixel });
+        let is_hard = random.between(0.0, 1.0) < 0.6;
+        pins.push(Placed { pin: Pin { kind, at, caster: None, is_hard }, pixel });
         if pins.len() == 3 {
             break;
         }
@@ -91,56 +92,55 @@ fn three(scene: &Drawn, reference: &Reference, trial: &Trial, random: &mut Rando
     pins
 }
 
+/// 200 sets of three pins, of lights that move as a whole and of lights that bend: the hard ones hold, and what lands without pins and
+/// not with them names one. A slow solver with restarts, which holds pins too, lands another 1 to 5 in 100 (the study of drags).
+///
 /// Rules: DRAG-5
 #[test]
 fn hard_pins_hold_wherever_the_drag_ends() {
-    let (mut landed, mut limited, mut by_pin, mut refused, mut was_off) = (0, 0, 0, 0, 0);
-    for scene in support::scenes() {
+    const SETS: usize = 200;
+    let (mut landed, mut by_pin, mut alike, mut was_off) = (0, 0, 0, 0);
+    let scenes = support::scenes();
+    for scene in &scenes {
         let reference = Reference::new(std::sync::Arc::clone(&scene.bvh.posed));
         let mut random = Random(77);
         for feature in [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse] {
-            for mut trial in trials(&scene, feature, 28) {
-                let count = trial.light.light().points().len();
-                if count < 5 {
-                    continue;
-                }
-                trial.drag.points = Some((1..count).collect());
-                let pinned = three(&scene, &reference, &trial, &mut random);
+            for mut trial in trials(scene, feature, SETS.div_ceil(4 * scenes.len())) {
+                let pinned = three(scene, &reference, &trial, &mut random);
                 trial.drag.pins = pinned.iter().map(|placed| placed.pin.clone()).collect();
                 let landing = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
                 let what = || format!("{} {feature:?} {:?}: {landing:?}", scene.name, trial.drag);
+                let free = Drag { pins: Vec::new(), ..trial.drag.clone() };
+                let free = drag(&scene.bvh, &trial.view, &trial.light, &free);
                 match landing.status {
                     Status::Landed => landed += 1,
-                    Status::Limited(Limit::Pin(_)) => by_pin += 1,
-                    Status::Limited(_) => limited += 1,
-                    Status::Refused(_) => {
-                        refused += 1;
-                        println!("{}", what());
-                        continue;
+                    Status::Limited(Limit::Pin(index)) => {
+                        assert!(trial.drag.pins[index].is_hard, "{}", what());
+                        by_pin += 1;
+                    }
+                    // What holds it back does so without pins too.
+                    _ => {
+                        assert_ne!(free.status, Status::Landed, "{}", what());
+                        alike += 1;
                     }
                 }
                 let now = CheckedLight::new(landing.light.clone()).expect("valid");
-                for placed in &pinned {
-                    let most = if placed.pin.kind == PinKind::Direction { 0.1 } else { 0.5 };
+                let free = CheckedLight::new(free.light).expect("valid");
+                let most = |placed: &Placed| if placed.pin.kind == PinKind::Direction { 0.1 } else { 0.5 };
+                let hard = || pinned.iter().filter(|placed| placed.pin.is_hard);
+                for placed in hard() {
                     let off = off(&reference, &trial, placed, &now);
-                    assert!(off < most, "{off} {:?} {}", placed.pin, what());
+                    assert!(off < most(placed), "{off} {:?} {}", placed.pin, what());
                 }
                 // The planted fault: without pins something is off.
-                let free = Drag { pins: Vec::new(), ..trial.drag.clone() };
-                let free = drag(&scene.bvh, &trial.view, &trial.light, &free);
-                let free = CheckedLight::new(free.light).expect("valid");
-                was_off += usize::from(pinned.iter().any(|placed| {
-                    let most = if placed.pin.kind == PinKind::Direction { 0.1 } else { 0.5 };
-                    off(&reference, &trial, placed, &free) > most
-                }));
+                was_off +=
+                    usize::from(hard().any(|placed| off(&reference, &trial, placed, &free) > most(placed)));
             }
         }
     }
-    println!(
-        "{landed} landed, {by_pin} limited by pins, {limited} otherwise, {refused} refused; {was_off} would not hold"
-    );
-    assert!(refused * 20 <= landed + limited + by_pin);
-    assert!(was_off * 2 > landed);
+    println!("{landed} landed, {by_pin} limited by pins, {alike} as without; {was_off} would not hold");
+    assert!(landed + by_pin + alike >= SETS);
+    assert!(landed * 2 >= SETS && was_off * 3 > SETS);
 }
 
 /// What cannot be is limited by the pin that keeps it, and a hard pin that does not hold is named.

@@ -118,14 +118,14 @@ fn judged(stage: &Stage, made: &Made, seed: u64) -> (Outcome, Option<Failure>) {
         broken,
     };
     let is_failure = is_wrong || broken > 0 || is_infeasible || (found.is_some() && !is_landed);
-    (outcome, is_failure.then(|| failure(stage, made, light.as_ref(), found.as_ref())))
+    (outcome, is_failure.then(|| failure(stage, made, light.as_ref(), (found.as_ref(), broken))))
 }
 
 fn failure(
     stage: &Stage,
     Made { number, trial, landing, .. }: &Made,
     light: Option<&CheckedLight>,
-    found: Option<&(usize, CheckedLight)>,
+    (found, broken): (Option<&(usize, CheckedLight)>, usize),
 ) -> Failure {
     let kind = trial.kind;
     let names = [kind.feature_name(), kind.points_name(), kind.way_name()].join("-");
@@ -139,6 +139,7 @@ fn failure(
             "status": format!("{:?}", landing.status),
             "residual_px": landing.residual_px,
             "iterations": landing.iterations,
+            "broken_pins": broken,
             "begin_r_kappa": folds(&trial.light),
             "after": light.map(|light| at_the_cursor(stage, trial, light)),
             "after_r_kappa": light.and_then(folds),
