@@ -36,8 +36,9 @@ pub(crate) struct Pinned {
     pub place: Place,
     /// How much light arrived.
     pub irradiance: f64,
-    /// The surface's unit normal on the side that is lit. Light from behind does not arrive.
-    pub normal: DVec3,
+    /// The surface's unit normals on the side that is lit, as a smooth one and of its triangle where that is lit from the front.
+    /// Light from behind does not arrive.
+    pub normals: [DVec3; 2],
     /// Where its shadow is looked for, in scene space, as pictures do.
     pub shadow_point: DVec3,
     /// Of a shadow: what throws it, and how far along the light.
@@ -71,9 +72,13 @@ impl Pinned {
         }
         let contact = Contact { within: CONTACT * posed.half_extent.length(), triangle: None };
         let surface = bvh.nearest(point, contact.within, |_| true);
-        let (normal, offset) = surface.map_or((place.to_light, 0.0), |surface| {
-            let (normal, offset) = bvh.smooth(surface.triangle, surface.weights, surface.position);
-            (if normal.dot(place.to_light) < 0.0 { -normal } else { normal }, offset)
+        let towards = |normal: DVec3| if normal.dot(place.along_path) < 0.0 { -normal } else { normal };
+        let (normals, offset) = surface.map_or(([place.along_path; 2], 0.0), |surface| {
+            let (smooth, offset) = bvh.smooth(surface.triangle, surface.weights, surface.position);
+            let flat = bvh.triangles[surface.triangle].normal().normalize();
+            let smooth = towards(smooth);
+            let flat = towards(flat);
+            ([smooth, if flat.dot(smooth) > 0.0 { flat } else { smooth }], offset)
         });
         let pinned = Self {
             index,
@@ -82,8 +87,8 @@ impl Pinned {
             point,
             place,
             irradiance: placed.locate_lit(point, place.t)?.1,
-            normal,
-            shadow_point: point + normal * offset,
+            normals,
+            shadow_point: point + normals[0] * offset,
             pivot: None,
             contact,
         };
@@ -104,7 +109,8 @@ impl Pinned {
 
     /// Whether light arrives that nothing stands in the way of.
     pub fn is_lit(&self, occlusion: &Occlusion, placed: &Placed, place: &Place) -> bool {
-        self.normal.dot(place.to_light) > 0.0 && self.first(occlusion, placed, place).is_none()
+        self.normals.iter().all(|normal| normal.dot(place.along_path) > 0.0)
+            && self.first(occlusion, placed, place).is_none()
     }
 
     /// Whether something stands in the light's way.
@@ -161,9 +167,11 @@ impl Pinned {
         let of = Some((Limit::Pin(self.index), self.give()));
         bounds_of_place(placed, &place, of, 0.0, bounds);
         if self.kind == PinKind::Lit {
-            let least = FROM_EDGE.min(0.5 * self.place.to_light.dot(self.normal));
-            let value = place.to_light.dot(self.normal) - least;
-            bounds.push(Bound { value, limit: Limit::Pin(self.index), give: self.give() });
+            bounds.extend(self.normals.map(|normal| {
+                let least = FROM_EDGE.min(0.5 * self.place.along_path.dot(normal));
+                let value = place.along_path.dot(normal) - least;
+                Bound { value, limit: Limit::Pin(self.index), give: self.give() }
+            }));
         }
         let mut pivot_t = near[1];
         match (self.kind, self.pivot) {

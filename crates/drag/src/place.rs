@@ -14,6 +14,8 @@ pub(crate) struct Place {
     pub width: f64,
     /// Unit vector to where its light comes from.
     pub to_light: DVec3,
+    /// The same along its way, which is what visibility goes by: of a tube the tangent of the path.
+    pub along_path: DVec3,
     /// Of a tube `1 - kappa r.N`, which is 0 where ways meet; else 1.
     pub spread: f64,
     /// How far from the light's ends, in widths, less than 0 beyond one; infinite where it has none.
@@ -114,7 +116,8 @@ impl<'a> Placed<'a> {
                 let local = parallel.rotation.transpose() * way;
                 let across = DVec2::new(-local.x, local.y);
                 let place = straight(way, across, 1.0, f64::INFINITY);
-                Some(Place { t: -local.z, to_light: parallel.direction(), ..place })
+                let to_light = parallel.direction();
+                Some(Place { t: -local.z, to_light, along_path: to_light, ..place })
             }
         }
     }
@@ -214,7 +217,8 @@ fn follow(tube: &Tube<f64>, q: DVec3, near: f64) -> Root<f64> {
 /// The place of a point that light reaches by the straight `way`.
 fn straight(way: DVec3, across: DVec2, width: f64, from_ends: f64) -> Place {
     let t = way.length();
-    Place { t, across, width, to_light: -way / t, spread: 1.0, from_ends }
+    let to_light = -way / t;
+    Place { t, across, width, to_light, along_path: to_light, spread: 1.0, from_ends }
 }
 
 /// The place of a root.
@@ -237,6 +241,7 @@ fn on_tube(tube: &Tube<f64>, root: &Root<f64>) -> Place {
         across: DVec2::new(root.v_len, root.w_len) / radius,
         width: radius * scale,
         to_light: tube.placement.rotation * tube.direction_at(root),
+        along_path: tube.placement.rotation * tube.path_direction_at(root),
         spread: if speed > 0.0 { 1.0 - root.r.dot(turn) / speed } else { 0.0 },
         from_ends: from_end.min(from_source),
     }
