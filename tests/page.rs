@@ -92,6 +92,15 @@ fn features_are_dragged_and_pinned_on_the_page() {
     in_a_browser("features.mjs");
 }
 
+/// The paper's figures: a shadow is bent while its vase looks as it did, and one vase is lit from elsewhere while the other is not.
+///
+/// Rules: CMD-15, DRAG-1, DRAG-5, REC-7
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn the_papers_figures_are_made_by_the_mouse() {
+    in_a_browser("figures.mjs");
+}
+
 /// Bends the spotlight of another maker's scene, in a room that holds all of its control points.
 ///
 /// Rules: CMD-12
