@@ -17,6 +17,10 @@ use crate::request::{Feature, Limit, Radii};
 /// How far out of the light the feature may be where it sets out, so that it may go through the air between two surfaces.
 const ON_THE_WAY: f64 = 3.0;
 
+/// Pins with which differences are taken to one side, and below which step.
+const MANY_PINS: usize = 16;
+const ONE_SIDED: f64 = 1e-5;
+
 /// A drag: what is asked of a light, and what must stay.
 #[derive(Clone, Debug)]
 pub(crate) struct Goal<'a> {
@@ -269,7 +273,7 @@ impl<'a> Goal<'a> {
     }
 
     /// What is linear about `x`, by central differences over `step` each way: with 1e-6 to some 1e-10 of what it is, which
-    /// Newton's method makes up for.
+    /// Newton's method makes up for. With many pins, which are what takes long, to the side ahead alone: to some 1e-6.
     pub fn linear(&self, x: &[f64], share: f64, at: &Evaluation, step: f64) -> Linear {
         let (count, rows, limits) = (x.len(), at.residual.len(), at.bounds.len());
         let (mut jacobian, mut slopes) = (Matrix::zero(rows, count), Matrix::zero(limits, count));
@@ -281,7 +285,9 @@ impl<'a> Goal<'a> {
                 beside[k] = x[k];
                 found
             };
-            let (ahead, behind) = (side(step), side(-step));
+            let ahead = side(step);
+            let is_enough = ahead.is_some() && self.pins.len() > MANY_PINS && step < ONE_SIDED;
+            let behind = if is_enough { None } else { side(-step) };
             // At the very edge of what can be evaluated one side is all there is.
             let (ahead, behind, length) = match (&ahead, &behind) {
                 (Some(ahead), Some(behind)) => (ahead, behind, 2.0 * step),

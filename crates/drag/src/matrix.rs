@@ -20,6 +20,10 @@ impl Matrix {
         &self.values[row * self.columns..][..self.columns]
     }
 
+    pub fn row_mut(&mut self, row: usize) -> &mut [f64] {
+        &mut self.values[row * self.columns..][..self.columns]
+    }
+
     pub fn at(&mut self, row: usize, column: usize) -> &mut f64 {
         &mut self.values[row * self.columns + column]
     }

@@ -28,8 +28,8 @@ pub(crate) struct Linear {
     pub give: Vec<f64>,
     /// Of the fixed rows those that the others follow from.
     fixed: Vec<usize>,
-    /// `I + sum a a^T / give` over the soft rows: what the size of a change is measured by where these count.
-    metric: Matrix,
+    /// `I + sum a a^T / give` over the soft rows: what the size of a change is measured by where these count. `None` of none.
+    metric: Option<Matrix>,
 }
 
 impl Linear {
@@ -37,10 +37,11 @@ impl Linear {
         let fixed: Vec<usize> = (0..rows.len()).filter(|row| rows[*row] == Hold::Fixed).collect();
         let is_few = fixed.len() <= jacobian.columns;
         let fixed = if is_few { fixed } else { independent(&jacobian, &fixed) };
-        let mut metric = identity(jacobian.columns);
+        let mut metric = None;
         for (row, hold) in rows.iter().enumerate() {
             if let Hold::Soft(give) = hold {
-                add_square(&mut metric, jacobian.row(row), *give);
+                let metric = metric.get_or_insert_with(|| identity(jacobian.columns));
+                add_square(metric, jacobian.row(row), *give);
             }
         }
         Self { jacobian, slopes, rows, give, fixed, metric }
@@ -177,15 +178,21 @@ impl Step<'_> {
     /// rows are left, as `L^-1 a` of what they were.
     fn with_active(&self, active: &[usize]) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
         let Linear { jacobian, slopes, rows, give, fixed, metric } = self.linear;
-        let all_count = self.counting == Counting::All;
-        let mut metric = if all_count { metric.clone() } else { identity(jacobian.columns) };
-        let mut pull = self.pull.clone();
-        for &limit in active.iter().filter(|limit| give[**limit] > 0.0) {
-            add_square(&mut metric, slopes.row(limit), give[limit]);
-            add_scaled(&mut pull, slopes.row(limit), self.floor[limit] / give[limit]);
-        }
-        let lower = triangle(&metric);
-        let rest = backward(&lower, &forward(&lower, &pull));
+        let is_spring = |limit: &&usize| give[**limit] > 0.0;
+        let are_soft = self.counting == Counting::All && metric.is_some();
+        // Where nothing is soft M is I.
+        let soft = (are_soft || active.iter().any(|limit| is_spring(&limit))).then(|| {
+            let unsoft = || identity(jacobian.columns);
+            let mut metric = metric.clone().filter(|_| are_soft).unwrap_or_else(unsoft);
+            let mut pull = self.pull.clone();
+            for &limit in active.iter().filter(is_spring) {
+                add_square(&mut metric, slopes.row(limit), give[limit]);
+                add_scaled(&mut pull, slopes.row(limit), self.floor[limit] / give[limit]);
+            }
+            let lower = triangle(&metric);
+            let rest = backward(&lower, &forward(&lower, &pull));
+            (lower, rest)
+        });
         let asked = || (0..rows.len()).filter(|row| rows[*row] == Hold::Asked);
         let asking = asked().filter(|_| self.counting != Counting::Fixed);
         let limits = active.iter().filter(|limit| give[**limit] == 0.0);
@@ -205,17 +212,24 @@ impl Step<'_> {
                 Row::Asked(row) | Row::Fixed(row) => (jacobian.row(row), self.wanted[row]),
                 Row::Limit(limit) => (slopes.row(limit), self.floor[limit]),
             };
-            let shaped = forward(&lower, a);
-            (0..shaped.len()).for_each(|column| *all.at(k, column) = shaped[column]);
-            right.push(wanted - dot(a, &rest));
+            if let Some((lower, rest)) = &soft {
+                all.row_mut(k).copy_from_slice(&forward(lower, a));
+                right.push(wanted - dot(a, rest));
+            } else {
+                all.row_mut(k).copy_from_slice(a);
+                right.push(wanted);
+            }
             let is_asked = matches!(row, Row::Asked(_));
             softness.push(if is_asked { asking } else { ROUNDED * dot(a, a) + LEAST });
         }
         let mut normal = all.times_transposed(&all);
         softness.iter().enumerate().for_each(|(k, mu)| *normal.at(k, k) += mu);
         let weights = solved(normal, right);
-        let change = backward(&lower, &all.transposed_times(&weights));
-        let y: Vec<f64> = rest.iter().zip(&change).map(|(rest, change)| rest + change).collect();
+        let mut y = all.transposed_times(&weights);
+        if let Some((lower, rest)) = &soft {
+            y = backward(lower, &y);
+            y.iter_mut().zip(rest).for_each(|(y, rest)| *y += rest);
+        }
         let mut of_rows = vec![0.0; rows.len()];
         let mut of_limits = vec![0.0; slopes.rows];
         for (row, weight) in firm.iter().zip(weights) {
