@@ -93,7 +93,7 @@ fn three(scene: &Drawn, reference: &Reference, trial: &Trial, random: &mut Rando
 }
 
 /// 200 sets of three pins, of lights that move as a whole and of lights that bend: the hard ones hold, and what lands without pins and
-/// not with them names one. A slow solver with restarts, which holds pins too, lands another 1 to 5 in 100 (the study of drags).
+/// not with them names one. How many more a slow solver lands the study of drags says.
 ///
 /// Rules: DRAG-5
 #[test]
