@@ -2,6 +2,7 @@
 
 mod continuity;
 mod gliding;
+mod highlights;
 mod many;
 mod pins;
 mod support;

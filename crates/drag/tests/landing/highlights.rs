@@ -1,0 +1,46 @@
+//! Where highlights lie, before anything is dragged.
+
+use drag::{Feature, Status, drag, highlight_near};
+use glam::DVec2;
+use light::CheckedLight;
+use scene::ViewRay;
+
+use crate::support::{Drawn, scenes, trials};
+
+/// How far from the mirror direction light arrives at a pixel, in radians; `None` outside of the light.
+fn off(scene: &Drawn, trial: &crate::support::Trial, light: &CheckedLight, pixel: DVec2) -> Option<f64> {
+    let origin = scene.bvh.posed.origin_in_world;
+    let ray = ViewRay::new(&trial.view.camera, trial.view.size, pixel, origin);
+    let seen = scene.bvh.seen(&ray)?;
+    let to_light = light.tube()?.locate(seen.position + origin).point?.direction;
+    Some(to_light.angle_between(seen.mirrored()))
+}
+
+/// A highlight that was dragged somewhere is found there again, from a few pixels beside it.
+///
+/// Rules: PROBE-6, DRAG-1
+#[test]
+fn a_highlight_is_found_from_beside_it() {
+    let (mut landed, mut found, mut turned_beside) = (0, 0, 0);
+    for scene in scenes() {
+        for trial in trials(&scene, Feature::Highlight, 40) {
+            let landing = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
+            if landing.status != Status::Landed {
+                continue;
+            }
+            landed += 1;
+            let light = CheckedLight::new(landing.light).expect("it landed");
+            let beside = trial.drag.to + DVec2::new(2.0, -1.0);
+            let Some(centre) = highlight_near(&scene.bvh, &trial.view, &light, beside) else { continue };
+            // Newton's steps end at 1e-9 of a radian, or at 1e-9 of a pixel, where a direction turns by less than a radian a pixel.
+            let off = |pixel| off(&scene, &trial, &light, pixel);
+            assert!(off(centre).is_none_or(|off| off < 1e-6), "{}: {:?}", scene.name, off(centre));
+            turned_beside += usize::from(off(beside).is_none_or(|off| off > 1e-4));
+            found += usize::from(centre.distance(trial.drag.to) <= 0.6);
+        }
+    }
+    println!("{landed} landed, {found} were found from beside");
+    // Not where two pixels beside it is another facet or another thing: of leaves and spokes nothing is asked.
+    assert!(landed >= 20 && 3 * found >= 2 * landed, "{found} of {landed}");
+    assert!(10 * turned_beside >= 8 * found, "the planted fault: beside it light does not arrive so");
+}
