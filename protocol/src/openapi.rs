@@ -86,6 +86,7 @@ pub fn openapi() -> Value {
     let mut paths: BTreeMap<&str, Map<String, Value>> = BTreeMap::new();
     let operations = of_sessions(&mut generator)
         .into_iter()
+        .chain(of_pictures(&mut generator))
         .chain(of_scenes(&mut generator))
         .chain(of_service(&mut generator));
     for operation in operations {
@@ -106,11 +107,16 @@ pub fn openapi() -> Value {
     })
 }
 
-fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
-    let state = json_content(&name::<SessionState>(g));
+/// What every operation on one session has.
+fn of_session() -> Operation {
     let session = json!({"name": "session", "in": "path", "required": true, "schema": {"type": "string"},
         "description": "Name of the session."});
-    let of_session = Operation { parameters: vec![session], tag: "sessions", ..Operation::default() };
+    Operation { parameters: vec![session], tag: "sessions", ..Operation::default() }
+}
+
+fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
+    let state = json_content(&name::<SessionState>(g));
+    let of_session = of_session();
     let of_all = Operation { tag: "sessions", ..Operation::default() };
     vec![
         Operation {
@@ -166,6 +172,13 @@ fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
             codes: &[ANYBODY, WITH_TOKEN, OF_STORE, &[Code::NotFound]],
             ..of_session.clone().with(log_parameters())
         },
+    ]
+}
+
+/// What is asked about a session's pictures, without an edit.
+fn of_pictures(g: &mut SchemaGenerator) -> Vec<Operation> {
+    let of_session = of_session();
+    vec![
         Operation {
             path: "/sessions/{session}/pick",
             method: "post",

@@ -44,7 +44,7 @@ pub async fn answer(
         return Err(ServerError::TooMany { what: "drags in a request", limit: MAX_DRAGS });
     }
     let Snapshot { document, scene, .. } = state.rooms.find(&name).await?.request(Message::Snapshot).await?;
-    let questions = drags.into_iter().map(|asked| question(asked, &document, &scene));
+    let questions = drags.iter().map(|asked| question(asked, &document, &scene));
     let questions = questions.collect::<Result<Vec<_>, _>>()?;
     let bvh = scene.bvh().await?;
     let mut answers = Vec::with_capacity(questions.len());
@@ -70,7 +70,7 @@ fn dragged(bvh: &Bvh, question: &Question) -> Dragged {
 
 /// What is asked, with the lights and cameras of the document for their names and, where the drag has no pins of its own, the
 /// document's.
-fn question(asked: Drag, document: &Document, scene: &Decoded) -> Result<Question, ServerError> {
+fn question(asked: &Drag, document: &Document, scene: &Decoded) -> Result<Question, ServerError> {
     let size = RenderLimits::HTTP.check_size(asked.size)?;
     if size.contains(&0) {
         return Err(edit::Refusal::from(EditError::NoPicture).into());
