@@ -68,7 +68,7 @@ test("the light that makes what is under the pointer is taken", () => {
 
 test("a light follows as a whole, or by the control points that do not rest", () => {
   const bendy = { type: "bendy", points: [0, 1, 2, 3].map((z) => [0, 0, -z]) } as unknown as Light;
-  const following = { bends: true, resting: new Set([2]), radii: "solve" } as const;
+  const following = { bends: true, resting: new Set([2]), radii: "solve", sourceOutside: true } as const;
   expect(movingPoints(bendy, following)).toEqual([1, 3]);
   expect(movingPoints(bendy, { ...following, bends: false })).toBeUndefined();
   expect(movingPoints({ type: "spot" } as Light, following)).toBeUndefined();
@@ -90,6 +90,10 @@ test("a light follows as a whole, or by the control points that do not rest", ()
   const whole = featureDrag("shadow", [7, bendy], { ...following, bends: false }, seen, way);
   expect(whole).toMatchObject({ radii: "keep" });
   expect("points" in whole).toBe(false);
+  expect(whole).toHaveProperty("sourceOutside", true);
+  expect(
+    featureDrag("shadow", [7, bendy], { ...following, sourceOutside: false }, seen, way),
+  ).not.toHaveProperty("sourceOutside");
 });
 
 test("what keeps a drag short is said", () => {

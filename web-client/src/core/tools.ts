@@ -31,6 +31,8 @@ export interface Following {
   /** Control points that stay where they are, of those that can be dragged at all. */
   resting: ReadonlySet<number>;
   radii: DragRadii;
+  /** Whether the source may not go through a surface. */
+  sourceOutside: boolean;
 }
 
 /** Whether a tool drags features. */
@@ -96,6 +98,7 @@ export function featureDrag(
     size: [size.width, size.height],
     from: [from.x, from.y],
     to: [to.x, to.y],
+    ...(following.sourceOutside ? { sourceOutside: true } : {}),
   };
 }
 

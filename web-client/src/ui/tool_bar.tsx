@@ -4,9 +4,10 @@ import type { ComponentChildren } from "preact";
 
 import { lightOf } from "../core/document";
 import type { DragRadii } from "../core/protocol";
-import { dragsFeatures, PIN_KINDS, PIN_TEXTS, TOOLS, type Tool } from "../core/tools";
+import { dragsFeatures, type Following, PIN_KINDS, PIN_TEXTS, TOOLS, type Tool } from "../core/tools";
 import { Icon, type IconName } from "./icons";
-import { usePage } from "./page";
+import { bendLight, isFree } from "./light_actions";
+import { type Page, usePage } from "./page";
 import { QuietButton } from "./quiet_button";
 import { takeTool } from "./tools";
 
@@ -49,20 +50,19 @@ const RADII: { [R in DragRadii]: string } = {
 
 /** How the light follows: as a whole, or by which control points. */
 function FollowingChoices() {
-  const { toolbox, session, selectedLight } = usePage();
+  const page = usePage();
+  const { toolbox, session, selectedLight } = page;
   const { following } = toolbox;
-  const { bends, resting, radii } = following.value;
-  const light = lightOf(session.document.value, selectedLight.value);
-  const points = light?.type === "bendy" ? light.points.length : 0;
-  const set = (values: Partial<typeof following.value>) =>
-    (following.value = { ...following.value, ...values });
+  const { bends, sourceOutside } = following.value;
+  const id = selectedLight.value;
+  const light = lightOf(session.document.value, id);
   return (
     <Choices label="How the light follows">
       <QuietButton
         title="The light moves as a whole (B)"
         label="Move"
         pressed={!bends}
-        press={() => set({ bends: false })}
+        press={() => follow(page, { bends: false })}
       >
         Move
       </QuietButton>
@@ -70,41 +70,75 @@ function FollowingChoices() {
         title="The light bends, its source stays (B)"
         label="Bend along"
         pressed={bends}
-        press={() => set({ bends: true })}
+        press={() => follow(page, { bends: true })}
       >
         Bend
       </QuietButton>
-      {bends &&
-        Array.from({ length: Math.max(0, points - 1) }, (_, k) => k + 1).map((point) => (
-          <QuietButton
-            key={point}
-            class="point-choice"
-            title={`Whether control point ${point} takes part`}
-            label={`Control point ${point} takes part`}
-            pressed={!resting.has(point)}
-            press={() => {
-              const others = new Set(resting);
-              if (!others.delete(point)) others.add(point);
-              set({ resting: others });
-            }}
-          >
-            {point}
-          </QuietButton>
-        ))}
-      {bends && (
-        <select
-          aria-label="Radii while dragging"
-          value={radii}
-          onChange={({ currentTarget }) => set({ radii: currentTarget.value as DragRadii })}
+      {!bends && (
+        <QuietButton
+          title="The source goes through no surface"
+          label="Keep the source out of surfaces"
+          pressed={sourceOutside}
+          press={() => follow(page, { sourceOutside: !sourceOutside })}
         >
-          {(Object.keys(RADII) as DragRadii[]).map((choice) => (
-            <option key={choice} value={choice}>
-              {RADII[choice]}
-            </option>
-          ))}
-        </select>
+          Source outside
+        </QuietButton>
+      )}
+      {bends && light?.type === "bendy" && <PointChoices count={light.points.length} />}
+      {bends && id !== null && light !== undefined && light.type !== "bendy" && (
+        <QuietButton
+          title="A straight light moves as a whole: give it control points, and what it lights stays as it is"
+          label="Bend this light first"
+          disabled={!isFree(page, id)}
+          press={() => void bendLight(page, id)}
+        >
+          <Icon name="bendy" /> Give it control points
+        </QuietButton>
       )}
     </Choices>
+  );
+}
+
+function follow({ toolbox: { following } }: Page, values: Partial<Following>): void {
+  following.value = { ...following.value, ...values };
+}
+
+/** Which control points take part, and what becomes of radii. */
+function PointChoices({ count }: { count: number }) {
+  const page = usePage();
+  const { resting, radii } = page.toolbox.following.value;
+  const points = Array.from({ length: count - 1 }, (_, k) => k + 1);
+  const toggle = (point: number) => {
+    const others = new Set(resting);
+    if (!others.delete(point)) others.add(point);
+    follow(page, { resting: others });
+  };
+  return (
+    <>
+      {points.map((point) => (
+        <QuietButton
+          key={point}
+          class="point-choice"
+          title={`Whether control point ${point} takes part`}
+          label={`Control point ${point} takes part`}
+          pressed={!resting.has(point)}
+          press={() => toggle(point)}
+        >
+          {point}
+        </QuietButton>
+      ))}
+      <select
+        aria-label="Radii while dragging"
+        value={radii}
+        onChange={({ currentTarget }) => follow(page, { radii: currentTarget.value as DragRadii })}
+      >
+        {(Object.keys(RADII) as DragRadii[]).map((choice) => (
+          <option key={choice} value={choice}>
+            {RADII[choice]}
+          </option>
+        ))}
+      </select>
+    </>
   );
 }
 

@@ -33,7 +33,7 @@ export interface Toolbox {
 export function startTools(): Toolbox {
   return {
     tool: signal<Tool>("select"),
-    following: signal<Following>({ bends: false, resting: new Set(), radii: "follow" }),
+    following: signal<Following>({ bends: false, resting: new Set(), radii: "follow", sourceOutside: false }),
     pinKind: signal<PinKind>("direction"),
     pinsHard: signal(true),
     selectedPin: signal<number | null>(null),
