@@ -77,7 +77,7 @@ function FollowingChoices() {
       {!bends && (
         <QuietButton
           title="The source goes through no surface"
-          label="Keep the source out of surfaces"
+          label="Source outside"
           pressed={sourceOutside}
           press={() => follow(page, { sourceOutside: !sourceOutside })}
         >
@@ -88,7 +88,7 @@ function FollowingChoices() {
       {bends && id !== null && light !== undefined && light.type !== "bendy" && (
         <QuietButton
           title="A straight light moves as a whole: give it control points, and what it lights stays as it is"
-          label="Bend this light first"
+          label="Give it control points"
           disabled={!isFree(page, id)}
           press={() => void bendLight(page, id)}
         >
