@@ -2,7 +2,7 @@
 
 use drag::{Drag, Landing, Limit, Refusal, SOLVER, Status};
 use light::parameters::{ROTATION, TRANSLATION};
-use light::{Light, LightId};
+use light::{Light, LightId, MAX_NAME_BYTES, MAX_SEGMENTS};
 use raycast::Bvh;
 
 use crate::points::moved_points;
@@ -27,6 +27,13 @@ pub fn solve_drag(
     let placed = document.lights.get(&id).ok_or(EditError::NoLight(id))?;
     let FeatureDrag { feature, points, radii, view, from, to, source_outside } = asked.clone();
     view.camera.check().map_err(EditError::InvalidCamera)?;
+    if view.camera.name.len() > MAX_NAME_BYTES {
+        return Err(EditError::TooLong { field: "name", limit: MAX_NAME_BYTES });
+    }
+    // No light has more, and the record keeps what came.
+    if points.as_ref().is_some_and(|points| points.len() > MAX_SEGMENTS + 2) {
+        return Err(EditError::TooMany { what: "control points", limit: MAX_SEGMENTS + 2 });
+    }
     if view.size.contains(&0) || !(from.is_finite() && to.is_finite()) {
         return Err(EditError::NoPicture);
     }

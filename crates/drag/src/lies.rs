@@ -14,11 +14,15 @@ use crate::request::{Feature, Viewport};
 /// The angle within which a surface is turned to the light, radians: 0.1 degrees.
 const TURNED: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
+/// How far a highlight's centre is from a pixel of it at most, as a share of the picture's width.
+const NEAR_HIGHLIGHT: f64 = 0.1;
+
 /// How far pixels are apart that tell how a direction changes over the picture.
 const BESIDE_PX: f64 = 0.25;
 
 /// Where in the picture the centre of the highlight lies that `light` has near `pixel`, in pixels: there light arrives along the mirror
-/// direction. `None` where no surface is seen, outside of the light, and where none is found near.
+/// direction. `None` where no surface is seen, outside of the light, and where none is found on the same thing within a tenth of the picture's
+/// width.
 pub fn highlight_near(bvh: &Bvh, view: &Viewport, light: &CheckedLight, pixel: DVec2) -> Option<DVec2> {
     let origin = bvh.posed.origin_in_world;
     let seen = bvh.seen(&ViewRay::new(&view.camera, view.size, pixel, origin))?;
@@ -27,7 +31,15 @@ pub fn highlight_near(bvh: &Bvh, view: &Viewport, light: &CheckedLight, pixel: D
     let directions = [place.to_light, seen.mirrored()];
     let near_t = place.t;
     let taken = Taken { feature: Feature::Highlight, from: seen, to: seen, pivot: None, place, directions };
-    Lies { bvh, view, taken: &taken, placed: &placed }.nearest_turned(near_t, pixel)
+    let centre = Lies { bvh, view, taken: &taken, placed: &placed }.nearest_turned(near_t, pixel)?;
+    // It is to be what is under the pointer, of light that is there.
+    let [width, height] = view.size.map(f64::from);
+    let is_near = centre.distance(pixel) <= NEAR_HIGHLIGHT * width;
+    let is_in_picture = (0.0..width).contains(&centre.x) && (0.0..height).contains(&centre.y);
+    let there = bvh.seen(&ViewRay::new(&view.camera, view.size, centre, origin))?;
+    let place = placed.locate(there.position, Some(near_t))?;
+    let is_lit = placed.out2(&place) <= 1.0 && place.from_ends >= 0.0;
+    (is_near && is_in_picture && is_lit && there.node == seen.node).then_some(centre)
 }
 
 /// A light that has been dragged.

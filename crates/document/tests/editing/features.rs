@@ -130,6 +130,12 @@ fn what_cannot_be_dragged_is_refused_and_says_why() {
     assert!(matches!(refused(&lit), EditError::NotDragged { .. }));
     let pixelless = FeatureDrag { view: Viewport { size: [0, 9], ..DEMO.view.clone() }, ..shadow(None, 9.0) };
     assert_eq!(refused(&pixelless), EditError::NoPicture);
+    // What a record keeps has limits.
+    let long = scene::Camera { name: "x".repeat(10_000), ..DEMO.view.camera.clone() };
+    let named = FeatureDrag { view: Viewport { camera: long, ..DEMO.view.clone() }, ..shadow(None, 9.0) };
+    assert!(matches!(refused(&named), EditError::TooLong { field: "name", .. }));
+    let listed = shadow(Some(vec![1; 100_000]), 9.0);
+    assert!(matches!(refused(&listed), EditError::TooMany { what: "control points", .. }));
     assert!(refused(&off).to_string().contains("begin on one"), "{}", refused(&off));
 
     // Without a scene at hand nothing is known, and nothing moves.

@@ -30,6 +30,7 @@ use tokio::time::{Instant, sleep_until};
 
 pub use directory::Rooms;
 pub use message::{Join, Message, RoomHandle, Snapshot};
+use steps::LastSolved;
 pub use steps::time_ms;
 
 use crate::ServerError;
@@ -68,6 +69,8 @@ struct Room {
     views: Views,
     /// What they ask of pixels.
     probes: Probes,
+    /// So that a commit need not solve again.
+    last_solved: Option<Box<LastSolved>>,
     last_client: ClientId,
     /// What programs have asked for and is not all carried out, next first.
     batches: VecDeque<Batch>,
@@ -151,6 +154,7 @@ impl Room {
             checkpoint_bytes: 0,
             clients: BTreeMap::new(),
             probes: Probes::default(),
+            last_solved: None,
             last_client: 0,
             batches: VecDeque::new(),
             status,

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use document::{Change, Command, Context, SceneContents, SolvedDrag};
+use document::{Change, Command, Context, Document, SceneContents, SolvedDrag};
 use edit::{Actor, Record, Request, Sources, TakenBack};
 use protocol::{EditResult, GestureStatus, Outcome, ServerMessage, SessionCheckpoint};
 use store::{Rejection, StoreError};
@@ -16,6 +16,14 @@ use crate::ServerError;
 use crate::access::Principal;
 use crate::limits::{CHECKPOINT_AFTER_BYTES, CHECKPOINT_AFTER_RECORDS};
 use crate::request::Step;
+
+/// The drag of a feature that was solved last.
+pub(super) struct LastSolved {
+    command: Command,
+    /// What it was solved for.
+    document: Document,
+    solved: SolvedDrag,
+}
 
 /// What a request needs of other places, found before it is carried out.
 #[derive(Default)]
@@ -163,17 +171,38 @@ impl Room {
         tick.records.push(Arc::new(record.clone()));
     }
 
-    /// Where the drag of a feature leads from the document as it is: found off the task's thread, as it takes a while.
-    pub(super) async fn solved(&self, command: &Command) -> Result<Option<SolvedDrag>, ServerError> {
+    /// Where the drag of a feature leads from the document as it is: found off the task's thread, as it takes a while. What was
+    /// found last is not looked for again: a commit asks what the last update did.
+    pub(super) async fn solved(&mut self, command: &Command) -> Result<Option<SolvedDrag>, ServerError> {
         let Command::DragFeature { light, drag } = command else { return Ok(None) };
-        let (bvh, document) = (self.scene.decoded.bvh().await?, self.session.document().clone());
-        let (light, drag) = (*light, drag.clone());
+        let document = self.session.document();
+        if let Some(last) = &self.last_solved
+            && last.command == *command
+            && last.document.scene() == document.scene()
+            && last.document.lights().get(light) == document.lights().get(light)
+            && last.document.pins_of(*light).eq(document.pins_of(*light))
+        {
+            return Ok(Some(last.solved.clone()));
+        }
+        let (bvh, document) = (self.scene.decoded.bvh().await?, document.clone());
+        let (light, drag, solved_for) = (*light, drag.clone(), document.clone());
         let solved = spawn_blocking(move || document::solve_drag(&document, light, &drag, &bvh)).await;
-        Ok(Some(solved.map_err(|_| ServerError::Fault)?.map_err(edit::Refusal::from)?))
+        let solved = solved.map_err(|_| ServerError::Fault)?.map_err(edit::Refusal::from)?;
+        self.last_solved = Some(Box::new(LastSolved {
+            command: command.clone(),
+            document: solved_for,
+            solved: solved.clone(),
+        }));
+        Ok(Some(solved))
     }
 
     /// The scenes that a request loads, decoded, where a drag leads, and the record that it takes back.
-    async fn find_for(&self, request: &Request, actor: &Actor, tick: &Tick) -> Result<Found, ServerError> {
+    async fn find_for(
+        &mut self,
+        request: &Request,
+        actor: &Actor,
+        tick: &Tick,
+    ) -> Result<Found, ServerError> {
         let mut found = Found::default();
         if matches!(request, Request::Undo(_) | Request::Redo(_)) {
             found.taken_back = self.taken_back(request, &actor.id, &tick.records).await?;
