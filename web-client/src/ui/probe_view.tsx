@@ -1,15 +1,13 @@
 // Why the pixel under the pointer is lit or not, while that is asked for: a panel beside it, and the way of the light.
 
-import { useEffect, useState } from "preact/hooks";
-
 import { type Pixel, project, type Size, type View } from "../core/camera";
 import { lightLabel } from "../core/document";
 import { drawnWay, mattering, splitAt } from "../core/probed";
-import { questionAt } from "../core/probing";
 import type { Probed, ProbedLight } from "../core/protocol";
 import { Line } from "./lines";
 import { type Page, usePage } from "./page";
 import { nodeName, placeText, shareText, stateText } from "./probe_texts";
+import { useProbed } from "./use_probed";
 
 interface ProbeViewProps {
   view: View;
@@ -30,17 +28,9 @@ export function ProbeView(props: ProbeViewProps) {
 
 function Probe({ view, at, size, pixel }: ProbeViewProps & { pixel: Pixel }) {
   const page = usePage();
-  const { session, selectedLight } = page;
-  const frame = session.frame.value;
-  const [found, setFound] = useState<Probed | null>(null);
+  const { selectedLight } = page;
   const { x, y } = pixel;
-  const { width, height } = view;
-  // Another picture may show something else there.
-  useEffect(() => {
-    const question = frame === null ? null : questionAt({ x, y }, { width, height }, frame);
-    if (question === null) setFound(null);
-    else session.probe("panel", question, setFound);
-  }, [session, x, y, width, height, frame]);
+  const found = useProbed("panel", view, pixel);
   const way = found === null ? null : drawnWay(found, selectedLight.value);
   const onStage: Pixel = { x: at.x + x, y: at.y + y };
   return (

@@ -1,18 +1,16 @@
 // What tools draw over the picture: what would be taken, the start of a drag and how far it is from the pointer, and pins.
 
-import { useEffect, useState } from "preact/hooks";
-
 import { type Pixel, project, type Size, type View } from "../core/camera";
 import type { Drawn } from "../core/handles";
 import { centreLine, silhouette, tubeOf } from "../core/outline";
-import { questionAt } from "../core/probing";
-import type { Pin, Probed } from "../core/protocol";
+import type { Pin } from "../core/protocol";
 import { dragsFeatures, PIN_TEXTS, pinsOf, takenLight } from "../core/tools";
 import { coneReach } from "./fitting";
 import { isFree } from "./light_actions";
 import { Line } from "./lines";
 import { type Page, usePage } from "./page";
 import { Way } from "./probe_view";
+import { useProbed } from "./use_probed";
 
 interface ToolViewProps {
   view: View;
@@ -32,7 +30,7 @@ export function ToolView({ view, at, size }: ToolViewProps) {
         {dragsFeatures(tool) && dragged === null && probe.at.value !== null && (
           <Takeable view={view} pixel={probe.at.value} kind={tool} />
         )}
-        {dragged !== null && <Journey view={view} />}
+        {dragged !== null && <DraggedFeature view={view} />}
         <Pins view={view} />
       </g>
     </svg>
@@ -49,22 +47,14 @@ function Takeable({
   pixel: Pixel;
   kind: Parameters<typeof takenLight>[0];
 }) {
-  const { session, selectedLight } = usePage();
-  const frame = session.frame.value;
-  const [found, setFound] = useState<Probed | null>(null);
-  const { x, y } = pixel;
-  const { width, height } = view;
-  useEffect(() => {
-    const question = frame === null ? null : questionAt({ x, y }, { width, height }, frame);
-    if (question === null) setFound(null);
-    else session.probe("hover", question, setFound);
-  }, [session, x, y, width, height, frame]);
+  const { selectedLight } = usePage();
+  const found = useProbed("hover", view, pixel);
   const taken = found === null ? null : takenLight(kind, found, selectedLight.value);
   return taken === null ? null : <Way view={view} probed={taken} />;
 }
 
 /** The light as it was, where the drag began, and where the feature is to be. */
-function Journey({ view }: { view: View }) {
+function DraggedFeature({ view }: { view: View }) {
   const page = usePage();
   const { toolbox, session } = page;
   const dragged = toolbox.dragged.value;
@@ -77,7 +67,7 @@ function Journey({ view }: { view: View }) {
   const pivot = outcome?.pivotWorld == null ? null : project(view, outcome.pivotWorld);
   const edges = light.type === "omni" ? [] : Object.values(silhouette(tube, view.camera));
   return (
-    <g class="journey" data-status={outcome?.status ?? "asked"}>
+    <g class="dragged-feature" data-status={outcome?.status ?? "asked"}>
       <Ghost view={view} tube={tube} edges={edges} />
       {start !== undefined && end !== undefined && (
         <>

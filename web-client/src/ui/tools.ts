@@ -1,7 +1,7 @@
 // Tools at work: a shadow or a highlight is taken in the picture and follows the pointer, or keys; places are pinned.
 
 import type { Pixel } from "../core/camera";
-import { lightOf } from "../core/document";
+import { lightName, lightOf } from "../core/document";
 import type { Drag } from "../core/drags";
 import type { PixelQuestion } from "../core/probing";
 import type { DragKind, ProbedLight } from "../core/protocol";
@@ -36,7 +36,7 @@ function seenBy({ session }: Page, size: PixelQuestion["size"]): Seen | null {
 const FINE = 0.1;
 
 /** A feature on its way: taken once the server has said which light makes it. */
-interface Journey {
+interface TakenFeature {
   /** By so many pixels of the picture. */
   moveBy(way: Pixel): void;
   end(): void;
@@ -44,7 +44,7 @@ interface Journey {
 }
 
 /** Takes the feature at `question`, where a light makes one. */
-function takeFeature(page: Page, kind: DragKind, question: PixelQuestion): Journey {
+function takeFeature(page: Page, kind: DragKind, question: PixelQuestion): TakenFeature {
   const { session, toolbox } = page;
   const way: Pixel = { x: 0, y: 0 };
   let drag: Drag | null = null;
@@ -64,7 +64,11 @@ function takeFeature(page: Page, kind: DragKind, question: PixelQuestion): Journ
   function begin({ light: id, highlight }: ProbedLight): void {
     const light = lightOf(session.document.value, id);
     const seen = seenBy(page, question.size);
-    if (light === undefined || seen === null || !isFree(page, id)) return;
+    if (light === undefined || seen === null) return;
+    if (!isFree(page, id)) {
+      toolbox.said.value = `${lightName(session.document.value, id)} cannot be dragged now: wait until it is let go`;
+      return;
+    }
     selectLight(page, id);
     // A highlight goes on from its centre, so that it does not jump under the pointer.
     const from =
@@ -114,16 +118,16 @@ export function pressTool(down: PointerEvent, page: Page): boolean {
     followPointer(down, { move: () => {}, end: () => addPin(page, question) });
     return true;
   }
-  const journey = takeFeature(page, kind, question);
+  const feature = takeFeature(page, kind, question);
   const shown = stage.querySelector("canvas")?.getBoundingClientRect();
   const scale = shown === undefined ? 1 : question.size.width / shown.width;
   followPointer(down, {
     move(_, by, event) {
       const share = scale * (event.shiftKey ? FINE : 1);
-      journey.moveBy({ x: share * by.x, y: share * by.y });
+      feature.moveBy({ x: share * by.x, y: share * by.y });
     },
-    end: journey.end,
-    cancel: journey.cancel,
+    end: feature.end,
+    cancel: feature.cancel,
   });
   return true;
 }
@@ -156,17 +160,17 @@ const LARGE_STEPS = 10;
 /** Keys in the place of a pointer: Enter takes what is there and lets it go, arrows move it, Escape takes it back. What it gives says
  * whether a key was for the tool. */
 export function toolKeys(page: Page, here: () => PixelQuestion | null): (event: KeyboardEvent) => boolean {
-  let journey: Journey | null = null;
-  const leave = (how: (journey: Journey) => void) => {
-    if (journey !== null) how(journey);
-    journey = null;
+  let feature: TakenFeature | null = null;
+  const leave = (how: (feature: TakenFeature) => void) => {
+    if (feature !== null) how(feature);
+    feature = null;
   };
 
   function take(): boolean {
     const kind = page.toolbox.tool.value;
     const question = here();
     if (kind === "select" || question === null) return false;
-    if (dragsFeatures(kind)) journey = takeFeature(page, kind, question);
+    if (dragsFeatures(kind)) feature = takeFeature(page, kind, question);
     else addPin(page, question);
     return true;
   }
@@ -174,10 +178,10 @@ export function toolKeys(page: Page, here: () => PixelQuestion | null): (event: 
   return (event) => {
     const { key, shiftKey } = event;
     if (event.ctrlKey || event.metaKey || event.altKey) return false;
-    if (journey === null) return key === "Enter" && take();
+    if (feature === null) return key === "Enter" && take();
     const way = WAYS[key];
     const steps = shiftKey ? LARGE_STEPS : 1;
-    if (way !== undefined) journey.moveBy({ x: steps * way.x, y: steps * way.y });
+    if (way !== undefined) feature.moveBy({ x: steps * way.x, y: steps * way.y });
     else if (key === "Enter") leave(({ end }) => end());
     else if (key === "Escape") leave(({ cancel }) => cancel());
     else return false;

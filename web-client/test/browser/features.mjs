@@ -34,7 +34,7 @@ async function drag(page, from, to, look = async () => {}) {
   await page.mouse.down();
   await page.mouse.move((start.x + end.x) / 2, (start.y + end.y) / 2, { steps: 4 });
   await page.mouse.move(end.x, end.y, { steps: 4 });
-  await page.locator('.journey:is([data-status="landed"], [data-status="limited"])').waitFor();
+  await page.locator('.dragged-feature:is([data-status="landed"], [data-status="limited"])').waitFor();
   await look();
   await page.mouse.up();
 }
@@ -48,7 +48,7 @@ async function aShadow(page, picture, http) {
   await page.locator(".tool-view .obstacle", { hasText: "blue vase" }).waitFor();
   await picture(page, "1-before-anything-moves");
   await drag(page, SHADOW, [410.5, 300.5], async () => {
-    await page.locator('.journey[data-status="landed"]').waitFor();
+    await page.locator('.dragged-feature[data-status="landed"]').waitFor();
     await settledDrag(page);
     await picture(page, "2-on-its-way");
   });
@@ -107,9 +107,9 @@ async function somePoints(page, picture, http) {
   await page.mouse.move(start.x, start.y);
   await page.mouse.down();
   await page.mouse.move(end.x, end.y, { steps: 5 });
-  await page.locator(".journey").waitFor();
+  await page.locator(".dragged-feature").waitFor();
   await page.keyboard.press("Escape");
-  await page.locator(".journey").waitFor({ state: "detached" });
+  await page.locator(".dragged-feature").waitFor({ state: "detached" });
   await page.mouse.up();
   expect((await seqOf(page)) === seq + 1, "Escape must leave nothing behind.");
   await page.keyboard.press("Control+z");
@@ -138,7 +138,7 @@ async function pins(page, picture, http) {
   for (const point of [2, 4])
     await page.getByRole("button", { name: `Control point ${point} takes part` }).click();
   await drag(page, SHADOW, [430.5, 285.5], async () => {
-    await page.locator('.journey[data-status="limited"]').waitFor();
+    await page.locator('.dragged-feature[data-status="limited"]').waitFor();
     await page.getByText("px short: a pin holds it").waitFor();
     expect((await page.locator('.pin[data-holds="true"]').count()) === 1, "The pin must be marked.");
     await picture(page, "6-a-pin-holds");
@@ -215,9 +215,9 @@ async function keys(page, picture) {
   await page.mouse.move(5, 5);
   await page.locator(".stage").focus();
   await page.keyboard.press("Enter");
-  await page.locator(".journey").waitFor();
+  await page.locator(".dragged-feature").waitFor();
   for (let k = 0; k < 3; k += 1) await page.keyboard.press("Shift+ArrowDown");
-  await page.locator('.journey:is([data-status="landed"], [data-status="limited"])').waitFor();
+  await page.locator('.dragged-feature:is([data-status="landed"], [data-status="limited"])').waitFor();
   await picture(page, "8-by-keys");
   await page.keyboard.press("Enter");
   await reached(page, seq + 1);

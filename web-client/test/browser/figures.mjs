@@ -86,7 +86,7 @@ async function drag(page, tool, [from, to], look, http) {
   await look("before");
   await page.mouse.down();
   await page.mouse.move(end.x, end.y, { steps: 6 });
-  await page.locator('.journey:is([data-status="landed"], [data-status="limited"])').waitFor();
+  await page.locator('.dragged-feature:is([data-status="landed"], [data-status="limited"])').waitFor();
   // The lossless picture comes once the pointer rests. It may be here already: it is for the screenshot alone.
   const settles = (is) =>
     page.waitForFunction((is) => document.getElementById("page").dataset.frameSettle === is, is, {
