@@ -1,6 +1,7 @@
 //! Commands and their parameters in JSON.
 
-use document::{CameraId, PinId, Target};
+use document::{CameraId, FeatureDrag, PinId, Target};
+use drag::Viewport;
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
@@ -10,7 +11,6 @@ use serde::de::DeserializeSeed;
 use serde::{Deserialize, Serialize};
 
 use crate::document::{Quat, Vec3};
-use crate::drag::feature_drag;
 use crate::error::excerpt;
 use crate::parameter::{ValueOf, unknown};
 use crate::{Camera, DragKind, DragRadii, Light, LightParameter, Pin, PointParameter, Projection, Refused};
@@ -268,12 +268,15 @@ impl TryFrom<Command> for document::Command {
             Command::DragFeature { light, kind, points, radii, camera, size, from, to, source_outside } => {
                 Self::DragFeature {
                     light: LightId(light),
-                    drag: Box::new(feature_drag(
-                        (kind, points, radii),
-                        (camera, size),
-                        [from, to],
+                    drag: Box::new(FeatureDrag {
+                        feature: kind.into(),
+                        points,
+                        radii: radii.into(),
+                        view: Viewport { camera: camera.into(), size },
+                        from: from.into(),
+                        to: to.into(),
                         source_outside,
-                    )),
+                    }),
                 }
             }
             Command::AddPin { pin } => Self::AddPin(pin.into()),

@@ -1,13 +1,13 @@
 //! Drags of features and pins in JSON: what drag files (`drag_file.rs`), commands and records say alike.
 
-use document::{DragOutcome as Outcome, FeatureDrag, LightPin, PinId};
-use drag::{Feature, Limit, PinKind as Kind, Radii, Refusal, Status, Viewport};
+use document::{DragOutcome as Outcome, LightPin, PinId};
+use drag::{Feature, Limit, PinKind as Kind, Radii, Refusal, Status};
 use glam::DVec3;
 use light::LightId;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Camera, Vec3};
+use crate::Vec3;
 
 /// [`Feature`] in JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -171,24 +171,6 @@ pub(crate) fn parts(status: Status) -> (DragStatus, Option<DragLimit>, Option<Dr
             let pin = if let Refusal::PinDoesNotHold(pin) = refusal { Some(pin) } else { None };
             (DragStatus::Refused, None, Some(refusal.into()), pin)
         }
-    }
-}
-
-/// The domain's drag of what a `dragFeature` says.
-pub(crate) fn feature_drag(
-    (kind, points, radii): (DragKind, Option<Vec<usize>>, DragRadii),
-    (camera, size): (Camera, [u32; 2]),
-    [from, to]: [[f64; 2]; 2],
-    source_outside: bool,
-) -> FeatureDrag {
-    FeatureDrag {
-        feature: kind.into(),
-        points,
-        radii: radii.into(),
-        view: Viewport { camera: camera.into(), size },
-        from: from.into(),
-        to: to.into(),
-        source_outside,
     }
 }
 

@@ -7,7 +7,7 @@ use drag::SOLVER;
 use edit::Session;
 use glam::DQuat;
 use light::{Light, LightId};
-use protocol::Record;
+use protocol::{Action, Command as WireCommand, Record};
 use raycast::Bvh;
 use serde_json::json;
 use store::Store;
@@ -49,12 +49,14 @@ impl<'a> Resolver<'a> {
 
     /// Takes in a record, after which the session is as `after`.
     pub fn visit(&mut self, record: &Record, after: &Session) {
-        // Both were read and replayed already.
+        let (Action::Edit { command, .. } | Action::Gesture { command, .. }) = &record.action else { return };
+        if !matches!(command, WireCommand::DragFeature { .. } | WireCommand::DragPoint { .. }) {
+            return;
+        }
+        // It was read and replayed already.
         let Ok(record) = edit::Record::try_from(record.clone()) else { return };
         let Some((command, outcome)) = record.action.command() else { return };
-        let (Command::DragFeature { light, .. } | Command::DragPoint { light, .. }) = *command else {
-            return;
-        };
+        let Some(light) = command.light() else { return };
         let mut before = after.document().clone();
         let inverses: Vec<_> = record.changes.iter().rev().map(document::Change::inverse).collect();
         if before.apply(&inverses).is_err() {

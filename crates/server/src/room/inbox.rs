@@ -18,31 +18,19 @@ use crate::request::ClientRequest;
 /// Takes out the updates of feature drags after which the client's next message updates the same gesture again: to solve them
 /// takes longer than they may come apart, and the picture would fall behind the cursor.
 fn pass_over_outrun_drags(messages: &mut Vec<Message>) {
+    // From the last to the first: the gesture that each client's next message updates.
     let mut next: BTreeMap<ClientId, Option<String>> = BTreeMap::new();
-    let mut kept: Vec<Message> = Vec::with_capacity(messages.len());
-    for message in std::mem::take(messages).into_iter().rev() {
-        if let Message::Client { client, request } = &message {
-            let update = match request {
-                ClientRequest::UpdateGesture {
-                    gesture, command: Ok(Command::DragFeature { .. }), ..
-                } => Some(gesture),
-                _ => None,
-            };
-            let outrun = update.is_some() && next.get(client).and_then(Option::as_ref) == update;
-            let updates = if let ClientRequest::UpdateGesture { gesture, .. } = request {
-                Some(gesture.clone())
-            } else {
-                None
-            };
-            next.insert(*client, updates);
-            if outrun {
-                continue;
-            }
-        }
-        kept.push(message);
-    }
-    kept.reverse();
-    *messages = kept;
+    messages.reverse();
+    messages.retain(|message| {
+        let Message::Client { client, request } = message else { return true };
+        let ClientRequest::UpdateGesture { gesture, command, .. } = request else {
+            next.insert(*client, None);
+            return true;
+        };
+        let following = next.insert(*client, Some(gesture.clone())).flatten();
+        !(matches!(command, Ok(Command::DragFeature { .. })) && following.as_ref() == Some(gesture))
+    });
+    messages.reverse();
 }
 
 impl Room {

@@ -185,14 +185,15 @@ impl Room {
             return Ok(Some(last.solved.clone()));
         }
         let (bvh, document) = (self.scene.decoded.bvh().await?, document.clone());
-        let (light, drag, solved_for) = (*light, drag.clone(), document.clone());
-        let solved = spawn_blocking(move || document::solve_drag(&document, light, &drag, &bvh)).await;
-        let solved = solved.map_err(|_| ServerError::Fault)?.map_err(edit::Refusal::from)?;
-        self.last_solved = Some(Box::new(LastSolved {
-            command: command.clone(),
-            document: solved_for,
-            solved: solved.clone(),
-        }));
+        let (light, drag) = (*light, drag.clone());
+        let task = spawn_blocking(move || {
+            let solved = document::solve_drag(&document, light, &drag, &bvh);
+            (solved, document)
+        });
+        let (solved, document) = task.await.map_err(|_| ServerError::Fault)?;
+        let solved = solved.map_err(edit::Refusal::from)?;
+        let last = LastSolved { command: command.clone(), document, solved: solved.clone() };
+        self.last_solved = Some(Box::new(last));
         Ok(Some(solved))
     }
 
