@@ -2,12 +2,12 @@
 
 use protocol::{
     Action, ClientMessage, Command, DragKind, DragLimit, DragOutcome, DragRadii, DragStatus, ErrorCode,
-    GestureState, GestureStatus, Pin, PinKind, Record, Scope, ServerMessage, parse_body,
+    GestureStatus, Pin, PinKind, Record, Scope, parse_body,
 };
 use serde_json::{Value, json};
 
 use crate::program::program;
-use crate::support::{Mirror, Server, committed, rejected};
+use crate::support::{Mirror, Server, committed, rejected, state_of};
 
 const SIZE: [u32; 2] = [640, 360];
 /// In the shadow of the blue vase's neck.
@@ -31,13 +31,6 @@ fn drag(mirror: &Mirror, points: Option<Vec<usize>>, down: f64) -> Command {
 
 fn send_update(mirror: &mut Mirror, update: u64, command: Command) {
     mirror.send(&ClientMessage::GestureUpdate { gesture: "drag".into(), update, command });
-}
-
-fn state_of(mirror: &mut Mirror, mut wanted: impl FnMut(&GestureState) -> bool) -> GestureState {
-    mirror.wait_for("a gesture's state", |message| match message {
-        ServerMessage::GestureState(state) if wanted(state) => Some(state.clone()),
-        _ => None,
-    })
 }
 
 fn begin(mirror: &mut Mirror) {

@@ -4,11 +4,9 @@ use light::parameters::RADIUS;
 use std::time::Duration;
 
 use glam::DVec3;
-use protocol::{
-    ClientMessage, Command, ErrorCode, GestureState, GestureStatus, RadiiOfDrag, Scope, ServerMessage,
-};
+use protocol::{ClientMessage, Command, ErrorCode, GestureState, GestureStatus, RadiiOfDrag, Scope};
 
-use crate::support::{Mirror, Server, committed, move_point, moved, rejected, rename};
+use crate::support::{Mirror, Server, committed, move_point, moved, rejected, rename, state_of};
 
 fn begin(mirror: &mut Mirror, gesture: &str) {
     let (light, base_seq) = (mirror.light(), mirror.seq);
@@ -18,13 +16,6 @@ fn begin(mirror: &mut Mirror, gesture: &str) {
 fn update(mirror: &mut Mirror, gesture: &str, update: u64, by: [f64; 3]) {
     let command = move_point(mirror.light(), 2, moved(mirror.point(2), by));
     mirror.send(&ClientMessage::GestureUpdate { gesture: gesture.into(), update, command });
-}
-
-fn state_of(mirror: &mut Mirror, mut wanted: impl FnMut(&GestureState) -> bool) -> GestureState {
-    mirror.wait_for("a gesture's state", |message| match message {
-        ServerMessage::GestureState(state) if wanted(state) => Some(state.clone()),
-        _ => None,
-    })
 }
 
 fn has_ended(state: &GestureState) -> bool {

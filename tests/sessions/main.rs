@@ -15,5 +15,6 @@ mod picture;
 mod program;
 mod reach;
 mod reconnect;
+mod solving;
 mod support;
 mod together;

@@ -5,7 +5,7 @@ use std::path::Path;
 use bench::{BenchError, Client, Incoming, ServerProcess};
 use light::parameters::{NAME, POSITION};
 use light::{Light, LightId};
-use protocol::{ClientMessage, Outcome, Problem, ServerMessage, State, Vec3};
+use protocol::{ClientMessage, GestureState, Outcome, Problem, ServerMessage, State, Vec3};
 
 use crate::program::program;
 
@@ -187,6 +187,14 @@ impl Mirror {
         });
         pixels(&payload)
     }
+}
+
+/// The next state of a gesture that is `wanted`.
+pub fn state_of(mirror: &mut Mirror, mut wanted: impl FnMut(&GestureState) -> bool) -> GestureState {
+    mirror.wait_for("a gesture's state", |message| match message {
+        ServerMessage::GestureState(state) if wanted(state) => Some(state.clone()),
+        _ => None,
+    })
 }
 
 /// Follows the session's history by one message.

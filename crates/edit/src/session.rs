@@ -352,6 +352,13 @@ impl Session {
             .collect()
     }
 
+    /// Renews the leases of an actor's gestures.
+    pub fn renew_gestures_of(&mut self, actor: &Actor, now_ms: u64) {
+        for gesture in self.gestures.values_mut().filter(|gesture| gesture.actor.id == actor.id) {
+            gesture.touched_ms = now_ms;
+        }
+    }
+
     /// Ends the gestures whose lease is over.
     pub fn expire_gestures(&mut self, now_ms: u64) -> Vec<Gesture> {
         let over = |gesture: &Gesture| now_ms.saturating_sub(gesture.touched_ms) > LEASE_MS;

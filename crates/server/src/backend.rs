@@ -23,6 +23,8 @@ pub struct Backend {
     pub renders: Renders,
     /// A permit for each probe whose rays are followed.
     pub probes: Arc<Semaphore>,
+    /// A permit for each drag that is solved beside its session.
+    pub solves: Arc<Semaphore>,
     /// What is counted.
     pub metrics: Arc<Metrics>,
     /// Cancelled when the server is asked to stop.

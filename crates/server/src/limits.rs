@@ -14,6 +14,12 @@ pub const MAX_REQUESTS: usize = 64;
 pub const MAX_STILLS: usize = 8;
 /// Probes of pixels whose rays are followed at once, a millisecond or so each; others wait.
 pub const MAX_PROBES: usize = 4;
+/// Drags of features that sessions solve at once; others wait. Most take milliseconds, and are not to wait behind the few that
+/// take seconds.
+pub const MAX_SOLVES: usize = 16;
+/// How often a drag is solved beside its session for one step while others change what it depends on. After that the session
+/// waits for it.
+pub const SOLVES_BESIDE: u32 = 3;
 /// Scenes that are being sent to the server; each may take hundreds of megabytes of its disk.
 pub const MAX_UPLOADS: usize = 32;
 /// Sessions that are open at once; the others rest in the store.
@@ -51,6 +57,8 @@ pub const MAX_VIEW_PIXELS: u32 = 1 << 23;
 
 /// Messages that wait for a session's task; senders wait past that.
 pub const ROOM_QUEUE: usize = 1_024;
+/// A client's messages that wait for one of its drags to be solved. With more the session takes no messages until it is.
+pub const MAX_LINE: usize = 64;
 /// Messages that a session's task carries out before it commits their edits together, and as many edits of programs'
 /// requests.
 pub const MAX_TICK: usize = 256;

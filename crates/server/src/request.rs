@@ -81,6 +81,16 @@ pub enum ClientRequest {
     Invalid(ServerError),
 }
 
+impl ClientRequest {
+    /// Whether it may change the document, or what is being dragged in it.
+    pub fn edits(&self) -> bool {
+        matches!(
+            self,
+            Self::Step(_) | Self::BeginGesture { .. } | Self::UpdateGesture { .. } | Self::CancelGesture(_)
+        )
+    }
+}
+
 /// What a client asks of a pixel.
 #[derive(Debug)]
 pub struct ProbeQuestion {
@@ -103,6 +113,13 @@ pub struct Step {
     pub op_id: String,
     /// What is asked for.
     pub request: Result<Request, ServerError>,
+}
+
+impl Step {
+    /// Whether a drag has to be solved for it, unless it came before.
+    pub fn drags_feature(&self) -> bool {
+        matches!(&self.request, Ok(Request::Edit { command: Command::DragFeature { .. }, .. }))
+    }
 }
 
 /// What a message of a client requests. What is wrong with it is for the session to answer, in its turn.

@@ -16,7 +16,8 @@ use tokio_util::task::TaskTracker;
 use crate::access::{Hosts, PublicUrl, Token};
 use crate::backend::Backend;
 use crate::limits::{
-    DRAIN_WITHIN, MAX_PROBES, MAX_RENDER_BYTES, MAX_REQUESTS, MAX_SOCKETS, MAX_STILLS, MAX_UPLOADS,
+    DRAIN_WITHIN, MAX_PROBES, MAX_RENDER_BYTES, MAX_REQUESTS, MAX_SOCKETS, MAX_SOLVES, MAX_STILLS,
+    MAX_UPLOADS,
 };
 use crate::metrics::Metrics;
 use crate::renderer::{RenderThread, Renders};
@@ -83,6 +84,7 @@ impl Server {
             storage,
             renders,
             probes: Arc::new(Semaphore::new(MAX_PROBES)),
+            solves: Arc::new(Semaphore::new(MAX_SOLVES)),
             metrics,
             draining: CancellationToken::new(),
             started: Instant::now(),

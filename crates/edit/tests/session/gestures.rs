@@ -137,6 +137,18 @@ fn an_invalid_state_renews_the_lease() {
     assert!(studio.session.expire_gestures(LEASE_MS + 1).is_empty());
 }
 
+/// Rules: GEST-3
+#[test]
+fn the_lease_of_one_who_waits_is_renewed() {
+    let mut studio = Studio::new();
+    studio.begin("ada", "g").expect("nobody holds the light");
+    studio.session.renew_gestures_of(&actor("ben"), 30_000);
+    studio.session.renew_gestures_of(&actor("ada"), 20_000);
+    assert!(studio.session.expire_gestures(LEASE_MS + 20_000).is_empty());
+    let expired = studio.session.expire_gestures(LEASE_MS + 20_001);
+    assert_eq!(expired.iter().map(|gesture| gesture.light).collect::<Vec<_>>(), [KEY]);
+}
+
 /// Rules: GEST-1, GEST-2
 #[test]
 fn a_drag_keeps_to_its_light_and_its_holder() {

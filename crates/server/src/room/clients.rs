@@ -1,11 +1,14 @@
 //! Who is here: coming, going, presence.
 
+use std::collections::VecDeque;
+
 use protocol::{
     Document, GestureState, GestureStatus, Presence, Resync, ServerMessage, Settings, State, Welcome,
 };
 
 use super::Room;
-use super::message::Join;
+use super::message::{Join, Message};
+use super::solving::Solves;
 use super::tick::Tick;
 use crate::ServerError;
 use crate::access::Principal;
@@ -18,6 +21,17 @@ pub(super) struct Client {
     pub principal: Principal,
     /// The light it has selected.
     pub selection: Option<u64>,
+    /// Of what it drags.
+    pub solves: Solves,
+    /// What of its messages waits, first the one whose drag is being solved.
+    pub line: VecDeque<Message>,
+}
+
+impl Client {
+    /// Whether what waits can go on.
+    pub fn is_released(&self) -> bool {
+        !(self.line.is_empty() || self.solves.are_under_way())
+    }
 }
 
 impl Room {
@@ -36,7 +50,10 @@ impl Room {
         self.last_client += 1;
         let id = self.last_client;
         tracing::debug!("client {id} of session {}: {principal}", self.name);
-        self.clients.insert(id, Client { principal, selection: None });
+        self.clients.insert(
+            id,
+            Client { principal, selection: None, solves: Solves::default(), line: VecDeque::new() },
+        );
         self.outboxes.insert(id, outbox);
         self.views.insert(id);
         self.backend.metrics.clients.inc();
@@ -114,9 +131,12 @@ impl Room {
         self.note_client_count();
     }
 
-    /// Lets go of clients whose connection is over, though they have not said so.
+    /// Lets go of clients whose connection is over, though they have not said so; once what they sent is carried out.
     pub(super) fn drop_lost_clients(&mut self) {
         for id in self.outboxes.closed() {
+            if self.clients.get(&id).is_some_and(|client| !client.line.is_empty()) {
+                continue;
+            }
             let mut tick = Tick::default();
             self.leave(id, &mut tick);
             self.publish(tick);

@@ -6,6 +6,7 @@ use light::LightId;
 use protocol::{GestureState, GestureStatus};
 
 use super::Room;
+use super::solving::FoundDrag;
 use super::tick::{Outgoing, Tick};
 use crate::ServerError;
 use crate::outboxes::ClientId;
@@ -27,11 +28,11 @@ impl Room {
         }
     }
 
-    pub(super) async fn update_gesture(
+    pub(super) fn update_gesture(
         &mut self,
         id: &str,
         update: u64,
-        command: Result<Command, ServerError>,
+        (command, solved): (Result<Command, ServerError>, FoundDrag),
         (client, actor): (ClientId, &Actor),
         tick: &mut Tick,
     ) {
@@ -39,7 +40,7 @@ impl Room {
             let error = Refusal::NoGesture(id.to_owned()).into();
             return self.refuse_gesture((id, 0), client, &error, tick);
         };
-        match self.updated_gesture(id, update, command, actor).await {
+        match self.updated_gesture(id, update, (command, solved), actor) {
             Ok(gesture) => {
                 tick.shows |= shows(&before) || shows(&gesture);
                 self.live_revision = self.live_revision.wrapping_add(1);
@@ -54,15 +55,15 @@ impl Room {
         }
     }
 
-    async fn updated_gesture(
+    fn updated_gesture(
         &mut self,
         id: &str,
         update: u64,
-        command: Result<Command, ServerError>,
+        (command, solved): (Result<Command, ServerError>, FoundDrag),
         actor: &Actor,
     ) -> Result<Gesture, ServerError> {
         let command = document::resolved(command?, self.session.document(), &self.scene.decoded.posed);
-        let solved = self.solved(&command).await?;
+        let solved = solved.transpose()?;
         let reach = self.scene.decoded.posed.reach();
         let context = Context { reach, loaded: None, solved: solved.as_ref() };
         let now_ms = self.clock_ms();
@@ -76,10 +77,13 @@ impl Room {
         }
     }
 
-    /// Ends those that were not updated for too long.
+    /// Ends those that were not updated for too long. Whose updates wait for a solve has sent them.
     pub(super) fn expire_gestures(&mut self) {
         let mut tick = Tick::default();
         let now_ms = self.clock_ms();
+        for client in self.clients.values().filter(|client| !client.line.is_empty()) {
+            self.session.renew_gestures_of(&client.principal.actor, now_ms);
+        }
         for gesture in self.session.expire_gestures(now_ms) {
             self.end_gesture(gesture, GestureStatus::Expired, &mut tick);
         }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::task::Poll;
 
-use document::Command;
 use protocol::ServerMessage;
 use tokio::sync::mpsc;
 
@@ -15,45 +15,48 @@ use crate::limits::MAX_TICK;
 use crate::outboxes::ClientId;
 use crate::request::ClientRequest;
 
-/// Takes out the updates of feature drags after which the client's next message updates the same gesture again: to solve them
-/// takes longer than they may come apart, and the picture would fall behind the cursor.
+/// Takes out the updates of feature drags of which the client's next message that edits leaves nothing: to solve them takes
+/// longer than they may come apart, and the picture would fall behind the cursor.
 fn pass_over_outrun_drags(messages: &mut Vec<Message>) {
-    // From the last to the first: the gesture that each client's next message updates.
-    let mut next: BTreeMap<ClientId, Option<String>> = BTreeMap::new();
-    messages.reverse();
-    messages.retain(|message| {
-        let Message::Client { client, request } = message else { return true };
-        let ClientRequest::UpdateGesture { gesture, command, .. } = request else {
-            next.insert(*client, None);
-            return true;
-        };
-        let following = next.insert(*client, Some(gesture.clone())).flatten();
-        !(matches!(command, Ok(Command::DragFeature { .. })) && following.as_ref() == Some(gesture))
-    });
-    messages.reverse();
+    let mut latest: BTreeMap<ClientId, usize> = BTreeMap::new();
+    let mut outrun = vec![false; messages.len()];
+    for (number, message) in messages.iter().enumerate() {
+        let before = message.editor().and_then(|client| latest.insert(client, number));
+        if let Some(before) = before {
+            outrun[before] = message.outruns(&messages[before]);
+        }
+    }
+    let mut outrun = outrun.into_iter();
+    messages.retain(|_| !outrun.next().unwrap_or_default());
 }
 
 impl Room {
-    /// Carries out a message and those that wait behind it, and some of what programs have asked for.
+    /// Carries out a message and those that wait behind it, what has waited for solves, and some of what programs have asked for.
     pub(super) async fn tick(&mut self, first: Option<Message>, inbox: &mut mpsc::Receiver<Message>) {
         self.note_use();
+        let (mut now, mut behind) = self.released();
+        let room_for =
+            if self.is_held_up() { 0 } else { (MAX_TICK - 1).saturating_sub(now.len() + behind.len()) };
         let waiting = std::iter::from_fn(|| inbox.try_recv().ok());
-        let messages: Vec<Message> = first.into_iter().chain(waiting.take(MAX_TICK - 1)).collect();
+        let messages: Vec<Message> = first.into_iter().chain(waiting.take(room_for)).collect();
         // Who comes, or wants to see the session, sees what is committed.
-        let (mut now, mut afterwards) = (Vec::with_capacity(messages.len()), Vec::new());
+        let mut afterwards = Vec::new();
         for message in messages {
             match message {
                 Message::Edit { principal, steps, reply } => {
                     tracing::debug!("{} steps in session {} by {principal}", steps.len(), self.name);
                     self.batches.push_back(Batch::new(principal, steps, reply));
                 }
-                Message::Client { .. } | Message::Leave(_) => now.push(message),
+                Message::Client { .. } | Message::Leave(_) => behind.push(message),
                 Message::Join(_) | Message::Snapshot(_) | Message::Drain => afterwards.push(message),
             }
         }
-        pass_over_outrun_drags(&mut now);
+        // What was solved is shown, even if it is outrun by now: else a slow drag never would be.
+        pass_over_outrun_drags(&mut behind);
+        now.append(&mut behind);
         let mut tick = Tick { earlier: self.earlier_outcomes(&now).await, ..Tick::default() };
         for message in now {
+            let Some(message) = self.next_in_line(message) else { continue };
             match message {
                 Message::Client { client, request } => self.handle(client, request, &mut tick).await,
                 Message::Leave(client) => self.leave(client, &mut tick),
@@ -85,10 +88,9 @@ impl Room {
             }
             _ => None,
         });
-        let of_batches = self
-            .batches
-            .iter()
-            .flat_map(|batch| batch.steps.as_slice().iter().take(share).map(|step| (&batch.principal, step)));
+        let going_on = self.batches.iter().filter(|batch| !batch.solves.are_under_way());
+        let of_batches =
+            going_on.flat_map(|batch| batch.next_steps(share).iter().map(|step| (&batch.principal, step)));
         let operations = of_clients.chain(of_batches);
         let keys =
             operations.map(|(principal, step)| (principal.actor.id.clone(), step.op_id.clone())).collect();
@@ -97,20 +99,30 @@ impl Room {
 
     /// How many steps of each program's request are carried out in a tick.
     fn share_of_batch(&self) -> usize {
-        (MAX_TICK / self.batches.len().max(1)).max(1)
+        let going_on = self.batches.iter().filter(|batch| !batch.solves.are_under_way()).count();
+        (MAX_TICK / going_on.max(1)).max(1)
     }
 
     /// Carries out some of each program's request, as many steps as there is room for in a tick.
     async fn carry_out_batches(&mut self, tick: &mut Tick) {
         let share = self.share_of_batch();
         for mut batch in std::mem::take(&mut self.batches) {
+            if batch.solves.are_under_way() {
+                self.batches.push_back(batch);
+                continue;
+            }
             // One of each in any case, so that none waits for the end of another.
-            for taken in 0..share {
+            for taken in 0..batch.next_steps(share).len() {
                 if taken > 0 && tick.is_full() {
                     break;
                 }
+                // Only once it can be carried out is it taken.
+                let Some(step) = batch.steps.as_slice().first() else { break };
+                let solution =
+                    self.solution_of_step(step, &batch.principal.actor, &mut batch.solves, tick).await;
+                let Poll::Ready(drag) = solution else { break };
                 let Some(step) = batch.steps.next() else { break };
-                batch.answers.push(self.take_step(step, &batch.principal, tick).await);
+                batch.answers.push(self.take_step(step, drag, &batch.principal, tick).await);
             }
             tick.send(Outgoing::Batch(batch));
         }
@@ -118,9 +130,13 @@ impl Room {
 
     async fn handle(&mut self, client: ClientId, request: ClientRequest, tick: &mut Tick) {
         // One that was let go may have sent more before it knew.
-        let Some(principal) = self.clients.get(&client).map(|client| client.principal.clone()) else {
-            return;
-        };
+        let Some(sender) = self.clients.get_mut(&client) else { return };
+        let (principal, mut solves) = (sender.principal.clone(), std::mem::take(&mut sender.solves));
+        let solution = self.solution_of(&request, &principal.actor, &mut solves, tick).await;
+        if let Some(sender) = self.clients.get_mut(&client) {
+            sender.solves = solves;
+        }
+        let Poll::Ready(drag) = solution else { return self.wait_in_line(client, request) };
         let holder = (client, &principal.actor);
         match request {
             ClientRequest::OpenView { camera, camera_revision, settings, size } => {
@@ -142,14 +158,14 @@ impl Room {
             ClientRequest::Resize(size) => self.views.resize(client, size),
             ClientRequest::Ack(frame) => self.views.acknowledge(client, frame),
             ClientRequest::Step(step) => {
-                let answer = self.take_step(step, &principal, tick).await;
+                let answer = self.take_step(step, drag, &principal, tick).await;
                 tick.send(Outgoing::Answer(client, answer));
             }
             ClientRequest::BeginGesture { gesture, light, base_seq } => {
                 self.begin_gesture(&gesture, light, base_seq, holder, tick);
             }
             ClientRequest::UpdateGesture { gesture, update, command } => {
-                self.update_gesture(&gesture, update, command, holder, tick).await;
+                self.update_gesture(&gesture, update, (command, drag), holder, tick);
             }
             ClientRequest::CancelGesture(gesture) => self.cancel_gesture(&gesture, holder, tick),
             ClientRequest::Select(light) => {

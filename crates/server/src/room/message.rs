@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use document::Document;
+use document::{Command, Document};
 use protocol::EditResults;
 use tokio::sync::{mpsc, oneshot, watch};
 
@@ -44,6 +44,41 @@ pub enum Message {
     Snapshot(Reply<Snapshot>),
     /// The server is asked to stop: finish what is waiting and end.
     Drain,
+}
+
+impl Message {
+    /// The client that edits by it, or goes: those are carried out in the order in which they come.
+    pub(super) fn editor(&self) -> Option<ClientId> {
+        match self {
+            Self::Client { client, request } => request.edits().then_some(*client),
+            Self::Leave(client) => Some(*client),
+            Self::Join(_) | Self::Edit { .. } | Self::Snapshot(_) | Self::Drain => None,
+        }
+    }
+
+    /// Whether it leaves nothing of `before`, the message by which its client edited last: an update of the drag of a feature,
+    /// which takes longer to solve than updates may come apart.
+    pub(super) fn outruns(&self, before: &Self) -> bool {
+        let Self::Client { request, .. } = before else { return false };
+        let ClientRequest::UpdateGesture { gesture, command: Ok(Command::DragFeature { .. }), .. } = request
+        else {
+            return false;
+        };
+        match self {
+            Self::Client { request, .. } => matches!(
+                request,
+                ClientRequest::UpdateGesture { gesture: later, .. } | ClientRequest::CancelGesture(later)
+                    if later == gesture
+            ),
+            Self::Leave(_) => true,
+            Self::Join(_) | Self::Edit { .. } | Self::Snapshot(_) | Self::Drain => false,
+        }
+    }
+
+    /// Whether it ends a gesture without a record.
+    pub(super) fn ends_gesture(&self) -> bool {
+        matches!(self, Self::Leave(_) | Self::Client { request: ClientRequest::CancelGesture(_), .. })
+    }
 }
 
 /// A client that comes. Where it is refused it is told so, and `joined` is dropped.

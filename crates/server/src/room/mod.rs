@@ -1,17 +1,19 @@
 //! One session: one task that owns its document, its clients and their views.
 //!
 //! The task takes a message, and what else is waiting; carries it out; commits the records that came of it together; and
-//! only then publishes them (`commit`). A program's long request is carried out in parts, so that others come in between. In
-//! between it keeps the views' pictures going (`crate::views`).
+//! only then publishes them (`commit`). A program's long request is carried out in parts, so that others come in between. Who
+//! drags a feature waits for the solver, and nobody else (`lines`). In between it keeps the views' pictures going (`crate::views`).
 
 mod clients;
 mod commit;
 mod directory;
 mod gestures;
 mod inbox;
+mod lines;
 mod message;
 mod past;
 mod probes;
+mod solving;
 mod steps;
 mod tick;
 
@@ -25,12 +27,11 @@ use protocol::{Bounds, ServerMessage};
 use scene::Camera;
 use store::Opened;
 use tokio::sync::{mpsc, watch};
-use tokio::task::JoinHandle;
+use tokio::task::{JoinHandle, JoinSet};
 use tokio::time::{Instant, sleep_until};
 
 pub use directory::Rooms;
 pub use message::{Join, Message, RoomHandle, Snapshot};
-use steps::LastSolved;
 pub use steps::time_ms;
 
 use crate::ServerError;
@@ -45,6 +46,7 @@ use clients::Client;
 use directory::RoomStatus;
 use message::Opening;
 use probes::Probes;
+use solving::Solved;
 use tick::Batch;
 
 /// What the task owns.
@@ -69,8 +71,8 @@ struct Room {
     views: Views,
     /// What they ask of pixels.
     probes: Probes,
-    /// So that a commit need not solve again.
-    last_solved: Option<Box<LastSolved>>,
+    /// Drags of theirs that are being solved.
+    solving: JoinSet<Result<Solved, ServerError>>,
     last_client: ClientId,
     /// What programs have asked for and is not all carried out, next first.
     batches: VecDeque<Batch>,
@@ -154,7 +156,7 @@ impl Room {
             checkpoint_bytes: 0,
             clients: BTreeMap::new(),
             probes: Probes::default(),
-            last_solved: None,
+            solving: JoinSet::new(),
             last_client: 0,
             batches: VecDeque::new(),
             status,
@@ -169,14 +171,17 @@ impl Room {
     }
 
     async fn serve(&mut self, inbox: &mut mpsc::Receiver<Message>, rooms: &Rooms) {
-        loop {
+        let mut more_may_come = true;
+        while more_may_come || self.has_more_to_do() {
             let wake = self.do_what_is_due(rooms);
+            let can_go_on = self.can_go_on();
             tokio::select! {
-                message = inbox.recv(), if self.batches.is_empty() => match message {
+                message = inbox.recv(), if more_may_come && !can_go_on && !self.is_held_up() => match message {
                     Some(message) => self.tick(Some(message), inbox).await,
-                    None => break,
+                    None => more_may_come = false,
                 },
-                () = ready(()), if !self.batches.is_empty() => self.tick(None, inbox).await,
+                () = ready(()), if can_go_on => self.tick(None, inbox).await,
+                Some(ended) = self.solving.join_next_with_id() => self.take_solved(ended),
                 Some(picture) = self.views.next_picture() => {
                     self.views.take_picture(picture, &mut self.outboxes);
                 }

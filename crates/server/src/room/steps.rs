@@ -4,26 +4,19 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use document::{Change, Command, Context, Document, SceneContents, SolvedDrag};
+use document::{Change, Command, Context, SceneContents, SolvedDrag};
 use edit::{Actor, Record, Request, Sources, TakenBack};
 use protocol::{EditResult, GestureStatus, Outcome, ServerMessage, SessionCheckpoint};
-use store::{Rejection, StoreError};
+use store::Rejection;
 use tokio::task::spawn_blocking;
 
+use super::solving::FoundDrag;
 use super::tick::{Answer, EarlierOutcomes, OperationKey, Outgoing, Tick, refused};
 use super::{OpenScene, Room};
 use crate::ServerError;
 use crate::access::Principal;
 use crate::limits::{CHECKPOINT_AFTER_BYTES, CHECKPOINT_AFTER_RECORDS};
 use crate::request::Step;
-
-/// The drag of a feature that was solved last.
-pub(super) struct LastSolved {
-    command: Command,
-    /// What it was solved for.
-    document: Document,
-    solved: SolvedDrag,
-}
 
 /// What a request needs of other places, found before it is carried out.
 #[derive(Default)]
@@ -55,8 +48,16 @@ impl Room {
     }
 
     /// Carries out a request for a record, unless it came before; its answer, to be sent once the tick is committed.
-    pub(super) async fn take_step(&mut self, step: Step, principal: &Principal, tick: &mut Tick) -> Answer {
+    /// `solved` is where the drag in it leads.
+    pub(super) async fn take_step(
+        &mut self,
+        step: Step,
+        solved: FoundDrag,
+        principal: &Principal,
+        tick: &mut Tick,
+    ) -> Answer {
         let Step { op_id, request } = step;
+        let request = request.map(|request| (request, solved));
         let (outcome, is_new) = self.outcome_of(&op_id, request, &principal.actor, tick).await;
         Answer { result: EditResult { op_id, outcome }, is_new }
     }
@@ -65,27 +66,16 @@ impl Room {
     async fn outcome_of(
         &mut self,
         op_id: &str,
-        request: Result<Request, ServerError>,
+        request: Result<(Request, FoundDrag), ServerError>,
         actor: &Actor,
         tick: &mut Tick,
     ) -> (Outcome, bool) {
+        if let Some(earlier) = tick.earlier_outcome(op_id, actor) {
+            return earlier;
+        }
         let key = (actor.id.clone(), op_id.to_owned());
-        if let Some(outcome) = tick.outcomes.get(&key) {
-            return (outcome.clone(), true);
-        }
-        match &tick.earlier.0 {
-            Ok(outcomes) => {
-                if let Some(outcome) = outcomes.get(&key) {
-                    return (outcome.clone(), false);
-                }
-            }
-            // It may have been carried out before.
-            Err(error) => {
-                return (refused(&ServerError::Store(StoreError::Unknown(error.to_string()))), false);
-            }
-        }
         let carried_out = match request {
-            Ok(request) => self.carry_out(request, actor, op_id, tick).await,
+            Ok((request, solved)) => self.carry_out(request, solved, actor, op_id, tick).await,
             Err(error) => Err(error),
         };
         let outcome = match carried_out {
@@ -107,6 +97,7 @@ impl Room {
     async fn carry_out(
         &mut self,
         request: Request,
+        solved: FoundDrag,
         actor: &Actor,
         op_id: &str,
         tick: &mut Tick,
@@ -121,7 +112,7 @@ impl Room {
             }
             request => request,
         };
-        let found = self.find_for(&request, actor, tick).await?;
+        let found = self.find_for(&request, solved, actor, tick).await?;
         let held = match &request {
             Request::Commit(id) => self.gesture_of(id, actor),
             Request::Edit { .. } | Request::Undo(_) | Request::Redo(_) => None,
@@ -171,36 +162,11 @@ impl Room {
         tick.records.push(Arc::new(record.clone()));
     }
 
-    /// Where the drag of a feature leads from the document as it is: found off the task's thread, as it takes a while. What was
-    /// found last is not looked for again: a commit asks what the last update did.
-    pub(super) async fn solved(&mut self, command: &Command) -> Result<Option<SolvedDrag>, ServerError> {
-        let Command::DragFeature { light, drag } = command else { return Ok(None) };
-        let document = self.session.document();
-        if let Some(last) = &self.last_solved
-            && last.command == *command
-            && last.document.scene() == document.scene()
-            && last.document.lights().get(light) == document.lights().get(light)
-            && last.document.pins_of(*light).eq(document.pins_of(*light))
-        {
-            return Ok(Some(last.solved.clone()));
-        }
-        let (bvh, document) = (self.scene.decoded.bvh().await?, document.clone());
-        let (light, drag) = (*light, drag.clone());
-        let task = spawn_blocking(move || {
-            let solved = document::solve_drag(&document, light, &drag, &bvh);
-            (solved, document)
-        });
-        let (solved, document) = task.await.map_err(|_| ServerError::Fault)?;
-        let solved = solved.map_err(edit::Refusal::from)?;
-        let last = LastSolved { command: command.clone(), document, solved: solved.clone() };
-        self.last_solved = Some(Box::new(last));
-        Ok(Some(solved))
-    }
-
-    /// The scenes that a request loads, decoded, where a drag leads, and the record that it takes back.
+    /// The scenes that a request loads, decoded, where its drag leads, and the record that it takes back.
     async fn find_for(
-        &mut self,
+        &self,
         request: &Request,
+        solved: FoundDrag,
         actor: &Actor,
         tick: &Tick,
     ) -> Result<Found, ServerError> {
@@ -214,18 +180,12 @@ impl Room {
                 }
             }
         }
-        match request {
-            Request::Edit { command, .. } => found.solved = self.solved(command).await?,
+        found.solved = match request {
+            Request::Edit { .. } => solved.transpose()?,
             // What stands in its way now is said where the gesture ends.
-            Request::Commit(id) => {
-                let command = self.gesture_of(id, actor).and_then(|gesture| gesture.command);
-                found.solved = match command {
-                    Some(command) => self.solved(&command).await.unwrap_or_default(),
-                    None => None,
-                };
-            }
-            Request::Undo(_) | Request::Redo(_) => {}
-        }
+            Request::Commit(_) => solved.and_then(Result::ok),
+            Request::Undo(_) | Request::Redo(_) => None,
+        };
         if let Request::Edit { command: Command::LoadScene { asset, .. }, .. } = request {
             found.loaded = Some(self.backend.scenes.load(*asset).await?.contents);
         }

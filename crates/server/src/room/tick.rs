@@ -4,12 +4,13 @@ use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 use std::vec;
 
-use edit::Record;
+use edit::{Actor, Record};
 use protocol::{EditResult, EditResults, GestureState, Outcome, ServerMessage};
-use store::Rejection;
+use store::{Rejection, StoreError};
 
 use super::OpenScene;
 use super::message::Reply;
+use super::solving::Solves;
 use crate::ServerError;
 use crate::access::Principal;
 use crate::limits::MAX_TICK_CHANGES;
@@ -58,6 +59,8 @@ pub(super) struct Batch {
     pub done: Vec<EditResult>,
     /// What became of those in this tick.
     pub answers: Vec<Answer>,
+    /// Of the drags in it.
+    pub solves: Solves,
     pub reply: Reply<EditResults>,
 }
 
@@ -80,6 +83,19 @@ impl Tick {
         self.outgoing.push(outgoing);
     }
 
+    /// What became of an operation that came before, and whether that rests on this tick.
+    pub fn earlier_outcome(&self, op_id: &str, actor: &Actor) -> Option<(Outcome, bool)> {
+        let key = (actor.id.clone(), op_id.to_owned());
+        if let Some(outcome) = self.outcomes.get(&key) {
+            return Some((outcome.clone(), true));
+        }
+        match &self.earlier.0 {
+            Ok(outcomes) => Some((outcomes.get(&key)?.clone(), false)),
+            // It may have been carried out before.
+            Err(error) => Some((refused(&ServerError::Store(StoreError::Unknown(error.to_string()))), false)),
+        }
+    }
+
     /// Whether what it holds is as much as may be in memory at once.
     pub fn is_full(&self) -> bool {
         self.records.iter().map(|record| record.changes.len()).sum::<usize>() >= MAX_TICK_CHANGES
@@ -90,7 +106,16 @@ impl Batch {
     /// None of it is done yet.
     pub fn new(principal: Principal, steps: Vec<Step>, reply: Reply<EditResults>) -> Self {
         let (done, answers) = (Vec::with_capacity(steps.len()), Vec::new());
-        Self { principal, steps: steps.into_iter(), done, answers, reply }
+        let solves = Solves::default();
+        Self { principal, steps: steps.into_iter(), done, answers, solves, reply }
+    }
+
+    /// The steps that a tick with room for `share` can come to: up to the next drag, which waits for its solve then.
+    pub fn next_steps(&self, share: usize) -> &[Step] {
+        let steps = self.steps.as_slice();
+        let next_drag = steps.iter().skip(1).position(Step::drags_feature);
+        let up_to_it = next_drag.map_or(steps.len(), |between| between + 2);
+        &steps[..up_to_it.min(share)]
     }
 }
 

@@ -1,0 +1,171 @@
+//! Who waits while a drag of a feature is solved off the session's task, and who does not.
+//!
+//! What a client sends to edit is carried out in order, and so is a program's request. One whose next step waits for a solve
+//! waits as a whole, a client's messages in its line; nobody else does, nor what the client sends besides. Once the solve has
+//! ended the step is carried out with what came of it, if the document still is what that was found for.
+
+use std::sync::Arc;
+use std::task::Poll;
+
+use document::Command;
+use edit::{Actor, Request};
+use tokio::task::{Id, JoinError};
+
+use super::Room;
+use super::clients::Client;
+use super::message::Message;
+use super::solving::{FoundDrag, Solved, Solves, solve};
+use super::tick::Tick;
+use crate::ServerError;
+use crate::limits::{MAX_LINE, MAX_TICK};
+use crate::outboxes::ClientId;
+use crate::request::{ClientRequest, Step};
+
+impl Room {
+    /// Where the drag in a client's request leads; as [`Self::solution`].
+    pub(super) async fn solution_of(
+        &mut self,
+        request: &ClientRequest,
+        actor: &Actor,
+        solves: &mut Solves,
+        tick: &Tick,
+    ) -> Poll<FoundDrag> {
+        match request {
+            ClientRequest::Step(step) => self.solution_of_step(step, actor, solves, tick).await,
+            ClientRequest::UpdateGesture { gesture, command: Ok(command), .. }
+                if self.gesture_of(gesture, actor).is_some() =>
+            {
+                self.solution(command, solves).await
+            }
+            _ => Poll::Ready(None),
+        }
+    }
+
+    /// Where the drag in a step leads; as [`Self::solution`].
+    pub(super) async fn solution_of_step(
+        &mut self,
+        step: &Step,
+        actor: &Actor,
+        solves: &mut Solves,
+        tick: &Tick,
+    ) -> Poll<FoundDrag> {
+        let Ok(request) = &step.request else { return Poll::Ready(None) };
+        // What came before is not carried out.
+        if tick.earlier_outcome(&step.op_id, actor).is_some() {
+            return Poll::Ready(None);
+        }
+        let of_gesture;
+        let command = match request {
+            Request::Edit { command, .. } => Some(command),
+            Request::Commit(id) => {
+                of_gesture = self.gesture_of(id, actor).and_then(|gesture| gesture.command);
+                of_gesture.as_ref()
+            }
+            Request::Undo(_) | Request::Redo(_) => None,
+        };
+        match command {
+            Some(command) => self.solution(command, solves).await,
+            None => Poll::Ready(None),
+        }
+    }
+
+    /// Where a command leads if it is the drag of a feature. Where that is not known it is solved beside the session's task, and
+    /// pending until that has ended. Where others keep changing what it depends on, it is solved here in the end, and they wait.
+    pub(super) async fn solution(&mut self, command: &Command, solves: &mut Solves) -> Poll<FoundDrag> {
+        if !matches!(command, Command::DragFeature { .. }) {
+            return Poll::Ready(None);
+        }
+        let document = self.session.document();
+        if let Some(found) = solves.found(command, document) {
+            return Poll::Ready(Some(found));
+        }
+        let (command, document, scene) = (command.clone(), document.clone(), self.scene.decoded.clone());
+        if solves.may_begin() {
+            let turns = Arc::clone(&self.backend.solves);
+            solves.begin(self.solving.spawn(async move {
+                let turn = turns.acquire_owned().await.map_err(|_| ServerError::Fault)?;
+                solve(command, document, scene, Some(turn)).await
+            }));
+            return Poll::Pending;
+        }
+        let solved = solve(command, document, scene, None).await;
+        let found = solved.as_ref().map_or(Err(ServerError::Fault), Solved::answer);
+        solves.end(solved.ok());
+        solves.stop_waiting();
+        Poll::Ready(Some(found))
+    }
+
+    /// Keeps what a solve has come to for whoever waits for it, who goes on in the next tick.
+    pub(super) fn take_solved(&mut self, ended: Result<(Id, Result<Solved, ServerError>), JoinError>) {
+        let task = ended.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
+        let of_clients = self.clients.values_mut().map(|client| &mut client.solves);
+        let mut all = of_clients.chain(self.batches.iter_mut().map(|batch| &mut batch.solves));
+        // Who waited may have given it up.
+        let Some(solves) = all.find(|solves| solves.wait_for(task)) else { return };
+        let solved = match ended {
+            Ok((_, solved)) => solved.map_err(|error| error.to_string()),
+            Err(fault) => Err(fault.to_string()),
+        };
+        solves.end(solved.inspect_err(|why| tracing::error!("a drag was not solved: {why}")).ok());
+    }
+
+    /// Gives back a client's message that can be carried out now. One that edits waits while others of that client do.
+    pub(super) fn next_in_line(&mut self, message: Message) -> Option<Message> {
+        let Some(client) = message.editor().and_then(|id| self.clients.get_mut(&id)) else {
+            return Some(message);
+        };
+        while let Some(last) = client.line.back()
+            && message.outruns(last)
+        {
+            if client.line.len() == 1 {
+                // The picture would stand still if no update ever came to its end.
+                if !message.ends_gesture() {
+                    break;
+                }
+                client.solves.stop_waiting();
+            }
+            client.line.pop_back();
+        }
+        if client.line.is_empty() {
+            return Some(message);
+        }
+        client.line.push_back(message);
+        None
+    }
+
+    /// A client's message that waits for a solve, and which others of that client now wait for.
+    pub(super) fn wait_in_line(&mut self, id: ClientId, request: ClientRequest) {
+        if let Some(client) = self.clients.get_mut(&id) {
+            client.line.push_front(Message::Client { client: id, request });
+        }
+    }
+
+    /// What of the clients' lines goes on, a tick's worth: the messages whose drags were solved, and those behind them.
+    pub(super) fn released(&mut self) -> (Vec<Message>, Vec<Message>) {
+        let (mut first, mut behind) = (Vec::new(), Vec::new());
+        for client in self.clients.values_mut().filter(|client| client.is_released()) {
+            first.extend(client.line.pop_front());
+            behind.extend(client.line.drain(..));
+            if first.len() + behind.len() >= MAX_TICK {
+                break;
+            }
+        }
+        (first, behind)
+    }
+
+    /// Whether something can be carried out though no message has come.
+    pub(super) fn can_go_on(&self) -> bool {
+        self.batches.iter().any(|batch| !batch.solves.are_under_way())
+            || self.clients.values().any(Client::is_released)
+    }
+
+    /// Whether a client's line is as long as it may be: then no more messages are taken until it goes on.
+    pub(super) fn is_held_up(&self) -> bool {
+        self.clients.values().any(|client| client.line.len() >= MAX_LINE)
+    }
+
+    /// Whether there is anything to do but what messages may ask for.
+    pub(super) fn has_more_to_do(&self) -> bool {
+        self.clients.values().any(|client| !client.line.is_empty()) || !self.batches.is_empty()
+    }
+}

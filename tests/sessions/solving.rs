@@ -1,0 +1,324 @@
+//! A drag that takes long to solve, and what goes on meanwhile.
+
+use std::process::Command as Program;
+use std::thread;
+
+use protocol::{
+    Action, ClientMessage, Command, DragKind, DragRadii, EditResults, GestureStatus, Outcome, Record, Scope,
+    ServerMessage, parse_body,
+};
+use serde_json::{Value, json};
+
+use crate::support::{Mirror, Server, committed, rename, state_of};
+
+const SIZE: [u32; 2] = [640, 360];
+/// Edits of others that are acknowledged while a slow drag is solved: it takes time for hundreds.
+const MANY: usize = 20;
+
+/// Pins the light in many places, two of them hard, so that the drag that is given back takes hundreds of times as long as most.
+fn slow_drag(server: &Server, mirror: &mut Mirror) -> Command {
+    let seen = (160..360).step_by(24).flat_map(|y| (100..600).step_by(24).map(move |x| (x, y)));
+    let asked: Vec<Value> = seen
+        .map(|(x, y)| [f64::from(x) + 0.5, f64::from(y) + 0.5])
+        .map(|at| json!({"light": 0, "kind": "hotspot", "size": SIZE, "from": at, "to": at, "pins": []}))
+        .collect();
+    let post = |path: &str, body: Value| {
+        let response = server.process.post(path, body.to_string().as_bytes()).expect("answered");
+        assert_eq!(response.status, 200, "{}", response.text());
+        response.text()
+    };
+    let answers: Vec<Value> =
+        parse_body(&post("/sessions/main/drags", json!(asked))).expect("an array of landings");
+    let lit: Vec<&Value> = answers
+        .iter()
+        .filter(|answer| answer["status"] == "landed")
+        .map(|answer| &answer["from_world"])
+        .collect();
+    let kinds = ["direction", "lit", "shadowed", "shadow"];
+    let pin = |n: usize| {
+        let (kind, at, hard) = (if n < 2 { kinds[0] } else { kinds[n % 4] }, lit[n * 7 % lit.len()], n < 2);
+        json!({"command": {"type": "addPin", "pin": {"kind": kind, "light": mirror.light(), "at": at, "hard": hard}}})
+    };
+    let edits: Vec<Value> = (0..40).map(pin).collect();
+    let results: EditResults =
+        parse_body(&post("/sessions/main/edits", json!({"edits": edits}))).expect("results");
+    mirror.catch_up(results.seq);
+    assert_eq!(mirror.document.pins().len(), 40);
+    Command::DragFeature {
+        light: mirror.light(),
+        kind: DragKind::Shadow,
+        points: Some(vec![1, 2, 3, 4]),
+        radii: DragRadii::Solve,
+        camera: mirror.document.cameras().values().next().expect("the demo has a camera").into(),
+        size: SIZE,
+        from: [430.5, 265.5],
+        to: [500.5, 200.5],
+        source_outside: false,
+    }
+}
+
+/// Something that is no light's.
+fn rename_camera(mirror: &Mirror, name: &str) -> Command {
+    let camera = mirror.document.cameras().keys().next().expect("the demo has a camera").0;
+    let command = json!({"type": "setCamera", "camera": camera, "parameter": {"name": name}});
+    serde_json::from_value(command).expect("a command")
+}
+
+/// What `waiting` comes to, and how many edits of `mirror` are acknowledged before.
+fn edits_during<T: Send>(mirror: &mut Mirror, waiting: impl FnOnce() -> T + Send) -> (usize, T) {
+    thread::scope(|scope| {
+        let waiting = scope.spawn(waiting);
+        let mut count = 0;
+        while !waiting.is_finished() {
+            let command = rename_camera(mirror, &format!("seen {count} times"));
+            committed(&mirror.edited(command));
+            count += 1;
+        }
+        (count, waiting.join().expect("it comes to something"))
+    })
+}
+
+fn begin(mirror: &mut Mirror) {
+    let (light, base_seq) = (mirror.light(), mirror.seq);
+    mirror.send(&ClientMessage::GestureBegin { gesture: "drag".into(), light, base_seq });
+    state_of(mirror, |state| state.update == 0);
+}
+
+fn send_update(mirror: &mut Mirror, update: u64, command: Command) {
+    mirror.send(&ClientMessage::GestureUpdate { gesture: "drag".into(), update, command });
+}
+
+fn send_commit(mirror: &mut Mirror) {
+    mirror.send(&ClientMessage::GestureCommit { gesture: "drag".into(), op_id: "commit".into() });
+}
+
+/// Waits for the answer to a ping: by then all that was sent before has reached the session.
+fn ping(mirror: &mut Mirror) {
+    mirror.send(&ClientMessage::Ping { sent: 1.0 });
+    mirror
+        .wait_for("a pong", |message| matches!(message, ServerMessage::Pong { sent: 1.0, .. }).then_some(()));
+}
+
+/// What an actor did, in order.
+fn records_of(server: &Server, actor: &str) -> Vec<Record> {
+    let log = server.process.get("/sessions/main/log").expect("answered").text();
+    let records = log.lines().filter_map(|line| serde_json::from_str::<Record>(line).ok());
+    records.filter(|record| record.actor.id == actor).collect()
+}
+
+/// Others edit, and the client itself is answered whatever edits nothing. What it sends behind its drag comes in order.
+///
+/// Rules: GEST-8
+#[test]
+fn a_session_goes_on_while_a_drag_is_solved() {
+    let server = Server::start();
+    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let drag = slow_drag(&server, &mut ada);
+    ben.catch_up(ada.seq);
+    begin(&mut ada);
+    send_update(&mut ada, 1, drag);
+    send_commit(&mut ada);
+    let light = ada.light();
+    let renamed = ada.edit(rename(light, "after the drag"));
+    let (count, (gesture, name)) = edits_during(&mut ben, || {
+        ada.send(&ClientMessage::Ping { sent: 1.0 });
+        ada.wait_for("a pong before the drag", |message| match message {
+            ServerMessage::Pong { .. } => Some(()),
+            ServerMessage::GestureState(state) => panic!("the drag was waited for: {state:?}"),
+            _ => None,
+        });
+        state_of(&mut ada, |state| state.update == 1);
+        (committed(&ada.result("commit")), committed(&ada.result(&renamed)))
+    });
+    assert!(count >= MANY, "{count} edits");
+    assert!(gesture < name);
+    let records = records_of(&server, "ada");
+    assert!(
+        matches!(&records[..], [drag, _] if matches!(drag.action, Action::Gesture { .. }) && drag.seq == gesture)
+    );
+    assert_eq!(records[1].seq, name);
+    ada.catch_up(ben.seq);
+    assert_eq!(server.state(), (ada.seq, ada.document.hash().to_string()));
+}
+
+/// Rules: GEST-8, GEST-3
+#[test]
+fn who_leaves_behind_a_commit_has_committed() {
+    let server = Server::start();
+    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let drag = slow_drag(&server, &mut ada);
+    ben.catch_up(ada.seq);
+    let mut eve = server.connect("eve");
+    begin(&mut ada);
+    send_update(&mut ada, 1, drag);
+    send_commit(&mut ada);
+    ping(&mut ada);
+    drop(ada);
+    let (count, ended) = edits_during(&mut ben, || {
+        state_of(&mut eve, |state| !matches!(state.status, GestureStatus::Held { .. }))
+    });
+    assert!(count >= MANY, "{count} edits");
+    assert_eq!(ended.status, GestureStatus::Committed);
+    assert_eq!(records_of(&server, "ada").len(), 1);
+}
+
+/// Rules: GEST-8, REC-4
+#[test]
+fn a_programs_edits_stay_in_order_around_a_drag() {
+    let server = Server::start();
+    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let drag = slow_drag(&server, &mut ada);
+    ben.catch_up(ada.seq);
+    let light = ada.light();
+    // The second goes on from where the first has led.
+    let mut back = drag.clone();
+    if let Command::DragFeature { from, to, .. } = &mut back {
+        std::mem::swap(from, to);
+    }
+    let commands = [rename(light, "before"), drag, rename(light, "after"), back, rename(light, "last")];
+    let edit = |(n, command): (usize, &Command)| json!({"opId": format!("step {n}"), "command": command});
+    let edits: Vec<Value> = commands.iter().enumerate().map(edit).collect();
+    let edits = json!({"actor": {"id": "ci", "name": "CI"}, "edits": edits});
+    let post = || -> EditResults {
+        let answer = server.process.post("/sessions/main/edits", edits.to_string().as_bytes());
+        parse_body(&answer.expect("answered").text()).expect("results")
+    };
+    let (count, results) = edits_during(&mut ben, post);
+    assert!(count >= MANY, "{count} edits");
+    let seqs: Vec<u64> = results.results.iter().filter_map(|result| result.outcome.seq()).collect();
+    assert!(seqs.is_sorted_by(|a, b| a < b) && seqs.len() >= 4 && results.results.len() == 5, "{results:?}");
+    let made = || records_of(&server, "ci").iter().map(|record| record.seq).collect::<Vec<u64>>();
+    assert_eq!(made(), seqs);
+    assert_eq!(post().results, results.results, "none is carried out twice");
+    assert_eq!(made(), seqs);
+    ben.catch_up(results.seq);
+    assert_eq!(ben.name(), "last");
+}
+
+/// Nobody holds the light: what others change of it has the drag solved again, but not for ever.
+///
+/// Rules: GEST-8
+#[test]
+fn a_drag_is_carried_out_though_others_change_the_light() {
+    let server = Server::start();
+    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let drag = slow_drag(&server, &mut ada);
+    ben.catch_up(ada.seq);
+    let op_id = ada.edit(drag);
+    let light = ben.light();
+    let (count, outcome) = thread::scope(|scope| {
+        let waiting = scope.spawn(|| ada.result(&op_id));
+        let mut count = 0;
+        while !waiting.is_finished() {
+            ben.edited(rename(light, &format!("name {count}")));
+            count += 1;
+        }
+        (count, waiting.join().expect("an outcome"))
+    });
+    assert!(count >= MANY, "{count} edits");
+    assert!(matches!(outcome, Outcome::Committed { rebased: true, .. }), "{outcome:?}");
+    // Nothing of what Ben did is undone by it.
+    ben.catch_up(ada.seq);
+    assert!(ben.name().starts_with("name "));
+    let op_id = ada.op_id();
+    ada.send(&ClientMessage::Undo { op_id: op_id.clone(), scope: Scope::Mine });
+    assert!(ada.result(&op_id).seq().is_some());
+}
+
+/// Rules: GEST-7
+#[test]
+fn a_drag_that_is_cancelled_is_not_waited_for() {
+    let server = Server::start();
+    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let drag = slow_drag(&server, &mut ada);
+    ben.catch_up(ada.seq);
+    for update in 1..=3 {
+        begin(&mut ada);
+        send_update(&mut ada, update, drag.clone());
+        ping(&mut ada);
+        send_update(&mut ada, update + 10, drag.clone());
+        ada.send(&ClientMessage::GestureCancel { gesture: "drag".into() });
+        let ended = state_of(&mut ada, |state| {
+            state.update > 0 || !matches!(state.status, GestureStatus::Held { .. })
+        });
+        assert_eq!((ended.update, ended.status), (0, GestureStatus::Cancelled { refused: None }));
+    }
+    let light = ben.light();
+    committed(&ben.edited(rename(light, "free")));
+    // What becomes of the solves that nobody waits for is nothing.
+    ada.catch_up(ben.seq);
+    assert_eq!(committed(&ada.edited(drag)), ben.seq + 1);
+}
+
+/// Updates that come while one is solved, and not in one tick.
+///
+/// Rules: GEST-7
+#[test]
+fn updates_that_wait_are_outrun_by_later_ones() {
+    let server = Server::start();
+    let mut ada = server.connect("ada");
+    let drag = slow_drag(&server, &mut ada);
+    begin(&mut ada);
+    let last = 12;
+    let (mut answers, mut pongs) = (Vec::new(), 0);
+    for update in 1..=last {
+        let mut command = drag.clone();
+        if let Command::DragFeature { to, .. } = &mut command {
+            to[0] -= (last - update) as f64;
+        }
+        send_update(&mut ada, update, command);
+        ada.send(&ClientMessage::Ping { sent: update as f64 });
+        ada.wait_for("a pong", |message| match message {
+            ServerMessage::GestureState(state) => {
+                answers.push(state.update);
+                None
+            }
+            ServerMessage::Pong { .. } => {
+                pongs += 1;
+                Some(())
+            }
+            _ => None,
+        });
+    }
+    while answers.last() != Some(&last) {
+        let state = state_of(&mut ada, |_| true);
+        answers.push(state.update);
+    }
+    assert_eq!((pongs, answers[0]), (last, 1), "the first is shown though it is outrun: {answers:?}");
+    assert!(answers.len() <= 6, "{answers:?}");
+    send_commit(&mut ada);
+    committed(&ada.result("commit"));
+}
+
+/// More than a line holds: the session takes no more until the drag is solved.
+///
+/// Rules: GEST-8
+#[test]
+fn a_long_line_is_carried_out_in_order() {
+    let server = Server::start();
+    let mut ada = server.connect("ada");
+    let drag = slow_drag(&server, &mut ada);
+    let seq = ada.seq;
+    let (light, first) = (ada.light(), ada.edit(drag));
+    let renamed: Vec<String> = (0..2_000).map(|n| ada.edit(rename(light, &format!("name {n}")))).collect();
+    for (n, op_id) in std::iter::once(&first).chain(&renamed).enumerate() {
+        assert_eq!(committed(&ada.result(op_id)), seq + 1 + n as u64);
+    }
+    assert_eq!(ada.name(), "name 1999");
+}
+
+/// Rules: GEST-8, SOCK-9
+#[test]
+fn a_server_that_is_stopped_finishes_what_it_solves() {
+    let server = Server::start();
+    let mut ada = server.connect("ada");
+    let drag = slow_drag(&server, &mut ada);
+    let (light, op_id) = (ada.light(), ada.edit(drag));
+    let renamed = ada.edit(rename(light, "after the drag"));
+    ping(&mut ada);
+    let pid = server.process.pid().to_string();
+    assert!(Program::new("kill").args(["-TERM", &pid]).status().expect("sent").success());
+    let (drag, name) = (committed(&ada.result(&op_id)), committed(&ada.result(&renamed)));
+    assert_eq!(name, drag + 1);
+    assert_eq!(server.process.wait().expect("it ends"), Some(0));
+}
