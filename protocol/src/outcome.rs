@@ -67,7 +67,7 @@ pub struct GestureState {
     pub client: u64,
     /// The light it is on.
     pub light: u64,
-    /// The latest update.
+    /// The latest update, taken or refused; `changes` are of the latest that was taken.
     pub update: u64,
     /// The session's count of gesture changes; frames carry it.
     pub live_revision: u32,
@@ -84,7 +84,7 @@ pub struct GestureState {
 pub enum GestureStatus {
     /// It goes on.
     Held {
-        /// Why the latest update was not taken. Its holder alone is told.
+        /// Why the update was not taken. Its holder alone is told.
         refused: Option<Problem>,
     },
     /// It ended as a record.
@@ -158,7 +158,7 @@ struct GestureStateJson {
     client: u64,
     /// The light it is on.
     light: u64,
-    /// The latest update.
+    /// The latest update, taken or refused; `changes` are of the latest that was taken.
     update: u64,
     /// The session's count of gesture changes; frames carry it.
     live_revision: u32,

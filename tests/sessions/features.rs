@@ -91,7 +91,7 @@ fn a_shadow_is_dragged_live_and_is_one_record() {
     }
     send_update(&mut ada, 4, off);
     let refused = state_of(&mut ada, |state| state.status.problem().is_some());
-    assert_eq!((refused.update, refused.status.problem().map(|p| p.code)), (3, Some(ErrorCode::Drag)));
+    assert_eq!((refused.update, refused.status.problem().map(|p| p.code)), (4, Some(ErrorCode::Drag)));
 
     ada.send(&ClientMessage::GestureCommit { gesture: "drag".into(), op_id: "commit".into() });
     assert_eq!(committed(&ada.result("commit")), seq + 1);

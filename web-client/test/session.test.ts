@@ -321,11 +321,11 @@ describe("drags", () => {
     const gesture = sent("gestureBegin")[0]?.gesture ?? "";
     const state = { gesture, client: 7, light: 1, liveRevision: 1, changes: [] };
     receive({ type: "gestureState", ...state, update: 1, code: "invalidLight", message: "It folds." });
-    expect(session.ownDrag.value?.refusal).toBe("It folds.");
+    expect(session.ownDrag.value).toMatchObject({ refusal: "It folds.", taken: null });
     drag.update(setRadius(1, 0.2));
     host.frame();
     receive({ type: "gestureState", ...state, update: 2 });
-    expect(session.ownDrag.value?.refusal).toBeNull();
+    expect(session.ownDrag.value).toMatchObject({ refusal: null, taken: setRadius(1, 0.2) });
   });
 
   test("of control points show where the server lets them go, and that this is as far as it goes", () => {

@@ -134,13 +134,13 @@ export function dragging({ host, send, notify, latency, baseSeq, lightName, comm
     end();
   }
 
-  /** The server has come as far as the state's update; the command of that, where it is news. */
+  /** The server has come as far as the state's update; the command of that, where it is news and the server took it. */
   function keptUp(
     sent: Map<number, Sent>,
     { update, code, liveRevision }: GestureState,
   ): Command | undefined {
-    const taken = sent.get(update);
-    if (taken !== undefined && code === undefined) latency.expect("liveRevision", liveRevision, taken.atMs);
+    const taken = code === undefined ? sent.get(update) : undefined;
+    if (taken !== undefined) latency.expect("liveRevision", liveRevision, taken.atMs);
     for (const earlier of sent.keys()) if (earlier <= update) sent.delete(earlier);
     return taken?.command;
   }

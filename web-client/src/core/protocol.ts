@@ -112,6 +112,7 @@ export type PointParameter = PointPosition | PointRadius | PointColor | PointInt
  * What becomes of a light's radii while one of its control points is dragged.
  *
  * - `keep`: They stay.
+ * - `solve`: Those of the moving points may change.
  * - `follow`: Those that would make the tube fold shrink, and come back.
  */
 export type RadiiOfDrag = "keep" | "follow";
@@ -2342,7 +2343,7 @@ export interface GestureState {
   message?: string;
   outcome?: DragOutcome;
   /**
-   * The latest update.
+   * The latest update, taken or refused; `changes` are of the latest that was taken.
    */
   update: number;
 }

@@ -24,7 +24,7 @@ impl Room {
         match self.session.begin_gesture(id, light, base_seq, holder, now_ms).cloned() {
             Ok(gesture) => tick
                 .send(Outgoing::Gesture(self.gesture_state(&gesture, GestureStatus::Held { refused: None }))),
-            Err(refusal) => self.refuse_gesture((id, light.0), holder.0, &refusal.into(), tick),
+            Err(refusal) => self.refuse_gesture((id, light.0, 0), holder.0, &refusal.into(), tick),
         }
     }
 
@@ -38,7 +38,7 @@ impl Room {
     ) {
         let Some(before) = self.gesture_of(id, actor) else {
             let error = Refusal::NoGesture(id.to_owned()).into();
-            return self.refuse_gesture((id, 0), client, &error, tick);
+            return self.refuse_gesture((id, 0, update), client, &error, tick);
         };
         match self.updated_gesture(id, update, (command, solved), actor) {
             Ok(gesture) => {
@@ -50,7 +50,8 @@ impl Room {
             }
             Err(error) => {
                 let status = GestureStatus::Held { refused: Some(error.problem()) };
-                tick.send(Outgoing::GestureRefusal(client, self.gesture_state(&before, status)));
+                let state = GestureState { update, ..self.gesture_state(&before, status) };
+                tick.send(Outgoing::GestureRefusal(client, state));
             }
         }
     }
@@ -73,7 +74,7 @@ impl Room {
     pub(super) fn cancel_gesture(&mut self, id: &str, (client, actor): (ClientId, &Actor), tick: &mut Tick) {
         match self.session.end_gesture(id, actor) {
             Ok(gesture) => self.end_gesture(gesture, GestureStatus::Cancelled { refused: None }, tick),
-            Err(refusal) => self.refuse_gesture((id, 0), client, &refusal.into(), tick),
+            Err(refusal) => self.refuse_gesture((id, 0, 0), client, &refusal.into(), tick),
         }
     }
 
@@ -101,7 +102,7 @@ impl Room {
     /// Tells a client that it holds no such gesture.
     fn refuse_gesture(
         &self,
-        (id, light): (&str, u64),
+        (id, light, update): (&str, u64, u64),
         client: ClientId,
         error: &ServerError,
         tick: &mut Tick,
@@ -110,7 +111,7 @@ impl Room {
             gesture: id.to_owned(),
             client,
             light,
-            update: 0,
+            update,
             live_revision: self.live_revision,
             changes: Vec::new(),
             outcome: None,
