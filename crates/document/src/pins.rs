@@ -1,7 +1,8 @@
 //! Pins that come, change and go.
 
 use drag::Pin;
-use light::{LightId, MAX_NAME_BYTES};
+use light::LightId;
+use scene::MAX_PATH_BYTES;
 
 use crate::{Change, Document, EditError, LightPin, PinId};
 
@@ -42,8 +43,8 @@ pub(crate) fn removed_pins(document: &Document, goes: impl Fn(&LightPin) -> bool
 /// Whether a pin is within limits.
 pub(crate) fn check_pin(held: &LightPin) -> Result<(), EditError> {
     let Pin { at, caster, .. } = &held.pin;
-    if caster.as_ref().is_some_and(|caster| caster.len() > MAX_NAME_BYTES) {
-        return Err(EditError::TooLong { field: "caster", limit: MAX_NAME_BYTES });
+    if caster.as_ref().is_some_and(|caster| caster.len() > MAX_PATH_BYTES) {
+        return Err(EditError::TooLong { field: "caster", limit: MAX_PATH_BYTES });
     }
     if at.is_finite() { Ok(()) } else { Err(EditError::InvalidPin) }
 }

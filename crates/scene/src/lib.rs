@@ -11,7 +11,7 @@ mod view;
 mod view_ray;
 
 pub use camera::{Camera, DEFAULT_ASPECT, Projection, framing_camera};
-pub use node_tree::NodeTree;
+pub use node_tree::{MAX_PATH_BYTES, NodeTree};
 pub use pose::{PosedPrimitive, PosedScene, pose, world_bounds};
 pub use scene::{Fill, Image, Material, Mesh, Node, Primitive, Sampler, Scene, SceneError, TextureRef, Wrap};
 pub use view::{Aov, UnknownAov, View, ViewSlot};

@@ -6,6 +6,9 @@ use light::Links;
 
 use crate::Scene;
 
+/// Bytes of the paths by which programs name nodes one by one: what stands deeper goes with what it stands under.
+pub const MAX_PATH_BYTES: usize = 1_024;
+
 /// What a node without a name is called.
 const NAMELESS: &str = "node";
 

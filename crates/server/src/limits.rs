@@ -45,8 +45,6 @@ pub const MAX_DRAGS: usize = 1_000;
 pub const MAX_LOG_RECORDS: usize = 10_000;
 /// Nodes of a scene that are listed.
 pub const MAX_NODES_LISTED: usize = 10_000;
-/// Bytes of a path that is listed: what stands deeper goes with what it stands under.
-pub const MAX_PATH_BYTES: usize = 1_024;
 /// Bytes of names that clients choose: of actors, operations and gestures.
 pub const MAX_LABEL_BYTES: usize = 128;
 

@@ -5,6 +5,7 @@ use drag::{Pin, PinKind};
 use glam::DVec3;
 use light::LightId;
 use light::parameters::NAME;
+use scene::MAX_PATH_BYTES;
 
 use crate::support::{BENDY, ROOM, SPOT, done, refused, sample};
 
@@ -116,9 +117,14 @@ fn what_cannot_be_pinned_is_refused() {
     let mut nowhere = pin(BENDY, PinKind::Lit);
     nowhere.pin.at.x = f64::NAN;
     assert_eq!(refused(&document, &Command::AddPin(nowhere)), EditError::InvalidPin);
-    let mut long = pin(BENDY, PinKind::Lit);
-    long.pin.caster = Some("x".repeat(10_000));
-    assert!(matches!(refused(&document, &Command::AddPin(long)), EditError::TooLong { .. }));
+    // A caster may have any path that is listed.
+    let thrown_by = |bytes: usize| {
+        let mut long = pin(BENDY, PinKind::Shadow);
+        long.pin.caster = Some("x".repeat(bytes));
+        Command::AddPin(long)
+    };
+    done(&mut document.clone(), &thrown_by(MAX_PATH_BYTES));
+    assert!(matches!(refused(&document, &thrown_by(MAX_PATH_BYTES + 1)), EditError::TooLong { .. }));
     for _ in 0..MAX_PINS {
         added(&mut document, BENDY);
     }

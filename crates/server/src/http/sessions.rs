@@ -19,7 +19,7 @@ use super::answer::{Answer, created, json};
 use super::read::{SessionName, read_json, read_query};
 use crate::ServerError;
 use crate::access::{Credential, Principal, random_digits};
-use crate::limits::{MAX_EDITS, MAX_LOG_RECORDS, MAX_NODES_LISTED, MAX_PATH_BYTES};
+use crate::limits::{MAX_EDITS, MAX_LOG_RECORDS, MAX_NODES_LISTED};
 use crate::request::{Step, actor, edit_request, step};
 use crate::room::{Message, Snapshot, time_ms};
 use crate::scenes::{Decoded, Scenes};
@@ -92,7 +92,7 @@ fn session_state(snapshot: &Snapshot) -> SessionState {
 pub async fn nodes(State(state): State<Arc<AppState>>, SessionName(name): SessionName) -> Answer {
     let snapshot = state.rooms.find(&name).await?.request(Message::Snapshot).await?;
     let posed = snapshot.scene.posed;
-    let listed = spawn_blocking(move || posed.nodes().drawn_paths(MAX_NODES_LISTED, MAX_PATH_BYTES));
+    let listed = spawn_blocking(move || posed.nodes().drawn_paths(MAX_NODES_LISTED, scene::MAX_PATH_BYTES));
     let (paths, left_out) = listed.await.map_err(|_| ServerError::Fault)?;
     Ok(json(&SceneNodes { paths, left_out }))
 }
