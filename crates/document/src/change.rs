@@ -295,7 +295,7 @@ fn sentence(reason: Refusal) -> String {
             "control points that can be dragged are 1 to the last: choose of those".into()
         }
         Refusal::NoWeight => {
-            "the chosen control points do nothing where the drag begins: choose others too".into()
+            "no control point that is chosen does anything where the drag begins: choose one that does".into()
         }
         Refusal::PinDoesNotHold(pin) => {
             format!("pin {pin} does not hold before anything moves: remove it, or make it soft")

@@ -126,6 +126,11 @@ fn what_cannot_be_dragged_is_refused_and_says_why() {
     let off = FeatureDrag { view: Viewport { camera: sky(), ..off.view.clone() }, ..off };
     assert_eq!(refused(&off), not_dragged(Refusal::NothingAtStart));
     assert_eq!(refused(&shadow(Some(vec![0]), 9.0)), not_dragged(Refusal::NoSuchPoint));
+    // Those that are chosen, or that none is.
+    let nothing_moves = refused(&shadow(Some(vec![]), 9.0));
+    assert_eq!(nothing_moves, not_dragged(Refusal::NoWeight));
+    let said = nothing_moves.to_string();
+    assert!(said.contains("no control point that is chosen does anything"), "{said}");
     let lit = FeatureDrag { from: DVec2::new(600.5, 300.5), ..shadow(None, 9.0) };
     assert!(matches!(refused(&lit), EditError::NotDragged { .. }));
     let pixelless = FeatureDrag { view: Viewport { size: [0, 9], ..DEMO.view.clone() }, ..shadow(None, 9.0) };
