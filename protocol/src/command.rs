@@ -82,9 +82,9 @@ pub enum Command {
         point: usize,
         /// Where it is to go, in light-local space.
         position: Vec3,
-        /// What becomes of radii; they stay by default.
+        /// What becomes of radii, not `solve`; they stay by default.
         #[serde(default)]
-        radii: RadiiOfDrag,
+        radii: DragRadii,
     },
     /// Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another place of a picture; the document's
     /// pins of the light stay.
@@ -207,17 +207,6 @@ pub enum Command {
     },
 }
 
-/// What becomes of a light's radii while one of its control points is dragged.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-pub enum RadiiOfDrag {
-    /// They stay.
-    #[default]
-    Keep,
-    /// Those that would make the tube fold shrink, and come back.
-    Follow,
-}
-
 /// [`document::CameraParameter`] in JSON: an object with one field.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
@@ -263,7 +252,7 @@ impl TryFrom<Command> for document::Command {
                 light: LightId(light),
                 point,
                 position: position.into(),
-                radii_follow: radii == RadiiOfDrag::Follow,
+                radii_follow: radii_follow(radii)?,
             },
             Command::DragFeature { light, kind, points, radii, camera, size, from, to, source_outside } => {
                 Self::DragFeature {
@@ -310,6 +299,15 @@ impl TryFrom<Command> for document::Command {
                 Self::SetCamera { camera: CameraId(camera), parameter: parameter.into() }
             }
         })
+    }
+}
+
+/// Whether radii follow a control point that is dragged.
+fn radii_follow(radii: DragRadii) -> Result<bool, Refused> {
+    match radii {
+        DragRadii::Keep => Ok(false),
+        DragRadii::Follow => Ok(true),
+        DragRadii::Solve => Err(Refused::SolvedRadii),
     }
 }
 
@@ -373,7 +371,7 @@ impl From<&document::Command> for Command {
                 light: light.0,
                 point: *point,
                 position: position.to_array(),
-                radii: if *radii_follow { RadiiOfDrag::Follow } else { RadiiOfDrag::Keep },
+                radii: if *radii_follow { DragRadii::Follow } else { DragRadii::Keep },
             },
             C::DragFeature { light, drag } => Self::DragFeature {
                 light: light.0,

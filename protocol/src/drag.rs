@@ -32,7 +32,7 @@ pub enum DragRadii {
     Keep,
     /// Those of the moving points may change.
     Solve,
-    /// Those that would make the tube fold shrink.
+    /// Those that would make the tube fold shrink, and come back.
     Follow,
 }
 

@@ -54,6 +54,9 @@ pub enum Refused {
     /// What names no value of a document.
     #[error("{0}")]
     Address(String),
+    /// Radii that are to be solved for where nothing is.
+    #[error("`radii` of `dragPoint` is \"keep\" or \"follow\": \"solve\" is for `dragFeature`")]
+    SolvedRadii,
     /// How a drag ended, told in parts that do not fit together.
     #[error("{0}: the log was changed; export it again")]
     Outcome(&'static str),
@@ -81,7 +84,7 @@ impl Refused {
     pub fn code(&self) -> ErrorCode {
         match self {
             Self::Light(error) => error.into(),
-            Self::Asset(_) | Self::Address(_) => ErrorCode::BadMessage,
+            Self::Asset(_) | Self::Address(_) | Self::SolvedRadii => ErrorCode::BadMessage,
             Self::Edit(error) => error.into(),
             Self::Format { .. } => ErrorCode::Format,
             Self::Younger { .. } | Self::Outcome(_) => ErrorCode::BadLog,

@@ -35,7 +35,7 @@ pub use self::drag::{
 pub use self::light::Light;
 pub use checkpoint::{LightTouch, PastUndo, Renumbering, SessionCheckpoint};
 pub use code::{ErrorCode, Problem};
-pub use command::{CameraParameter, Command, RadiiOfDrag};
+pub use command::{CameraParameter, Command};
 pub use document::{
     Bounds, Camera, Document, DocumentCamera, DocumentLight, Projection, Quat, SceneRef, Vec3,
 };

@@ -42,6 +42,26 @@ fn a_value_of_another_type_is_told_what_the_parameter_takes() {
     set("/cameras/2/projection", &json!({"perspective": {"yfov": 1, "znear": 0.1}})).expect("a projection");
 }
 
+/// Radii are solved for in drags of features alone.
+///
+/// Rules: CMD-14
+#[test]
+fn the_radii_of_a_dragged_point_are_kept_or_follow() {
+    let dragged = |radii: &str| {
+        let command =
+            json!({"type": "dragPoint", "light": 1, "point": 2, "position": [0, 0, 0], "radii": radii});
+        let wire: protocol::Command = serde_json::from_value(command).expect("the right shape");
+        Command::try_from(wire)
+    };
+    for (radii, follow) in [("keep", false), ("follow", true)] {
+        let Ok(Command::DragPoint { radii_follow, .. }) = dragged(radii) else { panic!("{radii}") };
+        assert_eq!(radii_follow, follow);
+    }
+    let refused = dragged("solve").expect_err("nothing is solved");
+    assert_eq!(refused.code(), ErrorCode::BadMessage);
+    assert!(refused.to_string().contains("\"keep\" or \"follow\""), "{refused}");
+}
+
 /// A refusal is kept as the result of its operation, so it may not hold what came.
 ///
 /// Rules: CMD-10

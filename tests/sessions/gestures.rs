@@ -4,7 +4,7 @@ use light::parameters::RADIUS;
 use std::time::Duration;
 
 use glam::DVec3;
-use protocol::{ClientMessage, Command, ErrorCode, GestureState, GestureStatus, RadiiOfDrag, Scope};
+use protocol::{ClientMessage, Command, DragRadii, ErrorCode, GestureState, GestureStatus, Scope};
 
 use crate::support::{Mirror, Server, committed, move_point, moved, rejected, rename, state_of};
 
@@ -108,19 +108,19 @@ fn a_control_point_glides_along_the_wall() {
     assert!(rejected(&refused).message.contains("folds"), "there is a wall");
 
     begin(&mut ada, "drag");
-    let mut dragged = |update: u64, position: [f64; 3], radii: RadiiOfDrag| {
+    let mut dragged = |update: u64, position: [f64; 3], radii: DragRadii| {
         let command = Command::DragPoint { light, point: 2, position, radii };
         ada.send(&ClientMessage::GestureUpdate { gesture: "drag".into(), update, command });
         let state = state_of(&mut ada, |state| state.update == update || state.status.problem().is_some());
         assert_eq!(state.status, GestureStatus::Held { refused: None });
         state.changes
     };
-    let there = dragged(1, near, RadiiOfDrag::Keep);
-    let wall = dragged(2, past_the_wall, RadiiOfDrag::Keep);
-    assert_eq!(dragged(3, near, RadiiOfDrag::Keep), there, "it comes back");
-    let followed = dragged(4, past_the_wall, RadiiOfDrag::Follow);
+    let there = dragged(1, near, DragRadii::Keep);
+    let wall = dragged(2, past_the_wall, DragRadii::Keep);
+    assert_eq!(dragged(3, near, DragRadii::Keep), there, "it comes back");
+    let followed = dragged(4, past_the_wall, DragRadii::Follow);
     assert!(followed.len() > 1, "radii follow: {followed:?}");
-    assert_eq!(dragged(5, past_the_wall, RadiiOfDrag::Keep), wall, "begin and cursor alone count");
+    assert_eq!(dragged(5, past_the_wall, DragRadii::Keep), wall, "begin and cursor alone count");
     ada.send(&ClientMessage::GestureCommit { gesture: "drag".into(), op_id: "commit".into() });
     assert_eq!(committed(&ada.result("commit")), seq + 1);
 

@@ -6,7 +6,7 @@ import { depthOf, inPlaneOf, type Pixel, project, type View, worldPerPixel } fro
 import { abscissa, numberAt, positionAt, weightOf } from "./curve";
 import type { LightId } from "./ids";
 import { circle, sideways, toLocal, type Tube } from "./outline";
-import type { Command, Light, RadiiOfDrag } from "./protocol";
+import type { Command, DragRadii, Light } from "./protocol";
 import {
   aboutAxis,
   add,
@@ -49,7 +49,7 @@ export interface Drawn {
   tube: Tube;
   view: View;
   /** What becomes of its radii where a control point is dragged. */
-  radii: RadiiOfDrag;
+  radii: DragRadii;
 }
 
 /** The control points' and edges' handles of a light; its source and turning rings come with every light. */

@@ -109,13 +109,13 @@ export type LightParameter =
  */
 export type PointParameter = PointPosition | PointRadius | PointColor | PointIntensity;
 /**
- * What becomes of a light's radii while one of its control points is dragged.
+ * `Radii` in JSON.
  *
  * - `keep`: They stay.
  * - `solve`: Those of the moving points may change.
  * - `follow`: Those that would make the tube fold shrink, and come back.
  */
-export type RadiiOfDrag = "keep" | "follow";
+export type DragRadii = "keep" | "solve" | "follow";
 /**
  * `Feature` in JSON.
  *
@@ -125,14 +125,6 @@ export type RadiiOfDrag = "keep" | "follow";
  * - `diffuse`: At M' light arrives along the normal.
  */
 export type DragKind = "shadow" | "hotspot" | "highlight" | "diffuse";
-/**
- * `Radii` in JSON.
- *
- * - `keep`: They stay.
- * - `solve`: Those of the moving points may change.
- * - `follow`: Those that would make the tube fold shrink.
- */
-export type DragRadii = "keep" | "solve" | "follow";
 /**
  * `drag::PinKind` in JSON.
  *
@@ -1799,7 +1791,7 @@ export interface DragPoint {
    * @maxItems 3
    */
   position: [number, number, number];
-  radii: RadiiOfDrag;
+  radii: DragRadii;
   type: "dragPoint";
 }
 /**
