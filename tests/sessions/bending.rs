@@ -2,9 +2,9 @@
 
 use light::Owner;
 use light::parameters::RANGE;
-use protocol::{ClientMessage, Command, Scope};
+use protocol::{Action, ClientMessage, Command, GestureStatus, Record, Scope};
 
-use crate::support::{Mirror, Server, move_point, moved};
+use crate::support::{Mirror, Server, committed, move_point, moved, rename, state_of};
 
 /// How many values differ by more than 1 of 255.
 fn apart(a: &[u8], b: &[u8]) -> usize {
@@ -66,4 +66,44 @@ fn a_light_bends_in_place_without_a_pixel_changing() {
     let undone = undo(&mut ada);
     assert_eq!(owner(&ada, light), Owner::Spot);
     assert!(ada.settled(undone) == straight, "the same pixels");
+}
+
+/// What stands behind a light that is bent waits for the scene's word; a gesture that bends one shows it too, and its record
+/// leaves nothing out either.
+///
+/// Rules: CMD-12, GEST-8
+#[test]
+fn what_is_sent_behind_a_light_that_is_bent_comes_after_it() {
+    let server = Server::start();
+    let mut ada = server.connect("ada");
+    let (light, seq) = (ada.light(), ada.seq);
+    let bend = || Command::BendLight { light, segments: None, range: None, cone_angle: None, toward: None };
+    let in_a_row = [
+        Command::StraightenLight { light },
+        bend(),
+        rename(light, "bent"),
+        Command::StraightenLight { light },
+    ];
+    let asked = in_a_row.map(|command| ada.edit(command));
+    let seqs = asked.map(|op_id| committed(&ada.result(&op_id)));
+    assert_eq!(seqs, [1, 2, 3, 4].map(|after| seq + after));
+
+    ada.catch_up(seqs[3]);
+    let base_seq = ada.seq;
+    ada.send(&ClientMessage::GestureBegin { gesture: "bend".into(), light, base_seq });
+    ada.send(&ClientMessage::GestureUpdate { gesture: "bend".into(), update: 1, command: bend() });
+    ada.send(&ClientMessage::GestureCommit { gesture: "bend".into(), op_id: "commit".into() });
+    let shown = state_of(&mut ada, |state| state.update == 1);
+    assert_eq!((shown.status, shown.changes.len()), (GestureStatus::Held { refused: None }, 1));
+    committed(&ada.result("commit"));
+    let log = server.process.get(&format!("/sessions/main/log?from={}", seq + 2)).expect("answered").text();
+    let records = log.lines().filter_map(|line| serde_json::from_str::<Record>(line).ok());
+    let ranges: Vec<_> = records
+        .filter_map(|record| match record.action {
+            Action::Edit { command: Command::BendLight { range, .. }, .. }
+            | Action::Gesture { command: Command::BendLight { range, .. }, .. } => Some(range),
+            _ => None,
+        })
+        .collect();
+    assert!(matches!(ranges[..], [Some(one), Some(other)] if one == other), "{ranges:?}");
 }

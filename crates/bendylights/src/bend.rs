@@ -9,6 +9,7 @@ use document::{BENT_SEGMENTS, Bending};
 use glam::DVec3;
 use light::{CheckedLight, Owner};
 use protocol::light_file;
+use raycast::Bvh;
 
 use crate::error::Error;
 use crate::files;
@@ -78,7 +79,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     }
     let Args { segments, cone_angle, toward, .. } = *args;
     let asked = Bending { segments, range: None, cone_angle, toward };
-    let bending = scene.map_or(asked, |scene| asked.in_scene(light, &scene::pose(scene)));
+    let bending = scene.map_or(asked, |scene| asked.in_scene(light, &Bvh::new(scene::pose(scene))));
     let bendy = bending.bent(light).map_err(|reason| Error::BadLight { file, reason })?;
     Ok(answer(&light_file::to_json(&bendy))?)
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use light::{CheckedLight, Light, LightError, LightId, Owner};
-use scene::PosedScene;
+use raycast::Bvh;
 
 use crate::{Change, Command, Document, EditError, Layout, PlacedLight};
 
@@ -21,16 +21,16 @@ const HOUSING: f64 = 0.01;
 /// scene, so that handles lie where its shadow is; past the scene's bounds where it does not.
 ///
 /// What lies nearer than a hundredth of the scene's size counts as the light's own housing.
-pub fn axis_reach(light: &Light, posed: &PosedScene) -> f64 {
+pub fn axis_reach(light: &Light, bvh: &Bvh) -> f64 {
     let transform = light.transform();
     let axis = transform.rotation.normalize() * DVec3::NEG_Z;
-    let size = posed.half_extent.length();
-    posed.first_hit(transform.translation, axis, HOUSING * size).unwrap_or_else(|| {
-        let from_middle = (transform.translation - posed.origin_in_world).dot(axis);
-        let past_bounds = posed.half_extent.dot(axis.abs()) - from_middle;
-        // Looking away from the scene, as far as the scene is large; without one, a unit.
-        [past_bounds * 1.01, size].into_iter().find(|reach| *reach > 0.0).unwrap_or(1.0)
-    })
+    let (size, source) = (bvh.posed.half_extent.length(), transform.translation - bvh.posed.origin_in_world);
+    if let Some(hit) = bvh.first_hit(source, axis, [HOUSING * size, f64::INFINITY], |_| true) {
+        return hit.distance;
+    }
+    let past_bounds = bvh.posed.half_extent.dot(axis.abs()) - source.dot(axis);
+    // Looking away from the scene, as far as the scene is large; without one, a unit.
+    [past_bounds * 1.01, size].into_iter().find(|reach| *reach > 0.0).unwrap_or(1.0)
 }
 
 /// How a straight light is to be bent: what a [`Command::BendLight`] says of it.
@@ -50,18 +50,18 @@ impl Bending {
     /// The same of `light` in this scene, with what only the scene knows filled in: how far the light reaches, and where one
     /// without a cone shines, the scene's middle.
     #[must_use]
-    pub fn in_scene(self, light: &Light, posed: &PosedScene) -> Self {
+    pub fn in_scene(self, light: &Light, bvh: &Bvh) -> Self {
         let toward = match light.owner() {
-            Owner::Omni | Owner::Directional => Some(self.toward.unwrap_or(posed.origin_in_world)),
+            Owner::Omni | Owner::Directional => Some(self.toward.unwrap_or(bvh.posed.origin_in_world)),
             _ => self.toward,
         };
         let cone_degrees = self.cone_angle.unwrap_or(BENT_CONE_ANGLE);
         let reach = || match light.owner() {
             // So far off that the cone holds the whole scene.
             Owner::Directional => {
-                (posed.half_extent.length() / libm::sin(cone_degrees.to_radians())).max(1.0)
+                (bvh.posed.half_extent.length() / libm::sin(cone_degrees.to_radians())).max(1.0)
             }
-            _ => axis_reach(&light::with_cone(light, cone_degrees, toward, 1.0), posed),
+            _ => axis_reach(&light::with_cone(light, cone_degrees, toward, 1.0), bvh),
         };
         Self { range: Some(self.range.unwrap_or_else(reach)), toward, ..self }
     }
@@ -78,13 +78,13 @@ impl Bending {
 }
 
 /// `command` with what only the scene knows filled in, so that a log of it needs no scene.
-pub fn resolved(command: Command, document: &Document, posed: &PosedScene) -> Command {
+pub fn resolved(command: Command, document: &Document, bvh: &Bvh) -> Command {
     let Command::BendLight { light: id, segments, range, cone_angle, toward } = command else {
         return command;
     };
     let Some(placed) = document.lights.get(&id) else { return command };
     let asked = Bending { segments, range, cone_angle, toward };
-    let Bending { segments, range, cone_angle, toward } = asked.in_scene(placed.light.light(), posed);
+    let Bending { segments, range, cone_angle, toward } = asked.in_scene(placed.light.light(), bvh);
     Command::BendLight { light: id, segments, range, cone_angle, toward }
 }
 

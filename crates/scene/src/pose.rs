@@ -94,30 +94,6 @@ impl PosedScene {
     }
 }
 
-impl PosedScene {
-    /// Distance along a ray, in lengths of `direction`, at which it first meets a triangle farther away than `near`, both
-    /// sides alike; `None` where it meets none. Looks at every triangle: for a ray or two, not for pictures.
-    ///
-    /// `origin` is in the world. Accuracy: some ulps of the largest coordinate, over the cosine between ray and normal.
-    pub fn first_hit(&self, origin: DVec3, direction: DVec3, near: f64) -> Option<f64> {
-        let origin = origin - self.origin_in_world;
-        let meets = |[a, b, c]: [DVec3; 3]| {
-            let (ab, ac, from_a) = (b - a, c - a, origin - a);
-            // 0 for a ray in the plane and for a triangle without area: what follows is then infinite or no number.
-            let volume = direction.cross(ac).dot(ab);
-            let beta = direction.cross(ac).dot(from_a) / volume;
-            let gamma = from_a.cross(ab).dot(direction) / volume;
-            let distance = from_a.cross(ab).dot(ac) / volume;
-            (beta >= 0.0 && gamma >= 0.0 && beta + gamma <= 1.0 && distance > near).then_some(distance)
-        };
-        let triangles = self.primitives.iter().flat_map(|of| {
-            let positions = &self.positions[of.first_vertex..];
-            self.triangles(of).map(move |vertices| vertices.map(|vertex| positions[vertex as usize]))
-        });
-        triangles.filter_map(meets).min_by(f64::total_cmp)
-    }
-}
-
 impl PosedPrimitive {
     fn of<'a>(&self, scene: &'a Scene) -> &'a Primitive {
         let [mesh, primitive] = self.index;

@@ -116,10 +116,16 @@ pub struct Step {
 }
 
 impl Step {
-    /// Whether a drag has to be solved for it, unless it came before.
-    pub fn drags_feature(&self) -> bool {
-        matches!(&self.request, Ok(Request::Edit { command: Command::DragFeature { .. }, .. }))
+    /// Whether the scene has something to say of it ([`needs_scene`]), unless it came before.
+    pub fn needs_scene(&self) -> bool {
+        matches!(&self.request, Ok(Request::Edit { command, .. }) if needs_scene(command))
     }
+}
+
+/// Whether only the scene can say what comes of a command, which takes a while: where the drag of a feature leads, or how far a
+/// light reaches that is bent.
+pub fn needs_scene(command: &Command) -> bool {
+    matches!(command, Command::DragFeature { .. } | Command::BendLight { .. })
 }
 
 /// What a message of a client requests. What is wrong with it is for the session to answer, in its turn.

@@ -6,7 +6,8 @@ use document::{BENT_SEGMENTS, Change, Command, EditError, axis_reach, deed, reso
 use glam::{DAffine3, DQuat, DVec3};
 use light::parameters::{COLOR, INTENSITY, RANGE, ROTATION, TRANSLATION};
 use light::{Light, LightError, Owner};
-use scene::{Material, Mesh, Node, PosedScene, Primitive, Scene};
+use raycast::Bvh;
+use scene::{Material, Mesh, Node, Primitive, Scene};
 
 use crate::support::{BENDY, SPOT, checked, done, light_of, refused, sample};
 
@@ -61,7 +62,7 @@ fn what_is_bent_is_not_bent_again_nor_what_is_straight_straightened() {
 }
 
 /// A wall across the axis at z = -4, 2 units wide and high, and a pane in front of it.
-fn room(pane_at: f64) -> Arc<PosedScene> {
+fn room(pane_at: f64) -> Bvh {
     let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     let primitive = Primitive {
         positions: corners.map(glam::Vec3::from_array).into(),
@@ -79,7 +80,7 @@ fn room(pane_at: f64) -> Arc<PosedScene> {
     };
     let meshes = vec![Mesh { name: "wall".into(), primitives: vec![primitive] }];
     let nodes = vec![node(-4.0), node(pane_at)];
-    scene::pose(Scene { materials: vec![Material::default()], meshes, nodes, ..Scene::default() })
+    Bvh::new(scene::pose(Scene { materials: vec![Material::default()], meshes, nodes, ..Scene::default() }))
 }
 
 /// The control points reach to what the axis meets, or past the scene; a log of that needs no scene.
@@ -89,18 +90,17 @@ fn room(pane_at: f64) -> Arc<PosedScene> {
 fn control_points_reach_to_where_the_axis_meets_the_scene() {
     let spot =
         |at: DVec3, yaw: f64| Light::spot().with(TRANSLATION, at).with(ROTATION, DQuat::from_rotation_y(yaw));
-    let reach = |light: &Light, posed: &PosedScene| axis_reach(light, posed);
     let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
     let ahead = spot(DVec3::new(0.3, -0.2, 1.0), 0.0);
-    assert!(close(reach(&ahead, &room(-4.0)), 5.0));
+    assert!(close(axis_reach(&ahead, &room(-4.0)), 5.0));
     // The planted fault: another thing in the way.
-    assert!(close(reach(&ahead, &room(-2.0)), 3.0));
+    assert!(close(axis_reach(&ahead, &room(-2.0)), 3.0));
     // Its own housing does not count.
-    assert!(close(reach(&ahead, &room(0.99)), 5.0));
+    assert!(close(axis_reach(&ahead, &room(0.99)), 5.0));
     // Beside the wall, and looking away from it.
-    assert!(reach(&spot(DVec3::new(3.0, 0.0, 1.0), 0.0), &room(-2.0)) > 5.0);
-    assert!(reach(&spot(DVec3::new(0.0, 0.0, 1.0), std::f64::consts::PI), &room(-2.0)) > 0.0);
-    assert_eq!(reach(&spot(DVec3::Z, std::f64::consts::PI), &PosedScene::default()), 1.0);
+    assert!(axis_reach(&spot(DVec3::new(3.0, 0.0, 1.0), 0.0), &room(-2.0)) > 5.0);
+    assert!(axis_reach(&spot(DVec3::new(0.0, 0.0, 1.0), std::f64::consts::PI), &room(-2.0)) > 0.0);
+    assert_eq!(axis_reach(&spot(DVec3::Z, std::f64::consts::PI), &Bvh::new(Arc::default())), 1.0);
 
     let mut document = sample();
     let command = resolved(bend(None), &document, &room(-3.0));
@@ -121,7 +121,7 @@ fn control_points_reach_to_where_the_axis_meets_the_scene() {
 #[test]
 fn lights_without_a_cone_are_bent_in_the_one_they_are_given() {
     let room = room(-6.0);
-    let middle = room.origin_in_world;
+    let middle = room.posed.origin_in_world;
     let at = DVec3::new(0.0, 3.0, 0.0);
     for light in [Light::omni(), Light::directional()] {
         let light =

@@ -6,7 +6,7 @@ use light::LightId;
 use protocol::{GestureState, GestureStatus};
 
 use super::Room;
-use super::solving::FoundDrag;
+use super::solving::{Found, with_solution};
 use super::tick::{Outgoing, Tick};
 use crate::ServerError;
 use crate::outboxes::ClientId;
@@ -32,7 +32,7 @@ impl Room {
         &mut self,
         id: &str,
         update: u64,
-        (command, solved): (Result<Command, ServerError>, FoundDrag),
+        (command, found): (Result<Command, ServerError>, Found),
         (client, actor): (ClientId, &Actor),
         tick: &mut Tick,
     ) {
@@ -40,7 +40,7 @@ impl Room {
             let error = Refusal::NoGesture(id.to_owned()).into();
             return self.refuse_gesture((id, 0, update), client, &error, tick);
         };
-        match self.updated_gesture(id, update, (command, solved), actor) {
+        match self.updated_gesture(id, update, (command, found), actor) {
             Ok(gesture) => {
                 tick.shows |= shows(&before) || shows(&gesture);
                 self.live_revision = self.live_revision.wrapping_add(1);
@@ -60,11 +60,10 @@ impl Room {
         &mut self,
         id: &str,
         update: u64,
-        (command, solved): (Result<Command, ServerError>, FoundDrag),
+        (command, found): (Result<Command, ServerError>, Found),
         actor: &Actor,
     ) -> Result<Gesture, ServerError> {
-        let command = document::resolved(command?, self.session.document(), &self.scene.decoded.posed);
-        let solved = solved.transpose()?;
+        let (command, solved) = with_solution(command?, found)?;
         let reach = self.scene.decoded.posed.reach();
         let context = Context { reach, loaded: None, solved: solved.as_ref() };
         let now_ms = self.clock_ms();

@@ -120,9 +120,9 @@ impl Room {
                 let Some(step) = batch.steps.as_slice().first() else { break };
                 let solution =
                     self.solution_of_step(step, &batch.principal.actor, &mut batch.solves, tick).await;
-                let Poll::Ready(drag) = solution else { break };
+                let Poll::Ready(found) = solution else { break };
                 let Some(step) = batch.steps.next() else { break };
-                batch.answers.push(self.take_step(step, drag, &batch.principal, tick).await);
+                batch.answers.push(self.take_step(step, found, &batch.principal, tick).await);
             }
             tick.send(Outgoing::Batch(batch));
         }
@@ -136,7 +136,7 @@ impl Room {
         if let Some(sender) = self.clients.get_mut(&client) {
             sender.solves = solves;
         }
-        let Poll::Ready(drag) = solution else { return self.wait_in_line(client, request) };
+        let Poll::Ready(found) = solution else { return self.wait_in_line(client, request) };
         let holder = (client, &principal.actor);
         match request {
             ClientRequest::OpenView { camera, camera_revision, settings, size } => {
@@ -158,14 +158,14 @@ impl Room {
             ClientRequest::Resize(size) => self.views.resize(client, size),
             ClientRequest::Ack(frame) => self.views.acknowledge(client, frame),
             ClientRequest::Step(step) => {
-                let answer = self.take_step(step, drag, &principal, tick).await;
+                let answer = self.take_step(step, found, &principal, tick).await;
                 tick.send(Outgoing::Answer(client, answer));
             }
             ClientRequest::BeginGesture { gesture, light, base_seq } => {
                 self.begin_gesture(&gesture, light, base_seq, holder, tick);
             }
             ClientRequest::UpdateGesture { gesture, update, command } => {
-                self.update_gesture(&gesture, update, (command, drag), holder, tick);
+                self.update_gesture(&gesture, update, (command, found), holder, tick);
             }
             ClientRequest::CancelGesture(gesture) => self.cancel_gesture(&gesture, holder, tick),
             ClientRequest::Select(light) => {

@@ -1,4 +1,5 @@
-//! Who waits while a drag of a feature is solved off the session's task, and who does not.
+//! Who waits while a drag of a feature is solved off the session's task, or a light that is bent looks how far it reaches, and who
+//! does not.
 //!
 //! What a client sends to edit is carried out in order, and so is a program's request. One whose next step waits for a solve
 //! waits as a whole, a client's messages in its line; nobody else does, nor what the client sends besides. Once the solve has
@@ -14,22 +15,22 @@ use tokio::task::{Id, JoinError};
 use super::Room;
 use super::clients::Client;
 use super::message::Message;
-use super::solving::{FoundDrag, Solved, Solves, solve};
+use super::solving::{Found, Solved, Solves, solve};
 use super::tick::Tick;
 use crate::ServerError;
 use crate::limits::{MAX_LINE, MAX_TICK};
 use crate::outboxes::ClientId;
-use crate::request::{ClientRequest, Step};
+use crate::request::{ClientRequest, Step, needs_scene};
 
 impl Room {
-    /// Where the drag in a client's request leads; as [`Self::solution`].
+    /// The solution of a client's request; as [`Self::solution`].
     pub(super) async fn solution_of(
         &mut self,
         request: &ClientRequest,
         actor: &Actor,
         solves: &mut Solves,
         tick: &Tick,
-    ) -> Poll<FoundDrag> {
+    ) -> Poll<Found> {
         match request {
             ClientRequest::Step(step) => self.solution_of_step(step, actor, solves, tick).await,
             ClientRequest::UpdateGesture { gesture, command: Ok(command), .. }
@@ -41,14 +42,14 @@ impl Room {
         }
     }
 
-    /// Where the drag in a step leads; as [`Self::solution`].
+    /// The solution of a step; as [`Self::solution`].
     pub(super) async fn solution_of_step(
         &mut self,
         step: &Step,
         actor: &Actor,
         solves: &mut Solves,
         tick: &Tick,
-    ) -> Poll<FoundDrag> {
+    ) -> Poll<Found> {
         let Ok(request) = &step.request else { return Poll::Ready(None) };
         // What came before is not carried out.
         if tick.earlier_outcome(&step.op_id, actor).is_some() {
@@ -59,7 +60,8 @@ impl Room {
             Request::Edit { command, .. } => Some(command),
             Request::Commit(id) => {
                 of_gesture = self.gesture_of(id, actor).and_then(|gesture| gesture.command);
-                of_gesture.as_ref()
+                // A light that is bent was solved for when it was: nothing is left out of the command.
+                of_gesture.as_ref().filter(|command| !matches!(command, Command::BendLight { .. }))
             }
             Request::Undo(_) | Request::Redo(_) => None,
         };
@@ -69,10 +71,10 @@ impl Room {
         }
     }
 
-    /// Where a command leads if it is the drag of a feature. Where that is not known it is solved beside the session's task, and
-    /// pending until that has ended. Where others keep changing what it depends on, it is solved here in the end, and they wait.
-    pub(super) async fn solution(&mut self, command: &Command, solves: &mut Solves) -> Poll<FoundDrag> {
-        if !matches!(command, Command::DragFeature { .. }) {
+    /// The solution of a command that needs one. Where that is not known it is solved beside the session's task, and pending
+    /// until that has ended. Where others keep changing what it depends on, it is solved here in the end, and they wait.
+    pub(super) async fn solution(&mut self, command: &Command, solves: &mut Solves) -> Poll<Found> {
+        if !needs_scene(command) {
             return Poll::Ready(None);
         }
         let document = self.session.document();
@@ -106,7 +108,7 @@ impl Room {
             Ok((_, solved)) => solved.map_err(|error| error.to_string()),
             Err(fault) => Err(fault.to_string()),
         };
-        solves.end(solved.inspect_err(|why| tracing::error!("a drag was not solved: {why}")).ok());
+        solves.end(solved.inspect_err(|why| tracing::error!("a command was not solved: {why}")).ok());
     }
 
     /// Gives back a client's message that can be carried out now. One that edits waits while others of that client do.

@@ -71,7 +71,7 @@ struct Room {
     views: Views,
     /// What they ask of pixels.
     probes: Probes,
-    /// Drags of theirs that are being solved.
+    /// Commands of theirs that are being solved.
     solving: JoinSet<Result<Solved, ServerError>>,
     last_client: ClientId,
     /// What programs have asked for and is not all carried out, next first.

@@ -1,6 +1,7 @@
-//! Drags of features as they are solved, on threads that may take their time.
+//! What only the scene can say of a command, worked out on threads that may take their time: where the drag of a feature leads,
+//! and how far a light reaches that is bent.
 
-use document::{Command, Document, EditError, SolvedDrag, solve_drag};
+use document::{Command, Document, EditError, SolvedDrag, resolved, solve_drag};
 use tokio::sync::OwnedSemaphorePermit;
 use tokio::task::{AbortHandle, Id, spawn_blocking};
 
@@ -8,12 +9,21 @@ use crate::ServerError;
 use crate::limits::SOLVES_BESIDE;
 use crate::scenes::Decoded;
 
-/// What a drag led to, and from where.
+/// What the scene says of a command.
+#[derive(Clone)]
+pub(super) enum Solution {
+    /// Where the drag of a feature leads.
+    Drag(SolvedDrag),
+    /// How a light is bent: the command with nothing left out.
+    Bend(Command),
+}
+
+/// What a command led to, and from where.
 pub(super) struct Solved {
     command: Command,
     /// What it was solved for.
     document: Document,
-    result: Result<SolvedDrag, EditError>,
+    result: Result<Solution, EditError>,
 }
 
 /// The solves of one who edits in order, a client or a program's request.
@@ -27,20 +37,34 @@ pub(super) struct Solves {
     begun: u32,
 }
 
-/// Where the drag in a request leads; `None` where there is none in it.
-pub(super) type FoundDrag = Option<Result<SolvedDrag, ServerError>>;
+/// The solution of what a request asks for; `None` where that needs none.
+pub(super) type Found = Option<Result<Solution, ServerError>>;
+
+/// A command as it is carried out, and where the drag in it leads.
+pub(super) fn with_solution(
+    command: Command,
+    found: Found,
+) -> Result<(Command, Option<SolvedDrag>), ServerError> {
+    Ok(match found.transpose()? {
+        Some(Solution::Drag(solved)) => (command, Some(solved)),
+        Some(Solution::Bend(command)) => (command, None),
+        None => (command, None),
+    })
+}
 
 impl Solved {
     /// Whether the command would lead to the same from `document`.
     fn answers(&self, command: &Command, document: &Document) -> bool {
-        let Command::DragFeature { light, .. } = command else { return false };
+        let (Command::DragFeature { light, .. } | Command::BendLight { light, .. }) = command else {
+            return false;
+        };
         self.command == *command
             && self.document.scene() == document.scene()
             && self.document.lights().get(light) == document.lights().get(light)
             && self.document.pins_of(*light).eq(document.pins_of(*light))
     }
 
-    pub fn answer(&self) -> Result<SolvedDrag, ServerError> {
+    pub fn answer(&self) -> Result<Solution, ServerError> {
         self.result.clone().map_err(|refused| edit::Refusal::from(refused).into())
     }
 }
@@ -52,11 +76,7 @@ impl Solves {
     }
 
     /// What was found of the command last, if it would lead to the same from `document`.
-    pub fn found(
-        &mut self,
-        command: &Command,
-        document: &Document,
-    ) -> Option<Result<SolvedDrag, ServerError>> {
+    pub fn found(&mut self, command: &Command, document: &Document) -> Found {
         let last = self.last.as_deref().filter(|last| last.answers(command, document))?;
         self.begun = 0;
         Some(last.answer())
@@ -97,18 +117,22 @@ impl Solves {
     }
 }
 
-/// Solves a drag, on a thread that may take its time.
+/// Solves a command that needs it, on a thread that may take its time.
 pub(super) async fn solve(
     command: Command,
     document: Document,
     scene: Decoded,
     turn: Option<OwnedSemaphorePermit>,
 ) -> Result<Solved, ServerError> {
-    let Command::DragFeature { light, drag } = &command else { return Err(ServerError::Fault) };
-    let (light, drag, bvh) = (*light, drag.clone(), scene.bvh().await?);
+    let bvh = scene.bvh().await?;
     let solving = spawn_blocking(move || {
         let _turn = turn;
-        let result = solve_drag(&document, light, &drag, &bvh);
+        let result = match &command {
+            Command::DragFeature { light, drag } => {
+                solve_drag(&document, *light, drag, &bvh).map(Solution::Drag)
+            }
+            other => Ok(Solution::Bend(resolved(other.clone(), &document, &bvh))),
+        };
         Solved { command, document, result }
     });
     solving.await.map_err(|_| ServerError::Fault)

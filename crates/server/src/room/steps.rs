@@ -4,13 +4,13 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use document::{Change, Command, Context, SceneContents, SolvedDrag};
+use document::{Change, Command, Context, SceneContents};
 use edit::{Actor, Record, Request, Sources, TakenBack};
 use protocol::{EditResult, GestureStatus, Outcome, ServerMessage, SessionCheckpoint};
 use store::Rejection;
 use tokio::task::spawn_blocking;
 
-use super::solving::FoundDrag;
+use super::solving::{Found, Solution, with_solution};
 use super::tick::{Answer, EarlierOutcomes, OperationKey, Outgoing, Tick, refused};
 use super::{OpenScene, Room};
 use crate::ServerError;
@@ -18,13 +18,11 @@ use crate::access::Principal;
 use crate::limits::{CHECKPOINT_AFTER_BYTES, CHECKPOINT_AFTER_RECORDS};
 use crate::request::Step;
 
-/// What a request needs of other places, found before it is carried out.
+/// What a request needs of the store, found before it is carried out.
 #[derive(Default)]
-struct Found {
+struct Sourced {
     /// What comes with the scene that it loads.
     loaded: Option<Arc<SceneContents>>,
-    /// Where the drag of a feature leads.
-    solved: Option<SolvedDrag>,
     taken_back: Option<TakenBack>,
 }
 
@@ -48,16 +46,16 @@ impl Room {
     }
 
     /// Carries out a request for a record, unless it came before; its answer, to be sent once the tick is committed.
-    /// `solved` is where the drag in it leads.
+    /// `found` is its solution.
     pub(super) async fn take_step(
         &mut self,
         step: Step,
-        solved: FoundDrag,
+        found: Found,
         principal: &Principal,
         tick: &mut Tick,
     ) -> Answer {
         let Step { op_id, request } = step;
-        let request = request.map(|request| (request, solved));
+        let request = request.map(|request| (request, found));
         let (outcome, is_new) = self.outcome_of(&op_id, request, &principal.actor, tick).await;
         Answer { result: EditResult { op_id, outcome }, is_new }
     }
@@ -66,7 +64,7 @@ impl Room {
     async fn outcome_of(
         &mut self,
         op_id: &str,
-        request: Result<(Request, FoundDrag), ServerError>,
+        request: Result<(Request, Found), ServerError>,
         actor: &Actor,
         tick: &mut Tick,
     ) -> (Outcome, bool) {
@@ -75,7 +73,7 @@ impl Room {
         }
         let key = (actor.id.clone(), op_id.to_owned());
         let carried_out = match request {
-            Ok((request, solved)) => self.carry_out(request, solved, actor, op_id, tick).await,
+            Ok((request, found)) => self.carry_out(request, found, actor, op_id, tick).await,
             Err(error) => Err(error),
         };
         let outcome = match carried_out {
@@ -97,28 +95,29 @@ impl Room {
     async fn carry_out(
         &mut self,
         request: Request,
-        solved: FoundDrag,
+        found: Found,
         actor: &Actor,
         op_id: &str,
         tick: &mut Tick,
     ) -> Result<Record, ServerError> {
-        let request = match request {
+        let (request, solved) = match request {
             Request::Edit { base_seq, command } => {
-                let posed = &self.scene.decoded.posed;
-                Request::Edit {
-                    base_seq,
-                    command: document::resolved(command, self.session.document(), posed),
-                }
+                let (command, solved) = with_solution(command, found)?;
+                (Request::Edit { base_seq, command }, solved)
             }
-            request => request,
+            // What stands in its way now is said where the gesture ends.
+            Request::Commit(_) => match found {
+                Some(Ok(Solution::Drag(solved))) => (request, Some(solved)),
+                _ => (request, None),
+            },
+            Request::Undo(_) | Request::Redo(_) => (request, None),
         };
-        let found = self.find_for(&request, solved, actor, tick).await?;
+        let Sourced { loaded, taken_back } = self.sources_of(&request, actor, tick).await?;
         let held = match &request {
             Request::Commit(id) => self.gesture_of(id, actor),
             Request::Edit { .. } | Request::Undo(_) | Request::Redo(_) => None,
         };
         tick.before.get_or_insert_with(|| Box::new((self.session.clone(), self.scene.clone())));
-        let Found { loaded, solved, taken_back } = found;
         let reach = self.scene.decoded.posed.reach();
         let context = Context { reach, loaded: loaded.as_deref(), solved: solved.as_ref() };
         let sources = Sources { context, taken_back };
@@ -162,15 +161,14 @@ impl Room {
         tick.records.push(Arc::new(record.clone()));
     }
 
-    /// The scenes that a request loads, decoded, where its drag leads, and the record that it takes back.
-    async fn find_for(
+    /// The scenes that a request loads, decoded, and the record that it takes back.
+    async fn sources_of(
         &self,
         request: &Request,
-        solved: FoundDrag,
         actor: &Actor,
         tick: &Tick,
-    ) -> Result<Found, ServerError> {
-        let mut found = Found::default();
+    ) -> Result<Sourced, ServerError> {
+        let mut found = Sourced::default();
         if matches!(request, Request::Undo(_) | Request::Redo(_)) {
             found.taken_back = self.taken_back(request, &actor.id, &tick.records).await?;
             for change in found.taken_back.iter().flat_map(|taken| &taken.changes) {
@@ -180,12 +178,6 @@ impl Room {
                 }
             }
         }
-        found.solved = match request {
-            Request::Edit { .. } => solved.transpose()?,
-            // What stands in its way now is said where the gesture ends.
-            Request::Commit(_) => solved.and_then(Result::ok),
-            Request::Undo(_) | Request::Redo(_) => None,
-        };
         if let Request::Edit { command: Command::LoadScene { asset, .. }, .. } = request {
             found.loaded = Some(self.backend.scenes.load(*asset).await?.contents);
         }

@@ -59,7 +59,7 @@ pub(super) struct Batch {
     pub done: Vec<EditResult>,
     /// What became of those in this tick.
     pub answers: Vec<Answer>,
-    /// Of the drags in it.
+    /// Of what in it needs them.
     pub solves: Solves,
     pub reply: Reply<EditResults>,
 }
@@ -110,11 +110,11 @@ impl Batch {
         Self { principal, steps: steps.into_iter(), done, answers, solves, reply }
     }
 
-    /// The steps that a tick with room for `share` can come to: up to the next drag, which waits for its solve then.
+    /// The steps that a tick with room for `share` can come to: up to the next that waits to be solved then.
     pub fn next_steps(&self, share: usize) -> &[Step] {
         let steps = self.steps.as_slice();
-        let next_drag = steps.iter().skip(1).position(Step::drags_feature);
-        let up_to_it = next_drag.map_or(steps.len(), |between| between + 2);
+        let next_solve = steps.iter().skip(1).position(Step::needs_scene);
+        let up_to_it = next_solve.map_or(steps.len(), |between| between + 2);
         &steps[..up_to_it.min(share)]
     }
 }
