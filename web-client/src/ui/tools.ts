@@ -48,7 +48,8 @@ function takeFeature(page: Page, kind: DragKind, question: PixelQuestion): Taken
   const { session, toolbox } = page;
   const way: Pixel = { x: 0, y: 0 };
   let drag: Drag | null = null;
-  let finish: ((drag: Drag) => void) | null = null;
+  let isLetGo = false;
+  let isCancelled = false;
 
   function update(): void {
     const { value: dragged } = toolbox.dragged;
@@ -76,19 +77,27 @@ function takeFeature(page: Page, kind: DragKind, question: PixelQuestion): Taken
     toolbox.dragged.value = { kind, id, light, from, to: from, seen };
     drag = session.drag(id);
     update();
-    if (finish !== null) leave(finish);
+    if (isLetGo) end();
   }
 
-  function leave(how: (drag: Drag) => void): void {
-    finish = how;
+  function end(): void {
+    isLetGo = true;
     if (drag === null) return;
     toolbox.dragged.value = null;
-    how(drag);
+    drag.commit();
+  }
+
+  function cancel(): void {
+    isCancelled = true;
+    if (drag === null) return;
+    toolbox.dragged.value = null;
+    drag.cancel();
   }
 
   toolbox.said.value = null;
   session.probe("tool", { ...question, highlights: kind === "highlight" }, (found) => {
-    if (found === null) return;
+    // Of two fingers the second has cancelled what the first has asked: nothing is to come of it.
+    if (found === null || isCancelled) return;
     const taken = takenLight(kind, found, page.selectedLight.value);
     if (taken !== null) begin(taken);
     else toolbox.said.value = nothingTaken(kind, found);
@@ -99,8 +108,8 @@ function takeFeature(page: Page, kind: DragKind, question: PixelQuestion): Taken
       way.y += by.y;
       update();
     },
-    end: () => leave((drag) => drag.commit()),
-    cancel: () => leave((drag) => drag.cancel()),
+    end,
+    cancel,
   };
 }
 

@@ -1,6 +1,6 @@
 // Shadows, hotspots and highlights are taken in the picture and put elsewhere, and what is pinned stays.
 
-import { expect, reached, runBrowserTest, seqOf, settled, state } from "./page.mjs";
+import { expect, fingers, reached, runBrowserTest, seqOf, settled, state } from "./page.mjs";
 
 /** In the shadow of the blue vase's neck. */
 const SHADOW = [430.5, 265.5];
@@ -13,6 +13,7 @@ await runBrowserTest(async ({ open, picture, http }) => {
   await pins(page, picture, http);
   await aHighlight(page, picture, http);
   await keys(page, picture);
+  await byFinger(open, http);
 });
 
 /** Where the pixels of a picture of 640 by 360, all of which is in sight, are on the stage. */
@@ -226,4 +227,30 @@ async function keys(page, picture) {
     (await page.getByRole("button", { name: "Select tool" }).getAttribute("aria-pressed")) === "true",
     "Escape must put the tool away.",
   );
+}
+
+/** A finger drags as a mouse does; two are for the view, and what the first has asked comes to nothing. */
+async function byFinger(open, http) {
+  const context = { hasTouch: true, isMobile: true };
+  const page = await open("Ada's fingers", { width: 820, height: 760 }, { context });
+  const touch = await fingers(page);
+  const seq = await seqOf(page);
+  await page.getByRole("button", { name: "Shadow tool" }).tap();
+  const [shadow, there] = [await onStage(page, ...SHADOW), await onStage(page, 410.5, 300.5)];
+  await touch([[shadow, there]]);
+  await reached(page, seq + 1);
+  const { action } = await latest(http, seq + 1);
+  expect(action.outcome.status === "landed", `It must land: ${JSON.stringify(action)}`);
+  await settled(page, seq + 1);
+
+  const { cameraRevision } = await state(page);
+  const [left, right] = [await onStage(page, 330, 330), await onStage(page, 380, 330)];
+  await touch([
+    [left, { x: left.x - 20, y: left.y }],
+    [right, { x: right.x + 20, y: right.y }],
+  ]);
+  await settled(page);
+  expect((await state(page)).cameraRevision !== cameraRevision, "Two fingers must zoom.");
+  expect((await page.getByText("No shadow falls here").count()) === 0, "The tool must not speak of a pinch.");
+  expect((await seqOf(page)) === seq + 1, "A pinch must drag nothing.");
 }
