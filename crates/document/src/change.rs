@@ -287,7 +287,8 @@ fn sentence(reason: Refusal) -> String {
         Refusal::NothingAtStart => "there is no surface where the drag begins: begin on one".into(),
         Refusal::NothingAtEnd => "there is no surface under the cursor: go where one is".into(),
         Refusal::OutsideTheLight => {
-            "the surface where the drag begins is not in its light: begin on one that is".into()
+            "the surface where the drag begins is not in its light or left out by its links: begin on another"
+                .into()
         }
         Refusal::NoShadow => "it throws no shadow where the drag begins: begin in one of its shadows".into(),
         Refusal::NotBendy => "it has no control points: drag it as a whole, or bend it first".into(),

@@ -7,8 +7,8 @@ use document::{
 };
 use drag::{Feature, Limit, Pin, PinKind, Radii, Refusal, SOLVER, Status, Viewport};
 use glam::{DQuat, DVec2, DVec3};
-use light::parameters::{POSITION, ROTATION, TRANSLATION};
-use light::{CheckedLight, Light, LightId};
+use light::parameters::{LIGHT_LINK, POSITION, ROTATION, TRANSLATION};
+use light::{CheckedLight, Light, LightId, Links};
 use raycast::Bvh;
 
 use crate::support::done;
@@ -149,6 +149,28 @@ fn what_cannot_be_dragged_is_refused_and_says_why() {
     assert!(matches!(error, EditError::NotSolved(_)));
     let nobodys = Command::DragFeature { light: LightId(9), drag: Box::new(shadow(None, 9.0)) };
     assert!(matches!(edited(&before, &nobodys, Context::default()), Err(EditError::NoLight(LightId(9)))));
+}
+
+/// What a probe calls unlinked is no place to drag from, whatever stands in the light's way there.
+///
+/// Rules: CMD-15, DRAG-4, LINK-2
+#[test]
+fn nothing_is_dragged_from_a_surface_that_links_leave_out() {
+    let linked_but = |left_out: &str| {
+        let mut document = document();
+        let setting = LIGHT_LINK.to(Links::new(vec![], vec![left_out.into()]));
+        done(&mut document, &Command::SetLight { light: LIGHT, setting });
+        document
+    };
+    let before = linked_but("table");
+    for points in [None, Some(vec![2, 3, 4])] {
+        let error = dragged(&before, &shadow(points.clone(), 45.0)).map(|_| ()).expect_err("unlinked");
+        let reason = Refusal::OutsideTheLight;
+        assert_eq!(error, EditError::NotDragged { light: before.light_name(LIGHT), reason });
+        assert!(error.to_string().contains("left out by its links"), "{error}");
+        // The planted fault: it is the table that the shadow lies on.
+        dragged(&linked_but("orange vase"), &shadow(points, 45.0)).expect("it lands");
+    }
 }
 
 /// The demo's camera, turned up.
