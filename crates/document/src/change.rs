@@ -285,7 +285,10 @@ impl Change {
 fn sentence(reason: Refusal) -> String {
     match reason {
         Refusal::NothingAtStart => "there is no surface where the drag begins: begin on one".into(),
-        Refusal::NothingAtEnd => "there is no surface under the cursor: go where one is".into(),
+        Refusal::NothingAtEnd => {
+            "there is no surface under the cursor, or its links leave that out: go to one that it lights"
+                .into()
+        }
         Refusal::OutsideTheLight => {
             "the surface where the drag begins is not in its light or left out by its links: begin on another"
                 .into()

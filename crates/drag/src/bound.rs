@@ -28,17 +28,15 @@ pub(crate) fn hard(value: f64, limit: Limit) -> Bound {
     Bound { value, limit, give: 0.0 }
 }
 
-/// What a place needs to have light: ways that do not meet, and no end of the light before it. What limits is `of`
-/// something, with how softly it gives way, or the feature's own.
+/// What a place needs to have light: ways that do not meet, and no end of the light before it. `fold` and `edge` say what limits,
+/// and `give` how softly.
 pub(crate) fn bounds_of_place(
     placed: &Placed,
     place: &Place,
-    of: Option<(Limit, f64)>,
+    ([fold, edge], give): ([Limit; 2], f64),
     room: f64,
     bounds: &mut Vec<Bound>,
 ) {
-    let (fold, give) = of.unwrap_or((Limit::Fold, 0.0));
-    let edge = of.map_or(Limit::TubeEdge, |(limit, _)| limit);
     bounds.extend([
         Bound { value: place.spread - LEAST_SPREAD, limit: fold, give },
         Bound { value: 1.0 - INSIDE - placed.out2(place) + room, limit: edge, give },
@@ -46,11 +44,9 @@ pub(crate) fn bounds_of_place(
     ]);
 }
 
-/// That a place lies farther along the light than what shadows it.
-pub(crate) fn behind(place: &Place, pivot: &Place, was: &Place, of: Option<(Limit, f64)>) -> Bound {
-    let value = (place.t - pivot.t) / was.t.max(f64::MIN_POSITIVE) - BEHIND;
-    let (limit, give) = of.unwrap_or((Limit::TubeEdge, 0.0));
-    Bound { value, limit, give }
+/// How much farther along the light a place lies than what shadows it.
+pub(crate) fn behind(place: &Place, pivot: &Place, was: &Place) -> f64 {
+    (place.t - pivot.t) / was.t.max(f64::MIN_POSITIVE) - BEHIND
 }
 
 /// How far a way lies from a place, in radii that the light had where it `was`.

@@ -1,13 +1,35 @@
-//! Control points that are dragged themselves: as near to the cursor as the tube may follow.
+//! As near to the cursor as limits let the light: where a feature cannot lie under it, and control points that are dragged
+//! themselves.
 
 use glam::DVec3;
 use light::CheckedLight;
 
-use crate::goal::{Asked, Goal};
+use crate::goal::{Asked, Goal, Near};
+use crate::matrix::length;
 use crate::moves::Moves;
 use crate::place::Placed;
+use crate::quadratic::{Counting, Hold};
 use crate::request::{Limit, Radii};
-use crate::solve::solve_position;
+use crate::solve::{At, DIFFERENCES, IN_JUMPS, Solution, back, begin, length_between, trace_of};
+
+/// Halvings between the last place on a straight way that can be had and the wall.
+const TO_THE_WALL: usize = 20;
+
+/// Steps where nothing lands: on the way, and at its end until they are [`STILL`], so many at most.
+const GLIDING: usize = 24;
+const SETTLING: usize = 40;
+
+/// A step this small is none, in the units of what moves.
+const STILL: f64 = 1e-7;
+
+/// The longest step.
+const LONGEST: f64 = 0.03;
+
+/// How softly the feature pulls there, as a share of the trace of `J J^T`: what helps little is not done.
+const GIVE_WAY: f64 = 1e-2;
+
+/// Quarterings of a step that makes nothing better.
+const QUARTERINGS: usize = 4;
 
 /// What came of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,4 +79,100 @@ pub fn glide(light: &CheckedLight, point: usize, to: DVec3, radii: Radii) -> Opt
     let light = moved.unwrap_or_else(|_| light.clone());
     let short_by = light.light().points()[point].position.distance(to);
     Some(Glided { light, limit: Some(found.held_by.unwrap_or(Limit::NoDescent)), short_by })
+}
+
+/// Straight to where the control point first meets a limit, which of each share of the way is one place to look at, and on along that.
+fn solve_position(goal: &Goal, near: &Near, way: &[f64]) -> Option<Solution> {
+    let mut found = Solution { at: begin(goal, near)?, held_by: None, iterations: 0 };
+    let at = |share: f64| {
+        let x: Vec<f64> = way.iter().map(|way| way * share).collect();
+        let at = At { evaluation: goal.evaluate(&x, share, near)?, x };
+        at.is_there().then_some(at)
+    };
+    let places = IN_JUMPS.count(goal);
+    let mut share = 0.0;
+    let mut step = 1.0 / places;
+    for _ in 0..places as usize + TO_THE_WALL {
+        match at(share + step).filter(|_| share + step <= 1.0) {
+            Some(next) => (found.at, share) = (next, share + step),
+            None => step *= 0.5,
+        }
+    }
+    found.glide(goal, share);
+    Some(found)
+}
+
+/// What is least where a light glides to.
+struct Cost<'a> {
+    /// Where it could go no further with the feature where it should be.
+    wall: &'a [f64],
+    /// What a change from there costs beside what is off.
+    give: f64,
+}
+
+impl Cost<'_> {
+    /// How far the feature stays off, squared, and what the light's change and all that is soft cost beside that.
+    fn of(&self, at: &At) -> f64 {
+        let rows = at.evaluation.residual.iter().zip(at.evaluation.rows.iter());
+        let of_rows = rows.map(|(off, row)| if let Hold::Soft(give) = row { off * off / give } else { 0.0 });
+        let springs = at.evaluation.bounds.iter().filter(|bound| bound.give > 0.0);
+        let of_springs = springs.map(|bound| {
+            let broken = bound.value.min(0.0);
+            broken * broken / bound.give
+        });
+        let soft: f64 = of_rows.chain(of_springs).sum();
+        let (off, gone) = (at.off(), length_between(&at.x, self.wall));
+        off * off + self.give * (gone * gone + soft)
+    }
+}
+
+impl Solution {
+    /// Goes on where nothing more has the feature where it should be, to where it is off the least: weighed against how far the light
+    /// goes for that, so that it neither jumps nor runs away for little. Where the feature should be need not be in the light there.
+    pub fn glide(&mut self, to_land: &Goal, from: f64) {
+        let wall = self.at.x.clone();
+        let Some(evaluation) = to_land.evaluate(&wall, from, &self.at.evaluation.near) else { return };
+        let pull = trace_of(&to_land.linear(&wall, from, &evaluation, DIFFERENCES[0]));
+        let cost = Cost { wall: &wall, give: GIVE_WAY * pull };
+        let goal = to_land.gliding(cost.give);
+        for step in 1..=GLIDING {
+            let share = from + (1.0 - from) * step as f64 / GLIDING as f64;
+            self.nearer(&goal, share, &cost, LONGEST);
+        }
+        let mut longest = LONGEST;
+        for _ in 0..SETTLING {
+            match self.nearer(&goal, 1.0, &cost, longest) {
+                Some(moved) if moved > STILL => longest = (2.0 * moved).min(LONGEST),
+                _ => break,
+            }
+        }
+        if let (Asked::Feature(_), Some(at)) = (&to_land.asked, self.reach(to_land, 1.0, Counting::Firm)) {
+            self.at = at;
+        }
+    }
+
+    /// A step that costs less, and how long it is; `None` where there is none.
+    fn nearer(&mut self, goal: &Goal, share: f64, cost: &Cost, longest: f64) -> Option<f64> {
+        self.iterations += 1;
+        self.at.evaluation = goal.evaluate(&self.at.x, share, &self.at.evaluation.near)?;
+        let at = self.at.clone();
+        let linear = goal.linear(&at.x, share, &at.evaluation, DIFFERENCES[0]);
+        let x = self.wanted(goal, cost.wall, &at, &linear, (cost.give, Counting::All));
+        let way: Vec<f64> = x.iter().zip(&at.x).map(|(wanted, x)| wanted - x).collect();
+        let mut factor = (longest / length(&way)).min(1.0);
+        for _ in 0..QUARTERINGS {
+            let x: Vec<f64> = at.x.iter().zip(&way).map(|(x, way)| x + factor * way).collect();
+            let next = goal.evaluate(&x, share, &at.evaluation.near).map(|evaluation| At { x, evaluation });
+            if let Some(next) = next {
+                let next = back(goal, share, &linear, &next, Counting::Fixed).unwrap_or(next);
+                if next.is_allowed() && (cost.of(&next) < cost.of(&at) || !at.is_allowed()) {
+                    let moved = length_between(&next.x, &at.x);
+                    self.at = next;
+                    return Some(moved);
+                }
+            }
+            factor *= 0.25;
+        }
+        None
+    }
 }

@@ -39,6 +39,8 @@ pub(crate) struct Goal<'a> {
     pub cuts: Vec<Cut>,
     /// Where two segments of a tube meet, and which of the followed places is to stay there: the feature's or its pivot's.
     joint: Option<(usize, f64)>,
+    /// How softly the place under the cursor keeps within the light; 0 where a drag is to land, and not at all softly then.
+    give_of_place: f64,
 }
 
 /// What is asked.
@@ -93,22 +95,25 @@ impl Taken {
         placed: &Placed,
         share: f64,
         near: [f64; 2],
-        bounds: &mut Vec<Bound>,
+        (bounds, give): (&mut Vec<Bound>, f64),
     ) -> Option<(DVec2, [f64; 2])> {
         let (point, direction) = self.target(share);
         let place = placed.locate(point, Some(near[0]))?;
-        bounds_of_place(placed, &place, None, ON_THE_WAY * (1.0 - share), bounds);
+        let room = ON_THE_WAY * (1.0 - share);
+        bounds_of_place(placed, &place, ([Limit::Fold, Limit::TubeEdge], give), room, bounds);
         let across_off = |across: DVec2| across_off(across, &place, &self.place);
         let mut pivot_t = near[1];
         let off = match (self.feature, self.pivot) {
             (Feature::Shadow, Some(pivot)) => {
                 let pivot = placed.locate(pivot, Some(near[1]))?;
                 pivot_t = pivot.t;
-                let behind = behind(&place, &pivot, &self.place, None);
-                let room = ON_THE_WAY * (1.0 - share);
-                bounds.push(Bound { value: behind.value + room, ..behind });
                 // What throws it is in the light too.
-                bounds.push(hard(pivot.from_ends.min(1.0) - INSIDE + room, Limit::TubeEdge));
+                let values = [behind(&place, &pivot, &self.place), pivot.from_ends.min(1.0) - INSIDE];
+                bounds.extend(values.map(|value| Bound {
+                    value: value + room,
+                    limit: Limit::TubeEdge,
+                    give,
+                }));
                 across_off(pivot.across)
             }
             (Feature::Shadow | Feature::Hotspot, _) => -across_off(self.place.across),
@@ -139,13 +144,29 @@ impl<'a> Goal<'a> {
     ) -> Self {
         let folds = start.tube().map_or_else(Vec::new, light::Tube::r_kappa_max);
         let rows = rows(&asked, &pins);
-        Self { asked, start, moves, placed, folds, pins, rows, cuts: Vec::new(), joint: None }
+        Self {
+            asked,
+            start,
+            moves,
+            placed,
+            folds,
+            pins,
+            rows,
+            cuts: Vec::new(),
+            joint: None,
+            give_of_place: 0.0,
+        }
     }
 
     /// The same with a followed place at a joint of the tube.
     pub fn at_joint(&self, joint: (usize, f64)) -> Self {
         let rows = self.rows.iter().copied().chain([Hold::Fixed]).collect();
         Self { joint: Some(joint), rows, ..self.clone() }
+    }
+
+    /// The same where the place under the cursor need not be within the light.
+    pub fn gliding(&self, give: f64) -> Self {
+        Self { give_of_place: give, ..self.clone() }
     }
 
     /// How the light with `x` does at a share of the way; `None` where it cannot be evaluated.
@@ -158,7 +179,7 @@ impl<'a> Goal<'a> {
         let placed = self.placed.with(&rays);
         let mut bounds = self.shape_bounds(&rays, x);
         let mut followed = Near::with_capacity(near.len());
-        let (off, at) = taken.off(&placed, share, near[0], &mut bounds)?;
+        let (off, at) = taken.off(&placed, share, near[0], (&mut bounds, self.give_of_place))?;
         let mut residual = off.to_array().to_vec();
         followed.push(at);
         for (pin, near) in self.pins.iter().zip(&near[1..]) {

@@ -35,4 +35,4 @@ pub use request::{Drag, Feature, Landing, Limit, Pin, PinKind, Radii, Refusal, S
 
 /// What solves drags of features: its name and its version, which grows with every change after which a drag may give another
 /// light.
-pub const SOLVER: (&str, u32) = ("flow", 1);
+pub const SOLVER: (&str, u32) = ("flow", 2);

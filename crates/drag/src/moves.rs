@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use light::parameters::{ROTATION, TRANSLATION};
-use light::{CheckedLight, ControlPoint, Light, Rays, Tube, folds_of_segments};
+use light::{CheckedLight, ControlPoint, Light, Rays, folds_of_segments};
 
 use crate::request::Radii;
 
@@ -36,21 +36,24 @@ impl Moves {
 
     /// The light with them; a tube that folds is one too.
     pub fn light(&self, start: &Light, x: &[f64]) -> Light {
+        if let Self::Points { .. } = self {
+            let moved = self.points(start, x);
+            return start.clone().with_points(|index, point| *point = moved[index]);
+        }
+        let (translation, rotation) = self.placement(start, x);
+        let turned = start.clone().with(ROTATION, rotation);
+        if translation == start.get(TRANSLATION) { turned } else { turned.with(TRANSLATION, translation) }
+    }
+
+    /// Where the light's source is with them, and how it is turned.
+    fn placement(&self, start: &Light, x: &[f64]) -> (DVec3, DQuat) {
+        let (translation, rotation) = (start.get(TRANSLATION), start.get(ROTATION));
+        let turned =
+            |by: &[f64]| (DQuat::from_scaled_axis(DVec3::from_slice(by)) * rotation.normalize()).normalize();
         match self {
-            Self::Rigid { unit } => {
-                let way = DVec3::from_slice(&x[..3]) * *unit;
-                let turn = DQuat::from_scaled_axis(DVec3::from_slice(&x[3..]));
-                let rotation = (turn * start.get(ROTATION).normalize()).normalize();
-                start.clone().with(TRANSLATION, start.get(TRANSLATION) + way).with(ROTATION, rotation)
-            }
-            Self::Turn => {
-                let turn = DQuat::from_scaled_axis(DVec3::from_slice(x));
-                start.clone().with(ROTATION, (turn * start.get(ROTATION).normalize()).normalize())
-            }
-            Self::Points { .. } => {
-                let moved = self.points(start, x);
-                start.clone().with_points(|index, point| *point = moved[index])
-            }
+            Self::Rigid { unit } => (translation + DVec3::from_slice(&x[..3]) * *unit, turned(&x[3..])),
+            Self::Turn => (translation, turned(x)),
+            Self::Points { .. } => (translation, rotation),
         }
     }
 
@@ -71,11 +74,11 @@ impl Moves {
 
     /// How points are found in the light with them; `None` where it cannot be evaluated.
     pub fn rays(&self, start: &CheckedLight, x: &[f64]) -> Option<Rays> {
-        if let Self::Points { .. } = self {
-            return Tube::new(&self.light(start.light(), x)).ok().map(Rays::Bent);
+        if let (Self::Points { .. }, Some(tube)) = (self, start.tube()) {
+            return tube.with_points(start.light(), &self.points(start.light(), x)).ok().map(Rays::Bent);
         }
-        let moved = self.light(start.light(), x);
-        let (translation, rotation) = (moved.get(TRANSLATION), DMat3::from_quat(moved.get(ROTATION)));
+        let (translation, rotation) = self.placement(start.light(), x);
+        let rotation = DMat3::from_quat(rotation);
         let mut rays = start.rays().clone();
         match &mut rays {
             Rays::Bent(tube) => {

@@ -164,13 +164,12 @@ impl Pinned {
         } else {
             (placed.locate(self.point, Some(near[0]))?, 0.0)
         };
-        let of = Some((Limit::Pin(self.index), self.give()));
-        bounds_of_place(placed, &place, of, 0.0, bounds);
+        let bound = |value| Bound { value, limit: Limit::Pin(self.index), give: self.give() };
+        bounds_of_place(placed, &place, ([Limit::Pin(self.index); 2], self.give()), 0.0, bounds);
         if self.kind == PinKind::Lit {
             bounds.extend(self.normals.map(|normal| {
                 let least = FROM_EDGE.min(0.5 * self.place.along_path.dot(normal));
-                let value = place.along_path.dot(normal) - least;
-                Bound { value, limit: Limit::Pin(self.index), give: self.give() }
+                bound(place.along_path.dot(normal) - least)
             }));
         }
         let mut pivot_t = near[1];
@@ -181,7 +180,7 @@ impl Pinned {
             (PinKind::Shadow, Some((pivot, _))) => {
                 let pivot = placed.locate(pivot, Some(near[1]))?;
                 pivot_t = pivot.t;
-                bounds.push(behind(&place, &pivot, &self.place, of));
+                bounds.push(bound(behind(&place, &pivot, &self.place)));
                 residual.extend(across_off(pivot.across, &place, &self.place).to_array());
             }
             _ => {}

@@ -1,7 +1,7 @@
 //! From where a drag began to where the cursor is, in steps that are solved one after the other.
 
 use crate::bound::Bound;
-use crate::goal::{Asked, Evaluation, Goal, Near};
+use crate::goal::{Evaluation, Goal, Near};
 use crate::matrix::{dot, length};
 use crate::quadratic::{Counting, Hold, Linear, Values, smallest};
 use crate::request::Limit;
@@ -11,15 +11,22 @@ use crate::start::rigid_start;
 /// A residual this small is none, in radii or radians.
 const NOTHING: f64 = 1e-10;
 
-/// The longest step at a time, in the units of what moves, where the feature stays where it should be, and where it does not.
-const LONGEST_STEP: [f64; 2] = [0.25, 0.03];
+/// The longest step at a time, in the units of what moves.
+const LONGEST_STEP: f64 = 0.25;
 
-/// How far places on the way are apart, in radii or radians, and how many there are.
-const BETWEEN_PLACES: f64 = 0.1;
-const PLACES: [f64; 2] = [4.0, 48.0];
+/// How far places on a way are apart, in radii or radians, and how many there are at least and at most: where the light goes evenly,
+/// and where it may jump. What it goes by joints and along limits is as rough as the places are far apart.
+const EVENLY: Places = Places { apart: 0.025, least: 16.0, most: 96.0 };
+pub(crate) const IN_JUMPS: Places = Places { apart: 0.1, least: 4.0, most: 48.0 };
 
-/// Quarterings of a way to the next place that cannot be gone.
-const QUARTERINGS: usize = 4;
+/// How much faster than so far a light that goes evenly may go, and how far in any case, as a share of what it has gone from place to
+/// place.
+const FASTER: f64 = 4.0;
+const SMALL_JUMP: f64 = 0.5;
+
+/// Parts of a way to the next place that are tried, each a quarter of the one before: where the light goes evenly, and where it may
+/// jump.
+const PARTS: [usize; 2] = [2, 4];
 
 /// Newton's steps to a place, and over how far each takes differences. Where two segments of a tube meet slopes jump: what
 /// is linear on one side leads nowhere on the other, and what is on the mean over both does.
@@ -28,25 +35,8 @@ pub(crate) const DIFFERENCES: [f64; 6] = [1e-6, 1e-6, 1e-6, 1e-3, 1e-2, 5e-2];
 /// How far from a joint, in segments, a place may go on along that.
 const NEAR_JOINT: f64 = 0.1;
 
-/// Halvings between the last place on a straight way that can be had and the wall.
-const TO_THE_WALL: usize = 20;
-
 /// Steps from one place to the nearest at which all holds, with one Jacobian.
 const STEPS_BACK: usize = 8;
-
-/// Steps where nothing lands: so many on the way, whatever is left of it, so that the light's end is continuous; and at its end
-/// until they are [`STILL`], so many at most.
-const GLIDING: usize = 24;
-const SETTLING: usize = 40;
-
-/// A step this small is none.
-const STILL: f64 = 1e-7;
-
-/// How softly the feature pulls there, as a share of the trace of `J J^T`: what helps little is not done.
-const GIVE_WAY: f64 = 1e-2;
-
-/// Halvings of such a step that breaks something.
-const HALVINGS: usize = 4;
 
 /// Steps in which a change becomes smaller, and by which share each.
 const SHRINKING: usize = 24;
@@ -92,7 +82,7 @@ pub(crate) fn solve(goal: &mut Goal, near: &Near, sight: &Sight) -> Option<Solut
         found = solve_within(goal, near)?;
         found.iterations += iterations;
     }
-    found.at = allowed(goal, found.at);
+    found.at = allowed(&goal.gliding(1.0), found.at);
     let unheld = sight.unheld(goal, &found.at.x);
     if unheld.is_some() || !found.at.is_allowed() {
         found.held_by = unheld.or(found.held_by);
@@ -102,13 +92,14 @@ pub(crate) fn solve(goal: &mut Goal, near: &Near, sight: &Sight) -> Option<Solut
 }
 
 /// The light that the drag began with.
-fn begin(goal: &Goal, near: &Near) -> Option<At> {
+pub(crate) fn begin(goal: &Goal, near: &Near) -> Option<At> {
     let unmoved = vec![0.0; goal.moves.count()];
     Some(At { evaluation: goal.evaluate(&unmoved, 0.0, near)?, x: unmoved })
 }
 
 /// As far on the straight way to `x` as what has to hold does.
 fn on_the_way(goal: &Goal, near: &Near, sight: &Sight, x: &[f64]) -> Option<At> {
+    let goal = &goal.gliding(1.0);
     let begun = begin(goal, near)?;
     let beginning =
         At { evaluation: goal.evaluate(&begun.x, 1.0, near).unwrap_or(begun.evaluation), x: begun.x };
@@ -138,51 +129,42 @@ fn allowed(goal: &Goal, at: At) -> At {
     back(goal, 1.0, &about, &at, Counting::Fixed).unwrap_or(at)
 }
 
-/// Of a control point that is dragged itself: straight to where it first meets a limit, which of each share of the way is one place
-/// to look at, and on along that.
-pub(crate) fn solve_position(goal: &Goal, near: &Near, way: &[f64]) -> Option<Solution> {
+/// The same within the limits that are known.
+///
+/// First evenly, so that where the light ends up is continuous. Where that way ends, a jump may lead on; one that does not land is
+/// for nothing, and the light glides from where it could not go on evenly.
+pub(crate) fn solve_within(goal: &Goal, near: &Near) -> Option<Solution> {
     let mut found = Solution { at: begin(goal, near)?, held_by: None, iterations: 0 };
-    let at = |share: f64| {
-        let x: Vec<f64> = way.iter().map(|way| way * share).collect();
-        let at = At { evaluation: goal.evaluate(&x, share, near)?, x };
-        at.is_there().then_some(at)
-    };
-    let places = (goal.way() / BETWEEN_PLACES).clamp(PLACES[0], PLACES[1]);
-    let mut share = 0.0;
-    let mut step = 1.0 / places;
-    for _ in 0..places as usize + TO_THE_WALL {
-        match at(share + step).filter(|_| share + step <= 1.0) {
-            Some(next) => (found.at, share) = (next, share + step),
-            None => step *= 0.5,
+    let (mut share, mut gone) = (0.0, 0.0);
+    let places = EVENLY.count(goal);
+    while share < 1.0 {
+        let pace = (share > 0.0).then(|| gone / (share * places));
+        let before = found.at.x.clone();
+        let Some(reached) = found.follow(goal, share, (share + 1.0 / places).min(1.0), pace) else { break };
+        (share, gone) = (reached, gone + length_between(&found.at.x, &before));
+    }
+    if share < 1.0 {
+        let wall = found.clone();
+        if !found.jump(goal, near, share) {
+            found = Solution { iterations: found.iterations, ..wall };
+            found.glide(goal, share);
         }
     }
-    found.glide(goal, share);
     Some(found)
 }
 
-/// The same within the limits that are known.
-pub(crate) fn solve_within(goal: &Goal, near: &Near) -> Option<Solution> {
-    let mut found = Solution { at: begin(goal, near)?, held_by: None, iterations: 0 };
-    let places = (goal.way() / BETWEEN_PLACES).clamp(PLACES[0], PLACES[1]);
-    let mut share = 0.0;
-    while share < 1.0 {
-        let next = (share + 1.0 / places).min(1.0);
-        let Some(reached) = found.follow(goal, share, next) else {
-            if let Some((x, near)) = rigid_start(goal, near)
-                && let Some(evaluation) = goal.evaluate(&x, 1.0, &near)
-                && let at = (At { x, evaluation })
-                && at.is_there()
-            {
-                found.at = at;
-                found.shrink(goal);
-            } else {
-                found.glide(goal, share);
-            }
-            break;
-        };
-        share = reached;
+/// Places on a way that are gone to one after the other.
+pub(crate) struct Places {
+    apart: f64,
+    least: f64,
+    most: f64,
+}
+
+impl Places {
+    /// How many there are.
+    pub fn count(&self, goal: &Goal) -> f64 {
+        (goal.way() / self.apart).clamp(self.least, self.most)
     }
-    Some(found)
 }
 
 impl At {
@@ -194,9 +176,8 @@ impl At {
     }
 
     /// Whether the light can be had: hard pins hold, and so do limits but for the feature's own.
-    fn is_allowed(&self) -> bool {
-        let holds = |bound: &Bound| bound.value >= 0.0 || bound.limit == Limit::TubeEdge;
-        self.pins_off() < NOTHING && self.hard_bounds().all(holds)
+    pub fn is_allowed(&self) -> bool {
+        self.pins_off() < NOTHING && self.hard_bounds().all(|bound| bound.value >= 0.0)
     }
 
     fn hard_bounds(&self) -> impl Iterator<Item = &Bound> {
@@ -209,7 +190,7 @@ impl At {
     }
 
     /// How far the feature is off.
-    fn off(&self) -> f64 {
+    pub fn off(&self) -> f64 {
         self.sum_of_squares(|row| row == Hold::Asked).sqrt()
     }
 
@@ -227,19 +208,28 @@ impl At {
 
 impl Solution {
     /// Goes on from one share of the way to another, or to one between, by the smallest change that has the feature there; `None`
-    /// where nothing does even for a small part of it.
-    fn follow(&mut self, goal: &Goal, share: f64, end: f64) -> Option<f64> {
-        let parts = || std::iter::successors(Some(end - share), |part| Some(part * 0.25)).take(QUARTERINGS);
+    /// where nothing does even for a small part of it. With a `pace`, how far the light has gone from place to place so far, it goes
+    /// on evenly, and does not jump.
+    fn follow(&mut self, goal: &Goal, share: f64, end: f64, pace: Option<f64>) -> Option<f64> {
+        let parts = || {
+            std::iter::successors(Some(1.0), |part| Some(part * 0.25))
+                .take(PARTS[usize::from(pace.is_none())])
+        };
+        let next_of = |part: f64| if part < 1.0 { share + (end - share) * part } else { end };
+        let here = self.at.x.clone();
+        let is_even = |at: &At, part: f64| {
+            pace.is_none_or(|pace| length_between(&at.x, &here) <= pace * (FASTER * part).max(SMALL_JUMP))
+        };
         let mut reached = parts().find_map(|part| {
-            let next = (share + part).min(end);
+            let next = next_of(part);
             let at = self.reach(goal, next, Counting::All).or_else(|| self.reach_along_joint(goal, next))?;
-            Some((at, next))
+            is_even(&at, part).then_some((at, next))
         });
         // What is soft gives way where nothing else does.
         if reached.is_none() && goal.has_soft_pins() {
             reached = parts().find_map(|part| {
-                let next = (share + part).min(end);
-                Some((self.reach(goal, next, Counting::Firm)?, next))
+                let at = self.reach(goal, next_of(part), Counting::Firm)?;
+                is_even(&at, part).then_some((at, next_of(part)))
             });
         }
         let (at, next) = reached?;
@@ -247,8 +237,35 @@ impl Solution {
         Some(next)
     }
 
+    /// Goes on from a share of the way however it may, also from another light that has the feature under the cursor. Whether it
+    /// lands.
+    fn jump(&mut self, goal: &Goal, near: &Near, from: f64) -> bool {
+        let places = IN_JUMPS.count(goal);
+        let mut share = from;
+        while share < 1.0 {
+            match self.follow(goal, share, (share + 1.0 / places).min(1.0), None) {
+                Some(reached) => share = reached,
+                None => return self.put(goal, near),
+            }
+        }
+        true
+    }
+
+    /// Puts a light that moves as a whole where the feature is under the cursor. Whether it may be there.
+    fn put(&mut self, goal: &Goal, near: &Near) -> bool {
+        let Some((x, near)) = rigid_start(goal, near) else { return false };
+        let Some(evaluation) = goal.evaluate(&x, 1.0, &near) else { return false };
+        let at = At { x, evaluation };
+        let is_there = at.is_there();
+        if is_there {
+            self.at = at;
+            self.shrink(goal);
+        }
+        is_there
+    }
+
     /// The nearest place with the feature where it should be, by Newton's method.
-    fn reach(&mut self, goal: &Goal, share: f64, counting: Counting) -> Option<At> {
+    pub fn reach(&mut self, goal: &Goal, share: f64, counting: Counting) -> Option<At> {
         let evaluation = goal.evaluate(&self.at.x, share, &self.at.evaluation.near)?;
         let from = self.at.x.clone();
         let mut at = At { x: from.clone(), evaluation };
@@ -260,7 +277,7 @@ impl Solution {
             let linear = goal.linear(&at.x, share, &at.evaluation, over);
             let mu = 1e-15 * trace_of(&linear);
             let x = self.wanted(goal, &from, &at, &linear, (mu, counting));
-            if length_between(&x, &from) > LONGEST_STEP[0] {
+            if length_between(&x, &from) > LONGEST_STEP {
                 return None;
             }
             let evaluation = goal.evaluate(&x, share, &at.evaluation.near)?;
@@ -305,7 +322,7 @@ impl Solution {
     }
 
     /// What is linear about a place nearby wants of `at`, with the smallest change since `from`.
-    fn wanted(
+    pub fn wanted(
         &mut self,
         goal: &Goal,
         from: &[f64],
@@ -320,59 +337,15 @@ impl Solution {
         self.held_by = goal.held_by(&at.evaluation, &pulls);
         wanted.iter().zip(from).map(|(wanted, from)| from + wanted).collect()
     }
-
-    /// Goes on where nothing more has the feature where it should be: in small steps that are weighed against how far the feature
-    /// stays off, so that the light neither jumps nor runs away for little.
-    fn glide(&mut self, goal: &Goal, from: f64) {
-        for step in 1..=GLIDING {
-            let part = step as f64 / GLIDING as f64;
-            self.nearer(goal, from + (1.0 - from) * part);
-        }
-        for _ in 0..SETTLING {
-            let before = self.at.x.clone();
-            self.nearer(goal, 1.0);
-            if length_between(&self.at.x, &before) < STILL {
-                break;
-            }
-        }
-        if let (Asked::Feature(_), Some(at)) = (&goal.asked, self.reach(goal, 1.0, Counting::Firm)) {
-            self.at = at;
-        }
-    }
-
-    /// A small step towards where the feature should be.
-    fn nearer(&mut self, goal: &Goal, share: f64) {
-        self.iterations += 1;
-        let Some(evaluation) = goal.evaluate(&self.at.x, share, &self.at.evaluation.near) else { return };
-        self.at.evaluation = evaluation;
-        let at = self.at.clone();
-        let linear = goal.linear(&at.x, share, &at.evaluation, DIFFERENCES[0]);
-        let pull = GIVE_WAY * trace_of(&linear);
-        let x = self.wanted(goal, &at.x, &at, &linear, (pull, Counting::All));
-        let way: Vec<f64> = x.iter().zip(&at.x).map(|(wanted, x)| wanted - x).collect();
-        let mut factor = (LONGEST_STEP[1] / length(&way)).min(1.0);
-        for _ in 0..HALVINGS {
-            let x: Vec<f64> = at.x.iter().zip(&way).map(|(x, way)| x + factor * way).collect();
-            let next = goal.evaluate(&x, share, &at.evaluation.near).map(|evaluation| At { x, evaluation });
-            if let Some(next) = next {
-                let next = back(goal, share, &linear, &next, Counting::Fixed).unwrap_or(next);
-                if next.is_allowed() {
-                    self.at = next;
-                    return;
-                }
-            }
-            factor *= 0.5;
-        }
-    }
 }
 
-fn length_between(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn length_between(a: &[f64], b: &[f64]) -> f64 {
     length(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>())
 }
 
 /// The nearest place at which all that counts is as it should be, by what was linear about a place nearby; `None` where that
 /// leads nowhere.
-fn back(goal: &Goal, share: f64, about: &Linear, from: &At, counting: Counting) -> Option<At> {
+pub(crate) fn back(goal: &Goal, share: f64, about: &Linear, from: &At, counting: Counting) -> Option<At> {
     let mut at = from.clone();
     let nowhere = vec![0.0; at.x.len()];
     let mu = 1e-15 * trace_of(about);

@@ -9,7 +9,7 @@ use crate::arc::arc_length;
 use crate::curve::{Curve, TubeBox};
 use crate::frame::{STRAIGHT, orient};
 use crate::parameters::{END_MODE, SCALE, UP};
-use crate::{ControlPoint, EndMode, Light, LightError, Segment, validity};
+use crate::{ControlPoint, EndMode, Light, LightError, Segment, Transform, validity};
 
 /// Most segments of one light: far past what an artist handles, and small enough for any GPU buffer.
 pub const MAX_SEGMENTS: usize = 256;
@@ -44,10 +44,8 @@ pub fn check_values(light: &Light) -> Result<(), LightError> {
     light.values().try_for_each(|(row, value)| row.check(value))
 }
 
-/// Checks the control points of a BendyLight, and what hangs together.
-fn check_bendy(light: &Light) -> Result<(), LightError> {
-    check_values(light)?;
-    let points = light.points();
+/// Checks control points of a BendyLight by themselves.
+fn check_points(points: &[ControlPoint]) -> Result<(), LightError> {
     let count = points.len();
     if count < 3 {
         return Err(LightError::TooFewPoints(count));
@@ -70,10 +68,6 @@ fn check_bendy(light: &Light) -> Result<(), LightError> {
     let radii = points.iter().map(|point| point.radius);
     if let Some((index, value)) = radii.enumerate().find(|(_, r)| !(0.0..=widest).contains(r)) {
         return Err(LightError::Radius { index, value });
-    }
-    if light.get(UP) == DVec3::ZERO {
-        let domain = "it must have a direction".into();
-        return Err(LightError::OutOfDomain { field: UP.path, value: 0.0, domain });
     }
     if points[0].position != DVec3::ZERO {
         return Err(LightError::SourceNotAtOrigin);
@@ -119,9 +113,22 @@ pub fn folds_of_segments(points: &[ControlPoint], segments: Range<usize>) -> Res
 
 /// The segments of a checked light, in tube space, and the placement of that space.
 pub fn segments(light: &Light) -> Result<(Vec<Segment<f64>>, Placement), LightError> {
-    check_bendy(light)?;
-    let control = light.points();
-    let transform = light.transform();
+    check_values(light)?;
+    if light.get(UP) == DVec3::ZERO {
+        let domain = "it must have a direction".into();
+        return Err(LightError::OutOfDomain { field: UP.path, value: 0.0, domain });
+    }
+    segments_through(light.points(), light.transform(), unit_up(light), light.get(END_MODE))
+}
+
+/// The same of a light with these control points, whose other values have been checked.
+pub fn segments_through(
+    control: &[ControlPoint],
+    transform: Transform,
+    up: DVec3,
+    end_mode: EndMode,
+) -> Result<(Vec<Segment<f64>>, Placement), LightError> {
+    check_points(control)?;
     let polygon = polygon_length(control);
     if polygon == 0.0 {
         return Err(LightError::Degenerate {
@@ -145,7 +152,6 @@ pub fn segments(light: &Light) -> Result<(Vec<Segment<f64>>, Placement), LightEr
     let mut out: Vec<Segment<f64>> = Vec::with_capacity(control.len() - 1);
     let mut arc_start = 0.0;
     let mut carried = None;
-    let up = unit_up(light);
     for i in 0..control.len() - 2 {
         let mut curve = shape(&values, i)?;
         carried = Some(orient(&mut curve, carried, up));
@@ -158,7 +164,7 @@ pub fn segments(light: &Light) -> Result<(Vec<Segment<f64>>, Placement), LightEr
         out.push(Segment { curve, color, intensity, arc_start });
         arc_start += arc_length(&curve, 1.0);
     }
-    if light.get(END_MODE) == EndMode::Extend {
+    if end_mode == EndMode::Extend {
         out.extend(extension(&out[out.len() - 1], arc_start));
     }
     let rotation = DMat3::from_quat(transform.rotation.normalize());
@@ -169,7 +175,6 @@ pub fn segments(light: &Light) -> Result<(Vec<Segment<f64>>, Placement), LightEr
 }
 
 /// The control points' values, a list for each spline.
-#[derive(Default)]
 struct ControlValues {
     positions: Vec<DVec3>,
     radii: Vec<f64>,
@@ -178,8 +183,14 @@ struct ControlValues {
 }
 
 impl ControlValues {
-    fn of(points: impl Iterator<Item = ControlPoint>) -> Self {
-        let mut values = Self::default();
+    fn of(points: impl ExactSizeIterator<Item = ControlPoint>) -> Self {
+        let count = points.len();
+        let mut values = Self {
+            positions: Vec::with_capacity(count),
+            radii: Vec::with_capacity(count),
+            colors: Vec::with_capacity(count),
+            intensities: Vec::with_capacity(count),
+        };
         for ControlPoint { position, radius, color, intensity } in points {
             values.positions.push(position);
             values.radii.push(radius);

@@ -77,8 +77,8 @@ impl Path {
     }
 }
 
-/// Most paths have no step above 20 medians and are no 8 times as long as from end to end. Those that do have one go over a kink,
-/// where two segments of a tube meet, or glide where nothing lands.
+/// Nearly all paths have no step above 20 medians and are no 8 times as long as from end to end. Those that do have one come to where
+/// the light cannot go on evenly, and the drag lands by a jump for one place of the cursor and glides for the next.
 #[test]
 fn a_small_step_of_the_cursor_moves_the_light_little() {
     let (mut smooth, mut rough) = (0, 0);
@@ -95,5 +95,5 @@ fn a_small_step_of_the_cursor_moves_the_light_little() {
         }
     }
     println!("{smooth} smooth, {rough} not");
-    assert!(smooth >= 3 * rough && smooth > 10, "{smooth} smooth, {rough} not");
+    assert!(smooth >= 9 * rough && smooth > 10, "{smooth} smooth, {rough} not");
 }

@@ -10,8 +10,8 @@ mod support;
 use std::collections::BTreeMap;
 
 use drag::{Drag, Feature, Landing, Status, Viewport, drag};
-use glam::{DQuat, DVec3};
-use light::parameters::{CONE_ANGLE, ROTATION, TRANSLATION};
+use glam::{DQuat, DVec2, DVec3};
+use light::parameters::{CONE_ANGLE, LIGHT_LINK, ROTATION, TRANSLATION};
 use light::{CheckedLight, Light, Links};
 use reference::{Reference, Source};
 use scene::View;
@@ -198,4 +198,21 @@ fn what_cannot_be_dragged_says_why() {
     }
     let dark = scene.outside(&trial.light);
     assert_eq!(refusal(&|drag| drag.from = dark), Status::Refused(OutsideTheLight));
+}
+
+/// A light is not dragged to where its links keep it from showing.
+#[test]
+fn nothing_lands_on_what_a_light_leaves_out() {
+    let scene = support::demo();
+    let trial = scene.trial_of_the_demo(None);
+    let landing_with = |linked: Option<Links>| {
+        let light = trial.light.light().clone().with(LIGHT_LINK, linked);
+        let light = CheckedLight::new(light).expect("valid");
+        let hotspot =
+            Drag { feature: Feature::Hotspot, from: DVec2::new(430.5, 175.5), ..trial.drag.clone() };
+        drag(&scene.bvh, &trial.view, &light, &hotspot).status
+    };
+    assert_eq!(landing_with(None), Status::Landed);
+    let without_table = Links::new(Vec::new(), vec!["table".into()]);
+    assert_eq!(landing_with(without_table), Status::Refused(drag::Refusal::NothingAtEnd));
 }

@@ -67,8 +67,16 @@ impl LightFilter {
             radial: Radial::of(light),
             decay: own(light, DECAY).unwrap_or_default(),
             cut: Cut::of(light),
-            least_distance: own(light, DECAY_START).unwrap_or(0.0).max(least_distance),
+            least_distance: 0.0,
         }
+        .from_distance(light, least_distance)
+    }
+
+    /// The same where it falls off no further than at `least_distance`, or where the light's decay starts.
+    #[must_use]
+    pub fn from_distance(mut self, light: &Light, least_distance: f64) -> Self {
+        self.least_distance = own(light, DECAY_START).unwrap_or(0.0).max(least_distance);
+        self
     }
 
     /// Whether no picture can show the light.

@@ -7,9 +7,9 @@ use crate::build::{self, Placement};
 use crate::curve::Curve;
 use crate::filter::{LightFilter, irradiance};
 use crate::frame::perpendicular_up;
-use crate::parameters::{DIRECTION, FRAME};
+use crate::parameters::{DIRECTION, END_MODE, FRAME};
 use crate::solve::{Roots, increasing_roots};
-use crate::{Direction, EndMode, Frame, Light, LightError, Place, Real, Segment};
+use crate::{ControlPoint, Direction, EndMode, Frame, Light, LightError, Place, Real, Segment};
 
 /// A checked BendyLight, prepared for evaluation in `F` (light model, sections 1 to 6).
 ///
@@ -115,8 +115,17 @@ impl Tube<f64> {
             frame: light.get(FRAME),
             up: build::unit_up(light),
             direction: light.get(DIRECTION),
-            light_filter: LightFilter::of(light, 1e-6 * placement.world_per_tube),
+            light_filter: LightFilter::of(light, least_distance(&placement)),
         })
+    }
+
+    /// What [`Tube::new`] makes of `light`, which this was made of, with other control points: the same bits, without looking at
+    /// all its other values again.
+    pub fn with_points(&self, light: &Light, points: &[ControlPoint]) -> Result<Self, LightError> {
+        let (segments, placement) =
+            build::segments_through(points, light.transform(), self.up, light.get(END_MODE))?;
+        let light_filter = self.light_filter.clone().from_distance(light, least_distance(&placement));
+        Ok(Self { segments, n: points.len() - 2, placement, light_filter, ..*self })
     }
 
     /// The largest `R kappa` of each segment, below 1.
@@ -313,6 +322,11 @@ impl<F: Real> Tube<F> {
             direction: self.placement.rotation * F::vec_f64(self.direction_at(root)),
         }
     }
+}
+
+/// How near to the source light falls off no further, in world units.
+fn least_distance(placement: &Placement) -> f64 {
+    1e-6 * placement.world_per_tube
 }
 
 /// Whether `a` has the smaller `|r| / R`; asked without dividing, since R may be zero (then r is zero too).

@@ -1,7 +1,9 @@
 //! A spotlight made into a BendyLight stays the same light (light model, sections 1 and 6).
 
 use glam::{DQuat, DVec3};
-use light::parameters::{COLOR, CONE_ANGLE, DECAY, END_MODE, HEIGHT, INTENSITY, RANGE, ROTATION, UP, WIDTH};
+use light::parameters::{
+    COLOR, CONE_ANGLE, DECAY, DECAY_START, END_MODE, HEIGHT, INTENSITY, RANGE, ROTATION, UP, WIDTH,
+};
 use light::{
     CheckedLight, Decay, EndMode, Light, LightError, Transform, Tube, bend, bend_to, straighten, with_cone,
 };
@@ -211,4 +213,33 @@ fn a_bendy_light_is_a_spotlight_while_it_is_straight() {
         }
     });
     assert_eq!(CheckedLight::new(turning).ok().and_then(|light| light.straightened().cloned()), None);
+}
+
+/// Prepared from what it was prepared from before, a light with other control points is what it is when all of it is prepared
+/// anew, to the last bit; and what is refused is refused.
+#[test]
+fn other_control_points_are_prepared_alike() {
+    let spot = Light::spot().with(RANGE, Some(7.0)).with(CONE_ANGLE, 4.0);
+    let decaying = bend(&spot, 4).expect("valid").with(DECAY_START, 0.5).with(DECAY, Decay::InverseSquare);
+    for light in [decaying.clone(), decaying.with(END_MODE, EndMode::Extend)] {
+        let tube = Tube::new(&light).expect("valid");
+        for (index, by) in [(1, 0.1), (3, 0.4), (5, 9.0)] {
+            let moved = light.clone().with_points(|k, point| {
+                if k == index {
+                    point.position += DVec3::new(0.2, 0.1, -1.0) * by;
+                }
+            });
+            let anew = Tube::new(&moved).expect("valid");
+            let other = tube.with_points(&light, moved.points()).expect("valid");
+            assert_eq!(format!("{other:?}"), format!("{anew:?}"));
+            assert_ne!(format!("{other:?}"), format!("{tube:?}"));
+        }
+        let wide = light.clone().with_points(|k, point| {
+            point.position.x += if k == 2 { 1.0 } else { 0.0 };
+            point.radius = 50.0;
+        });
+        let refused = tube.with_points(&light, wide.points()).map(|_| ());
+        assert_eq!(refused, Tube::new(&wide).map(|_| ()));
+        assert!(matches!(refused, Err(LightError::Fold { .. })));
+    }
 }
