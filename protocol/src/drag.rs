@@ -113,7 +113,7 @@ pub enum DragLimit {
 pub enum DragReason {
     /// There is no surface at `from`.
     NothingAtStart,
-    /// There is no surface at `to`.
+    /// There is no surface at `to`, or the light may not show on it.
     NothingAtEnd,
     /// M lies outside the light, or the light may not show on it.
     OutsideTheLight,

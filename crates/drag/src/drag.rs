@@ -61,11 +61,14 @@ fn begin<'a>(
         return Err(Refusal::NotBendy);
     }
     let from = from.ok_or(Refusal::NothingAtStart)?;
-    let to = to.filter(|to| occlusion.lights(to.node)).ok_or(Refusal::NothingAtEnd)?;
+    let to = to.ok_or(Refusal::NothingAtEnd)?;
     let placed = Placed::new(light.rays(), bvh.posed.origin_in_world, from.position);
     let place = placed.locate(from.position, None).ok_or(Refusal::OutsideTheLight)?;
     if placed.out2(&place) > 1.0 || place.from_ends < 0.0 || !occlusion.lights(from.node) {
         return Err(Refusal::OutsideTheLight);
+    }
+    if !occlusion.lights(to.node) {
+        return Err(Refusal::NothingAtEnd);
     }
     let caster = match drag.feature {
         Feature::Shadow => Some(occlusion.first(&placed, &place, &from).ok_or(Refusal::NoShadow)?),

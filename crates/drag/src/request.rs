@@ -138,7 +138,7 @@ pub enum Limit {
 pub enum Refusal {
     /// Where the drag begins there is no surface.
     NothingAtStart,
-    /// The cursor is off the surfaces that the light may show on.
+    /// The cursor is off the surfaces, or on one that the light may not show on.
     NothingAtEnd,
     /// The surface where the drag begins lies outside the light, or the light may not show on it.
     OutsideTheLight,

@@ -175,7 +175,7 @@ impl At {
             && self.hard_bounds().all(|bound| bound.value >= 0.0)
     }
 
-    /// Whether the light can be had: hard pins hold, and so do limits but for the feature's own.
+    /// Whether the light can be had: hard pins and limits hold, where it glides but for those of the place under the cursor.
     pub fn is_allowed(&self) -> bool {
         self.pins_off() < NOTHING && self.hard_bounds().all(|bound| bound.value >= 0.0)
     }
