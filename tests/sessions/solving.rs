@@ -99,6 +99,15 @@ fn ping(mirror: &mut Mirror) {
         .wait_for("a pong", |message| matches!(message, ServerMessage::Pong { sent: 1.0, .. }).then_some(()));
 }
 
+/// Ada and Ben in a session, and a slow drag in it.
+fn two_and_a_slow_drag() -> (Server, Mirror, Mirror, Command) {
+    let server = Server::start();
+    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    let drag = slow_drag(&server, &mut ada);
+    ben.catch_up(ada.seq);
+    (server, ada, ben, drag)
+}
+
 /// What an actor did, in order.
 fn records_of(server: &Server, actor: &str) -> Vec<Record> {
     let log = server.process.get("/sessions/main/log").expect("answered").text();
@@ -111,10 +120,7 @@ fn records_of(server: &Server, actor: &str) -> Vec<Record> {
 /// Rules: GEST-8
 #[test]
 fn a_session_goes_on_while_a_drag_is_solved() {
-    let server = Server::start();
-    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
-    let drag = slow_drag(&server, &mut ada);
-    ben.catch_up(ada.seq);
+    let (server, mut ada, mut ben, drag) = two_and_a_slow_drag();
     begin(&mut ada);
     send_update(&mut ada, 1, drag);
     send_commit(&mut ada);
@@ -144,10 +150,7 @@ fn a_session_goes_on_while_a_drag_is_solved() {
 /// Rules: GEST-8, GEST-3
 #[test]
 fn who_leaves_behind_a_commit_has_committed() {
-    let server = Server::start();
-    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
-    let drag = slow_drag(&server, &mut ada);
-    ben.catch_up(ada.seq);
+    let (server, mut ada, mut ben, drag) = two_and_a_slow_drag();
     let mut eve = server.connect("eve");
     begin(&mut ada);
     send_update(&mut ada, 1, drag);
@@ -165,10 +168,7 @@ fn who_leaves_behind_a_commit_has_committed() {
 /// Rules: GEST-8, REC-4
 #[test]
 fn a_programs_edits_stay_in_order_around_a_drag() {
-    let server = Server::start();
-    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
-    let drag = slow_drag(&server, &mut ada);
-    ben.catch_up(ada.seq);
+    let (server, ada, mut ben, drag) = two_and_a_slow_drag();
     let light = ada.light();
     // The second goes on from where the first has led.
     let mut back = drag.clone();
@@ -200,10 +200,7 @@ fn a_programs_edits_stay_in_order_around_a_drag() {
 /// Rules: GEST-8
 #[test]
 fn a_drag_is_carried_out_though_others_change_the_light() {
-    let server = Server::start();
-    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
-    let drag = slow_drag(&server, &mut ada);
-    ben.catch_up(ada.seq);
+    let (_server, mut ada, mut ben, drag) = two_and_a_slow_drag();
     let op_id = ada.edit(drag);
     let light = ben.light();
     let (count, outcome) = thread::scope(|scope| {
@@ -228,10 +225,7 @@ fn a_drag_is_carried_out_though_others_change_the_light() {
 /// Rules: GEST-7
 #[test]
 fn a_drag_that_is_cancelled_is_not_waited_for() {
-    let server = Server::start();
-    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
-    let drag = slow_drag(&server, &mut ada);
-    ben.catch_up(ada.seq);
+    let (_server, mut ada, mut ben, drag) = two_and_a_slow_drag();
     for update in 1..=3 {
         begin(&mut ada);
         send_update(&mut ada, update, drag.clone());
