@@ -151,7 +151,7 @@ impl Solution {
         }
     }
 
-    /// A step that costs less, and how long it is; `None` where there is none.
+    /// A step that costs less, or back to where limits hold, and how long it is; `None` where there is none.
     fn nearer(&mut self, goal: &Goal, share: f64, cost: &Cost, longest: f64) -> Option<f64> {
         self.iterations += 1;
         self.at.evaluation = goal.evaluate(&self.at.x, share, &self.at.evaluation.near)?;
@@ -159,13 +159,14 @@ impl Solution {
         let linear = goal.linear(&at.x, share, &at.evaluation, DIFFERENCES[0]);
         let x = self.wanted(goal, cost.wall, &at, &linear, (cost.give, Counting::All));
         let way: Vec<f64> = x.iter().zip(&at.x).map(|(wanted, x)| wanted - x).collect();
+        let (before, was_allowed) = (cost.of(&at), at.is_allowed());
         let mut factor = (longest / length(&way)).min(1.0);
         for _ in 0..QUARTERINGS {
             let x: Vec<f64> = at.x.iter().zip(&way).map(|(x, way)| x + factor * way).collect();
             let next = goal.evaluate(&x, share, &at.evaluation.near).map(|evaluation| At { x, evaluation });
             if let Some(next) = next {
                 let next = back(goal, share, &linear, &next, Counting::Fixed).unwrap_or(next);
-                if next.is_allowed() && (cost.of(&next) < cost.of(&at) || !at.is_allowed()) {
+                if next.is_allowed() && (cost.of(&next) < before || !was_allowed) {
                     let moved = length_between(&next.x, &at.x);
                     self.at = next;
                     return Some(moved);

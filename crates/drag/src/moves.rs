@@ -42,6 +42,7 @@ impl Moves {
         }
         let (translation, rotation) = self.placement(start, x);
         let turned = start.clone().with(ROTATION, rotation);
+        // A light that is only turned has its other values to the bit.
         if translation == start.get(TRANSLATION) { turned } else { turned.with(TRANSLATION, translation) }
     }
 
