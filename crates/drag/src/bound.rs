@@ -56,6 +56,11 @@ pub(crate) fn across_off(across: DVec2, place: &Place, was: &Place) -> DVec2 {
 
 /// How far light is from arriving along `direction`, in radians across it; `None` where it comes from behind.
 pub(crate) fn direction_off(to_light: DVec3, direction: DVec3) -> Option<DVec2> {
-    let (right, up) = direction.any_orthonormal_pair();
+    direction_off_about(to_light, direction, direction.any_orthonormal_vector())
+}
+
+/// The same with the first of the two on `right`, which is square to `direction`.
+pub(crate) fn direction_off_about(to_light: DVec3, direction: DVec3, right: DVec3) -> Option<DVec2> {
+    let up = direction.cross(right);
     (to_light.dot(direction) > 0.0).then(|| DVec2::new(to_light.dot(right), to_light.dot(up)))
 }

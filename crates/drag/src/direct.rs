@@ -1,14 +1,15 @@
 //! Straight to where the feature should be, from several lights: for drags whose way there is closed.
 
-use crate::goal::{Goal, Near};
+use crate::goal::{DIFFERENCE, Goal, Near};
 use crate::matrix::length;
 use crate::moves::Moves;
 use crate::pins::Pinned;
 use crate::quadratic::{Counting, Values, smallest};
 use crate::request::Radii;
 use crate::sight::Sight;
-use crate::solve::{At, DIFFERENCES, Solution, solve, trace_of};
+use crate::solve::solve;
 use crate::start::rigid_start;
+use crate::step::{At, Solution, trace_of};
 
 /// Lights that are started from beside the one that the drag began with, and how far they are from it, in the units of what moves.
 const AWAY: [f64; 6] = [0.03, 0.1, 0.2, 0.4, 0.1, 0.3];
@@ -99,7 +100,7 @@ impl Solution {
             }
             before.push(off);
             self.iterations += 1;
-            let linear = goal.linear(&self.at.x, 1.0, &self.at.evaluation, DIFFERENCES[0]);
+            let linear = goal.linear(&self.at.x, 1.0, &self.at.evaluation, DIFFERENCE);
             let limits: Vec<f64> =
                 self.at.evaluation.bounds.iter().map(|bound| bound.value - 1e-12).collect();
             let residual = &self.at.evaluation.residual;

@@ -14,9 +14,10 @@ use crate::pins::Pinned;
 use crate::place::{Place, Placed};
 use crate::request::{Drag, Feature, Landing, Limit, Refusal, Status, Viewport};
 use crate::sight::Sight;
-use crate::solve::{At, Solution, solve};
+use crate::solve::solve;
+use crate::step::{At, Solution};
 
-/// Pixels within which a feature lies under the cursor.
+/// Pixels within which a feature lies under the cursor. A surface is turned to the light or is not: where it is they are 0.
 const UNDER_THE_CURSOR_PX: f64 = 0.5;
 
 /// How near two places on a way lie that are the same, as a share of their distance from the source or the cursor.
@@ -191,7 +192,8 @@ impl End<'_> {
         let first = counts.and_then(|place| occlusion.first(&placed, &place, &taken.to));
         let is_dark =
             first.is_some() && counts.is_some_and(|place| occlusion.is_dark(&placed, &place, &taken.to));
-        landing.status = if landing.residual_px > UNDER_THE_CURSOR_PX {
+        let least_px = if taken.feature == Feature::Diffuse { 0.0 } else { UNDER_THE_CURSOR_PX };
+        landing.status = if landing.residual_px > least_px {
             Status::Limited(held_by.unwrap_or(Limit::NoDescent))
         } else if !is_inside {
             Status::Limited(Limit::TubeEdge)

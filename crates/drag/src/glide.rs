@@ -4,13 +4,14 @@
 use glam::DVec3;
 use light::CheckedLight;
 
-use crate::goal::{Asked, Goal, Near};
+use crate::goal::{Asked, DIFFERENCE, Goal, Near};
 use crate::matrix::length;
 use crate::moves::Moves;
 use crate::place::Placed;
 use crate::quadratic::{Counting, Hold};
+use crate::reach::{APART, PLACES};
 use crate::request::{Limit, Radii};
-use crate::solve::{At, DIFFERENCES, IN_JUMPS, Solution, back, begin, length_between, trace_of};
+use crate::step::{At, Solution, back, length_between, trace_of};
 
 /// Halvings between the last place on a straight way that can be had and the wall.
 const TO_THE_WALL: usize = 20;
@@ -83,13 +84,13 @@ pub fn glide(light: &CheckedLight, point: usize, to: DVec3, radii: Radii) -> Opt
 
 /// Straight to where the control point first meets a limit, which of each share of the way is one place to look at, and on along that.
 fn solve_position(goal: &Goal, near: &Near, way: &[f64]) -> Option<Solution> {
-    let mut found = Solution { at: begin(goal, near)?, held_by: None, iterations: 0 };
+    let mut found = Solution::begin(goal, near)?;
     let at = |share: f64| {
         let x: Vec<f64> = way.iter().map(|way| way * share).collect();
         let at = At { evaluation: goal.evaluate(&x, share, near)?, x };
         at.is_there().then_some(at)
     };
-    let places = IN_JUMPS.count(goal);
+    let places = goal.places(APART, PLACES);
     let mut share = 0.0;
     let mut step = 1.0 / places;
     for _ in 0..places as usize + TO_THE_WALL {
@@ -132,7 +133,7 @@ impl Solution {
     pub fn glide(&mut self, to_land: &Goal, from: f64) {
         let wall = self.at.x.clone();
         let Some(evaluation) = to_land.evaluate(&wall, from, &self.at.evaluation.near) else { return };
-        let pull = trace_of(&to_land.linear(&wall, from, &evaluation, DIFFERENCES[0]));
+        let pull = trace_of(&to_land.linear(&wall, from, &evaluation, DIFFERENCE));
         let cost = Cost { wall: &wall, give: GIVE_WAY * pull };
         let goal = to_land.gliding(cost.give);
         for step in 1..=GLIDING {
@@ -156,7 +157,7 @@ impl Solution {
         self.iterations += 1;
         self.at.evaluation = goal.evaluate(&self.at.x, share, &self.at.evaluation.near)?;
         let at = self.at.clone();
-        let linear = goal.linear(&at.x, share, &at.evaluation, DIFFERENCES[0]);
+        let linear = goal.linear(&at.x, share, &at.evaluation, DIFFERENCE);
         let x = self.wanted(goal, cost.wall, &at, &linear, (cost.give, Counting::All));
         let way: Vec<f64> = x.iter().zip(&at.x).map(|(wanted, x)| wanted - x).collect();
         let (before, was_allowed) = (cost.of(&at), at.is_allowed());

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use light::{CheckedLight, Rays, folds_of_segments};
 use raycast::Seen;
 
-use crate::bound::{Bound, INSIDE, across_off, behind, bounds_of_place, direction_off, hard};
+use crate::bound::{Bound, INSIDE, across_off, behind, bounds_of_place, direction_off_about, hard};
 use crate::matrix::Matrix;
 use crate::moves::{LARGEST_FOLD, Moves};
 use crate::pins::{Cut, Pinned};
@@ -16,6 +16,9 @@ use crate::request::{Feature, Limit, Radii};
 
 /// How far out of the light the feature may be where it sets out, so that it may go through the air between two surfaces.
 const ON_THE_WAY: f64 = 3.0;
+
+/// Over how far slopes are taken.
+pub(crate) const DIFFERENCE: f64 = 1e-6;
 
 /// Pins with which differences are taken to one side, and below which step.
 const MANY_PINS: usize = 16;
@@ -117,9 +120,17 @@ impl Taken {
                 across_off(pivot.across)
             }
             (Feature::Shadow | Feature::Hotspot, _) => -across_off(self.place.across),
-            (Feature::Highlight | Feature::Diffuse, _) => direction_off(place.to_light, direction)?,
+            (Feature::Highlight | Feature::Diffuse, _) => {
+                direction_off_about(place.to_light, direction, self.axis())?
+            }
         };
         Some((off, [place.t, pivot_t]))
+    }
+
+    /// Square to the directions at every share of the way.
+    fn axis(&self) -> DVec3 {
+        let [from, to] = self.directions;
+        from.cross(to).try_normalize().unwrap_or_else(|| from.any_orthonormal_vector())
     }
 
     /// How far the feature goes, in radii of the light or in radians.
@@ -270,11 +281,16 @@ impl<'a> Goal<'a> {
         }
     }
 
+    /// In how many places that is looked at, so far `apart`, within bounds.
+    pub fn places(&self, apart: f64, [least, most]: [f64; 2]) -> f64 {
+        (self.way() / apart).clamp(least, most)
+    }
+
     /// Whether nothing that may change does anything to the feature where it is.
     pub fn has_no_weight(&self, near: &Near) -> bool {
         let x = vec![0.0; self.moves.count()];
         let Some(at) = self.evaluate(&x, 0.0, near) else { return false };
-        let jacobian = self.linear(&x, 0.0, &at, 1e-6).jacobian;
+        let jacobian = self.linear(&x, 0.0, &at, DIFFERENCE).jacobian;
         let mut asked = (0..at.rows.len()).filter(|row| at.rows[*row] == Hold::Asked);
         asked.all(|row| jacobian.row(row).iter().all(|slope| slope.abs() < 1e-9))
     }

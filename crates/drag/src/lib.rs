@@ -14,6 +14,7 @@
 mod bound;
 mod direct;
 mod drag;
+mod flow;
 mod glide;
 mod goal;
 mod lies;
@@ -23,10 +24,12 @@ mod occlusion;
 mod pins;
 mod place;
 mod quadratic;
+mod reach;
 mod request;
 mod sight;
 mod solve;
 mod start;
+mod step;
 
 pub use drag::drag;
 pub use glide::{Glided, glide};
@@ -35,4 +38,4 @@ pub use request::{Drag, Feature, Landing, Limit, Pin, PinKind, Radii, Refusal, S
 
 /// What solves drags of features: its name and its version, which grows with every change after which a drag may give another
 /// light.
-pub const SOLVER: (&str, u32) = ("flow", 2);
+pub const SOLVER: (&str, u32) = ("flow", 3);
