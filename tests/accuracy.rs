@@ -11,7 +11,7 @@ use bench::compare::{Comparison, Drawn, Expected, Subject};
 use glam::DVec3;
 use light::parameters::TRANSLATION;
 use light::{Light, Owner};
-use render::{Gpu, Renderer, ShadowSettings};
+use render::{Culling, Gpu, Renderer, ShadowSettings};
 use scene::View;
 
 /// A scene's file, and control points and radii in the world of a light of three segments that bends strongly.
@@ -91,14 +91,23 @@ fn seen_by_its_camera(name: &str, loaded: Loaded, light: Light) -> Subject {
 
 fn compared(renderer: &mut Renderer, subject: &Subject) -> Comparison {
     let expected = Expected::new(subject, || {}).expect("the light is valid");
-    renderer.set_scene(expected.posed()).expect("the scene fits");
-    let drawn = Drawn::new(renderer, subject, ShadowSettings::default()).expect("it can be drawn");
-    let comparison = expected.compare(&drawn);
+    let (drawn, comparison) = compared_with(renderer, (subject, &expected), ShadowSettings::default());
     if let Ok(folder) = std::env::var("BENDYLIGHTS_ACCURACY_PICTURES") {
         let file = Path::new(&folder).join(format!("{}.png", subject.name.replace(':', "-")));
         expected.panels(&drawn, &comparison).save(file).expect("the picture can be written");
     }
     comparison
+}
+
+fn compared_with(
+    renderer: &mut Renderer,
+    (subject, expected): (&Subject, &Expected),
+    settings: ShadowSettings,
+) -> (Drawn, Comparison) {
+    renderer.set_scene(expected.posed()).expect("the scene fits");
+    let drawn = Drawn::new(renderer, subject, settings).expect("it can be drawn");
+    let comparison = expected.compare(&drawn);
+    (drawn, comparison)
 }
 
 /// What the README says of a picture, column by column; why not, or nothing.
@@ -143,6 +152,51 @@ fn are_what_the_reference_says(subjects: impl Iterator<Item = Subject>) {
         println!("{told}");
         assert_eq!(fault(&subject, &found), None, "{told}");
     }
+}
+
+/// What is not drawn changes no error: with each kind drawn all the same the comparison finds the same, to the last digit.
+fn are_the_same_with_nothing_left_out(subjects: impl Iterator<Item = Subject>) {
+    let on = Culling::ALL;
+    let controls = [
+        ("clusters", Culling { clusters: false, ..on }),
+        ("backs", Culling { backs: false, ..on }),
+        ("sides", Culling { sides: false, ..on }),
+        ("pixels", Culling { pixels: false, ..on }),
+        ("all", Culling::NONE),
+    ];
+    let mut renderer = Renderer::new(Arc::new(Gpu::new().expect("a graphics driver"))).expect("a renderer");
+    for subject in subjects {
+        let told = |it: &Comparison| serde_json::to_string(it).expect("plain data");
+        let expected = Expected::new(&subject, || {}).expect("the light is valid");
+        let mut found = |settings| compared_with(&mut renderer, (&subject, &expected), settings).1;
+        let usual = found(ShadowSettings::default());
+        for (what, culling) in controls {
+            let settings = ShadowSettings { culling, ..ShadowSettings::default() };
+            let found = found(settings);
+
+            println!("{} {what}: {}", subject.name, told(&found));
+            assert_eq!(fault(&subject, &found), None, "{} with {what}", subject.name);
+            // With floors in them maps are fitted to more: their texels are others, and edges are off within those.
+            if culling.sides {
+                assert_eq!(told(&found), told(&usual), "{} with {what}", subject.name);
+            }
+        }
+        // The planted fault: maps of other texels have other errors.
+        let coarse = ShadowSettings { resolution: 1500, ..ShadowSettings::default() };
+        assert_ne!(told(&found(coarse)), told(&usual), "{}", subject.name);
+    }
+}
+
+#[test]
+fn what_is_left_out_of_the_demo_changes_no_error() {
+    are_the_same_with_nothing_left_out([demo()].into_iter());
+}
+
+#[test]
+#[ignore = "needs ../shared/assets"]
+fn what_is_left_out_of_shared_assets_changes_no_error() {
+    let folder = scenes_folder();
+    are_the_same_with_nothing_left_out(SETTINGS.iter().map(|setting| subject(&folder, setting)));
 }
 
 /// Nothing comes and goes while a control point is dragged: where light grazes the neck of the goblet, each frame is right.

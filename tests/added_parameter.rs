@@ -63,6 +63,7 @@ impl Own {
             session: "main".into(),
             scene: "demo:vases".into(),
             public_urls: Vec::new(),
+            trace: None,
         };
         let server = Server::open(&config).expect("a server");
         let runtime = Runtime::new().expect("a runtime");

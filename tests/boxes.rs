@@ -1,7 +1,7 @@
 //! Rooms made of boxes, with what they stand on and are lit through, for tests of shadows.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
-use scene::{Aov, Camera, Material, Mesh, Node, Primitive, Projection, Scene, View, ViewSlot};
+use scene::{Aov, Camera, Material, Mesh, Node, Primitive, Projection, Scene, View};
 
 pub const SIZE: [u32; 2] = [240, 160];
 
@@ -72,16 +72,5 @@ pub fn view(eye: DVec3, target: DVec3) -> View {
         rotation: looking(eye, target, DVec3::Y),
         projection: Projection::Perspective { yfov: 0.9, aspect_ratio: None, znear: 0.05, zfar: None },
     };
-    let [width, height] = SIZE;
-    View {
-        camera,
-        width,
-        height,
-        samples: 1,
-        aov: Aov::Visibility,
-        light: 0,
-        fill: 1.0,
-        exposure: 0.0,
-        slot: ViewSlot::default(),
-    }
+    View { aov: Aov::Visibility, ..View::beauty(camera, SIZE) }
 }

@@ -20,6 +20,15 @@ fn a_drag_in_one_page_shows_in_both_and_undo_restores_the_pixels() {
     in_a_browser("session.mjs");
 }
 
+/// Pictures of a drag may be reduced, are shown as large as ever, say so, and stay full where a person wants it.
+///
+/// Rules: FRAME-10
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn a_drag_holds_its_rate_and_says_what_that_costs() {
+    in_a_browser("holding.mjs");
+}
+
 /// Every panel: lights, parameters, control points, cameras, views, people.
 ///
 /// Rules: SOCK-7, SOCK-8, GEST-1

@@ -167,6 +167,32 @@ fn on_floor(mut scene: Scene) -> Scene {
     scene
 }
 
+/// A map is fitted to a box on a floor, and the floor, which throws no shadow, is drawn up to the map's border: beyond it the
+/// floor is lit, however far along the light it lies, also where the light is bent.
+#[test]
+fn a_floor_beyond_the_map_is_lit() {
+    let scene = scene::pose(on_floor(boxes(&[([0.3; 3], 0.3, [0.0, 0.28, 0.0])])));
+    let view = view(DVec3::new(0.4, 4.4, 3.4), DVec3::ZERO);
+    let [_, (_, straight)] = pair(DVec3::new(-1.2, 4.2, 1.8), DVec3::ZERO, 26.0);
+    let bent = |bow: f64| {
+        let last = straight.points().len() - 1;
+        straight.clone().with_points(|k, point| {
+            let along = k as f64 / last as f64;
+            point.position.x += bow * along * (1.0 - along);
+        })
+    };
+    for bow in [0.0, 1.0, -2.0] {
+        let light = bent(bow);
+        let judged = off_edges(&scene, &view, &light);
+        let dark = judged.iter().filter(|(_, lit)| !lit).count();
+        assert!(judged.len() > 5000 && dark >= 5, "little to see: {dark} of {}", judged.len());
+        let picture = drawn(&scene, &view, &light);
+        let wrong = wrong(&judged, &picture);
+        keep_picture(&format!("floor-{bow}"), &picture, &wrong);
+        assert!(wrong.is_empty(), "bowed by {bow}: {} of {} wrong", wrong.len(), judged.len());
+    }
+}
+
 /// A light forty times as wide as what it falls on throws as fine a shadow as one that fits. The fault to be caught is
 /// made by crumbs at the light's rim: a map that holds them too has texels as wide as one that is not fitted.
 #[test]

@@ -14,7 +14,7 @@ use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{COLOR, CONE_ANGLE, HEIGHT, INTENSITY, RANGE, ROTATION, TRANSLATION, WIDTH};
 use light::{Light, LightInstance};
 use reference::{Reference, Source, Surface};
-use render::{Gpu, Picture, Renderer, ShadowSettings};
+use render::{Culling, Gpu, Picture, Renderer, ShadowSettings};
 use scene::{Aov, PosedScene, View};
 
 /// A sun that shines from `from` to the origin.
@@ -398,4 +398,45 @@ fn lights_of_all_shapes_add_up() {
     println!("{error:.2e}, without the spotlight {planted:.2e}");
     assert!(error < 1e-3, "{error:.2e}");
     assert!(planted > 0.05, "{planted:.2e}");
+}
+
+/// What is not drawn since no picture depends on it changes none, of lights of every shape and beside the view.
+#[test]
+fn what_is_left_out_changes_no_picture() {
+    let gpu = Arc::new(Gpu::new().expect("tests need a graphics driver"));
+    let mut renderer = Renderer::new(gpu).expect("the device works");
+    let scene = scene::pose(room());
+    let spot = lamp(DVec3::new(2.5, 3.0, 2.0), DVec3::ZERO).with(CONE_ANGLE, 25.0).with(RANGE, Some(9.0));
+    let bent = light::bend(&spot, 3).expect("a cone").with_points(|k, point| {
+        point.position.x += [0.0, 0.2, 0.6, 0.2, 0.0][k];
+    });
+    let beside = bulb(DVec3::new(0.0, 1.0, 400.0)).with(RANGE, Some(2.0));
+    let lights = instances(&[
+        sun(DVec3::new(1.0, 2.0, 3.0)),
+        bulb(DVec3::new(0.0, 1.7, 0.0)),
+        lamp(DVec3::new(-1.5, 3.0, 1.0), DVec3::ZERO),
+        spot,
+        bent,
+        beside,
+    ]);
+    let mut pictures = |culling: Culling, resolution: u32| -> Vec<Picture> {
+        let settings = ShadowSettings { culling, resolution, ..ShadowSettings::default() };
+        renderer.set_shadow_settings(settings).expect("sound");
+        renderer.set_scene(&scene).expect("it fits");
+        let views = eyes().into_iter().map(|view| View { aov: Aov::Beauty, ..view });
+        views.map(|view| renderer.render(&view, &lights).expect("it can be drawn")).collect()
+    };
+    let usual = pictures(Culling::ALL, 2048);
+    let on = Culling::ALL;
+    for culling in [
+        Culling { clusters: false, ..on },
+        Culling { backs: false, ..on },
+        Culling { sides: false, ..on },
+        Culling { pixels: false, ..on },
+        Culling::NONE,
+    ] {
+        assert!(pictures(culling, 2048) == usual, "{culling:?}");
+    }
+    // The planted fault: other maps make another picture.
+    assert!(pictures(on, 2000) != usual);
 }

@@ -17,14 +17,24 @@ fn tried(properties: &[Property], seed: u64, cases: u64, planted: bool) -> Vec<O
     run(&options, |_| ()).expect("tests need a graphics driver").outcomes
 }
 
-/// A property holds, and something was compared.
-fn hold(properties: &[Property], seed: u64, cases: u64) {
-    for outcome in tried(properties, seed, cases, false) {
+/// A property holds in every case that begins at a seed; how many numbers that compared for each.
+fn hold(properties: &[Property], seed: u64, cases: u64) -> Vec<(&'static str, u64)> {
+    let held = |outcome: Outcome| {
         let name = outcome.property.name();
         assert!(outcome.failure.is_none(), "{name}: {:#?}", outcome.failure);
         assert_eq!(outcome.cases, cases);
-        assert!(outcome.comparisons >= cases, "{name}: {} comparisons", outcome.comparisons);
+        (name, outcome.comparisons)
+    };
+    tried(properties, seed, cases, false).into_iter().map(held).collect()
+}
+
+/// Properties hold: in cases that are the same every time, where something is compared, and in a few new ones. Those
+/// need not compare anything: all points of three random lights may lie outside of them.
+fn hold_anywhere(properties: &[Property], cases: u64) {
+    for (name, comparisons) in hold(properties, 1, cases) {
+        assert!(comparisons >= cases, "{name}: {comparisons} comparisons");
     }
+    hold(properties, random_seed(), cases / 2);
 }
 
 /// With a planted fault it fails within some cases, and the simplest one found is small.
@@ -47,20 +57,17 @@ fn random_seed() -> u64 {
 
 #[test]
 fn the_model_holds() {
-    hold(&OF_THE_MODEL, 1, 200);
-    hold(&OF_THE_MODEL, random_seed(), 100);
+    hold_anywhere(&OF_THE_MODEL, 200);
 }
 
 #[test]
 fn the_adapter_agrees_with_the_model() {
-    hold(&OF_THE_ADAPTER, 1, 6);
-    hold(&OF_THE_ADAPTER, random_seed(), 3);
+    hold_anywhere(&OF_THE_ADAPTER, 6);
 }
 
 #[test]
 fn pictures_hold() {
-    hold(&OF_PICTURES, 1, 8);
-    hold(&OF_PICTURES, random_seed(), 4);
+    hold_anywhere(&OF_PICTURES, 8);
 }
 
 #[test]

@@ -27,6 +27,7 @@ mod probe;
 mod record;
 mod render_request;
 mod schema;
+mod stats;
 mod variants;
 
 pub use self::drag::{
@@ -50,8 +51,8 @@ pub use log_file::{
     Checkpoint, CheckpointLine, FIRST_PROOF, FindLine, LogHeader, LogLine, LogReader, ReadError, next_proof,
 };
 pub use message::{
-    ClientMessage, History, HistoryStep, HistorySteps, PROTOCOL, Presence, Resync, ServerMessage, Settings,
-    State, ViewSettings, ViewSource, Welcome, parse_body,
+    ClientMessage, History, HistoryStep, HistorySteps, Interaction, PROTOCOL, Presence, Reduction, Resync,
+    ServerMessage, Settings, State, ViewSettings, ViewSource, Welcome, parse_body,
 };
 pub use openapi::openapi;
 pub use outcome::{EditResult, GestureState, GestureStatus, Outcome};
@@ -69,3 +70,4 @@ pub use record::{
 };
 pub use render_request::{RenderFormat, RenderLimits, RenderParameters, RenderRefusal, RenderRequest};
 pub use schema::{Face, json_schema};
+pub use stats::{Cause, FrameQuality, FrameStats, Pass, PassRun, TraceLine, TraceWhat};

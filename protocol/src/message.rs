@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::from_json;
 use crate::{
-    Actor, Bounds, Camera, Command, Document, EditResult, ErrorCode, FileError, GestureState, ProbeAnswer,
-    ProbeCamera, Record, Scope,
+    Actor, Bounds, Camera, Command, Document, EditResult, ErrorCode, FileError, FrameStats, GestureState,
+    ProbeAnswer, ProbeCamera, Record, Scope,
 };
 
 /// The version of the protocol that `hello` and `welcome` name.
@@ -47,6 +47,13 @@ pub enum ClientMessage {
         /// How the view is from the start; not of one that follows another.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         settings: Option<ViewSettings>,
+        /// What of its pictures may be reduced while something moves, shadow maps unless it says otherwise; not of one that
+        /// follows another.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        interaction: Option<Interaction>,
+        /// Whether `stats` comes after each frame; of one that follows another too.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        stats: bool,
     },
     /// Moves one's own view; never logged.
     SetCamera {
@@ -59,6 +66,9 @@ pub enum ClientMessage {
     SetView {
         /// How, all of it.
         settings: ViewSettings,
+        /// Whether `stats` comes after each frame from now on; left out, that stays as it is.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        stats: Option<bool>,
         /// The client's number for its camera, which is another although the camera stays: frames say by it which settings
         /// they show.
         camera_revision: u32,
@@ -72,6 +82,11 @@ pub enum ClientMessage {
     },
     /// A frame has been decoded and shown.
     Ack {
+        /// The number in its header.
+        frame: u64,
+    },
+    /// A frame could not be decoded: the next one is a key frame.
+    RequestKeyFrame {
         /// The number in its header.
         frame: u64,
     },
@@ -179,6 +194,33 @@ pub struct ViewSettings {
     pub solo: Vec<u64>,
 }
 
+/// What of a view's pictures may be reduced while something moves, where they would come too slowly in full. At rest
+/// they are always full.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Interaction {
+    /// The texels of shadow maps: to half a side.
+    pub shadow_map: Reduction,
+    /// The pixels of pictures: to three quarters or half a side.
+    pub resolution: Reduction,
+}
+
+/// Whether something may be reduced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum Reduction {
+    /// As far as what pictures take makes it necessary.
+    Auto,
+    /// Never: it stays full.
+    Full,
+}
+
+impl Default for Interaction {
+    fn default() -> Self {
+        Self { shadow_map: Reduction::Auto, resolution: Reduction::Full }
+    }
+}
+
 /// What the server sends.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "camelCase", rename_all_fields = "camelCase")]
@@ -222,6 +264,8 @@ pub enum ServerMessage {
         /// From where.
         source: ViewSource,
     },
+    /// What the frame before it came to, for a client that asked.
+    Stats(Box<FrameStats>),
     /// The answer to `ping`.
     Pong {
         /// As it came.

@@ -70,6 +70,8 @@ pub enum ParameterOwner {
 pub enum ParameterTouches {
     /// No picture shows it.
     Nothing,
+    /// By which factors it adds what it adds to pictures.
+    Weight,
     /// What the light adds to pictures.
     Radiance,
     /// That and the light's shadow map.
@@ -237,6 +239,7 @@ impl From<&light::Parameter> for Parameter {
             path: row.path.replace('.', "/"),
             touches: match row.touches() {
                 light::Touches::Nothing => ParameterTouches::Nothing,
+                light::Touches::Weight => ParameterTouches::Weight,
                 light::Touches::Radiance => ParameterTouches::Radiance,
                 light::Touches::ShadowMap => ParameterTouches::ShadowMap,
                 light::Touches::Scene => ParameterTouches::Scene,

@@ -112,7 +112,8 @@ impl RenderRequest {
     pub fn view(&self, camera: Camera, light: usize, limits: RenderLimits, slot: ViewSlot) -> View {
         let [width, height] = self.size.unwrap_or_else(|| camera.projection.default_size(limits.max_side));
         let Self { aov, samples, fill, exposure, .. } = *self;
-        View { camera, width, height, samples, aov, light, fill, exposure, slot }
+        let size = [width, height];
+        View { samples, aov, light, fill, exposure, slot, ..View::beauty(camera, size) }
     }
 }
 

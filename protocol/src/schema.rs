@@ -4,7 +4,9 @@ use schemars::generate::{Contract, SchemaGenerator, SchemaSettings};
 use serde_json::{Map, Value, json};
 
 use crate::variants::name_variants;
-use crate::{ClientMessage, LogHeader, PROTOCOL, ParameterTable, Record, SceneNodes, ServerMessage};
+use crate::{
+    ClientMessage, LogHeader, PROTOCOL, ParameterTable, Record, SceneNodes, ServerMessage, TraceLine,
+};
 
 /// Which of a type's two faces a schema describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,11 +27,12 @@ pub fn json_schema(face: Face) -> Value {
         name::<crate::CheckpointLine>(&mut generator),
         name::<ParameterTable>(&mut generator),
         name::<SceneNodes>(&mut generator),
+        name::<TraceLine>(&mut generator),
     ];
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": format!("BendyLights protocol {PROTOCOL}"),
-        "description": "Messages of the socket, lines of a log file, the table of parameters and the nodes of a scene; SPEC.md says what they mean.",
+        "description": "Messages of the socket, lines of a log file, the table of parameters, the nodes of a scene and lines of a trace; SPEC.md says what they mean.",
         "anyOf": messages.into_iter().chain(lines).collect::<Vec<_>>(),
         "$defs": definitions(generator, "#/$defs"),
     })

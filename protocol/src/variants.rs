@@ -17,6 +17,7 @@ const UNIONS: &[(&str, [&str; 2])] = &[
     ("Projection", ["", "Projection"]),
     ("ServerMessage", ["Server", ""]),
     ("State", ["", "State"]),
+    ("TraceWhat", ["Traced", ""]),
     ("ViewSource", ["", "View"]),
 ];
 

@@ -22,7 +22,10 @@ fn from_the_client() -> Vec<Value> {
             "settings": {"exposure": 0.5, "solo": []}}),
         json!({"type": "setView", "settings": {"exposure": -1.5, "solo": [1, 4]}, "cameraRevision": 3}),
         json!({"type": "viewport", "width": 800, "height": 600}),
+        json!({"type": "openView", "source": {"follow": 2}, "width": 686, "height": 382, "cameraRevision": 0, "stats": true}),
+        json!({"type": "setView", "settings": {"exposure": 0.0, "solo": []}, "stats": false, "cameraRevision": 3}),
         json!({"type": "ack", "frame": 9}),
+        json!({"type": "requestKeyFrame", "frame": 9}),
         json!({"type": "edit", "opId": "x", "baseSeq": 7, "command": command}),
         json!({"type": "gestureBegin", "gesture": "g", "light": 1, "baseSeq": 7}),
         json!({"type": "gestureUpdate", "gesture": "g", "update": 1, "command": command}),
@@ -119,7 +122,11 @@ fn from_the_server() -> Vec<Value> {
     {
         ended[field] = value.into();
     }
+    let run = json!({"pass": "shadowMap", "light": 1, "cause": "light", "runs": 1});
+    let display = json!({"pass": "display", "light": null, "cause": "notKept", "runs": 1});
     vec![
+        json!({"type": "stats", "frame": 9, "waitUs": 1, "renderUs": 2, "encodeUs": 3, "bytes": 4, "tiles": 5,
+            "size": [64, 36], "shadowMapDivisor": 2, "quality": "moving", "passes": [run, display]}),
         welcome(json!({"snapshot": {"scene": null, "lights": [], "cameras": []}})),
         welcome(json!({"tail": [record]})),
         json!({"type": "log", "record": record, "hash": hash}),

@@ -203,12 +203,15 @@ fn a_frame_header_is_the_same_on_both_sides() {
         camera_revision: 9,
         live_revision: 17,
         samples: 4,
+        shadow_map_divisor: 2,
         tile,
         width: 640,
         height: 382,
         wait_us: 1_500,
         render_us: 85_000,
         encode_us: 3_200,
+        view_width: 1280,
+        view_height: 764,
     };
     let bytes = header.to_bytes();
     assert_eq!(FrameHeader::from_bytes(&bytes).expect("a header"), header);
@@ -224,12 +227,15 @@ fn a_frame_header_is_the_same_on_both_sides() {
         "cameraRevision": header.camera_revision,
         "liveRevision": header.live_revision,
         "samples": header.samples,
+        "shadowMapDivisor": header.shadow_map_divisor,
         "tile": {"x": tile.x, "y": tile.y, "width": tile.width, "height": tile.height},
         "width": header.width,
         "height": header.height,
         "waitUs": header.wait_us,
         "renderUs": header.render_us,
         "encodeUs": header.encode_us,
+        "viewWidth": header.view_width,
+        "viewHeight": header.view_height,
     }});
     agrees("frame.json", &format!("{vector:#}\n"));
 }

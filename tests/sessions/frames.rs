@@ -2,12 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use bench::Incoming;
-use protocol::{ClientMessage, Command, Document, ServerMessage, Vec3, ViewSettings, ViewSource};
+use bench::{Incoming, Tiles};
+use protocol::{ClientMessage, Command, Document, Interaction, Reduction, ServerMessage, Vec3, ViewSettings};
 use serde_json::json;
 use stream::{Codec, FrameHeader};
 
-use crate::support::{Mirror, Server, move_point, moved, pixels, rename};
+use crate::support::{Mirror, Server, frame_pixels, move_point, moved, rename};
 
 /// How often the server rendered and encoded.
 fn work(server: &Server) -> [f64; 2] {
@@ -15,9 +15,9 @@ fn work(server: &Server) -> [f64; 2] {
         .map(|name| server.process.metric(name, "").expect("counted"))
 }
 
-fn frame(mirror: &mut Mirror, mut wanted: impl FnMut(&FrameHeader) -> bool) -> (FrameHeader, Vec<u8>) {
+fn frame(mirror: &mut Mirror, mut wanted: impl FnMut(&FrameHeader) -> bool) -> (FrameHeader, Tiles) {
     mirror.receive_until("a frame", |incoming| match incoming {
-        Incoming::Frame(header, payload) if wanted(header) => Some((*header, payload.clone())),
+        Incoming::Frame(header, tiles) if wanted(header) => Some((*header, tiles.clone())),
         _ => None,
     })
 }
@@ -152,14 +152,7 @@ fn followers_share_one_render_and_one_encoding() {
     frame(&mut ada, |header| header.flags.settle);
     let mut followers = [server.connect("ben"), server.connect("cyd")];
     for follower in &mut followers {
-        let source = ViewSource::Follow(ada.client.welcome.client);
-        follower.send(&ClientMessage::OpenView {
-            source,
-            width: 999,
-            height: 77,
-            camera_revision: 1,
-            settings: None,
-        });
+        follower.follow(&ada);
         let (header, _) = frame(follower, |header| header.flags.settle);
         assert_eq!((header.width, header.height), (160, 90), "the followed one's size");
     }
@@ -194,7 +187,7 @@ fn moving_ones_view_is_no_edit() {
     ada.send(&ClientMessage::SetCamera { camera, camera_revision: 7 });
     let (header, payload) = frame(&mut ada, |header| header.flags.settle && header.camera_revision == 7);
     assert_eq!(header.log_seq, ada.seq);
-    assert_ne!(pixels(&payload), before);
+    assert_ne!(frame_pixels(&header, &payload), before);
     assert_eq!(server.state().0, ada.seq);
     let bounds = ada.client.welcome.bounds;
     assert!(bounds.min.iter().zip(bounds.max).all(|(min, max)| *min < max));
@@ -219,9 +212,10 @@ fn what_is_a_viewers_own_is_seen_by_nobody_else() {
     let mut seen_with = |ada: &mut Mirror, exposure: f64, solo: &[u64]| {
         revision += 1;
         let settings = ViewSettings { exposure, solo: solo.to_vec() };
-        ada.send(&ClientMessage::SetView { settings, camera_revision: revision });
-        let (_, payload) = frame(ada, |header| header.flags.settle && header.camera_revision == revision);
-        pixels(&payload)
+        ada.send(&ClientMessage::SetView { settings, stats: None, camera_revision: revision });
+        let (header, payload) =
+            frame(ada, |header| header.flags.settle && header.camera_revision == revision);
+        frame_pixels(&header, &payload)
     };
     let sum = |picture: &[u8]| picture.iter().map(|byte| u64::from(*byte)).sum::<u64>();
     let before = work(&server);
@@ -237,16 +231,20 @@ fn what_is_a_viewers_own_is_seen_by_nobody_else() {
     assert_eq!(server.state().0, seq, "nothing was logged");
     // Who follows sees what is followed.
     seen_with(&mut ada, 0.0, &[key]);
-    let source = ViewSource::Follow(ada.client.welcome.client);
-    ben.send(&ClientMessage::OpenView { source, width: 9, height: 9, camera_revision: 1, settings: None });
-    let (_, followed) = frame(&mut ben, |header| header.flags.settle && header.camera_revision == revision);
-    assert!(pixels(&followed) == alone && bens == both);
+    ben.follow(&ada);
+    let (header, followed) =
+        frame(&mut ben, |header| header.flags.settle && header.camera_revision == revision);
+    assert!(frame_pixels(&header, &followed) == alone && bens == both);
     // The light goes, and with it being alone.
     let gone = ada.edited(Command::RemoveLight { light: key }).seq().expect("committed");
     assert!(ada.settled(gone) == lamp_alone);
 
     for (exposure, solo, sentence) in [(33.0, vec![], "from -32 to 32"), (0.0, vec![1; 257], "256")] {
-        ada.send(&ClientMessage::SetView { settings: ViewSettings { exposure, solo }, camera_revision: 99 });
+        ada.send(&ClientMessage::SetView {
+            settings: ViewSettings { exposure, solo },
+            stats: None,
+            camera_revision: 99,
+        });
         let said = ada.wait_for("a refusal", |message| match message {
             ServerMessage::Error { message, fatal: false, .. } => Some(message.clone()),
             _ => None,
@@ -254,6 +252,70 @@ fn what_is_a_viewers_own_is_seen_by_nobody_else() {
         assert!(said.contains(sentence), "{said}");
     }
 }
+
+/// Drags for so long in a view that asks for `interaction`; the headers of the drag's frames, then that of the lossless one.
+fn dragged(
+    server: &Server,
+    interaction: Option<Interaction>,
+    seconds: u64,
+) -> (Vec<FrameHeader>, FrameHeader) {
+    let mut ada = server.connect("ada");
+    ada.open_view_of([1280, 720], interaction);
+    frame(&mut ada, |header| header.flags.settle);
+    let (light, start, base_seq) = (ada.light(), ada.point(2), ada.seq);
+    let gesture = "drag".to_owned();
+    ada.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq });
+    let (mut frames, until) = (Vec::new(), Instant::now() + Duration::from_secs(seconds));
+    for update in 1.. {
+        if Instant::now() >= until {
+            break;
+        }
+        let command = move_point(light, 2, sway(start, update as u32));
+        ada.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command });
+        frames.push(frame(&mut ada, |header| !header.flags.settle).0);
+    }
+    ada.send(&ClientMessage::GestureCancel { gesture });
+    (frames, frame(&mut ada, |header| header.flags.settle).0)
+}
+
+/// What a frame has of what its view has, as the client can tell.
+fn detail_of(header: &FrameHeader) -> (u16, u16, u16) {
+    (header.width, header.height, header.shadow_map_divisor)
+}
+
+/// A moving picture that would be too slow in full has fewer texels, and fewer pixels only where the client asked for it; what
+/// is forbidden stays full, as all is at rest.
+///
+/// Rules: FRAME-10
+#[test]
+fn moving_pictures_are_reduced_as_far_as_is_allowed_and_lossless_ones_never() {
+    let server = Server::start();
+    let [both, neither] = [Reduction::Auto, Reduction::Full]
+        .map(|reduction| Interaction { shadow_map: reduction, resolution: reduction });
+    let slow = |frames: &[FrameHeader]| {
+        frames.iter().take(6).all(|header| header.render_us + header.encode_us > 40_000)
+    };
+    for (interaction, least) in [(Some(both), (640, 360, 2)), (None, (1280, 720, 2)), (Some(neither), FULL)] {
+        let (frames, settled) = dragged(&server, interaction, 3);
+        assert_eq!(detail_of(&settled), FULL, "{interaction:?}");
+        assert!(frames.iter().all(|header| (header.view_width, header.view_height) == (1280, 720)));
+        assert_eq!(detail_of(&frames[0]), FULL, "it begins in full");
+        let within = |header: &FrameHeader| {
+            let (width, height, divisor) = detail_of(header);
+            width >= least.0 && height >= least.1 && divisor <= least.2
+        };
+        assert!(frames.iter().all(within), "{interaction:?}");
+        // On a device that is quick enough there is no need.
+        let reduced = frames.iter().any(|header| detail_of(header) != FULL);
+        assert!(least == FULL || reduced || !slow(&frames), "{interaction:?}: slow, and nothing was reduced");
+        // Three seconds have room for three changes.
+        let changes = frames.windows(2).filter(|pair| detail_of(&pair[0]) != detail_of(&pair[1])).count();
+        assert!(changes <= 3, "{changes} changes");
+    }
+}
+
+/// 1280 x 720 with maps of all their texels.
+const FULL: (u16, u16, u16) = (1280, 720, 1);
 
 /// A spotlight beside the demo's own.
 fn lamp() -> protocol::Light {

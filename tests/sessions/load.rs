@@ -5,7 +5,6 @@ use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
 use bench::{Incoming, stills};
-use protocol::{ClientMessage, ViewSource};
 
 use crate::program::program;
 use crate::support::{Mirror, Server};
@@ -58,9 +57,8 @@ fn resident_bytes(server: &Server) -> f64 {
     4096.0 * pages
 }
 
-fn see(mirror: &mut Mirror, [width, height]: [u32; 2]) {
-    let source = ViewSource::Own(mirror.client.welcome.camera.clone());
-    mirror.send(&ClientMessage::OpenView { source, width, height, camera_revision: 1, settings: None });
+fn see(mirror: &mut Mirror, size: [u32; 2]) {
+    mirror.open_view_of(size, None);
     mirror.receive_until("a frame", |incoming| matches!(incoming, Incoming::Frame(..)).then_some(()));
 }
 

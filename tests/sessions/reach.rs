@@ -73,7 +73,15 @@ fn a_light_of_an_old_log_is_left_out_with_a_note() {
 
     let mut client = Client::connect(&server.address, "far", "ada", None).expect("welcome");
     let source = ViewSource::Own(client.welcome.camera.clone());
-    let open = ClientMessage::OpenView { source, width: 64, height: 36, camera_revision: 1, settings: None };
+    let open = ClientMessage::OpenView {
+        source,
+        width: 64,
+        height: 36,
+        camera_revision: 1,
+        settings: None,
+        interaction: None,
+        stats: false,
+    };
     client.send(&open).expect("sent");
     let told = client.wait_for("a note", |incoming| match incoming {
         Incoming::Message(message) => match *message {

@@ -12,8 +12,10 @@ use serde_json::{Value, json};
 use crate::support::{Mirror, Server, committed, rename, state_of};
 
 const SIZE: [u32; 2] = [640, 360];
-/// Edits of others that are acknowledged while a slow drag is solved: it takes time for hundreds.
-const MANY: usize = 20;
+/// More edits of others than a session acknowledges that waits for a drag: the one that came before it, and the one that waited with it.
+const MANY: usize = 5;
+/// So many that a drag takes time for these and more, also where the machine is busy.
+const PINS: usize = 240;
 
 /// Pins the light in many places, two of them hard, so that the drag that is given back takes hundreds of times as long as most.
 fn slow_drag(server: &Server, mirror: &mut Mirror) -> Command {
@@ -39,11 +41,11 @@ fn slow_drag(server: &Server, mirror: &mut Mirror) -> Command {
         let (kind, at, hard) = (if n < 2 { kinds[0] } else { kinds[n % 4] }, lit[n * 7 % lit.len()], n < 2);
         json!({"command": {"type": "addPin", "pin": {"kind": kind, "light": mirror.light(), "at": at, "hard": hard}}})
     };
-    let edits: Vec<Value> = (0..40).map(pin).collect();
+    let edits: Vec<Value> = (0..PINS).map(pin).collect();
     let results: EditResults =
         parse_body(&post("/sessions/main/edits", json!({"edits": edits}))).expect("results");
     mirror.catch_up(results.seq);
-    assert_eq!(mirror.document.pins().len(), 40);
+    assert_eq!(mirror.document.pins().len(), PINS);
     Command::DragFeature {
         light: mirror.light(),
         kind: DragKind::Shadow,

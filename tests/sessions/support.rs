@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
-use bench::{BenchError, Client, Incoming, ServerProcess};
+use bench::{BenchError, Client, Incoming, ServerProcess, Tiles};
+use image::RgbImage;
 use light::parameters::{NAME, POSITION};
 use light::{Light, LightId};
-use protocol::{ClientMessage, GestureState, Outcome, Problem, ServerMessage, State, Vec3};
+use protocol::{ClientMessage, GestureState, Interaction, Outcome, Problem, ServerMessage, State, Vec3};
+use stream::FrameHeader;
 
 use crate::program::program;
 
@@ -167,25 +169,45 @@ impl Mirror {
 
     /// Opens a view of 160 x 90 from where the session suggests.
     pub fn open_view(&mut self) {
+        self.open_view_of([160, 90], None);
+    }
+
+    /// Opens one of that size in pixels, reduced while something moves as `interaction` allows.
+    pub fn open_view_of(&mut self, [width, height]: [u32; 2], interaction: Option<Interaction>) {
         let source = protocol::ViewSource::Own(self.client.welcome.camera.clone());
         self.send(&ClientMessage::OpenView {
             source,
-            width: 160,
-            height: 90,
+            width,
+            height,
             camera_revision: 1,
             settings: None,
+            interaction,
+            stats: false,
+        });
+    }
+
+    /// Looks at what `leader` sees: as large as that is, whatever this asks for.
+    pub fn follow(&mut self, leader: &Self) {
+        self.send(&ClientMessage::OpenView {
+            source: protocol::ViewSource::Follow(leader.client.welcome.client),
+            width: 999,
+            height: 77,
+            camera_revision: 1,
+            settings: None,
+            interaction: None,
+            stats: false,
         });
     }
 
     /// The pixels of the next lossless frame that shows record `log_seq`.
     pub fn settled(&mut self, log_seq: u64) -> Vec<u8> {
-        let payload = self.receive_until("a lossless frame", |incoming| match incoming {
+        let (header, payload) = self.receive_until("a lossless frame", |incoming| match incoming {
             Incoming::Frame(header, payload) if header.flags.settle && header.log_seq >= log_seq => {
-                Some(payload.clone())
+                Some((*header, payload.clone()))
             }
             _ => None,
         });
-        pixels(&payload)
+        frame_pixels(&header, &payload)
     }
 }
 
@@ -218,9 +240,16 @@ fn hear(message: &ServerMessage, document: &mut document::Document, seq: &mut u6
     assert_eq!(document.hash().to_string(), *hash, "after record {seq}");
 }
 
-/// A picture's bytes as RGB pixels.
+/// A picture file as RGB pixels.
 pub fn pixels(file: &[u8]) -> Vec<u8> {
     image::load_from_memory(file).expect("a picture").to_rgb8().into_raw()
+}
+
+/// The RGB pixels of a frame that holds a whole picture.
+pub fn frame_pixels(header: &FrameHeader, tiles: &Tiles) -> Vec<u8> {
+    let mut picture = RgbImage::new(header.width.into(), header.height.into());
+    tiles.draw_on(&mut picture).expect("pictures");
+    picture.into_raw()
 }
 
 /// Moves control point `point` of `light` to `position`.

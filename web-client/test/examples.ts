@@ -8,6 +8,7 @@ import type {
   Command,
   Directional,
   Document,
+  FrameStats,
   Omni,
   Record,
   ServerLog,
@@ -154,3 +155,17 @@ export function unhindered(command: Command): Command {
   const { light, point, position } = command;
   return { type: "setPoint", light, point, parameter: { position } };
 }
+
+/** Of a picture that was held. */
+export const STATS: FrameStats = {
+  frame: 1,
+  waitUs: 1,
+  renderUs: 2,
+  encodeUs: 3,
+  bytes: 4,
+  tiles: 1,
+  size: [64, 36],
+  shadowMapDivisor: 1,
+  quality: "moving",
+  passes: [],
+};

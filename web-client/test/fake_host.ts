@@ -93,6 +93,6 @@ export const sessionOn = (host: Host, notify: (message: string) => void = () => 
     session: "main",
     table: TABLE,
     actor: { id: "me", name: "Me" },
-    screen: { decode: () => Promise.resolve(null), show: () => {} },
+    screen: { decode: () => Promise.resolve(null), draw: () => {} },
     notify,
   });

@@ -5,7 +5,7 @@ import { isAtLimit, lightOf } from "../src/core/document";
 import type { Change, ClientMessage, Command, ServerMessage, Welcome } from "../src/core/protocol";
 import type { Session } from "../src/core/session";
 import type { Vec3 } from "../src/core/vector";
-import { BENDY, CAMERA, log, radiusChange, record, WELCOME } from "./examples";
+import { BENDY, CAMERA, log, radiusChange, record, STATS, WELCOME } from "./examples";
 import { type FakeHost, fakeHost, sessionOn } from "./fake_host";
 
 let host: FakeHost;
@@ -533,6 +533,30 @@ describe("views", () => {
     viewer.follow(null);
     expect(sent("openView").at(-1)?.settings).toEqual({ exposure: 3, solo: [1] });
     expect(viewer.shownSettings.value).toEqual(viewer.settings.value);
+  });
+
+  // Rules: FRAME-13
+  test("are told what pictures came to while that is asked for, by the view's settings or, of another's, by its own", () => {
+    welcome();
+    session.viewer.askStats(true);
+    host.frame();
+    const settings = { exposure: 0, solo: [] };
+    expect(sent("setView")).toEqual([{ type: "setView", settings, stats: true, cameraRevision: 2 }]);
+    const stats: ServerMessage = { type: "stats", ...STATS };
+    receive(stats);
+    expect(session.frameStats.value.moving).toMatchObject({ frame: 1 });
+    session.viewer.set({ exposure: 1 });
+    host.frame();
+    expect(sent("setView").at(-1)).not.toHaveProperty("stats");
+    reconnect({});
+    expect(session.frameStats.value.moving).toBeNull();
+    expect(sent("openView")).toMatchObject([{ stats: true }]);
+    receive({ type: "presence", clients: [ada] });
+    session.viewer.follow(8);
+    session.viewer.askStats(false);
+    expect(sent("openView").map((view) => view.stats)).toEqual([true, true, false]);
+    receive(stats);
+    expect(session.frameStats.value.moving).toBeNull();
   });
 
   // Rules: SOCK-12

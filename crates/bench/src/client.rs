@@ -4,8 +4,9 @@ use std::io::ErrorKind;
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
+use image::RgbImage;
 use protocol::{Actor, ClientMessage, PROTOCOL, ServerMessage, Welcome};
-use stream::{FrameHeader, HEADER_BYTES};
+use stream::{FrameHeader, HEADER_BYTES, Tile};
 use tungstenite::{Message, WebSocket};
 
 use crate::{Address, BenchError};
@@ -27,14 +28,41 @@ pub struct Known {
 pub enum Incoming {
     /// A control message.
     Message(Box<ServerMessage>),
-    /// A frame and its payload.
-    Frame(FrameHeader, Vec<u8>),
+    /// A frame, by the header of its last tile, and what it holds.
+    Frame(FrameHeader, Tiles),
+}
+
+/// What a frame holds: parts of a picture, each a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tiles(Vec<(Tile, Vec<u8>)>);
+
+impl Tiles {
+    /// Bytes of all files.
+    pub fn byte_count(&self) -> usize {
+        self.0.iter().map(|(_, file)| file.len()).sum()
+    }
+
+    /// Where they are in the picture.
+    pub fn places(&self) -> impl Iterator<Item = Tile> {
+        self.0.iter().map(|(tile, _)| *tile)
+    }
+
+    /// Puts them onto `picture`, which is as large as the frame says.
+    pub fn draw_on(&self, picture: &mut RgbImage) -> Result<(), BenchError> {
+        for (tile, file) in &self.0 {
+            let part = image::load_from_memory(file)?.to_rgb8();
+            image::imageops::replace(picture, &part, tile.x.into(), tile.y.into());
+        }
+        Ok(())
+    }
 }
 
 /// A connection to one session.
 #[derive(Debug)]
 pub struct Client {
     socket: WebSocket<TcpStream>,
+    /// The tiles of the frame whose last has not come yet, and its number.
+    coming: (u64, Tiles),
     /// The answer to its hello.
     pub welcome: Welcome,
 }
@@ -69,12 +97,15 @@ impl Client {
         let until = Instant::now() + ANSWER_WITHIN;
         while Instant::now() < until {
             match receive(&mut socket, ANSWER_WITHIN)? {
-                Some(Incoming::Message(message)) => match *message {
-                    ServerMessage::Welcome(welcome) => return Ok(Self { socket, welcome: *welcome }),
+                Some(Received::Text(message)) => match *message {
+                    ServerMessage::Welcome(welcome) => {
+                        let coming = (0, Tiles::default());
+                        return Ok(Self { socket, coming, welcome: *welcome });
+                    }
                     ServerMessage::Error { message, .. } => return Err(BenchError::Refused(message)),
                     _ => {}
                 },
-                Some(Incoming::Frame(..)) | None => {}
+                Some(Received::Tile(..)) | None => {}
             }
         }
         Err(BenchError::Silent { what: "a welcome", within: ANSWER_WITHIN })
@@ -87,7 +118,29 @@ impl Client {
 
     /// The next message or frame; `None` where there is none within `timeout`.
     pub fn receive(&mut self, timeout: Duration) -> Result<Option<Incoming>, BenchError> {
-        receive(&mut self.socket, timeout)
+        let until = Instant::now() + timeout;
+        loop {
+            let left = until.saturating_duration_since(Instant::now());
+            match receive(&mut self.socket, left)? {
+                Some(Received::Text(message)) => return Ok(Some(Incoming::Message(message))),
+                Some(Received::Tile(header, file)) => {
+                    if let Some(tiles) = self.put_together(&header, file) {
+                        return Ok(Some(Incoming::Frame(header, tiles)));
+                    }
+                }
+                None if Instant::now() >= until => return Ok(None),
+                None => {}
+            }
+        }
+    }
+
+    /// Keeps a tile; all of its frame where it is the last. What was left out of an earlier frame never comes.
+    fn put_together(&mut self, header: &FrameHeader, file: Vec<u8>) -> Option<Tiles> {
+        if self.coming.0 != header.frame {
+            self.coming = (header.frame, Tiles::default());
+        }
+        self.coming.1.0.push((header.tile, file));
+        header.flags.last_tile.then(|| std::mem::take(&mut self.coming.1))
     }
 
     /// Says that a frame has been shown.
@@ -121,16 +174,20 @@ fn send(socket: &mut WebSocket<TcpStream>, message: &ClientMessage) -> Result<()
     Ok(socket.send(Message::text(text))?)
 }
 
-fn receive(socket: &mut WebSocket<TcpStream>, timeout: Duration) -> Result<Option<Incoming>, BenchError> {
+/// A message of a server.
+enum Received {
+    Text(Box<ServerMessage>),
+    Tile(FrameHeader, Vec<u8>),
+}
+
+fn receive(socket: &mut WebSocket<TcpStream>, timeout: Duration) -> Result<Option<Received>, BenchError> {
     // A timeout of zero would mean to wait for ever.
     socket.get_ref().set_read_timeout(Some(timeout.max(Duration::from_micros(1))))?;
     match socket.read() {
-        Ok(Message::Text(text)) => {
-            Ok(Some(Incoming::Message(Box::new(ServerMessage::parse(text.as_str())?))))
-        }
+        Ok(Message::Text(text)) => Ok(Some(Received::Text(Box::new(ServerMessage::parse(text.as_str())?)))),
         Ok(Message::Binary(bytes)) => {
             let header = FrameHeader::from_bytes(&bytes)?;
-            Ok(Some(Incoming::Frame(header, bytes[HEADER_BYTES..].to_vec())))
+            Ok(Some(Received::Tile(header, bytes[HEADER_BYTES..].to_vec())))
         }
         Ok(_) => Ok(None),
         Err(tungstenite::Error::Io(error))

@@ -1,5 +1,6 @@
 //! Why a measurement could not be made.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use light::LightError;
@@ -53,6 +54,19 @@ pub enum BenchError {
     /// A file could not be written or read.
     #[error("{0}")]
     Io(#[from] std::io::Error),
+    /// A folder without other renderers.
+    #[error("{}: holds no peers: each is a folder in it with a bench.py; name another with --peers", .0.display())]
+    NoPeers(PathBuf),
+    /// A folder of other renderers without the Python that runs them.
+    #[error(
+        "{}: has no virtual environment: make one with its setup.sh, or name the Python that has the peers with --python",
+        .0.display()
+    )]
+    NoPython(PathBuf),
+    /// Another renderer could not be measured.
+    #[error("{} cannot be measured by {} ({reason}); try it by hand", script.display(), python.display())]
+    #[expect(missing_docs, reason = "its fields are what their names say")]
+    Peer { script: PathBuf, python: PathBuf, reason: String },
     /// The picture of the result could not be drawn.
     #[error("the chart cannot be drawn: {0}")]
     Chart(String),

@@ -5,16 +5,20 @@
 
 #![expect(clippy::disallowed_methods, reason = "measurements hold within bounds, not to the bit")]
 
+mod cases;
+mod circle;
 mod client;
 pub mod compare;
 pub mod drag;
 mod error;
+pub mod frame;
 pub mod log;
 mod process;
 pub mod session;
 pub mod shadow;
 pub mod stills;
 
-pub use client::{Client, Incoming, Known};
+pub use cases::Case;
+pub use client::{Client, Incoming, Known, Tiles};
 pub use error::BenchError;
 pub use process::{Address, Response, ServerProcess};

@@ -4,10 +4,11 @@ use std::path::Path;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+use image::RgbImage;
 use protocol::{ClientMessage, Command};
 use serde::Serialize;
 
-use crate::session::{ANIMATION_FRAME, RADIUS, control_point, decode, ms, open_view, position_of};
+use crate::circle::{ANIMATION_FRAME, RADIUS, control_point, decode, ms, open_view, position_of};
 use crate::{BenchError, Client, Incoming, Response, ServerProcess};
 
 /// What to measure.
@@ -131,7 +132,7 @@ fn drag(client: &mut Client, gesture: &str, time: Duration) -> Result<Pace, Benc
     let gesture = gesture.to_owned();
     client.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq })?;
     let (began, mut update) = (Instant::now(), 0);
-    let mut shown: Vec<Instant> = Vec::new();
+    let (mut shown, mut picture) = (Vec::<Instant>::new(), RgbImage::new(0, 0));
     while began.elapsed() < time {
         update += 1;
         let angle = 0.05 * update as f64;
@@ -140,8 +141,8 @@ fn drag(client: &mut Client, gesture: &str, time: Duration) -> Result<Pace, Benc
         client.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command })?;
         let next = began + ANIMATION_FRAME * update as u32;
         while let Some(left) = next.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
-            if let Some(Incoming::Frame(header, payload)) = client.receive(left)? {
-                decode(&payload)?;
+            if let Some(Incoming::Frame(header, tiles)) = client.receive(left)? {
+                decode(&header, &tiles, &mut picture)?;
                 client.ack(&header)?;
                 shown.push(Instant::now());
             }

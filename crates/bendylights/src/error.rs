@@ -58,6 +58,11 @@ pub enum Error {
     /// An AOV that shows a light, where there is none.
     #[error("{scene}: has no light to show the {aov} of: name a light file with --lights")]
     NothingToShow { scene: String, aov: &'static str },
+    /// A measurement of frames of nothing.
+    #[error(
+        "{0}: has no triangles and no light, so there is nothing to measure: name another scene with --scene"
+    )]
+    NothingLit(String),
     /// An option of shadow maps for the backend that has none.
     #[error(
         "{0}: the reference follows light along its curve and has no shadow maps: leave it out, or take --backend gpu"

@@ -9,12 +9,11 @@ use light::{CheckedLight, Location, Tube};
 use protocol::point_file::WrittenPoint;
 use protocol::{Evaluation, Visibility};
 use reference::{Linked, Reference};
-use render::Gpu;
 use scene::Scene;
 
 use crate::error::Error;
-use crate::files;
 use crate::render::open_scene;
+use crate::{files, gpu};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -86,7 +85,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
             let tube = Tube::<f32>::from(&part.tube);
             points.iter().map(|&point| part.in_whole(&tube.locate(point))).collect()
         }
-        On::Gpu => render::locate(&Gpu::new()?, tube, &points)?,
+        On::Gpu => render::locate(&*gpu::open()?, tube, &points)?,
     };
     let scene = args.scene.as_deref().map(open_scene).transpose()?.map(|loaded| loaded.scene);
     let shadows = scene.map(|scene| Shadows::new(scene, &light, args.precision));

@@ -10,6 +10,7 @@ mod error;
 mod eval;
 mod export;
 mod files;
+mod gpu;
 mod import;
 mod known_scenes;
 mod parameters;

@@ -14,11 +14,11 @@ use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use light::{CheckedLight, LightId, LightInstance, Reach, Tube};
 use protocol::RenderRequest;
 use reference::Reference;
-use render::{Aov, Gpu, Picture, PictureFormat, Renderer, ShadowSettings, View, ViewSlot};
+use render::{Aov, Picture, PictureFormat, Renderer, ShadowSettings, View, ViewSlot};
 use scene::{Camera, PosedScene, framing_camera};
 
 use crate::error::Error;
-use crate::files;
+use crate::{files, gpu};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -185,7 +185,7 @@ fn draw(
     shadows: ShadowSettings,
     format: PictureFormat,
 ) -> Result<Vec<u8>, Error> {
-    let mut renderer = Renderer::new(Arc::new(Gpu::new()?))?;
+    let mut renderer = Renderer::new(gpu::open()?)?;
     renderer.set_shadow_settings(shadows)?;
     renderer.set_scene(scene)?;
     let bar = progress_bar();

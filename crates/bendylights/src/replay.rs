@@ -1,20 +1,19 @@
 //! `bendylights replay`: a log's edits made again.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Instant;
 
 use cli::{LIMITS, Output, answer, say};
 use document::{AssetHash, Document, EditError};
 use edit::ReplayError;
-use render::{Gpu, PictureFormat, Renderer, View};
+use render::{PictureFormat, Renderer, View};
 use scene::{DEFAULT_ASPECT, Scene, framing_camera};
 use store::{Store, StoreError, visit_log};
 
 use crate::error::Error;
 use crate::render::{left_out, picture_format};
 use crate::resolve::Resolver;
-use crate::{files, known_scenes};
+use crate::{files, gpu, known_scenes};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -123,7 +122,7 @@ fn drawn(document: &Document, scene: Scene, format: PictureFormat) -> Result<Vec
     for note in left_out(&posed.reach(), &lights) {
         say(&format!("note: {note}"));
     }
-    let mut renderer = Renderer::new(Arc::new(Gpu::new()?))?;
+    let mut renderer = Renderer::new(gpu::open()?)?;
     renderer.set_scene(&posed)?;
     Ok(renderer.render_file(&view, &lights, format, |_| {})?)
 }

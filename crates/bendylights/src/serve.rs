@@ -25,7 +25,8 @@ survive any other end too. RUST_LOG=debug says more of what it does.
 Examples:
   bendylights serve
   bendylights serve --scene room.glb --data room-data
-  bendylights serve --listen 127.0.0.1:0")]
+  bendylights serve --listen 127.0.0.1:0
+  bendylights serve --trace trace.jsonl")]
 pub struct Args {
     /// Where to listen; port 0 takes a free one
     #[arg(long, default_value = "127.0.0.1:8080", value_name = "ADDR")]
@@ -39,6 +40,9 @@ pub struct Args {
     /// Address at which browsers find it, such as a proxy's: `https://lights.example.org`; may be given more than once
     #[arg(long, value_name = "URL")]
     public_url: Vec<PublicUrl>,
+    /// File to whose end a line of JSON is written for each picture: when, of what, how long it took, which passes ran and why
+    #[arg(long, value_name = "FILE")]
+    trace: Option<PathBuf>,
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
@@ -64,6 +68,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         session: SESSION.into(),
         scene: args.scene.clone(),
         public_urls: args.public_url.clone(),
+        trace: args.trace.clone(),
     };
     let server = Server::open(&config)?;
     let place = args

@@ -84,6 +84,8 @@ impl Owner {
 pub enum Touches {
     /// Nothing: no picture shows it.
     Nothing,
+    /// By which factors it adds what it adds to the picture.
+    Weight,
     /// What the light adds to the picture.
     Radiance,
     /// Its shadow map.

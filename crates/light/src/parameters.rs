@@ -94,7 +94,7 @@ const fn window(absent: &'static str) -> Kind {
 }
 
 use Owner::{Bendy, Directional, Omni, Point, Spot};
-use Touches::{Nothing, Radiance, ShadowMap};
+use Touches::{Nothing, Radiance, ShadowMap, Weight};
 
 rows! { LIGHT_ROWS:
     NAME: String = "Name for people and for `--light`.", Parameter {
@@ -142,7 +142,7 @@ rows! { LIGHT_ROWS:
     ENABLED: bool = "Whether it shines.", Parameter {
         name: "enabled",
         path: "enabled",
-        of: &every(Value::Flag(true), Radiance),
+        of: &every(Value::Flag(true), Weight),
         kind: Kind::Flag,
         group: "Light",
         label: "Enabled",
@@ -151,7 +151,7 @@ rows! { LIGHT_ROWS:
     COLOR: DVec3 = "Linear RGB of all that it emits. That of a BendyLight's control points is a factor of it.", Parameter {
         name: "color",
         path: "color",
-        of: &every(Value::Vector(DVec3::ONE), Radiance),
+        of: &every(Value::Vector(DVec3::ONE), Weight),
         kind: Kind::Color,
         group: "Emission",
         label: "Color",
@@ -161,7 +161,7 @@ rows! { LIGHT_ROWS:
     Parameter {
         name: "intensity",
         path: "intensity",
-        of: &every(Value::Number(1.0), Radiance),
+        of: &every(Value::Number(1.0), Weight),
         kind: Kind::Number(Number { slider: Some([0.0, 20.0]), step: 0.05, ..Number::ANY }),
         group: "Emission",
         label: "Intensity",
@@ -170,7 +170,7 @@ rows! { LIGHT_ROWS:
     EXPOSURE: f64 = "Stops by which all that it emits is brightened: a factor of 2 to this.", Parameter {
         name: "exposure",
         path: "exposure",
-        of: &every(Value::Number(0.0), Radiance),
+        of: &every(Value::Number(0.0), Weight),
         kind: Kind::Number(Number {
             unit: "stops",
             min: Included(-100.0),
@@ -186,7 +186,7 @@ rows! { LIGHT_ROWS:
     ENABLE_COLOR_TEMPERATURE: bool = "Whether the color is multiplied by that of the color temperature.", Parameter {
         name: "enableColorTemperature",
         path: "enableColorTemperature",
-        of: &every(Value::Flag(false), Radiance),
+        of: &every(Value::Flag(false), Weight),
         kind: Kind::Flag,
         group: "Emission",
         label: "Temperature",
@@ -196,7 +196,7 @@ rows! { LIGHT_ROWS:
     Parameter {
         name: "colorTemperature",
         path: "colorTemperature",
-        of: &every(Value::Number(6500.0), Radiance),
+        of: &every(Value::Number(6500.0), Weight),
         kind: Kind::Number(Number {
             unit: "K",
             min: Included(1000.0),
@@ -212,7 +212,7 @@ rows! { LIGHT_ROWS:
     DIFFUSE: f64 = "Factor of what surfaces scatter of it.", Parameter {
         name: "diffuse",
         path: "diffuse",
-        of: &every(Value::Number(1.0), Radiance),
+        of: &every(Value::Number(1.0), Weight),
         kind: Kind::Number(FACTOR),
         group: "Emission",
         label: "Diffuse",
@@ -221,7 +221,7 @@ rows! { LIGHT_ROWS:
     SPECULAR: f64 = "Factor of what surfaces mirror of it: highlights.", Parameter {
         name: "specular",
         path: "specular",
-        of: &every(Value::Number(1.0), Radiance),
+        of: &every(Value::Number(1.0), Weight),
         kind: Kind::Number(FACTOR),
         group: "Emission",
         label: "Specular",

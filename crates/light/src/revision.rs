@@ -19,8 +19,11 @@ pub struct Digest(pub [u8; 32]);
 pub struct Revisions {
     /// Of what its shadow map depends on, besides the scene.
     pub shadow_map: Digest,
-    /// Of what the picture depends on, the shadow map included.
+    /// Of what reaches the eye by it depends on, the shadow map included, but for factors of all of it
+    /// ([`LightFilter::weights`](crate::LightFilter::weights)).
     pub radiance: Digest,
+    /// Of what the picture depends on: those factors too.
+    pub picture: Digest,
     /// Of everything.
     pub content: Digest,
 }
@@ -31,6 +34,7 @@ impl Revisions {
         Self {
             shadow_map: digest(Touches::ShadowMap),
             radiance: digest(Touches::Radiance),
+            picture: digest(Touches::Weight),
             content: digest(Touches::Nothing),
         }
     }

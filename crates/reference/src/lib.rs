@@ -7,8 +7,8 @@
 //! ```
 //! use reference::Reference;
 //! # let scene = scene::Scene::default();
-//! # let (camera, slot) = (scene::framing_camera(&light::Reach::default(), 1.0), scene::ViewSlot::default());
-//! let view = scene::View { camera, width: 4, height: 4, samples: 1, aov: scene::Aov::Depth, light: 0, fill: 1.0, exposure: 0.0, slot };
+//! # let camera = scene::framing_camera(&light::Reach::default(), 1.0);
+//! let view = scene::View { aov: scene::Aov::Depth, ..scene::View::beauty(camera, [4, 4]) };
 //! let frame = Reference::new(scene::pose(scene.clone())).render(&view, &[], || {})?;
 //! assert_eq!(frame.pixels[0], [0.0; 4]);
 //! # Ok::<(), reference::ReferenceError>(())

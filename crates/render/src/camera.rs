@@ -139,18 +139,36 @@ impl Raster {
         }
     }
 
-    /// The pixels that the convex hull of `corners` may touch, as `[x, y, width, height]`.
+    /// All pixels, as `[x, y, width, height]`.
+    pub fn whole(&self) -> [u32; 4] {
+        [0, 0, self.width, self.height]
+    }
+
+    /// The pixels that the convex hull of `corners` may touch, as `[x, y, width, height]`; of no extent where it touches none.
     ///
-    /// All of them where a corner lies behind the viewer, since it then projects to no place in particular.
+    /// All of them where a corner lies behind the viewer, since it then projects to no place in particular, but for a hull
+    /// of which nothing lies ahead or all beyond one side of the picture.
     pub fn bounds_of(&self, corners_in_world: &[DVec3]) -> [u32; 4] {
         let clip_from_world = self.clip_from_world();
+        let clip = || corners_in_world.iter().map(|corner| clip_from_world * corner.extend(1.0));
+        // A pixel more on each side, as below.
+        let edge = |pixels: u32| 1.0 + 4.0 / f64::from(pixels);
+        let (x, y) = (edge(self.width), edge(self.height));
+        let beyond = |is: &dyn Fn(DVec4) -> bool| clip().all(is);
+        if beyond(&|p| p.w < 0.0)
+            || beyond(&|p| p.x > x * p.w)
+            || beyond(&|p| p.x < -x * p.w)
+            || beyond(&|p| p.y > y * p.w)
+            || beyond(&|p| p.y < -y * p.w)
+        {
+            return [0; 4];
+        }
         let size = DVec2::new(f64::from(self.width), f64::from(self.height));
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        for corner in corners_in_world {
-            let clip = clip_from_world * corner.extend(1.0);
+        for clip in clip() {
             // The near plane has z = w; also false where NaN.
             if !(clip.w > 0.0 && clip.z <= clip.w) {
-                return [0, 0, self.width, self.height];
+                return self.whole();
             }
             let at = (DVec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5) * size;
             low = low.min(at);
@@ -278,8 +296,21 @@ mod tests {
         assert_eq!(x, (50.0 + 0.1 * pixels_a_unit).floor() as u32 - 1);
         assert_eq!(x + width, (50.0 + 0.2 * pixels_a_unit).ceil() as u32 + 1);
         assert_eq!((y + height, y), (51, (50.0 - 0.1 * pixels_a_unit).floor() as u32 - 1));
-        // Behind the viewer: everything. Off the picture: nothing.
-        assert_eq!(raster.bounds_of(&[DVec3::new(0.0, 0.0, 1.0)]), [0, 0, 100, 100]);
-        assert_eq!(raster.bounds_of(&[DVec3::new(9.0, 0.0, -1.0)])[2], 0);
+        // Partly behind the viewer: everything. All of it behind, or off the picture: nothing.
+        let [behind, ahead, aside] = [1.0, -1.0, 0.0].map(|z| DVec3::new(0.0, 0.0, z));
+        let all = [0, 0, 100, 100];
+        assert_eq!(raster.bounds_of(&[behind, ahead]), all);
+        assert_eq!(raster.bounds_of(&[behind]), [0; 4]);
+        assert_eq!(raster.bounds_of(&[]), [0; 4]);
+        for turn in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y] {
+            let far = 9.0 * turn;
+            assert_eq!(raster.bounds_of(&[far + ahead, 2.0 * far + ahead, far + behind]), [0; 4], "{turn}");
+            // Each beyond the side, or behind, but what lies between them ahead.
+            assert_eq!(raster.bounds_of(&[far + behind, ahead - far]), all, "{turn}");
+            // Seen just: within the pixel that rounding may take.
+            let edge = turn * (0.5_f64.tan() * 1.01);
+            assert!(raster.bounds_of(&[edge + ahead]) != [0; 4], "{turn}");
+        }
+        assert_eq!(raster.bounds_of(&[aside + 9.0 * DVec3::X, ahead]), all, "in the viewer's plane");
     }
 }

@@ -4,12 +4,14 @@ use glam::Vec3;
 use wgpu::{Buffer, BufferUsages};
 
 use crate::alpha_test::AlphaTests;
+use crate::clusters::Clusters;
 use crate::geometry::{Vertices, upload};
 use crate::material::MaterialDraw;
+use crate::shells::connected;
 use crate::{Gpu, RenderError};
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 /// Meshoptimizer bounds the root of a mean of squared distances. The largest distance is up to 2.6 times
 /// that, measured on balls and bowls of 9,000 to 160,000 triangles.
@@ -18,7 +20,7 @@ const LARGEST_OVER_MEAN: f64 = 3.0;
 /// rounding decides what is collapsed: up to 6 times the mean was seen.
 const LEAST_MEAN: f64 = 4e-4;
 
-/// The triangles that shadow maps are made of, in scene space.
+/// The triangles that shadow maps are made of, in scene space, in the order in which their clusters have them.
 #[derive(Clone, Debug)]
 pub(crate) struct Casters {
     /// `array<f32>`, three a vertex.
@@ -29,26 +31,67 @@ pub(crate) struct Casters {
     pub triangle_count: u32,
     /// How many indices have no alpha test.
     pub opaque_indices: u32,
+    pub clusters: Clusters,
+}
+
+/// What casters are made of, before any of it is on a device.
+pub(crate) struct CasterMesh {
+    positions: Vec<[f32; 3]>,
+    indices: Vec<u32>,
+    opaque_indices: usize,
+    clusters: Clusters,
+}
+
+impl CasterMesh {
+    /// See [`Casters::new`].
+    pub fn new((vertices, opaque_indices): (&Vertices, usize), mesh_error: f64) -> Self {
+        let simplified;
+        let (positions, indices, opaque_indices) = if mesh_error > 0.0 {
+            simplified = simplify(&vertices.positions, vertices.indices.split_at(opaque_indices), mesh_error);
+            (&simplified.positions, &simplified.indices, simplified.opaque_indices)
+        } else {
+            (&vertices.positions, &vertices.indices, opaque_indices)
+        };
+        let triangles = indices.as_chunks().0;
+        let (mut clusters, order) =
+            Clusters::new(positions, triangles, (opaque_indices / 3, mesh_error > 0.0));
+        let mut indices: Vec<u32> = order.iter().flat_map(|&triangle| triangles[triangle as usize]).collect();
+        // In the order in which triangles need them, so that few blocks have those of a leaf.
+        let positions = meshopt::optimize_vertex_fetch(&mut indices, positions);
+        clusters.note_blocks(&indices);
+        Self { positions, indices, opaque_indices, clusters }
+    }
+
+    pub fn triangle_count(&self) -> usize {
+        self.indices.len() / 3
+    }
+
+    /// Puts it on a device.
+    pub fn upload(self, gpu: &Gpu) -> Result<Casters, RenderError> {
+        let Self { positions, indices, opaque_indices, clusters } = self;
+        let (for_vertices, for_triangles) =
+            (BufferUsages::STORAGE | BufferUsages::VERTEX, BufferUsages::STORAGE | BufferUsages::INDEX);
+        Ok(Casters {
+            positions: upload(gpu, "the shadow mesh's vertices in bytes", &positions, for_vertices)?,
+            indices: upload(gpu, "the shadow mesh's indices in bytes", &indices, for_triangles)?,
+            vertex_count: positions.len() as u32,
+            triangle_count: (indices.len() / 3) as u32,
+            opaque_indices: opaque_indices as u32,
+            clusters,
+        })
+    }
 }
 
 impl Casters {
-    /// The same surface, whose triangles are those of `vertices`, in fewer where `mesh_error` (world units) lets it
-    /// stray; at 0 these very buffers.
-    pub fn simplified(&self, gpu: &Gpu, vertices: &Vertices, mesh_error: f64) -> Result<Self, RenderError> {
-        if mesh_error == 0.0 {
-            return Ok(self.clone());
-        }
-        let triangles = vertices.indices.split_at(self.opaque_indices as usize);
-        let mesh = simplify(&vertices.positions, triangles, mesh_error);
-        let (vertices, triangles) =
-            (BufferUsages::STORAGE | BufferUsages::VERTEX, BufferUsages::STORAGE | BufferUsages::INDEX);
-        Ok(Self {
-            positions: upload(gpu, "the shadow mesh's vertices in bytes", &mesh.positions, vertices)?,
-            indices: upload(gpu, "the shadow mesh's indices in bytes", &mesh.indices, triangles)?,
-            vertex_count: mesh.positions.len() as u32,
-            triangle_count: (mesh.indices.len() / 3) as u32,
-            opaque_indices: mesh.opaque_indices as u32,
-        })
+    /// The surface of `vertices`, of whose indices the first `opaque_indices` have no alpha test, in fewer triangles where
+    /// `mesh_error` (world units) lets it stray.
+    pub fn new(gpu: &Gpu, surface: (&Vertices, usize), mesh_error: f64) -> Result<Self, RenderError> {
+        CasterMesh::new(surface, mesh_error).upload(gpu)
+    }
+
+    /// Of its buffers.
+    pub fn bytes(&self) -> u64 {
+        self.positions.size() + self.indices.size()
     }
 }
 
@@ -98,27 +141,6 @@ fn simplify(positions: &[[f32; 3]], (opaque, masked): (&[u32], &[u32]), error: f
     mesh.opaque_indices = mesh.indices.len();
     mesh.add(positions, masked.to_vec());
     mesh
-}
-
-/// A number for each vertex, the same for those that triangles connect.
-fn connected(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
-    let mut parents: Vec<u32> = (0..vertex_count as u32).collect();
-    let root = |parents: &mut Vec<u32>, mut vertex: u32| {
-        while parents[vertex as usize] != vertex {
-            let above = parents[vertex as usize];
-            parents[vertex as usize] = parents[above as usize];
-            vertex = above;
-        }
-        vertex
-    };
-    for &[a, b, c] in triangles {
-        let to = root(&mut parents, a);
-        for vertex in [b, c] {
-            let from = root(&mut parents, vertex);
-            parents[from as usize] = to;
-        }
-    }
-    (0..vertex_count as u32).map(|vertex| root(&mut parents, vertex)).collect()
 }
 
 /// Fewer triangles of what is connected, each part by itself: meshoptimizer measures in f32 against its whole

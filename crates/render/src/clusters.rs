@@ -1,31 +1,63 @@
-//! Boxes around the scene's triangles, in a tree: what shadow maps are fitted to.
+//! Boxes around what casts shadows, in trees: what shadow maps are fitted to, and which triangles they look at.
+
+use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 
-/// Most triangles of a box that has no boxes within.
-const TRIANGLES_A_LEAF: usize = 64;
+use crate::bounds::Bounds;
+use crate::shells::{Shell, Shells};
 
-/// How far from a side of the scene's bounds a triangle may be that lies in it, as a share of their size: rounding.
+/// Most triangles of a leaf. The workgroups of `bent_map_triangles.wgsl` have as many threads.
+pub(crate) const TRIANGLES_A_LEAF: usize = 64;
+/// Vertices of a block. The workgroups of `bent_map_vertices.wgsl` have as many threads.
+pub(crate) const VERTICES_A_BLOCK: usize = 64;
+
+/// Boxes count as across a plane that they miss by this share of what it is made with: rounding here and on the GPU.
+const ROUNDING: f64 = 1e-6;
+
+/// How far from a side of the casters' bounds a triangle may be that lies in it, as a share of their size: rounding.
 const SIDE_THICKNESS: f32 = 1e-6;
 
-/// Boxes around a scene's triangles: those that lie in a side of its bounds, as floors and walls do, and the others.
+/// Boxes around triangles that cast shadows: those that lie in a side of their bounds, as floors and walls do, and the
+/// others.
 ///
 /// Nothing lies behind a side, so a side casts no shadow that can be seen, unless light comes in through it.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Clusters {
+    pub leaves: Vec<Leaf>,
+    /// Blocks of vertices that leaves have corners in, leaf by leaf.
+    blocks: Vec<u32>,
     inner: Tree,
     sides: Vec<(Side, Tree)>,
+    /// Whether the triangles stray from the surface that they stand for.
+    stray: bool,
 }
 
-/// A side of the scene's bounds: the plane `normal . p = offset`, whose outer side holds nothing.
+/// Triangles that lie near each other, one after the other in the casters' list.
+#[derive(Clone, Debug)]
+pub(crate) struct Leaf {
+    pub triangles: Range<u32>,
+    /// What they are of.
+    pub shell: Shell,
+    /// Around all of the closed surfaces that its triangles are of.
+    pub shell_bounds: Cluster,
+    /// Where its vertices' blocks are listed.
+    blocks: Range<usize>,
+}
+
+/// A side of the casters' bounds: the plane `normal . p = offset`, whose outer side holds nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Side {
     pub normal: DVec3,
     pub offset: f64,
 }
 
+/// Which sides light comes in through; the bits of [`Clusters::open_sides`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct OpenSides(u8);
+
 /// A node before those within it.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Tree {
     nodes: Vec<Node>,
 }
@@ -36,6 +68,8 @@ struct Node {
     max: Vec3,
     /// Where the nodes within this one end.
     end: usize,
+    /// Which leaf, where there are none within.
+    leaf: u32,
 }
 
 /// A box along the axes of scene space.
@@ -46,50 +80,160 @@ pub(crate) struct Cluster {
     pub half: DVec3,
 }
 
+/// What becomes of the boxes within a box; of what several ask for, the last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Within {
+    /// All are left out.
+    Leave,
+    /// They are looked at.
+    Look,
+    /// All are taken.
+    Take,
+}
+
+impl Leaf {
+    /// What its triangles are of, for light that begins at `source`: open where that may lie inside of it.
+    pub fn shell_from(&self, source: Option<&Cluster>) -> Shell {
+        if source.is_some_and(|source| self.shell_bounds.touches(source)) { Shell::Open } else { self.shell }
+    }
+}
+
 impl Clusters {
-    /// Boxes around triangles in scene space.
-    pub fn new(positions: &[[f32; 3]], indices: &[u32]) -> Self {
-        let triangles = indices.as_chunks::<3>().0;
+    /// Boxes around triangles in scene space, the first `opaque` of which have no alpha test, and the order in which
+    /// leaves have them: those with an alpha test stay in their order behind the others.
+    pub fn new(
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+        (opaque, stray): (usize, bool),
+    ) -> (Self, Vec<u32>) {
         let corners = |triangle: u32| triangles[triangle as usize].map(|k| Vec3::from(positions[k as usize]));
-        let extend = |(min, max): (Vec3, Vec3), p: Vec3| (min.min(p), max.max(p));
-        let all = (0..triangles.len() as u32).flat_map(corners);
-        let (min, max) = all.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), extend);
-        let thickness = SIDE_THICKNESS * (max - min).max_element();
+        let bounds = Bounds::of(triangles.iter().flatten().map(|&k| Vec3::from(positions[k as usize])));
+        let thickness = SIDE_THICKNESS * (bounds.max - bounds.min).max_element();
         // Two for each axis: the lower side and the upper one.
-        let side_of = |corners: [Vec3; 3]| {
-            (0..6).find(|side| {
+        let side_of = |triangle: u32| {
+            (0..INNER).find(|side| {
                 let axis = side / 2;
-                corners.iter().all(|p| {
-                    let depth = if side % 2 == 0 { p[axis] - min[axis] } else { max[axis] - p[axis] };
+                corners(triangle).iter().all(|p| {
+                    let depth =
+                        if side % 2 == 0 { p[axis] - bounds.min[axis] } else { bounds.max[axis] - p[axis] };
                     depth <= thickness
                 })
             })
         };
-        let mut groups: [Vec<(Vec3, u32)>; 7] = Default::default();
-        for triangle in 0..triangles.len() as u32 {
-            let corners = corners(triangle);
-            let center = corners.into_iter().sum::<Vec3>() / 3.0;
-            groups[side_of(corners).unwrap_or(6)].push((center, triangle));
+        let shells = Shells::new(positions, &triangles[..opaque]);
+        let mut groups: [Vec<(Vec3, u32)>; 3 * (INNER + 1)] = Default::default();
+        for triangle in 0..opaque as u32 {
+            let group = 3 * side_of(triangle).unwrap_or(INNER) + shells.of(triangle) as usize;
+            groups[group].push((corners(triangle).into_iter().sum::<Vec3>() / 3.0, triangle));
         }
-        let [sides @ .., mut inner] = groups;
-        let side = |(side, mut centers): (usize, Vec<_>)| {
+        let mut order = Vec::with_capacity(triangles.len());
+        let mut leaves_of: [Vec<(Bounds, u32)>; INNER + 1] = Default::default();
+        let mut clusters = Self { stray, ..Self::default() };
+        let mut add = |side: usize, shell: Shell, own: &mut dyn Iterator<Item = u32>| {
+            let first = order.len();
+            order.extend(own);
+            let own = &order[first..];
+            let shell_bounds = own.iter().map(|&triangle| shells.bounds(triangle));
+            leaves_of[side]
+                .push((Bounds::of(own.iter().copied().flat_map(corners)), clusters.leaves.len() as u32));
+            clusters.leaves.push(Leaf {
+                triangles: first as u32..order.len() as u32,
+                shell,
+                shell_bounds: if shell == Shell::Open {
+                    Cluster::NOTHING
+                } else {
+                    Bounds::union(shell_bounds).into()
+                },
+                blocks: 0..0,
+            });
+        };
+        for (index, group) in groups.iter_mut().enumerate() {
+            split(group, TRIANGLES_A_LEAF, &mut |leaf| {
+                add(index / 3, Shell::ALL[index % 3], &mut leaf.iter().map(|&(_, triangle)| triangle));
+            });
+        }
+        let masked: Vec<u32> = (opaque as u32..triangles.len() as u32).collect();
+        for run in masked.chunk_by(|&a, &b| side_of(a) == side_of(b)) {
+            for leaf in run.chunks(TRIANGLES_A_LEAF) {
+                add(side_of(leaf[0]).unwrap_or(INNER), Shell::Open, &mut leaf.iter().copied());
+            }
+        }
+        let [sides @ .., mut inner] = leaves_of;
+        let side = |(side, mut leaves): (usize, Vec<_>)| {
             let axis = DVec3::AXES[side / 2];
             let (normal, offset) =
-                if side % 2 == 0 { (-axis, -min[side / 2]) } else { (axis, max[side / 2]) };
-            (Side { normal, offset: offset.into() }, Tree::new(&mut centers, &corners))
+                if side % 2 == 0 { (-axis, -bounds.min[side / 2]) } else { (axis, bounds.max[side / 2]) };
+            (Side { normal, offset: offset.into() }, Tree::new(&mut leaves))
         };
-        let sides =
-            sides.into_iter().enumerate().filter(|(_, centers)| !centers.is_empty()).map(side).collect();
-        Self { inner: Tree::new(&mut inner, &corners), sides }
+        clusters.sides =
+            sides.into_iter().enumerate().filter(|(_, leaves)| !leaves.is_empty()).map(side).collect();
+        clusters.inner = Tree::new(&mut inner);
+        (clusters, order)
     }
 
-    /// The trees of what may cast shadows that can be seen, where casters stray from the surface by `margin`. `comes_in`
-    /// says through which sides light does.
-    pub fn casting(&self, margin: f64, comes_in: impl Fn(&Side) -> bool) -> impl Iterator<Item = &Tree> {
-        // Casters that stray from a side have something behind them.
-        let sides = self.sides.iter().filter(move |(side, _)| margin > 0.0 || comes_in(side));
-        std::iter::once(&self.inner).chain(sides.map(|(_, tree)| tree))
+    /// Notes which blocks of vertices each leaf has, where `indices` are the corners of triangles in the leaves' order.
+    pub fn note_blocks(&mut self, indices: &[u32]) {
+        for leaf in &mut self.leaves {
+            let corners = &indices[3 * leaf.triangles.start as usize..3 * leaf.triangles.end as usize];
+            let mut own: Vec<u32> = corners.iter().map(|vertex| vertex / VERTICES_A_BLOCK as u32).collect();
+            own.sort_unstable();
+            own.dedup();
+            leaf.blocks = self.blocks.len()..self.blocks.len() + own.len();
+            self.blocks.extend(own);
+        }
     }
+
+    /// The blocks of vertices in which a leaf has corners.
+    pub fn blocks_of(&self, leaf: &Leaf) -> &[u32] {
+        &self.blocks[leaf.blocks.clone()]
+    }
+
+    /// The sides that may cast shadows that can be seen; `comes_in` says through which light does.
+    pub fn open_sides(&self, comes_in: impl Fn(&Side) -> bool) -> OpenSides {
+        // Casters that stray from a side have something behind them.
+        let open = |side: &Side| self.stray || comes_in(side);
+        OpenSides(
+            self.sides.iter().enumerate().filter(|(_, (side, _))| open(side)).map(|(k, _)| 1 << k).sum(),
+        )
+    }
+
+    /// The trees of what may cast shadows that can be seen.
+    pub fn casting(&self, open: OpenSides) -> impl Iterator<Item = &Tree> {
+        let sides = self.sides.iter().enumerate().filter(move |(k, _)| open.0 >> k & 1 != 0);
+        std::iter::once(&self.inner).chain(sides.map(|(_, (_, tree))| tree))
+    }
+}
+
+/// Index of the group of triangles that lie in no side.
+const INNER: usize = 6;
+
+impl From<Bounds> for Cluster {
+    fn from(Bounds { min, max }: Bounds) -> Self {
+        let (min, max) = (min.as_dvec3(), max.as_dvec3());
+        Self { center: (min + max) / 2.0, half: (max - min) / 2.0 }
+    }
+}
+
+/// Halves items by their centres, at the medians of those, until at most so many are left, and hands over what is.
+fn split<T>(items: &mut [(Vec3, T)], most: usize, leaf: &mut impl FnMut(&[(Vec3, T)])) {
+    if items.is_empty() {
+        return;
+    }
+    if items.len() <= most {
+        leaf(items);
+        return;
+    }
+    let (left, right) = halves(items, |(center, _)| *center);
+    split(left, most, leaf);
+    split(right, most, leaf);
+}
+
+fn halves<T>(items: &mut [T], center: impl Fn(&T) -> Vec3) -> (&mut [T], &mut [T]) {
+    let Bounds { min, max } = Bounds::of(items.iter().map(&center));
+    let axis = (max - min).max_position();
+    let middle = items.len() / 2;
+    items.select_nth_unstable_by(middle, |a, b| center(a)[axis].total_cmp(&center(b)[axis]));
+    items.split_at_mut(middle)
 }
 
 impl Side {
@@ -100,50 +244,95 @@ impl Side {
 }
 
 impl Tree {
-    /// Of triangles by their centres, split at the medians of those.
-    fn new(centers: &mut [(Vec3, u32)], corners: &impl Fn(u32) -> [Vec3; 3]) -> Self {
+    /// Of leaves by their bounds.
+    fn new(leaves: &mut [(Bounds, u32)]) -> Self {
         let mut tree = Self::default();
-        if !centers.is_empty() {
-            tree.add(centers, corners);
+        if !leaves.is_empty() {
+            tree.add(leaves);
         }
         tree
     }
 
-    /// Adds the node of those triangles, by their centres, and all within; returns its bounds.
-    fn add(&mut self, centers: &mut [(Vec3, u32)], corners: &impl Fn(u32) -> [Vec3; 3]) -> (Vec3, Vec3) {
-        let nothing = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        let extend = |(min, max): (Vec3, Vec3), p: Vec3| (min.min(p), max.max(p));
+    /// Adds the node of those leaves, and all within; returns its bounds.
+    fn add(&mut self, leaves: &mut [(Bounds, u32)]) -> Bounds {
         let index = self.nodes.len();
-        self.nodes.push(Node { min: nothing.0, max: nothing.1, end: index + 1 });
-        let (min, max) = if centers.len() <= TRIANGLES_A_LEAF {
-            centers.iter().flat_map(|&(_, triangle)| corners(triangle)).fold(nothing, extend)
+        let Bounds { min, max } = Bounds::NOTHING;
+        self.nodes.push(Node { min, max, end: index + 1, leaf: leaves[0].1 });
+        let bounds = if let [(bounds, _)] = leaves {
+            *bounds
         } else {
-            let (low, high) = centers.iter().map(|(center, _)| *center).fold(nothing, extend);
-            let axis = (high - low).max_position();
-            let middle = centers.len() / 2;
-            centers.select_nth_unstable_by(middle, |(a, _), (b, _)| a[axis].total_cmp(&b[axis]));
-            let (left, right) = centers.split_at_mut(middle);
-            let (left, right) = (self.add(left, corners), self.add(right, corners));
-            (left.0.min(right.0), left.1.max(right.1))
+            let (left, right) = halves(leaves, |(bounds, _)| bounds.min + (bounds.max - bounds.min) * 0.5);
+            let (left, right) = (self.add(left), self.add(right));
+            Bounds::union([left, right].into_iter())
         };
-        self.nodes[index] = Node { min, max, end: self.nodes.len() };
-        (min, max)
+        let Bounds { min, max } = bounds;
+        self.nodes[index] = Node { min, max, end: self.nodes.len(), ..self.nodes[index] };
+        bounds
     }
 
-    /// Shows `visit` boxes grown by `margin`, from the largest on, and whether one has boxes within. Where it says no,
-    /// those are left out.
-    pub fn walk(&self, margin: f64, mut visit: impl FnMut(&Cluster, bool) -> bool) {
+    /// Shows `visit` boxes, from the largest on, and whether one has boxes within. Where it says no, those are left out.
+    pub fn walk(&self, mut visit: impl FnMut(&Cluster, bool) -> bool) {
         let mut index = 0;
         while let Some(node) = self.nodes.get(index) {
-            let (min, max) = (node.min.as_dvec3(), node.max.as_dvec3());
-            let cluster = Cluster { center: (min + max) / 2.0, half: (max - min) / 2.0 + margin };
             let has_more = node.end > index + 1;
-            index = if visit(&cluster, has_more) { index + 1 } else { node.end };
+            index = if visit(&node.cluster(), has_more) { index + 1 } else { node.end };
+        }
+    }
+
+    /// Shows `visit` boxes, from the largest on, and `take` the leaves that were not left out.
+    pub fn select(&self, visit: impl Fn(&Cluster) -> Within, mut take: impl FnMut(u32)) {
+        let (mut index, mut taken_to) = (0, 0);
+        while let Some(node) = self.nodes.get(index) {
+            let within = if index < taken_to { Within::Take } else { visit(&node.cluster()) };
+            match within {
+                Within::Leave => {
+                    index = node.end;
+                    continue;
+                }
+                Within::Take => taken_to = taken_to.max(node.end),
+                Within::Look => {}
+            }
+            if node.end == index + 1 {
+                take(node.leaf);
+            }
+            index += 1;
         }
     }
 }
 
+impl Node {
+    fn cluster(&self) -> Cluster {
+        Bounds { min: self.min, max: self.max }.into()
+    }
+}
+
 impl Cluster {
+    const NOTHING: Self = Self { center: DVec3::ZERO, half: DVec3::NEG_INFINITY };
+
+    /// Where the box lies, of planes in scene space inside of which `normal . p + offset` is zero or more: taken where it is
+    /// inside of all, left out where it is outside of one. `reach` is how large what planes are rounded with may be besides
+    /// what a position adds.
+    pub fn within(&self, planes: &[(DVec3, f64)], reach: f64) -> Within {
+        let of = |&(normal, offset): &(DVec3, f64)| {
+            let [low, high] = self.range(normal, offset);
+            let reach = reach + offset.abs() + normal.abs().dot(self.center.abs() + self.half);
+            let slack = ROUNDING * reach;
+            if high < -slack {
+                Within::Leave
+            } else if low < slack {
+                Within::Look
+            } else {
+                Within::Take
+            }
+        };
+        planes.iter().map(of).min().unwrap_or(Within::Take)
+    }
+
+    /// Whether two boxes share a point.
+    pub fn touches(&self, other: &Self) -> bool {
+        (self.center - other.center).abs().cmple(self.half + other.half).all()
+    }
+
     /// The least and the greatest value of `normal . p + offset` in the box.
     pub fn range(&self, normal: DVec3, offset: f64) -> [f64; 2] {
         let (middle, reach) = (normal.dot(self.center) + offset, normal.abs().dot(self.half));
@@ -160,6 +349,13 @@ impl Cluster {
     }
 }
 
+/// All triangles without an alpha test.
+#[cfg(test)]
+pub(crate) fn of_opaque(positions: &[[f32; 3]], indices: &[u32]) -> Clusters {
+    let triangles = indices.as_chunks().0;
+    Clusters::new(positions, triangles, (triangles.len(), false)).0
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -170,9 +366,9 @@ mod tests {
         let positions: Vec<[f32; 3]> =
             (0..3000).map(|k| [0.37, 0.71, 0.19].map(|x| (x * k as f32).fract())).collect();
         let indices: Vec<u32> = (0..3000).collect();
-        let clusters = Clusters::new(&positions, &indices);
+        let clusters = of_opaque(&positions, &indices);
         let mut leaves = Vec::new();
-        clusters.inner.walk(0.0, |cluster, has_more| {
+        clusters.inner.walk(|cluster, has_more| {
             if !has_more {
                 leaves.push(*cluster);
             }
@@ -189,13 +385,13 @@ mod tests {
             assert!(leaves.iter().any(|leaf| inside(&leaf)));
         }
         let mut outer = None;
-        clusters.inner.walk(0.5, |cluster, _| {
+        clusters.inner.walk(|cluster, _| {
             outer = Some(*cluster);
             false
         });
         let outer = outer.expect("there is a root");
-        assert!(leaves.iter().flat_map(Cluster::corners).all(|corner| holds(&outer, corner, -0.499)));
-        Clusters::new(&[], &[]).inner.walk(0.0, |_, _| unreachable!("nothing has no box"));
+        assert!(leaves.iter().flat_map(Cluster::corners).all(|corner| holds(&outer, corner, 1e-12)));
+        of_opaque(&[], &[]).inner.walk(|_, _| unreachable!("nothing has no box"));
     }
 
     /// A floor under everything lies in a side, with nothing behind it; a table on it does not.
@@ -205,13 +401,15 @@ mod tests {
             |y: f32, half: f32| [(-1.0, -1.0), (1.0, -1.0), (0.0, 1.0)].map(|(x, z)| [x * half, y, z * half]);
         let positions = [square(-1.0, 5.0), square(1.0, 1.0), square(3.0, 0.5), square(-1.0, 2.0)].concat();
         let indices: Vec<u32> = (0..positions.len() as u32).collect();
-        let clusters = Clusters::new(&positions, &indices);
+        let clusters = of_opaque(&positions, &indices);
         let sides: Vec<_> = clusters.sides.iter().map(|(side, _)| *side).collect();
         let [floor, ceiling] =
             [(DVec3::NEG_Y, 1.0), (DVec3::Y, 3.0)].map(|(normal, offset)| Side { normal, offset });
         assert_eq!(sides, [floor, ceiling]);
         assert_eq!((floor.height(DVec3::ZERO), floor.height(DVec3::NEG_Y * 3.0)), (-1.0, 2.0));
-        let boxes = |margin: f64, comes_in: bool| clusters.casting(margin, move |_| comes_in).count();
-        assert_eq!([boxes(0.0, false), boxes(0.0, true), boxes(0.1, false)], [1, 3, 3]);
+        let stray = Clusters { stray: true, ..clusters.clone() };
+        let boxes =
+            |clusters: &Clusters, comes_in: bool| clusters.casting(clusters.open_sides(|_| comes_in)).count();
+        assert_eq!([boxes(&clusters, false), boxes(&clusters, true), boxes(&stray, false)], [1, 3, 3]);
     }
 }

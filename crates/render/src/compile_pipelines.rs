@@ -5,7 +5,7 @@ use light::parameters::{DECAY, RANGE};
 use light::{Decay, Light, LightInstance, Transform};
 use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
 
-use crate::{Aov, RenderError, Renderer, ShadowSettings, View, ViewSlot};
+use crate::{RenderError, Renderer, ShadowSettings, View};
 
 /// Most segments of the lights that are compiled for: a software driver takes a second for each.
 const SEGMENTS: usize = 4;
@@ -24,20 +24,26 @@ impl Renderer {
         // The BendyLights below are straight, and to be drawn as bent ones.
         renderer.set_shadow_settings(ShadowSettings { straighten: false, ..ShadowSettings::default() })?;
         let spot = spot();
+        // As a hand on the mouse waits for pictures, and as nobody does.
+        let mut draw = |lights: [Light; 1]| {
+            let lights = LightInstance::numbered(lights)?;
+            renderer.render_display(&view(), &lights)?;
+            renderer.render(&view(), &lights).map(drop)
+        };
         for straight in [Light::omni(), Light::directional()] {
             let straight = straight.placed(spot.transform());
-            renderer.render_display(&view(), &LightInstance::numbered([straight])?)?;
+            draw([straight])?;
             if !keep_going() {
                 return Ok(());
             }
         }
-        renderer.render_display(&view(), &LightInstance::numbered([spot.clone()])?)?;
+        draw([spot.clone()])?;
         for segments in 1..=SEGMENTS {
             if !keep_going() {
                 return Ok(());
             }
             let bent = light::bend(&spot, segments)?;
-            renderer.render_display(&view(), &LightInstance::numbered([bent])?)?;
+            draw([bent])?;
         }
         Ok(())
     }
@@ -76,8 +82,7 @@ fn view() -> View {
         rotation: downwards(),
         projection: Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.1, zfar: None },
     };
-    let (aov, slot) = (Aov::Beauty, ViewSlot::default());
-    View { camera, width: 42, height: 22, samples: 1, aov, light: 0, fill: 1.0, exposure: 0.0, slot }
+    View::beauty(camera, [42, 22])
 }
 
 /// A light over the middle of the squares.

@@ -7,7 +7,8 @@ use wgpu::{
     Limits, PollType, Queue,
 };
 
-use crate::{MemoryBudget, RenderError};
+use crate::stages::{Stage, StageRecorder};
+use crate::{MemoryBudget, RenderError, driver};
 
 /// What every pass relies on: lights add up in f32, and a pixel knows its triangle.
 const FEATURES: Features = Features::FLOAT32_BLENDABLE.union(Features::PRIMITIVE_INDEX);
@@ -18,7 +19,10 @@ pub struct Gpu {
     pub(crate) device: Device,
     pub(crate) queue: Queue,
     pub(crate) memory: MemoryBudget,
+    pub(crate) stages: StageRecorder,
     adapter_name: String,
+    advice: Option<String>,
+    driver: String,
     /// Why the device is gone, once it is.
     lost: Arc<Mutex<Option<String>>>,
 }
@@ -53,12 +57,25 @@ impl Gpu {
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| record(&by_error, one_line(&e))));
 
         let info = adapter.get_info();
-        Ok(Self { device, queue, memory, adapter_name: format!("{} ({})", info.name, info.backend), lost })
+        let (adapter_name, advice) = (driver::adapter_name(&info), driver::advice(&info));
+        let driver = format!("{} {}", info.driver, info.driver_info).trim().to_owned();
+        let stages = StageRecorder::default();
+        Ok(Self { device, queue, memory, stages, adapter_name, advice, driver, lost })
     }
 
-    /// Name of the driver's device and of the interface that it is used by.
+    /// Name of the driver's device, and of the interface and the driver's version that it is used by.
     pub fn adapter_name(&self) -> &str {
         &self.adapter_name
+    }
+
+    /// What to do, as a sentence, where another version of this driver would draw much faster.
+    pub fn advice(&self) -> Option<&str> {
+        self.advice.as_deref()
+    }
+
+    /// Name and version of the driver, as it says them.
+    pub fn driver(&self) -> &str {
+        &self.driver
     }
 
     /// The account of what is kept.
@@ -90,6 +107,15 @@ impl Gpu {
     pub(crate) fn finish(&self, encoder: &mut CommandEncoder) -> Result<(), RenderError> {
         self.queue.submit([std::mem::replace(encoder, self.encoder()).finish()]);
         self.wait()
+    }
+
+    /// A stage has been encoded: where stages are taken down it is submitted and waited for, else nothing happens.
+    pub(crate) fn end_stage(&self, encoder: &mut CommandEncoder, stage: Stage) -> Result<(), RenderError> {
+        if self.stages.is_on() {
+            self.finish(encoder)?;
+            self.stages.ended(stage);
+        }
+        Ok(())
     }
 
     /// Waits for everything submitted before.

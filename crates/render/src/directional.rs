@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DMat4, DVec2, DVec3};
 use light::{MAX_EXTENT, Parallel};
+use scene::PosedScene;
 
 use crate::camera::columns;
 use crate::clusters::{Cluster, Side};
@@ -41,8 +42,19 @@ impl FittedMap {
 pub(crate) struct GpuDirectional {
     pub uniform: gpu_structs::Directional,
     pub shadow_view: Option<gpu_structs::ShadowView>,
-    /// The convex hull of these world positions holds all that is lit.
-    pub corners_in_world: [DVec3; 8],
+}
+
+/// The convex hull of these world positions holds all that a light lights of a scene.
+pub(crate) fn corners_in_world(parallel: &Parallel, posed: &PosedScene) -> [DVec3; 8] {
+    let window = window(parallel, posed);
+    let corner = |k: usize| {
+        let pick = |bit: usize, low: f64, high: f64| if k >> bit & 1 == 0 { low } else { high };
+        let x = pick(0, window.low.x, window.high.x);
+        let y = pick(1, window.low.y, window.high.y);
+        let height = pick(2, -window.top, window.top);
+        posed.origin_in_world + parallel.rotation * DVec3::new(x, y, height)
+    };
+    std::array::from_fn(corner)
 }
 
 /// How large a light's map is.
@@ -80,12 +92,12 @@ impl Extent {
 }
 
 /// The light's window about the scene's origin, as far as it goes over the scene.
-fn window(parallel: &Parallel, scene: &GpuScene) -> Extent {
+fn window(parallel: &Parallel, posed: &PosedScene) -> Extent {
     let light_from_scene = parallel.rotation.transpose();
-    let whole = Cluster { center: DVec3::ZERO, half: scene.posed.half_extent };
+    let whole = Cluster { center: DVec3::ZERO, half: posed.half_extent };
     let everywhere = Extent { low: DVec2::NEG_INFINITY, high: DVec2::INFINITY, top: 0.0 };
     let scene_extent = Extent::of(&whole, &light_from_scene, &everywhere).unwrap_or(everywhere);
-    let middle = -parallel.beside(scene.posed.origin_in_world);
+    let middle = -parallel.beside(posed.origin_in_world);
     let half = DVec2::from(parallel.half.map(|half| half.unwrap_or(f64::INFINITY)));
     let (low, high) = (scene_extent.low.max(middle - half), scene_extent.high.min(middle + half));
     Extent { low, high, top: scene_extent.top }
@@ -96,7 +108,7 @@ pub(crate) fn fitted(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSett
     let (side, mesh_error) = (f64::from(map_size(shadows).side), shadows.mesh_error);
     let grown = side / (side - 2.0 * MARGIN_TEXELS);
     let light_from_scene = parallel.rotation.transpose();
-    let window = window(parallel, scene);
+    let window = window(parallel, &scene.posed);
     // What lies beyond the edge is drawn as far as the filter reaches.
     let size = (window.high - window.low).max(DVec2::ZERO);
     let drawn = Extent {
@@ -105,9 +117,10 @@ pub(crate) fn fitted(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSett
         ..window
     };
     let comes_in = |side: &Side| side.normal.dot(parallel.direction()) >= 0.0;
+    let clusters = &scene.casters.clusters;
     let mut extent = Extent::EMPTY;
-    for tree in scene.clusters.casting(mesh_error, comes_in) {
-        tree.walk(mesh_error, |cluster, has_more| {
+    for tree in clusters.casting(clusters.open_sides(comes_in)) {
+        tree.walk(|cluster, has_more| {
             let Some(here) = Extent::of(cluster, &light_from_scene, &drawn) else { return false };
             if !has_more {
                 extent.extend(&here);
@@ -148,14 +161,6 @@ impl GpuDirectional {
         // The place across the window is (v, w) = (-x, y) scale + shift.
         let scale = DVec2::from(parallel.half.map(|half| half.map_or(0.0, f64::recip)));
         let [shift_x, shift_y] = (parallel.beside(scene.posed.origin_in_world) * scale).to_array();
-        let window = window(parallel, scene);
-        let corner = |k: usize| {
-            let pick = |bit: usize, low: f64, high: f64| if k >> bit & 1 == 0 { low } else { high };
-            let x = pick(0, window.low.x, window.high.x);
-            let y = pick(1, window.low.y, window.high.y);
-            let height = pick(2, -window.top, window.top);
-            scene.posed.origin_in_world + parallel.rotation * DVec3::new(x, y, height)
-        };
         Self {
             uniform: gpu_structs::Directional {
                 light_from_scene: columns(&DMat4::from_mat3(light_from_scene)),
@@ -169,7 +174,6 @@ impl GpuDirectional {
             },
             shadow_view: casts
                 .then(|| gpu_structs::ShadowView { clip_from_scene: columns(&clip_from_scene) }),
-            corners_in_world: std::array::from_fn(corner),
         }
     }
 }

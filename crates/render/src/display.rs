@@ -27,6 +27,8 @@ pub(crate) fn exposed(radiance: f32, factor: f32) -> f32 {
 #[derive(Debug)]
 pub(crate) struct DisplayPass {
     pipeline: RenderPipeline,
+    /// With what lights add.
+    composite: RenderPipeline,
     layout: BindGroupLayout,
 }
 
@@ -38,12 +40,24 @@ pub(crate) struct Exposed {
 }
 
 impl DisplayPass {
-    pub fn new(gpu: &Gpu) -> Self {
+    /// `terms` is the layout of what lights add.
+    pub fn new(gpu: &Gpu, terms: &BindGroupLayout) -> Self {
         let layout = gpu.layout("display", &[RAW_TEXTURE, UNIFORM]);
-        let module = gpu.module("display", shaders::DISPLAY);
-        let pipeline_layout = gpu.pipeline_layout("display", &[&layout]);
-        let pipeline = gpu.fullscreen_pipeline(&pipeline_layout, &module, "fs_display", FORMAT, None);
-        Self { pipeline, layout }
+        let pipeline = |wgsl, entry_point, groups: &[&BindGroupLayout]| {
+            let pipeline_layout = gpu.pipeline_layout("display", groups);
+            gpu.fullscreen_pipeline(
+                &pipeline_layout,
+                &gpu.module("display", wgsl),
+                entry_point,
+                &[FORMAT],
+                None,
+            )
+        };
+        Self {
+            pipeline: pipeline(shaders::DISPLAY, "fs_display", &[&layout]),
+            composite: pipeline(shaders::COMPOSITE, "fs_composite", &[&layout, terms]),
+            layout,
+        }
     }
 
     /// What reads `radiance`.
@@ -53,12 +67,12 @@ impl DisplayPass {
         Exposed { group: gpu.group("display", &self.layout, &resources), uniform }
     }
 
-    /// Shows radiance, brightened by so many stops.
+    /// Shows radiance and, where there are `terms`, their sum, brightened by so many stops.
     pub fn draw(
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        (radiance, exposure): (&Exposed, f64),
+        (radiance, terms, exposure): (&Exposed, Option<&BindGroup>, f64),
         into: &TextureView,
     ) {
         let factor = factor(exposure);
@@ -69,8 +83,11 @@ impl DisplayPass {
             color_attachments: &[Some(color_attachment(into, true))],
             ..Default::default()
         });
-        pass.set_pipeline(&self.pipeline);
+        pass.set_pipeline(if terms.is_some() { &self.composite } else { &self.pipeline });
         pass.set_bind_group(0, &radiance.group, &[]);
+        if let Some(terms) = terms {
+            pass.set_bind_group(1, terms, &[]);
+        }
         pass.draw(0..3, 0..1);
     }
 }

@@ -8,7 +8,6 @@ use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages};
 
 use crate::alpha_test::AlphaTests;
 use crate::casters::{Casters, Casting};
-use crate::clusters::Clusters;
 use crate::geometry::{Geometry, Run, Vertices};
 use crate::material::{MaterialDraw, Materials};
 use crate::memory::{MemoryKind, Reservation};
@@ -21,12 +20,12 @@ pub(crate) struct GpuScene {
     pub revision: u64,
     pub posed: Arc<PosedScene>,
     pub geometry: Geometry,
-    /// The scene's own triangles as casters: they share the buffers of `geometry`.
-    pub surface: Casters,
+    /// How many of the scene's own triangles there are.
+    pub triangle_count: u32,
+    /// How many of their indices have no alpha test; those come first.
+    pub opaque_indices: u32,
     /// What casts shadows.
     pub casters: Casters,
-    /// Boxes around the surface.
-    pub clusters: Clusters,
     pub draws: Vec<MaterialDraw>,
     /// Which triangles are of which node.
     pub runs: Vec<Run>,
@@ -61,8 +60,8 @@ impl GpuScene {
     }
 
     /// Casters that may stray from the surface by `mesh_error`, in world units.
-    pub fn simplified(&self, gpu: &Gpu, mesh_error: f64) -> Result<Casters, RenderError> {
-        self.surface.simplified(gpu, &Vertices::new(&self.posed)?, mesh_error)
+    pub fn casters_within(&self, gpu: &Gpu, mesh_error: f64) -> Result<Casters, RenderError> {
+        Casters::new(gpu, (&Vertices::new(&self.posed)?, self.opaque_indices as usize), mesh_error)
     }
 
     /// Uploads a scene. `view_uniform` will hold the camera of each picture; casters may stray
@@ -105,22 +104,18 @@ impl GpuScene {
             }),
             usage: BufferUsages::UNIFORM,
         });
-        let surface = Casters {
-            positions: geometry.positions.clone(),
-            indices: geometry.indices.clone(),
-            vertex_count: vertices.positions.len() as u32,
-            triangle_count: vertices.planes.len() as u32,
-            opaque_indices,
-        };
-        let casters = surface.simplified(gpu, &vertices, mesh_error)?;
-        let bytes = texture_bytes + geometry.bytes() + alpha_tests.as_ref().map_or(0, AlphaTests::bytes);
+        let casters = Casters::new(gpu, (&vertices, opaque_indices as usize), mesh_error)?;
+        let bytes = texture_bytes
+            + geometry.bytes()
+            + casters.bytes()
+            + alpha_tests.as_ref().map_or(0, AlphaTests::bytes);
         Ok(Self {
             revision,
             posed: Arc::clone(posed),
             geometry,
-            surface,
+            triangle_count: vertices.planes.len() as u32,
+            opaque_indices,
             casters,
-            clusters: Clusters::new(&vertices.positions, &vertices.indices),
             draws,
             runs: vertices.runs,
             alpha_tests,

@@ -41,6 +41,7 @@ pub(crate) const ALL: &[StructLayout] = &[
     Exposure::LAYOUT,
     ShadowView::LAYOUT,
     LightFilter::LAYOUT,
+    Terms::LAYOUT,
     Spot::LAYOUT,
     Omni::LAYOUT,
     Directional::LAYOUT,
@@ -141,12 +142,15 @@ pub(crate) const SPOT_FACES: usize = 5;
 /// Length of the array of pieces in `filter.wgsl`: one more than there may be knots.
 pub(crate) const RADIAL_PIECES: usize = light::MAX_KNOTS + 1;
 
+/// Most layers of a sum in `terms.wgsl`: with the fill no more than every device binds.
+pub(crate) const TERMS: usize = 14;
+
 /// A piece that begins past all angles.
 const NO_PIECE: [f32; 4] = [LARGE as f32, 1.0, 1.0, 0.0];
 
 /// Where f64 goes on and f32 does not: a ramp that steep is a step in single precision too, and `filter.wgsl` keeps light
 /// that strong within it.
-const LARGE: f64 = 1e30;
+pub(crate) const LARGE: f64 = 1e30;
 
 gpu_struct! {
     /// See `filter.wgsl`.
@@ -210,6 +214,16 @@ impl From<&light::LightFilter> for LightFilter {
             radial: pieces,
             inverse_span: profile.inverse_span.min(LARGE) as f32,
         }
+    }
+}
+
+gpu_struct! {
+    /// See `terms.wgsl`.
+    Terms {
+        diffuse: [[f32; 4]; TERMS],
+        specular: [[f32; 4]; TERMS],
+        count: u32,
+        pad0: [u32; 3],
     }
 }
 

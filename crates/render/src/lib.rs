@@ -6,6 +6,9 @@
 //! maps stay while nothing they depend on changes, and so do, for each viewer, its G-buffer and its last
 //! picture, as long as there is room ([`MemoryBudget`]).
 //!
+//! A picture of one sample for a screen ([`Renderer::render_display`]), as a hand on the mouse waits for it, is added up of
+//! what each light alone adds, which is kept too: an edit draws the light that it is of.
+//!
 //! A picture that nobody waits for with a hand on the mouse is drawn in tiles ([`TiledPicture`]), so that other
 //! pictures can come between.
 
@@ -17,20 +20,26 @@
 mod alpha_test;
 mod baked_filter;
 mod bendy_light;
+mod bounds;
 mod camera;
 mod casters;
 mod clusters;
+mod coarse_casters;
 mod compile_pipelines;
+mod composite;
 mod coverage;
 mod device;
 mod directional;
 mod display;
+mod driver;
 mod error;
 mod gbuffer;
 mod geometry;
 mod gpu_scene;
 mod gpu_structs;
 mod hierarchy;
+mod in_view;
+mod layers;
 mod lighting;
 mod lights;
 mod linked;
@@ -40,6 +49,7 @@ mod memory;
 mod mipmap;
 mod omni;
 mod omni_faces;
+mod pass_runs;
 mod passes;
 mod picture;
 mod pipeline;
@@ -48,8 +58,10 @@ mod renderer;
 mod shaders;
 mod shadow;
 mod shadow_settings;
+mod shells;
 mod spot;
 mod spot_faces;
+mod stages;
 mod straight;
 mod targets;
 mod tile;
@@ -59,8 +71,10 @@ pub use bendy_light::{increasing_roots, locate, map_points};
 pub use device::Gpu;
 pub use error::RenderError;
 pub use memory::{MemoryBudget, MemoryKind};
+pub use pass_runs::{Cause, Pass, PassCounts, PassRun};
 pub use picture::{Picture, PictureFormat, Pixels};
-pub use renderer::{PassCounts, PassTimes, Renderer};
-pub use scene::{Aov, View, ViewSlot};
-pub use shadow_settings::{ShadowFilter, ShadowSettings};
+pub use renderer::Renderer;
+pub use scene::{Aov, MapScale, View, ViewSlot};
+pub use shadow_settings::{Culling, ShadowFilter, ShadowSettings};
+pub use stages::{Cost, Counters, Recording, Stage, Stopwatch};
 pub use tiled::{Progress, TiledPicture};

@@ -1,5 +1,5 @@
 //! The passes that turn a G-buffer into values: the fill, quantities of the surface, and one additive pass a
-//! light.
+//! light, or one that draws what it alone adds.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -13,6 +13,8 @@ use crate::{Aov, Gpu};
 
 /// Radiance and every AOV: raw values, added up in f32.
 pub(crate) const FORMAT: TextureFormat = TextureFormat::Rgba32Float;
+/// What a light alone adds, and sums of that: see `terms.wgsl`.
+pub(crate) const LAYER_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 
 const ADD: BlendState = {
     let sum = BlendComponent {
@@ -60,6 +62,8 @@ pub(crate) struct LightingPass {
     layout: PipelineLayout,
     module: ShaderModule,
     pipelines: [OnceLock<RenderPipeline>; Aov::NAMES.len()],
+    /// Of a light's own layer.
+    layer: OnceLock<RenderPipeline>,
 }
 
 impl LightingPass {
@@ -69,6 +73,7 @@ impl LightingPass {
             layout: gpu.pipeline_layout(label, groups),
             module: gpu.module(label, wgsl),
             pipelines: std::array::from_fn(|_| OnceLock::new()),
+            layer: OnceLock::new(),
         }
     }
 
@@ -82,14 +87,25 @@ impl LightingPass {
     /// Adds `aov` within `pixels`, `[x, y, width, height]`. `groups` are what the pass binds after view and
     /// surface.
     pub fn draw(&self, gpu: &Gpu, pass: &mut RenderPass, aov: Aov, groups: &[&BindGroup], pixels: [u32; 4]) {
-        let [x, y, width, height] = pixels;
-        if width == 0 || height == 0 {
-            return;
-        }
         let pipeline = self.pipelines[aov as usize].get_or_init(|| {
             let entry_point = format!("fs_{}", aov.name());
-            gpu.fullscreen_pipeline(&self.layout, &self.module, &entry_point, FORMAT, Some(ADD))
+            gpu.fullscreen_pipeline(&self.layout, &self.module, &entry_point, &[FORMAT], Some(ADD))
         });
+        draw_within(pass, pipeline, groups, pixels);
+    }
+
+    /// Draws what a light alone scatters and mirrors within `pixels`, before factors of all of it.
+    pub fn draw_layer(&self, gpu: &Gpu, pass: &mut RenderPass, groups: &[&BindGroup], pixels: [u32; 4]) {
+        let pipeline = self.layer.get_or_init(|| {
+            gpu.fullscreen_pipeline(&self.layout, &self.module, "fs_layer", &[LAYER_FORMAT], None)
+        });
+        draw_within(pass, pipeline, groups, pixels);
+    }
+}
+
+fn draw_within(pass: &mut RenderPass, pipeline: &RenderPipeline, groups: &[&BindGroup], pixels: [u32; 4]) {
+    let [x, y, width, height] = pixels;
+    if width > 0 && height > 0 {
         pass.set_pipeline(pipeline);
         for (index, &group) in (2..).zip(groups) {
             pass.set_bind_group(index, group, &[]);

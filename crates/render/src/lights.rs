@@ -1,19 +1,23 @@
 //! What is kept of each light from picture to picture: above all its shadow map.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use light::{CheckedLight, LightInstance, Rays, Tube};
-use scene::ViewSlot;
+use light::{CheckedLight, LightId, LightInstance, Rays, Tube};
+use scene::{MapScale, ViewSlot};
 use wgpu::{BindGroup, CommandEncoder, TextureView};
 
 use crate::bendy_light::{self, Baked, BendyPass, BendySlot, BentWork};
 use crate::camera::Raster;
+use crate::coarse_casters::CoarseCasters;
 use crate::gpu_scene::GpuScene;
+use crate::lighting::LightingPass;
 use crate::linked::{KnownLinks, Linked};
 use crate::map_key::MapKey;
 use crate::memory::{Evictable, MemoryKind, Reservation};
+use crate::pass_runs::Cause;
 use crate::passes::Passes;
-use crate::shadow_settings::MapSize;
+use crate::shadow_settings::{Culling, MapSize};
 use crate::straight::{BakedStraight, Straight, StraightSlot};
 use crate::{Gpu, RenderError, ShadowSettings};
 
@@ -24,7 +28,10 @@ pub(crate) struct ShadowMaps {
     users: Vec<User>,
     pub bent_work: BentWork,
     known_links: KnownLinks,
+    pub coarse: CoarseCasters,
     shadows: ShadowSettings,
+    /// Which map of each light was drawn last, and how large.
+    drawn: BTreeMap<LightId, (MapKey, MapSize)>,
 }
 
 #[derive(Debug)]
@@ -66,10 +73,28 @@ pub(crate) struct ReadyLight {
     pub pixels: [u32; 4],
     /// What of the scene counts for it, where it has links.
     pub linked: Option<Arc<Linked>>,
-    /// Whether its shadow map had to be drawn.
-    pub shadow_drawn: bool,
+    /// How fine its shadow map is.
+    pub shadow_map: MapScale,
+    /// Why its shadow map had to be drawn, where it had.
+    pub shadow_drawn: Option<Cause>,
     /// There is no room to keep its map, which lives as long as this.
     pub passing: Option<Reservation>,
+}
+
+impl ReadyLight {
+    /// The pass that draws it.
+    pub fn lighting(&self, gpu: &Gpu, passes: &Passes) -> Arc<LightingPass> {
+        let is_linked = self.linked.is_some();
+        match self.kind {
+            LightingKind::Straight(baked) => passes.straight.lighting(gpu, baked, is_linked),
+            LightingKind::Bendy(baked) => passes.bendy.lighting(gpu, baked, is_linked),
+        }
+    }
+
+    /// What its lighting pass binds after view and surface.
+    pub fn groups(&self) -> Vec<&BindGroup> {
+        [&self.group].into_iter().chain(self.linked.as_ref().map(|linked| &linked.group)).collect()
+    }
 }
 
 impl LightSlot {
@@ -110,7 +135,9 @@ impl ShadowMaps {
             users: Vec::new(),
             bent_work: BentWork::new(),
             known_links: KnownLinks::default(),
+            coarse: CoarseCasters::default(),
             shadows: ShadowSettings::default(),
+            drawn: BTreeMap::new(),
         }
     }
 
@@ -145,12 +172,14 @@ impl ShadowMaps {
     pub fn clear(&mut self) {
         self.maps.clear();
         self.users.clear();
+        self.bent_work.forget();
     }
 
     /// `slot` draws `lights` over the scene of that revision from now on. Maps that nobody needs any more are the
     /// first to be made those of other lights.
     pub fn begin(&mut self, slot: ViewSlot, lights: &[LightInstance], revision: u64) {
         self.maps.retain(|map| map.slot.is_there());
+        self.coarse.forget_before(revision);
         let maps: Vec<_> = lights.iter().map(|light| MapKey::of(light, revision)).collect();
         let known = self.users.iter().position(|user| user.slot == slot);
         match known.map(|index| &mut self.users[index]) {
@@ -177,6 +206,8 @@ impl ShadowMaps {
     }
 
     fn see_who_needs_what(&mut self) {
+        let Self { users, drawn, .. } = self;
+        drawn.retain(|light, _| users.iter().any(|user| user.maps.iter().any(|key| key.light() == *light)));
         for map in &mut self.maps {
             let key = map.shows();
             map.needed = key.is_some_and(|key| self.users.iter().any(|user| user.maps.contains(&key)));
@@ -184,24 +215,34 @@ impl ShadowMaps {
         }
     }
 
-    /// Brings the shadows of `light` up to date. Refuses one that is out of the scene's reach, before anything is
-    /// changed.
+    /// Brings the shadows of `light` up to date, in a map that is at least as fine as `scale` asks for: one that is there in
+    /// full serves for half. `None`, and nothing drawn, where no pixel of the picture can be lit. Refuses a light that is out
+    /// of the scene's reach, before anything is changed.
     pub fn ready(
         &mut self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         (passes, scene, raster): (&Passes, &GpuScene, &Raster),
-        instance: &LightInstance,
-    ) -> Result<ReadyLight, RenderError> {
+        (instance, scale): (&LightInstance, MapScale),
+    ) -> Result<Option<ReadyLight>, RenderError> {
         let light = &*instance.light;
         let key = MapKey::of(instance, scene.revision);
-        let size = self.size_of(light);
         // A light whose shadows were switched off has another map of no size, and the one from before.
-        let shows = |slot: &LightSlot| slot.shows() == Some(key) && slot.fits(light.rays(), size);
-        let known = self.maps.iter().position(|map| map.slot.peek(shows).unwrap_or(false));
+        let known_of = |size: MapSize| {
+            let shows = |slot: &LightSlot| slot.shows() == Some(key) && slot.fits(light.rays(), size);
+            self.maps.iter().position(|map| map.slot.peek(shows).unwrap_or(false))
+        };
+        let (mut shadow_map, mut shadows) = (MapScale::Full, self.shadows);
+        let mut known = known_of(size_of(light, &shadows));
+        if known.is_none() && scale != MapScale::Full {
+            (shadow_map, shadows) = (scale, self.shadows.scaled(scale));
+            known = known_of(size_of(light, &shadows));
+        }
+        let size = size_of(light, &shadows);
         if known.is_none() {
             scene.posed.reach().check(light)?;
         }
+        let Some(pixels) = pixels_of(light, (scene, raster), self.shadows.culling) else { return Ok(None) };
         let free = || {
             let fits = |map: &KeptMap| map.slot.peek(|slot| slot.fits(light.rays(), size)).unwrap_or(false);
             self.maps.iter().position(|map| !map.needed && fits(map))
@@ -211,35 +252,37 @@ impl ShadowMaps {
             Some(slot) => slot,
             None => Self::new_slot(gpu, passes, light, size),
         };
-        let shadows = &self.shadows;
+        let shadows = &shadows;
         let linked = self.known_links.get(gpu, &passes.group_layouts.links, scene, light.light());
         let what = (scene, linked.as_deref(), shadows);
-        let (kind, group, corners_in_world, shadow_drawn) =
-            match (&mut slot, light.rays(), Straight::of(light)) {
-                (LightSlot::Bendy(slot), Rays::Bent(tube), _) => {
-                    let work = &mut self.bent_work;
-                    let (placed, drawn) = passes.bendy.prepare(gpu, work, slot, (key, light, tube), what)?;
-                    (LightingKind::Bendy(placed.baked), placed.group, placed.corners_in_world, drawn)
-                }
-                (LightSlot::Straight(slot), _, Some(straight)) => {
-                    let ready = passes.straight.prepare(gpu, encoder, slot, (key, straight), what)?;
-                    let kind = LightingKind::Straight(straight.baked(shadows.filter));
-                    (kind, ready.group, ready.corners_in_world, ready.drawn)
-                }
-                _ => unreachable!("the slot was chosen or made for this kind of light"),
-            };
-        let passing = self.keep(gpu, index, (slot, linked.clone()), size);
-        let pixels = raster.bounds_of(&corners_in_world);
-        Ok(ReadyLight { kind, group, pixels, linked, shadow_drawn, passing })
-    }
-
-    /// How large the map of `light` is; least, to have something to bind, where nothing shadows it.
-    fn size_of(&self, light: &CheckedLight) -> MapSize {
-        let size = match Straight::of(light) {
-            Some(straight) => straight.map_size(&self.shadows),
-            None => bendy_light::map_size(light.light(), &self.shadows),
+        let (kind, group, shadow_drawn) = match (&mut slot, light.rays(), Straight::of(light)) {
+            (LightSlot::Bendy(slot), Rays::Bent(tube), _) => {
+                let work = &mut self.bent_work;
+                // What a light's links leave, and what strays already, is drawn as it is.
+                let is_coarse = known.is_none() && shadow_map != MapScale::Full;
+                let coarse = if is_coarse && linked.is_none() && shadows.mesh_error == 0.0 {
+                    self.coarse.get(gpu, scene)?
+                } else {
+                    None
+                };
+                let of = (key, light, tube);
+                let (placed, drawn) = passes.bendy.prepare(gpu, work, slot, of, what, coarse)?;
+                (LightingKind::Bendy(placed.baked), placed.group, drawn)
+            }
+            (LightSlot::Straight(slot), _, Some(straight)) => {
+                let ready = passes.straight.prepare(gpu, encoder, slot, (key, straight), what)?;
+                let kind = LightingKind::Straight(straight.baked(shadows.filter));
+                (kind, ready.group, ready.drawn)
+            }
+            _ => unreachable!("the slot was chosen or made for this kind of light"),
         };
-        if light.light_filter().shadow_enable { size } else { MapSize { side: 1, ..size } }
+        let shadow_drawn = shadow_drawn.then(|| match self.drawn.insert(instance.id, (key, size)) {
+            None => Cause::First,
+            Some((before, size_before)) if before == key && size_before != size => Cause::Resolution,
+            Some((before, _)) => key.cause_after(&before),
+        });
+        let passing = self.keep(gpu, index, (slot, linked.clone()), size);
+        Ok(Some(ReadyLight { kind, group, pixels, linked, shadow_map, shadow_drawn, passing }))
     }
 
     fn new_slot(gpu: &Gpu, passes: &Passes, light: &CheckedLight, size: MapSize) -> LightSlot {
@@ -297,4 +340,30 @@ impl ShadowMaps {
             }
         }
     }
+}
+
+/// The pixels that `light` may reach, `[x, y, width, height]`; `None` where it reaches none.
+pub(crate) fn pixels_of(
+    light: &CheckedLight,
+    (scene, raster): (&GpuScene, &Raster),
+    culling: Culling,
+) -> Option<[u32; 4]> {
+    if !culling.pixels {
+        return Some(raster.whole());
+    }
+    let corners_in_world = match (Straight::of(light), light.rays()) {
+        (Some(straight), _) => straight.corners_in_world(&scene.posed),
+        (None, Rays::Bent(tube)) => bendy_light::corners_in_world(tube, &scene.posed),
+        (None, _) => unreachable!("what is not straight is bent"),
+    };
+    Some(raster.bounds_of(&corners_in_world)).filter(|[_, _, width, height]| *width > 0 && *height > 0)
+}
+
+/// How large the map of `light` is; least, to have something to bind, where nothing shadows it.
+fn size_of(light: &CheckedLight, shadows: &ShadowSettings) -> MapSize {
+    let size = match Straight::of(light) {
+        Some(straight) => straight.map_size(shadows),
+        None => bendy_light::map_size(light.light(), shadows),
+    };
+    if light.light_filter().shadow_enable { size } else { MapSize { side: 1, ..size } }
 }

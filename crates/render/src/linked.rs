@@ -5,11 +5,11 @@ use std::sync::{Arc, OnceLock, Weak};
 use light::Links;
 use light::parameters::{LIGHT_LINK, SHADOW_LINK};
 use wgpu::util::{DeviceExt, TextureDataOrder};
-use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, TextureViewDescriptor};
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, TextureViewDescriptor};
 
 use crate::alpha_test::AlphaTests;
 use crate::casters::{Casters, Casting};
-use crate::geometry::{Run, Vertices, upload};
+use crate::geometry::{Run, Vertices};
 use crate::gpu_scene::GpuScene;
 use crate::material::MaterialDraw;
 use crate::memory::{MemoryKind, Reservation};
@@ -94,7 +94,7 @@ pub(crate) fn casting<'a>(
 impl Linked {
     fn new(gpu: &Gpu, layout: &BindGroupLayout, scene: &GpuScene, pair: &Pair) -> Self {
         let [lit, throwing] = pair.each_ref().map(|links| Some(scene.posed.nodes().linked(links.as_ref()?)));
-        let triangles = scene.surface.triangle_count as usize;
+        let triangles = scene.triangle_count as usize;
         let words = triangles.div_ceil(32).max(1);
         let (width, height) = (words.min(ROW), words.div_ceil(ROW));
         let mut bits = vec![[0_u32; 2]; width * height];
@@ -147,34 +147,19 @@ impl Linked {
 
 impl LinkedCasters {
     fn new(gpu: &Gpu, scene: &GpuScene, throwing: &[bool], mesh_error: f64) -> Result<Self, RenderError> {
-        let GpuScene { posed, surface, .. } = scene;
+        let posed = &scene.posed;
         let runs: Vec<&Run> = scene.runs.iter().filter(|run| throwing[run.node]).collect();
         let triangles = runs.iter().flat_map(|run| {
             let own = posed.triangles(&posed.primitives[run.primitive]);
             own.map(|corners| corners.map(|k| run.first_vertex + k))
         });
         let indices: Vec<u32> = triangles.flatten().collect();
-        let is_masked = |run: &&&Run| run.indices.start >= surface.opaque_indices;
-        let opaque_indices =
-            runs.iter().filter(|run| !is_masked(run)).map(|run| run.indices.len() as u32).sum();
-        let mut casters = Casters {
-            positions: surface.positions.clone(),
-            indices: upload(
-                gpu,
-                "the indices of what a light's links leave in bytes",
-                &indices,
-                BufferUsages::STORAGE | BufferUsages::INDEX,
-            )?,
-            vertex_count: surface.vertex_count,
-            triangle_count: (indices.len() / 3) as u32,
-            opaque_indices,
-        };
-        if mesh_error > 0.0 {
-            let vertices = Vertices { indices, ..Vertices::new(posed)? };
-            casters = casters.simplified(gpu, &vertices, mesh_error)?;
-        }
+        let is_masked = |run: &&&Run| run.indices.start >= scene.opaque_indices;
+        let opaque_indices = runs.iter().filter(|run| !is_masked(run)).map(|run| run.indices.len()).sum();
+        let vertices = Vertices { indices, ..Vertices::new(posed)? };
+        let casters = Casters::new(gpu, (&vertices, opaque_indices), mesh_error)?;
         let (masked, alpha_tests) = masked(gpu, scene, runs.iter().filter(is_masked).copied())?;
-        let bytes = casters.indices.size() + alpha_tests.as_ref().map_or(0, |tests| tests.tests.size());
+        let bytes = casters.bytes() + alpha_tests.as_ref().map_or(0, |tests| tests.tests.size());
         let memory = gpu.memory.reserve(MemoryKind::Scenes, bytes);
         Ok(Self { casters, masked, alpha_tests, _memory: memory })
     }

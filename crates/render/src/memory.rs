@@ -14,13 +14,16 @@ pub enum MemoryKind {
     ShadowWork,
     /// What viewers' pictures are drawn into.
     Views,
+    /// What each light alone adds to viewers' pictures.
+    Layers,
     /// Pictures that are drawn in tiles: a tile, and what there is of the picture.
     Tiled,
 }
 
 impl MemoryKind {
     /// All of them, in the order of the variants.
-    pub const ALL: [Self; 5] = [Self::Scenes, Self::ShadowMaps, Self::ShadowWork, Self::Views, Self::Tiled];
+    pub const ALL: [Self; 6] =
+        [Self::Scenes, Self::ShadowMaps, Self::ShadowWork, Self::Views, Self::Layers, Self::Tiled];
 
     /// A name for programs.
     pub fn name(self) -> &'static str {
@@ -29,6 +32,7 @@ impl MemoryKind {
             Self::ShadowMaps => "shadow_maps",
             Self::ShadowWork => "shadow_work",
             Self::Views => "views",
+            Self::Layers => "layers",
             Self::Tiled => "tiled_pictures",
         }
     }

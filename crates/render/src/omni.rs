@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DMat4, DVec3};
 use light::{LightFilter, MAX_EXTENT, Omni};
+use scene::PosedScene;
 
 use crate::camera::columns;
 use crate::gpu_scene::GpuScene;
@@ -19,8 +20,21 @@ pub(crate) struct GpuOmni {
     pub uniform: gpu_structs::Omni,
     /// One a face of the map; `None` where nothing casts shadows.
     pub shadow_views: Vec<Option<gpu_structs::ShadowView>>,
-    /// The convex hull of these world positions holds all that is lit; none where nothing is.
-    pub corners_in_world: Vec<DVec3>,
+}
+
+/// The convex hull of these world positions holds all that a light lights of a scene; none where it lights nothing.
+pub(crate) fn corners_in_world(omni: &Omni, posed: &PosedScene) -> Vec<DVec3> {
+    let source = omni.translation - posed.origin_in_world;
+    // What of the scene's box is in the light's range.
+    let range = DVec3::splat(omni.range.unwrap_or(f64::INFINITY));
+    let (low, high) = ((source - range).max(-posed.half_extent), (source + range).min(posed.half_extent));
+    let corner = |k: u32| {
+        let pick = |bit: u32, low: f64, high: f64| if k >> bit & 1 == 0 { low } else { high };
+        let [x, y, z] = [0, 1, 2].map(|axis| pick(axis, low[axis as usize], high[axis as usize]));
+        posed.origin_in_world + DVec3::new(x, y, z)
+    };
+    let corners = if low.cmple(high).all() { 0..8 } else { 0..0 };
+    corners.map(corner).collect()
 }
 
 /// How large a light's map is.
@@ -32,7 +46,7 @@ pub(crate) fn map_size(shadows: &ShadowSettings) -> MapSize {
 pub(crate) fn fitted(omni: &Omni, scene: &GpuScene, shadows: &ShadowSettings) -> FittedCube {
     FittedCube::new(
         light_from_scene(omni, scene.posed.origin_in_world),
-        (&scene.clusters, shadows.mesh_error),
+        &scene.casters.clusters,
         f64::from(map_size(shadows).side),
     )
 }
@@ -60,15 +74,6 @@ impl GpuOmni {
             let scale = face.half.recip();
             [face.middle.x, face.middle.y, scale.x, scale.y].map(|x| x as f32)
         });
-        // What of the scene's box is in the light's range.
-        let range = DVec3::splat(omni.range.unwrap_or(f64::INFINITY));
-        let (low, high) = ((source - range).max(-posed.half_extent), (source + range).min(posed.half_extent));
-        let corner = |k: u32| {
-            let pick = |bit: u32, low: f64, high: f64| if k >> bit & 1 == 0 { low } else { high };
-            let [x, y, z] = [0, 1, 2].map(|axis| pick(axis, low[axis as usize], high[axis as usize]));
-            posed.origin_in_world + DVec3::new(x, y, z)
-        };
-        let corners = if low.cmple(high).all() { 0..8 } else { 0..0 };
         let least_distance = least_distance.max(omni.light_filter.least_distance);
         let light_filter = LightFilter { least_distance, ..omni.light_filter.clone() };
         Self {
@@ -82,7 +87,6 @@ impl GpuOmni {
                 fits,
             },
             shadow_views: fitted.faces.iter().map(view).collect(),
-            corners_in_world: corners.map(corner).collect(),
         }
     }
 }

@@ -104,8 +104,8 @@ impl FittedCube {
         Self { faces: std::array::from_fn(face), nearest: f64::INFINITY }
     }
 
-    /// Of `side` texels, fitted to `clusters`, grown by `mesh_error`.
-    pub fn new(light_from_scene: DAffine3, (clusters, mesh_error): (&Clusters, f64), side: f64) -> Self {
+    /// Of `side` texels, fitted to `clusters`.
+    pub fn new(light_from_scene: DAffine3, clusters: &Clusters, side: f64) -> Self {
         let source = light_from_scene.inverse().translation;
         // What starts inside of a side of the scene's bounds leaves through it for good.
         let comes_in = |side: &Side| side.height(source) >= 0.0;
@@ -122,8 +122,8 @@ impl FittedCube {
         let mut nearest = f64::INFINITY;
         let faces = std::array::from_fn(|index| {
             let mut cover = Cover::NOTHING;
-            for tree in clusters.casting(mesh_error, comes_in) {
-                tree.walk(mesh_error, |cluster, has_more| {
+            for tree in clusters.casting(clusters.open_sides(comes_in)) {
+                tree.walk(|cluster, has_more| {
                     let Some(here) = Cover::of(in_light(cluster), index, grown) else { return false };
                     if !has_more {
                         cover.add(&here);

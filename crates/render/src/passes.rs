@@ -4,6 +4,7 @@ use wgpu::BindGroupLayout;
 
 use crate::Gpu;
 use crate::bendy_light::BendyPass;
+use crate::composite::CompositePass;
 use crate::display::DisplayPass;
 use crate::gbuffer::GbufferPass;
 use crate::gpu_scene::SceneGroupLayouts;
@@ -21,6 +22,7 @@ pub(crate) struct Passes {
     pub inspect: LightingPass,
     pub straight: StraightPass,
     pub bendy: BendyPass,
+    pub composite: CompositePass,
     pub display: DisplayPass,
 }
 
@@ -35,12 +37,14 @@ impl Passes {
         let gbuffer = GbufferPass::new(gpu, &group_layouts.view, &group_layouts.material);
         let camera_groups: [&BindGroupLayout; 2] = [&group_layouts.view, &gbuffer.surface_layout];
         let [view, surface] = camera_groups;
+        let composite = CompositePass::new(gpu);
         Self {
             fill: LightingPass::new(gpu, "fill", shaders::FILL, &[view, surface, &group_layouts.fill]),
             inspect: LightingPass::new(gpu, "inspect", shaders::INSPECT, &camera_groups),
             straight: StraightPass::new(gpu, camera_groups, &group_layouts),
             bendy: BendyPass::new(gpu, camera_groups, &group_layouts.links),
-            display: DisplayPass::new(gpu),
+            display: DisplayPass::new(gpu, &composite.layout),
+            composite,
             gbuffer,
             group_layouts,
         }

@@ -104,15 +104,17 @@ impl Gpu {
         })
     }
 
-    /// A pipeline that draws `vs_fullscreen` with `entry_point`, adding to or replacing what is in the target.
+    /// A pipeline that draws `vs_fullscreen` with `entry_point`, adding to or replacing what is in each target.
     pub(crate) fn fullscreen_pipeline(
         &self,
         layout: &PipelineLayout,
         module: &ShaderModule,
         entry_point: &str,
-        format: TextureFormat,
+        formats: &[TextureFormat],
         blend: Option<BlendState>,
     ) -> RenderPipeline {
+        let target = |&format| Some(ColorTargetState { format, blend, write_mask: ColorWrites::ALL });
+        let targets: Vec<_> = formats.iter().map(target).collect();
         self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(entry_point),
             layout: Some(layout),
@@ -129,7 +131,7 @@ impl Gpu {
                 module,
                 entry_point: Some(entry_point),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[Some(ColorTargetState { format, blend, write_mask: ColorWrites::ALL })],
+                targets: &targets,
             }),
             multiview_mask: None,
             cache: None,

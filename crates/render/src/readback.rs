@@ -1,6 +1,8 @@
 //! From textures and buffers to the processor's memory.
 
-use wgpu::{Buffer, BufferUsages, BufferView, COPY_BYTES_PER_ROW_ALIGNMENT, MapMode, Texture};
+use wgpu::{
+    Buffer, BufferUsages, BufferView, COPY_BYTES_PER_ROW_ALIGNMENT, CommandEncoder, MapMode, Texture,
+};
 
 use crate::{Gpu, RenderError};
 
@@ -43,21 +45,37 @@ pub(crate) fn read<T: bytemuck::Pod>(
     );
     gpu.queue.submit([encoder.finish()]);
     let bytes = map(gpu, &buffer)?;
-    Ok(bytes.chunks_exact(padded_row).flat_map(|r| bytemuck::pod_collect_to_vec(&r[..row])).collect())
+    let mut texels = Vec::with_capacity(width * height);
+    for padded in bytes.chunks_exact(padded_row) {
+        // What is mapped lies at a multiple of 8 bytes, and so do its rows.
+        texels.extend_from_slice(bytemuck::cast_slice(&padded[..row]));
+    }
+    Ok(texels)
 }
 
 /// The contents of `buffer`, which can be copied from. Waits for everything submitted before.
 pub(crate) fn buffer<T: bytemuck::Pod>(gpu: &Gpu, buffer: &Buffer) -> Result<Vec<T>, RenderError> {
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let copy = copied(gpu, &mut encoder, buffer);
+    gpu.queue.submit([encoder.finish()]);
+    of_copy(gpu, &copy)
+}
+
+/// Copies `buffer`, for [`of_copy`].
+pub(crate) fn copied(gpu: &Gpu, encoder: &mut CommandEncoder, buffer: &Buffer) -> Buffer {
     let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("readback"),
         size: buffer.size(),
         usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
         mapped_at_creation: false,
     });
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
-    gpu.queue.submit([encoder.finish()]);
-    Ok(bytemuck::pod_collect_to_vec(&map(gpu, &copy)?))
+    copy
+}
+
+/// The contents of what [`copied`] made. Waits for everything submitted before.
+pub(crate) fn of_copy<T: bytemuck::Pod>(gpu: &Gpu, copy: &Buffer) -> Result<Vec<T>, RenderError> {
+    Ok(bytemuck::pod_collect_to_vec(&map(gpu, copy)?))
 }
 
 /// The bytes of a buffer that can be mapped.

@@ -2,45 +2,22 @@
 
 use std::ops::Range;
 use std::sync::Arc;
-use std::time::Instant;
 
 use glam::DVec2;
 use light::{CheckedLight, LightInstance};
-use scene::{PosedScene, Scene};
-use wgpu::{Buffer, CommandEncoder};
+use scene::{MapScale, PosedScene, Scene};
+use wgpu::Buffer;
 
 use crate::camera::{Raster, sample_offset};
 use crate::gpu_scene::GpuScene;
+use crate::layers::{self, Work};
 use crate::lights::ShadowMaps;
+use crate::pass_runs::{Cause, Pass, PassCounts, PassRun, PassRuns};
 use crate::passes::Passes;
+use crate::stages::{Recording, Stage};
 use crate::targets::{Targets, Viewers};
 use crate::tile::Tile;
 use crate::{Aov, Gpu, Picture, RenderError, ShadowSettings, View, ViewSlot, gpu_structs, readback};
-
-/// How often each pass has run since the renderer was made.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PassCounts {
-    /// Over the scene's triangles for the camera.
-    pub gbuffer: u64,
-    /// Over the scene's triangles for a light.
-    pub shadow: u64,
-    /// Over the picture, once a sample: all lights.
-    pub lighting: u64,
-    /// Over the picture, for a screen.
-    pub display: u64,
-}
-
-/// How long each pass over a picture takes where nothing is kept from the one before, in milliseconds of wall
-/// time. Each is waited for: together they take a little longer than they do one behind the other.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PassTimes {
-    /// What each pixel sees.
-    pub gbuffer_ms: f64,
-    /// The shadow maps of all lights that the picture needs.
-    pub shadow_ms: f64,
-    /// One pass over the picture for the fill and each light.
-    pub lighting_ms: f64,
-}
 
 /// Draws pictures of one scene at a time, for any number of viewers.
 ///
@@ -57,7 +34,7 @@ pub struct Renderer {
     pub(crate) scene: GpuScene,
     viewers: Viewers,
     shadow_maps: ShadowMaps,
-    counts: PassCounts,
+    ran: PassRuns,
 }
 
 impl Renderer {
@@ -86,8 +63,8 @@ impl Renderer {
             )?;
             Ok((view_uniform, scene))
         })?;
-        let (viewers, shadow_maps, counts) = (Viewers::default(), ShadowMaps::new(), PassCounts::default());
-        Ok(Self { gpu, passes, view_uniform, scene, viewers, shadow_maps, counts })
+        let (viewers, shadow_maps, ran) = (Viewers::default(), ShadowMaps::new(), PassRuns::default());
+        Ok(Self { gpu, passes, view_uniform, scene, viewers, shadow_maps, ran })
     }
 
     /// Takes over another scene: its geometry, materials and fill; its cameras and lights are not used. On an error the
@@ -111,7 +88,7 @@ impl Renderer {
     pub fn set_shadow_settings(&mut self, shadows: ShadowSettings) -> Result<(), RenderError> {
         shadows.check(self.gpu.device.limits().max_texture_dimension_2d)?;
         if shadows.mesh_error != self.shadow_maps.shadows().mesh_error {
-            let simplify = || self.scene.simplified(&self.gpu, shadows.mesh_error);
+            let simplify = || self.scene.casters_within(&self.gpu, shadows.mesh_error);
             self.scene.casters = self.gpu.checked(simplify)?;
         }
         if self.shadow_maps.set_shadows(shadows) {
@@ -126,6 +103,12 @@ impl Renderer {
         &mut self.shadow_maps.bent_work
     }
 
+    /// Casters of coarse maps, for tests to look at and to plant faults in.
+    #[cfg(test)]
+    pub(crate) fn coarse_casters(&mut self) -> &mut crate::coarse_casters::CoarseCasters {
+        &mut self.shadow_maps.coarse
+    }
+
     /// The device and what is on it of the scene, for tests to plant faults in before the first picture.
     #[cfg(test)]
     pub(crate) fn gpu_scene(&mut self) -> (&Gpu, &mut GpuScene) {
@@ -134,7 +117,12 @@ impl Renderer {
 
     /// How often each pass has run.
     pub fn counts(&self) -> PassCounts {
-        self.counts
+        self.ran.counts
+    }
+
+    /// Which passes the latest picture came to, or the latest turn of one that is drawn in turns, and why.
+    pub fn runs(&self) -> &[PassRun] {
+        &self.ran.runs
     }
 
     /// Drops what is kept for a viewer, and gives its memory back; a later picture of it starts anew.
@@ -165,10 +153,96 @@ impl Renderer {
 
     /// The beauty of `view` under `lights` as a screen shows it, whatever `view.aov` says: exposed, tone-mapped, sRGB,
     /// RGBA, 8 bits a channel, rows from the top.
+    ///
+    /// With one sample a pixel what each light alone adds is kept: an edit of a factor of all of a light's radiance draws nothing
+    /// but the sum, and another edit the light that it is of. Where layers of all lights and their sums took more than half of the
+    /// [`crate::MemoryBudget`] lights are added to the picture one after the other, as in [`Self::render`].
     pub fn render_display(&mut self, view: &View, lights: &[LightInstance]) -> Result<Vec<u8>, RenderError> {
-        self.with_whole(view, Aov::Beauty, lights, |renderer, gpu, targets| {
-            renderer.read_display(gpu, targets, (targets.size, view.exposure))
+        let size = [view.width, view.height];
+        if view.samples > 1 || !layers::fit(self.gpu.memory.budget(), size, lights.len()) {
+            return self.with_whole(view, Aov::Beauty, lights, |renderer, gpu, targets| {
+                renderer.read_display(gpu, targets, (targets.size, view.exposure))
+            });
+        }
+        let drawing = Drawing::new(&View { aov: Aov::Beauty, ..view.clone() }, lights)?;
+        self.attempt(view.slot, |renderer, gpu| {
+            gpu.memory.begin_picture();
+            let mut targets = renderer.viewers.take(gpu, &renderer.passes, view)?;
+            let bytes = loop {
+                renderer.shadow_maps.bent_work.put_off();
+                renderer.draw_layered(gpu, &mut targets, &drawing)?;
+                let bytes = read_shown(gpu, &targets, size)?;
+                // The device is waited for once a picture. A map without room is rare, and then all is drawn again.
+                if renderer.shadow_maps.bent_work.fitted(gpu)? {
+                    break bytes;
+                }
+                renderer.shadow_maps.invalidate();
+                targets.invalidate();
+            };
+            renderer.viewers.put(gpu, view.slot, targets);
+            Ok(bytes)
         })
+    }
+
+    /// Draws what `drawing` shows for a screen, by layers of its lights.
+    fn draw_layered(
+        &mut self,
+        gpu: &Gpu,
+        targets: &mut Targets,
+        drawing: &Drawing,
+    ) -> Result<(), RenderError> {
+        let Drawing { view, raster, .. } = drawing;
+        let lights = &self.as_drawn(view.aov, &drawing.lights);
+        let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
+        let Self { passes, scene, shadow_maps, ran, view_uniform, .. } = self;
+        let (passes, scene) = (&**passes, &*scene);
+        shadow_maps.begin(view.slot, lights, scene.revision);
+        // What comes from no light knows no shadow map.
+        let of_fill = View { shadow_map: MapScale::Full, ..view.clone() };
+        targets.begin(scene.revision, &of_fill, tile, &[]);
+        let uniform = raster.uniform(DVec2::ZERO, 1.0, view.fill, scene.posed.origin_in_world, [0, 0])?;
+        gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
+        let mut encoder = gpu.encoder();
+        if targets.samples_drawn == 0 {
+            let onto = (raster, tile);
+            let drawn = targets.draw_gbuffer(&mut encoder, passes, scene, onto, DVec2::ZERO);
+            if let Some(cause) = drawn {
+                ran.note(Pass::Gbuffer, None, cause);
+            }
+            gpu.end_stage(&mut encoder, Stage::Gbuffer)?;
+            let onto = (view.aov, tile);
+            targets.draw_lighting(gpu, &mut encoder, (passes, scene), onto, (true, true), &[])?;
+            ran.note(Pass::Lighting, None, drawn.unwrap_or(Cause::NotKept));
+            targets.samples_drawn = 1;
+        }
+        let shadow_map = view.shadow_map;
+        let mut work = Work { gpu, passes, scene, raster, shadow_map, shadow_maps, ran };
+        let terms = targets.draw_layers(&mut encoder, &mut work, lights)?;
+        targets.draw_display(gpu, &mut encoder, passes, (terms.as_ref(), view.exposure));
+        gpu.end_stage(&mut encoder, Stage::Display)?;
+        gpu.queue.submit([encoder.finish()]);
+        self.ran.note(Pass::Display, None, Cause::NotKept);
+        Ok(())
+    }
+
+    /// The same picture drawn stage by stage, each submitted and waited for: together they take longer than
+    /// [`Self::render_display`] does. What other threads draw meanwhile on the same device is waited for too, and only one thread at a time may record. Pipelines that
+    /// were not used before are compiled in the stage that needs them: draw the picture once before.
+    pub fn record_display(
+        &mut self,
+        view: &View,
+        lights: &[LightInstance],
+    ) -> Result<(Vec<u8>, Recording), RenderError> {
+        self.gpu.stages.start();
+        let bytes = self.render_display(view, lights);
+        let recording = self.gpu.stages.stop();
+        Ok((bytes?, recording))
+    }
+
+    /// Draws everything anew when it is next asked for, in the memory that is kept.
+    pub fn invalidate(&mut self) {
+        self.viewers.invalidate();
+        self.shadow_maps.invalidate();
     }
 
     /// Tone-maps the corner of what is in `targets`, brightened by so many stops, and reads it back.
@@ -179,10 +253,11 @@ impl Renderer {
         (size, exposure): ([u32; 2], f64),
     ) -> Result<Vec<u8>, RenderError> {
         let mut encoder = gpu.encoder();
-        targets.draw_display(gpu, &mut encoder, &self.passes, exposure);
+        targets.draw_display(gpu, &mut encoder, &self.passes, (None, exposure));
+        gpu.end_stage(&mut encoder, Stage::Display)?;
         gpu.queue.submit([encoder.finish()]);
-        self.counts.display += 1;
-        Ok(readback::read::<[u8; 4]>(gpu, &targets.display, size)?.into_flattened())
+        self.ran.note(Pass::Display, None, Cause::NotKept);
+        read_shown(gpu, targets, size)
     }
 
     /// Draws all of `aov` of `view` into the targets of its slot, then does `work` with them.
@@ -218,7 +293,7 @@ impl Renderer {
     ) -> Result<bool, RenderError> {
         let Drawing { view, raster, wanted, samples, .. } = drawing;
         let lights = &self.as_drawn(view.aov, &drawing.lights);
-        let Self { passes, scene, shadow_maps, counts, view_uniform, .. } = self;
+        let Self { passes, scene, shadow_maps, ran, view_uniform, .. } = self;
         let (passes, scene) = (&**passes, &*scene);
         shadow_maps.begin(view.slot, &lights[wanted.clone()], scene.revision);
         targets.begin(scene.revision, view, tile, lights);
@@ -229,7 +304,7 @@ impl Renderer {
         if view.aov == Aov::Wireframe {
             let picture = (&targets.radiance_view, targets.size);
             shadow_maps.draw_wireframe(gpu, (passes, scene), &lights[view.light].light, picture)?;
-            counts.shadow += 1;
+            ran.note(Pass::ShadowMap, Some(lights[view.light].id), Cause::NotKept);
             targets.samples_drawn = *samples;
             return Ok(true);
         }
@@ -242,7 +317,10 @@ impl Renderer {
         let mut base = targets.lights_drawn.is_none();
         if base {
             let onto = (raster, tile);
-            counts.gbuffer += u64::from(targets.draw_gbuffer(&mut encoder, passes, scene, onto, offset));
+            if let Some(cause) = targets.draw_gbuffer(&mut encoder, passes, scene, onto, offset) {
+                ran.note(Pass::Gbuffer, None, cause);
+                gpu.end_stage(&mut encoder, Stage::Gbuffer)?;
+            }
         }
         let mut batch = Vec::new();
         let first = wanted.start + targets.lights_drawn.unwrap_or(0);
@@ -250,13 +328,18 @@ impl Renderer {
             if view.aov == Aov::Beauty && light.light.light_filter().is_dark() {
                 continue;
             }
-            let ready = match shadow_maps.ready(gpu, &mut encoder, (passes, scene, raster), light) {
+            let wanted_light = (light, view.shadow_map);
+            let ready = match shadow_maps.ready(gpu, &mut encoder, (passes, scene, raster), wanted_light) {
                 // Others shine all the same; `light::Reach` tells who asks.
                 Err(RenderError::OutOfReach(_)) if view.aov == Aov::Beauty => continue,
                 ready => ready?,
             };
-            counts.shadow += u64::from(ready.shadow_drawn);
-            let (drawn, passing) = (ready.shadow_drawn, ready.passing.is_some());
+            // It reaches nothing that is seen.
+            let Some(ready) = ready else { continue };
+            if let Some(cause) = ready.shadow_drawn {
+                ran.note(Pass::ShadowMap, Some(light.id), cause);
+            }
+            let (drawn, passing) = (ready.shadow_drawn.is_some(), ready.passing.is_some());
             if drawn
                 && !passing
                 && let Some(pause) = pause.as_deref_mut()
@@ -279,7 +362,7 @@ impl Renderer {
                     onto,
                     (base, base && clear),
                     &batch,
-                );
+                )?;
                 gpu.finish(&mut encoder)?;
                 batch.clear();
                 base = false;
@@ -291,10 +374,10 @@ impl Renderer {
         }
         if base || !batch.is_empty() {
             let onto = (view.aov, tile);
-            targets.draw_lighting(gpu, &mut encoder, (passes, scene), onto, (base, base && clear), &batch);
+            targets.draw_lighting(gpu, &mut encoder, (passes, scene), onto, (base, base && clear), &batch)?;
         }
         gpu.queue.submit([encoder.finish()]);
-        counts.lighting += 1;
+        ran.note(Pass::Lighting, None, Cause::NotKept);
         targets.samples_drawn = sample + 1;
         targets.lights_drawn = None;
         if sample + 1 < *samples || pause.is_some() {
@@ -302,41 +385,6 @@ impl Renderer {
             gpu.wait()?;
         }
         Ok(sample + 1 == *samples)
-    }
-
-    /// Draws one sample of the beauty of `view` under `lights`, whatever `view.aov` says, pass by pass, each anew
-    /// and waited for. Pipelines that were not used before are compiled in the pass that needs them: draw the
-    /// picture once before.
-    pub fn time_passes(&mut self, view: &View, lights: &[LightInstance]) -> Result<PassTimes, RenderError> {
-        let raster = Raster::new(view)?;
-        let lights = &self.as_drawn(Aov::Beauty, lights);
-        self.attempt(view.slot, |renderer, gpu| {
-            gpu.memory.begin_picture();
-            let mut targets = renderer.viewers.take(gpu, &renderer.passes, view)?;
-            let Self { passes, scene, view_uniform, shadow_maps, .. } = renderer;
-            let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
-            shadow_maps.invalidate();
-            shadow_maps.begin(view.slot, lights, scene.revision);
-            let uniform = raster.uniform(DVec2::ZERO, 1.0, view.fill, scene.posed.origin_in_world, [0, 0])?;
-            gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
-            gpu.wait()?;
-            let ((), gbuffer_ms) = timed(gpu, |encoder| {
-                targets.invalidate();
-                targets.draw_gbuffer(encoder, passes, scene, (&raster, tile), DVec2::ZERO);
-                Ok(())
-            })?;
-            let (ready, shadow_ms) = timed(gpu, |encoder| {
-                let mut ready = |light| shadow_maps.ready(gpu, encoder, (passes, scene, &raster), light);
-                lights.iter().map(&mut ready).collect::<Result<Vec<_>, _>>()
-            })?;
-            let ((), lighting_ms) = timed(gpu, |encoder| {
-                let onto = (Aov::Beauty, tile);
-                targets.draw_lighting(gpu, encoder, (passes, scene), onto, (true, true), &ready);
-                Ok(())
-            })?;
-            renderer.viewers.put(gpu, view.slot, targets);
-            Ok(PassTimes { gbuffer_ms, shadow_ms, lighting_ms })
-        })
     }
 
     /// The lights as pictures of `aov` have them: a BendyLight that is still straight as the spotlight that it is, but where
@@ -363,6 +411,7 @@ impl Renderer {
         work: impl FnOnce(&mut Self, &Gpu) -> Result<T, RenderError>,
     ) -> Result<T, RenderError> {
         let gpu = Arc::clone(&self.gpu);
+        self.ran.runs.clear();
         let result = gpu.checked(|| work(self, &gpu));
         if result.is_err() {
             self.viewers.forget(slot);
@@ -370,6 +419,14 @@ impl Renderer {
         }
         result
     }
+}
+
+/// Reads back the corner of what is shown.
+fn read_shown(gpu: &Gpu, targets: &Targets, size: [u32; 2]) -> Result<Vec<u8>, RenderError> {
+    let bytes = readback::read::<[u8; 4]>(gpu, &targets.display, size)?.into_flattened();
+    gpu.stages.ended(Stage::Readback);
+    gpu.stages.count(|counters| counters.bytes += bytes.len() as u64);
+    Ok(bytes)
 }
 
 /// A picture to draw, checked.
@@ -403,19 +460,6 @@ impl Drawing {
             lights: lights.to_vec(),
         })
     }
-}
-
-/// Encodes, submits and waits for one pass; its result and how long that took, in milliseconds.
-fn timed<T>(
-    gpu: &Gpu,
-    pass: impl FnOnce(&mut CommandEncoder) -> Result<T, RenderError>,
-) -> Result<(T, f64), RenderError> {
-    let start = Instant::now();
-    let mut encoder = gpu.encoder();
-    let result = pass(&mut encoder)?;
-    gpu.queue.submit([encoder.finish()]);
-    gpu.wait()?;
-    Ok((result, start.elapsed().as_secs_f64() * 1000.0))
 }
 
 /// The lights that `aov` needs: all of them, the one it is of, or none.

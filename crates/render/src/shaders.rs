@@ -113,6 +113,10 @@ pub(crate) const BENT_MASKED: &str = wgsl!("bent_shadow", "alpha_test", "bent_ma
 pub(crate) const WIREFRAME: &str = wgsl!("wireframe");
 /// Tone-maps for a screen.
 pub(crate) const DISPLAY: &str = wgsl!("encoding", "fullscreen", "display");
+/// Adds up what lights alone add, and tone-maps that.
+pub(crate) const COMPOSITE: &str = wgsl!("encoding", "fullscreen", "display", "terms", "composite");
+/// Adds up what lights alone add.
+pub(crate) const SUM: &str = wgsl!("encoding", "fullscreen", "terms", "sum");
 
 #[cfg(test)]
 mod branches;

@@ -1,17 +1,23 @@
 //! Shadow maps by ordinary rasterisation, for lights whose rays are straight.
 
+use std::ops::Range;
+
+use glam::DVec3;
 use wgpu::{BindGroupLayout, Buffer, CommandEncoder, RenderPipeline};
 
 use crate::casters::Casting;
 use crate::geometry::Geometry;
+use crate::in_view::in_view;
 use crate::pipeline::{MapTarget, UNIFORM, cleared_depth, nearer_wins, vertex_buffers};
-use crate::shadow_settings::MapSize;
+use crate::shadow_settings::{Culling, MapSize};
+use crate::shells::Shell;
 use crate::{Gpu, gpu_structs, shaders};
 
 /// The pipelines, which outlive scenes and lights.
 #[derive(Debug)]
 pub(crate) struct ShadowPass {
-    opaque: RenderPipeline,
+    /// By what surfaces are, as [`Shell`] numbers them: of closed ones only the side that faces the light is drawn.
+    opaque: [RenderPipeline; 3],
     masked: RenderPipeline,
     layout: BindGroupLayout,
 }
@@ -28,7 +34,7 @@ impl ShadowPass {
     pub fn new(gpu: &Gpu, material_layout: &BindGroupLayout) -> Self {
         let layout = gpu.layout("shadow", &[UNIFORM]);
         let buffers = vertex_buffers();
-        let pipeline = |wgsl, groups: &[&BindGroupLayout], vertex, fragment, buffers| {
+        let pipeline = |wgsl, groups: &[&BindGroupLayout], vertex, fragment, buffers, cull_mode| {
             let module = gpu.module("shadow", wgsl);
             gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(vertex),
@@ -39,8 +45,7 @@ impl ShadowPass {
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
                     buffers,
                 },
-                // Both sides cast: what light meets does not depend on which side was modelled.
-                primitive: wgpu::PrimitiveState::default(),
+                primitive: wgpu::PrimitiveState { cull_mode, ..Default::default() },
                 depth_stencil: Some(nearer_wins()),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: Option::map(fragment, |entry_point| wgpu::FragmentState {
@@ -53,13 +58,16 @@ impl ShadowPass {
                 cache: None,
             })
         };
-        let opaque = pipeline(shaders::SHADOW, &[&layout], "vs_opaque", None, &buffers[..1]);
+        // Both sides of an open surface cast: what light meets does not depend on which side was modelled.
+        let opaque = [None, Some(wgpu::Face::Back), Some(wgpu::Face::Front)]
+            .map(|culled| pipeline(shaders::SHADOW, &[&layout], "vs_opaque", None, &buffers[..1], culled));
         let masked = pipeline(
             shaders::SHADOW_MASKED,
             &[&layout, material_layout],
             "vs_masked",
             Some("fs_masked"),
             &buffers,
+            None,
         );
         Self { opaque, masked, layout }
     }
@@ -73,15 +81,19 @@ impl ShadowPass {
         ShadowMap { target: gpu.map_target("shadow map", size), views: (0..size.layers).map(view).collect() }
     }
 
-    /// Draws what casts of a scene's geometry into each layer by its view; those without one are empty.
+    /// Draws what casts of a scene's geometry into each layer by its view; those without one are empty. Returns how many
+    /// opaque triangles were looked at.
+    ///
+    /// Light begins at `source`, in scene space, or outside of the scene.
     pub fn draw(
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         into: &ShadowMap,
-        views: &[Option<gpu_structs::ShadowView>],
+        (views, source, culling): (&[Option<gpu_structs::ShadowView>], Option<DVec3>, Culling),
         scene: (&Geometry, &Casting),
-    ) {
+    ) -> u64 {
+        let mut triangles = 0;
         for ((layer, (uniform, group)), view) in into.target.layers.iter().zip(&into.views).zip(views) {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("shadow"),
@@ -91,18 +103,30 @@ impl ShadowPass {
             if let Some(view) = view {
                 gpu.queue.write_buffer(uniform, 0, bytemuck::bytes_of(view));
                 pass.set_bind_group(0, group, &[]);
-                self.draw_casters(&mut pass, scene);
+                let seen = in_view(scene.1.casters, &view.clip_from_scene, source, culling);
+                triangles += seen.iter().map(|(indices, _)| indices.len() as u64 / 3).sum::<u64>();
+                self.draw_casters(&mut pass, scene, &seen);
             }
         }
+        triangles
     }
 
-    fn draw_casters(&self, pass: &mut wgpu::RenderPass, (geometry, casting): (&Geometry, &Casting)) {
+    fn draw_casters(
+        &self,
+        pass: &mut wgpu::RenderPass,
+        (geometry, casting): (&Geometry, &Casting),
+        seen: &[(Range<u32>, Shell)],
+    ) {
         let Casting { casters, masked, .. } = casting;
-        if casters.opaque_indices > 0 {
-            pass.set_pipeline(&self.opaque);
+        if !seen.is_empty() {
             pass.set_vertex_buffer(0, casters.positions.slice(..));
             pass.set_index_buffer(casters.indices.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..casters.opaque_indices, 0, 0..1);
+        }
+        for shell in Shell::ALL {
+            pass.set_pipeline(&self.opaque[shell as usize]);
+            for (indices, _) in seen.iter().filter(|(_, own)| *own == shell) {
+                pass.draw_indexed(indices.clone(), 0, 0..1);
+            }
         }
         if !masked.is_empty() {
             pass.set_pipeline(&self.masked);

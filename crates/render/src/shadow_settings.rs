@@ -1,5 +1,7 @@
 //! What of shadows can be chosen: how fine their maps are and how they are looked up.
 
+use scene::MapScale;
+
 use crate::RenderError;
 
 /// How shadow maps are made and looked up, for every light of a renderer.
@@ -25,6 +27,35 @@ pub struct ShadowSettings {
     /// it is: then bending a spotlight changes no pixel, and costs nothing. Its own way is slower, and what it is
     /// compared by: the two share no code.
     pub straighten: bool,
+    /// What is not drawn, since no picture depends on it.
+    pub culling: Culling,
+}
+
+/// What is not drawn, since no picture depends on it: all of that, but where something is compared with being drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
+pub struct Culling {
+    /// Clusters of triangles that lie beside a light.
+    pub clusters: bool,
+    /// The backs of closed surfaces, as light has them.
+    pub backs: bool,
+    /// Floors and walls that close a scene and that a bent light only leaves through.
+    pub sides: bool,
+    /// Lights that no pixel sees, and pixels around what a light can reach.
+    pub pixels: bool,
+}
+
+impl Culling {
+    /// Draws nothing in vain.
+    pub const ALL: Self = Self { clusters: true, backs: true, sides: true, pixels: true };
+    /// Draws all.
+    pub const NONE: Self = Self { clusters: false, backs: false, sides: false, pixels: false };
+}
+
+impl Default for Culling {
+    fn default() -> Self {
+        Self::ALL
+    }
 }
 
 /// Percentage-closer filters: each texel is compared by itself, and the answers are blended.
@@ -61,6 +92,12 @@ impl ShadowSettings {
     pub(crate) fn map_size(&self, faces: usize) -> MapSize {
         let side = if faces == 1 { self.resolution } else { (self.resolution / 2).max(Self::MIN_RESOLUTION) };
         MapSize { side, layers: faces as u32 }
+    }
+
+    /// The same with maps of that scale.
+    pub(crate) fn scaled(self, scale: MapScale) -> Self {
+        let resolution = (self.resolution / u32::from(scale.divisor())).max(Self::MIN_RESOLUTION);
+        Self { resolution: resolution.min(self.resolution), ..self }
     }
 
     /// Coarsest map: the margin around a spotlight's cone needs a few texels.
@@ -119,6 +156,7 @@ impl Default for ShadowSettings {
             filter: ShadowFilter::default(),
             mesh_error: 0.0,
             straighten: true,
+            culling: Culling::ALL,
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use glam::{DAffine3, DMat4, DVec3, DVec4};
 use light::{CheckedLight, Cone, Light, LightFilter, MAX_EXTENT};
+use scene::PosedScene;
 
 use crate::baked_filter::BakedFilter;
 use crate::camera::columns;
@@ -22,15 +23,27 @@ pub(crate) struct GpuSpot {
     pub uniform: gpu_structs::Spot,
     /// One a face of the map; `None` where nothing casts shadows.
     pub shadow_views: Vec<Option<gpu_structs::ShadowView>>,
-    /// The convex hull of these world positions holds all that is lit.
-    pub corners_in_world: [DVec3; 5],
+}
+
+/// The convex hull of these world positions holds all that a light lights of a scene.
+pub(crate) fn corners_in_world(cone: &Cone, posed: &PosedScene) -> [DVec3; 5] {
+    let end = cone.range.unwrap_or_else(|| far(cone, posed));
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+        .map(|(x, y)| DVec3::new(x * cone.tan_outer, y * cone.tan_outer, -1.0) * end);
+    let [a, b, c, d] = corners.map(|local| cone.translation + cone.rotation * local);
+    [cone.translation, a, b, c, d]
+}
+
+/// Farther from a light than this nothing lies in a scene.
+fn far(cone: &Cone, posed: &PosedScene) -> f64 {
+    ((cone.translation - posed.origin_in_world).abs() + posed.half_extent).length()
 }
 
 impl GpuSpot {
     /// Places a checked light within reach of a scene, to which its map was fitted.
     pub fn new(cone: &Cone, scene: &GpuScene, shadows: &ShadowSettings, fitted: &FittedFaces) -> Self {
         let light_from_scene = light_from_scene(cone, scene.posed.origin_in_world);
-        let far = ((cone.translation - scene.posed.origin_in_world).abs() + scene.posed.half_extent).length();
+        let far = far(cone, &scene.posed);
 
         let FittedFaces { faces, nearest } = fitted;
         let least_distance = (NEAR_SHARE * far).max(f64::MIN_POSITIVE);
@@ -49,11 +62,6 @@ impl GpuSpot {
 
         let least_distance = least_distance.max(cone.light_filter.least_distance);
         let light_filter = LightFilter { least_distance, ..cone.light_filter.clone() };
-        let end = cone.range.unwrap_or(far);
-        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
-            .map(|(x, y)| DVec3::new(x * cone.tan_outer, y * cone.tan_outer, -1.0) * end);
-        let in_world = |local| cone.translation + cone.rotation * local;
-        let [a, b, c, d] = corners.map(in_world);
         Self {
             uniform: gpu_structs::Spot {
                 light_from_scene: columns(&DMat4::from(light_from_scene)),
@@ -65,7 +73,6 @@ impl GpuSpot {
                 fits,
             },
             shadow_views: faces.iter().map(view).collect(),
-            corners_in_world: [cone.translation, a, b, c, d],
         }
     }
 }
@@ -81,7 +88,7 @@ pub(crate) fn fitted(
         light,
         side,
         light_from_scene(cone, scene.posed.origin_in_world),
-        (&scene.clusters, shadows.mesh_error),
+        &scene.casters.clusters,
     )
 }
 

@@ -57,13 +57,8 @@ impl FittedFaces {
     /// Of a light without a map.
     pub const NONE: Self = Self { faces: Vec::new(), nearest: f64::INFINITY };
 
-    /// Of `side` texels, fitted to what of `clusters`, grown by `mesh_error`, may lie in the light.
-    pub fn new(
-        light: &Light,
-        side: f64,
-        light_from_scene: DAffine3,
-        (clusters, mesh_error): (&Clusters, f64),
-    ) -> Self {
+    /// Of `side` texels, fitted to what of `clusters` may lie in the light.
+    pub fn new(light: &Light, side: f64, light_from_scene: DAffine3, clusters: &Clusters) -> Self {
         let tan_outer = light.get(CONE_ANGLE).to_radians().tan();
         // What lies beyond the edge is drawn as far as the filter reaches.
         let grown = side / (side - 2.0 * MARGIN_TEXELS);
@@ -80,8 +75,8 @@ impl FittedFaces {
             };
             let (middle, widest) = ((low + high) / 2.0, (high - low) / 2.0 * grown);
             let mut bounds = Bounds::EMPTY;
-            for tree in clusters.casting(mesh_error, comes_in) {
-                tree.walk(mesh_error, |cluster, has_more| {
+            for tree in clusters.casting(clusters.open_sides(comes_in)) {
+                tree.walk(|cluster, has_more| {
                     let corners = cluster.corners().map(|p| axes * light_from_scene.transform_point3(p));
                     let Some(here) = Bounds::of(&corners, middle - widest, middle + widest) else {
                         return false;

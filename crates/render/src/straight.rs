@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use light::{CheckedLight, Cone, LightFilter, Omni, Parallel, Rays};
+use scene::PosedScene;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, CommandEncoder, Sampler};
 
@@ -21,6 +22,7 @@ use crate::shadow::{ShadowMap, ShadowPass};
 use crate::shadow_settings::MapSize;
 use crate::spot::{self, BakedSpot, GpuSpot};
 use crate::spot_faces::FittedFaces;
+use crate::stages::Stage;
 use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, gpu_structs, shaders};
 
 /// Group 2 of their lighting passes; see `spot.wgsl`.
@@ -55,15 +57,12 @@ struct Placed {
     uniform: Vec<u8>,
     /// One a layer of the map; `None` where nothing casts shadows.
     shadow_views: Vec<Option<gpu_structs::ShadowView>>,
-    corners_in_world: Vec<DVec3>,
 }
 
 /// A light whose map is up to date.
 pub(crate) struct ReadyStraight {
     /// Group 2 of its lighting pass.
     pub group: BindGroup,
-    /// The convex hull of these world positions holds all that is lit.
-    pub corners_in_world: Vec<DVec3>,
     /// Whether its map had to be drawn.
     pub drawn: bool,
 }
@@ -108,6 +107,24 @@ impl<'a> Straight<'a> {
         }
     }
 
+    /// The convex hull of these world positions holds all that it lights of a scene.
+    pub fn corners_in_world(self, posed: &PosedScene) -> Vec<DVec3> {
+        match self {
+            Self::Spot(_, cone) => spot::corners_in_world(cone, posed).to_vec(),
+            Self::Omni(omni) => omni::corners_in_world(omni, posed),
+            Self::Directional(parallel) => directional::corners_in_world(parallel, posed).to_vec(),
+        }
+    }
+
+    /// Where its light begins; `None` where that is outside of every scene.
+    fn source_in_world(self) -> Option<DVec3> {
+        match self {
+            Self::Spot(_, cone) => Some(cone.translation),
+            Self::Omni(omni) => Some(omni.translation),
+            Self::Directional(_) => None,
+        }
+    }
+
     /// How its map is fitted to a scene; as if to nothing where it has none.
     fn fitted(self, scene: &GpuScene, shadows: &ShadowSettings) -> Fitted {
         let shadowed = self.light_filter().shadow_enable;
@@ -129,22 +146,20 @@ impl<'a> Straight<'a> {
     fn placed(self, fitted: &Fitted, scene: &GpuScene, shadows: &ShadowSettings) -> Placed {
         match (self, fitted) {
             (Self::Spot(_, cone), Fitted::Spot(fitted)) => {
-                let GpuSpot { uniform, shadow_views, corners_in_world } =
-                    GpuSpot::new(cone, scene, shadows, fitted);
+                let GpuSpot { uniform, shadow_views } = GpuSpot::new(cone, scene, shadows, fitted);
                 let uniform = bytemuck::bytes_of(&uniform).to_vec();
-                Placed { uniform, shadow_views, corners_in_world: corners_in_world.into() }
+                Placed { uniform, shadow_views }
             }
             (Self::Omni(omni), Fitted::Omni(fitted)) => {
-                let GpuOmni { uniform, shadow_views, corners_in_world } =
-                    GpuOmni::new(omni, scene, shadows, fitted);
-                Placed { uniform: bytemuck::bytes_of(&uniform).to_vec(), shadow_views, corners_in_world }
+                let GpuOmni { uniform, shadow_views } = GpuOmni::new(omni, scene, shadows, fitted);
+                Placed { uniform: bytemuck::bytes_of(&uniform).to_vec(), shadow_views }
             }
             (Self::Directional(parallel), Fitted::Directional(fitted)) => {
-                let GpuDirectional { uniform, shadow_view, corners_in_world } =
+                let GpuDirectional { uniform, shadow_view } =
                     GpuDirectional::new(parallel, scene, shadows, fitted);
                 let uniform = bytemuck::bytes_of(&uniform).to_vec();
                 let shadow_views = vec![shadow_view];
-                Placed { uniform, shadow_views, corners_in_world: corners_in_world.into() }
+                Placed { uniform, shadow_views }
             }
             _ => unreachable!("a light keeps its shape while its key stays the same"),
         }
@@ -261,10 +276,19 @@ impl StraightPass {
         let group = gpu.group("straight light", &self.group_layouts[2], &resources);
         if drawn {
             let casting = casting(gpu, scene, linked, shadows.mesh_error)?;
-            let scene = (&scene.geometry, &casting);
-            self.shadow.draw(gpu, encoder, &slot.map, &placed.shadow_views, scene);
+            let what = (&scene.geometry, &casting);
+            let source = light.source_in_world().map(|source| source - scene.posed.origin_in_world);
+            let views = (&placed.shadow_views[..], source, shadows.culling);
+            let triangles = self.shadow.draw(gpu, encoder, &slot.map, views, what);
+            gpu.end_stage(encoder, Stage::Draw)?;
+            let MapSize { side, layers } = slot.map.target.size;
+            gpu.stages.count(|counters| {
+                counters.triangles_seen += triangles;
+                counters.triangles_drawn += triangles;
+                counters.texels += u64::from(layers) * u64::from(side).pow(2);
+            });
         }
         slot.shown = Some((key, fitted));
-        Ok(ReadyStraight { group, corners_in_world: placed.corners_in_world, drawn })
+        Ok(ReadyStraight { group, drawn })
     }
 }

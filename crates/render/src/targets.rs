@@ -9,10 +9,13 @@ use crate::camera::Raster;
 use crate::display::Exposed;
 use crate::gbuffer::Gbuffer;
 use crate::gpu_scene::GpuScene;
-use crate::lights::{LightingKind, ReadyLight};
+use crate::layers::{Layers, Seen, Work};
+use crate::lights::ReadyLight;
 use crate::memory::{Evictable, MemoryKind};
+use crate::pass_runs::Cause;
 use crate::passes::Passes;
 use crate::pipeline::color_attachment;
+use crate::stages::Stage;
 use crate::tile::Tile;
 use crate::{Aov, Gpu, RenderError, View, ViewSlot, display, lighting};
 
@@ -31,6 +34,8 @@ pub(crate) struct Targets {
     gbuffer: Gbuffer,
     /// What the G-buffer shows.
     gbuffer_key: Option<GbufferKey>,
+    /// What each light alone adds to what that shows.
+    layers: Layers,
     pub radiance: Texture,
     pub radiance_view: TextureView,
     exposed: Exposed,
@@ -89,6 +94,16 @@ impl Viewers {
         }
     }
 
+    /// Draws everything anew when it is next asked for.
+    pub fn invalidate(&mut self) {
+        for (_, kept) in &self.0 {
+            if let Some(mut targets) = kept.take() {
+                targets.invalidate();
+                kept.put(targets);
+            }
+        }
+    }
+
     /// Drops the targets of a viewer.
     pub fn forget(&mut self, slot: ViewSlot) {
         self.0.retain(|(kept, _)| *kept != slot);
@@ -109,6 +124,7 @@ impl Targets {
             size,
             gbuffer: passes.gbuffer.targets(gpu, width, height),
             gbuffer_key: None,
+            layers: Layers::default(),
             exposed: passes.display.exposed(gpu, &radiance_view),
             radiance,
             radiance_view,
@@ -122,7 +138,7 @@ impl Targets {
 
     /// Starts anew, unless the radiance shows this picture or the beginning of it.
     pub fn begin(&mut self, revision: u64, view: &View, tile: Tile, lights: &[LightInstance]) {
-        let shown = lights.iter().map(|instance| (instance.id, instance.light.revisions().radiance));
+        let shown = lights.iter().map(|instance| (instance.id, instance.light.revisions().picture));
         // Radiance knows no exposure: a view that differs in it alone is only shown anew.
         let shown = Some((revision, View { exposure: 0.0, ..view.clone() }, tile, shown.collect()));
         if self.shown != shown {
@@ -131,12 +147,7 @@ impl Targets {
         }
     }
 
-    /// Draws everything anew when it is next asked for.
-    pub fn invalidate(&mut self) {
-        (self.gbuffer_key, self.shown) = (None, None);
-    }
-
-    /// Fills the G-buffer, unless it shows just this. Returns whether it had to.
+    /// Fills the G-buffer, unless it shows just this. Returns why it had to.
     pub fn draw_gbuffer(
         &mut self,
         encoder: &mut CommandEncoder,
@@ -144,27 +155,65 @@ impl Targets {
         scene: &GpuScene,
         (raster, tile): (&Raster, Tile),
         sample_offset: DVec2,
-    ) -> bool {
+    ) -> Option<Cause> {
         let size = [raster.width, raster.height];
-        let key = Some(GbufferKey {
+        let key = GbufferKey {
             revision: scene.revision,
             world_from_camera: raster.world_from_camera,
             projection: raster.projection,
             size,
             tile,
             sample_offset,
-        });
-        let stale = self.gbuffer_key != key;
-        if stale {
-            passes.gbuffer.draw(encoder, &self.gbuffer, (size, tile), scene);
-            self.gbuffer_key = key;
+        };
+        let cause = match self.gbuffer_key {
+            Some(before) if before == key => return None,
+            None => Cause::First,
+            Some(before) if before.revision != key.revision => Cause::Scene,
+            Some(before) if (before.tile, before.sample_offset) != (tile, sample_offset) => Cause::NotKept,
+            Some(_) => Cause::Camera,
+        };
+        passes.gbuffer.draw(encoder, &self.gbuffer, (size, tile), scene);
+        self.layers.invalidate();
+        self.gbuffer_key = Some(key);
+        Some(cause)
+    }
+
+    /// Draws everything anew when it is next asked for.
+    pub fn invalidate(&mut self) {
+        (self.gbuffer_key, self.shown) = (None, None);
+        self.layers.invalidate();
+    }
+
+    /// As [`Self::draw_lights`]; where stages are taken down, what comes from no light and each light apart.
+    pub fn draw_lighting(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        what: (&Passes, &GpuScene),
+        onto: (Aov, Tile),
+        (base, clear): (bool, bool),
+        lights: &[ReadyLight],
+    ) -> Result<(), RenderError> {
+        if !gpu.stages.is_on() {
+            self.draw_lights(gpu, encoder, what, onto, (base, clear), lights);
+            return Ok(());
         }
-        stale
+        if base {
+            self.draw_lights(gpu, encoder, what, onto, (base, clear), &[]);
+            gpu.end_stage(encoder, Stage::Fill)?;
+        }
+        for light in lights {
+            self.draw_lights(gpu, encoder, what, onto, (false, false), std::slice::from_ref(light));
+            gpu.end_stage(encoder, Stage::Light)?;
+            let [_, _, width, height] = onto.1.cut(light.pixels);
+            gpu.stages.count(|counters| counters.scissor_pixels += u64::from(width) * u64::from(height));
+        }
+        Ok(())
     }
 
     /// Adds to the radiance, or to nothing if it is the picture's beginning: what of one sample of `aov` comes from
     /// no light where `base`, and what comes from `lights`. They reach pixels of the picture, of which this is `tile`.
-    pub fn draw_lighting(
+    fn draw_lights(
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
@@ -187,18 +236,29 @@ impl Targets {
             _ => {}
         }
         for light in lights {
-            let links = light.linked.as_ref().map(|linked| &linked.group);
-            let lighting = match light.kind {
-                LightingKind::Straight(baked) => passes.straight.lighting(gpu, baked, links.is_some()),
-                LightingKind::Bendy(baked) => passes.bendy.lighting(gpu, baked, links.is_some()),
-            };
-            let groups: Vec<&BindGroup> = [&light.group].into_iter().chain(links).collect();
-            lighting.draw(gpu, &mut pass, aov, &groups, tile.cut(light.pixels));
+            light.lighting(gpu, passes).draw(gpu, &mut pass, aov, &light.groups(), tile.cut(light.pixels));
         }
     }
 
-    /// Tone-maps the radiance for a screen, brightened by so many stops.
-    pub fn draw_display(&self, gpu: &Gpu, encoder: &mut CommandEncoder, passes: &Passes, exposure: f64) {
-        passes.display.draw(gpu, encoder, (&self.exposed, exposure), &self.display_view);
+    /// Tone-maps the radiance, and what `terms` add to it, for a screen, brightened by so many stops.
+    pub fn draw_display(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        passes: &Passes,
+        (terms, exposure): (Option<&BindGroup>, f64),
+    ) {
+        passes.display.draw(gpu, encoder, (&self.exposed, terms, exposure), &self.display_view);
+    }
+
+    /// Brings what each of `lights` alone adds up to date: the terms of what they add together, `None` where that is nothing.
+    pub fn draw_layers(
+        &mut self,
+        encoder: &mut CommandEncoder,
+        work: &mut Work,
+        lights: &[LightInstance],
+    ) -> Result<Option<BindGroup>, RenderError> {
+        let seen = Seen { surface: &self.gbuffer.surface, size: self.size };
+        self.layers.draw(encoder, (work, seen), lights)
     }
 }

@@ -14,5 +14,5 @@ pub use camera::{Camera, DEFAULT_ASPECT, Projection, framing_camera};
 pub use node_tree::{MAX_PATH_BYTES, NodeTree};
 pub use pose::{PosedPrimitive, PosedScene, pose, world_bounds};
 pub use scene::{Fill, Image, Material, Mesh, Node, Primitive, Sampler, Scene, SceneError, TextureRef, Wrap};
-pub use view::{Aov, UnknownAov, View, ViewSlot};
+pub use view::{Aov, MapScale, UnknownAov, View, ViewSlot};
 pub use view_ray::{ViewRay, pixel_of};

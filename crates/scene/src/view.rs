@@ -28,6 +28,8 @@ pub struct View {
     /// Stops by which the beauty is brightened for a screen or a PNG: its radiance times 2 to this, before tone mapping, within
     /// [`View::EXPOSURE`]. Values themselves, as [`Aov`] has them, know nothing of it.
     pub exposure: f64,
+    /// How fine shadow maps have to be; the reference, which has none, knows nothing of it.
+    pub shadow_map: MapScale,
     /// Whose picture it is.
     pub slot: ViewSlot,
 }
@@ -41,8 +43,30 @@ impl View {
 
     /// The lit scene as `camera` sees it in a picture of that width and height, with a sample at each pixel's centre.
     pub fn beauty(camera: Camera, [width, height]: [u32; 2]) -> Self {
-        let (aov, slot) = (Aov::Beauty, ViewSlot::default());
-        Self { camera, width, height, samples: 1, aov, light: 0, fill: 1.0, exposure: 0.0, slot }
+        let (aov, shadow_map, slot) = (Aov::Beauty, MapScale::Full, ViewSlot::default());
+        Self { camera, width, height, samples: 1, aov, light: 0, fill: 1.0, exposure: 0.0, shadow_map, slot }
+    }
+}
+
+/// How many texels a side a shadow map has, of those that the renderer's settings say. The finer is the smaller.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum MapScale {
+    /// All of them.
+    #[default]
+    Full,
+    /// Half, so a quarter of the texels, enough while something moves. Of a bent light it may be of fewer triangles, which stray
+    /// from the surface by two of its texels at most; those are made once a few such maps were drawn. A map that is there in full is
+    /// used as it is.
+    Half,
+}
+
+impl MapScale {
+    /// By how much the texels of a side are divided.
+    pub fn divisor(self) -> u16 {
+        match self {
+            Self::Full => 1,
+            Self::Half => 2,
+        }
     }
 }
 

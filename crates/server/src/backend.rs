@@ -11,6 +11,7 @@ use crate::metrics::Metrics;
 use crate::renderer::Renders;
 use crate::scenes::Scenes;
 use crate::storage::Storage;
+use crate::trace::Trace;
 
 /// One of each; clones share them.
 #[derive(Clone, Debug)]
@@ -27,6 +28,8 @@ pub struct Backend {
     pub solves: Arc<Semaphore>,
     /// What is counted.
     pub metrics: Arc<Metrics>,
+    /// What is told of each picture.
+    pub trace: Trace,
     /// Cancelled when the server is asked to stop.
     pub draining: CancellationToken,
     /// When the server started: the zero of its clock.

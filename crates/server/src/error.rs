@@ -24,6 +24,14 @@ pub enum ServerError {
         /// Why not.
         reason: io::Error,
     },
+    /// The file for the trace cannot be written.
+    #[error("{}: no trace can be written there ({reason}); check the folder and that you may write there", path.display())]
+    Trace {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        reason: io::Error,
+    },
     /// The data folder has another server.
     #[error("{}: another server is using this folder; stop it, or name another folder with --data", .0.display())]
     Locked(PathBuf),
@@ -162,7 +170,9 @@ impl ServerError {
     /// The code that programs act on.
     pub fn code(&self) -> ErrorCode {
         match self {
-            Self::Data { .. } | Self::Locked(_) | Self::BadToken(_) => ErrorCode::Storage,
+            Self::Data { .. } | Self::Trace { .. } | Self::Locked(_) | Self::BadToken(_) => {
+                ErrorCode::Storage
+            }
             Self::Listen(_) | Self::Fault => ErrorCode::Fault,
             Self::Scene(_) => ErrorCode::BadScene,
             Self::NoDemo(_) => ErrorCode::UnknownAsset,

@@ -14,6 +14,7 @@ mod limits;
 mod metrics;
 mod outbox;
 mod outboxes;
+mod picture_stats;
 mod probe;
 mod renderer;
 mod request;
@@ -23,6 +24,7 @@ mod server;
 mod socket;
 mod state;
 mod storage;
+mod trace;
 mod views;
 
 pub use access::{PublicUrl, Token};

@@ -50,7 +50,8 @@ pub const MAX_LABEL_BYTES: usize = 128;
 
 /// Pixels along a side of a picture, streamed or for HTTP.
 pub const MAX_VIEW_SIDE: u32 = protocol::RenderLimits::HTTP.max_side;
-/// Pixels of a view that is streamed, enough for 3840 x 2160; the renderer keeps 44 bytes for each.
+/// Pixels of a view that is streamed, enough for 3840 x 2160; the renderer keeps 44 bytes for each, its
+/// session 4.
 pub const MAX_VIEW_PIXELS: u32 = 1 << 23;
 
 /// Messages that wait for a session's task; senders wait past that.
@@ -67,10 +68,12 @@ pub const MAX_TICK_CHANGES: usize = 2_048;
 pub const CONTROL_QUEUE: usize = 1_024;
 /// Bytes of control messages that wait for one client, as above; a single message may have more.
 pub const CONTROL_BYTES: usize = 8 << 20;
-/// Frames that wait for one client: its window. With more its socket has stalled, and it is sent none.
+/// Pictures, or tiles of a lossless one, that wait for one client: its window. With more its socket has stalled, and it is sent none.
 pub const FRAME_QUEUE: usize = stream::WINDOW;
 /// Pictures that wait for the renderer; senders wait past that.
 pub const RENDER_QUEUE: usize = 256;
+/// Lines of pictures that wait for the disk of the trace; more are left out and counted.
+pub const TRACE_QUEUE: usize = 1_024;
 /// Commits that wait for the disk; senders wait past that.
 pub const COMMIT_QUEUE: usize = 64;
 /// Records after which a session gets a new checkpoint: replaying as many takes well under a second.
@@ -103,16 +106,24 @@ pub const IDLE_AT_MOST: Duration = Duration::from_mins(1);
 pub const LEASE_CHECK_EVERY: Duration = Duration::from_secs(1);
 /// How often a stalled socket and a client that is behind are looked at.
 pub const STALLED_CHECK_EVERY: Duration = Duration::from_millis(100);
+/// How often it is looked whether a client has taken the tile of a lossless picture that it was sent, to send the next.
+pub const TILES_CHECK_EVERY: Duration = Duration::from_millis(4);
 /// How often all are told where the others' cameras are, at most.
 pub const PRESENCE_EVERY: Duration = Duration::from_millis(100);
 /// Share of the renderer's time that views at rest get while something moves, and stills while anything else goes on.
 pub const REST_SHARE: f64 = 0.1;
+/// Share of the renderer's time that the views of those who only watch get while a hand drags.
+pub const WATCH_SHARE: f64 = 0.3;
+/// How long after its last edit, or move of its camera, a client's view is that of a hand.
+pub const HAND_FOR: Duration = Duration::from_secs(1);
 /// How long after its last picture something still moves: a drag's next one is asked for when the last is shown.
 pub const MOVING_FOR: Duration = Duration::from_millis(300);
 /// How long a picture at rest is worked on at once, at least: what beginning takes is to be a small part of it.
 pub const TURN_AT_LEAST: Duration = Duration::from_millis(5);
 /// The same at most: so long may something that begins to move have to wait.
 pub const TURN_AT_MOST: Duration = Duration::from_millis(50);
+/// How long the end of a server waits for the last lines of its trace.
+pub const TRACE_ENDS_WITHIN: Duration = Duration::from_secs(1);
 /// How long a server that is asked to stop may take.
 pub const DRAIN_WITHIN: Duration = Duration::from_secs(10);
 /// When clients should try again after that.

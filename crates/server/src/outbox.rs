@@ -1,4 +1,5 @@
-//! What waits to be sent to a client, in two queues: control messages, ordered, and frames, which may be dropped.
+//! What waits to be sent to a client, in two queues: control messages, ordered, and frames, which may be dropped, each with
+//! what is told of it.
 //!
 //! What is broadcast goes to each client as long as its outbox has room. Past that the client is behind: it is sent
 //! nothing more until its outbox is empty, and then the session as it is by then, in one message. So a client may read as
@@ -6,8 +7,7 @@
 
 use std::sync::Arc;
 
-use axum::body::Bytes;
-use axum::extract::ws::Utf8Bytes;
+use axum::extract::ws::{Message as SocketMessage, Utf8Bytes};
 use protocol::{Problem, ServerMessage};
 use tokio::sync::{mpsc, watch};
 
@@ -18,7 +18,7 @@ use crate::limits::{CONTROL_BYTES, CONTROL_QUEUE, FRAME_QUEUE};
 #[derive(Debug)]
 pub struct Outbox {
     control: mpsc::UnboundedSender<Utf8Bytes>,
-    frames: mpsc::Sender<Bytes>,
+    frames: mpsc::Sender<Vec<SocketMessage>>,
     backlog: Arc<watch::Sender<Backlog>>,
     /// Answers to a client that is behind: they may refer to what it has not been told yet. `None` where it is not.
     held: Option<Vec<Utf8Bytes>>,
@@ -29,8 +29,8 @@ pub struct Outbox {
 pub struct OutboxReceiver {
     /// Texts to send, first of all.
     pub control: mpsc::UnboundedReceiver<Utf8Bytes>,
-    /// Frames to send where no text waits.
-    pub frames: mpsc::Receiver<Bytes>,
+    /// Frames to send where no text waits: a message a tile, and what is told of the frame behind its last.
+    pub frames: mpsc::Receiver<Vec<SocketMessage>>,
     backlog: Arc<watch::Sender<Backlog>>,
 }
 
@@ -107,9 +107,14 @@ impl Outbox {
         self.held.is_none() && self.frames.capacity() > 0
     }
 
-    /// Sends a frame; without room for it, it is lost.
-    pub fn send_frame(&self, frame: Bytes) {
-        let _ = self.frames.try_send(frame);
+    /// Whether it takes a frame and holds none that the client has not taken.
+    pub fn has_taken_frames(&self) -> bool {
+        self.held.is_none() && self.frames.capacity() == FRAME_QUEUE
+    }
+
+    /// Sends the messages of a frame, or some of them; without room for them they are lost.
+    pub fn send_frame(&self, messages: Vec<SocketMessage>) {
+        let _ = self.frames.try_send(messages);
     }
 
     /// Whether the connection is over.

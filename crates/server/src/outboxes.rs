@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use axum::body::Bytes;
-use axum::extract::ws::Utf8Bytes;
+use axum::extract::ws::{Message as SocketMessage, Utf8Bytes};
 use protocol::ServerMessage;
 
 use crate::ServerError;
@@ -71,10 +70,15 @@ impl Outboxes {
         self.0.get(&client).is_some_and(Outbox::takes_frame)
     }
 
-    /// Sends a client a frame.
-    pub fn send_frame(&self, client: ClientId, frame: Bytes) {
+    /// Whether a client has taken all frames that it was sent, and takes more.
+    pub fn has_taken_frames(&self, client: ClientId) -> bool {
+        self.0.get(&client).is_some_and(Outbox::has_taken_frames)
+    }
+
+    /// Sends a client the messages of a frame.
+    pub fn send_frame(&self, client: ClientId, messages: Vec<SocketMessage>) {
         if let Some(outbox) = self.0.get(&client) {
-            outbox.send_frame(frame);
+            outbox.send_frame(messages);
         }
     }
 

@@ -3,7 +3,7 @@
 use document::Command;
 use edit::{Actor, Request};
 use light::LightId;
-use protocol::{ClientMessage, ProbeCamera, ViewSource};
+use protocol::{ClientMessage, Interaction, ProbeCamera, ViewSource};
 use scene::Camera;
 use store::check_scene_name;
 
@@ -24,11 +24,20 @@ pub enum ClientRequest {
         camera_revision: u32,
         /// How it is.
         settings: ViewSettings,
+        /// What may be reduced while something moves.
+        interaction: Interaction,
+        /// Whether stats come after each frame.
+        stats: bool,
         /// Width and height in pixels.
         size: [u32; 2],
     },
     /// To see what another client sees.
-    Follow(ClientId),
+    Follow {
+        /// The other's number.
+        leader: ClientId,
+        /// Whether stats come after each frame.
+        stats: bool,
+    },
     /// Another camera of one's own view.
     SetCamera {
         /// Which.
@@ -40,6 +49,8 @@ pub enum ClientRequest {
     SetView {
         /// How.
         settings: ViewSettings,
+        /// Whether stats come after each frame from now on, where that changes.
+        stats: Option<bool>,
         /// The client's number for its camera from now on.
         camera_revision: u32,
     },
@@ -47,6 +58,8 @@ pub enum ClientRequest {
     Resize([u32; 2]),
     /// A frame is shown.
     Ack(u64),
+    /// A frame could not be decoded.
+    RequestKeyFrame(u64),
     /// Something that ends in a record.
     Step(Step),
     /// To drag a light.
@@ -82,6 +95,15 @@ pub enum ClientRequest {
 }
 
 impl ClientRequest {
+    /// Whether it changes what there is to be seen: then somebody waits for a picture of it.
+    pub fn is_of_a_hand(&self) -> bool {
+        self.edits()
+            || matches!(
+                self,
+                Self::OpenView { .. } | Self::SetCamera { .. } | Self::SetView { .. } | Self::Resize(_)
+            )
+    }
+
     /// Whether it may change the document, or what is being dragged in it.
     pub fn edits(&self) -> bool {
         matches!(
@@ -142,21 +164,28 @@ async fn parse(message: ClientMessage, scenes: &Scenes) -> Result<ClientRequest,
             height,
             camera_revision,
             settings,
+            interaction,
+            stats,
         } => ClientRequest::OpenView {
             camera: valid_camera(camera)?,
             camera_revision,
             settings: settings.map(TryInto::try_into).transpose()?.unwrap_or_default(),
+            interaction: interaction.unwrap_or_default(),
+            stats,
             size: view_size(width, height)?,
         },
-        ClientMessage::OpenView { source: ViewSource::Follow(client), .. } => ClientRequest::Follow(client),
+        ClientMessage::OpenView { source: ViewSource::Follow(leader), stats, .. } => {
+            ClientRequest::Follow { leader, stats }
+        }
         ClientMessage::SetCamera { camera, camera_revision } => {
             ClientRequest::SetCamera { camera: valid_camera(camera)?, camera_revision }
         }
-        ClientMessage::SetView { settings, camera_revision } => {
-            ClientRequest::SetView { settings: settings.try_into()?, camera_revision }
+        ClientMessage::SetView { settings, stats, camera_revision } => {
+            ClientRequest::SetView { settings: settings.try_into()?, stats, camera_revision }
         }
         ClientMessage::Viewport { width, height } => ClientRequest::Resize(view_size(width, height)?),
         ClientMessage::Ack { frame } => ClientRequest::Ack(frame),
+        ClientMessage::RequestKeyFrame { frame } => ClientRequest::RequestKeyFrame(frame),
         ClientMessage::Edit { op_id, base_seq, command } => {
             let request = edit_request(command, Some(base_seq), scenes).await;
             ClientRequest::Step(step(op_id, request)?)

@@ -25,6 +25,7 @@ use crate::room::Rooms;
 use crate::scenes::Scenes;
 use crate::state::AppState;
 use crate::storage::Storage;
+use crate::trace::{Trace, TraceThread};
 use crate::{ServerError, connections, data_folder, first_session, http};
 
 /// How a server is started.
@@ -38,6 +39,8 @@ pub struct Config {
     pub scene: String,
     /// Where browsers find it besides the address that it listens on.
     pub public_urls: Vec<PublicUrl>,
+    /// A file to whose end a line is written for each picture that is made (SPEC, TRACE-1).
+    pub trace: Option<PathBuf>,
 }
 
 /// A server that is ready to listen.
@@ -46,6 +49,8 @@ pub struct Server {
     renders: Renders,
     render_thread: RenderThread,
     metrics: Arc<Metrics>,
+    trace: Trace,
+    trace_thread: Option<TraceThread>,
     token: Token,
     data: PathBuf,
     public_urls: Vec<PublicUrl>,
@@ -56,11 +61,24 @@ pub struct Server {
 impl Server {
     /// Takes the data folder, makes the first session where it is missing, and opens the graphics device. Blocks.
     pub fn open(config: &Config) -> Result<Self, ServerError> {
+        let (trace, trace_thread) = config.trace.as_deref().map(Trace::start).transpose()?.unzip();
+        let trace = trace.unwrap_or_default();
         let Data { store, token, lock } = Data::open(config)?;
         let metrics = Arc::new(Metrics::new(MemoryBudget::new(MAX_RENDER_BYTES)));
         let (renders, render_thread) = Renders::start(Arc::clone(&metrics))?;
         let (data, public_urls) = (config.data.clone(), config.public_urls.clone());
-        Ok(Self { store, renders, render_thread, metrics, token, data, public_urls, _lock: lock })
+        Ok(Self {
+            store,
+            renders,
+            render_thread,
+            metrics,
+            trace,
+            trace_thread,
+            token,
+            data,
+            public_urls,
+            _lock: lock,
+        })
     }
 
     /// The secret that clients need.
@@ -74,9 +92,9 @@ impl Server {
         listener: TcpListener,
         shutdown: impl Future<Output = ()> + Send + 'static,
     ) -> Result<(), ServerError> {
-        // Whether all ends well or is cut off, the render thread has ended when this returns.
-        let Self { store, renders, render_thread: _render_thread, metrics, token, data, public_urls, _lock } =
-            self;
+        // Whether all ends well or is cut off, the render thread has ended when this returns, and what it drew is in the trace.
+        let Self { store, renders, metrics, trace, token, data, public_urls, _lock, .. } = self;
+        let (_trace_thread, _render_thread) = (self.trace_thread, self.render_thread);
         let address = listener.local_addr().map_err(ServerError::Listen)?;
         let storage = Storage::start(&data, store, Arc::clone(&metrics));
         let backend = Backend {
@@ -86,6 +104,7 @@ impl Server {
             probes: Arc::new(Semaphore::new(MAX_PROBES)),
             solves: Arc::new(Semaphore::new(MAX_SOLVES)),
             metrics,
+            trace,
             draining: CancellationToken::new(),
             started: Instant::now(),
             sockets: TaskTracker::new(),
@@ -156,7 +175,7 @@ mod tests {
 
     fn config(data: &Path) -> Config {
         let (session, scene, public_urls) = ("main".into(), "demo:vases".into(), Vec::new());
-        Config { data: data.into(), session, scene, public_urls }
+        Config { data: data.into(), session, scene, public_urls, trace: None }
     }
 
     #[test]

@@ -162,18 +162,20 @@ async fn next(
 async fn write(mut sink: SplitSink<WebSocket, SocketMessage>, mut end: OutboxReceiver) {
     let mut pings = interval_at(Instant::now() + PING_EVERY, PING_EVERY);
     loop {
-        let (message, text) = tokio::select! {
+        let (messages, text) = tokio::select! {
             biased;
             text = end.control.recv() => match text {
-                Some(text) => (SocketMessage::Text(text.clone()), Some(text)),
+                Some(text) => (vec![SocketMessage::Text(text.clone())], Some(text)),
                 None => break,
             },
-            Some(frame) = end.frames.recv() => (SocketMessage::Binary(frame), None),
-            _ = pings.tick() => (SocketMessage::Ping(axum::body::Bytes::new()), None),
+            Some(frame) = end.frames.recv() => (frame, None),
+            _ = pings.tick() => (vec![SocketMessage::Ping(axum::body::Bytes::new())], None),
         };
-        // One that takes nothing for too long breaks here.
-        if sink.send(message).await.is_err() {
-            return;
+        for message in messages {
+            // One that takes nothing for too long breaks here.
+            if sink.send(message).await.is_err() {
+                return;
+            }
         }
         if let Some(text) = text {
             end.taken(&text);

@@ -46,7 +46,7 @@ pub fn png(rgba: &[u8], width: u16, height: u16) -> Result<Vec<u8>, StreamError>
     Ok(bytes)
 }
 
-fn check_size(rgba: &[u8], width: u16, height: u16) -> Result<(), StreamError> {
+pub(crate) fn check_size(rgba: &[u8], width: u16, height: u16) -> Result<(), StreamError> {
     if width == 0 || height == 0 {
         return Err(StreamError::Empty { width, height });
     }

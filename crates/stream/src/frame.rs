@@ -60,6 +60,8 @@ pub struct FrameHeader {
     pub live_revision: u32,
     /// Samples a pixel.
     pub samples: u16,
+    /// By how much the texels a side of shadow maps are divided: 1 where they are full.
+    pub shadow_map_divisor: u16,
     /// Where the payload goes.
     pub tile: Tile,
     /// Width of the whole picture in pixels.
@@ -72,6 +74,10 @@ pub struct FrameHeader {
     pub render_us: u32,
     /// Microseconds of the encoding.
     pub encode_us: u32,
+    /// Width of the view in pixels: of a picture that is reduced while something moves, what it is shown as.
+    pub view_width: u16,
+    /// Height of the view in pixels.
+    pub view_height: u16,
 }
 
 impl FrameHeader {
@@ -92,6 +98,7 @@ impl FrameHeader {
         put(24, &self.camera_revision.to_le_bytes());
         put(28, &self.live_revision.to_le_bytes());
         put(32, &self.samples.to_le_bytes());
+        put(34, &self.shadow_map_divisor.to_le_bytes());
         let Tile { x, y, width, height } = self.tile;
         for (index, side) in [x, y, width, height, self.width, self.height].into_iter().enumerate() {
             put(36 + 2 * index, &side.to_le_bytes());
@@ -99,11 +106,12 @@ impl FrameHeader {
         put(48, &self.wait_us.to_le_bytes());
         put(52, &self.render_us.to_le_bytes());
         put(56, &self.encode_us.to_le_bytes());
+        put(60, &self.view_width.to_le_bytes());
+        put(62, &self.view_height.to_le_bytes());
         bytes
     }
 
-    /// The header at the beginning of a message; the payload begins at [`HEADER_BYTES`]. Reserved bytes are
-    /// not looked at.
+    /// The header at the beginning of a message; the payload begins at [`HEADER_BYTES`].
     pub fn from_bytes(message: &[u8]) -> Result<Self, StreamError> {
         let header: &[u8; HEADER_BYTES] = message.first_chunk().ok_or(StreamError::Short(message.len()))?;
         let u16_at = |offset: usize| u16::from_le_bytes(array_at(header, offset));
@@ -126,12 +134,15 @@ impl FrameHeader {
             camera_revision: u32_at(24),
             live_revision: u32_at(28),
             samples: u16_at(32),
+            shadow_map_divisor: u16_at(34),
             tile: Tile { x: u16_at(36), y: u16_at(38), width: u16_at(40), height: u16_at(42) },
             width: u16_at(44),
             height: u16_at(46),
             wait_us: u32_at(48),
             render_us: u32_at(52),
             encode_us: u32_at(56),
+            view_width: u16_at(60),
+            view_height: u16_at(62),
         })
     }
 }

@@ -85,7 +85,13 @@ impl Pace {
         }
     }
 
-    /// Whether the client's next frame is a key frame: its first, and the first after it has stalled.
+    /// The client has nothing any more that a frame could go onto: its next one is a key frame.
+    pub fn start_anew(&mut self) {
+        self.latest = None;
+    }
+
+    /// Whether the client's next frame is a key frame: its first, the first after it has stalled, and that of
+    /// [`Self::start_anew`].
     pub fn owes_key(&self) -> bool {
         self.latest.is_none()
     }
@@ -99,6 +105,11 @@ impl Pace {
     pub fn sent(&mut self, frame: u64, revision: u64, quality: Quality, now: Instant) {
         self.window.sent(frame, now);
         self.latest = Some((revision, quality));
+    }
+
+    /// The client has taken a part of a frame that is sent in several: it has not stalled.
+    pub fn went_on(&mut self, now: Instant) {
+        self.window.went_on(now);
     }
 
     /// The client has shown a frame. Returns how long after sending, or `None` where the frame is not on its

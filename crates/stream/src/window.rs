@@ -17,6 +17,7 @@ pub const STALL_AFTER: Duration = Duration::from_secs(2);
 pub struct AckWindow {
     /// Number and time of sending, in the order of sending; at most [`WINDOW`].
     under_way: VecDeque<(u64, Instant)>,
+    /// When it last acknowledged a frame, or took a part of one.
     last_ack: Option<Instant>,
 }
 
@@ -44,6 +45,11 @@ impl AckWindow {
         let (_, sent_at) = self.under_way.drain(..=index).next_back()?;
         self.last_ack = Some(now);
         Some(now.saturating_duration_since(sent_at))
+    }
+
+    /// The client has taken a part of a frame.
+    pub fn went_on(&mut self, now: Instant) {
+        self.last_ack = Some(now);
     }
 
     /// When the client counts as stalled unless it acknowledges something; `None` where nothing is on its

@@ -17,7 +17,7 @@ export interface Statistics {
 }
 
 /** Decodes pictures and draws them. */
-export type Screen<T> = Pick<PictureSink<T>, "decode" | "show">;
+export type Screen<T> = Pick<PictureSink<T>, "decode" | "draw">;
 
 export interface Display {
   /** Header of the picture on the screen. */
@@ -36,14 +36,17 @@ export interface DisplayParts<T> {
 }
 
 const SECOND_MS = 1000;
+/** A picture that cannot be decoded may never be; asking for it is not to take all of a server's time. */
+const REQUEST_KEY_FRAME_EVERY_MS = 1000;
 
 export function display<T>({ host, screen, send, notify, latency }: DisplayParts<T>): Display {
   const frame = signal<FrameHeader | null>(null);
   const statistics = signal<Statistics>({ latencyMs: null, roundTripMs: null, framesPerSecond: 0 });
   let shownMs: number[] = [];
+  let requestedMs = Number.NEGATIVE_INFINITY;
+  let cancelRequest = () => {};
 
-  function show(header: FrameHeader, picture: T): void {
-    screen.show(header, picture);
+  function shown(header: FrameHeader): void {
     const now = host.nowMs();
     latency.shown(header, now);
     shownMs = [...shownMs.filter((at) => now - at < SECOND_MS), now];
@@ -54,17 +57,37 @@ export function display<T>({ host, screen, send, notify, latency }: DisplayParts
     });
   }
 
+  /** At once where that was not done lately. The server passes over what it has sent a whole picture after. */
+  function requestKeyFrame(number: number): void {
+    const request = () => {
+      requestedMs = host.nowMs();
+      send({ type: "requestKeyFrame", frame: number });
+    };
+    cancelRequest();
+    const wait = requestedMs + REQUEST_KEY_FRAME_EVERY_MS - host.nowMs();
+    if (wait <= 0) request();
+    else cancelRequest = host.after(wait, request);
+  }
+
   const feed = pictures<T>({
     decode: screen.decode,
     beforeRepaint: host.beforeRepaint,
-    show,
+    draw: screen.draw,
+    shown,
     ack: (number) => void send({ type: "ack", frame: number }),
+    torn: requestKeyFrame,
     failed: notify,
   });
   return {
     frame,
     statistics,
-    feed,
+    feed: {
+      receive: feed.receive,
+      restart() {
+        cancelRequest();
+        feed.restart();
+      },
+    },
     roundTrip(ms) {
       statistics.value = { ...statistics.value, roundTripMs: ms };
     },

@@ -1,5 +1,7 @@
 // The header of a frame (SPEC, section 8).
 
+import type { Size } from "./camera";
+
 /** Bytes of the header; the payload follows. */
 export const HEADER_BYTES = 64;
 
@@ -31,12 +33,17 @@ export interface FrameHeader {
   liveRevision: number;
   /** Samples a pixel. */
   samples: number;
+  /** By how much the texels a side of shadow maps are divided: 1 where they are full. */
+  shadowMapDivisor: number;
   tile: Tile;
   width: number;
   height: number;
   waitUs: number;
   renderUs: number;
   encodeUs: number;
+  /** Of the view: of a picture that is reduced while something moves, what it is shown as. */
+  viewWidth: number;
+  viewHeight: number;
 }
 
 /** The header of `message`; throws an `Error` that says what is wrong where it is none. */
@@ -66,11 +73,32 @@ export function readHeader(message: ArrayBuffer): FrameHeader {
     cameraRevision: u32(24),
     liveRevision: u32(28),
     samples: u16(32),
+    shadowMapDivisor: u16(34),
     tile: { x: u16(36), y: u16(38), width: u16(40), height: u16(42) },
     width: u16(44),
     height: u16(46),
     waitUs: u32(48),
     renderUs: u32(52),
     encodeUs: u32(56),
+    viewWidth: u16(60),
+    viewHeight: u16(62),
   };
+}
+
+/** Whether the message holds all of its picture: then nothing that came before counts. */
+export function isWhole({ tile, width, height }: FrameHeader): boolean {
+  return tile.width === width && tile.height === height;
+}
+
+/** The pixels that the frame's picture is shown as, and that are picked, probed and dragged in, however many it has. */
+export function viewSizeOf({ viewWidth, viewHeight }: FrameHeader): Size {
+  return { width: viewWidth, height: viewHeight };
+}
+
+/** What of a frame is reduced, for people; empty where nothing is. */
+export function reductionsOf(header: FrameHeader): string {
+  const share = header.width / header.viewWidth;
+  const resolution = share > 0.9 ? [] : [share > 0.6 ? "three-quarter resolution" : "half resolution"];
+  const shadowMap = header.shadowMapDivisor > 1 ? ["half shadow map"] : [];
+  return [...resolution, ...shadowMap].join(", ");
 }

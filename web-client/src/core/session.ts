@@ -7,6 +7,7 @@ import { applyChange, lightName, predict } from "./document";
 import { display, type Screen, type Statistics } from "./display";
 import { type Drag, dragging, type OwnDrag } from "./drags";
 import type { FrameHeader } from "./frame";
+import { type LatestStats, NO_STATS, withStats } from "./frame_stats";
 import type { ClientId, LightId } from "./ids";
 import { latencyMeter } from "./latency";
 import { advance, type Mirror, NOTHING, snapshotOf } from "./mirror";
@@ -54,6 +55,8 @@ export interface Session {
   /** The picture on the screen. */
   frame: ReadonlySignal<FrameHeader | null>;
   statistics: ReadonlySignal<Statistics>;
+  /** What the latest pictures came to, while that is asked for. */
+  frameStats: ReadonlySignal<LatestStats>;
   viewer: Viewer;
   /** Asks what is seen at a pixel, and what each light does there. */
   probe: Probing["ask"];
@@ -101,6 +104,7 @@ export function startSession<T>(options: SessionOptions<T>): Session {
   const people = signal<readonly Presence[]>([]);
   const gestures = signal<readonly GestureState[]>([]);
   const history = signal<History | null>(null);
+  const frameStats = signal<LatestStats>(NO_STATS);
   const latency = latencyMeter();
   let selection: LightId | null = null;
   let cancelAsking = () => {};
@@ -141,7 +145,12 @@ export function startSession<T>(options: SessionOptions<T>): Session {
     if (solo.some((id) => !there.has(id))) viewer.set({ solo: solo.filter((id) => there.has(id)) });
   });
 
+  effect(() => {
+    if (!viewer.stats.value) frameStats.value = NO_STATS;
+  });
+
   function welcomed(welcome: Welcome): void {
+    frameStats.value = NO_STATS;
     client.value = welcome.client;
     feed.restart();
     latency.restart();
@@ -229,6 +238,10 @@ export function startSession<T>(options: SessionOptions<T>): Session {
       case "probed":
         probes.answered(message);
         break;
+      case "stats":
+        // One that was under way when they were no longer asked for is passed over.
+        if (viewer.stats.value) frameStats.value = withStats(frameStats.value, message);
+        break;
       case "error":
         if (!message.fatal) notify(message.message);
         break;
@@ -272,6 +285,7 @@ export function startSession<T>(options: SessionOptions<T>): Session {
     history,
     frame,
     statistics,
+    frameStats,
     viewer,
     probe: probes.ask,
     edit(command, done) {

@@ -8,7 +8,15 @@ import type { FrameHeader } from "./frame";
 import type { ClientId } from "./ids";
 import type { LatencyMeter } from "./latency";
 import { type Orbit, orbitFrom } from "./navigation";
-import type { Bounds, Camera, ClientMessage, Presence, ViewSettings, ViewSource } from "./protocol";
+import type {
+  Bounds,
+  Camera,
+  ClientMessage,
+  Interaction,
+  Presence,
+  ViewSettings,
+  ViewSource,
+} from "./protocol";
 
 /** Cameras of frames that may still arrive. */
 const REMEMBERED_CAMERAS = 256;
@@ -21,6 +29,10 @@ export interface Viewer {
   settings: ReadonlySignal<ViewSettings>;
   /** The same of the view that is shown: one's own, or of who is followed. */
   shownSettings: ReadonlySignal<ViewSettings>;
+  /** What of one's own pictures may be reduced while something moves. */
+  interaction: ReadonlySignal<Interaction>;
+  /** Whether the server tells what each picture came to. */
+  stats: ReadonlySignal<boolean>;
   /** Of one's own pictures; `null` before the stage has one. */
   size: ReadonlySignal<Size | null>;
   /** Numbers one's own cameras; pictures from the latest carry it. */
@@ -31,6 +43,10 @@ export interface Viewer {
   jump(camera: Camera): void;
   /** Changes what is one's own besides the camera. */
   set(changed: Partial<ViewSettings>): void;
+  /** Says what of one's own pictures may be reduced while something moves. */
+  allow(interaction: Interaction): void;
+  /** Asks for what each picture came to, or no longer. */
+  askStats(asked: boolean): void;
   /** Shows another client's view, or with `null` one's own. */
   follow(client: ClientId | null): void;
   /** Asks for pictures of this size, in pixels. */
@@ -53,6 +69,11 @@ export interface ViewerParts {
 /** As every view is at first. */
 const UNCHANGED: ViewSettings = { exposure: 0, solo: [] };
 
+/** Pictures come quickly enough, however many pixels and texels they have for that. */
+export const REDUCED: Interaction = { shadowMap: "auto", resolution: "auto" };
+/** Pictures are as at rest, however long each takes. */
+export const UNREDUCED: Interaction = { shadowMap: "full", resolution: "full" };
+
 export function viewing({ host, send, bounds, latency }: ViewerParts): Viewer {
   const own = signal<Orbit | null>(null);
   const following = signal<ClientId | null>(null);
@@ -61,6 +82,10 @@ export function viewing({ host, send, bounds, latency }: ViewerParts): Viewer {
   const revision = signal(0);
   const size = signal<Size | null>(null);
   const settings = signal<ViewSettings>(UNCHANGED);
+  const interaction = signal<Interaction>(REDUCED);
+  const stats = signal(false);
+  /** Whether the server was asked for them. */
+  let isAsked = false;
   /** What is to be sent before the next repaint; each has a revision of its own, that of the settings after the camera's. */
   let [moved, isSet] = [false, false];
 
@@ -75,9 +100,9 @@ export function viewing({ host, send, bounds, latency }: ViewerParts): Viewer {
     const source: ViewSource = following.value === null ? { own: orbit.camera } : { follow: following.value };
     revision.value += 1;
     remember(orbit.camera, revision.value);
-    [moved, isSet] = [false, false];
+    [moved, isSet, isAsked] = [false, false, stats.value];
     const asked = { ...size.value, cameraRevision: revision.value, settings: settings.value };
-    send({ type: "openView", source, ...asked });
+    send({ type: "openView", source, interaction: interaction.value, stats: stats.value, ...asked });
   }
 
   /** Sends `what`, which differs from what the server knows, before the next repaint. */
@@ -98,7 +123,10 @@ export function viewing({ host, send, bounds, latency }: ViewerParts): Viewer {
       sendRevision({ type: "setCamera", camera, cameraRevision }, camera);
     }
     if (was.isSet) {
-      sendRevision({ type: "setView", settings: settings.value, cameraRevision: revision.value }, camera);
+      const asked = stats.value === isAsked ? {} : { stats: stats.value };
+      isAsked = stats.value;
+      const changed = { settings: settings.value, ...asked, cameraRevision: revision.value };
+      sendRevision({ type: "setView", ...changed }, camera);
     }
   }
 
@@ -142,6 +170,8 @@ export function viewing({ host, send, bounds, latency }: ViewerParts): Viewer {
     size,
     revision,
     settings,
+    interaction,
+    stats,
     shownSettings: computed(() =>
       following.value === null ? settings.value : (leading()?.settings ?? UNCHANGED),
     ),
@@ -150,6 +180,16 @@ export function viewing({ host, send, bounds, latency }: ViewerParts): Viewer {
       settings.value = { ...settings.value, ...changed };
       // Who follows sees the followed one's; one's own are sent with one's own view.
       if (own.value !== null && size.value !== null && following.value === null) schedule("settings");
+    },
+    allow(allowed) {
+      interaction.value = allowed;
+      if (following.value === null) openView();
+    },
+    askStats(asked) {
+      stats.value = asked;
+      // A view of one's own goes on as it is; who follows has none to change.
+      if (following.value !== null) openView();
+      else if (own.value !== null && size.value !== null) schedule("settings");
     },
     jump: (camera) => move(() => orbitFrom(camera, bounds())),
     follow(client) {

@@ -2,6 +2,7 @@
 
 import { aimedAt, cameraThrough } from "../core/aiming";
 import { lightName, lightOf } from "../core/document";
+import { viewSizeOf } from "../core/frame";
 import type { LightId } from "../core/ids";
 import type { Orbit } from "../core/navigation";
 import { questionAt, type PixelQuestion } from "../core/probing";
@@ -54,7 +55,9 @@ export function aimAt(page: Page, question: PixelQuestion | null): void {
 /** The middle of the picture, for who has no pointer. */
 export function middleOf({ session }: Page): PixelQuestion | null {
   const frame = session.frame.value;
-  return frame === null ? null : questionAt({ x: frame.width / 2, y: frame.height / 2 }, frame, frame);
+  if (frame === null) return null;
+  const size = viewSizeOf(frame);
+  return questionAt({ x: size.width / 2, y: size.height / 2 }, size, size);
 }
 
 /** Looks from the selected light, or where one does, back to where one was. */

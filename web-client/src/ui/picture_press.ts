@@ -1,6 +1,7 @@
 // What a press on the picture, beside all handles, does: here tools that work on the picture take it before the view does.
 
 import type { Pixel, Size } from "../core/camera";
+import { viewSizeOf } from "../core/frame";
 import { orbit, pan } from "../core/navigation";
 import { type PixelQuestion, questionAt } from "../core/probing";
 import { aimAt, isAiming } from "./directing";
@@ -21,7 +22,7 @@ export function inPicture(stage: Element, { clientX, clientY }: PointerEvent): P
 /** What is asked of a pixel of the picture as the stage shows it; `null` beside the picture, and while there is none. */
 export function questionOn(stage: Element, { session }: Page, pixel: Pixel): PixelQuestion | null {
   const [shown, frame] = [stage.querySelector("canvas")?.getBoundingClientRect(), session.frame.value];
-  return shown === undefined || frame === null ? null : questionAt(pixel, shown, frame);
+  return shown === undefined || frame === null ? null : questionAt(pixel, shown, viewSizeOf(frame));
 }
 
 /** `size` is the stage's. */

@@ -1,7 +1,12 @@
 // What the picture is, and how fast it comes.
 
 import { lightLabel } from "../core/document";
+import { type FrameHeader, reductionsOf } from "../core/frame";
+import { REDUCED, UNREDUCED } from "../core/viewer";
 import { usePage } from "./page";
+import { QuietButton } from "./quiet_button";
+import { StatsButton } from "./stats_panel";
+import { ms } from "./stats_texts";
 
 export function StatusBar() {
   const { session } = usePage();
@@ -15,10 +20,12 @@ export function StatusBar() {
   return (
     <footer class="status-bar">
       <SoloNote />
+      <FullDetail />
+      <StatsButton />
       {frame !== null && (
         <>
           <span class="quality" data-settle={frame.settle && connected}>
-            {connected ? (frame.settle ? "Lossless" : "Live") : "Old"}
+            {connected ? qualityOf(frame) : "Old"}
           </span>
           <span>
             {frame.codec.toUpperCase()} {frame.width} × {frame.height}
@@ -37,6 +44,29 @@ export function StatusBar() {
       <span class="keys">drag or arrows orbit · with shift pan · wheel or + − zoom · A scene · F light</span>
       <span title="The latest record of the edit log">#{session.mirror.value.seq}</span>
     </footer>
+  );
+}
+
+/** What the picture has of what it has at rest. */
+function qualityOf(frame: FrameHeader): string {
+  if (frame.settle) return "Lossless";
+  return ["Live", reductionsOf(frame)].filter((said) => said !== "").join(", ");
+}
+
+/** Whether one's own pictures may be reduced while something moves. */
+function FullDetail() {
+  const { viewer } = usePage().session;
+  if (viewer.following.value !== null) return null;
+  const isFull = viewer.interaction.value.resolution === "full";
+  return (
+    <QuietButton
+      title="All pixels and fine shadows also while something moves, however slowly pictures come then"
+      label="Full detail while something moves"
+      pressed={isFull}
+      press={() => viewer.allow(isFull ? REDUCED : UNREDUCED)}
+    >
+      Full detail
+    </QuietButton>
   );
 }
 
@@ -61,5 +91,3 @@ function SoloNote() {
     </span>
   );
 }
-
-const ms = (us: number): string => `${(us / 1000).toFixed(us < 10_000 ? 1 : 0)} ms`;

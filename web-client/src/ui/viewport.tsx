@@ -6,6 +6,7 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import type { Box, Size, View } from "../core/camera";
 import { isAtLimit } from "../core/document";
+import { viewSizeOf } from "../core/frame";
 import { pinch, zoom } from "../core/navigation";
 import type { PixelQuestion } from "../core/probing";
 import { outcomeText } from "../core/tools";
@@ -22,6 +23,7 @@ import { hovering, pressPicture, questionOn } from "./picture_press";
 import { isProbing, ProbeView } from "./probe_view";
 import { QuietButton } from "./quiet_button";
 import { sentence } from "./sentence";
+import { StatsPanel } from "./stats_panel";
 import { ToolBar } from "./tool_bar";
 import { ToolView } from "./tool_view";
 import { pressTool, toolKeys } from "./tools";
@@ -44,7 +46,7 @@ export function Viewport() {
 
   const connected = session.connection.value.kind === "connected";
   const frame = session.frame.value;
-  const picture = contain(size, frame ?? size);
+  const picture = contain(size, frame === null ? size : viewSizeOf(frame));
   const camera = session.viewer.cameraOf(frame);
   const view: View | null =
     camera === null || size.width === 0 ? null : { camera, width: picture.width, height: picture.height };
@@ -63,54 +65,57 @@ export function Viewport() {
     <main class="viewport">
       <ViewTools />
       <ToolBar />
-      <div
-        class="stage"
-        ref={stage}
-        data-stale={!connected && frame !== null}
-        data-pointing={isProbing(page) || aims}
-        data-aiming={aims}
-        data-tool={aims || tool === "select" ? undefined : tool === "pin" ? "pin" : "feature"}
-        // biome-ignore lint/a11y/noNoninteractiveTabindex: as an application it takes keys
-        tabIndex={0}
-        role="application"
-        aria-label="View: arrow keys orbit, with Shift they pan, plus and minus zoom"
-        onKeyDown={(event) => {
-          if (aims && event.key === "Enter") aimAt(page, middleOf(page));
-          else if (!aims && keys(event)) event.preventDefault();
-          else pressView(event, page, view);
-        }}
-        onPointerDown={(event) => {
-          point(event);
-          if (!pressTool(event, page)) pressPicture(event, page, size);
-        }}
-        {...hover}
-        {...fingers}
-        onContextMenu={(event) => event.preventDefault()}
-        onWheel={(event) => {
-          event.preventDefault();
-          const factor = Math.exp(wheelPixels(event) * ZOOM_PER_WHEEL_PIXEL);
-          session.viewer.move((from) => zoom(from, factor, session.bounds.value));
-        }}
-      >
-        <canvas
-          ref={page.screen.attach}
-          role="img"
-          aria-label="Rendered picture"
-          style={{
-            left: `${picture.x}px`,
-            top: `${picture.y}px`,
-            width: `${picture.width}px`,
-            height: `${picture.height}px`,
+      <div class="picture">
+        <div
+          class="stage"
+          ref={stage}
+          data-stale={!connected && frame !== null}
+          data-pointing={isProbing(page) || aims}
+          data-aiming={aims}
+          data-tool={aims || tool === "select" ? undefined : tool === "pin" ? "pin" : "feature"}
+          // biome-ignore lint/a11y/noNoninteractiveTabindex: as an application it takes keys
+          tabIndex={0}
+          role="application"
+          aria-label="View: arrow keys orbit, with Shift they pan, plus and minus zoom"
+          onKeyDown={(event) => {
+            if (aims && event.key === "Enter") aimAt(page, middleOf(page));
+            else if (!aims && keys(event)) event.preventDefault();
+            else pressView(event, page, view);
           }}
-        />
-        {view !== null && page.showGate.value && <FilmGate view={view} at={picture} />}
-        {view !== null && page.showHandles.value && <Overlay view={view} at={picture} size={size} />}
-        {view !== null && <ToolView view={view} at={picture} size={size} />}
-        {view !== null && <ProbeView view={view} at={picture} size={size} />}
-        <Following />
-        <Staleness />
-        <Modes />
-        <DragRefusal />
+          onPointerDown={(event) => {
+            point(event);
+            if (!pressTool(event, page)) pressPicture(event, page, size);
+          }}
+          {...hover}
+          {...fingers}
+          onContextMenu={(event) => event.preventDefault()}
+          onWheel={(event) => {
+            event.preventDefault();
+            const factor = Math.exp(wheelPixels(event) * ZOOM_PER_WHEEL_PIXEL);
+            session.viewer.move((from) => zoom(from, factor, session.bounds.value));
+          }}
+        >
+          <canvas
+            ref={page.screen.attach}
+            role="img"
+            aria-label="Rendered picture"
+            style={{
+              left: `${picture.x}px`,
+              top: `${picture.y}px`,
+              width: `${picture.width}px`,
+              height: `${picture.height}px`,
+            }}
+          />
+          {view !== null && page.showGate.value && <FilmGate view={view} at={picture} />}
+          {view !== null && page.showHandles.value && <Overlay view={view} at={picture} size={size} />}
+          {view !== null && <ToolView view={view} at={picture} size={size} />}
+          {view !== null && <ProbeView view={view} at={picture} size={size} />}
+          <Following />
+          <Staleness />
+          <Modes />
+          <DragRefusal />
+        </div>
+        <StatsPanel />
       </div>
     </main>
   );

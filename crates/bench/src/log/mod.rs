@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use protocol::{ClientMessage, Command, Scope, ServerMessage, Vec3};
 use serde::Serialize;
 
-use crate::session::{RADIUS, control_point, ms, position_of};
+use crate::circle::{RADIUS, control_point, ms, position_of};
 use crate::{BenchError, Client, Incoming, ServerProcess};
 
 /// Requests that a client has under way at once where it does not wait for each answer.

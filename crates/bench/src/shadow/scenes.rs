@@ -21,7 +21,7 @@ pub(crate) fn subjects(width: u32, height: u32) -> Vec<Subject> {
 }
 
 /// From above, so that the floor shows the whole shadow.
-fn view(width: u32, height: u32) -> View {
+pub(crate) fn view(width: u32, height: u32) -> View {
     let (eye, target) = (DVec3::new(0.6, 6.2, 5.2), DVec3::new(0.6, 0.4, 0.2));
     let back = (eye - target).normalize();
     let right = DVec3::Y.cross(back).normalize();
@@ -67,15 +67,15 @@ fn tapered() -> Light {
 }
 
 /// A mesh at a place.
-struct Part(Primitive, DAffine3);
+pub(crate) struct Part(pub Primitive, pub DAffine3);
 
-fn place(scale: [f64; 3], turn: f64, at: [f64; 3]) -> DAffine3 {
+pub(crate) fn place(scale: [f64; 3], turn: f64, at: [f64; 3]) -> DAffine3 {
     let (scale, at) = (DVec3::from_array(scale), DVec3::from_array(at));
     DAffine3::from_scale_rotation_translation(scale, DQuat::from_rotation_y(turn), at)
 }
 
 /// Two large triangles.
-fn floor() -> Part {
+pub(crate) fn floor() -> Part {
     let corners = [[-6.0, 6.0], [6.0, 6.0], [6.0, -6.0], [-6.0, -6.0]];
     let primitive = Primitive {
         positions: corners.map(|[x, z]| Vec3::new(x, 0.0, z)).to_vec(),
@@ -90,8 +90,8 @@ fn floor() -> Part {
 fn still_life() -> Vec<Part> {
     vec![
         floor(),
-        Part(ball(), place([0.45; 3], 0.0, [0.2, 0.45, 0.5])),
-        Part(ball(), place([0.3; 3], 0.0, [1.5, 0.9, -0.5])),
+        Part(ball(48), place([0.45; 3], 0.0, [0.2, 0.45, 0.5])),
+        Part(ball(48), place([0.3; 3], 0.0, [1.5, 0.9, -0.5])),
         Part(block(), place([0.25, 0.6, 0.25], 0.5, [0.9, 0.6, -0.9])),
         Part(block(), place([0.9, 0.04, 0.06], 0.3, [0.9, 1.3, 0.2])),
         Part(block(), place([0.05, 0.5, 0.05], 0.2, [1.9, 0.5, 0.6])),
@@ -119,7 +119,7 @@ fn leaves() -> Vec<Part> {
     std::iter::once(floor()).chain((0..1500).map(leaf)).collect()
 }
 
-fn scene_of(parts: Vec<Part>) -> Scene {
+pub(crate) fn scene_of(parts: Vec<Part>) -> Scene {
     let material = Material { base_color: Vec4::new(0.7, 0.7, 0.7, 1.0), ..Material::default() };
     let mut scene = Scene { materials: vec![material], ..Scene::default() };
     for (mesh, Part(primitive, parent_from_local)) in parts.into_iter().enumerate() {
@@ -144,23 +144,23 @@ fn block() -> Primitive {
     made
 }
 
-/// A ball of radius 1, of rings from pole to pole.
-fn ball() -> Primitive {
-    const RINGS: u32 = 48;
-    const SECTORS: u32 = 96;
+/// A ball of radius 1, of so many rings from pole to pole and twice as many sectors: four times the square of that in
+/// triangles.
+pub(crate) fn ball(rings: u32) -> Primitive {
+    let sectors = 2 * rings;
     let mut made = Primitive::default();
-    for ring in 0..=RINGS {
-        let (sin, cos) = (f64::from(ring) / f64::from(RINGS) * std::f64::consts::PI).sin_cos();
-        for sector in 0..=SECTORS {
-            let (z, x) = (f64::from(sector) / f64::from(SECTORS) * std::f64::consts::TAU).sin_cos();
+    for ring in 0..=rings {
+        let (sin, cos) = (f64::from(ring) / f64::from(rings) * std::f64::consts::PI).sin_cos();
+        for sector in 0..=sectors {
+            let (z, x) = (f64::from(sector) / f64::from(sectors) * std::f64::consts::TAU).sin_cos();
             made.positions.push(DVec3::new(sin * x, cos, -sin * z).as_vec3());
         }
     }
     made.normals.clone_from(&made.positions);
-    for ring in 0..RINGS {
-        for sector in 0..SECTORS {
-            let a = ring * (SECTORS + 1) + sector;
-            let b = a + SECTORS + 1;
+    for ring in 0..rings {
+        for sector in 0..sectors {
+            let a = ring * (sectors + 1) + sector;
+            let b = a + sectors + 1;
             made.indices.extend([a, b, a + 1, a + 1, b, b + 1]);
         }
     }

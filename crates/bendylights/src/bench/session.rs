@@ -17,6 +17,8 @@ Prints JSON: edit to decoded frame (p50, p95), and where the time of each frame'
   encode  JPEG
   send    all else: the update's and the frame's way through sockets and queues
   decode  by the client
+Then cases: the same drag in views of 686x382 and 1280x720, alone and while three others watch in views of their own:
+frames a second, edit to decoded frame, bytes.
 
 With --stills N another session asks for N pictures meanwhile; prints JSON: frame rate, usual and longest gap of a
 drag alone and beside them, how often the one was worked on that was so least often, and when all were there.
@@ -37,7 +39,7 @@ pub struct Args {
     /// Width and height of those in pixels
     #[arg(long, default_value = "2048x2048", value_name = "WxH", requires = "stills")]
     still_size: Size,
-    /// Chart to write: a bar a frame, its stages stacked
+    /// Chart to write: a bar a frame, its stages stacked; below it the cases
     #[arg(short, value_name = "OUT.svg")]
     output: Option<PathBuf>,
 }

@@ -7,6 +7,7 @@ use cli::{Output, Size, answer};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::error::Error;
+use crate::gpu;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -41,7 +42,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let bar = ProgressBar::new(0).with_style(style);
     let Size { width, height } = args.size;
     let options = shadow::Options { width, height, pictures: args.pictures.as_deref() };
-    let result = shadow::run(options, |progress| {
+    let result = shadow::run(&gpu::open()?, options, |progress| {
         bar.set_length(progress.of as u64);
         bar.set_position(progress.done as u64);
         bar.set_message(progress.scene.to_owned());

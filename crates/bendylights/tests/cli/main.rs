@@ -14,3 +14,4 @@ mod logs;
 mod precision;
 mod probes;
 mod program;
+mod trace;

@@ -79,6 +79,11 @@ impl LightFilter {
         self
     }
 
+    /// Factors of all that reaches the eye by the light, linear RGB: of what surfaces scatter, and of what they mirror.
+    pub fn weights(&self) -> [DVec3; 2] {
+        [self.tint * self.diffuse, self.tint * self.specular]
+    }
+
     /// Whether no picture can show the light.
     pub fn is_dark(&self) -> bool {
         self.tint == DVec3::ZERO || (self.diffuse, self.specular) == (0.0, 0.0)

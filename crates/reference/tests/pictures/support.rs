@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use light::parameters::{INTENSITY, RANGE};
 use light::{Light, LightInstance, Transform};
 use reference::{Picture, Reference};
-use scene::{Aov, Camera, Material, Mesh, Node, Primitive, Projection, Scene, View, ViewSlot};
+use scene::{Aov, Camera, Material, Mesh, Node, Primitive, Projection, Scene, View};
 
 /// A square from -1 to 1 in the plane y = 0 that faces up.
 pub fn square() -> Primitive {
@@ -66,17 +66,7 @@ pub fn view(eye: DVec3, target: DVec3, aov: Aov) -> View {
         rotation: looking(eye, target),
         projection: Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.05, zfar: None },
     };
-    View {
-        camera,
-        width: 48,
-        height: 32,
-        samples: 1,
-        aov,
-        light: 0,
-        fill: 1.0,
-        exposure: 0.0,
-        slot: ViewSlot::default(),
-    }
+    View { aov, ..View::beauty(camera, [48, 32]) }
 }
 
 pub fn spot(source: DVec3, target: DVec3) -> Light {

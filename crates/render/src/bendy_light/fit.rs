@@ -8,7 +8,8 @@ use glam::{DMat3, DVec3};
 use light::{Curve, Frame, Slab, Tube, quadratic_range};
 
 use super::faces::{Faces, MOST_FACES};
-use crate::clusters::{Cluster, Clusters, Side};
+use crate::clusters::{Cluster, Clusters, OpenSides, Side};
+use crate::shadow_settings::Culling;
 
 /// Pieces that a slab of at most 15 degrees is cut into.
 const PIECES: u32 = 4;
@@ -32,6 +33,8 @@ pub(super) struct Fit {
     pub bounds: [Option<[Range; 2]>; MOST_FACES],
     /// Along the light; `None` where nothing is in it.
     pub t: Option<Range>,
+    /// Which sides of the casters' bounds may cast shadows.
+    pub open_sides: OpenSides,
 }
 
 /// What of a face is drawn.
@@ -43,19 +46,20 @@ pub(super) struct Drawn {
 }
 
 impl Fit {
-    /// Fits a map to `clusters`, boxes in scene space grown by `mesh_error` in the world; an extended tube ends at
-    /// `t_max`.
+    /// Fits a map to `clusters`, boxes in scene space; an extended tube ends at `t_max`.
     pub fn new(
         (tube, faces, t_max): (&Tube<f64>, Faces, f64),
         scene_origin: DVec3,
-        (clusters, mesh_error): (&Clusters, f64),
+        clusters: &Clusters,
+        culling: Culling,
     ) -> Self {
         let pieces = pieces(tube, t_max, scene_origin);
-        let comes_in = |side: &Side| comes_in(&pieces, tube, side, scene_origin);
-        let mut fit = Self { faces, bounds: [None; MOST_FACES], t: None };
-        let trees: Vec<_> = clusters.casting(mesh_error, comes_in).collect();
+        let comes_in = |side: &Side| !culling.sides || comes_in(&pieces, tube, side, scene_origin);
+        let open_sides = clusters.open_sides(comes_in);
+        let mut fit = Self { faces, bounds: [None; MOST_FACES], t: None, open_sides };
+        let trees: Vec<_> = clusters.casting(open_sides).collect();
         for (piece, tree) in pieces.iter().flat_map(|piece| trees.iter().map(move |tree| (piece, tree))) {
-            tree.walk(mesh_error, |cluster, has_more| {
+            tree.walk(|cluster, has_more| {
                 let Some(here) = piece.bounds_of(cluster) else { return false };
                 let here = Self::of(faces, &here);
                 if !has_more {
@@ -67,14 +71,16 @@ impl Fit {
         fit
     }
 
-    /// All of a light up to `t_max`.
-    pub fn whole(faces: Faces, t_max: f64) -> Self {
-        Self { faces, bounds: [None; MOST_FACES], t: Some([0.0, t_max]) }
+    /// All of a light up to `t_max`, and all that it meets.
+    pub fn whole(faces: Faces, clusters: &Clusters, t_max: f64) -> Self {
+        let open_sides = clusters.open_sides(|_| true);
+        Self { faces, bounds: [None; MOST_FACES], t: Some([0.0, t_max]), open_sides }
     }
 
     fn of(faces: Faces, place: &PlaceRange) -> Self {
         let depth = place.radius.map(|r| r / faces.slope());
-        let mut fit = Self { faces, bounds: [None; MOST_FACES], t: Some(place.t) };
+        let open_sides = OpenSides::default();
+        let mut fit = Self { faces, bounds: [None; MOST_FACES], t: Some(place.t), open_sides };
         for (face, bounds) in fit.bounds.iter_mut().enumerate().take(faces.count()) {
             let opposite = |[low, high]: Range| [-high, -low];
             let [x, y, ahead] = match face {
@@ -315,7 +321,14 @@ impl Piece {
         }
         let turning = (self.in_plane[1].1.abs() + a.abs() * sin) / slowest;
         let speed = 2.0 * slowest - self.radius([0.0, 1.0])[1] * turning;
-        let spread = [0.0, 1.0].map(|u| self.curve.radius_derivative(u).abs());
+        // Where the curve itself lies inside, what reaches the side lies from it towards the side, and goes on outwards as the
+        // tube widens.
+        let Curve { b0, d0, b2, .. } = self.curve;
+        let curve_is_inside = [b0, b0 + d0, b2].iter().all(|&point| side.height(in_scene(point)) < 0.0);
+        let inwards = |radius_derivative: f64| {
+            if curve_is_inside { (-radius_derivative).max(0.0) } else { radius_derivative.abs() }
+        };
+        let spread = [0.0, 1.0].map(|u| inwards(self.curve.radius_derivative(u)));
         speed * angle.cos() > spread[0].max(spread[1]) * angle.sin()
     }
 

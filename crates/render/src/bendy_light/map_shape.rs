@@ -1,21 +1,30 @@
 //! A fitted bent map in the numbers that its passes want.
 
 use glam::{DMat3, DVec3};
+use light::Tube;
 
 use super::faces::MOST_FACES;
 use super::fit::{Drawn, Fit};
 use super::gpu_structs::{BentShadow, Mat3};
+use crate::clusters::OpenSides;
 
 /// What a map shows of a light: its faces fitted to the scene, each of so many texels a side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MapShape {
     fit: Fit,
     side: u32,
+    mesh_error: f64,
 }
 
 impl MapShape {
-    pub(super) fn new(fit: Fit, side: u32) -> Self {
-        Self { fit, side }
+    /// A map of what strays from the surface by at most `mesh_error`, in world units.
+    pub(super) fn new(fit: Fit, side: u32, mesh_error: f64) -> Self {
+        Self { fit, side, mesh_error }
+    }
+
+    /// How far what it shows may stray from the surface, in world units.
+    pub fn mesh_error(&self) -> f64 {
+        self.mesh_error
     }
 
     /// Texels along each side of a face.
@@ -95,6 +104,11 @@ impl MapShape {
         self.fit.bounds[face].is_some()
     }
 
+    /// Which sides of the casters' bounds may cast shadows.
+    pub fn open_sides(&self) -> OpenSides {
+        self.fit.open_sides
+    }
+
     /// How a face is drawn.
     pub(super) fn shadow(&self, face: usize) -> BentShadow {
         let Drawn { center, half } = self.drawn(face);
@@ -109,6 +123,14 @@ impl MapShape {
             depth_per_t: (self.t_span() * most).recip() as f32,
             pad0: 0.0,
         }
+    }
+
+    /// How wide texels are in the world at the end of what casts shadows.
+    pub fn last_texel(&self, tube: &Tube<f64>) -> f64 {
+        let t = self.t_last().max(0.0);
+        let segment = (t as usize).min(tube.segments.len() - 1);
+        let radius = tube.segments[segment].curve.radius(t - segment as f64);
+        radius.abs() * tube.placement.world_per_tube / self.texels_per_vw()
     }
 
     /// Texels per unit of v and w where they are finest.

@@ -9,10 +9,8 @@ use super::gpu_structs::{BentMap, Slab};
 use super::shadow::bent_map;
 use super::slab::{SLABS_A_TURN, slabs};
 use super::t_max;
+use crate::clusters::VERTICES_A_BLOCK;
 use crate::{Gpu, RenderError, readback, shaders};
-
-/// Threads of a workgroup, as in the shader.
-const WORKGROUP: usize = 64;
 
 /// The (V, W, R, t) that vertices of a scene are drawn by into a light's shadow map, lengths in tube space, found in
 /// f32 by the map's own shader. `None` for a point in no slab, or in those of distant parts of the tube.
@@ -35,7 +33,9 @@ pub fn map_points(
     gpu.checked(|| {
         let mut mapped = vec![None; positions.len()];
         for turn in slabs.chunks(SLABS_A_TURN) {
-            let map = BentMap { vertex_count: positions.len() as u32, ..bent_map(tube, origin, turn) };
+            let vertex_count = positions.len() as u32;
+            let block_count = vertex_count.div_ceil(VERTICES_A_BLOCK as u32);
+            let map = BentMap { vertex_count, block_count, ..bent_map(tube, origin, turn) };
             let mut table: Vec<Slab> = turn.iter().map(|slab| slab.0).collect();
             table.resize(SLABS_A_TURN, Slab::default());
             for (known, found) in mapped.iter_mut().zip(dispatch(gpu, &map, &table, &positions)?) {
@@ -70,15 +70,18 @@ fn dispatch(
     let mapped = init("mapped vertices", &vec![0; 16 * positions.len()], results);
     let vertex_slab = init("slab of each vertex", &vec![0xff; 4 * positions.len()], results);
     let positions = init("positions", bytemuck::cast_slice(positions), BufferUsages::STORAGE);
+    let blocks: Vec<u32> = (0..map.block_count).collect();
+    let blocks = init("blocks of vertices", bytemuck::cast_slice(&blocks), BufferUsages::STORAGE);
 
-    let buffers = [&uniform, &slabs, &positions, &mapped, &vertex_slab].map(wgpu::Buffer::as_entire_binding);
+    let buffers = [&uniform, &slabs, &positions, &mapped, &vertex_slab, &blocks];
+    let buffers = buffers.map(wgpu::Buffer::as_entire_binding);
     let group = gpu.group("map_vertices", &pipeline.get_bind_group_layout(0), &buffers);
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups((map.vertex_count as usize).div_ceil(WORKGROUP) as u32, 1, 1);
+        pass.dispatch_workgroups(map.block_count, 1, 1);
     }
     gpu.queue.submit([encoder.finish()]);
     let mapped = readback::buffer::<[f32; 4]>(gpu, &mapped)?;

@@ -8,6 +8,7 @@ mod locate;
 mod map_shape;
 mod mapped;
 mod masked;
+mod near_slabs;
 mod pass;
 mod shadow;
 mod shadow_buffers;
@@ -31,7 +32,7 @@ pub(crate) use faces::map_size;
 pub use increasing_roots::increasing_roots;
 pub use locate::locate;
 pub use mapped::map_points;
-pub(crate) use pass::{BendyPass, BendySlot};
+pub(crate) use pass::{BendyPass, BendySlot, corners_in_world};
 pub(crate) use shadow_buffers::BentWork;
 
 /// Length of the array of segments in `tube.wgsl`: all that a light may have, and the extension.
@@ -247,7 +248,7 @@ pub(crate) fn uniform_with_map(
         shadow_resolution: map.side() as f32,
         shadow_tolerance_texels: shadows.bent_tolerance_texels(),
         // Farther than the scene reaches is as good as any farther.
-        mesh_error: (shadows.mesh_error / part.tube.placement.world_per_tube).min(MAX_EXTENT) as f32,
+        mesh_error: (map.mesh_error() / part.tube.placement.world_per_tube).min(MAX_EXTENT) as f32,
         fits: map.fits(),
         ..uniform(part, scene_origin)
     }

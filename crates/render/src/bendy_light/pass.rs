@@ -4,6 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 use light::{CheckedLight, Digest, Light, Tube};
+use scene::PosedScene;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, Sampler, TextureView};
 
@@ -14,6 +15,8 @@ use super::shadow::{BentShadowPass, MapRequest, Onto};
 use super::shadow_buffers::BentWork;
 use super::wireframe::{Drawing, WireframePass};
 use super::{Baked, hull_in_world, segments, t_max, uniform, uniform_with_map};
+use crate::casters::Casting;
+use crate::coarse_casters::Coarse;
 use crate::gpu_scene::GpuScene;
 use crate::lighting::{LightingPass, Variants};
 use crate::linked::{Linked, casting};
@@ -54,8 +57,12 @@ pub(crate) struct GpuBendy {
     pub baked: Baked,
     /// Group 2 of that pass.
     pub group: BindGroup,
-    /// The convex hull of these world positions holds all that is lit.
-    pub corners_in_world: Vec<DVec3>,
+}
+
+/// The convex hull of these world positions holds all that a light lights of a scene.
+pub(crate) fn corners_in_world(tube: &Tube<f64>, posed: &PosedScene) -> Vec<DVec3> {
+    let part = tube.part_near(posed.origin_in_world, posed.half_extent);
+    hull_in_world(&part.tube, t_max(&part.tube, posed.origin_in_world, posed.half_extent))
 }
 
 impl BendySlot {
@@ -75,10 +82,14 @@ impl BendySlot {
     }
 }
 
-/// A map of a light over `scene`; where that is extended, up to `t_max`.
-fn map_shape(light: (&Tube<f64>, Faces, f64), scene: &GpuScene, shadows: &ShadowSettings) -> MapShape {
-    let fit = Fit::new(light, scene.posed.origin_in_world, (&scene.clusters, shadows.mesh_error));
-    MapShape::new(fit, shadows.map_size(light.1.count()).side)
+/// A map of a light over `scene` for what casts shadows there; where the light is extended, up to `t_max`.
+fn map_shape(
+    light: (&Tube<f64>, Faces, f64),
+    (scene, casting): (&GpuScene, &Casting),
+    shadows: &ShadowSettings,
+) -> MapShape {
+    let fit = Fit::new(light, scene.posed.origin_in_world, &casting.casters.clusters, shadows.culling);
+    MapShape::new(fit, shadows.map_size(light.1.count()).side, shadows.mesh_error)
 }
 
 impl BendyPass {
@@ -110,7 +121,7 @@ impl BendyPass {
     }
 
     /// Brings `slot` up to date with `light` over `scene`. Returns the light in place and whether its map was
-    /// drawn, by those that `linked` leaves.
+    /// drawn: of those that `linked` leaves, or of the `coarse` ones where those serve.
     pub fn prepare(
         &self,
         gpu: &Gpu,
@@ -118,10 +129,11 @@ impl BendyPass {
         slot: &mut BendySlot,
         (key, light, tube): (MapKey, &CheckedLight, &Tube<f64>),
         (scene, linked, shadows): (&GpuScene, Option<&Linked>, &ShadowSettings),
+        coarse: Option<&Coarse>,
     ) -> Result<(GpuBendy, bool), RenderError> {
-        let radiance = light.revisions().radiance;
+        let revision_of_picture = light.revisions().picture;
         if let Some((revision, same, placed)) = &slot.placed
-            && (*revision, *same) == (scene.revision, radiance)
+            && (*revision, *same) == (scene.revision, revision_of_picture)
         {
             return Ok((placed.clone(), false));
         }
@@ -132,9 +144,17 @@ impl BendyPass {
         let kept = slot.map.take().filter(|(kept, _)| *kept == key);
         let stale = kept.is_none() && tube.light_filter.shadow_enable;
         let map = if stale {
-            let map = map_shape((tube, Faces::of(light.light()), t_max), scene, shadows);
+            let of = (tube, Faces::of(light.light()), t_max);
+            let mut casting = casting(gpu, scene, linked, shadows.mesh_error)?;
+            let mut map = map_shape(of, (scene, &casting), shadows);
+            if let Some(Coarse { casters, mesh_error, .. }) =
+                coarse.filter(|coarse| coarse.serve(map.last_texel(tube)))
+            {
+                casting.casters = casters;
+                let shadows = ShadowSettings { mesh_error: *mesh_error, ..*shadows };
+                map = map_shape(of, (scene, &casting), &shadows);
+            }
             let onto = Onto::Map(&slot.target);
-            let casting = casting(gpu, scene, linked, shadows.mesh_error)?;
             self.shadow.render(gpu, work, &MapRequest { scene, casting, tube, map: &map, onto, shadows })?;
             Some(map)
         } else {
@@ -158,10 +178,9 @@ impl BendyPass {
             BindingResource::Sampler(&self.sampler),
         ];
         let group = gpu.group("bendy", &self.group_layouts[2], &resources);
-        let corners_in_world = hull_in_world(tube, t_max);
         let is_cube = map.as_ref().is_some_and(MapShape::is_cube);
-        let placed = GpuBendy { baked: Baked::of(tube, is_cube, shadows.filter), group, corners_in_world };
-        slot.placed = Some((scene.revision, radiance, placed.clone()));
+        let placed = GpuBendy { baked: Baked::of(tube, is_cube, shadows.filter), group };
+        slot.placed = Some((scene.revision, revision_of_picture, placed.clone()));
         Ok((placed, stale))
     }
 
@@ -179,13 +198,14 @@ impl BendyPass {
         let t_max = t_max(tube, scene.posed.origin_in_world, scene.posed.half_extent);
         // All that the light meets, what need not be in its map too.
         let faces = Faces::of(light);
-        let map = &MapShape::new(Fit::whole(faces, t_max), shadows.map_size(faces.count()).side);
+        let casting = casting(gpu, scene, linked, shadows.mesh_error)?;
+        let fit = Fit::whole(faces, &casting.casters.clusters, t_max);
+        let map = &MapShape::new(fit, shadows.map_size(faces.count()).side, shadows.mesh_error);
         let depth = gpu.target("wireframe", size[0], size[1], DEPTH_FORMAT);
         let depth = &depth.create_view(&wgpu::TextureViewDescriptor::default());
         let pass = self.wireframe.get_or_init(|| WireframePass::new(gpu));
         let t_of_light = [part.t_start, part.t_span];
         let onto = Onto::Wireframe(Drawing { pass, color, depth, size, t_of_light });
-        let casting = casting(gpu, scene, linked, shadows.mesh_error)?;
         self.shadow.render(gpu, work, &MapRequest { scene, casting, tube, map, onto, shadows })
     }
 }

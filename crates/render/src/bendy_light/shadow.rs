@@ -4,18 +4,19 @@
 //! Every triangle is looked at once. Most lie in one slab and are straight in the map: they are drawn from
 //! the vertices that were mapped once. The others are clipped to slabs and split until their edges are
 //! straight. Buffers for those start small and grow when a scene needs more: the counts are read back after
-//! each map, and a map that did not fit is made again.
+//! each map, or with the picture that it is for, and a map that did not fit is made again.
 
 use std::sync::OnceLock;
 
 use glam::DVec3;
 use light::{Frame, Tube};
-use wgpu::{BindGroup, Buffer, CommandEncoder, ComputePipeline, RenderPipeline};
+use wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder, ComputePipeline, RenderPipeline};
 
 use super::gpu_structs::{BentCounts, BentMap, LEVELS, Slab};
 use super::map_shape::MapShape;
 use super::masked::MaskedDraw;
-use super::shadow_buffers::{BentWork, Buffers, Room, VERTEX_BYTES};
+use super::near_slabs::NearSlabs;
+use super::shadow_buffers::{BentWork, Buffers, LEAVES_A_WINDOW, Made, Room, VERTEX_BYTES};
 use super::slab::{self, SLABS_A_TURN};
 use super::tube_from_scene;
 use super::wireframe::Drawing;
@@ -23,10 +24,10 @@ use crate::casters::{Casters, Casting};
 use crate::gpu_scene::GpuScene;
 use crate::memory::{Evictable, MemoryKind};
 use crate::pipeline::{DEPTH_FORMAT, MapTarget};
+use crate::shadow_settings::Culling;
+use crate::stages::Stage;
 use crate::{Gpu, RenderError, ShadowSettings, readback, shaders};
 
-/// Threads of a workgroup, as in the shaders.
-const WORKGROUP: u32 = 64;
 /// Most workgroups in one dimension that every device can run.
 const MAX_GROUPS: u32 = 65_535;
 
@@ -106,8 +107,8 @@ impl BentShadowPass {
         }
     }
 
-    /// Maps and draws what lies in some of the slabs, into an emptied map if it is the first. False where it
-    /// did not fit; there is more room then.
+    /// Maps and draws what lies in some of the slabs, into an emptied map if it is the first. False where it is known that
+    /// it did not fit; there is more room then.
     fn render_turn(
         &self,
         gpu: &Gpu,
@@ -116,19 +117,28 @@ impl BentShadowPass {
         slabs: &[(Slab, [DVec3; 8])],
         first: bool,
     ) -> Result<bool, RenderError> {
-        let map = turn(work.room, request, slabs);
+        let casters = request.casting.casters;
+        let light = (request.tube, request.scene.posed.origin_in_world);
+        // A drawing of a map's triangles shows those that others hide, too.
+        let culling = match request.onto {
+            Onto::Map(_) => request.shadows.culling,
+            Onto::Wireframe(_) => Culling { backs: false, ..request.shadows.culling },
+        };
+        let near = NearSlabs::new(casters, light, (request.map, slabs), culling);
+        let map = turn(work.room, request, (slabs, &near));
         let kept = work.buffers.take();
-        let fitting = kept.as_ref().and_then(Evictable::take).filter(|buffers| buffers.fits(&map));
+        let fitting =
+            kept.as_ref().and_then(Evictable::take).filter(|buffers| buffers.fit(casters, work.room));
         let (kept, buffers) = match (kept, fitting) {
             (Some(kept), Some(buffers)) => (Some(kept), buffers),
-            _ => (None, Buffers::new(gpu, &map)),
+            _ => (None, Buffers::new(gpu, casters, work.room)),
         };
         let mut table: Vec<Slab> = slabs.iter().map(|slab| slab.0).collect();
         table.resize(SLABS_A_TURN, Slab::default());
-        buffers.write(gpu, &table, &map, request.map);
+        buffers.write(gpu, &table, (&map, &near), request.map);
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if !slabs.is_empty() {
-            self.map(gpu, &mut encoder, request.casting.casters, &buffers, &map);
+            self.map(gpu, &mut encoder, (casters, &near), &buffers)?;
         }
         match &request.onto {
             Onto::Map(target) => {
@@ -137,19 +147,18 @@ impl BentShadowPass {
             }
             Onto::Wireframe(drawing) => drawing.draw(gpu, &mut encoder, &buffers, request.map, first),
         }
+        gpu.end_stage(&mut encoder, Stage::Draw)?;
+        let counts = readback::copied(gpu, &mut encoder, &buffers.counts);
         gpu.queue.submit([encoder.finish()]);
-        let counts = readback::buffer::<BentCounts>(gpu, &buffers.counts)?[0];
+        let texels = request.map.face_count() as u64 * u64::from(request.map.side()).pow(2);
+        let made = Made { counts, triangles: near.triangles, texels: if first { texels } else { 0 } };
         work.buffers = Some(if let Some(kept) = kept {
             kept.put(buffers);
             kept
         } else {
             gpu.memory.keep(MemoryKind::ShadowWork, buffers.bytes(), buffers)
         });
-        let needed = work.room.grown_for(&counts);
-        needed.check(gpu)?;
-        let fitted = needed == work.room;
-        work.room = needed;
-        Ok(fitted)
+        work.made(gpu, made)
     }
 
     /// The compute passes: vertices, triangles, clipping, and splitting level by level.
@@ -157,47 +166,55 @@ impl BentShadowPass {
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        casters: &Casters,
+        (casters, near): (&Casters, &NearSlabs),
         buffers: &Buffers,
-        map: &BentMap,
-    ) {
+    ) -> Result<(), RenderError> {
         let b = buffers;
+        let common = entire(&[&b.uniform, &b.slabs]);
         let group =
-            |pipeline: &ComputePipeline, rest: &[&Buffer]| bind(gpu, pipeline, &[&b.uniform, &b.slabs], rest);
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        let mut run = |pipeline: &ComputePipeline, group: &BindGroup, threads: Option<u32>| {
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, group, &[]);
-            match threads {
-                Some(threads) => {
-                    let groups = threads.div_ceil(WORKGROUP);
-                    let x = groups.clamp(1, MAX_GROUPS);
-                    pass.dispatch_workgroups(x, groups.div_ceil(x), 1);
-                }
-                None => pass.dispatch_workgroups_indirect(&b.workgroups, 0),
-            }
-        };
-        let vertices = group(&self.vertices, &[&casters.positions, &b.mapped, &b.vertex_slab]);
-        run(&self.vertices, &vertices, Some(map.vertex_count));
+            |pipeline: &ComputePipeline, rest: &[&Buffer]| bind(gpu, pipeline, &common, &entire(rest));
+        let vertices = group(&self.vertices, &[&casters.positions, &b.mapped, &b.vertex_slab, &b.blocks]);
         let mapped = [&casters.positions, &b.mapped, &b.vertex_slab, &casters.indices];
-        let triangles = group(
-            &self.triangles,
-            &[&mapped[..], &[&b.whole_indices, &b.work, &b.counts, &b.patches[1]]].concat(),
-        );
-        run(&self.triangles, &triangles, Some(map.triangle_count));
-
-        let next = bind(gpu, &self.next, &[&b.uniform], &[&b.counts, &b.workgroups]);
-        run(&self.next, &next, Some(1));
+        let lists = [&b.whole_indices, &b.work, &b.counts, &b.patches[1]];
+        let triangles = |window: &[[u32; 2]], number: usize| {
+            let mut rest = entire(&[&mapped[..], &lists[..]].concat());
+            rest.push(b.leaves_from(number));
+            (bind(gpu, &self.triangles, &common, &rest), window.len())
+        };
+        let windows =
+            near.leaves.chunks(LEAVES_A_WINDOW).zip(0..).map(|(window, number)| triangles(window, number));
+        let triangles: Vec<_> = windows.collect();
+        let next = bind(gpu, &self.next, &common[..1], &entire(&[&b.counts, &b.workgroups]));
         let clip = [&casters.positions, &casters.indices, &b.work, &b.counts, &b.patches[1]];
-        run(&self.clip, &group(&self.clip, &clip), None);
+        let clip = group(&self.clip, &clip);
         let [even, odd] = [(0, 1), (1, 0)].map(|(from, to)| {
             let lists = [&b.split_vertices, &b.masked_vertices, &b.masked_places];
             group(&self.split, &[&[&b.patches[from], &b.patches[to], &b.counts], &lists[..]].concat())
         });
+        let step = |stage, pipeline, group, workgroups| Step { stage, pipeline, group, workgroups };
+        let next = |stage| step(stage, &self.next, &next, Some(1));
+        let mut steps = vec![step(Stage::Vertices, &self.vertices, &vertices, Some(near.blocks.len()))];
+        steps.extend(
+            triangles
+                .iter()
+                .map(|(group, count)| step(Stage::Triangles, &self.triangles, group, Some(*count))),
+        );
+        steps.extend([next(Stage::Clip), step(Stage::Clip, &self.clip, &clip, None)]);
         for level in 1..LEVELS {
-            run(&self.next, &next, Some(1));
-            run(&self.split, if level % 2 == 0 { &even } else { &odd }, None);
+            let group = if level % 2 == 0 { &even } else { &odd };
+            steps.extend([next(Stage::Split), step(Stage::Split, &self.split, group, None)]);
         }
+        // One pass for all, but where stages are taken down.
+        let apart = gpu.stages.is_on();
+        for steps in steps.chunk_by(|one, other| !apart || one.stage == other.stage) {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            for step in steps {
+                step.run(&mut pass, &b.workgroups);
+            }
+            drop(pass);
+            gpu.end_stage(encoder, steps[0].stage)?;
+        }
+        Ok(())
     }
 
     /// Draws what was mapped onto each face.
@@ -245,8 +262,32 @@ impl BentShadowPass {
     }
 }
 
+/// A dispatch of the compute passes.
+struct Step<'a> {
+    stage: Stage,
+    pipeline: &'a ComputePipeline,
+    group: &'a BindGroup,
+    /// How many; `None` where the passes before have counted them.
+    workgroups: Option<usize>,
+}
+
+impl Step<'_> {
+    fn run(&self, pass: &mut wgpu::ComputePass, counted_workgroups: &Buffer) {
+        pass.set_pipeline(self.pipeline);
+        pass.set_bind_group(0, self.group, &[]);
+        match self.workgroups {
+            Some(groups) => {
+                let groups = groups as u32;
+                let x = groups.clamp(1, MAX_GROUPS);
+                pass.dispatch_workgroups(x, groups.div_ceil(x), 1);
+            }
+            None => pass.dispatch_workgroups_indirect(counted_workgroups, 0),
+        }
+    }
+}
+
 /// The uniform of a turn.
-fn turn(room: Room, request: &MapRequest, slabs: &[(Slab, [DVec3; 8])]) -> BentMap {
+fn turn(room: Room, request: &MapRequest, (slabs, near): (&[(Slab, [DVec3; 8])], &NearSlabs)) -> BentMap {
     let &MapRequest { scene, casting: Casting { casters, .. }, tube, map, shadows, .. } = request;
     BentMap {
         face_count: map.face_count() as u32,
@@ -254,7 +295,7 @@ fn turn(room: Room, request: &MapRequest, slabs: &[(Slab, [DVec3; 8])]) -> BentM
         cube_slope: if map.is_cube() { map.slope() as f32 } else { 0.0 },
         faces: map.clips_from_mapped(),
         vertex_count: casters.vertex_count,
-        triangle_count: casters.triangle_count,
+        block_count: near.blocks.len() as u32,
         work_capacity: room.work,
         patch_capacity: room.patches,
         split_capacity: room.split_vertices,
@@ -279,12 +320,21 @@ pub(super) fn bent_map(tube: &Tube<f64>, scene_origin: DVec3, slabs: &[(Slab, [D
     }
 }
 
+fn entire<'a>(buffers: &[&'a Buffer]) -> Vec<BindingResource<'a>> {
+    buffers.iter().map(|buffer| buffer.as_entire_binding()).collect()
+}
+
 /// Group 0 of a compute pass: what all share from binding 0, what it works on from binding 2.
-fn bind(gpu: &Gpu, pipeline: &ComputePipeline, common: &[&Buffer], rest: &[&Buffer]) -> BindGroup {
+fn bind(
+    gpu: &Gpu,
+    pipeline: &ComputePipeline,
+    common: &[BindingResource],
+    rest: &[BindingResource],
+) -> BindGroup {
     let entries: Vec<_> = (0..)
         .zip(common)
         .chain((2..).zip(rest))
-        .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
         .collect();
     gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("bent map"),

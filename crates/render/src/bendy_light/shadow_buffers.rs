@@ -1,19 +1,36 @@
 //! What bent shadow maps are made in: buffers that start small and grow when a scene needs more.
 
-use wgpu::{Buffer, BufferUsages};
+use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages};
 
 use super::faces::MOST_FACES;
 use super::gpu_structs::{BentCounts, BentMap, BentShadow, Patch, Slab};
 use super::map_shape::MapShape;
+use super::near_slabs::NearSlabs;
 use super::slab::SLABS_A_TURN;
+use crate::casters::Casters;
+use crate::clusters::VERTICES_A_BLOCK;
 use crate::memory::Evictable;
-use crate::{Gpu, RenderError};
+use crate::stages::{Counters, Stage};
+use crate::{Gpu, RenderError, readback};
 
 /// What the maps of one scene are made in, one after another.
 #[derive(Debug)]
 pub(crate) struct BentWork {
     pub room: Room,
     pub(super) buffers: Option<Evictable<Buffers>>,
+    /// What nobody has looked at yet whether it fitted, where that is put off.
+    put_off: Option<Vec<Made>>,
+}
+
+/// What a turn has made of a map.
+#[derive(Debug)]
+pub(super) struct Made {
+    /// A copy of its [`BentCounts`].
+    pub counts: Buffer,
+    /// How many it looked at.
+    pub triangles: u32,
+    /// Of a map that it began.
+    pub texels: u64,
 }
 
 /// How many items fit.
@@ -29,17 +46,28 @@ pub(crate) struct Room {
     pub masked_vertices: u32,
 }
 
+/// For what they are made.
+#[derive(Clone, Copy, Debug)]
+struct Size {
+    vertices: u32,
+    triangles: u32,
+    leaves: u32,
+    room: Room,
+}
+
 /// The buffers of one map, kept for the next.
 #[derive(Debug)]
 pub(super) struct Buffers {
-    /// For how many vertices, triangles, and what room.
-    size: (u32, u32, Room),
+    size: Size,
     pub slabs: Buffer,
     pub uniform: Buffer,
     /// One a face of any map.
     pub faces: [Buffer; MOST_FACES],
     pub mapped: Buffer,
     pub vertex_slab: Buffer,
+    /// What is near the slabs: see [`NearSlabs`].
+    pub blocks: Buffer,
+    pub leaves: Buffer,
     pub whole_indices: Buffer,
     pub work: Buffer,
     pub patches: [Buffer; 2],
@@ -54,7 +82,53 @@ pub(super) struct Buffers {
 impl BentWork {
     pub fn new() -> Self {
         let room = Room { work: 1 << 16, patches: 1 << 16, split_vertices: 3 << 16, masked_vertices: 0 };
-        Self { room, buffers: None }
+        Self { room, buffers: None, put_off: None }
+    }
+
+    /// Whether maps fit is not asked from now on until [`Self::fitted`] is: so nothing waits for the device before the
+    /// picture is submitted.
+    pub fn put_off(&mut self) {
+        self.put_off = Some(Vec::new());
+    }
+
+    /// Whether all maps since [`Self::put_off`] have fitted; where one has not there is more room now. Waits for them.
+    pub fn fitted(&mut self, gpu: &Gpu) -> Result<bool, RenderError> {
+        let mut fitted = true;
+        for made in self.put_off.take().into_iter().flatten() {
+            fitted &= self.made(gpu, made)?;
+        }
+        Ok(fitted)
+    }
+
+    /// Asks again whether maps fit, of those to come.
+    pub fn forget(&mut self) {
+        self.put_off = None;
+    }
+
+    /// Notes what has been made. False where it is known that it did not fit; there is more room then.
+    pub(super) fn made(&mut self, gpu: &Gpu, made: Made) -> Result<bool, RenderError> {
+        if let Some(put_off) = &mut self.put_off {
+            put_off.push(made);
+            return Ok(true);
+        }
+        let counts = readback::of_copy::<BentCounts>(gpu, &made.counts)?[0];
+        gpu.stages.ended(Stage::Counts);
+        gpu.stages.count(|counters| made.count(counters, &counts));
+        let needed = self.room.grown_for(&counts);
+        needed.check(gpu)?;
+        let fitted = needed == self.room;
+        self.room = needed;
+        Ok(fitted)
+    }
+}
+
+impl Made {
+    fn count(&self, counters: &mut Counters, counts: &BentCounts) {
+        let corners = [counts.whole_index_count, counts.split_vertex_count, counts.masked_vertex_count];
+        counters.triangles_seen += u64::from(self.triangles);
+        counters.triangles_split += u64::from(counts.items[0]);
+        counters.triangles_drawn += corners.map(|corners| u64::from(corners / 3)).iter().sum::<u64>();
+        counters.texels += self.texels;
     }
 }
 
@@ -89,15 +163,18 @@ impl Room {
     }
 }
 
-/// Bytes of a (triangle, slab) pair.
-const WORK_BYTES: u64 = 8;
+/// Leaves that a uniform holds: `map_triangles` runs once for each so many.
+pub(super) const LEAVES_A_WINDOW: usize = 8192;
+const WINDOW_BYTES: u64 = 8 * LEAVES_A_WINDOW as u64;
+/// Bytes of a triangle in a slab: `ToClip` of `bent_map.wgsl`.
+const WORK_BYTES: u64 = 12;
 /// Bytes of a patch.
 const PATCH_BYTES: u64 = size_of::<Patch>() as u64;
 /// Bytes of a mapped vertex, and of its place in a triangle.
 pub(super) const VERTEX_BYTES: u64 = 16;
 
 impl Buffers {
-    pub fn new(gpu: &Gpu, map: &BentMap) -> Self {
+    pub fn new(gpu: &Gpu, casters: &Casters, room: Room) -> Self {
         let buffer = |label, size: u64, usage| {
             let size = size.max(16);
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -111,19 +188,30 @@ impl Buffers {
         let none = BufferUsages::empty();
         let uniform = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let counted = BufferUsages::INDIRECT | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let (vertices, triangles) = (u64::from(map.vertex_count), u64::from(map.triangle_count));
-        let patches = || storage("patches", u64::from(map.patch_capacity) * PATCH_BYTES, none);
-        let masked_bytes = u64::from(map.masked_capacity) * VERTEX_BYTES;
-        let split_bytes = u64::from(map.split_capacity) * VERTEX_BYTES;
+        let size = Self::size_for(casters, room);
+        let [vertices, triangles, leaves] = [size.vertices, size.triangles, size.leaves].map(u64::from);
+        let patches = || storage("patches", u64::from(room.patches) * PATCH_BYTES, none);
+        let masked_bytes = u64::from(room.masked_vertices) * VERTEX_BYTES;
+        let split_bytes = u64::from(room.split_vertices) * VERTEX_BYTES;
         Self {
-            size: Self::size_for(map),
+            size,
             slabs: buffer("slabs", (size_of::<Slab>() * SLABS_A_TURN) as u64, uniform),
             uniform: buffer("bent map", size_of::<BentMap>() as u64, uniform),
             faces: std::array::from_fn(|_| buffer("bent shadow", size_of::<BentShadow>() as u64, uniform)),
             mapped: storage("mapped vertices", vertices * VERTEX_BYTES, BufferUsages::VERTEX),
             vertex_slab: storage("slab of each vertex", vertices * 4, none),
+            blocks: storage(
+                "blocks of vertices",
+                vertices.div_ceil(VERTICES_A_BLOCK as u64) * 4,
+                BufferUsages::COPY_DST,
+            ),
+            leaves: buffer(
+                "leaves of triangles",
+                leaves.div_ceil(LEAVES_A_WINDOW as u64).max(1) * WINDOW_BYTES,
+                uniform,
+            ),
             whole_indices: storage("whole triangles", triangles * 12, BufferUsages::INDEX),
-            work: storage("triangles to clip", u64::from(map.work_capacity) * WORK_BYTES, none),
+            work: storage("triangles to clip", u64::from(room.work) * WORK_BYTES, none),
             patches: [patches(), patches()],
             split_vertices: storage("split triangles", split_bytes, BufferUsages::VERTEX),
             masked_vertices: storage("masked triangles", masked_bytes, BufferUsages::VERTEX),
@@ -133,30 +221,45 @@ impl Buffers {
         }
     }
 
-    fn size_for(map: &BentMap) -> (u32, u32, Room) {
-        let room = Room {
-            work: map.work_capacity,
-            patches: map.patch_capacity,
-            split_vertices: map.split_capacity,
-            masked_vertices: map.masked_capacity,
-        };
-        (map.vertex_count, map.triangle_count, room)
+    fn size_for(casters: &Casters, room: Room) -> Size {
+        let (vertices, triangles) = (casters.vertex_count, casters.triangle_count);
+        Size { vertices, triangles, leaves: casters.clusters.leaves.len() as u32, room }
+    }
+
+    /// The leaves of a window, as a uniform.
+    pub fn leaves_from(&self, window: usize) -> BindingResource<'_> {
+        BindingResource::Buffer(BufferBinding {
+            buffer: &self.leaves,
+            offset: window as u64 * WINDOW_BYTES,
+            size: std::num::NonZeroU64::new(WINDOW_BYTES),
+        })
     }
 
     pub fn bytes(&self) -> u64 {
         let [even, odd] = &self.patches;
-        let all = [&self.mapped, &self.vertex_slab, &self.whole_indices, &self.work, even, odd];
+        let all = [
+            &self.mapped,
+            &self.vertex_slab,
+            &self.blocks,
+            &self.leaves,
+            &self.whole_indices,
+            &self.work,
+            even,
+            odd,
+        ];
         let lists = [&self.split_vertices, &self.masked_vertices, &self.masked_places];
         all.into_iter().chain(lists).map(Buffer::size).sum()
     }
 
-    /// Whether a map can be made in these: of the same scene, of which a light's links may leave a part.
-    pub fn fits(&self, map: &BentMap) -> bool {
-        let (vertices, triangles, room) = Self::size_for(map);
-        (self.size.0, self.size.2) == (vertices, room) && triangles <= self.size.1
+    /// Whether a map of those casters can be made in these.
+    pub fn fit(&self, casters: &Casters, room: Room) -> bool {
+        let (has, needs) = (self.size, Self::size_for(casters, room));
+        let enough =
+            has.vertices >= needs.vertices && has.triangles >= needs.triangles && has.leaves >= needs.leaves;
+        enough && has.room == room
     }
 
-    pub fn write(&self, gpu: &Gpu, slabs: &[Slab], map: &BentMap, shape: &MapShape) {
+    pub fn write(&self, gpu: &Gpu, slabs: &[Slab], (map, near): (&BentMap, &NearSlabs), shape: &MapShape) {
         // Level -1: the first `next_level` makes it 0.
         let counts = BentCounts {
             whole_instance_count: 1,
@@ -167,6 +270,8 @@ impl Buffers {
         };
         gpu.queue.write_buffer(&self.slabs, 0, bytemuck::cast_slice(slabs));
         gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(map));
+        gpu.queue.write_buffer(&self.blocks, 0, bytemuck::cast_slice(&near.blocks));
+        gpu.queue.write_buffer(&self.leaves, 0, bytemuck::cast_slice(&near.leaves));
         for (face, buffer) in self.faces.iter().enumerate().take(shape.face_count()) {
             gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&shape.shadow(face)));
         }

@@ -9,7 +9,7 @@ use scene::{Camera, Material, Mesh, Node, PosedPrimitive, Primitive, Projection,
 
 use super::shadow_buffers::Room;
 use super::walk;
-use crate::{Aov, Gpu, Picture, Renderer, ShadowFilter, ShadowSettings, View, ViewSlot};
+use crate::{Aov, Culling, Gpu, Picture, Renderer, ShadowFilter, ShadowSettings, Stage, View};
 
 /// Edges are never split.
 const UNSPLIT: ShadowSettings = ShadowSettings {
@@ -18,10 +18,11 @@ const UNSPLIT: ShadowSettings = ShadowSettings {
     filter: ShadowFilter::Bilinear,
     mesh_error: 0.0,
     straighten: false,
+    culling: Culling::ALL,
 };
 
 /// A light that falls from 4 units up, turns by 70 degrees and back a little: three strongly bent segments.
-fn light() -> Light {
+pub(super) fn light() -> Light {
     let points = [(0., 0., 0.), (0.3, 0.1, -1.2), (-0.2, 0.4, -2.6), (1.9, -0.2, -3.3), (3.1, 0.3, -4.6)];
     let points = points.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec();
     Light::bendy(points, vec![0.15, 0.35, 0.45, 0.5, 0.8])
@@ -30,7 +31,7 @@ fn light() -> Light {
 }
 
 /// A box from -1 to 1.
-fn cube() -> Primitive {
+pub(super) fn cube() -> Primitive {
     let corner = |k: u32| Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32) * 2.0 - 1.0;
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let mut primitive = Primitive::default();
@@ -77,17 +78,7 @@ pub(crate) fn view(aov: Aov) -> View {
         rotation: glam::DQuat::from_mat3(&matrix3),
         projection: Projection::Perspective { yfov: 0.7, aspect_ratio: None, znear: 0.1, zfar: None },
     };
-    View {
-        camera,
-        width: 240,
-        height: 160,
-        samples: 1,
-        aov,
-        light: 0,
-        fill: 1.0,
-        exposure: 0.0,
-        slot: ViewSlot::default(),
-    }
+    View { aov, ..View::beauty(camera, [240, 160]) }
 }
 
 /// The world position that a pixel of the depth AOV stands for.
@@ -309,9 +300,9 @@ fn every_setting_leaves_a_lone_plane_lit() {
     }
 }
 
-/// Other settings make another picture of the same view, and the same ones none; a timed one starts anew.
+/// Other settings make another picture of the same view, and the same ones none.
 #[test]
-fn settings_and_timing_draw_anew() {
+fn settings_draw_anew() {
     let mut setup = Setup::new();
     let fine = setup.picture(Aov::Visibility);
     let coarse = ShadowSettings { resolution: 64, ..ShadowSettings::default() };
@@ -321,10 +312,27 @@ fn settings_and_timing_draw_anew() {
     setup.renderer.set_shadow_settings(coarse).expect("sound");
     setup.picture(Aov::Visibility);
     assert_eq!(setup.renderer.counts().shadow, drawn);
-    let times = setup.renderer.time_passes(&view(Aov::Beauty), &setup.lights).expect("drawn");
-    assert!(times.gbuffer_ms > 0.0 && times.shadow_ms > 0.0 && times.lighting_ms > 0.0, "{times:?}");
     setup.renderer.set_shadow_settings(ShadowSettings::default()).expect("sound");
     assert_eq!(setup.picture(Aov::Visibility), fine);
+}
+
+/// A frame drawn stage by stage is the frame, each of its stages runs once, and nothing that is kept is a stage.
+#[test]
+fn a_frame_by_stages_is_the_frame() {
+    let mut setup = Setup::new();
+    let view = view(Aov::Beauty);
+    let whole = setup.renderer.render_display(&view, &setup.lights).expect("drawn");
+    setup.renderer.invalidate();
+    let (by_stages, recording) = setup.renderer.record_display(&view, &setup.lights).expect("drawn");
+    assert_eq!(by_stages, whole);
+    // Few lights need no sums of their own.
+    let expected = Stage::ALL.map(|stage| usize::from(stage != Stage::Sum) as _);
+    assert_eq!(Stage::ALL.map(|stage| recording.runs(stage)), expected);
+    let is_timed = |stage: &Stage| (recording.cost(*stage).wall_ms > 0.0) == (*stage != Stage::Sum);
+    assert!(Stage::ALL.iter().all(is_timed), "{recording:?}");
+    let (_, kept) = setup.renderer.record_display(&view, &setup.lights).expect("drawn");
+    let ran: Vec<_> = Stage::ALL.into_iter().filter(|stage| kept.runs(*stage) > 0).collect();
+    assert_eq!(ran, [Stage::Display, Stage::Readback]);
 }
 
 /// A map that does not fit into its buffers is drawn again, and is the same.
@@ -337,6 +345,18 @@ fn room_grows_until_a_map_fits() {
     assert_eq!(cramped.picture(Aov::Visibility), expected);
     let room = cramped.renderer.bent_work().room;
     assert!(room.work > 1 && room.patches > 1 && room.split_vertices > 3, "{room:?}");
+
+    // For a screen whether it fitted is asked with the picture.
+    let shown =
+        |setup: &mut Setup| setup.renderer.render_display(&view(Aov::Beauty), &setup.lights).expect("drawn");
+    let mut cramped = Setup::new();
+    cramped.renderer.bent_work().room = Room { work: 1, patches: 1, split_vertices: 3, masked_vertices: 0 };
+    assert!(shown(&mut cramped) == shown(&mut ample));
+    let again = cramped.renderer.counts();
+    assert!(cramped.renderer.bent_work().room.work > 1 && again.shadow > 1, "{again:?}");
+    // Once it fits nothing is drawn twice.
+    shown(&mut cramped);
+    assert_eq!(cramped.renderer.counts().shadow, again.shadow);
 }
 
 /// Where a tube is thin, a map's texels are small; a wall along it is split finely on the map alone, not beside it.

@@ -157,7 +157,9 @@ fn bent_visibility(root: Root, vw: vec2f, surface: Surface) -> f32 {
 
 // Which of the four texels from `corner` on let the light through, in the order of textureGather.
 fn lit_texels(receiver: Receiver, corner: vec2f) -> mat2x4f {
-    // The tube's rim touches the map's: what lies beyond is looked up a texel further in.
+    // Where the tube's rim touches the map's, what lies beyond is looked up a texel further in. Farther out nothing throws
+    // shadows, though what may throw none is drawn up to the map's border.
+    let beyond = any(receiver.texel < vec2f(-1.5)) || any(receiver.texel > vec2f(light.shadow_resolution + 0.5));
     let first = clamp(corner, vec2f(0.0), vec2f(light.shadow_resolution - 2.0));
     let step = receiver.step;
     let expected = receiver.depth + dot(step, first - receiver.texel) + vec4f(step.y, step.x + step.y, step.x, 0.0);
@@ -166,7 +168,7 @@ fn lit_texels(receiver: Receiver, corner: vec2f) -> mat2x4f {
     let place = (first + 1.0) / light.shadow_resolution;
     let stored = textureGather(0, shadow_map, shadow_sampler, place, receiver.face) * receiver.far;
     return mat2x4f(
-        select(vec4f(0.0), vec4f(1.0), stored >= min(expected - receiver.tolerance, latest)),
-        select(vec4f(0.0), vec4f(1.0), stored >= min(expected - receiver.reach, latest)),
+        select(vec4f(0.0), vec4f(1.0), stored >= min(expected - receiver.tolerance, latest) | vec4<bool>(beyond)),
+        select(vec4f(0.0), vec4f(1.0), stored >= min(expected - receiver.reach, latest) | vec4<bool>(beyond)),
     );
 }

@@ -23,7 +23,8 @@ struct BentMap {
     slab_count: u32,
     box_max: vec3f,
     vertex_count: u32,
-    triangle_count: u32,
+    // Workgroups of pass 1.
+    block_count: u32,
     face_count: u32,
     work_capacity: u32,
     patch_capacity: u32,
@@ -50,18 +51,53 @@ struct Patch {
     a: vec3f,
     slab: u32,
     b: vec3f,
-    // Which triangle of those with an alpha test it is of, or `NOT_MASKED`.
-    masked: u32,
+    // Which triangle of those with an alpha test it is of, or what surface: one of the constants below.
+    caster: u32,
     c: vec3f,
     mapped_a: vec4f,
     mapped_b: vec4f,
     mapped_c: vec4f,
 }
 
-const NOT_MASKED = 0xffffffffu;
+// A triangle in a slab that it may touch.
+struct ToClip {
+    triangle: u32,
+    slab: u32,
+    // As in a patch.
+    caster: u32,
+}
 
-fn masked_triangle(triangle: u32) -> u32 {
-    return select(NOT_MASKED, triangle - bent.opaque_triangles, triangle >= bent.opaque_triangles);
+// Surfaces without an alpha test; the numbers of `Shell` in Rust, from above. Of a closed one light meets only the side
+// that faces it.
+const OPEN = 0xffffffffu;
+const CLOSED = 0xfffffffeu;
+const INSIDE_OUT = 0xfffffffdu;
+
+fn is_masked(caster: u32) -> bool {
+    return caster < INSIDE_OUT;
+}
+
+fn caster_of(triangle: u32, shell: u32) -> u32 {
+    return select(OPEN - shell, triangle - bent.opaque_triangles, triangle >= bent.opaque_triangles);
+}
+
+// Corners may be moved by so many of the finest texels where a triangle is drawn: to a grid of 1/16 texel, the coarsest
+// that Vulkan lets a rasteriser have, of texels that are up to four times as wide the other way.
+const SNAP_TEXELS = 0.25;
+
+// Whether light meets the triangle from within what it is of: something else of that lies before it then. Not where
+// moving its corners might turn it round.
+fn faces_away(caster: u32, a: vec4f, b: vec4f, c: vec4f) -> bool {
+    if is_masked(caster) || caster == OPEN || min(a.z, min(b.z, c.z)) <= 0.0 {
+        return false;
+    }
+    let origin = a.xy / a.z;
+    let ab = b.xy / b.z - origin;
+    let ac = c.xy / c.z - origin;
+    // Looking along light's way, v to w turns clockwise, so what turns from v to w shows its front to the source no more.
+    let area = select(-1.0, 1.0, caster == INSIDE_OUT) * (ab.x * ac.y - ab.y * ac.x);
+    let round = (length(ab) + length(ac) + length(ac - ab)) * SNAP_TEXELS / texels_at(origin);
+    return area < -round;
 }
 
 struct BentCounts {
@@ -114,55 +150,25 @@ fn map_to_slab(c: Curve, q: vec3f) -> vec4f {
     return vec4f(vw, max(curve_radius(c, u), 0.0), c.t_start + c.t_span * u);
 }
 
-// Whether the edge between two mapped points needs a point between, and that point.
-struct Middle {
-    split: bool,
-    // How far (V, W, R) strays from the straight edge, as a length in tube space; 0 where too little to see.
-    bow: f32,
-    q: vec3f,
-    mapped: vec4f,
+// Whether the edge is so short that no bend of this slab shows in it.
+fn edge_is_safe(slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> bool {
+    return length(qb - qa) * bent.texels_per_vw <= slabs[slab].safe_texels * min(a.z, b.z);
 }
 
-// Four roundings of a position of size 1, the length of the light.
-const POSITION_ROUNDING = 0x1p-22;
-
-// Compares the image of the edge's middle with the middle of the images, and so the quarters: an S crosses its
-// chord in the middle. The middle of homogeneous (V, W, R) is what the rasteriser draws; on a straight cone both
-// agree.
-fn edge_middle(slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> Middle {
-    var middle = Middle(false, 0.0, (qa + qb) * 0.5, vec4f(0.0));
-    if edge_is_safe(slab, qa, a, qb, b) {
-        return middle;
-    }
-    let c = slabs[slab].curve;
-    middle.mapped = map_to_slab(c, middle.q);
-    let straight = (a + b) * 0.5;
-    // Made from both ends alike, so that the edge's other triangle finds the same bits.
-    let near_a = (qa + middle.q) * 0.5;
-    let near_b = (qb + middle.q) * 0.5;
-    let mapped_a = map_to_slab(c, near_a);
-    let mapped_b = map_to_slab(c, near_b);
-    let straight_a = (a + straight) * 0.5;
-    let straight_b = (b + straight) * 0.5;
-    middle.split = strays(c, middle.q, middle.mapped, straight) || strays(c, near_a, mapped_a, straight_a)
-        || strays(c, near_b, mapped_b, straight_b);
-    middle.bow = max(bow(middle.mapped, straight), max(bow(mapped_a, straight_a), bow(mapped_b, straight_b)));
-    return middle;
+// Texels per unit of v and w at a point. On a cube they are as wide as angles, so fewer far off its axis.
+fn texels_at(vw: vec2f) -> f32 {
+    return bent.texels_per_vw / max(1.0, bent.cube_slope * max(abs(vw.x), abs(vw.y)));
 }
 
-fn bow(mapped: vec4f, straight: vec4f) -> f32 {
-    return length(mapped.xy - straight.xy) + abs(mapped.z - straight.z);
-}
-
-// Whether a triangle's image lies beyond one side of what is drawn of each face. Between its edges it strays by at most
-// 4/3 of what the middles of its edges do, were it quadratic: twice leaves room for more.
-fn off_map(a: vec4f, b: vec4f, c: vec4f, ab: Middle, bc: Middle, ca: Middle) -> bool {
-    let bow = 2.0 * max(ab.bow, max(bc.bow, ca.bow));
+// Whether a triangle's image lies beyond one side of what is drawn of each face. `bow` is the most by which (V, W, R)
+// strays from the straight edges, as a length in tube space. Between its edges a triangle strays by at most 4/3 of what
+// the middles of its edges do, were it quadratic: twice leaves room for more.
+fn off_map(a: vec4f, b: vec4f, c: vec4f, bow: f32) -> bool {
     var off = true;
-    // No bound of uniforms alone: see branches.rs.
-    let end = select(bent.face_count, 0u, bow < 0.0);
+    // No bound of uniforms alone: see branches.rs. A radius is never negative.
+    let end = select(bent.face_count, 0u, a.z < 0.0);
     for (var face = 0u; face < end; face++) {
-        off = off && off_face(bent.faces[face], a.xyz, b.xyz, c.xyz, bow);
+        off = off && off_face(bent.faces[face], a.xyz, b.xyz, c.xyz, 2.0 * bow);
     }
     return off;
 }
@@ -178,37 +184,4 @@ fn off_face(clip_from_mapped: mat3x3f, a: vec3f, b: vec3f, c: vec3f, bow: f32) -
     let outer_x = outer + margin.x;
     let outer_y = outer + margin.y;
     return all(x > outer_x) || all(x < -outer_x) || all(y > outer_y) || all(y < -outer_y) || all(outer < vec3f(0.0));
-}
-
-// Texels per unit of v and w at a point. On a cube they are as wide as angles, so fewer far off its axis.
-fn texels_at(vw: vec2f) -> f32 {
-    return bent.texels_per_vw / max(1.0, bent.cube_slope * max(abs(vw.x), abs(vw.y)));
-}
-
-// How much faster than the centre a path at (v, w) runs on a cube; 1 else. The twin of map_speed in bendy.wgsl.
-fn stretch_at(c: Curve, vw: vec2f) -> f32 {
-    let spread = curve_radius_derivative(c, 0.5) * min(length(vw), 1.5) / max(2.0 * length(curve_d(c, 0.5)), 1e-20);
-    return select(1.0, length(vec2f(1.0, spread)), bent.cube_slope > 0.0);
-}
-
-// Whether a point's image lies too far from where the straight edge has it, in texels: across the map, and along
-// the light as the length it is in the scene.
-fn strays(c: Curve, q: vec3f, mapped: vec4f, straight: vec4f) -> bool {
-    if min(mapped.z, straight.z) <= 0.0 {
-        return false;
-    }
-    let vw = straight.xy / straight.z;
-    let scale = texels_at(vw);
-    let stretch = stretch_at(c, vw);
-    let across = (mapped.xy / mapped.z - vw) * scale;
-    let along = (mapped.w - straight.w) / c.t_span * 2.0 * length(curve_d(c, 0.5)) * stretch * scale / straight.z;
-    // In a very thin tube a texel is less than the rounding of a position: what bends there is noise, and splitting
-    // for it would not end.
-    let rounding = POSITION_ROUNDING * (1.0 + length(q)) * stretch * scale / straight.z;
-    return max(length(across), abs(along)) > max(bent.tolerance_texels, rounding);
-}
-
-// Whether the edge is so short that no bend of this slab shows in it.
-fn edge_is_safe(slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> bool {
-    return length(qb - qa) * bent.texels_per_vw <= slabs[slab].safe_texels * min(a.z, b.z);
 }

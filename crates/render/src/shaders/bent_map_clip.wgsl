@@ -2,7 +2,7 @@
 
 @group(0) @binding(2) var<storage, read> positions: array<f32>;
 @group(0) @binding(3) var<storage, read> indices: array<u32>;
-@group(0) @binding(4) var<storage, read> work: array<vec2u>;
+@group(0) @binding(4) var<storage, read> work: array<ToClip>;
 @group(0) @binding(5) var<storage, read_write> counts: BentCounts;
 @group(0) @binding(6) var<storage, read_write> patches_out: array<Patch>;
 
@@ -26,20 +26,20 @@ fn clip_triangles(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let item = work[id.x];
-    let c = slabs[item.y].curve;
+    let c = slabs[item.slab].curve;
     var polygon: array<vec3f, MAX_CORNERS>;
     for (var k = 0u; k < 3u; k++) {
-        polygon[k] = corner(item.x, k);
+        polygon[k] = corner(item.triangle, k);
     }
     var corners = 3u;
     for (var plane = 0u; plane < 6u && corners >= 3u; plane++) {
         var kept: array<vec3f, MAX_CORNERS>;
         var kept_count = 0u;
         var before = polygon[corners - 1u];
-        var before_distance = slab_plane(item.y, plane, before);
+        var before_distance = slab_plane(item.slab, plane, before);
         for (var k = 0u; k < corners; k++) {
             let here = polygon[k];
-            let distance = slab_plane(item.y, plane, here);
+            let distance = slab_plane(item.slab, plane, here);
             if before_distance < 0.0 && distance >= 0.0 && kept_count < MAX_CORNERS {
                 kept[kept_count] = crossing(before, before_distance, here, distance);
                 kept_count += 1u;
@@ -65,13 +65,12 @@ fn clip_triangles(@builtin(global_invocation_id) id: vec3u) {
     if first + count > bent.patch_capacity {
         return;
     }
-    let masked = masked_triangle(item.x);
     let mapped_first = map_to_slab(c, polygon[0]);
     var mapped_before = map_to_slab(c, polygon[1]);
     for (var k = 0u; k < count; k++) {
         let mapped_next = map_to_slab(c, polygon[k + 2u]);
         patches_out[first + k] = Patch(
-            polygon[0], item.y, polygon[k + 1u], masked, polygon[k + 2u], mapped_first, mapped_before, mapped_next,
+            polygon[0], item.slab, polygon[k + 1u], item.caster, polygon[k + 2u], mapped_first, mapped_before, mapped_next,
         );
         mapped_before = mapped_next;
     }

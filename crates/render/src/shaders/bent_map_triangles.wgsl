@@ -1,14 +1,16 @@
-// Pass 2: every triangle once: dropped, used as it is, passed on as a patch where it lies in one slab and is
-// not straight, or else listed with each slab it may touch. Follows bent_map.wgsl.
+// Pass 2: every triangle near the slabs once: dropped, used as it is, passed on as a patch where it lies in one slab and may be
+// bent, or else listed with each slab it may touch. Follows bent_map.wgsl.
 
 @group(0) @binding(2) var<storage, read> positions: array<f32>;
 @group(0) @binding(3) var<storage, read> mapped: array<vec4f>;
 @group(0) @binding(4) var<storage, read> vertex_slab: array<u32>;
 @group(0) @binding(5) var<storage, read> indices: array<u32>;
 @group(0) @binding(6) var<storage, read_write> whole_indices: array<u32>;
-@group(0) @binding(7) var<storage, read_write> work: array<vec2u>;
+@group(0) @binding(7) var<storage, read_write> work: array<ToClip>;
 @group(0) @binding(8) var<storage, read_write> counts: BentCounts;
 @group(0) @binding(9) var<storage, read_write> patches_out: array<Patch>;
+// Two workgroups each: the first triangle, and how many with their surface above 16 bits.
+@group(0) @binding(10) var<uniform> leaves: array<vec4u, 4096>;
 
 fn vertex_position(vertex: u32) -> vec3f {
     return tube_position(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]);
@@ -25,11 +27,14 @@ fn may_touch(slab: u32, a: vec3f, b: vec3f, c: vec3f) -> bool {
 }
 
 @compute @workgroup_size(64)
-fn map_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let triangle = id.x + id.y * groups.x * 64u;
-    if triangle >= bent.triangle_count {
+fn map_triangles(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) own: u32) {
+    let two = leaves[group.x / 2u];
+    let leaf = select(two.xy, two.zw, group.x % 2u == 1u);
+    if own >= (leaf.y & 0xffffu) {
         return;
     }
+    let triangle = leaf.x + own;
+    let caster = caster_of(triangle, leaf.y >> 16u);
     let corners = vec3u(indices[3u * triangle], indices[3u * triangle + 1u], indices[3u * triangle + 2u]);
     let qa = vertex_position(corners.x);
     let qb = vertex_position(corners.y);
@@ -39,18 +44,17 @@ fn map_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
         let a = mapped[corners.x];
         let b = mapped[corners.y];
         let c = mapped[corners.z];
-        let ab = edge_middle(slab, qa, a, qb, b);
-        let bc = edge_middle(slab, qb, b, qc, c);
-        let ca = edge_middle(slab, qc, c, qa, a);
-        if off_map(a, b, c, ab, bc, ca) {
+        // Nearly all are. Looking closer here would cost every triangle nine solves; for the few, pass 4 does.
+        let safe = edge_is_safe(slab, qa, a, qb, b) && edge_is_safe(slab, qb, b, qc, c)
+            && edge_is_safe(slab, qc, c, qa, a);
+        if safe && (off_map(a, b, c, 0.0) || faces_away(caster, a, b, c)) {
             return;
         }
-        let masked = masked_triangle(triangle);
         // Patches know their triangle, and by it their holes.
-        if ab.split || bc.split || ca.split || masked != NOT_MASKED {
+        if !safe || is_masked(caster) {
             let item = atomicAdd(&counts.items[1], 1u);
             if item < bent.patch_capacity {
-                patches_out[item] = Patch(qa, slab, qb, masked, qc, a, b, c);
+                patches_out[item] = Patch(qa, slab, qb, caster, qc, a, b, c);
             }
             return;
         }
@@ -66,7 +70,7 @@ fn map_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
         if may_touch(i, qa, qb, qc) {
             let item = atomicAdd(&counts.items[0], 1u);
             if item < bent.work_capacity {
-                work[item] = vec2u(triangle, i);
+                work[item] = ToClip(triangle, i, caster);
             }
         }
     }

@@ -1,10 +1,13 @@
-// Pass 1: every vertex once. Follows bent_map.wgsl.
+// Pass 1: every vertex of the blocks near the slabs once. Follows bent_map.wgsl.
 
 @group(0) @binding(2) var<storage, read> positions: array<f32>;
 // (V, W, R, t) in the first slab that holds the vertex.
 @group(0) @binding(3) var<storage, read_write> mapped: array<vec4f>;
 // That slab, or one of the two below.
 @group(0) @binding(4) var<storage, read_write> vertex_slab: array<u32>;
+
+// One a workgroup.
+@group(0) @binding(5) var<storage, read> blocks: array<u32>;
 
 const NO_SLAB = 0xffffffffu;
 // In slabs of distant parts of the tube that overlap here.
@@ -18,8 +21,14 @@ fn slab_holds(slab: u32, q: vec3f) -> bool {
 }
 
 @compute @workgroup_size(64)
-fn map_vertices(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let vertex = id.x + id.y * groups.x * 64u;
+fn map_vertices(
+    @builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) own: u32
+) {
+    let index = group.x + group.y * groups.x;
+    if index >= bent.block_count {
+        return;
+    }
+    let vertex = blocks[index] * 64u + own;
     if vertex >= bent.vertex_count {
         return;
     }

@@ -6,13 +6,18 @@ const PI: f32 = 3.14159265358979;
 // 2e-5 rad: this width keeps highlights finite and a hundred times wider than the steps of the normals.
 const MIN_ALPHA: f32 = 0.002;
 
-// f(l, v) max(0, n.l): what reaches the eye of unit irradiance perpendicular to `to_light`, with factors of what is
-// scattered and what is mirrored.
-fn reflected(surface: Surface, to_light: vec3f, lobes: vec2f) -> vec3f {
+// f(l, v) max(0, n.l) by its lobes.
+struct Lobes {
+    diffuse: vec3f,
+    specular: vec3f,
+}
+
+// What reaches the eye of unit irradiance perpendicular to `to_light`: scattered, and mirrored.
+fn reflected(surface: Surface, to_light: vec3f) -> Lobes {
     let n = surface.normal;
     let n_l = dot(n, to_light);
     if n_l <= 0.0 {
-        return vec3f(0.0);
+        return Lobes();
     }
     // Shading normals at a silhouette may lean away from the viewer.
     let n_v = max(dot(n, surface.to_eye), 1e-4);
@@ -33,5 +38,5 @@ fn reflected(surface: Surface, to_light: vec3f, lobes: vec2f) -> vec3f {
     let grazing = 1.0 - v_h;
     let fresnel = f0 + (1.0 - f0) * (grazing * grazing * grazing * grazing * grazing);
     let diffuse = (1.0 - fresnel) * (1.0 - surface.metallic) * surface.base_color / PI;
-    return (diffuse * lobes.x + fresnel * (distribution * visibility * lobes.y)) * n_l;
+    return Lobes(diffuse * n_l, fresnel * (distribution * visibility * n_l));
 }

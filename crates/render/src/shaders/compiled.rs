@@ -2,7 +2,8 @@
 
 use super::{
     BENDY, BENT_MAP_CLIP, BENT_MAP_NEXT, BENT_MAP_SPLIT, BENT_MAP_TRIANGLES, BENT_MAP_VERTICES, BENT_MASKED,
-    BENT_SHADOW, DISPLAY, FILL, GBUFFER, INCREASING_ROOTS, INSPECT, LOCATE, SHADOW, SHADOW_MASKED, WIREFRAME,
+    BENT_SHADOW, COMPOSITE, DISPLAY, FILL, GBUFFER, INCREASING_ROOTS, INSPECT, LOCATE, SHADOW, SHADOW_MASKED,
+    SUM, WIREFRAME,
 };
 use crate::bendy_light::Baked;
 use crate::linked::with_links;
@@ -26,6 +27,8 @@ pub(super) fn all() -> Vec<(&'static str, String)> {
         ("bent_masked", BENT_MASKED),
         ("wireframe", WIREFRAME),
         ("display", DISPLAY),
+        ("composite", COMPOSITE),
+        ("sum", SUM),
     ];
     let baked = Baked::samples().into_iter();
     let both = |wgsl: String| [false, true].map(|linked| with_links(linked, &wgsl));

@@ -27,9 +27,12 @@ fn pbr_neutral(linear: vec3f) -> vec3f {
     return mix(color * (new_peak / peak), vec3f(new_peak), white);
 }
 
-@fragment
-fn fs_display(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
-    let linear = textureLoad(radiance, vec2u(pixel.xy), 0).rgb;
+fn shown(linear: vec3f) -> vec4f {
     let exposed = min(linear, vec3f(exposure.brightest)) * exposure.factor;
     return vec4f(srgb_from_linear(saturate(pbr_neutral(exposed))), 1.0);
+}
+
+@fragment
+fn fs_display(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
+    return shown(textureLoad(radiance, vec2u(pixel.xy), 0).rgb);
 }

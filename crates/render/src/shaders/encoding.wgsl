@@ -1,5 +1,5 @@
 // Octahedral unit vectors (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit
-// Vectors") in 2 x 16 bits, material factors in 64, and the sRGB transfer function (IEC 61966-2-1).
+// Vectors") in 2 x 16 bits, material factors and radiance in 64 each, and the sRGB transfer function (IEC 61966-2-1).
 
 fn sign_or_one(v: vec2f) -> vec2f {
     return select(vec2f(-1.0), vec2f(1.0), v >= vec2f(0.0));
@@ -41,6 +41,24 @@ fn material_from_bits(bits: vec2u) -> MaterialFactors {
     let blue = (bits.x >> 26u) | ((bits.y & 0x7fu) << 6u);
     let roots = vec3f(vec3u(bits.x & 0x1fffu, (bits.x >> 13u) & 0x1fffu, blue)) / 8191.0;
     return MaterialFactors(roots * roots, f32((bits.y >> 7u) & 0xfffu) / 4090.0, f32(bits.y >> 19u) / 8190.0);
+}
+
+// Radiance with one exponent for all three colours, as EXT_texture_shared_exponent has it, but 18 bits for each and the
+// exponents of f32: a colour is off by 2^-18 of the largest of the three at most. Below 2^-95 steps stay
+// 2^-113 wide, and what is below zero becomes 0.
+fn radiance_to_bits(radiance: vec3f) -> vec2u {
+    let largest = max(radiance.r, max(radiance.g, radiance.b));
+    // `largest` is less than 2^(exponent - 94).
+    let exponent = clamp(bitcast<u32>(largest) >> 23u, 32u, 254u) - 32u;
+    let to_18_bits = bitcast<f32>((239u - exponent) << 23u);
+    let rounded = min(vec3u(max(radiance * to_18_bits + 0.5, vec3f(0.0))), vec3u(0x3ffffu));
+    return vec2u(rounded.r | (rounded.g << 18u), (rounded.g >> 14u) | (rounded.b << 4u) | (exponent << 22u));
+}
+
+fn radiance_from_bits(bits: vec2u) -> vec3f {
+    let green = (bits.x >> 18u) | ((bits.y & 0xfu) << 14u);
+    let from_18_bits = bitcast<f32>(((bits.y >> 22u) + 15u) << 23u);
+    return vec3f(vec3u(bits.x & 0x3ffffu, green, (bits.y >> 4u) & 0x3ffffu)) * from_18_bits;
 }
 
 fn srgb_from_linear(c: vec3f) -> vec3f {

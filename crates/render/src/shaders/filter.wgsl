@@ -55,11 +55,10 @@ const MAX_EMISSION = 1e15;
 // Largest factor of decay that stays finite through the BRDF: the source itself has none that is finite.
 const MAX_DECAY = 1e15;
 
-// Irradiance on a surface square to the light, without visibility. What is emitted is held to what stays finite.
+// Irradiance on a surface square to the light, without visibility and `tint`. What is emitted is held to what stays finite.
 fn irradiance(f: LightFilter, emission: vec3f, place: Place) -> vec3f {
-    let emitted = min(emission * f.tint, vec3f(MAX_EMISSION));
     let along = cut_at(f, place.s) * decay_at(f, max(place.s, f.least_distance));
-    return emitted * (across(f, place.vw) * along);
+    return min(emission, vec3f(MAX_EMISSION)) * (across(f, place.vw) * along);
 }
 
 // The share of the light that arrives where `visibility` of it is not in the way of anything.

@@ -7,10 +7,17 @@ struct LightSample {
     // Whether the light's volume holds the surface, shadow or not; the rest is 0 outside.
     inside: bool,
     place: Place,
-    // On a surface square to the light, without the shadow.
+    // On a surface square to the light, without the shadow and the tint.
     irradiance: vec3f,
     // 1 lit, 0 in shadow.
     visibility: f32,
+}
+
+// Largest irradiance that stays finite through the BRDF.
+const MAX_IRRADIANCE = 1e30;
+
+fn tinted(f: LightFilter, irradiance: vec3f) -> vec3f {
+    return min(irradiance * f.tint, vec3f(MAX_IRRADIANCE));
 }
 
 fn light_at(pixel: vec4f) -> LightSample {
@@ -36,9 +43,26 @@ fn fs_beauty(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
         return vec4f(0.0);
     }
     let f = light_filter();
-    let arriving = light.irradiance * light_filter_arriving(f, light.visibility);
-    let radiance = reflected(surface, light.place.direction, f.lobes) * arriving;
+    let arriving = tinted(f, light.irradiance) * light_filter_arriving(f, light.visibility);
+    let lobes = reflected(surface, light.place.direction);
+    let radiance = (lobes.diffuse * f.lobes.x + lobes.specular * f.lobes.y) * arriving;
     return vec4f(radiance * view.sample_weight, 0.0);
+}
+
+// What one light alone adds before factors of all of it, scattered and mirrored: see terms.wgsl.
+@fragment
+fn fs_layer(@builtin(position) pixel: vec4f) -> @location(0) vec4u {
+    let surface = surface_at(vec2u(pixel.xy));
+    if !surface.exists || !is_lit(surface.triangle) {
+        return vec4u(0u);
+    }
+    let light = sample_light(surface);
+    if !light.inside {
+        return vec4u(0u);
+    }
+    let arriving = light.irradiance * light_filter_arriving(light_filter(), light.visibility);
+    let lobes = reflected(surface, light.place.direction);
+    return vec4u(radiance_to_bits(lobes.diffuse * arriving), radiance_to_bits(lobes.specular * arriving));
 }
 
 @fragment

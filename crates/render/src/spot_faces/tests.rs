@@ -53,8 +53,8 @@ fn faces_show_all_that_casts_shadows() {
             })
             .collect();
         let indices: Vec<u32> = (0..positions.len() as u32).collect();
-        let clusters = Clusters::new(&positions, &indices);
-        let fitted = FittedFaces::new(&light, side, light_from_scene, (&clusters, 0.0));
+        let clusters = crate::clusters::of_opaque(&positions, &indices);
+        let fitted = FittedFaces::new(&light, side, light_from_scene, &clusters);
         let tan_outer = light.get(CONE_ANGLE).to_radians().tan();
         let inside = |p: &DVec3| p.truncate().length() <= -p.z * tan_outer && p.z < -1e-9;
         let in_light: Vec<_> = positions

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use glam::DVec3;
 use light::parameters::{COLOR, CONE_ANGLE, CONE_SOFTNESS, EXPOSURE, INTENSITY, NAME, RANGE, TRANSLATION};
 use light::{Light, LightInstance, Setting};
-use render::{Aov, Gpu, PassCounts, Picture, RenderError, Renderer, View, ViewSlot};
+use render::{Aov, Gpu, MapScale, PassCounts, Picture, RenderError, Renderer, View, ViewSlot};
 use scene::{Material, Scene};
 
-use crate::support::{floor, instances, named, picture, renderer, scene_of, spot, view};
+use crate::support::{floor, instances, named, picture, renderer, scene_of, since, spot, view};
 
 fn tables() -> Scene {
     scene_of([floor(3.0, 0.0), floor(0.5, 1.0)], vec![Material::default()])
@@ -25,19 +25,10 @@ fn runs(change: impl FnOnce(&mut Renderer, &mut View, &mut Vec<Light>)) -> PassC
     let mut lights = vec![named(key()), named(spot(DVec3::new(-1.0, 3.0, 0.5), DVec3::ZERO))];
     renderer.render(&view, &instances(&lights)).unwrap();
     let before = renderer.counts();
-    assert_eq!(before, PassCounts { gbuffer: 1, shadow: 2, lighting: 1, display: 0 });
+    assert_eq!(before, PassCounts { gbuffer: 1, shadow: 2, lighting: 1, ..PassCounts::default() });
     change(&mut renderer, &mut view, &mut lights);
     renderer.render(&view, &instances(&lights)).unwrap();
     since(before, renderer.counts())
-}
-
-fn since(before: PassCounts, after: PassCounts) -> PassCounts {
-    PassCounts {
-        gbuffer: after.gbuffer - before.gbuffer,
-        shadow: after.shadow - before.shadow,
-        lighting: after.lighting - before.lighting,
-        display: after.display - before.display,
-    }
 }
 
 /// Changes the first light, which keeps its id.
@@ -45,7 +36,7 @@ fn edit(lights: &mut [Light], change: Setting) {
     lights[0].set(change);
 }
 
-const LIT: PassCounts = PassCounts { gbuffer: 0, shadow: 0, lighting: 1, display: 0 };
+const LIT: PassCounts = PassCounts { gbuffer: 0, shadow: 0, lighting: 1, layers: 0, display: 0 };
 
 #[test]
 fn only_what_changed_is_drawn_again() {
@@ -87,12 +78,12 @@ fn exposure_of_the_view_draws_nothing_but_what_is_shown() {
     let brighter = View { exposure: 1.5, ..view.clone() };
     assert_ne!(renderer.render_display(&brighter, &lights).unwrap(), first);
     assert_eq!(renderer.render_display(&view, &lights).unwrap(), first);
-    let shown = PassCounts { gbuffer: 0, shadow: 0, lighting: 0, display: 2 };
+    let shown = PassCounts { display: 2, ..PassCounts::default() };
     assert_eq!(since(before, renderer.counts()), shown);
-    // The planted fault: a light's own exposure is lighting.
-    let bright = instances(&[named(key().with(EXPOSURE, 1.5))]);
-    renderer.render_display(&view, &bright).unwrap();
-    assert_eq!(since(before, renderer.counts()), PassCounts { lighting: 1, display: 3, ..shown });
+    // The planted fault: how soft a light's edge is is the light's.
+    let soft = instances(&[named(key().with(CONE_SOFTNESS, 0.7))]);
+    renderer.render_display(&view, &soft).unwrap();
+    assert_eq!(since(before, renderer.counts()), PassCounts { layers: 1, display: 3, ..shown });
 }
 
 /// Maps are fitted to the scene, whatever the camera sees of it: where only that moves, near to where little is to be
@@ -287,4 +278,40 @@ fn warming_up_leaves_the_scene() {
     assert_eq!(renderer.counts(), counts);
     renderer.forget(view.slot);
     assert_eq!(renderer.render(&view, &lights).unwrap(), before);
+}
+
+/// A map of half a side is one of its own: the full one stays, serves where half is enough, and is there when all is asked for
+/// again. So going back and forth draws nothing.
+#[test]
+fn maps_of_half_a_side_stand_beside_full_ones() {
+    let mut renderer = renderer(&tables());
+    let full = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
+    let half = View { shadow_map: MapScale::Half, ..full.clone() };
+    let mut lights = vec![named(key()), named(spot(DVec3::new(-1.0, 3.0, 0.5), DVec3::ZERO))];
+    let mut draws = |view: &View, lights: &[Light]| {
+        let before = renderer.counts();
+        let bytes = renderer.render_display(view, &instances(lights)).unwrap();
+        let drawn = since(before, renderer.counts());
+        ([drawn.shadow, drawn.layers], bytes)
+    };
+    let (first, in_full) = draws(&full, &lights);
+    assert_eq!(first, [2, 2]);
+    let (none, the_same) = draws(&half, &lights);
+    assert_eq!(none, [0, 0], "what is there in full is fine enough");
+    assert_eq!(the_same, in_full);
+    edit(&mut lights, TRANSLATION.to(DVec3::new(1.5, 3.0, 0.5)));
+    let (moved, coarse) = draws(&half, &lights);
+    assert_eq!(moved, [1, 1], "only the light that moves");
+    let (settled, fine) = draws(&full, &lights);
+    assert_eq!(settled, [1, 1], "half is not enough for a full picture");
+    assert_ne!(coarse, fine, "the edge of its shadow lies otherwise");
+    for view in [&half, &full, &half] {
+        assert_eq!(draws(view, &lights).0, [0, 0]);
+    }
+    // What is seen at last is what a renderer shows that has drawn nothing else.
+    let mut fresh = crate::support::renderer(&tables());
+    assert_eq!(fresh.render_display(&full, &instances(&lights)).unwrap(), fine);
+    let coarse_alone =
+        crate::support::renderer(&tables()).render_display(&half, &instances(&lights)).unwrap();
+    assert_ne!(coarse_alone, fine);
 }

@@ -8,6 +8,7 @@ mod caches;
 mod display;
 mod exposure;
 mod fill;
+mod layers;
 mod links;
 mod memory;
 mod robustness;

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use light::parameters::{INTENSITY, NAME};
 use light::{Light, LightInstance, Transform};
-use render::{Aov, Gpu, Picture, Renderer, ShadowSettings, View, ViewSlot};
+use render::{Aov, Gpu, PassCounts, Picture, Renderer, ShadowSettings, View};
 use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
 
 /// 2^-24: half an ulp of 1 in f32.
@@ -93,17 +93,7 @@ pub fn view(eye: DVec3, target: DVec3, size: [u32; 2], aov: Aov) -> View {
         rotation: DQuat::from_mat3(&looking(eye, target)),
         projection: Projection::Perspective { yfov: 0.8, aspect_ratio: None, znear: 0.05, zfar: None },
     };
-    View {
-        camera,
-        width: size[0],
-        height: size[1],
-        samples: 1,
-        aov,
-        light: 0,
-        fill: 1.0,
-        exposure: 0.0,
-        slot: ViewSlot::default(),
-    }
+    View { aov, ..View::beauty(camera, size) }
 }
 
 /// A spotlight of 10 cd and 25 degrees from `source` to `target`.
@@ -152,4 +142,15 @@ pub fn on_plane<'a>(
         let depth = (offset - normal.dot(origin)) / normal.dot(direction);
         (depth > 0.0 && depth.is_finite()).then(|| (origin + direction * depth, pixel.map(f64::from)))
     })
+}
+
+/// What passes have run between two counts.
+pub fn since(before: PassCounts, after: PassCounts) -> PassCounts {
+    PassCounts {
+        gbuffer: after.gbuffer - before.gbuffer,
+        shadow: after.shadow - before.shadow,
+        lighting: after.lighting - before.lighting,
+        layers: after.layers - before.layers,
+        display: after.display - before.display,
+    }
 }

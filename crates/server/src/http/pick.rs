@@ -1,6 +1,7 @@
 //! `POST /sessions/S/pick`: what a camera looks at.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use axum::body::Bytes;
 use axum::extract::State;
@@ -12,7 +13,7 @@ use super::answer::{Answer, json};
 use super::read::{SessionName, read_json};
 use crate::ServerError;
 use crate::limits::MAX_STILLS;
-use crate::renderer::{Output, Request, Urgency};
+use crate::renderer::{Output, Place, Request, Urgency};
 use crate::request::valid_camera;
 use crate::room::{Message, Snapshot};
 use crate::state::AppState;
@@ -40,6 +41,7 @@ pub async fn pick(
         lights: Vec::new(),
         output: Output::File(PictureFormat::Exr),
         urgency: Urgency::Still,
+        place: Place::since(Instant::now()),
     };
     let Pixels::Raw(picture) = state.backend.renders.draw(request).await?.pixels else {
         return Err(ServerError::Fault);

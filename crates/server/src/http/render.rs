@@ -1,13 +1,16 @@
 //! `GET /sessions/S/render`: a picture of the document, as it is or as it was.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use axum::extract::State;
 use axum::http::{HeaderName, HeaderValue, Uri, header};
 use axum::response::IntoResponse;
 use document::Document;
-use protocol::{RenderFormat, RenderLimits, RenderParameters, RenderRequest};
-use render::PictureFormat;
+use protocol::{
+    FrameQuality, RenderFormat, RenderLimits, RenderParameters, RenderRequest, TraceLine, TraceWhat,
+};
+use render::{PictureFormat, RenderError};
 use scene::{Camera, framing_camera};
 use tokio::task::spawn_blocking;
 
@@ -15,7 +18,8 @@ use super::answer::Answer;
 use super::read::{SessionName, read_query};
 use crate::ServerError;
 use crate::limits::MAX_STILLS;
-use crate::renderer::{Lease, Output, Request, Urgency};
+use crate::picture_stats::{micros, on_the_wire};
+use crate::renderer::{Lease, Output, Place, Request, Urgency};
 use crate::room::{Message, Snapshot};
 use crate::scenes::Decoded;
 use crate::state::AppState;
@@ -32,6 +36,7 @@ pub async fn render(State(state): State<Arc<AppState>>, SessionName(name): Sessi
     let _permit = state.stills.try_acquire().map_err(too_many)?;
     let Snapshot { name, mut document, mut scene, lease: session, .. } =
         state.rooms.find(&name).await?.request(Message::Snapshot).await?;
+    let session_name = name.clone();
     if let Some(seq) = seq {
         let replayed = state.backend.storage.read(move |store| store.replay(&name, Some(seq)));
         document = replayed.await?.document().clone();
@@ -44,13 +49,30 @@ pub async fn render(State(state): State<Arc<AppState>>, SessionName(name): Sessi
     };
     let leases = (session, state.backend.renders.lease());
     let request = request(&asked, picture_format, (&document, &scene), leases)?;
-    let (view, lights) = (request.view.clone(), request.lights.clone());
+    let (view, lights, asked_at) = (request.view.clone(), request.lights.clone(), Instant::now());
     let drawn = state.backend.renders.draw(request).await;
     // Of a server that stops, the renderer's end is no fault.
     let stopped = matches!(drawn, Err(ServerError::Fault)) && state.backend.draining.is_cancelled();
-    let pixels = if stopped { Err(ServerError::Draining) } else { drawn }?.pixels;
+    let drawn = if stopped { Err(ServerError::Draining) } else { drawn }?;
+    let trace = state.backend.trace.drawn(|| TraceLine {
+        time: drawn.started.saturating_duration_since(state.backend.started).as_secs_f64(),
+        session: session_name,
+        what: TraceWhat::Still {},
+        size: [view.width, view.height],
+        quality: FrameQuality::Settled,
+        wait_us: micros(drawn.started.saturating_duration_since(asked_at)),
+        render_us: micros(drawn.took),
+        encode_us: None,
+        passes: on_the_wire(&drawn.passes),
+        left_out: 0,
+    });
     // Compressing takes seconds, in which the renderer can draw for others.
-    let file = spawn_blocking(move || pixels.into_file(&view, &lights, picture_format));
+    let file = spawn_blocking(move || {
+        let began = Instant::now();
+        let file = drawn.pixels.into_file(&view, &lights, picture_format)?;
+        trace.encoded(began.elapsed());
+        Ok::<_, RenderError>(file)
+    });
     let file = file.await.map_err(|_| ServerError::Fault)??;
     let kind = match format {
         RenderFormat::Png => "image/png",
@@ -91,6 +113,7 @@ fn request(
         lights: document.instances(),
         output: Output::File(format),
         urgency: Urgency::Still,
+        place: Place::since(Instant::now()),
     })
 }
 

@@ -6,7 +6,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use light::LightInstance;
-use render::{PictureFormat, Pixels, RenderError, View, ViewSlot};
+use render::{PassRun, PictureFormat, Pixels, RenderError, View, ViewSlot};
 use scene::PosedScene;
 use tokio::sync::{mpsc, oneshot, watch};
 
@@ -78,6 +78,33 @@ pub struct Request {
     pub output: Output,
     /// How soon it is wanted.
     pub urgency: Urgency,
+    /// Where it waits: of those that are as urgent the one that has waited longest is first.
+    pub place: Place,
+}
+
+/// A picture's place in line. Whoever asked can give it up until the picture is begun, and come back with what there is to
+/// be seen by then: so what is begun is never stale.
+#[derive(Clone, Debug)]
+pub struct Place {
+    since: Instant,
+    is_taken: Arc<AtomicBool>,
+}
+
+impl Place {
+    /// That of who has waited since then.
+    pub fn since(since: Instant) -> Self {
+        Self { since, is_taken: Arc::default() }
+    }
+
+    /// Gives it up. Since when it was held; `None` where the picture has been begun, and will be drawn.
+    pub fn give_up(&self) -> Option<Instant> {
+        self.take().then_some(self.since)
+    }
+
+    /// Begins the picture, or gives it up: whatever comes first. False where the other did.
+    fn take(&self) -> bool {
+        !self.is_taken.swap(true, Ordering::Relaxed)
+    }
 }
 
 /// A picture.
@@ -89,6 +116,10 @@ pub struct Drawn {
     pub started: Instant,
     /// How long it took, without what was drawn in between.
     pub took: Duration,
+    /// Whether a shadow map was drawn for it.
+    pub drew_map: bool,
+    /// Which passes it came to, in all of its turns.
+    pub passes: Vec<PassRun>,
 }
 
 /// Hands pictures to the render thread.

@@ -1,19 +1,21 @@
 //! Who draws next, and for how long. Knows no device and no clock.
 //!
-//! What moves comes first. While something moves, pictures of views at rest get a share of the time, and so do
-//! stills: what they have not used they are owed, and once that is enough for a turn they get it, though something
-//! moving waits. Views at rest go before stills in the same way. Where nothing more urgent goes on, there are no
-//! shares.
+//! What a hand moves comes first. While one does, the views of those who only watch get a share of the time; while
+//! something moves at all, so do pictures of views at rest, and stills: what they have not used they are owed, and once
+//! that is enough for a turn they get it, though something more urgent waits. Views at rest go before stills in the same
+//! way. Where nothing more urgent goes on, there are no shares.
 
 use std::time::{Duration, Instant};
 
-use crate::limits::{MOVING_FOR, REST_SHARE, TURN_AT_LEAST, TURN_AT_MOST};
+use crate::limits::{MOVING_FOR, REST_SHARE, TURN_AT_LEAST, TURN_AT_MOST, WATCH_SHARE};
 
 /// What is more urgent is drawn first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Urgency {
-    /// A view in which something moves.
+    /// A view in which something moves, of whoever moves it.
     Moving,
+    /// A view in which somebody else moves something.
+    Watched,
     /// A view at rest.
     Settling,
     /// Nobody sees it grow.
@@ -25,7 +27,7 @@ pub enum Urgency {
 pub struct Waiting {
     /// How urgent it is.
     pub urgency: Urgency,
-    /// When it was last worked on, or when it came.
+    /// When it was last worked on, or since when it waits.
     pub touched: Instant,
 }
 
@@ -40,15 +42,20 @@ pub enum Turn {
     Idle,
 }
 
+/// The classes that have an account, most urgent first, with their shares of the time.
+const SHARES: [(Urgency, f64); 3] =
+    [(Urgency::Watched, WATCH_SHARE), (Urgency::Settling, REST_SHARE), (Urgency::Still, REST_SHARE)];
+
 /// What it remembers from turn to turn.
 #[derive(Clone, Debug)]
 pub struct Schedule {
-    /// When something last moved.
+    /// When a hand last moved something, and when something last moved at all.
+    hand_moved: Option<Instant>,
     moved: Option<Instant>,
     /// What a moving picture takes, lately.
     moving_takes: Duration,
-    /// Seconds that views at rest and stills are owed; below zero they have had more than their share.
-    owed: [f64; 2],
+    /// Seconds that those who watch, views at rest and stills are owed; below zero they have had more than their share.
+    owed: [f64; SHARES.len()],
     /// Until when that was reckoned.
     reckoned: Option<Instant>,
 }
@@ -56,42 +63,49 @@ pub struct Schedule {
 impl Schedule {
     /// Nothing has been drawn.
     pub fn new() -> Self {
-        Self { moved: None, moving_takes: TURN_AT_MOST, owed: [0.0; 2], reckoned: None }
+        let (hand_moved, moved, owed, reckoned) = (None, None, [0.0; SHARES.len()], None);
+        Self { hand_moved, moved, moving_takes: TURN_AT_MOST, owed, reckoned }
     }
 
     /// Whose turn it is.
     pub fn next(&mut self, now: Instant, waiting: &[Waiting]) -> Turn {
         let waits = |urgency| waiting.iter().any(|task| task.urgency == urgency);
         if waits(Urgency::Moving) {
+            self.hand_moved = Some(now);
+        }
+        if waits(Urgency::Moving) || waits(Urgency::Watched) {
             self.moved = Some(now);
         }
-        let moves = self.moved.is_some_and(|moved| now.saturating_duration_since(moved) < MOVING_FOR);
-        let settles = waits(Urgency::Settling);
-        let limited = [moves, moves || settles];
+        let lately = |moved: Option<Instant>| {
+            moved.is_some_and(|moved| now.saturating_duration_since(moved) < MOVING_FOR)
+        };
+        let (hand_moves, moves) = (lately(self.hand_moved), lately(self.moved));
+        let limited = [hand_moves, moves, moves || waits(Urgency::Settling)];
         let turn = self.turn(moves);
-        self.reckon(now, [settles, waits(Urgency::Still)], limited, turn);
+        self.reckon(now, SHARES.map(|(urgency, _)| waits(urgency)), limited, turn);
 
         // What is owed longest first, though it is the least urgent.
-        for urgency in [Urgency::Still, Urgency::Settling] {
-            let index = account(urgency);
+        for (index, (urgency, _)) in SHARES.iter().enumerate().rev() {
             if limited[index]
                 && self.owed[index] >= turn.as_secs_f64()
-                && let Some(first) = longest_untouched(waiting, urgency)
+                && let Some(first) = longest_untouched(waiting, *urgency)
             {
                 return Turn::Draw(first, turn);
             }
         }
-        for urgency in [Urgency::Moving, Urgency::Settling, Urgency::Still] {
-            let free = urgency == Urgency::Moving || !limited[account(urgency)];
-            if free && let Some(first) = longest_untouched(waiting, urgency) {
+        let unlimited = SHARES.iter().zip(limited).filter(|(_, limited)| !limited).map(|(share, _)| share.0);
+        for urgency in [Urgency::Moving].into_iter().chain(unlimited) {
+            if let Some(first) = longest_untouched(waiting, urgency) {
                 return Turn::Draw(first, turn);
             }
         }
         if waiting.is_empty() {
             return Turn::Idle;
         }
-        let missing = waiting.iter().map(|task| turn.as_secs_f64() - self.owed[account(task.urgency)]);
-        let least = missing.fold(f64::INFINITY, f64::min).max(0.0) / REST_SHARE;
+        let waits_for = waiting.iter().filter_map(|task| account(task.urgency));
+        let missing =
+            waits_for.map(|index| (turn.as_secs_f64() - self.owed[index]).max(0.0) / SHARES[index].1);
+        let least = missing.fold(f64::INFINITY, f64::min);
         Turn::Wait(Duration::from_secs_f64(least).clamp(Duration::from_millis(1), MOVING_FOR))
     }
 
@@ -99,10 +113,14 @@ impl Schedule {
     pub fn note(&mut self, urgency: Urgency, began: Instant, ended: Instant) {
         let took = ended.saturating_duration_since(began);
         if urgency == Urgency::Moving {
+            self.hand_moved = Some(ended);
+        }
+        if matches!(urgency, Urgency::Moving | Urgency::Watched) {
             self.moved = Some(ended);
             self.moving_takes = (3 * self.moving_takes + took) / 4;
-        } else {
-            self.owed[account(urgency)] -= took.as_secs_f64();
+        }
+        if let Some(index) = account(urgency) {
+            self.owed[index] -= took.as_secs_f64();
         }
     }
 
@@ -113,23 +131,30 @@ impl Schedule {
     }
 
     /// Adds the share of the time since the last reckoning, at most to what one turn takes: nobody saves up.
-    fn reckon(&mut self, now: Instant, waits: [bool; 2], limited: [bool; 2], turn: Duration) {
+    fn reckon(
+        &mut self,
+        now: Instant,
+        waits: [bool; SHARES.len()],
+        limited: [bool; SHARES.len()],
+        turn: Duration,
+    ) {
         let since = self.reckoned.map_or(Duration::ZERO, |then| now.saturating_duration_since(then));
         self.reckoned = Some(now);
         for (index, owed) in self.owed.iter_mut().enumerate() {
+            let earned = SHARES[index].1 * since.as_secs_f64();
             *owed = match (limited[index], waits[index]) {
-                (true, true) => (*owed + REST_SHARE * since.as_secs_f64()).min(turn.as_secs_f64()),
+                (true, true) => (*owed + earned).min(turn.as_secs_f64()),
                 // Debts are paid off also while nobody waits.
-                (true, false) => (*owed + REST_SHARE * since.as_secs_f64()).min(0.0),
+                (true, false) => (*owed + earned).min(0.0),
                 (false, _) => 0.0,
             };
         }
     }
 }
 
-/// Where the account of a class that has one stands.
-fn account(urgency: Urgency) -> usize {
-    usize::from(urgency == Urgency::Still)
+/// Where the account of a class stands; `None` of what a hand moves, which needs none.
+fn account(urgency: Urgency) -> Option<usize> {
+    SHARES.iter().position(|(class, _)| *class == urgency)
 }
 
 fn longest_untouched(waiting: &[Waiting], urgency: Urgency) -> Option<usize> {
@@ -144,8 +169,10 @@ mod tests {
     /// What came of an afternoon of drawing.
     #[derive(Debug, Default)]
     struct Outcome {
-        /// Between the ends of two moving pictures.
+        /// Between the ends of two pictures of a hand's view.
         gaps: Vec<Duration>,
+        /// The same of each of those who watch.
+        watched: Vec<Vec<Duration>>,
         /// Time that each still had.
         stills: Vec<Duration>,
         settles: Duration,
@@ -156,38 +183,53 @@ mod tests {
     type Over = Option<(Urgency, Instant, Instant)>;
     type Choose<'a> = &'a mut dyn FnMut(Instant, &[Waiting], Over) -> Turn;
 
-    /// Plays `seconds` in which `viewers` drag, each asking for the next picture `pause` after the last, beside
-    /// stills and views at rest that never end. A moving picture takes `moving`; a turn of the others what they are
-    /// told to take or `piece`, if that is longer.
+    /// Who drags and who watches that in a view of its own, what a picture takes, and how long after it each asks for the next.
+    #[derive(Clone, Copy, Debug)]
+    struct Drag {
+        hands: usize,
+        watchers: usize,
+        moving: Duration,
+        pause: Duration,
+    }
+
+    /// Plays `seconds` of a drag beside stills and views at rest that never end. A turn of those takes what they are told to
+    /// take or `piece`, if that is longer.
     fn play(
         choose: Choose,
-        (viewers, moving, pause): (usize, Duration, Duration),
+        Drag { hands, watchers, moving, pause }: Drag,
         (stills, settles, piece): (usize, usize, Duration),
         seconds: u64,
     ) -> Outcome {
         let start = Instant::now();
         let mut now = start;
+        let viewers = hands + watchers;
         let mut asks: Vec<Instant> = vec![start; viewers];
         let mut shown: Vec<Instant> = vec![start; viewers];
+        let urgency_of = |viewer| if viewer < hands { Urgency::Moving } else { Urgency::Watched };
         let mut rest: Vec<Waiting> = [(Urgency::Still, stills), (Urgency::Settling, settles)]
             .into_iter()
             .flat_map(|(urgency, count)| std::iter::repeat_n(Waiting { urgency, touched: start }, count))
             .collect();
-        let mut outcome = Outcome { stills: vec![Duration::ZERO; stills], ..Outcome::default() };
+        let (stills, watched) = (vec![Duration::ZERO; stills], vec![Vec::new(); watchers]);
+        let mut outcome = Outcome { watched, stills, ..Outcome::default() };
         let mut last = None;
         while now < start + Duration::from_secs(seconds) {
             let asking: Vec<usize> = (0..viewers).filter(|&viewer| asks[viewer] <= now).collect();
-            let moving_tasks = asking.iter().map(|&v| Waiting { urgency: Urgency::Moving, touched: asks[v] });
+            let moving_tasks = asking.iter().map(|&v| Waiting { urgency: urgency_of(v), touched: asks[v] });
             let waiting: Vec<Waiting> = moving_tasks.chain(rest.iter().copied()).collect();
-            let soonest = asks.iter().min().copied();
+            let soonest = asks.iter().copied().filter(|ask| *ask > now).min();
             let began = now;
             match choose(now, &waiting, last.take()) {
                 Turn::Draw(index, _) if index < asking.len() => {
                     now += moving;
                     let viewer = asking[index];
-                    outcome.gaps.push(now - shown[viewer]);
+                    let gaps = match viewer.checked_sub(hands) {
+                        None => &mut outcome.gaps,
+                        Some(watcher) => &mut outcome.watched[watcher],
+                    };
+                    gaps.push(now - shown[viewer]);
                     (asks[viewer], shown[viewer]) = (now + pause, now);
-                    last = Some((Urgency::Moving, began, now));
+                    last = Some((urgency_of(viewer), began, now));
                 }
                 Turn::Draw(index, turn) => {
                     let index = index - asking.len();
@@ -199,11 +241,7 @@ mod tests {
                     }
                     last = Some((rest[index].urgency, began, now));
                 }
-                Turn::Wait(time) => {
-                    let until =
-                        soonest.filter(|ask| *ask > now).map_or(now + time, |ask| ask.min(now + time));
-                    now = until;
-                }
+                Turn::Wait(time) => now = soonest.map_or(now + time, |ask| ask.min(now + time)),
                 Turn::Idle => now = soonest.expect("somebody drags").max(now + Duration::from_micros(1)),
             }
         }
@@ -224,14 +262,14 @@ mod tests {
     const MS: fn(u64) -> Duration = Duration::from_millis;
 
     /// Whether a drag beside other work kept its pace, and the others theirs.
-    fn fair(choose: Choose, drag: (usize, Duration, Duration), piece: Duration) -> Result<(), String> {
+    fn fair(choose: Choose, drag: Drag, piece: Duration) -> Result<(), String> {
         let seconds = 60;
         let stills = 8;
         let outcome = play(choose, drag, (stills, 0, piece), seconds);
-        let (viewers, moving, pause) = drag;
+        let Drag { hands, moving, pause, .. } = drag;
         // Alone, a viewer waits for the others' pictures or for its own pause.
-        let usual = (moving * viewers as u32).max(moving + pause);
-        let alone = seconds as f64 / usual.as_secs_f64() * viewers as f64;
+        let usual = (moving * hands as u32).max(moving + pause);
+        let alone = seconds as f64 / usual.as_secs_f64() * hands as f64;
         let rate = outcome.gaps.len() as f64 / alone;
         let longest = outcome.gaps.iter().max().copied().unwrap_or(Duration::MAX);
         if rate < 0.85 {
@@ -260,7 +298,7 @@ mod tests {
     fn a_drag_keeps_its_pace_beside_stills() {
         for (viewers, moving, pause) in DRAGS {
             for piece in [1, 20, 40] {
-                let drag = (viewers, MS(moving), MS(pause));
+                let drag = Drag { hands: viewers, watchers: 0, moving: MS(moving), pause: MS(pause) };
                 assert_eq!(fair(&mut by_schedule(), drag, MS(piece)), Ok(()), "{drag:?} {piece}");
             }
         }
@@ -270,7 +308,7 @@ mod tests {
     /// stills in every pause.
     #[test]
     fn faults_are_seen() {
-        let drag = (1, MS(150), MS(15));
+        let drag = Drag { hands: 1, watchers: 0, moving: MS(150), pause: MS(15) };
         let first = |waiting: &[Waiting], urgency| longest_untouched(waiting, urgency);
         let mut patience = |now: Instant, waiting: &[Waiting], _: Over| {
             let left = waiting.iter().position(|task| now - task.touched >= MS(500));
@@ -291,12 +329,75 @@ mod tests {
 
     #[test]
     fn at_rest_nothing_is_held_back() {
-        let outcome = play(&mut by_schedule(), (0, MS(1), MS(1)), (3, 0, MS(1)), 10);
+        let nobody = Drag { hands: 0, watchers: 0, moving: MS(1), pause: MS(1) };
+        let outcome = play(&mut by_schedule(), nobody, (3, 0, MS(1)), 10);
         assert_eq!(outcome.stills.iter().sum::<Duration>(), outcome.total);
         // Views at rest go before stills, which still get on.
-        let outcome = play(&mut by_schedule(), (0, MS(1), MS(1)), (3, 1, MS(1)), 10);
+        let outcome = play(&mut by_schedule(), nobody, (3, 1, MS(1)), 10);
         let stills = outcome.stills.iter().sum::<Duration>().as_secs_f64() / outcome.total.as_secs_f64();
         assert!((0.5 * REST_SHARE..=1.1 * REST_SHARE).contains(&stills), "{stills}");
         assert!(outcome.settles > outcome.total * 8 / 10);
+    }
+
+    /// Whether a hand's pictures come before those of who watches, and theirs come all the same.
+    fn hand_first(choose: Choose, drag: Drag) -> Result<(), String> {
+        let seconds = 60;
+        let outcome = play(choose, drag, (0, 0, MS(1)), seconds);
+        let Drag { watchers, moving, pause, .. } = drag;
+        // Of what the hand has alone those who watch take their share of the time at most.
+        let alone = seconds as f64 / (moving + pause).as_secs_f64();
+        let rate = outcome.gaps.len() as f64 / alone;
+        if rate < 0.9 * (1.0 - WATCH_SHARE) {
+            return Err(format!("{:.0} % of the hand's pictures", 100.0 * rate));
+        }
+        // Never two of theirs between two of the hand's, where that asks again within what one takes.
+        let longest = outcome.gaps.iter().max().copied().unwrap_or(Duration::MAX);
+        if pause < moving && longest > moving + pause + moving + MS(2) {
+            return Err(format!("a gap of {longest:?} where {:?} is usual", moving + pause));
+        }
+        let had: Vec<usize> = outcome.watched.iter().map(Vec::len).collect();
+        let share = had.iter().sum::<usize>() as f64 * moving.as_secs_f64() / outcome.total.as_secs_f64();
+        let wanted =
+            (watchers as f64 * moving.as_secs_f64() / (moving + pause).as_secs_f64()).min(WATCH_SHARE);
+        // What is owed to who asks for nothing lapses: some of the share goes by in their own pauses.
+        if share < 0.5 * wanted {
+            return Err(format!("a share of {share:.3} for those who watch"));
+        }
+        if had.iter().max() > had.iter().min().map(|least| least + 2).as_ref() {
+            return Err(format!("pictures of those who watch: {had:?}"));
+        }
+        Ok(())
+    }
+
+    const WATCHED_DRAGS: [(usize, u64, u64); 5] =
+        [(1, 100, 15), (3, 100, 15), (3, 30, 5), (8, 50, 10), (2, 5, 20)];
+
+    #[test]
+    fn a_hand_comes_before_those_who_watch_and_they_are_not_starved() {
+        for (watchers, moving, pause) in WATCHED_DRAGS {
+            let drag = Drag { hands: 1, watchers, moving: MS(moving), pause: MS(pause) };
+            assert_eq!(hand_first(&mut by_schedule(), drag), Ok(()), "{drag:?}");
+        }
+        // Where no hand moves, those who watch have all of the time.
+        let drag = Drag { hands: 0, watchers: 2, moving: MS(50), pause: MS(10) };
+        let outcome = play(&mut by_schedule(), drag, (0, 0, MS(1)), 10);
+        assert!(outcome.watched.iter().all(|gaps| gaps.len() >= 99), "{outcome:?}");
+    }
+
+    /// The planted faults: everybody in turn, as it was; and those who watch only where the hand rests.
+    #[test]
+    fn unfairness_to_a_hand_and_to_those_who_watch_is_seen() {
+        let drag = Drag { hands: 1, watchers: 3, moving: MS(100), pause: MS(15) };
+        let mut in_turn = |_: Instant, waiting: &[Waiting], _: Over| {
+            let first = waiting.iter().enumerate().min_by_key(|(_, task)| task.touched);
+            first.map_or(Turn::Idle, |(index, _)| Turn::Draw(index, MS(50)))
+        };
+        assert!(hand_first(&mut in_turn, drag).is_err());
+        let mut schedule = by_schedule();
+        let mut starve = |now: Instant, waiting: &[Waiting], last: Over| match schedule(now, waiting, last) {
+            Turn::Draw(index, _) if waiting[index].urgency == Urgency::Watched => Turn::Wait(MS(1)),
+            turn => turn,
+        };
+        assert!(hand_first(&mut starve, drag).is_err());
     }
 }

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Weak};
 use std::time::{Duration, Instant};
 
-use render::{Gpu, MemoryBudget, Pixels, RenderError, Renderer, TiledPicture};
+use render::{Gpu, MemoryBudget, PassRun, Pixels, RenderError, Renderer, TiledPicture};
 use scene::PosedScene;
 use tokio::runtime::{self, Runtime};
 use tokio::sync::mpsc;
@@ -22,8 +22,12 @@ struct Task {
     done: Answer,
     started: Option<Instant>,
     took: Duration,
-    /// When it was last worked on, or when it came.
+    /// When it was last worked on, or since when it waits.
     touched: Instant,
+    /// Whether a shadow map was drawn for it.
+    drew_map: bool,
+    /// Which passes it has come to.
+    passes: Vec<PassRun>,
     /// How often it was worked on.
     turns: u32,
     /// What there is of it, where it is drawn in tiles.
@@ -60,8 +64,18 @@ struct SceneRenderer {
 
 impl Task {
     fn new(request: Request, done: Answer) -> Self {
-        let (started, touched) = (None, Instant::now());
-        Self { request, done, started, took: Duration::ZERO, touched, turns: 0, picture: None }
+        let (started, touched) = (None, request.place.since);
+        Self {
+            request,
+            done,
+            started,
+            took: Duration::ZERO,
+            touched,
+            drew_map: false,
+            passes: Vec::new(),
+            turns: 0,
+            picture: None,
+        }
     }
 }
 
@@ -173,8 +187,11 @@ impl RenderLoop {
         self.metrics.least_still_turns.set(stills.map(|task| i64::from(task.turns)).min().unwrap_or(0));
     }
 
-    /// Gives a picture its turn, and hands it over where it is finished.
+    /// Gives a picture its turn, and hands it over where it is finished. One that was given up is not begun.
     fn work_on(&mut self, mut task: Task, turn: Duration) {
+        if task.started.is_none() && !task.request.place.take() {
+            return;
+        }
         let began = Instant::now();
         let started = *task.started.get_or_insert(began);
         let result = self.draw_or_reopen(&mut task, turn);
@@ -186,10 +203,13 @@ impl RenderLoop {
         if urgency == Urgency::Still {
             self.metrics.still_turns.inc();
         }
-        let took = task.took;
+        let (took, drew_map) = (task.took, task.drew_map);
         match result {
             Ok(None) => self.waiting.push(task),
-            Ok(Some(pixels)) => drop(task.done.send(Ok(Drawn { pixels, started, took }))),
+            Ok(Some(pixels)) => {
+                let drawn = Drawn { pixels, started, took, drew_map, passes: task.passes };
+                drop(task.done.send(Ok(drawn)));
+            }
             Err(error) => drop(task.done.send(Err(error))),
         }
     }
@@ -212,13 +232,16 @@ impl RenderLoop {
 
     /// A turn of drawing; the picture where it is finished.
     fn draw(&mut self, task: &mut Task, turn: Duration) -> Result<Option<Pixels>, RenderError> {
-        let Task { request, picture, .. } = task;
+        let Task { request, picture, passes, .. } = task;
         let renderer = self.scene_renderer(request)?;
         let Request { view, lights, output, urgency, .. } = &*request;
-        if *urgency == Urgency::Moving {
+        if matches!(urgency, Urgency::Moving | Urgency::Watched) {
             // As a whole: what is kept of the one before makes it quick, and it is late already.
             let (width, height) = (view.width, view.height);
+            let maps = renderer.counts().shadow;
             let bytes = renderer.render_display(view, lights)?;
+            task.drew_map = renderer.counts().shadow > maps;
+            renderer.runs().iter().for_each(|run| run.add_to(passes));
             return Ok(Some(Pixels::Display { width, height, bytes }));
         }
         let mut begun = match (picture.take(), output) {
@@ -226,7 +249,9 @@ impl RenderLoop {
             (None, Output::Display) => TiledPicture::for_screen(view, lights)?,
             (None, Output::File(format)) => TiledPicture::for_file(view, lights, *format)?,
         };
-        if !renderer.draw_some(&mut begun, turn)? {
+        let is_finished = renderer.draw_some(&mut begun, turn)?;
+        renderer.runs().iter().for_each(|run| run.add_to(passes));
+        if !is_finished {
             *picture = Some(begun);
             return Ok(None);
         }
@@ -281,5 +306,8 @@ impl RenderLoop {
 fn open(memory: &MemoryBudget) -> Result<Renderer, RenderError> {
     let gpu = Gpu::with_memory_budget(memory.clone())?;
     tracing::info!("rendering with {}", gpu.adapter_name());
+    if let Some(advice) = gpu.advice() {
+        tracing::warn!("{advice}");
+    }
     Renderer::new(Arc::new(gpu))
 }

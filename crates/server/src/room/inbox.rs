@@ -138,25 +138,36 @@ impl Room {
         }
         let Poll::Ready(found) = solution else { return self.wait_in_line(client, request) };
         let holder = (client, &principal.actor);
+        if request.is_of_a_hand() {
+            self.views.note_hand(client);
+        }
         match request {
-            ClientRequest::OpenView { camera, camera_revision, settings, size } => {
-                self.views.open(client, (camera, camera_revision), settings, size);
+            ClientRequest::OpenView { camera, camera_revision, settings, interaction, stats, size } => {
+                self.views.open(client, (camera, camera_revision), (settings, interaction), size);
+                self.views.tell_stats(client, stats);
                 self.presence_changed = true;
             }
-            ClientRequest::Follow(leader) => {
+            ClientRequest::Follow { leader, stats } => {
                 let followed = self.views.follow(client, leader);
+                if followed.is_ok() {
+                    self.views.tell_stats(client, stats);
+                }
                 self.note_view(client, followed);
             }
             ClientRequest::SetCamera { camera, camera_revision } => {
                 let moved = self.views.set_camera(client, camera, camera_revision);
                 self.note_view(client, moved);
             }
-            ClientRequest::SetView { settings, camera_revision } => {
+            ClientRequest::SetView { settings, stats, camera_revision } => {
                 let changed = self.views.set_settings(client, settings, camera_revision);
+                if let (Ok(()), Some(stats)) = (&changed, stats) {
+                    self.views.tell_stats(client, stats);
+                }
                 self.note_view(client, changed);
             }
             ClientRequest::Resize(size) => self.views.resize(client, size),
             ClientRequest::Ack(frame) => self.views.acknowledge(client, frame),
+            ClientRequest::RequestKeyFrame(frame) => self.views.request_key_frame(client, frame),
             ClientRequest::Step(step) => {
                 let answer = self.take_step(step, found, &principal, tick).await;
                 tick.send(Outgoing::Answer(client, answer));

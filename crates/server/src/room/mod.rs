@@ -147,7 +147,7 @@ impl Room {
             number,
             epoch: row.epoch,
             outboxes: Outboxes::default(),
-            views: Views::new(backend.clone(), Arc::clone(&lease)),
+            views: Views::new(backend.clone(), Arc::clone(name), Arc::clone(&lease)),
             lease,
             backend,
             scene,
@@ -182,9 +182,7 @@ impl Room {
                 },
                 () = ready(()), if can_go_on => self.tick(None, inbox).await,
                 Some(ended) = self.solving.join_next_with_id() => self.take_solved(ended),
-                Some(picture) = self.views.next_picture() => {
-                    self.views.take_picture(picture, &mut self.outboxes);
-                }
+                Some(step) = self.views.next_step() => self.views.take_step(step, &mut self.outboxes),
                 Some(ended) = self.probes.next() => self.take_probe(ended),
                 () = sleep_until(wake) => {}
             }

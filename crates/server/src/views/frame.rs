@@ -1,26 +1,46 @@
-//! One picture of a view: made by the renderer, encoded, and as a message to each client.
+//! One picture of a view: drawn by the renderer, encoded, and as a message to each client.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
+use protocol::{FrameQuality, FrameStats, PassRun, TraceLine, TraceWhat};
 use render::Pixels;
 use stream::{Codec, Content, Flags, FrameHeader, HEADER_BYTES, MOVING_QUALITY, Quality, Tile};
 use tokio::task::spawn_blocking;
 
+use super::detail::{Detail, Made};
 use crate::ServerError;
 use crate::backend::Backend;
+use crate::outboxes::ClientId;
+use crate::picture_stats::{micros, on_the_wire};
 use crate::renderer::Request;
+use crate::trace::PictureTrace;
 
 /// Samples a pixel of the picture of a still view: smooth edges for four times the work.
 const SETTLE_SAMPLES: u32 = 4;
 
+/// Sides of the tile that is sent where nothing differs, in pixels.
+const LEAST_TILE: u16 = 16;
+
 /// An encoded picture and what it shows.
 pub struct Frame {
     pub stamp: Stamp,
-    payload: Vec<u8>,
+    /// Which of the pictures that were made; counts from 1.
+    pub number: u64,
+    /// The picture that its tiles go onto; `None` where they are all of it.
+    pub base: Option<Shown>,
+    /// A message each.
+    tiles: Vec<(Tile, Vec<u8>)>,
+    /// RGBA, rows from the top, for the next to be compared with.
+    pixels: Vec<u8>,
     wait: Duration,
     render: Duration,
     encode: Duration,
+    /// Whether a shadow map was drawn for it.
+    drew_map: bool,
+    /// What it came to.
+    passes: Vec<PassRun>,
 }
 
 /// What a picture shows.
@@ -30,58 +50,183 @@ pub struct Stamp {
     pub log_seq: u64,
     pub live_revision: u32,
     pub camera_revision: u32,
-    pub size: [u32; 2],
+    /// How fine it is; that of a lossless one is full.
+    pub detail: Detail,
+    /// Of its view, in pixels.
+    pub view_size: [u32; 2],
 }
 
-/// What became of a picture.
-pub type Picture = Result<Frame, ServerError>;
+/// A picture of a view, told from all others of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shown {
+    revision: u64,
+    quality: Quality,
+    detail: Detail,
+}
+
+impl Stamp {
+    /// Which picture it is.
+    pub fn shown(&self) -> Shown {
+        Shown { revision: self.content.revision, quality: self.quality, detail: self.detail }
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.detail.resolution.of(self.view_size)
+    }
+}
+
+/// A picture that is drawn and not yet encoded.
+pub struct Drawing {
+    pub stamp: Stamp,
+    /// RGBA, rows from the top.
+    pixels: Vec<u8>,
+    wait: Duration,
+    render: Duration,
+    drew_map: bool,
+    passes: Vec<PassRun>,
+    trace: PictureTrace,
+}
+
+/// A step of a picture's way that is done.
+pub enum Step {
+    Drawn(Drawing),
+    Encoded(Frame),
+}
+
+/// What became of a step.
+pub type StepResult = Result<Step, ServerError>;
 
 impl Frame {
-    /// The binary message for one client.
-    pub fn message(&self, frame: u64, key: bool) -> Bytes {
-        let Stamp { content: _, quality, log_seq, live_revision, camera_revision, size } = self.stamp;
-        let [width, height] = size.map(|side| side as u16);
+    /// What it took to make.
+    pub fn made(&self) -> Made {
+        Made { detail: self.stamp.detail, took: self.render + self.encode, drew_map: self.drew_map }
+    }
+
+    /// What it came to, for a client that was sent it as the frame of that number, in so many bytes. A picture that was held
+    /// took nothing more.
+    pub fn stats(&self, frame: u64, bytes: usize, is_held: bool) -> FrameStats {
+        FrameStats {
+            frame,
+            wait_us: micros(self.wait),
+            render_us: micros(self.render),
+            encode_us: micros(self.encode),
+            bytes: bytes as u64,
+            tiles: self.tiles.len() as u32,
+            size: self.stamp.size(),
+            shadow_map_divisor: self.stamp.detail.shadow_map.divisor(),
+            quality: on_the_wire_quality(self.stamp.quality),
+            passes: if is_held { Vec::new() } else { self.passes.clone() },
+        }
+    }
+
+    /// How many messages it is.
+    pub fn message_count(&self) -> usize {
+        self.tiles.len()
+    }
+
+    /// The binary message of that index, for one client.
+    pub fn message(&self, index: usize, frame: u64, key: bool) -> Bytes {
+        let (tile, payload) = &self.tiles[index];
+        let Stamp { quality, log_seq, live_revision, camera_revision, detail, view_size, .. } = self.stamp;
+        let [width, height] = self.stamp.size().map(|side| side as u16);
+        let [view_width, view_height] = view_size.map(|side| side as u16);
         let header = FrameHeader {
             codec: codec(quality),
-            flags: Flags { key, settle: quality == Quality::Settled, last_tile: true },
+            flags: Flags {
+                key,
+                settle: quality == Quality::Settled,
+                last_tile: index + 1 == self.tiles.len(),
+            },
             view: 0,
             frame,
             log_seq,
             camera_revision,
             live_revision,
             samples: samples(quality) as u16,
-            tile: Tile { x: 0, y: 0, width, height },
+            shadow_map_divisor: detail.shadow_map.divisor(),
+            tile: *tile,
             width,
             height,
             wait_us: micros(self.wait),
             render_us: micros(self.render),
             encode_us: micros(self.encode),
+            view_width,
+            view_height,
         };
-        let mut message = Vec::with_capacity(HEADER_BYTES + self.payload.len());
+        let mut message = Vec::with_capacity(HEADER_BYTES + payload.len());
         message.extend(header.to_bytes());
-        message.extend(&self.payload);
+        message.extend(payload);
         message.into()
     }
 }
 
-/// Draws and encodes the picture that `request` describes and `stamp` says what it shows.
-pub async fn make_picture(backend: Backend, request: Request, stamp: Stamp) -> Picture {
+/// Draws the picture that `request` describes and `stamp` says what it shows, in the view of a client of the session of that
+/// name.
+pub async fn draw_picture(
+    backend: Backend,
+    request: Request,
+    stamp: Stamp,
+    (session, client): (Arc<str>, ClientId),
+) -> StepResult {
     let drawn = backend.renders.draw(request).await?;
     backend.metrics.frames_rendered.inc();
     backend.metrics.render_seconds.observe(drawn.took.as_secs_f64());
-    let (quality, [width, height]) = (stamp.quality, stamp.size.map(|side| side as u16));
-    let started = Instant::now();
-    let Pixels::Display { bytes, .. } = drawn.pixels else { return Err(ServerError::Fault) };
-    let encoded = spawn_blocking(move || match quality {
-        Quality::Moving => stream::jpeg(&bytes, width, height, MOVING_QUALITY),
-        Quality::Settled => stream::png(&bytes, width, height),
-    });
-    let payload = encoded.await.map_err(|_| ServerError::Fault)??;
-    let encode = started.elapsed();
-    backend.metrics.frames_encoded.get_or_create(&codec(quality).into()).inc();
-    backend.metrics.encode_seconds.observe(encode.as_secs_f64());
+    let Pixels::Display { bytes: pixels, .. } = drawn.pixels else { return Err(ServerError::Fault) };
     let wait = drawn.started.saturating_duration_since(stamp.content.changed_at);
-    Ok(Frame { stamp, payload, wait, render: drawn.took, encode })
+    let (render, drew_map, passes) = (drawn.took, drawn.drew_map, on_the_wire(&drawn.passes));
+    let trace = backend.trace.drawn(|| TraceLine {
+        time: drawn.started.saturating_duration_since(backend.started).as_secs_f64(),
+        session: session.to_string(),
+        what: TraceWhat::View { client },
+        size: stamp.size(),
+        quality: on_the_wire_quality(stamp.quality),
+        wait_us: micros(wait),
+        render_us: micros(render),
+        encode_us: None,
+        passes: passes.clone(),
+        left_out: 0,
+    });
+    Ok(Step::Drawn(Drawing { stamp, pixels, wait, render, drew_map, passes, trace }))
+}
+
+/// Encodes a picture, of a moving one only what differs from `base`, which has as many pixels; the next one may be drawn
+/// meanwhile.
+pub async fn encode_picture(backend: Backend, drawing: Drawing, base: Option<Arc<Frame>>) -> StepResult {
+    let quality = drawing.stamp.quality;
+    let started = Instant::now();
+    let encoded = spawn_blocking(move || encode(drawing, base.as_deref(), started));
+    let frame = encoded.await.map_err(|_| ServerError::Fault)??;
+    backend.metrics.frames_encoded.get_or_create(&codec(quality).into()).inc();
+    backend.metrics.encode_seconds.observe(frame.encode.as_secs_f64());
+    Ok(Step::Encoded(frame))
+}
+
+fn encode(drawing: Drawing, base: Option<&Frame>, started: Instant) -> Result<Frame, ServerError> {
+    let Drawing { stamp, pixels, wait, render, drew_map, passes, trace } = drawing;
+    let [width, height] = stamp.size().map(|side| side as u16);
+    let whole = stream::whole(width, height);
+    let (base, tiles) = match (stamp.quality, base) {
+        (Quality::Settled, _) => (None, stream::png_bands(&pixels, width, height)?),
+        (Quality::Moving, base) => {
+            let mut tiles =
+                base.map_or(Ok(vec![whole]), |base| stream::changed(&base.pixels, &pixels, width, height))?;
+            if tiles.is_empty() {
+                // What it shows is told all the same.
+                let side = |length: u16| length.min(LEAST_TILE);
+                tiles.push(Tile { x: 0, y: 0, width: side(width), height: side(height) });
+            }
+            let base = base.filter(|_| tiles != [whole]).map(|base| base.stamp.shown());
+            let jpeg = |tile: Tile| {
+                let part = stream::cut(&pixels, width, tile);
+                Ok((tile, stream::jpeg(&part, tile.width, tile.height, MOVING_QUALITY)?))
+            };
+            (base, tiles.into_iter().map(jpeg).collect::<Result<_, ServerError>>()?)
+        }
+    };
+    let encode = started.elapsed();
+    trace.encoded(encode);
+    Ok(Frame { stamp, number: 0, base, tiles, pixels, wait, render, encode, drew_map, passes })
 }
 
 /// How pictures of that quality are encoded.
@@ -100,6 +245,9 @@ pub fn samples(quality: Quality) -> u32 {
     }
 }
 
-fn micros(duration: Duration) -> u32 {
-    duration.as_micros().try_into().unwrap_or(u32::MAX)
+fn on_the_wire_quality(quality: Quality) -> FrameQuality {
+    match quality {
+        Quality::Moving => FrameQuality::Moving,
+        Quality::Settled => FrameQuality::Settled,
+    }
 }

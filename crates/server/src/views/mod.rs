@@ -3,6 +3,7 @@
 //! Views know no session's task. They are told what clients ask and what the session is now, and put what is to be sent
 //! into outboxes.
 
+mod detail;
 mod frame;
 mod pictures;
 mod settings;
@@ -11,7 +12,7 @@ mod view;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use protocol::{ServerMessage, ViewSource};
+use protocol::{Interaction, ServerMessage, ViewSource};
 use scene::{Camera, PosedScene};
 use stream::{Content, Pace};
 use tokio::task::JoinSet;
@@ -21,7 +22,7 @@ use crate::ServerError;
 use crate::backend::Backend;
 use crate::outboxes::{ClientId, Outboxes};
 use crate::renderer::Lease;
-use frame::Picture;
+use frame::{Frame, Shown, StepResult};
 pub use settings::ViewSettings;
 use view::{Source, View};
 
@@ -31,7 +32,11 @@ pub struct Views {
     /// Counts what views show.
     content_revision: u64,
     /// Those that are being made.
-    pictures: JoinSet<Picture>,
+    pictures: JoinSet<StepResult>,
+    /// Counts those that were made.
+    made: u64,
+    /// The session's name.
+    name: Arc<str>,
     /// Keeps what the renderer has of the session's scenes.
     session: Arc<Lease>,
     backend: Backend,
@@ -55,21 +60,54 @@ struct Viewer {
     configured: Option<(ClientId, [u32; 2])>,
     /// When it gets its next frame.
     pace: Pace,
-    /// Number of its latest frame.
+    /// Number of its latest frame, and of the latest that goes onto no other.
     frame: u64,
+    whole_frame: u64,
+    /// Whether it is told what each frame came to.
+    stats: bool,
+    /// Of the pictures that were made, which one it was sent last, or was the last when it began to look.
+    latest_picture: u64,
+    /// The picture that it was sent last, where it was sent all of it.
+    shows: Option<Shown>,
+    /// What it is being sent.
+    sending: Option<Sending>,
+    /// When it last changed the document or its view.
+    acted_at: Option<Instant>,
+}
+
+/// A picture on its way to a client, tile by tile.
+struct Sending {
+    picture: Arc<Frame>,
+    /// The number of the frame.
+    frame: u64,
+    key: bool,
+    /// Whether it was there before: nothing had to be drawn for this client.
+    is_held: bool,
+    /// The tiles that were sent, their bytes, and when the last was.
+    sent: usize,
+    bytes: usize,
+    sent_at: std::time::Instant,
+}
+
+impl Viewer {
+    fn new(source: Source, pace: Pace) -> Self {
+        let (configured, shows, sending, acted_at) = (None, None, None, None);
+        let (frame, whole_frame, stats, latest_picture) = (0, 0, false, 0);
+        Self { source, configured, pace, frame, whole_frame, stats, latest_picture, shows, sending, acted_at }
+    }
 }
 
 impl Views {
-    /// Nobody is here yet. `session` keeps what the renderer has of the session.
-    pub fn new(backend: Backend, session: Arc<Lease>) -> Self {
+    /// Nobody is here yet. `name` is the session's, and `session` keeps what the renderer has of it.
+    pub fn new(backend: Backend, name: Arc<str>, session: Arc<Lease>) -> Self {
         let (viewers, pictures) = (BTreeMap::new(), JoinSet::new());
-        Self { viewers, content_revision: 0, pictures, session, backend }
+        Self { viewers, content_revision: 0, pictures, made: 0, name, session, backend }
     }
 
     /// A client comes. It looks at nothing yet.
     pub fn insert(&mut self, id: ClientId) {
         let (source, pace) = (Source::Nothing, Pace::new());
-        self.viewers.insert(id, Viewer { source, configured: None, pace, frame: 0 });
+        self.viewers.insert(id, Viewer::new(source, pace));
     }
 
     /// A client goes. Who looked at its view goes on from there.
@@ -84,7 +122,8 @@ impl Views {
                 Source::Own(view) => {
                     let (camera, lease) = (view.camera.clone(), self.backend.renders.lease());
                     let from = (camera, view.camera_revision);
-                    let view = View::new(from, view.settings.clone(), view.size, content, lease);
+                    let how = (view.settings.clone(), view.moving.interaction());
+                    let view = View::new(from, how, view.size, content, lease);
                     Source::Own(Box::new(view))
                 }
                 Source::Follow(leader) => Source::Follow(*leader),
@@ -95,10 +134,16 @@ impl Views {
     }
 
     /// Opens a view of a client's own, from `camera` and with its revision. `size` is its width and height in pixels.
-    pub fn open(&mut self, id: ClientId, camera: (Camera, u32), settings: ViewSettings, size: [u32; 2]) {
+    pub fn open(
+        &mut self,
+        id: ClientId,
+        camera: (Camera, u32),
+        how: (ViewSettings, Interaction),
+        size: [u32; 2],
+    ) {
         let (content, lease) = (self.new_content(), self.backend.renders.lease());
         let Some(viewer) = self.viewers.get_mut(&id) else { return };
-        let view = View::new(camera, settings, size, content, lease);
+        let view = View::new(camera, how, size, content, lease);
         viewer.source = Source::Own(Box::new(view));
         viewer.configured = None;
     }
@@ -148,12 +193,26 @@ impl Views {
         Ok(())
     }
 
+    /// Says whether a client is told what each frame came to.
+    pub fn tell_stats(&mut self, id: ClientId, stats: bool) {
+        if let Some(viewer) = self.viewers.get_mut(&id) {
+            viewer.stats = stats;
+        }
+    }
+
     /// Gives a client's own view another size in pixels. Who follows another sees that one's size, and so nothing changes.
     pub fn resize(&mut self, id: ClientId, size: [u32; 2]) {
         let content = self.new_content();
         if let Some(view) = self.own_view(id).filter(|view| view.size != size) {
             view.size = size;
             view.touch(content);
+        }
+    }
+
+    /// A client changes the document or its view: for a while what it sees is seen by a hand.
+    pub fn note_hand(&mut self, id: ClientId) {
+        if let Some(viewer) = self.viewers.get_mut(&id) {
+            viewer.acted_at = Some(Instant::now());
         }
     }
 
@@ -200,7 +259,8 @@ impl Views {
                 continue;
             }
             if viewer.configured.map(|(owner, _)| owner) != owner {
-                viewer.pace = Pace::new();
+                (viewer.pace, viewer.shows, viewer.sending) = (Pace::new(), None, None);
+                viewer.latest_picture = self.made;
             }
             viewer.configured = configured;
             let source = match &viewer.source {

@@ -4,17 +4,21 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use axum::body::Bytes;
-use render::{Aov, RenderError, View as RenderView};
-use stream::{Content, Next, Quality};
+use axum::extract::ws::Message as SocketMessage;
+use protocol::ServerMessage;
+use render::{RenderError, View as RenderView};
+use stream::{Content, Next, Quality, WINDOW};
 use tokio::task::{Id, JoinError};
 
-use super::frame::{Frame, Picture, Stamp, codec, make_picture, samples};
-use super::view::UnderWay;
-use super::{Live, Viewer, Views, now};
+use super::detail::Detail;
+use super::frame::{Frame, Shown, Stamp, Step, StepResult, codec, draw_picture, encode_picture, samples};
+use super::view::{Source, UnderWay};
+use super::{Live, Sending, Viewer, Views, now};
 use crate::ServerError;
-use crate::limits::{IDLE_AT_MOST, STALLED_CHECK_EVERY};
+use crate::limits::{HAND_FOR, IDLE_AT_MOST, STALLED_CHECK_EVERY, TILES_CHECK_EVERY};
+use crate::outbox::text;
 use crate::outboxes::{ClientId, Outboxes};
-use crate::renderer::{Output, Request, Urgency};
+use crate::renderer::{Output, Place, Request, Urgency};
 
 impl Views {
     /// A client has shown a frame.
@@ -25,10 +29,24 @@ impl Views {
         }
     }
 
+    /// A client could not decode a frame, and so shows nothing that another could go onto: its next one is whole. What it asks
+    /// for is on its way where a whole one was begun since.
+    pub fn request_key_frame(&mut self, id: ClientId, frame: u64) {
+        if let Some(viewer) = self.viewers.get_mut(&id)
+            && (viewer.whole_frame..=viewer.frame).contains(&frame)
+        {
+            viewer.pace.start_anew();
+            (viewer.shows, viewer.sending) = (None, None);
+        }
+    }
+
     /// Sends what there is to who lacks it and starts what is needed. Returns when to look again.
     pub fn update(&mut self, now: Instant, live: Live, outboxes: &mut Outboxes) -> Instant {
         let mut wake = now + IDLE_AT_MOST;
         let ids: Vec<ClientId> = self.viewers.keys().copied().collect();
+        for id in &ids {
+            wake = self.send_tiles(*id, outboxes).map_or(wake, |next| wake.min(next));
+        }
         for owner in ids {
             let Some(view) = self.own_view(owner) else { continue };
             let content = view.content;
@@ -38,9 +56,9 @@ impl Views {
             let mut wanted = None;
             for id in self.watchers_of(owner) {
                 match self.next_of(id, content, now, outboxes) {
-                    Next::Nothing => {}
                     Next::WaitUntil(time) => wake = wake.min(time),
-                    Next::Moving => wanted = Some(Quality::Moving),
+                    Next::Moving if self.has_room_for_more(id, owner) => wanted = Some(Quality::Moving),
+                    Next::Moving | Next::Nothing => {}
                     Next::Settle => wanted = wanted.or(Some(Quality::Settled)),
                 }
             }
@@ -51,60 +69,151 @@ impl Views {
         wake
     }
 
-    /// The next picture that is there, or will never be; `None` where none is under way.
-    pub async fn next_picture(&mut self) -> Option<Result<(Id, Picture), JoinError>> {
+    /// The next picture that is drawn or encoded, or will never be; `None` where none is under way.
+    pub async fn next_step(&mut self) -> Option<Result<(Id, StepResult), JoinError>> {
         self.pictures.join_next_with_id().await
     }
 
-    /// Takes what [`Self::next_picture`] gave, and sends it to who wants it.
-    pub fn take_picture(&mut self, picture: Result<(Id, Picture), JoinError>, outboxes: &mut Outboxes) {
-        let task = picture.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
-        let own_views = self.viewers.iter_mut().filter_map(|(id, viewer)| Some((*id, viewer.source.own()?)));
-        let mut drawn =
-            own_views.filter(|(_, view)| view.under_way.as_ref().is_some_and(|u| u.task.id() == task));
+    /// Takes what [`Self::next_step`] gave: has encoded what is drawn, and sends what is encoded to who wants it.
+    pub fn take_step(&mut self, step: Result<(Id, StepResult), JoinError>, outboxes: &mut Outboxes) {
+        let task = step.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
+        let is_it = |job: &mut UnderWay| job.task.id() == task;
+        let mut own_views =
+            self.viewers.iter_mut().filter_map(|(id, viewer)| Some((*id, viewer.source.own()?)));
         // One that was given up belongs to no view.
-        let Some((owner, view)) = drawn.next() else { return };
-        let drawn_revision = view.under_way.take().map(|job| job.revision);
+        let Some((owner, view, job)) = own_views.find_map(|(id, view)| {
+            let job = view.drawing.take_if(is_it).or_else(|| view.encoding.take_if(is_it))?;
+            Some((id, view, job))
+        }) else {
+            return;
+        };
         let content = view.content;
-        match picture {
-            // A lossless picture of the past is of no use; a moving one is the latest there is.
-            Ok((_, Ok(frame)))
-                if frame.stamp.quality == Quality::Settled && frame.stamp.content != content => {}
-            Ok((_, Ok(frame))) => {
+        match step {
+            Ok((_, Ok(Step::Drawn(drawing)))) => view.drawn = Some(drawing),
+            Ok((_, Ok(Step::Encoded(mut frame)))) => {
+                self.made += 1;
+                frame.number = self.made;
+                if frame.stamp.quality == Quality::Moving {
+                    view.moving.note(frame.made(), now());
+                }
                 let frame = Arc::new(frame);
                 view.latest = Some(Arc::clone(&frame));
                 self.deliver(owner, &frame, content, outboxes);
             }
             Ok((_, Err(error))) => {
-                view.failed = drawn_revision;
+                view.failed = Some(job.revision);
                 for id in self.watchers_of(owner) {
                     outboxes.warn(id, &error);
                 }
             }
             Err(fault) => {
                 tracing::error!("a picture failed: {fault}");
-                view.failed = drawn_revision;
+                view.failed = Some(job.revision);
             }
+        }
+        self.start_encoding(owner, outboxes);
+    }
+
+    /// Starts to encode what is drawn of a view, one at a time, so that pictures stay in order: what differs from the one
+    /// before, if all who want it have that.
+    fn start_encoding(&mut self, owner: ClientId, outboxes: &Outboxes) {
+        let Some(view) = self.own_view(owner).filter(|view| view.encoding.is_none()) else { return };
+        let Some(drawing) = view.drawn.take() else { return };
+        let is_as_large = |latest: &Arc<Frame>| latest.stamp.size() == drawing.stamp.size();
+        let (content, base) = (view.content, view.latest.clone().filter(is_as_large));
+        let now = now();
+        let mut want = self.watchers_of(owner);
+        want.retain(|id| self.next_of(*id, content, now, outboxes) == Next::Moving);
+        let base = base.filter(|base| want.iter().all(|id| self.has_base_of(*id, Some(base.stamp.shown()))));
+        let (quality, revision) = (drawing.stamp.quality, drawing.stamp.content.revision);
+        let task = self.pictures.spawn(encode_picture(self.backend.clone(), drawing, base));
+        if let Some(view) = self.own_view(owner) {
+            view.encoding = Some(UnderWay { quality, revision, place: None, task });
         }
     }
 
-    /// Sends a frame to all who look at its view and want it.
-    fn deliver(&mut self, owner: ClientId, frame: &Frame, content: Content, outboxes: &mut Outboxes) {
+    /// Whether a client takes another picture of the view of `owner` besides those that are drawn and not yet sent.
+    fn has_room_for_more(&self, id: ClientId, owner: ClientId) -> bool {
+        let source = self.viewers.get(&owner).map(|viewer| &viewer.source);
+        let pending = if let Some(Source::Own(view)) = source { view.in_encoding() } else { 0 };
+        self.viewers.get(&id).is_some_and(|viewer| viewer.pace.under_way() + pending < WINDOW)
+    }
+
+    /// Whether somebody who sees the view of `owner` edits, or moves it.
+    fn is_seen_by_a_hand(&self, owner: ClientId) -> bool {
+        let acts = |id: &ClientId| self.viewers.get(id)?.acted_at.map(|then| then.elapsed() < HAND_FOR);
+        self.watchers_of(owner).iter().any(|id| acts(id).unwrap_or(false))
+    }
+
+    /// Sends a frame to all who look at its view, want it, and have what it goes onto.
+    fn deliver(&mut self, owner: ClientId, frame: &Arc<Frame>, content: Content, outboxes: &mut Outboxes) {
         let now = now();
         for id in self.watchers_of(owner) {
             let wants = match self.next_of(id, content, now, outboxes) {
-                Next::Moving => true,
+                Next::Moving => self.has_base_of(id, frame.base),
                 Next::Settle => frame.stamp.quality == Quality::Settled,
                 Next::Nothing | Next::WaitUntil(_) => false,
             };
             if wants && let Some(viewer) = self.viewers.get_mut(&id) {
-                let message = viewer.next_message(frame, now);
-                let metrics = &self.backend.metrics;
-                metrics.frames_sent.get_or_create(&codec(frame.stamp.quality).into()).inc();
-                metrics.frame_bytes_sent.inc_by(message.len() as u64);
-                outboxes.send_frame(id, message);
+                viewer.begin(Arc::clone(frame), now);
+                self.backend.metrics.frames_sent.get_or_create(&codec(frame.stamp.quality).into()).inc();
+                self.send_tiles(id, outboxes);
             }
         }
+    }
+
+    /// Sends a client what it can take of the picture that is on its way. Returns when to look again, where something is left.
+    fn send_tiles(&mut self, id: ClientId, outboxes: &mut Outboxes) -> Option<Instant> {
+        let content = self.owner_of(id).and_then(|owner| Some(self.own_view(owner)?.content));
+        let (viewer, now) = (self.viewers.get_mut(&id)?, now());
+        // The rest of a lossless picture of the past is of no use, also while there is no other.
+        viewer.sending.take_if(|sending| {
+            let Stamp { quality, content: of, .. } = sending.picture.stamp;
+            quality == Quality::Settled && Some(of) != content
+        });
+        let sending = viewer.sending.as_mut()?;
+        let count = sending.picture.message_count();
+        // A moving picture goes as a whole. Of a lossless one a tile goes when the last is taken, so that an edit leaves the
+        // others out.
+        let to = match sending.picture.stamp.quality {
+            Quality::Moving => count,
+            Quality::Settled if outboxes.has_taken_frames(id) => sending.sent + 1,
+            // Who has not taken one for so long has stalled.
+            Quality::Settled if now.saturating_duration_since(sending.sent_at) < STALLED_CHECK_EVERY => {
+                return Some(now + TILES_CHECK_EVERY);
+            }
+            Quality::Settled => return Some(now + STALLED_CHECK_EVERY),
+        };
+        let tiles = sending.sent..to.min(count);
+        let tiles: Vec<Bytes> =
+            tiles.map(|tile| sending.picture.message(tile, sending.frame, sending.key)).collect();
+        let bytes: usize = tiles.iter().map(Bytes::len).sum();
+        let mut messages: Vec<SocketMessage> = tiles.into_iter().map(SocketMessage::Binary).collect();
+        self.backend.metrics.frame_bytes_sent.inc_by(bytes as u64);
+        sending.bytes += bytes;
+        if viewer.stats && to == count {
+            // With the frame and behind it: what has no room goes with it, and no picture waits for it.
+            let stats = sending.picture.stats(sending.frame, sending.bytes, sending.is_held);
+            messages.push(SocketMessage::Text(text(&ServerMessage::Stats(Box::new(stats)))));
+        }
+        outboxes.send_frame(id, messages);
+        if sending.sent > 0 {
+            viewer.pace.went_on(now);
+        }
+        (sending.sent, sending.sent_at) = (to, now);
+        let is_left = to < count;
+        if !is_left {
+            viewer.shows = viewer.sending.take().map(|sending| sending.picture.stamp.shown());
+        }
+        is_left.then_some(now + TILES_CHECK_EVERY)
+    }
+
+    /// Whether a client was last sent what a picture goes onto.
+    fn has_base_of(&self, id: ClientId, base: Option<Shown>) -> bool {
+        let has = |base| {
+            self.viewers.get(&id).is_some_and(|viewer| viewer.shows == Some(base) && !viewer.pace.owes_key())
+        };
+        base.is_none_or(has)
     }
 
     /// What a client needs of its view.
@@ -126,34 +235,38 @@ impl Views {
     fn start_picture(&mut self, owner: ClientId, quality: Quality, live: Live, outboxes: &mut Outboxes) {
         let (log_seq, live_revision) = (live.session.seq(), live.revision);
         let session = Arc::clone(&self.session);
+        let urgency = match quality {
+            Quality::Moving if self.is_seen_by_a_hand(owner) => Urgency::Moving,
+            Quality::Moving => Urgency::Watched,
+            Quality::Settled => Urgency::Settling,
+        };
         let Some(view) = self.viewers.get_mut(&owner).and_then(|viewer| viewer.source.own()) else { return };
-        if view.under_way.is_some() || view.failed == Some(view.content.revision) {
+        if view.has_asked_for(quality) {
             return;
         }
+        let place = Place::since(view.waits_since.take().unwrap_or_else(Instant::now));
         let lights = view.settings.shown(live.session.live_document().instances());
-        let (size, camera_revision, content) = (view.size, view.camera_revision, view.content);
-        let stamp = Stamp { content, quality, log_seq, live_revision, camera_revision, size };
+        let (view_size, camera_revision, content) = (view.size, view.camera_revision, view.content);
+        let detail = match quality {
+            Quality::Moving => view.moving.detail(),
+            Quality::Settled => Detail::FULL,
+        };
+        let stamp = Stamp { content, quality, log_seq, live_revision, camera_revision, detail, view_size };
         let request = Request {
             session,
             viewer: Arc::clone(&view.lease),
             scene: Arc::clone(live.scene),
             view: RenderView {
-                camera: view.camera.clone(),
-                width: size[0],
-                height: size[1],
                 samples: samples(quality),
-                aov: Aov::Beauty,
-                light: 0,
-                fill: 1.0,
                 exposure: view.settings.exposure,
+                shadow_map: detail.shadow_map,
                 slot: view.lease.slot(),
+                ..RenderView::beauty(view.camera.clone(), stamp.size())
             },
             lights,
             output: Output::Display,
-            urgency: match quality {
-                Quality::Moving => Urgency::Moving,
-                Quality::Settled => Urgency::Settling,
-            },
+            urgency,
+            place: place.clone(),
         };
         let left_out = match quality {
             Quality::Moving => None,
@@ -165,8 +278,9 @@ impl Views {
         if let Some(left_out) = &news {
             view.left_out.clone_from(left_out);
         }
-        let task = self.pictures.spawn(make_picture(self.backend.clone(), request, stamp));
-        view.under_way = Some(UnderWay { quality, revision: content.revision, task });
+        let whose = (Arc::clone(&self.name), owner);
+        let task = self.pictures.spawn(draw_picture(self.backend.clone(), request, stamp, whose));
+        view.drawing = Some(UnderWay { quality, revision: content.revision, place: Some(place), task });
         // Said once, to all who see it.
         for why in news.into_iter().flatten() {
             let error = ServerError::from(RenderError::from(why));
@@ -178,11 +292,17 @@ impl Views {
 }
 
 impl Viewer {
-    /// The message of its next frame, which is sent now.
-    fn next_message(&mut self, frame: &Frame, now: Instant) -> Bytes {
+    /// From now on it is sent this picture. What it has not been sent of the one before, it never is.
+    fn begin(&mut self, picture: Arc<Frame>, now: Instant) {
         self.frame += 1;
-        let message = frame.message(self.frame, self.pace.owes_key());
-        self.pace.sent(self.frame, frame.stamp.content.revision, frame.stamp.quality, now);
-        message
+        let (frame, key) = (self.frame, self.pace.owes_key());
+        self.pace.sent(frame, picture.stamp.content.revision, picture.stamp.quality, now);
+        self.shows = None;
+        if picture.base.is_none() {
+            self.whole_frame = frame;
+        }
+        let is_held = picture.number <= self.latest_picture;
+        self.latest_picture = picture.number;
+        self.sending = Some(Sending { picture, frame, key, is_held, sent: 0, bytes: 0, sent_at: now });
     }
 }

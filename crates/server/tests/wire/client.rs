@@ -18,6 +18,7 @@ use crate::server::Door;
 #[derive(Debug)]
 pub enum Came {
     Control(ServerMessage),
+    /// The last tile of a frame; the others are passed over.
     Frame(FrameHeader),
     /// The server has closed.
     End,
@@ -72,7 +73,10 @@ impl Client {
             match self.0.next().await {
                 Some(Ok(Message::Text(text))) => return Came::Control(ServerMessage::parse(&text).unwrap()),
                 Some(Ok(Message::Binary(bytes))) => {
-                    return Came::Frame(FrameHeader::from_bytes(&bytes).unwrap());
+                    let header = FrameHeader::from_bytes(&bytes).unwrap();
+                    if header.flags.last_tile {
+                        return Came::Frame(header);
+                    }
                 }
                 Some(Ok(Message::Close(_)) | Err(_)) | None => return Came::End,
                 Some(Ok(_)) => {}
@@ -87,6 +91,17 @@ impl Client {
             assert!(!matches!(came, Came::End), "the server has closed");
             if let Some(found) = wanted(came) {
                 return found;
+            }
+        }
+    }
+
+    /// The next tile of a frame, passing over what else comes.
+    pub async fn tile(&mut self) -> FrameHeader {
+        loop {
+            match self.0.next().await {
+                Some(Ok(Message::Binary(bytes))) => return FrameHeader::from_bytes(&bytes).unwrap(),
+                Some(Ok(Message::Close(_)) | Err(_)) | None => panic!("the server has closed"),
+                Some(Ok(_)) => {}
             }
         }
     }

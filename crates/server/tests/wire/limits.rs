@@ -39,6 +39,8 @@ async fn a_client_is_told_the_limits_of_views_and_messages() {
         height,
         camera_revision: 1,
         settings: None,
+        interaction: None,
+        stats: false,
     };
     for view in [open(side + 1, 2), open(2, side + 1), open(side, side)] {
         client.say(&view).await;

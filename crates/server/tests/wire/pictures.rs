@@ -1,9 +1,9 @@
 //! Pictures over HTTP, and frames that are shared.
 
-use light::parameters::{CONE_ANGLE, NAME};
-use protocol::{ClientMessage, Command, ViewSource};
+use light::parameters::{CONE_ANGLE, EXPOSURE, NAME};
+use protocol::{ClientMessage, Command, Interaction, Reduction, ViewSource};
 use serde_json::json;
-use stream::Codec;
+use stream::{Codec, Tile};
 
 use crate::client::{Client, get, new_session, post};
 use crate::server::SHARED;
@@ -60,6 +60,8 @@ async fn who_follows_sees_the_same_frames() {
         height: 36,
         camera_revision: 7,
         settings: None,
+        interaction: None,
+        stats: false,
     };
     ada.say(&view(ViewSource::Own(welcome.camera.clone()))).await;
     let (moving, settled) = (ada.frame().await, ada.frame().await);
@@ -90,4 +92,49 @@ async fn who_follows_sees_the_same_frames() {
             "one render, one encoding"
         );
     }
+}
+
+/// A client that edits in the middle of a lossless frame is not sent the rest of it, but all of what there is to be seen then.
+///
+/// Rules: FRAME-2, FRAME-12
+#[tokio::test]
+async fn an_edit_ends_a_lossless_frame_under_way() {
+    new_session(&SHARED, "interrupted");
+    let (mut ada, welcome) = Client::join(&SHARED, "interrupted", "Ada").await;
+    // Large, so that it has many tiles, which go one after the other as they are taken.
+    let (width, height, camera_revision, settings) = (2400, 2000, 1, None);
+    let full = Some(Interaction { shadow_map: Reduction::Full, resolution: Reduction::Full });
+    let source = ViewSource::Own(welcome.camera.clone());
+    let view = ClientMessage::OpenView {
+        source,
+        width,
+        height,
+        camera_revision,
+        settings,
+        interaction: full,
+        stats: false,
+    };
+    ada.say(&view).await;
+    let moving = ada.frame().await;
+    assert_eq!((moving.codec, moving.flags.last_tile), (Codec::Jpeg, true));
+    let first = ada.tile().await;
+    assert!(first.flags.settle && !first.flags.last_tile, "a lossless frame has many tiles");
+
+    let parameter = EXPOSURE.to(-1.0).into();
+    let command = Command::SetLight { light: 1, parameter };
+    ada.say(&ClientMessage::Edit { op_id: "dim".into(), base_seq: 1, command }).await;
+    let next = loop {
+        let tile = ada.tile().await;
+        if tile.frame != first.frame {
+            break tile;
+        }
+        assert!(!tile.flags.last_tile, "the lossless frame of what is gone went on to its end");
+    };
+    let Tile { x, y, width, height } = next.tile;
+    assert_eq!((next.codec, next.log_seq, next.flags.last_tile), (Codec::Jpeg, 2, true));
+    assert_eq!((x, y, width, height), (0, 0, next.width, next.height), "it is whole");
+    // Its acknowledgement counts for the one that never was complete: the next lossless frame comes, all of it.
+    ada.say(&ClientMessage::Ack { frame: next.frame }).await;
+    let settled = ada.frame().await;
+    assert!(settled.flags.settle && settled.log_seq == 2);
 }

@@ -105,7 +105,17 @@ async fn answer_to(client: &mut Client, name: &str) -> ProbeAnswer {
 async fn open(client: &mut Client, camera: Camera) {
     let (source, settings) = (ViewSource::Own(camera), None);
     let [width, height] = SIZE;
-    client.say(&ClientMessage::OpenView { source, width, height, camera_revision: 1, settings }).await;
+    client
+        .say(&ClientMessage::OpenView {
+            source,
+            width,
+            height,
+            camera_revision: 1,
+            settings,
+            interaction: None,
+            stats: false,
+        })
+        .await;
 }
 
 /// Rules: PROBE-5, PROBE-2, SOCK-12
@@ -162,12 +172,20 @@ async fn a_client_asks_of_what_it_sees_now() {
     assert_eq!(added.json()["results"][0]["status"], "committed", "{}", added.text());
     let lamp = found(door, session, LIT).lights[1].light;
     let settings = ViewSettings { exposure: 0.0, solo: vec![lamp] };
-    ada.say(&ClientMessage::SetView { settings, camera_revision: 2 }).await;
+    ada.say(&ClientMessage::SetView { settings, stats: None, camera_revision: 2 }).await;
     let (mut ben, _) = Client::join(door, session, "Ben").await;
     let source = ViewSource::Follow(welcome.client);
     ada.say(&probe("alone", LIT)).await;
     let alone = answer_to(&mut ada, "alone").await.found.expect("found");
-    let view = ClientMessage::OpenView { source, width: 9, height: 9, camera_revision: 0, settings: None };
+    let view = ClientMessage::OpenView {
+        source,
+        width: 9,
+        height: 9,
+        camera_revision: 0,
+        settings: None,
+        interaction: None,
+        stats: false,
+    };
     ben.say(&view).await;
     ben.say(&probe("followed", LIT)).await;
     assert_eq!(answer_to(&mut ben, "followed").await.found.expect("found"), alone);

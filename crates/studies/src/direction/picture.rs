@@ -7,7 +7,7 @@ use image::{Rgb, RgbImage};
 use light::{Root, Tube};
 use rayon::prelude::*;
 use reference::{Reference, Source, Surface, reflected};
-use scene::{Aov, Camera, Scene, View, ViewSlot};
+use scene::{Camera, Scene, View};
 use serde::Serialize;
 
 use super::grid::{degrees_between, worst_jump};
@@ -64,18 +64,7 @@ impl Stage {
         let camera = camera
             .cloned()
             .unwrap_or_else(|| scene::framing_camera(&posed.reach(), f64::from(width) / f64::from(height)));
-        let slot = ViewSlot::default();
-        let view = View {
-            camera,
-            width,
-            height,
-            samples: 1,
-            aov: Aov::Beauty,
-            light: 0,
-            fill: 1.0,
-            exposure: 0.0,
-            slot,
-        };
+        let view = View::beauty(camera, [width, height]);
         let origin = posed.origin_in_world;
         let rows: Vec<Vec<(Option<Lit>, DVec3)>> = (0..height)
             .into_par_iter()

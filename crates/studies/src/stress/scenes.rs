@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use light::{Light, LightInstance, Transform, Tube};
 use proptest::prelude::*;
-use render::{Aov, View, ViewSlot};
+use render::View;
 use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
 use serde::Serialize;
 
@@ -74,18 +74,7 @@ impl Shot {
             rotation: transform.rotation.normalize() * DQuat::from_mat3(&axes),
             projection: Projection::Perspective { yfov: YFOV, aspect_ratio: None, znear: near, zfar: None },
         };
-        let (aov, slot) = (Aov::Beauty, ViewSlot::default());
-        View {
-            camera,
-            width: WIDTH,
-            height: HEIGHT,
-            samples: 1,
-            aov,
-            light: 0,
-            fill: 1.0,
-            exposure: 0.0,
-            slot,
-        }
+        View::beauty(camera, [WIDTH, HEIGHT])
     }
 }
 

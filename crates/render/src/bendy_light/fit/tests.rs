@@ -148,9 +148,9 @@ fn the_filter_reaches_no_texel_that_is_left_out() {
         let tube = Tube::new(&light).expect("checked before");
         let positions = soup(&tube, seed);
         let indices: Vec<u32> = (0..positions.len() as u32).collect();
-        let clusters = Clusters::new(&positions, &indices);
+        let clusters = crate::clusters::of_opaque(&positions, &indices);
         let light = (&tube, Faces::of(&light), super::super::t_max(&tube, ORIGIN, DVec3::splat(8.0)));
-        let fit = Fit::new(light, ORIGIN, (&clusters, 0.0));
+        let fit = Fit::new(light, ORIGIN, &clusters, Culling::ALL);
         // Every direction that a receiver may have on the faces of a cube, and what casts shadows.
         let all_around = (0..4000).map(|k| {
             let (radius, angle) = ((f64::from(k) / 4000.0).sqrt(), f64::from(k) * 2.4);
@@ -176,10 +176,10 @@ fn a_fit_holds_all_that_casts_shadows() {
         let tube = Tube::new(&light).expect("checked before");
         let positions = soup(&tube, seed);
         let indices: Vec<u32> = (0..positions.len() as u32).collect();
-        let clusters = Clusters::new(&positions, &indices);
+        let clusters = crate::clusters::of_opaque(&positions, &indices);
         let t_max = super::super::t_max(&tube, ORIGIN, DVec3::splat(8.0));
         let faces = Faces::of(&light);
-        let fit = Fit::new((&tube, faces, t_max), ORIGIN, (&clusters, 0.0));
+        let fit = Fit::new((&tube, faces, t_max), ORIGIN, &clusters, Culling::ALL);
         let places = places(&tube, &positions, &mut Numbers(seed));
         for &place in &places {
             assert!(holds(&fit, place, 0.0), "{place:?} of light {seed} is not in {fit:?}");

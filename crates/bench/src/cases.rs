@@ -1,0 +1,142 @@
+//! The same drag for views of two sizes, alone and while others watch.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use image::RgbImage;
+use plotters::prelude::*;
+use protocol::ClientMessage;
+use serde::Serialize;
+
+use crate::circle::{Quantiles, decode, drag_in_a_circle, open_view};
+use crate::{BenchError, Client, Incoming, ServerProcess};
+
+/// Sizes of views in pixels, and clients that have one; all but one of those only watch.
+const SIZES: [[u32; 2]; 2] = [[686, 382], [1280, 720]];
+const VIEWERS: [usize; 2] = [1, 4];
+
+/// A drag, and what came of it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Case {
+    /// Pixels of each view.
+    pub width: u32,
+    /// Pixels of each view.
+    pub height: u32,
+    /// Clients, each with a view of its own; one drags.
+    pub viewers: usize,
+    /// Frames a second of the one that drags.
+    pub frames_per_second: f64,
+    /// The same of each that watches, the mean of all; `null` where nobody does.
+    pub watched_frames_per_second: Option<f64>,
+    /// From sending an update to having decoded the first frame that shows it or a later one, by the one that drags.
+    pub edit_to_decoded: Quantiles,
+    /// Bytes of a moving frame of the one that drags, the middle of all.
+    pub frame_bytes_p50: usize,
+    /// Bytes a second of its frames.
+    pub bytes_per_second: f64,
+}
+
+/// Measures each case on `server`.
+pub(crate) fn measure(server: &ServerProcess, updates: u64) -> Result<Vec<Case>, BenchError> {
+    let cases = SIZES.iter().flat_map(|size| VIEWERS.iter().map(move |viewers| (*size, *viewers)));
+    cases.map(|(size, viewers)| measure_one(server, size, viewers, updates)).collect()
+}
+
+fn measure_one(
+    server: &ServerProcess,
+    size: [u32; 2],
+    viewers: usize,
+    updates: u64,
+) -> Result<Case, BenchError> {
+    let mut clients = (0..viewers)
+        .map(|_| {
+            let mut client = Client::connect(&server.address, "main", "bench", None)?;
+            open_view(&mut client, size)?;
+            Ok(client)
+        })
+        .collect::<Result<Vec<Client>, BenchError>>()?;
+    let mut hand = clients.pop().ok_or_else(|| BenchError::Refused("it has nobody who drags".into()))?;
+    let is_over = &AtomicBool::new(false);
+    let (drag, seconds, watched) = thread::scope(|scope| {
+        let watchers: Vec<_> =
+            clients.into_iter().map(|client| scope.spawn(move || watch(client, is_over))).collect();
+        let dragged = drag_in_a_circle(&mut hand, updates, |_| {});
+        is_over.store(true, Ordering::Relaxed);
+        let watched: Result<Vec<f64>, BenchError> = watchers
+            .into_iter()
+            .map(|watcher| watcher.join().map_err(|_| BenchError::Refused("a client panicked".into()))?)
+            .collect();
+        let (drag, seconds) = dragged?;
+        Ok::<_, BenchError>((drag, seconds, watched?))
+    })?;
+    hand.send(&ClientMessage::GestureCancel { gesture: "bench".into() })?;
+    let watched_frames_per_second =
+        (!watched.is_empty()).then(|| watched.iter().sum::<f64>() / watched.len() as f64);
+    let bytes = drag.frame_bytes();
+    Ok(Case {
+        width: size[0],
+        height: size[1],
+        viewers,
+        frames_per_second: bytes.len() as f64 / seconds,
+        watched_frames_per_second,
+        edit_to_decoded: drag.edit_to_decoded(),
+        frame_bytes_p50: bytes.get(bytes.len() / 2).copied().unwrap_or(0),
+        bytes_per_second: bytes.iter().sum::<usize>() as f64 / seconds,
+    })
+}
+
+/// Shows what comes until the drag is over. Frames a second.
+fn watch(mut client: Client, is_over: &AtomicBool) -> Result<f64, BenchError> {
+    let (began, mut frames, mut picture) = (Instant::now(), 0, RgbImage::new(0, 0));
+    while !is_over.load(Ordering::Relaxed) {
+        if let Some(Incoming::Frame(header, tiles)) = client.receive(Duration::from_millis(20))? {
+            decode(&header, &tiles, &mut picture)?;
+            client.ack(&header)?;
+            frames += 1;
+        }
+    }
+    Ok(f64::from(frames) / began.elapsed().as_secs_f64())
+}
+
+/// Two bars a case, p50 and p95, with the frames a second above.
+pub(crate) fn draw(
+    area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shift>,
+    cases: &[Case],
+) -> Result<(), Box<dyn std::error::Error>> {
+    const BARS: [(&str, RGBColor, f64); 2] =
+        [("p50", RGBColor(0x2f, 0x6d, 0xb5), 0.1), ("p95", RGBColor(0xb0, 0xb0, 0xb0), 0.5)];
+    let top = cases.iter().map(|case| case.edit_to_decoded.p95_ms).fold(1.0, f64::max) * 1.25;
+    let mut plot = ChartBuilder::on(area)
+        .caption("edit to decoded frame, by size and viewers", ("sans-serif", 20))
+        .margin(12)
+        .x_label_area_size(36)
+        .y_label_area_size(56)
+        .build_cartesian_2d(0.0..cases.len().max(1) as f64, 0.0..top)?;
+    plot.configure_mesh().y_desc("ms").disable_x_mesh().disable_x_axis().draw()?;
+    for (name, color, from) in BARS {
+        let ms = |case: &Case| {
+            if name == "p50" { case.edit_to_decoded.p50_ms } else { case.edit_to_decoded.p95_ms }
+        };
+        let bar = |(k, case): (usize, &Case)| {
+            let x = k as f64 + from;
+            Rectangle::new([(x, 0.0), (x + 0.35, ms(case))], color.filled())
+        };
+        plot.draw_series(cases.iter().enumerate().map(bar))?
+            .label(name)
+            .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 12, y + 5)], color.filled()));
+    }
+    let label = |(k, case): (usize, &Case)| {
+        let Case { width, height, viewers, frames_per_second, .. } = case;
+        let of = if *viewers == 1 { "viewer" } else { "viewers" };
+        let text = format!("{width}x{height}, {viewers} {of}, {frames_per_second:.0}/s");
+        Text::new(text, (k as f64 + 0.06, case.edit_to_decoded.p95_ms + 0.06 * top), ("sans-serif", 14))
+    };
+    plot.draw_series(cases.iter().enumerate().map(label))?;
+    plot.configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .background_style(WHITE.mix(0.85))
+        .border_style(BLACK.mix(0.3))
+        .draw()?;
+    Ok(())
+}

@@ -1,0 +1,234 @@
+//! A control point of the demo's light, dragged in a circle, and how the frames of that come.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use image::RgbImage;
+use light::CheckedLight;
+use protocol::{Camera, ClientMessage, Command, PointParameter, ServerMessage, State, Vec3, ViewSource};
+use serde::Serialize;
+use stream::FrameHeader;
+
+use crate::{BenchError, Client, Incoming, Tiles};
+
+/// A page sends at most one update an animation frame.
+pub(crate) const ANIMATION_FRAME: Duration = Duration::from_micros(16_667);
+/// How far the control point goes around its place, in light-local units.
+pub(crate) const RADIUS: f64 = 0.25;
+
+/// The client's name for its drag.
+pub(crate) const GESTURE: &str = "bench";
+
+/// Milliseconds of the middle and of the slow end of many.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Quantiles {
+    /// Half are faster.
+    pub p50_ms: f64,
+    /// 95 in 100 are faster.
+    pub p95_ms: f64,
+}
+
+/// The way of an update to the screen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Stages<T> {
+    /// From the change in the session to the start of the render: the render before, and the open slot.
+    pub wait: T,
+    /// Of the render, with its read-back.
+    pub render: T,
+    /// Of the encoding.
+    pub encode: T,
+    /// All else: the update's and the frame's way through sockets and queues.
+    pub send: T,
+    /// Of the decoding, by the client.
+    pub decode: T,
+}
+
+/// A frame of the drag.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shown {
+    /// Milliseconds.
+    pub stages: Stages<f64>,
+    pub bytes: usize,
+}
+
+/// Drags the demo's control point in a circle, an update an animation frame, until the last is on the screen. What became of
+/// it, and the seconds.
+pub(crate) fn drag_in_a_circle(
+    client: &mut Client,
+    updates: u64,
+    progress: impl Fn(u64),
+) -> Result<(Drag, f64), BenchError> {
+    let (light, start) = control_point(client)?;
+    let (gesture, base_seq) = (GESTURE.to_owned(), client.welcome.seq);
+    client.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq })?;
+    let mut drag = Drag::default();
+    let began = Instant::now();
+    for update in 1..=updates {
+        let angle = std::f64::consts::TAU * update as f64 / updates as f64;
+        let [x, y, z] = start;
+        let position = [x + RADIUS * angle.sin(), y + RADIUS * (1.0 - angle.cos()), z];
+        let command = Command::SetPoint { light, point: 2, parameter: position_of(position) };
+        drag.sent.insert(update, Instant::now());
+        client.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command })?;
+        let next = began + ANIMATION_FRAME * update as u32;
+        while let Some(left) = next.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
+            drag.take(client, left)?;
+        }
+        progress(update);
+    }
+    while drag.latest_shown < updates {
+        drag.take(client, Duration::from_secs(1))?;
+        if began.elapsed() > Duration::from_mins(10) {
+            return Err(BenchError::Silent { what: "the last update's frame", within: began.elapsed() });
+        }
+    }
+    Ok((drag, began.elapsed().as_secs_f64()))
+}
+
+/// Waits for the first lossless picture too, so that nothing else is under way.
+pub(crate) fn open_view(client: &mut Client, [width, height]: [u32; 2]) -> Result<(), BenchError> {
+    let camera: Camera = client.welcome.camera.clone();
+    client.send(&ClientMessage::OpenView {
+        source: ViewSource::Own(camera),
+        width,
+        height,
+        camera_revision: 1,
+        settings: None,
+        interaction: None,
+        stats: false,
+    })?;
+    client.wait_for("a first lossless picture", |incoming| {
+        matches!(incoming, Incoming::Frame(header, _) if header.flags.settle).then_some(())
+    })
+}
+
+/// The demo's light and where its third control point is.
+pub(crate) fn control_point(client: &Client) -> Result<(u64, Vec3), BenchError> {
+    let State::Snapshot(document) = &client.welcome.state else {
+        return Err(BenchError::Refused("it gave no document".into()));
+    };
+    let bendy = document.lights.iter().find_map(|light| {
+        let checked = CheckedLight::try_from(light.light.clone()).ok()?;
+        Some((light.id, checked.light().points().get(2)?.position.to_array()))
+    });
+    bendy.ok_or_else(|| BenchError::Refused("its scene has no BendyLight".into()))
+}
+
+/// The parameter that moves a control point.
+pub(crate) fn position_of(position: Vec3) -> PointParameter {
+    light::parameters::POSITION.to(position.into()).into()
+}
+
+/// What is known of a drag while it goes on.
+#[derive(Debug, Default)]
+pub(crate) struct Drag {
+    /// When each update was sent.
+    sent: BTreeMap<u64, Instant>,
+    /// The update that each live revision shows.
+    update_of: BTreeMap<u32, u64>,
+    /// The latest update that has been decoded.
+    latest_shown: u64,
+    /// Milliseconds from each update to its picture.
+    latencies_ms: Vec<f64>,
+    /// Its frames.
+    pub shown: Vec<Shown>,
+    /// What is on the screen.
+    pub picture: RgbImage,
+}
+
+impl Drag {
+    /// Receives for at most `timeout`.
+    fn take(&mut self, client: &mut Client, timeout: Duration) -> Result<(), BenchError> {
+        match client.receive(timeout)? {
+            Some(Incoming::Message(message)) => match *message {
+                ServerMessage::GestureState(state) => {
+                    if let Some(problem) = state.status.problem() {
+                        return Err(BenchError::Refused(problem.message.clone()));
+                    }
+                    self.update_of.insert(state.live_revision, state.update);
+                }
+                ServerMessage::Error { message, .. } => return Err(BenchError::Refused(message)),
+                _ => {}
+            },
+            Some(Incoming::Frame(header, tiles)) => {
+                let received = Instant::now();
+                decode(&header, &tiles, &mut self.picture)?;
+                let decoded = Instant::now();
+                client.ack(&header)?;
+                self.note(&header, tiles.byte_count(), decoded - received, decoded);
+            }
+            None => {}
+        }
+        Ok(())
+    }
+
+    fn note(&mut self, header: &FrameHeader, bytes: usize, decode: Duration, decoded: Instant) {
+        let shows =
+            self.update_of.range(..=header.live_revision).next_back().map_or(0, |(_, update)| *update);
+        if shows <= self.latest_shown {
+            return;
+        }
+        let first_new = self.latest_shown + 1;
+        for update in first_new..=shows {
+            self.latencies_ms.extend(self.sent.get(&update).map(|sent| ms(decoded - *sent)));
+        }
+        self.latest_shown = shows;
+        let Some(sent) = self.sent.get(&shows) else { return };
+        let us = |us: u32| f64::from(us) / 1000.0;
+        let (wait, render, encode) = (us(header.wait_us), us(header.render_us), us(header.encode_us));
+        let decode = ms(decode);
+        // The header's wait counts from the oldest change that the frame shows first; the newest update's own wait is
+        // what its way leaves of it.
+        let wait = wait.min((ms(decoded - *sent) - render - encode - decode).max(0.0));
+        let send = (ms(decoded - *sent) - wait - render - encode - decode).max(0.0);
+        self.shown.push(Shown { stages: Stages { wait, render, encode, send, decode }, bytes });
+    }
+
+    /// From each update to its picture.
+    pub fn edit_to_decoded(&self) -> Quantiles {
+        quantiles(self.latencies_ms.clone())
+    }
+
+    /// Bytes of each frame, the least first.
+    pub fn frame_bytes(&self) -> Vec<usize> {
+        let mut bytes: Vec<usize> = self.shown.iter().map(|shown| shown.bytes).collect();
+        bytes.sort_unstable();
+        bytes
+    }
+}
+
+/// Decodes a frame onto a picture, which is made anew where it has another size.
+pub(crate) fn decode(header: &FrameHeader, tiles: &Tiles, picture: &mut RgbImage) -> Result<(), BenchError> {
+    let size = (header.width.into(), header.height.into());
+    if picture.dimensions() != size {
+        *picture = RgbImage::new(size.0, size.1);
+    }
+    tiles.draw_on(picture)
+}
+
+pub(crate) fn ms(duration: Duration) -> f64 {
+    duration.as_secs_f64() * 1000.0
+}
+
+/// Of values in any order; 0 of none.
+pub(crate) fn quantiles(mut values: Vec<f64>) -> Quantiles {
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        let index = (share * values.len() as f64).ceil() as usize;
+        values.get(index.saturating_sub(1)).copied().unwrap_or(0.0)
+    };
+    Quantiles { p50_ms: at(0.5), p95_ms: at(0.95) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_values_that_were_measured() {
+        let hundred: Vec<f64> = (1..=100).rev().map(f64::from).collect();
+        assert_eq!(quantiles(hundred), Quantiles { p50_ms: 50.0, p95_ms: 95.0 });
+        assert_eq!(quantiles(vec![7.0]), Quantiles { p50_ms: 7.0, p95_ms: 7.0 });
+        assert_eq!(quantiles(Vec::new()), Quantiles { p50_ms: 0.0, p95_ms: 0.0 });
+    }
+}

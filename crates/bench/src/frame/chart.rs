@@ -1,0 +1,176 @@
+//! Edits by stages, contestants side by side, and growth, as an SVG.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use render::Stage;
+
+use super::{Axis, Contestant, EditReport, Report};
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Drawn = Result<(), Box<dyn std::error::Error>>;
+
+/// One a stage, in their order: the G-buffer grey, what makes maps blue and violet, what adds light warm, the rest green.
+const COLORS: [RGBColor; Stage::ALL.len()] = [
+    RGBColor(0x9a, 0x9a, 0x9a),
+    RGBColor(0xa9, 0xc9, 0xec),
+    RGBColor(0x6f, 0xa3, 0xdc),
+    RGBColor(0x3f, 0x7f, 0xc4),
+    RGBColor(0x22, 0x5c, 0x9c),
+    RGBColor(0x12, 0x35, 0x62),
+    RGBColor(0x7a, 0x5c, 0xa8),
+    RGBColor(0xf2, 0xc0, 0x6b),
+    RGBColor(0xe0, 0x6a, 0x1e),
+    RGBColor(0xa8, 0x3c, 0x14),
+    RGBColor(0x8c, 0xc6, 0x9a),
+    RGBColor(0x3a, 0x9a, 0x5c),
+];
+
+/// Width of the picture, and heights of its three parts.
+const WIDTH: u32 = 1100;
+const HEIGHTS: [u32; 3] = [440, 60, 300];
+/// Height of a contestant's bar with its room.
+const BAR: u32 = 26;
+
+pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>> {
+    let mut svg = String::new();
+    {
+        let contest = HEIGHTS[1] + BAR * report.side_by_side.len() as u32;
+        let growth = if report.growth.is_empty() { 0 } else { HEIGHTS[2] };
+        let size = (WIDTH, 30 + HEIGHTS[0] + contest + growth);
+        let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        root.fill(&WHITE)?;
+        // The adapter's name has its driver's version.
+        let Report { scene, width, height, adapter, .. } = report;
+        let title = format!("{scene}, {width} x {height} pixels, {adapter}");
+        let (edits, rest) = root.titled(&title, ("sans-serif", 16))?.split_vertically(HEIGHTS[0]);
+        let (side_by_side, rest) = rest.split_vertically(contest);
+        by_stages(&edits, &report.edits)?;
+        contestants(&side_by_side, &report.side_by_side)?;
+        if !report.growth.is_empty() {
+            for (area, axis) in rest.split_evenly((1, report.growth.len())).iter().zip(&report.growth) {
+                grown(area, axis)?;
+            }
+        }
+        root.present()?;
+    }
+    Ok(svg)
+}
+
+/// A bar an edit, its stages stacked, and a line across it for the whole frame.
+fn by_stages(area: &Area, edits: &[EditReport]) -> Drawn {
+    let all = |edit: &EditReport| edit.stages.iter().map(|stage| stage.costs.wall_ms.median).sum::<f64>();
+    let top = edits.iter().map(|edit| all(edit).max(edit.frame.wall_ms.median)).fold(1.0, f64::max);
+    let mut plot = ChartBuilder::on(area)
+        .caption(
+            "a frame after each edit: its stages, each waited for; the line is the whole frame",
+            ("sans-serif", 15),
+        )
+        .margin(12)
+        .x_label_area_size(30)
+        .y_label_area_size(56)
+        .build_cartesian_2d((0..edits.len() - 1).into_segmented(), 0.0..1.08 * top)?;
+    plot.configure_mesh()
+        .disable_x_mesh()
+        .light_line_style(BLACK.mix(0.05))
+        .y_desc("wall ms, median")
+        .x_label_style(("sans-serif", 13))
+        .x_label_formatter(&|at| match at {
+            SegmentValue::CenterOf(index) => edits[*index].edit.name().into(),
+            _ => String::new(),
+        })
+        .draw()?;
+    for (index, (stage, color)) in Stage::ALL.into_iter().zip(COLORS).enumerate() {
+        let bar = |(at, edit): (usize, &EditReport)| {
+            let bottom: f64 = edit.stages[..index].iter().map(|stage| stage.costs.wall_ms.median).sum();
+            let corners = [
+                (SegmentValue::Exact(at), bottom),
+                (SegmentValue::Exact(at + 1), bottom + edit.stages[index].costs.wall_ms.median),
+            ];
+            let mut bar = Rectangle::new(corners, color.filled());
+            bar.set_margin(0, 0, 16, 16);
+            bar
+        };
+        plot.draw_series(edits.iter().enumerate().map(bar))?
+            .label(stage.name())
+            .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 12, y + 5)], color.filled()));
+    }
+    let whole = |(at, edit): (usize, &EditReport)| {
+        let ms = edit.frame.wall_ms.median;
+        let ends = [(SegmentValue::Exact(at), ms), (SegmentValue::Exact(at + 1), ms)];
+        PathElement::new(ends, BLACK.stroke_width(2))
+    };
+    plot.draw_series(edits.iter().enumerate().map(whole))?;
+    plot.configure_series_labels()
+        .position(SeriesLabelPosition::UpperRight)
+        .background_style(WHITE.mix(0.85))
+        .border_style(BLACK.mix(0.3))
+        .draw()?;
+    Ok(())
+}
+
+/// A bar each, to the median; the line in it is the minimum.
+fn contestants(area: &Area, all: &[Contestant]) -> Drawn {
+    const LABELS: i32 = 190;
+    let width = WIDTH.cast_signed();
+    area.draw(&Text::new(
+        "whole frames side by side, in turns: wall ms, the bar to the median, the line at the minimum",
+        (14, 12),
+        ("sans-serif", 15),
+    ))?;
+    let slowest = all.iter().map(|one| one.wall_ms.median).fold(1.0, f64::max);
+    let scale = f64::from(width - LABELS - 190) / slowest;
+    for (one, row) in all.iter().zip(0..) {
+        let top = 40 + row * BAR.cast_signed();
+        let (median, min) = (one.wall_ms.median, one.wall_ms.min);
+        let x = |ms: f64| LABELS + (ms * scale) as i32;
+        let ours = one.version.is_none();
+        let color = if ours { COLORS[3] } else { COLORS[0] };
+        area.draw(&Text::new(one.what.clone(), (14, top + 4), ("sans-serif", 13)))?;
+        area.draw(&Rectangle::new([(LABELS, top), (x(median), top + 18)], color.filled()))?;
+        area.draw(&PathElement::new([(x(min), top), (x(min), top + 18)], BLACK.stroke_width(2)))?;
+        let text = format!("{median:.1}, min {min:.1}; {:.2} of bent", one.to_bent.median);
+        area.draw(&Text::new(text, (x(median).min(width - 190) + 6, top + 4), ("sans-serif", 12)))?;
+    }
+    Ok(())
+}
+
+/// Time over what grows, with the error beside each point.
+fn grown(area: &Area, Axis { axis, points }: &Axis) -> Drawn {
+    let values = points.iter().map(|point| point.value as f64);
+    let (least, most) = values.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
+    let times = points.iter().flat_map(|point| [point.frame.wall_ms.min, point.frame.wall_ms.median]);
+    let (fastest, slowest) = times.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
+    // A decade more than half of what there is leaves room for the labels.
+    let x_range = (least / 1.6)..(most * 3.0).max(least * 4.0);
+    let y_range = (fastest / 2.0).max(0.1)..slowest * 2.5;
+    let mut plot = ChartBuilder::on(area)
+        .caption(axis, ("sans-serif", 14))
+        .margin(8)
+        .x_label_area_size(28)
+        .y_label_area_size(42)
+        .build_cartesian_2d(x_range.log_scale(), y_range.log_scale())?;
+    plot.configure_mesh()
+        .light_line_style(BLACK.mix(0.05))
+        .x_labels(4)
+        .x_label_formatter(&|value| short(*value))
+        .y_desc("wall ms, median")
+        .y_label_formatter(&|ms| format!("{ms}"))
+        .draw()?;
+    let line = points.iter().map(|point| (point.value as f64, point.frame.wall_ms.median));
+    plot.draw_series(LineSeries::new(line.clone(), COLORS[3].stroke_width(2)).point_size(3))?;
+    let error = |point: &super::Point| format!("{:.0e}", point.error.radiance_rmse);
+    let labels = points.iter().zip(line);
+    plot.draw_series(
+        labels.map(|(point, (x, ms))| Text::new(error(point), (x, ms * 1.35), ("sans-serif", 10))),
+    )?;
+    Ok(())
+}
+
+/// Thousands and millions by their letter.
+fn short(value: f64) -> String {
+    match value {
+        value if value >= 1e6 => format!("{}M", value / 1e6),
+        value if value >= 1e3 => format!("{}k", value / 1e3),
+        value => format!("{value}"),
+    }
+}

@@ -1,0 +1,189 @@
+//! Lights of ours and other renderers, side by side.
+
+use light::parameters::INTENSITY;
+use light::{LightError, bend_to};
+use render::{Cost, Culling, ShadowSettings};
+use scene::{MapScale, View};
+use serde::Serialize;
+
+use super::costs::{Costs, Spread};
+use super::peers::Line;
+use super::subject::{Frame, Subject, crowd, instance, moved};
+use super::{Bench, Options, timed};
+use crate::BenchError;
+
+/// Rounds in which all take their turns. Other renderers start anew in each.
+const ROUNDS: usize = 3;
+/// Fewest frames of another renderer in a round, for a median to be one.
+const PEER_FRAMES: usize = 10;
+
+/// Whole frames of one kind.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Contestant {
+    /// Of ours: `bent`, `bentHalfMap` (with half the texels a side of its shadow map), `spot`, `straightBendy` (the spotlight
+    /// as a BendyLight, drawn the way of a bent one), `bentNothingCulled` (with all that is left out else), `bentIntensity`, and a crowd of bent lights of which one moves; of other renderers the name that they give. Where it
+    /// does not say otherwise one light moves in each frame.
+    pub what: String,
+    /// Of another renderer.
+    pub version: Option<String>,
+    /// Milliseconds a frame. Of another renderer, the least and the middle of the medians of its rounds: its fastest frame
+    /// may be one in which nothing moved.
+    pub wall_ms: Spread,
+    /// Milliseconds a frame of the process on all cores; another renderer's is not known.
+    pub cpu_ms: Option<Spread>,
+    /// Wall time over that of `bent`, minimum over minimum and median over median.
+    pub to_bent: Spread,
+}
+
+/// Ours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Ours {
+    Bent,
+    BentHalfMap,
+    Spot,
+    StraightBendy,
+    BentNothingCulled,
+    BentIntensity,
+    Crowd(usize),
+}
+
+impl Ours {
+    fn all(crowd: usize) -> [Self; 7] {
+        [
+            Self::Bent,
+            Self::BentHalfMap,
+            Self::Spot,
+            Self::StraightBendy,
+            Self::BentNothingCulled,
+            Self::BentIntensity,
+            Self::Crowd(crowd),
+        ]
+    }
+
+    fn name(self) -> String {
+        match self {
+            Self::Bent => "bent".into(),
+            Self::BentHalfMap => "bentHalfMap".into(),
+            Self::Spot => "spot".into(),
+            Self::StraightBendy => "straightBendy".into(),
+            Self::BentNothingCulled => "bentNothingCulled".into(),
+            Self::BentIntensity => "bentIntensity".into(),
+            Self::Crowd(count) => format!("bent{count}OneMoves"),
+        }
+    }
+
+    /// How it is drawn.
+    fn settings(self) -> ShadowSettings {
+        let usual = ShadowSettings::default();
+        match self {
+            // A BendyLight that is still straight would be drawn as the spotlight that it is.
+            Self::StraightBendy => ShadowSettings { straighten: false, ..usual },
+            Self::BentNothingCulled => ShadowSettings { culling: Culling::NONE, ..usual },
+            _ => usual,
+        }
+    }
+
+    fn frame(self, subject: &Subject, k: usize) -> Result<Frame, LightError> {
+        let radius = subject.step();
+        match self {
+            Self::Bent | Self::BentNothingCulled => subject.under(moved(&subject.bent, k, radius)),
+            Self::BentHalfMap => {
+                let Frame { view, lights } = subject.under(moved(&subject.bent, k, radius))?;
+                Ok(Frame { view: View { shadow_map: MapScale::Half, ..view }, lights })
+            }
+            Self::Spot => subject.under(moved(&subject.spot, k, radius)),
+            Self::StraightBendy => {
+                let segments = subject.bent.points().len().saturating_sub(2);
+                let length = subject.bent.points().last().map_or(1.0, |point| point.position.length());
+                let straight = bend_to(&subject.spot, segments, length * subject.bent.transform().scale)?;
+                subject.under(moved(&straight, k, radius))
+            }
+            Self::BentIntensity => {
+                let intensity = subject.bent.get(INTENSITY) * (1.0 + 0.01 * k as f64);
+                subject.under(subject.bent.clone().with(INTENSITY, intensity))
+            }
+            Self::Crowd(count) => {
+                let mut lights = crowd(&subject.bent, count, subject.scene.reach().middle);
+                lights[0] = moved(&lights[0], k, radius);
+                let lights = (0..).zip(lights).map(|(id, light)| instance(id, light));
+                Ok(Frame { view: subject.view.clone(), lights: lights.collect::<Result<_, _>>()? })
+            }
+        }
+    }
+}
+
+/// Steps of progress.
+pub(super) fn steps(options: &Options) -> usize {
+    ROUNDS * (1 + options.peers.map_or(0, super::Peers::count))
+}
+
+/// Ours frame by frame in turns, then each other renderer, and all of it again.
+pub(super) fn measured(bench: &mut Bench, subject: &Subject) -> Result<Vec<Contestant>, BenchError> {
+    let Options { repeats, peers, .. } = bench.options;
+    let ours = Ours::all(bench.options.crowd);
+    // Each keeps its own maps.
+    let mut renderers = Vec::with_capacity(ours.len());
+    for ours in ours {
+        let mut renderer = bench.renderer.with_same_pipelines()?;
+        renderer.set_shadow_settings(ours.settings())?;
+        renderer.set_scene(&subject.scene)?;
+        renderers.push(renderer);
+    }
+    let mut costs: Vec<Vec<Cost>> = vec![Vec::new(); ours.len()];
+    let mut lines: Vec<Vec<Line>> = Vec::new();
+    let frames = repeats.div_ceil(ROUNDS);
+    for round in 0..ROUNDS {
+        bench.step("side by side: ours");
+        // The zeroth makes what the others keep.
+        for k in 0..=frames {
+            for ((ours, renderer), costs) in ours.into_iter().zip(&mut renderers).zip(&mut costs) {
+                let frame = ours.frame(subject, round * (frames + 1) + k)?;
+                let cost = timed(renderer, &frame)?.1;
+                if k > 0 {
+                    costs.push(cost);
+                }
+            }
+        }
+        for index in 0..peers.map_or(0, super::Peers::count) {
+            bench.step("side by side: peers");
+            let Some(peers) = peers else { continue };
+            lines.push(peers.run(index, frames.max(PEER_FRAMES))?);
+        }
+    }
+    drop(renderers);
+    bench.renderer.collect();
+    let named = ours.into_iter().map(Ours::name);
+    let mut contestants: Vec<_> =
+        named.zip(&costs).map(|(what, costs)| Contestant::ours(what, costs)).collect();
+    contestants.extend(theirs(&lines.concat()));
+    let bent = contestants[0].wall_ms;
+    for Contestant { wall_ms, to_bent, .. } in &mut contestants {
+        *to_bent = Spread { min: wall_ms.min / bent.min, median: wall_ms.median / bent.median };
+    }
+    Ok(contestants)
+}
+
+/// What other renderers said in all rounds, by their names in the order of the first.
+fn theirs(lines: &[Line]) -> Vec<Contestant> {
+    let mut names: Vec<&str> = Vec::new();
+    for line in lines {
+        if !names.contains(&line.name.as_str()) {
+            names.push(&line.name);
+        }
+    }
+    let of_name = |name: &str| {
+        let of_it: Vec<&Line> = lines.iter().filter(|line| line.name == name).collect();
+        let wall_ms = Spread::of(of_it.iter().map(|line| line.ms_median).collect());
+        let version = of_it.first().map(|line| line.version.clone());
+        Contestant { what: name.into(), version, wall_ms, cpu_ms: None, to_bent: Spread::default() }
+    };
+    names.into_iter().map(of_name).collect()
+}
+
+impl Contestant {
+    fn ours(what: String, costs: &[Cost]) -> Self {
+        let Costs { wall_ms, cpu_ms } = Costs::of(costs);
+        Self { what, version: None, wall_ms, cpu_ms: Some(cpu_ms), to_bent: Spread::default() }
+    }
+}

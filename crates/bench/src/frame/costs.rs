@@ -1,0 +1,95 @@
+//! Many measurements in few numbers.
+
+use render::{Cost, Counters, Recording, Stage};
+use serde::Serialize;
+
+/// Milliseconds of the fastest and of the middle of many.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Spread {
+    /// Nothing but other work makes one slower than this.
+    pub min: f64,
+    /// Half are faster.
+    pub median: f64,
+}
+
+/// What some work took, of many times.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Costs {
+    /// Milliseconds that passed.
+    pub wall_ms: Spread,
+    /// Milliseconds of the whole process on all cores; with a driver that draws on the processor, its threads too.
+    pub cpu_ms: Spread,
+}
+
+/// What a stage took in the frames of an edit.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct StageCosts {
+    /// The stage's name.
+    pub stage: &'static str,
+    /// How often it ran in one frame.
+    pub runs: u64,
+    /// All its runs of one frame together.
+    #[serde(flatten)]
+    pub costs: Costs,
+}
+
+/// How much one frame has worked on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Counted {
+    /// Triangles looked at for shadow maps, once a map.
+    pub triangles_seen: u64,
+    /// Of a bent map: pairs of triangle and slab that were clipped, and split where that was not enough.
+    pub triangles_split: u64,
+    /// Triangles handed to the rasteriser for shadow maps.
+    pub triangles_drawn: u64,
+    /// Texels of the maps drawn.
+    pub texels: u64,
+    /// Pixels of the rectangles in which lights were added; what is beside the tube in them counts too.
+    pub scissor_pixels: u64,
+    /// Bytes of the picture read back.
+    pub bytes: u64,
+}
+
+impl Spread {
+    /// Of values in any order; 0 of none.
+    pub(super) fn of(mut values: Vec<f64>) -> Self {
+        values.sort_by(f64::total_cmp);
+        let middle = values.len().saturating_sub(1) / 2;
+        Self {
+            min: values.first().copied().unwrap_or(0.0),
+            median: values.get(middle).copied().unwrap_or(0.0),
+        }
+    }
+}
+
+impl Costs {
+    pub(super) fn of(costs: &[Cost]) -> Self {
+        Self {
+            wall_ms: Spread::of(costs.iter().map(|cost| cost.wall_ms).collect()),
+            cpu_ms: Spread::of(costs.iter().map(|cost| cost.cpu_ms).collect()),
+        }
+    }
+}
+
+impl StageCosts {
+    /// Of every stage, of frames that were alike.
+    pub(super) fn of(recordings: &[Recording]) -> Vec<Self> {
+        let of_stage = |stage: Stage| {
+            let costs: Vec<Cost> = recordings.iter().map(|recording| recording.cost(stage)).collect();
+            let runs = recordings.last().map_or(0, |recording| recording.runs(stage));
+            Self { stage: stage.name(), runs, costs: Costs::of(&costs) }
+        };
+        Stage::ALL.into_iter().map(of_stage).collect()
+    }
+}
+
+impl From<Counters> for Counted {
+    fn from(counters: Counters) -> Self {
+        let Counters { triangles_seen, triangles_split, triangles_drawn, texels, scissor_pixels, bytes } =
+            counters;
+        Self { triangles_seen, triangles_split, triangles_drawn, texels, scissor_pixels, bytes }
+    }
+}

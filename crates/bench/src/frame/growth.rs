@@ -1,0 +1,232 @@
+//! How frames grow with what they show, each point with its error against the reference.
+
+use glam::{DQuat, DVec3};
+use light::parameters::{CONE_ANGLE, INTENSITY, ROTATION, TRANSLATION};
+use light::{Light, LightId};
+use render::{Cost, ShadowSettings};
+use scene::{Scene, View, ViewSlot};
+use serde::Serialize;
+
+use super::costs::{Costs, Counted};
+use super::subject::{Frame, bent, crowd, instance, moved};
+use super::{Bench, timed};
+use crate::BenchError;
+use crate::compare::{Drawn, Expected, Subject, radiance_rmse_of_all};
+use crate::shadow::scenes::{Part, ball, floor, place, scene_of, view};
+
+/// Balls along each side of the square that they lie in.
+const SIDE: u32 = 5;
+/// Triangles inside the tube where others are counted.
+const INSIDE: u32 = 10_000;
+/// How far beside the light's balls those stand that it does not reach.
+const OUTSIDE: f64 = 5.0;
+/// Pixels of a frame whose size does not grow.
+const SIZE: [u32; 2] = [686, 382];
+/// By how much each side is divided for the reference, and where pictures grow.
+const SMALLER: [u32; 2] = [4, 8];
+/// Half angle of the light's cone in degrees: its circle on the floor is wider than the square of the balls.
+const CONE: f64 = 26.0;
+/// How far the light moves, in world units.
+const RADIUS: f64 = 0.05;
+
+/// How far to grow along each axis.
+#[derive(Clone, Debug)]
+pub struct GrowthPlan {
+    /// Triangles, inside the tube and outside of it.
+    pub triangles: Vec<u32>,
+    /// How many lights, of which one moves.
+    pub lights: Vec<usize>,
+    /// Segments of the light.
+    pub segments: Vec<usize>,
+    /// Width and height in pixels.
+    pub sizes: Vec<[u32; 2]>,
+}
+
+/// Frames that differ in one thing. The light moves in each.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Axis {
+    /// `trianglesInTube`, `trianglesOutside`, `lights`, `segments` or `pixels`.
+    pub axis: &'static str,
+    /// From the least to the most.
+    pub points: Vec<Point>,
+}
+
+/// Frames of one kind.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Point {
+    /// How many of what the axis counts.
+    pub value: u64,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Of a whole frame.
+    pub frame: Costs,
+    /// How much a frame has worked on.
+    #[serde(flatten)]
+    pub counted: Counted,
+    /// How wrong a smaller picture of it is.
+    pub error: GrowthError,
+}
+
+/// Against the reference, where no shadow's edge is near.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct GrowthError {
+    /// Pixels of the picture that is compared.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Pixels that were compared: those that both see as the same surface, with no edge of any light near.
+    pub compared: usize,
+    /// `sqrt(mean |gpu - reference|^2) / sqrt(mean |reference|^2)` over those.
+    pub radiance_rmse: f64,
+}
+
+impl GrowthPlan {
+    /// From what is small today to what is large.
+    pub fn full() -> Self {
+        Self {
+            triangles: vec![10_000, 30_000, 100_000, 300_000, 1_000_000],
+            lights: vec![1, 4, 16, 64],
+            segments: vec![1, 2, 3, 4, 6, 8, 12, 16],
+            sizes: vec![[640, 360], [1280, 720], [1920, 1080], [3840, 2160]],
+        }
+    }
+
+    /// Steps of progress.
+    pub(super) fn steps(&self) -> usize {
+        2 * self.triangles.len() + self.lights.len() + self.segments.len() + self.sizes.len()
+    }
+}
+
+/// A point to be measured.
+struct Setting {
+    value: u64,
+    scene: Scene,
+    lights: Vec<Light>,
+    size: [u32; 2],
+    smaller: u32,
+}
+
+/// Every axis.
+pub(super) fn measured(bench: &mut Bench, plan: &GrowthPlan) -> Result<Vec<Axis>, BenchError> {
+    let alone = |segments| Ok::<_, BenchError>(vec![bent(&spot(), segments, length())?]);
+    let setting = |value, scene, lights| Setting { value, scene, lights, size: SIZE, smaller: SMALLER[0] };
+    let mut axes: [(&'static str, Vec<Setting>); 5] =
+        ["trianglesInTube", "trianglesOutside", "lights", "segments", "pixels"]
+            .map(|axis| (axis, Vec::new()));
+    for &triangles in &plan.triangles {
+        let value = u64::from(triangles);
+        axes[0].1.push(setting(value, balls(triangles, 0), alone(3)?));
+        axes[1].1.push(setting(value, balls(INSIDE, triangles), alone(3)?));
+    }
+    for &count in &plan.lights {
+        let lights = crowd(&bent(&spot(), 3, length())?, count, DVec3::ZERO);
+        axes[2].1.push(setting(count as u64, balls(INSIDE, 0), lights));
+    }
+    for &segments in &plan.segments {
+        axes[3].1.push(setting(segments as u64, balls(INSIDE, 0), alone(segments)?));
+    }
+    for &size in &plan.sizes {
+        let value = u64::from(size[0]) * u64::from(size[1]);
+        let setting = setting(value, balls(INSIDE, 0), alone(3)?);
+        axes[4].1.push(Setting { size, smaller: SMALLER[1], ..setting });
+    }
+    let axis = |(axis, settings): (&'static str, Vec<Setting>)| {
+        let points = settings.into_iter().map(|setting| point(bench, axis, setting));
+        Ok(Axis { axis, points: points.collect::<Result<_, BenchError>>()? })
+    };
+    axes.into_iter().map(axis).collect()
+}
+
+fn point(bench: &mut Bench, axis: &str, setting: Setting) -> Result<Point, BenchError> {
+    let Setting { value, scene, lights, size: [width, height], smaller } = setting;
+    bench.step(format!("{axis} {value}"));
+    let posed = scene::pose(scene.clone());
+    bench.renderer.set_scene(&posed)?;
+    bench.renderer.set_shadow_settings(ShadowSettings::default())?;
+    let mut frame = Frame { view: view(width, height), lights: Vec::new() };
+    for (id, light) in (0..).zip(&lights) {
+        frame.lights.push(instance(id, light.clone())?);
+    }
+    let mut costs: Vec<Cost> = Vec::new();
+    for k in 0..=bench.options.repeats {
+        let LightId(id) = frame.lights[0].id;
+        frame.lights[0] = instance(id, moved(&lights[0], k, RADIUS))?;
+        let cost = timed(&mut bench.renderer, &frame)?.1;
+        // The first draws what the others keep.
+        if k > 0 {
+            costs.push(cost);
+        }
+    }
+    frame.lights[0] = instance(0, lights[0].clone())?;
+    let counted = bench.renderer.record_display(&frame.view, &frame.lights)?.1.counters.into();
+    bench.renderer.forget(ViewSlot::default());
+    let error = error(bench, &scene, &frame, &lights, [width / smaller, height / smaller])?;
+    Ok(Point { value, width, height, frame: Costs::of(&costs), counted, error })
+}
+
+/// Under all lights at once, where no edge of any of them is near.
+fn error(
+    bench: &mut Bench,
+    scene: &Scene,
+    frame: &Frame,
+    lights: &[Light],
+    [width, height]: [u32; 2],
+) -> Result<GrowthError, BenchError> {
+    let view = View { width, height, ..frame.view.clone() };
+    let subjects: Vec<_> = lights
+        .iter()
+        .map(|light| Subject::new("growth", scene.clone(), light.clone(), view.clone()))
+        .collect();
+    let mut each = Vec::with_capacity(subjects.len());
+    for subject in &subjects {
+        let expected = Expected::new(subject, || {})?;
+        if each.is_empty() {
+            bench.renderer.set_scene(expected.posed())?;
+        }
+        let drawn = Drawn::new(&mut bench.renderer, subject, ShadowSettings::default())?;
+        let comparison = expected.compare(&drawn);
+        each.push((expected, comparison));
+    }
+    let beauty = bench.renderer.render(&View { fill: 0.0, ..view }, &frame.lights)?;
+    let (radiance_rmse, compared) = radiance_rmse_of_all(&each, &beauty);
+    bench.renderer.forget(ViewSlot::default());
+    Ok(GrowthError { width, height, compared, radiance_rmse })
+}
+
+/// Above the balls and beside them, shining at them.
+fn spot() -> Light {
+    let source = DVec3::new(-1.2, 4.2, 1.8);
+    let rotation = DQuat::from_rotation_arc(DVec3::NEG_Z, (-source).normalize());
+    Light::spot()
+        .with(TRANSLATION, source)
+        .with(ROTATION, rotation)
+        .with(CONE_ANGLE, CONE)
+        .with(INTENSITY, 60.0)
+}
+
+/// How far it is from the light to the balls.
+fn length() -> f64 {
+    spot().get(TRANSLATION).length()
+}
+
+/// Balls on a floor that have about so many triangles in all, in the light and beside it.
+fn balls(inside: u32, outside: u32) -> Scene {
+    let half = f64::from(SIDE - 1) / 2.0;
+    let square = |triangles: u32, middle: f64| {
+        // A ball has four times the square of its rings.
+        let rings = (f64::from(triangles) / f64::from(4 * SIDE * SIDE)).sqrt().round() as u32;
+        let cells = (0..SIDE).flat_map(|row| (0..SIDE).map(move |column| (row, column)));
+        let cells = cells.filter(move |_| triangles > 0);
+        cells.map(move |(row, column)| {
+            let [x, z] = [column, row].map(|index| 0.36 * (f64::from(index) - half));
+            Part(ball(rings.max(3)), place([0.15; 3], 0.0, [middle + x, 0.15, z]))
+        })
+    };
+    let parts = std::iter::once(floor()).chain(square(inside, 0.0)).chain(square(outside, OUTSIDE));
+    scene_of(parts.collect())
+}

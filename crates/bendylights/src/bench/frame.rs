@@ -1,0 +1,98 @@
+//! `bendylights bench frame`: where a frame's time goes.
+
+use std::path::{Path, PathBuf};
+
+use ::bench::frame::{self, GrowthPlan, Peers, Subject};
+use cli::{Output, Size, answer, say};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::error::Error;
+use crate::render::{choose_camera, open_lit};
+
+/// Bent lights of which one moves, beside one alone.
+const CROWD: usize = 64;
+
+#[derive(clap::Args)]
+#[command(after_help = "\
+Draws a scene under one bent light, its first light; a straight one is bent for that. Tables go to standard error, JSON to
+standard output:
+  edits       a row an edit: first frame, camera, light move, control point, radius, color, intensity, mute, idle (the same
+              picture asked for again); wall and CPU milliseconds of the whole frame with its read-back, and of each stage
+              drawn by itself; triangles, texels, pixels and bytes that it worked on
+  sideBySide  in turns: the bent light, with half its map too, a spotlight, the spotlight as a BendyLight, the bent light with all drawn that is left out else, an intensity edit, 64 bent lights of
+              which one moves, and other renderers with --peers
+  growth      with --growth, in scenes of its own: triangles in the tube and outside of it, 10 thousand to a million; lights,
+              1 to 64, one moved; segments, 1 to 16; pixels, 360p to 4K; each with its error against the reference, in a
+              picture a fourth as wide and high, an eighth along pixels
+
+Other renderers are scripts: each folder in DIR with a bench.py is one. It is run as `python bench.py FRAMES` and prints, a
+line of JSON each, {\"name\": .., \"version\": .., \"ms_median\": ..}; their minimum is the least of three such medians. What
+they draw is theirs to say: name the same scene. A setup.sh in DIR, where it has one, makes the virtual environment
+DIR/.venv that their Python is looked for in.
+
+Examples:
+  bendylights bench frame -o frame.svg
+  bendylights bench frame --scene bench.glb --growth --peers peers --python venv/bin/python -o frame.svg > frame.json")]
+pub struct Args {
+    /// Scene: a glTF file, or `demo:NAME`
+    #[arg(long, value_name = "SCENE", default_value = "demo:vases")]
+    scene: String,
+    /// Width and height of the view in pixels
+    #[arg(long, default_value = "686x382", value_name = "WxH")]
+    size: Size,
+    /// Frames of each kind
+    #[arg(long, default_value_t = 21, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    repeats: u32,
+    /// Measure how frames grow, too: some minutes
+    #[arg(long)]
+    growth: bool,
+    /// Folder of other renderers to measure in turns with ours
+    #[arg(long, value_name = "DIR")]
+    peers: Option<PathBuf>,
+    /// Python that has them [default: that of DIR/.venv or DIR/venv]
+    #[arg(long, value_name = "PATH", requires = "peers")]
+    python: Option<PathBuf>,
+    /// Chart to write
+    #[arg(short, value_name = "OUT.svg")]
+    output: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> Result<(), Error> {
+    cli::without_window_system();
+    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
+    let peers =
+        args.peers.as_deref().map(|folder| Peers::find(folder, args.python.as_deref())).transpose()?;
+    let subject = subject(args)?;
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
+    let bar = ProgressBar::new(0).with_style(style);
+    let growth = args.growth.then(GrowthPlan::full);
+    let repeats = args.repeats as usize;
+    let options = frame::Options { repeats, crowd: CROWD, peers: peers.as_ref(), growth: growth.as_ref() };
+    let result = frame::run(&subject, options, &|progress| {
+        bar.set_length(progress.of as u64);
+        bar.set_position(progress.done as u64);
+        bar.set_message(progress.what);
+    });
+    bar.finish_and_clear();
+    let (report, chart) = result?;
+    if let Some(output) = output {
+        output.write(chart.as_bytes())?;
+    }
+    report.table().lines().for_each(say);
+    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+}
+
+/// The scene under its first light, from its first camera.
+fn subject(args: &Args) -> Result<Subject, Error> {
+    let loaded = open_lit(&args.scene, None)?;
+    let Size { width, height } = args.size;
+    let contents = &loaded.contents;
+    let reach = light::Reach::from(&loaded.scene);
+    let camera =
+        choose_camera(&args.scene, None, f64::from(width) / f64::from(height), (&reach, &contents.cameras))?;
+    let Some(light) = contents.lights.first() else { return Err(Error::NothingLit(args.scene.clone())) };
+    let file =
+        Path::new(&args.scene).file_name().map_or(args.scene.clone(), |name| name.to_string_lossy().into());
+    let subject = Subject::new(&file, loaded.scene, camera, light.light(), [width, height]);
+    subject.map_err(|reason| Error::BadLight { file: args.scene.clone(), reason })
+}

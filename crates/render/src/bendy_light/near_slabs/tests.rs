@@ -1,0 +1,185 @@
+//! What is left out of a map is nothing that shows in it.
+
+use std::f64::consts::PI;
+
+use glam::{DAffine3, DQuat, DVec3};
+use light::Light;
+use light::parameters::{CONE_ANGLE, ROTATION, TRANSLATION};
+use scene::{Material, Mesh, Node, Primitive, Scene};
+
+use super::*;
+use crate::bendy_light::tests::{alone, cube, light, renderer, view};
+use crate::clusters::{Clusters, TRIANGLES_A_LEAF};
+use crate::{Aov, Counters, Picture, Renderer};
+
+/// A ball with a seam and poles, seen counter-clockwise from outside.
+fn ball() -> Primitive {
+    const ROWS: u32 = 24;
+    const COLUMNS: u32 = 48;
+    let mut primitive = Primitive::default();
+    for row in 0..=ROWS {
+        let polar = PI * f64::from(row) / f64::from(ROWS);
+        let around = if row == 0 || row == ROWS { 0.0 } else { polar.sin() };
+        for column in 0..=COLUMNS {
+            let (sine, cosine) = (2.0 * PI * f64::from(column % COLUMNS) / f64::from(COLUMNS)).sin_cos();
+            let point = DVec3::new(around * cosine, polar.cos(), -around * sine).as_vec3();
+            primitive.positions.push(point);
+            primitive.normals.push(point.normalize());
+        }
+    }
+    for (row, column) in (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| (row, column))) {
+        let at = |i, j| (row + i) * (COLUMNS + 1) + column + j;
+        primitive.indices.extend([at(0, 0), at(1, 0), at(1, 1), at(0, 0), at(1, 1), at(0, 1)]);
+    }
+    primitive
+}
+
+/// Where a ball encloses a camera, in the light.
+const AROUND_THE_EYE: DVec3 = DVec3::new(-0.95, 2.1, -0.25);
+
+/// Balls and boxes in the light's way, thin ones and some that cut through each other, over a floor.
+fn scene() -> Scene {
+    let material = Material { double_sided: true, ..Material::default() };
+    let mut scene = Scene { materials: vec![material], ..Scene::default() };
+    let mut add = |primitive: Primitive, scale: DVec3, turn: f64, at: DVec3| {
+        let rotation = DQuat::from_rotation_z(turn) * DQuat::from_rotation_y(0.7 * turn);
+        scene.nodes.push(Node {
+            name: String::new(),
+            parent: None,
+            parent_from_local: DAffine3::from_scale_rotation_translation(scale, rotation, at),
+            mesh: Some(scene.meshes.len()),
+        });
+        scene.meshes.push(Mesh { name: String::new(), primitives: vec![primitive] });
+    };
+    add(cube(), DVec3::new(8.0, 0.1, 8.0), 0.0, DVec3::Y * -0.6);
+    add(ball(), DVec3::splat(0.25), 0.4, AROUND_THE_EYE);
+    for k in 0..14 {
+        let share = f64::from(k) / 13.0;
+        let at = DVec3::new(-1.0 + 2.4 * share, 3.0 - 2.6 * share, -0.6 + 0.5 * (5.0 * share).sin());
+        add(ball(), DVec3::new(0.09, 0.03 + 0.1 * share, 0.12), 7.0 * share, at);
+        add(cube(), DVec3::new(0.2, 0.01, 0.05), 11.0 * share, at - DVec3::X * 0.1);
+        // Scaled by less than nothing along one axis: turned inside out and back by the importer's rule.
+        add(ball(), DVec3::new(0.04, 0.05, -0.04), share, at + DVec3::Z * 0.25);
+    }
+    scene.check().expect("sound");
+    scene
+}
+
+fn shadows(renderer: &mut Renderer, light: &Light) -> Picture {
+    renderer.render(&view(Aov::Visibility), &alone(light)).expect("drawn")
+}
+
+fn with(change: impl Fn(&mut Clusters)) -> Renderer {
+    let mut renderer = renderer(&scene());
+    change(&mut renderer.gpu_scene().1.casters.clusters);
+    renderer
+}
+
+/// What drawing the light's map from nothing comes to.
+fn counters(renderer: &mut Renderer) -> Counters {
+    let (_, recording) = renderer.record_display(&view(Aov::Beauty), &alone(&light())).expect("drawn");
+    recording.counters
+}
+
+fn all_of(shell: Shell) -> impl Fn(&mut Clusters) {
+    move |clusters| clusters.leaves.iter_mut().for_each(|leaf| leaf.shell = shell)
+}
+
+/// One of each shape that falls on the scene from above; the spotlight's map has one face, or five.
+fn lights() -> Vec<Light> {
+    let down = DQuat::from_rotation_x(-PI / 2.0);
+    let above = |light: Light| light.with(TRANSLATION, DVec3::new(-0.9, 4.5, -0.2));
+    let spot = |cone_angle| above(Light::spot().with(CONE_ANGLE, cone_angle).with(ROTATION, down));
+    vec![
+        light(),
+        light().with(TRANSLATION, DVec3::new(-0.8, 4.2, 0.1)),
+        spot(25.0),
+        spot(70.0),
+        above(Light::omni()),
+        Light::directional().with(ROTATION, down * DQuat::from_rotation_y(0.2)),
+    ]
+}
+
+/// The backs of closed surfaces are left out, and every shadow stays to the bit, seen from outside and from inside of
+/// one.
+#[test]
+fn backs_of_closed_surfaces_show_nowhere() {
+    let outside = view(Aov::Visibility);
+    let mut inside = outside.clone();
+    inside.camera.translation = AROUND_THE_EYE;
+    let mut culled = with(|_| ());
+    let shells: Vec<Shell> =
+        culled.gpu_scene().1.casters.clusters.leaves.iter().map(|leaf| leaf.shell).collect();
+    assert!(shells.iter().all(|&shell| shell == Shell::Closed), "{shells:?}");
+    let mut whole = with(all_of(Shell::Open));
+    // The planted fault: with fronts left out instead, light comes into what is closed.
+    let mut leaking = with(all_of(Shell::InsideOut));
+    for light in lights() {
+        let draw = |renderer: &mut Renderer, view| renderer.render(view, &alone(&light)).expect("drawn");
+        for view in [&outside, &inside] {
+            let expected = draw(&mut whole, view);
+            let shadowed = expected.pixels.iter().filter(|pixel| pixel[0] < 1.0).count();
+            assert!(shadowed > 1000, "{shadowed} pixels in shadow");
+            assert!(draw(&mut culled, view) == expected, "{light:?}");
+        }
+        let (found, expected) = (draw(&mut leaking, &inside), draw(&mut whole, &inside));
+        let leaks = found.pixels.iter().zip(&expected.pixels).filter(|(a, b)| a != b).count();
+        assert!(leaks > 1000, "the planted fault shows in {leaks} pixels only, {light:?}");
+    }
+}
+
+/// Half of what is near the light is drawn where all is closed.
+#[test]
+fn backs_are_not_drawn() {
+    let [fewer, all] = [with(|_| ()), with(all_of(Shell::Open))].map(|mut renderer| counters(&mut renderer));
+    assert_eq!(fewer.triangles_seen, all.triangles_seen);
+    let share = fewer.triangles_drawn as f64 / all.triangles_drawn as f64;
+    // Boxes and balls have as many fronts as backs, but for what is split and what is too thin to tell.
+    assert!((0.4..0.6).contains(&share), "{share} of {}", all.triangles_drawn);
+}
+
+/// A light that begins inside of a closed surface meets its back.
+#[test]
+fn light_from_within_meets_backs() {
+    let mut around = scene();
+    around.nodes.push(Node {
+        name: String::new(),
+        parent: None,
+        parent_from_local: DAffine3::from_translation(light().get(TRANSLATION)),
+        mesh: Some(around.meshes.len()),
+    });
+    around.meshes.push(Mesh { name: String::new(), primitives: vec![ball()] });
+    let mut renderer = renderer(&around);
+    let lit =
+        |picture: &Picture| picture.pixels.iter().filter(|pixel| pixel[3] == 1.0 && pixel[0] > 0.0).count();
+    assert_eq!(lit(&shadows(&mut renderer, &light())), 0, "all that light would reach lies behind the ball");
+    let clusters = &mut renderer.gpu_scene().1.casters.clusters;
+    // The planted fault: the ball is where the light is not.
+    for leaf in &mut clusters.leaves {
+        leaf.shell_bounds.center += DVec3::splat(100.0);
+    }
+    let moved = light().with(TRANSLATION, light().get(TRANSLATION) + DVec3::splat(1e-3));
+    let leaks = lit(&shadows(&mut renderer, &moved));
+    assert!(leaks > 200, "{leaks}");
+}
+
+/// Triangles far from the light are not looked at.
+#[test]
+fn what_lies_far_from_the_light_is_not_looked_at() {
+    let mut far = scene();
+    let count = far.meshes.len();
+    for k in 0..40 {
+        far.nodes.push(Node {
+            name: String::new(),
+            parent: None,
+            parent_from_local: DAffine3::from_translation(DVec3::new(-6.0 + 0.3 * f64::from(k), 0.5, 6.0)),
+            mesh: Some(count),
+        });
+    }
+    far.meshes.push(Mesh { name: String::new(), primitives: vec![ball()] });
+    let near = counters(&mut renderer(&scene()));
+    let both = counters(&mut renderer(&far));
+    // Leaves are cut elsewhere where there are more triangles, so a few may reach into the light that did not.
+    let most = near.triangles_seen + 20 * TRIANGLES_A_LEAF as u64;
+    assert!(near.triangles_seen > 0 && both.triangles_seen <= most, "{near:?}, then {both:?}");
+}

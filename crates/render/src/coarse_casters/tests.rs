@@ -1,0 +1,126 @@
+//! Coarse maps of casters of fewer triangles: where their shadows fall, and when the scene's own are drawn.
+
+use std::time::{Duration, Instant};
+
+use glam::DVec3;
+use light::Light;
+use light::parameters::TRANSLATION;
+use scene::{MapScale, ViewSlot};
+
+use crate::bendy_light::tests::{alone, renderer, view};
+use crate::casters::tests::{ball_over, floor_by, lights};
+use crate::{Aov, Picture, Renderer, View};
+
+/// Half the side of a floor that holds the ball's shadow.
+const FLOOR: f64 = 2.5;
+/// Long enough for a thread to make casters of a few thousand triangles.
+const AT_MOST: Duration = Duration::from_secs(30);
+
+fn half(aov: Aov) -> View {
+    View { shadow_map: MapScale::Half, ..view(aov) }
+}
+
+/// A renderer that has drawn nothing.
+fn fresh() -> Renderer {
+    renderer(&ball_over(FLOOR))
+}
+
+/// Light `k` of a drag that goes nowhere that shows.
+fn dragged(light: &Light, k: u32) -> Light {
+    light.clone().with(TRANSLATION, light.get(TRANSLATION) + 1e-9 * f64::from(k) * DVec3::X)
+}
+
+fn draw(renderer: &mut Renderer, view: &View, light: &Light) -> Picture {
+    renderer.render(view, &alone(light)).expect("drawn")
+}
+
+/// Drags until the casters are there.
+fn drag_until_made(renderer: &mut Renderer, light: &Light) {
+    let since = Instant::now();
+    for k in 0.. {
+        draw(renderer, &half(Aov::Visibility), &dragged(light, k));
+        if renderer.coarse_casters().made().is_some() {
+            return;
+        }
+        assert!(since.elapsed() < AT_MOST, "no coarse casters after {k} pictures");
+    }
+}
+
+/// Exchanges the casters for ones that stray a hundred times as far.
+fn plant(renderer: &mut Renderer) {
+    let (gpu, scene) = renderer.gpu_scene();
+    let strayed = scene.casters_within(gpu, 0.2).expect("made");
+    renderer.coarse_casters().made().expect("made").casters = strayed;
+}
+
+/// They are fewer, and shadows fall no farther from where they were than the casters may stray. A map in full is of all.
+#[test]
+fn coarse_maps_are_of_fewer_triangles() {
+    let mut renderer = fresh();
+    let (light, bent) = &lights()[2];
+    drag_until_made(&mut renderer, light);
+    let all = renderer.gpu_scene().1.casters.triangle_count;
+    let coarse = renderer.coarse_casters().made().expect("made");
+    let (count, mesh_error) = (coarse.casters.triangle_count, coarse.mesh_error);
+    assert!((100..all / 4).contains(&count), "{count} of {all}");
+    assert!(mesh_error < 0.003, "{mesh_error}");
+
+    // Three texels of the map, 2 R / 1024 wide with R at most 2.3, and what they stray by; below, how far the light is moved.
+    let slack = mesh_error + 3.0 * 2.3 / 512.0;
+    let pair = (dragged(light, 1_000_000), bent.clone());
+    let ([dark, lit], wrong) = floor_by(&mut renderer, MapScale::Half, &pair, slack + 1e-3);
+    assert!(dark > 500 && lit > 500, "{dark} dark, {lit} lit");
+    assert_eq!(wrong, 0);
+
+    plant(&mut renderer);
+    let pair = (dragged(light, 2_000_000), bent.clone());
+    assert!(
+        floor_by(&mut renderer, MapScale::Half, &pair, slack + 2e-3).1 > 0,
+        "the planted fault went unseen"
+    );
+    let exact = draw(&mut fresh(), &view(Aov::Visibility), light);
+    assert_eq!(draw(&mut renderer, &view(Aov::Visibility), light), exact);
+}
+
+/// Where texels are so fine that it would show, the scene's own triangles are drawn.
+#[test]
+fn narrow_lights_have_exact_casters() {
+    let mut renderer = fresh();
+    let (wide, _) = &lights()[2];
+    drag_until_made(&mut renderer, wide);
+    plant(&mut renderer);
+    let narrow = wide.clone().with_points(|_, point| point.radius *= 0.2);
+    let mut other = fresh();
+    let exact = draw(&mut other, &half(Aov::Visibility), &narrow);
+    assert_eq!(draw(&mut renderer, &half(Aov::Visibility), &narrow), exact);
+    // And the planted ones are seen by a wide one.
+    let moved = dragged(wide, 1_000_000);
+    assert_ne!(
+        draw(&mut renderer, &half(Aov::Visibility), &moved),
+        draw(&mut other, &half(Aov::Visibility), &moved)
+    );
+}
+
+/// Of a scene that is gone nothing is kept.
+#[test]
+fn another_scene_gives_their_memory_back() {
+    let mut renderer = fresh();
+    let (light, _) = &lights()[2];
+    drag_until_made(&mut renderer, light);
+    renderer.set_scene(&scene::pose(ball_over(FLOOR))).expect("fits");
+    draw(&mut renderer, &view(Aov::Visibility), light);
+    assert!(renderer.coarse_casters().made().is_none());
+}
+
+/// A scene that moves from picture to picture begins no thread for each.
+#[test]
+fn scenes_that_move_make_none() {
+    let mut renderer = fresh();
+    let (light, _) = &lights()[2];
+    for k in 0..6 {
+        renderer.set_scene(&scene::pose(ball_over(FLOOR))).expect("fits");
+        let view = View { slot: ViewSlot(1), ..half(Aov::Visibility) };
+        draw(&mut renderer, &view, &dragged(light, k));
+        assert!(!renderer.coarse_casters().is_begun(), "{k}");
+    }
+}

@@ -1,0 +1,67 @@
+//! Which of the casters a straight light's map looks at: those in its view.
+
+use std::ops::Range;
+
+use glam::{DMat3, DMat4, DVec3};
+
+use crate::casters::Casters;
+use crate::clusters::{Cluster, Within};
+use crate::gpu_structs::Mat4;
+use crate::shadow_settings::Culling;
+use crate::shells::Shell;
+
+/// A source is as large as this share of its distance: rounding.
+const ROUNDING: f64 = 1e-6;
+
+/// The opaque indices of leaves that may be seen by `clip_from_scene`, and what they are of as that view has it: `Closed`
+/// where their fronts are counter-clockwise. Light begins at `source`, in scene space, or where that is `None` outside of
+/// the scene; what is closed around it is `Open`.
+pub(crate) fn in_view(
+    casters: &Casters,
+    clip_from_scene: &Mat4,
+    source: Option<DVec3>,
+    culling: Culling,
+) -> Vec<(Range<u32>, Shell)> {
+    let clip_from_scene = DMat4::from_cols_array_2d(&clip_from_scene.map(|column| column.map(f64::from)));
+    let planes = planes(&clip_from_scene);
+    let source = source.map(|center| {
+        let half = DVec3::splat(ROUNDING * center.abs().max_element());
+        Cluster { center, half }
+    });
+    let mirrored = is_mirrored(&clip_from_scene);
+    let clusters = &casters.clusters;
+    let mut runs: Vec<(Range<u32>, Shell)> = Vec::new();
+    for tree in clusters.casting(clusters.open_sides(|_| true)) {
+        tree.select(
+            |cluster| if culling.clusters { cluster.within(&planes, 0.0) } else { Within::Take },
+            |leaf| {
+                let leaf = &clusters.leaves[leaf as usize];
+                let indices = 3 * leaf.triangles.start..3 * leaf.triangles.end;
+                if indices.end > casters.opaque_indices {
+                    return;
+                }
+                let shell = if culling.backs { leaf.shell_from(source.as_ref()) } else { Shell::Open };
+                let shell = if mirrored { shell.turned() } else { shell };
+                match runs.last_mut() {
+                    Some((run, same)) if run.end == indices.start && *same == shell => run.end = indices.end,
+                    _ => runs.push((indices, shell)),
+                }
+            },
+        );
+    }
+    runs
+}
+
+/// `normal . p + offset` is zero or more on the inner side of each of the four sides of the picture.
+fn planes(clip_from_scene: &DMat4) -> [(DVec3, f64); 4] {
+    let [x, y, w] = [0, 1, 3].map(|row| clip_from_scene.row(row));
+    [w + x, w - x, w + y, w - y].map(|plane| (plane.truncate(), plane.w))
+}
+
+/// Whether the picture shows clockwise what is counter-clockwise seen from where light comes from.
+fn is_mirrored(clip_from_scene: &DMat4) -> bool {
+    let [x, y, z, w] = [0, 1, 2, 3].map(|row| clip_from_scene.row(row).truncate());
+    // Without perspective depth tells which way light goes: it falls along that.
+    let forward = if w == DVec3::ZERO { -z } else { w };
+    DMat3::from_cols(x, y, forward).determinant() > 0.0
+}

@@ -1,0 +1,210 @@
+//! Which triangles are of closed surfaces: of those, light that comes from outside meets only the front.
+
+use glam::{DVec3, Vec3};
+
+use crate::bounds::Bounds;
+
+/// What a triangle is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shell {
+    /// A surface with an edge, or whose triangles do not agree which side is the front.
+    Open,
+    /// A closed surface, seen counter-clockwise from outside.
+    Closed,
+    /// A closed surface, seen counter-clockwise from inside.
+    InsideOut,
+}
+
+/// The connected surfaces of a list of triangles.
+#[derive(Debug)]
+pub(crate) struct Shells {
+    /// One a triangle: which part.
+    part_of: Vec<u32>,
+    parts: Vec<(Shell, Bounds)>,
+}
+
+/// A connected surface while its triangles are gone through.
+#[derive(Debug)]
+struct Part {
+    first: DVec3,
+    bounds: Bounds,
+    closed: bool,
+    /// Six times what it encloses, and the same were every triangle seen from its front.
+    volume: f64,
+    volume_at_most: f64,
+}
+
+/// Less than this share of what a part could enclose is rounding: that has no inside.
+const LEAST_VOLUME: f64 = 1e-6;
+
+impl Part {
+    fn at(first: Vec3) -> Self {
+        let bounds = Bounds { min: first, max: first };
+        Self { first: first.as_dvec3(), bounds, closed: true, volume: 0.0, volume_at_most: 0.0 }
+    }
+
+    fn add(&mut self, corners: [Vec3; 3]) {
+        self.bounds = Bounds::union([self.bounds, Bounds::of(corners.into_iter())].into_iter());
+        // Around a point of its own: far from it rounding would decide.
+        let [a, b, c] = corners.map(|corner| corner.as_dvec3() - self.first);
+        let volume = a.dot(b.cross(c));
+        self.volume += volume;
+        self.volume_at_most += volume.abs();
+    }
+
+    fn shell(&self) -> Shell {
+        if !self.closed || self.volume.abs() <= LEAST_VOLUME * self.volume_at_most {
+            Shell::Open
+        } else if self.volume > 0.0 {
+            Shell::Closed
+        } else {
+            Shell::InsideOut
+        }
+    }
+}
+
+impl Shell {
+    /// In the order of their numbers, which `bent_map.wgsl` has too.
+    pub const ALL: [Self; 3] = [Self::Open, Self::Closed, Self::InsideOut];
+
+    /// The same in a mirror.
+    pub fn turned(self) -> Self {
+        match self {
+            Self::Open => Self::Open,
+            Self::Closed => Self::InsideOut,
+            Self::InsideOut => Self::Closed,
+        }
+    }
+}
+
+impl Shells {
+    /// Vertices in one place are one.
+    ///
+    /// A part is closed where each edge is passed as often one way as the other. Every path that begins and ends outside
+    /// then goes in as often as it comes out.
+    pub fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
+        let first_at = meshopt::generate_position_remap_decoder(positions);
+        let welded: Vec<[u32; 3]> =
+            triangles.iter().map(|triangle| triangle.map(|k| first_at[k as usize])).collect();
+        let root_of = connected(positions.len(), &welded);
+        let mut number_of = vec![u32::MAX; positions.len()];
+        let mut parts: Vec<Part> = Vec::new();
+        let mut part_of = Vec::with_capacity(welded.len());
+        for corners in &welded {
+            let number = &mut number_of[root_of[corners[0] as usize] as usize];
+            if *number == u32::MAX {
+                *number = parts.len() as u32;
+                parts.push(Part::at(Vec3::from(positions[corners[0] as usize])));
+            }
+            part_of.push(*number);
+            parts[*number as usize].add(corners.map(|k| Vec3::from(positions[k as usize])));
+        }
+        let mut edges: Vec<(u32, u32, bool, u32)> = Vec::with_capacity(3 * welded.len());
+        for (&[a, b, c], &part) in welded.iter().zip(&part_of) {
+            for (from, to) in [(a, b), (b, c), (c, a)].into_iter().filter(|(from, to)| from != to) {
+                edges.push((from.min(to), from.max(to), from < to, part));
+            }
+        }
+        edges.sort_unstable();
+        for edge in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            if 2 * edge.iter().filter(|edge| edge.2).count() != edge.len() {
+                parts[edge[0].3 as usize].closed = false;
+            }
+        }
+        let parts = parts.into_iter().map(|part| (part.shell(), part.bounds)).collect();
+        Self { part_of, parts }
+    }
+
+    /// What that triangle is of.
+    pub fn of(&self, triangle: u32) -> Shell {
+        self.part(triangle).0
+    }
+
+    /// Around all that it is connected with.
+    pub fn bounds(&self, triangle: u32) -> Bounds {
+        self.part(triangle).1
+    }
+
+    fn part(&self, triangle: u32) -> (Shell, Bounds) {
+        self.parts[self.part_of[triangle as usize] as usize]
+    }
+}
+
+/// A number for each vertex, the same for those that triangles connect.
+pub(crate) fn connected(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
+    let mut parents: Vec<u32> = (0..vertex_count as u32).collect();
+    let root = |parents: &mut Vec<u32>, mut vertex: u32| {
+        while parents[vertex as usize] != vertex {
+            let above = parents[vertex as usize];
+            parents[vertex as usize] = parents[above as usize];
+            vertex = above;
+        }
+        vertex
+    };
+    for &[a, b, c] in triangles {
+        let to = root(&mut parents, a);
+        for vertex in [b, c] {
+            let from = root(&mut parents, vertex);
+            parents[from as usize] = to;
+        }
+    }
+    (0..vertex_count as u32).map(|vertex| root(&mut parents, vertex)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box whose faces have corners of their own, as normals make them.
+    fn cube(at: f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+        let corner = |k: usize| [at + (k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2) as f32];
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let positions = faces.iter().flatten().map(|&k| corner(k)).collect();
+        let triangles = (0..6).flat_map(|face| [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k| 4 * face + k)));
+        (positions, triangles.collect())
+    }
+
+    fn shells_of((positions, triangles): &(Vec<[f32; 3]>, Vec<[u32; 3]>)) -> Vec<Shell> {
+        let shells = Shells::new(positions, triangles);
+        (0..triangles.len() as u32).map(|triangle| shells.of(triangle)).collect()
+    }
+
+    #[test]
+    fn a_box_is_closed_with_every_face_and_open_without_one() {
+        let whole = cube(0.0);
+        assert_eq!(shells_of(&whole), [Shell::Closed; 12]);
+        let inside_out = (whole.0.clone(), whole.1.iter().map(|&[a, b, c]| [a, c, b]).collect::<Vec<_>>());
+        assert_eq!(shells_of(&inside_out), [Shell::InsideOut; 12]);
+        for missing in 0..12 {
+            let mut open = whole.clone();
+            open.1.remove(missing);
+            assert_eq!(shells_of(&open), [Shell::Open; 11], "without triangle {missing}");
+        }
+        for turned in 0..12 {
+            let mut mixed = whole.clone();
+            mixed.1[turned].swap(0, 1);
+            assert_eq!(shells_of(&mixed), [Shell::Open; 12], "triangle {turned} is turned round");
+        }
+    }
+
+    #[test]
+    fn parts_are_told_apart() {
+        let (near, far) = (cube(0.0), cube(10.0));
+        let positions = [near.0, far.0].concat();
+        let triangles: Vec<_> =
+            near.1.into_iter().chain(far.1[1..].iter().map(|t| t.map(|k| k + 24))).collect();
+        let shells = Shells::new(&positions, &triangles);
+        assert_eq!([shells.of(0), shells.of(12)], [Shell::Closed, Shell::Open]);
+        let Bounds { min, max } = shells.bounds(3);
+        assert_eq!([min, max], [Vec3::ZERO, Vec3::ONE]);
+    }
+
+    /// A card with a back has no inside, and neither have triangles without an area.
+    #[test]
+    fn what_encloses_nothing_is_open() {
+        let positions = [[0.0; 3], [1.0, 0.0, 0.5], [0.0, 1.0, 0.3]];
+        assert_eq!(shells_of(&(positions.to_vec(), vec![[0, 1, 2], [0, 2, 1]])), [Shell::Open; 2]);
+        assert_eq!(shells_of(&(positions.to_vec(), vec![[0, 0, 1], [2, 2, 2]])), [Shell::Open; 2]);
+        assert_eq!(shells_of(&(Vec::new(), Vec::new())), []);
+    }
+}

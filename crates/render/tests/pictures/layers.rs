@@ -1,0 +1,296 @@
+//! What each light alone adds is kept: an edit draws the light that it is of, and the picture is the one that a renderer draws
+//! which has seen nothing else.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use glam::{DVec3, Vec4};
+use light::parameters::{
+    COLOR, DIFFUSE, ENABLED, EXPOSURE, INTENSITY, NAME, RANGE, SHADOW_COLOR, SPECULAR, TRANSLATION,
+};
+use light::{Light, LightInstance};
+use render::{
+    Aov, Cause, Gpu, MapScale, MemoryBudget, MemoryKind, Pass, PassCounts, Pixels, Renderer, TiledPicture,
+    View, ViewSlot,
+};
+use scene::{Material, Scene};
+
+use crate::support::{apart, floor, instances, named, renderer, scene_of, since, spot, view};
+
+fn tables() -> Scene {
+    let shiny = Material { roughness: 0.3, ..Material::default() };
+    scene_of([floor(3.0, 0.0), floor(0.5, 1.0)], vec![shiny])
+}
+
+/// Lights of every shape in turn, around the table, each with factors of its own.
+fn lights(count: usize) -> Vec<Light> {
+    let light = |k: usize| {
+        let (z, x) = (k as f64 * 2.4).sin_cos();
+        let spot = spot(DVec3::new(x, 3.0, z), DVec3::ZERO);
+        let shape = match k % 4 {
+            0 => named(spot),
+            1 => light::bend(&spot.with(RANGE, Some(6.0)), 2).unwrap().with(NAME, "bent".into()),
+            2 => named(Light::omni().placed(spot.transform())),
+            _ => named(Light::directional().placed(spot.transform())),
+        };
+        let share = 4.0 / count.max(4) as f64;
+        shape
+            .with(INTENSITY, share * (1.0 + (k % 3) as f64))
+            .with(EXPOSURE, (k % 2) as f64 - 0.5)
+            .with(COLOR, DVec3::new(1.0, 0.5 + 0.1 * (k % 5) as f64, 0.6))
+            .with(DIFFUSE, 0.3 + 0.2 * (k % 4) as f64)
+            .with(SPECULAR, 1.5 - 0.3 * (k % 3) as f64)
+            .with(SHADOW_COLOR, DVec3::new(0.0, 0.05, 0.1))
+    };
+    (0..count).map(light).collect()
+}
+
+fn camera() -> View {
+    view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [75, 61], Aov::Beauty)
+}
+
+/// The same picture with lights added to it one after the other.
+fn added_up(renderer: &mut Renderer, lights: &[LightInstance]) -> Vec<u8> {
+    let mut picture = TiledPicture::for_screen(&View { slot: ViewSlot(9), ..camera() }, lights).unwrap();
+    while !renderer.draw_some(&mut picture, Duration::from_secs(9)).unwrap() {}
+    let Pixels::Display { bytes, .. } = picture.into_pixels() else { panic!("bytes") };
+    bytes
+}
+
+fn farthest(a: &[u8], b: &[u8]) -> u8 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap()
+}
+
+/// Layers, groups of them, and groups of groups add up to the picture, but for what is rounded in another order: a byte may
+/// fall to the other side of a step.
+#[test]
+fn layers_add_up_to_the_picture() {
+    for count in [0, 1, 4, 14, 15, 42, 130] {
+        let mut renderer = renderer(&tables());
+        let mut lights = instances(&lights(count));
+        let drawn = renderer.render_display(&camera(), &lights).unwrap();
+        assert_eq!(renderer.counts().layers, count as u64);
+        assert!(farthest(&drawn, &added_up(&mut renderer, &lights)) <= 1, "{count} lights");
+        // The planted fault: a group's worth of lights is missing.
+        if count > 0 {
+            lights.truncate(count - count.div_ceil(8));
+            let other = renderer.render_display(&camera(), &lights).unwrap();
+            assert!(farthest(&drawn, &other) > 1, "{count} lights");
+        }
+    }
+}
+
+/// What a light mirrors may be ten thousand times as bright as what it scatters there, and switched off leaves that as it is:
+/// with one exponent for both it would be in steps of 2^-18 of the highlight, each some bytes.
+#[test]
+fn a_highlight_does_not_take_from_what_is_scattered() {
+    let black =
+        Material { roughness: 0.1, base_color: Vec4::new(1e-3, 1e-3, 1e-3, 1.0), ..Material::default() };
+    let mut renderer = renderer(&scene_of([floor(3.0, 0.0)], vec![black]));
+    let across = DVec3::new(-2.0, 3.0, -4.0);
+    let light = named(Light::omni().with(TRANSLATION, across).with(INTENSITY, 4e4));
+    let draw = |renderer: &mut Renderer, specular: f64| {
+        let lights = instances(&[light.clone().with(SPECULAR, specular)]);
+        let drawn = renderer.render_display(&camera(), &lights).unwrap();
+        let layers = renderer.counts().layers;
+        (drawn, added_up(renderer, &lights), layers)
+    };
+    let (bright, _, _) = draw(&mut renderer, 1.0);
+    let (dark, anew, layers) = draw(&mut renderer, 0.0);
+    assert_eq!(layers, 1);
+    assert!(farthest(&dark, &anew) <= 1);
+    let middle = |picture: &[u8]| picture[4 * (30 * 75 + 37)];
+    assert!(middle(&bright) == 255 && (64..192).contains(&middle(&dark)), "{}", middle(&dark));
+}
+
+/// Each pass says why it was not spared.
+#[test]
+fn passes_say_why_they_ran() {
+    let (mut renderer, mut lights, mut view) = (renderer(&tables()), lights(2), camera());
+    let ran = |renderer: &mut Renderer, view: &View, lights: &[Light]| -> Vec<(Pass, Option<u64>, Cause)> {
+        renderer.render_display(view, &instances(lights)).unwrap();
+        let runs = renderer.runs().to_vec();
+        assert!(runs.iter().all(|run| run.runs == 1), "{runs:?}");
+        runs.into_iter().map(|run| (run.pass, run.light.map(|id| id.0), run.cause)).collect()
+    };
+    let shown = (Pass::Display, None, Cause::NotKept);
+    let of_light = |light: u64, map: Option<Cause>, layer: Cause| {
+        let map = map.map(|cause| (Pass::ShadowMap, Some(light), cause));
+        map.into_iter().chain([(Pass::Layer, Some(light), layer)]).collect::<Vec<_>>()
+    };
+    let base = |cause| vec![(Pass::Gbuffer, None, cause), (Pass::Lighting, None, cause)];
+    let first = Cause::First;
+    let ids: Vec<u64> = instances(&lights).iter().map(|light| light.id.0).collect();
+    let both =
+        |map: Option<Cause>, layer| [of_light(ids[0], map, layer), of_light(ids[1], map, layer)].concat();
+    let all = |base: Vec<_>, lights: Vec<_>| [base, lights, vec![shown]].concat();
+
+    assert_eq!(ran(&mut renderer, &view, &lights), all(base(first), both(Some(first), first)));
+    assert_eq!(ran(&mut renderer, &view, &lights), [shown]);
+    lights[0] = lights[0].clone().with(INTENSITY, 3.0);
+    assert_eq!(ran(&mut renderer, &view, &lights), [shown]);
+    lights[0] = lights[0].clone().with(TRANSLATION, DVec3::new(0.1, 3.0, 0.2));
+    let moved = of_light(ids[0], Some(Cause::Light), Cause::Light);
+    assert_eq!(ran(&mut renderer, &view, &lights), all(Vec::new(), moved));
+    view.camera.translation += DVec3::X * 0.01;
+    assert_eq!(ran(&mut renderer, &view, &lights), all(base(Cause::Camera), both(None, Cause::Gbuffer)));
+    renderer.set_scene(&scene::pose(tables())).unwrap();
+    let scene = both(Some(Cause::Scene), Cause::Gbuffer);
+    assert_eq!(ran(&mut renderer, &view, &lights), all(base(Cause::Scene), scene));
+    // Coarser maps serve until finer ones are asked for.
+    lights[1] = lights[1].clone().with(TRANSLATION, DVec3::new(0.5, 3.0, 0.2));
+    view.shadow_map = MapScale::Half;
+    assert_eq!(
+        ran(&mut renderer, &view, &lights),
+        all(Vec::new(), of_light(ids[1], Some(Cause::Light), Cause::Light))
+    );
+    view.shadow_map = MapScale::Full;
+    let finer = of_light(ids[1], Some(Cause::Resolution), Cause::Resolution);
+    assert_eq!(ran(&mut renderer, &view, &lights), all(Vec::new(), finer));
+}
+
+/// A light that reaches nothing that is seen draws neither map nor layer, whatever is done to it, and the picture is the
+/// one without it. Seen, it is drawn.
+#[test]
+fn lights_outside_of_the_view_draw_nothing() {
+    let away_by = DVec3::new(40.0, 0.0, 60.0);
+    for count in [4, 16] {
+        let lit = lights(count);
+        // The fourth of each four is directional: it shines everywhere.
+        let away = |k: usize| k % 4 < 2;
+        let beside: Vec<Light> = lit
+            .iter()
+            .enumerate()
+            .map(|(k, light)| {
+                let by = if away(k) { away_by } else { DVec3::ZERO };
+                light.clone().with(TRANSLATION, light.get(TRANSLATION) + by)
+            })
+            .collect();
+        let without: Vec<Light> =
+            beside.iter().enumerate().filter(|(k, _)| !away(*k)).map(|(_, light)| light.clone()).collect();
+        let draw = |renderer: &mut Renderer, lights: &[Light]| {
+            renderer.render_display(&camera(), &instances(lights)).unwrap()
+        };
+        let mut renderer = renderer(&tables());
+        let drawn = draw(&mut renderer, &beside);
+        let before = renderer.counts();
+        assert_eq!([before.layers, before.shadow], [without.len() as u64; 2]);
+        assert_eq!(drawn, draw(&mut self::renderer(&tables()), &without), "{count} lights");
+        let mut moved = beside.clone();
+        moved[0] = moved[0].clone().with(INTENSITY, 9.0).with(TRANSLATION, DVec3::new(41.0, 3.0, 61.0));
+        assert_eq!(draw(&mut renderer, &moved), drawn);
+        assert_eq!(since(before, renderer.counts()), PassCounts { display: 1, ..PassCounts::default() });
+        // The planted fault: they are there.
+        assert!(farthest(&draw(&mut renderer, &lit), &drawn) > 1);
+        assert_eq!(since(before, renderer.counts()).shadow, (count - without.len()) as u64);
+    }
+}
+
+/// What an edit of the first light draws in a picture of `count` lights.
+fn drawn_by(count: usize, edit: impl FnOnce(&mut View, &mut Vec<Light>)) -> PassCounts {
+    let (mut renderer, mut view, mut lights) = (renderer(&tables()), camera(), lights(count));
+    renderer.render_display(&view, &instances(&lights)).unwrap();
+    let before = renderer.counts();
+    edit(&mut view, &mut lights);
+    let drawn = renderer.render_display(&view, &instances(&lights)).unwrap();
+    let now = renderer.counts();
+    assert_eq!(drawn, self::renderer(&tables()).render_display(&view, &instances(&lights)).unwrap());
+    since(before, now)
+}
+
+/// Each edit draws what it touches, and what comes of it is what a fresh renderer draws, to the last bit.
+#[test]
+fn an_edit_draws_what_it_touches() {
+    for count in [3, 30] {
+        let shown = PassCounts { display: 1, ..PassCounts::default() };
+        let edit =
+            |change: fn(Light) -> Light| drawn_by(count, |_, lights| lights[1] = change(lights[1].clone()));
+        assert_eq!(edit(|light| light), shown);
+        assert_eq!(edit(|light| light.with(INTENSITY, 7.0)), shown);
+        assert_eq!(edit(|light| light.with(EXPOSURE, -1.0)), shown);
+        assert_eq!(edit(|light| light.with(COLOR, DVec3::Z)), shown);
+        assert_eq!(edit(|light| light.with(DIFFUSE, 0.0)), shown);
+        assert_eq!(edit(|light| light.with(SPECULAR, 0.0)), shown);
+        assert_eq!(edit(|light| light.with(ENABLED, false)), shown);
+        assert_eq!(drawn_by(count, |view, _| view.exposure = 1.0), shown);
+        // The planted fault: what a light's layer depends on.
+        let layer = PassCounts { layers: 1, ..shown };
+        assert_eq!(edit(|light| light.with(SHADOW_COLOR, DVec3::X)), layer);
+        let moved = edit(|light| light.with(TRANSLATION, DVec3::new(0.2, 3.0, 0.9)));
+        assert_eq!(moved, PassCounts { shadow: 1, ..layer });
+        let all = PassCounts { gbuffer: 1, lighting: 1, layers: count as u64, ..shown };
+        assert_eq!(drawn_by(count, |view, _| view.camera.translation.x += 0.1), all);
+    }
+}
+
+/// Lights that are left out and come back, as by mute and solo, draw nothing.
+#[test]
+fn lights_that_come_back_are_still_held() {
+    let (mut renderer, all) = (renderer(&tables()), instances(&lights(12)));
+    let mut show = |lights: &[LightInstance]| {
+        let drawn = renderer.render_display(&camera(), lights).unwrap();
+        (drawn, renderer.counts().layers)
+    };
+    let (first, _) = show(&all);
+    let (alone, layers) = show(&all[5..6]);
+    assert_ne!(alone, first);
+    assert_eq!((show(&all), layers), ((first, 12), 12));
+}
+
+/// In whatever order edits come, the picture is that of the lights as they are.
+#[test]
+fn the_picture_knows_no_history() {
+    let (mut renderer, mut lights) = (renderer(&tables()), lights(17));
+    let mut fresh = self::renderer(&tables());
+    for turn in 0..24_usize {
+        let which = turn * 7 % lights.len();
+        let light = lights[which].clone();
+        lights[which] = match turn % 4 {
+            0 => light.with(INTENSITY, 0.1 * turn as f64),
+            1 => light.with(TRANSLATION, DVec3::new(0.1 * turn as f64 - 1.0, 2.5, 0.4)),
+            2 => light.with(ENABLED, turn % 8 == 2),
+            _ => light.with(SHADOW_COLOR, DVec3::splat(0.01 * turn as f64)),
+        };
+        let lights = instances(&lights);
+        let drawn = renderer.render_display(&camera(), &lights).unwrap();
+        fresh.forget(camera().slot);
+        assert_eq!(drawn, fresh.render_display(&camera(), &lights).unwrap(), "turn {turn}");
+    }
+}
+
+/// Views share a budget: layers of the one that was looked at longest ago go, and are made again.
+#[test]
+fn layers_are_bounded_and_made_again() {
+    let bytes_of_a_view = (20 + 3) * 16 * 75 * 61;
+    let draw = |budget: u64| {
+        let memory = MemoryBudget::new(budget);
+        let gpu = Gpu::with_memory_budget(memory.clone()).expect("tests need a graphics driver");
+        let mut renderer = Renderer::new(Arc::new(gpu)).unwrap();
+        renderer.set_shadow_settings(render::ShadowSettings { resolution: 64, ..apart() }).unwrap();
+        renderer.set_scene(&scene::pose(tables())).unwrap();
+        let mut lights = lights(20);
+        let mut most = 0;
+        let pictures: Vec<Vec<u8>> = (0..12)
+            .map(|turn| {
+                // Then each view needs a layer of each group anew for its sums.
+                if turn % 4 == 0 {
+                    for light in &mut lights {
+                        light.set(INTENSITY.to(0.3 + 0.1 * f64::from(turn)));
+                    }
+                }
+                let view = View { slot: ViewSlot(turn as u64 % 4), ..camera() };
+                let picture = renderer.render_display(&view, &instances(&lights)).unwrap();
+                most = most.max(memory.bytes(MemoryKind::Layers));
+                picture
+            })
+            .collect();
+        (pictures, most, memory.total(), renderer.counts().layers)
+    };
+    let (rich, most, total, layers) = draw(1 << 30);
+    assert_eq!((most, layers), (4 * bytes_of_a_view, 80));
+    let budget = total - 3 * bytes_of_a_view;
+    let (poor, most, total, layers) = draw(budget);
+    assert!(poor == rich);
+    assert!(most <= 4 * bytes_of_a_view && total <= budget && layers > 80, "{most} {total} {layers}");
+}

@@ -1,0 +1,194 @@
+//! The trace: a line of JSON for each picture, in a file that a thread of its own writes.
+//!
+//! Who makes pictures only hands lines over, to a queue with a limit, so that no disk slows a picture and none fills the
+//! memory. A line that finds no room is counted in the next one that does.
+
+use std::fs::File;
+use std::io::Write;
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::thread;
+use std::time::Duration;
+
+use protocol::TraceLine;
+
+use crate::ServerError;
+use crate::limits::{TRACE_ENDS_WITHIN, TRACE_QUEUE};
+use crate::picture_stats::micros;
+
+/// Takes lines of pictures; clones share the file. By default there is none, and they go nowhere.
+#[derive(Clone, Debug, Default)]
+pub struct Trace(Option<Lines>);
+
+#[derive(Clone, Debug)]
+struct Lines {
+    queue: SyncSender<Entry>,
+    /// Those that found no room since the last that did.
+    left_out: Arc<AtomicU64>,
+}
+
+#[derive(Debug)]
+enum Entry {
+    Line(Box<TraceLine>),
+    End,
+}
+
+/// The thread that writes. Dropping this has it write what waits, and waits for that, unless the disk is stuck.
+#[derive(Debug)]
+pub struct TraceThread {
+    queue: SyncSender<Entry>,
+    /// Closed when it has ended.
+    ended: Receiver<()>,
+}
+
+impl Drop for TraceThread {
+    fn drop(&mut self) {
+        if self.queue.try_send(Entry::End).is_ok() {
+            // That nothing comes but the end is what is waited for.
+            let _ = self.ended.recv_timeout(TRACE_ENDS_WITHIN);
+        }
+    }
+}
+
+/// The line of a picture that is drawn: handed over when it is encoded, or when this is dropped because it never will be.
+#[derive(Debug)]
+pub struct PictureTrace {
+    trace: Trace,
+    line: Option<Box<TraceLine>>,
+}
+
+impl PictureTrace {
+    /// The picture is encoded, which took so long.
+    pub fn encoded(mut self, took: Duration) {
+        if let Some(line) = &mut self.line {
+            line.encode_us = Some(micros(took));
+        }
+    }
+}
+
+impl Drop for PictureTrace {
+    fn drop(&mut self) {
+        if let (Some(lines), Some(line)) = (&self.trace.0, self.line.take())
+            && let Err(TrySendError::Full(_)) = lines.queue.try_send(Entry::Line(line))
+        {
+            lines.left_out.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+impl Trace {
+    /// Writes to the end of a file, which is made where it is missing, for its owner alone.
+    pub fn start(path: &Path) -> Result<(Self, TraceThread), ServerError> {
+        let unusable = |reason| ServerError::Trace { path: path.into(), reason };
+        let file = File::options().create(true).append(true).mode(0o600).open(path).map_err(unusable)?;
+        let (queue, entries) = sync_channel(TRACE_QUEUE);
+        let left_out = Arc::new(AtomicU64::new(0));
+        let (ends, ended) = sync_channel(0);
+        let (path, left_out_before) = (PathBuf::from(path), Arc::clone(&left_out));
+        thread::spawn(move || {
+            write_lines(file, &path, &entries, &left_out_before);
+            drop::<SyncSender<()>>(ends);
+        });
+        let trace = Self(Some(Lines { queue: queue.clone(), left_out }));
+        Ok((trace, TraceThread { queue, ended }))
+    }
+
+    /// A picture is drawn; `line` tells what it came to, where somebody wants to know.
+    pub fn drawn(&self, line: impl FnOnce() -> TraceLine) -> PictureTrace {
+        let line = self.0.as_ref().map(|_| Box::new(line()));
+        PictureTrace { trace: self.clone(), line }
+    }
+}
+
+/// Writes each line at once and as a whole, until the end, or until the file takes no more: half a line is never followed by
+/// another.
+fn write_lines(mut file: File, path: &Path, entries: &Receiver<Entry>, left_out: &AtomicU64) {
+    while let Ok(Entry::Line(mut line)) = entries.recv() {
+        line.left_out = left_out.swap(0, Ordering::Relaxed);
+        let mut text = serde_json::to_vec(&line).expect("plain data with string keys");
+        text.push(b'\n');
+        if let Err(reason) = file.write_all(&text) {
+            let file = path.display();
+            tracing::warn!(
+                "{file}: the trace ends here, as it cannot be written ({reason}); make room and start the server again"
+            );
+            return;
+        }
+    }
+    let missing = left_out.load(Ordering::Relaxed);
+    if missing > 0 {
+        tracing::warn!(
+            "{}: the trace lacks its last {missing} pictures, as its disk is slow",
+            path.display()
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use protocol::{FrameQuality, TraceWhat};
+
+    use super::*;
+
+    fn line(time: f64) -> TraceLine {
+        TraceLine {
+            time,
+            session: "main".into(),
+            what: TraceWhat::Still {},
+            size: [64, 36],
+            quality: FrameQuality::Settled,
+            wait_us: 1,
+            render_us: 2,
+            encode_us: None,
+            passes: Vec::new(),
+            left_out: 0,
+        }
+    }
+
+    fn lines(text: &str) -> Vec<TraceLine> {
+        text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    }
+
+    /// Rules: TRACE-1
+    #[test]
+    fn a_line_tells_of_the_encoding_or_that_there_was_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("trace.jsonl");
+        for _ in 0..2 {
+            let (trace, thread) = Trace::start(&path).unwrap();
+            trace.drawn(|| line(0.5)).encoded(Duration::from_millis(3));
+            drop(trace.drawn(|| line(1.5)));
+            drop(thread);
+            // Nobody writes it any more.
+            drop(trace.drawn(|| line(2.5)));
+        }
+        let written = lines(&std::fs::read_to_string(&path).unwrap());
+        let told: Vec<_> = written.iter().map(|line| (line.time, line.encode_us)).collect();
+        let of_one = [(0.5, Some(3_000)), (1.5, None)];
+        assert_eq!(told, [of_one, of_one].concat(), "a second start goes on at its end");
+        assert!(matches!(Trace::start(folder.path()), Err(ServerError::Trace { .. })));
+        drop(Trace::default().drawn(|| unreachable!("nobody wants to know")));
+    }
+
+    /// A reader that takes nothing stands for a disk that is stuck: nobody waits for it, and the next line says what is missing.
+    ///
+    /// Rules: TRACE-1
+    #[test]
+    fn what_finds_no_room_is_counted() {
+        let (queue, entries) = sync_channel(2);
+        let left_out = Arc::new(AtomicU64::new(0));
+        let trace = Trace(Some(Lines { queue, left_out: Arc::clone(&left_out) }));
+        for k in 0..5 {
+            drop(trace.drawn(|| line(f64::from(k))));
+        }
+        drop(trace);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("trace.jsonl");
+        write_lines(File::create(&path).unwrap(), &path, &entries, &left_out);
+        let written = lines(&std::fs::read_to_string(&path).unwrap());
+        assert_eq!(written.iter().map(|line| line.left_out).collect::<Vec<_>>(), [3, 0]);
+    }
+}

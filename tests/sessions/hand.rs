@@ -1,0 +1,108 @@
+//! Whose picture comes first, of which state it is, and what goes on meanwhile.
+
+use std::time::{Duration, Instant};
+
+use bench::Incoming;
+use light::parameters::EXPOSURE;
+use protocol::{ClientMessage, Command};
+use stream::FrameHeader;
+
+use crate::support::{Mirror, Server, move_point, moved};
+
+/// One update an animation frame.
+const UPDATE_EVERY: Duration = Duration::from_micros(16_667);
+
+/// Opens a view of one's own, of that size, and waits until it is at rest.
+fn open(mirror: &mut Mirror, size: [u32; 2]) {
+    mirror.open_view_of(size, None);
+    mirror.receive_until("a lossless frame", |incoming| {
+        matches!(incoming, Incoming::Frame(header, _) if header.flags.settle).then_some(())
+    });
+}
+
+/// Drags for so long, the first of `people`, by what `command` says of each update. The frames that each is sent meanwhile.
+fn drag(
+    people: &mut [Mirror],
+    time: Duration,
+    mut command: impl FnMut(u64) -> Command,
+) -> Vec<Vec<FrameHeader>> {
+    let (light, base_seq, gesture) = (people[0].light(), people[0].seq, "drag".to_owned());
+    people[0].send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq });
+    let mut frames = vec![Vec::new(); people.len()];
+    let (began, mut update) = (Instant::now(), 0);
+    while began.elapsed() < time {
+        if began.elapsed() >= UPDATE_EVERY * update as u32 {
+            update += 1;
+            let command = command(update);
+            people[0].send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command });
+        }
+        for (person, frames) in people.iter_mut().zip(&mut frames) {
+            if let Some(Incoming::Frame(header, _)) =
+                person.client.receive(Duration::from_millis(1)).expect("received")
+            {
+                person.client.ack(&header).expect("sent");
+                frames.push(header);
+            }
+        }
+    }
+    people[0].send(&ClientMessage::GestureCancel { gesture });
+    frames
+}
+
+/// From 0 to 0.5 and back, each update another than the one before.
+fn to_and_fro(update: u64) -> f64 {
+    (((update % 60) as f64) / 60.0 - 0.5).abs()
+}
+
+fn median(values: impl Iterator<Item = u32>) -> u32 {
+    let mut values: Vec<u32> = values.collect();
+    values.sort_unstable();
+    values[values.len() / 2]
+}
+
+/// Somebody drags, three others watch that in views of their own: the hand's frames come before theirs, which come all the
+/// same, and none is begun of a state that is no longer the newest. (Each in turn, as it was, all had as many; and what waited
+/// in line was of when it got there, several pictures ago.)
+///
+/// Rules: FRAME-2, FRAME-11
+#[test]
+fn a_hand_comes_before_those_who_watch_and_nothing_stale_is_begun() {
+    let server = Server::start();
+    let mut people = ["ada", "ben", "cyd", "dan"].map(|name| server.connect(name));
+    for person in &mut people {
+        open(person, [686, 382]);
+    }
+    let (light, point) = (people[0].light(), people[0].point(2));
+    let shake = |update: u64| move_point(light, 2, moved(point, [0.0, to_and_fro(update), 0.0]));
+    let frames = drag(&mut people, Duration::from_secs(6), shake);
+    let counts: Vec<usize> = frames.iter().map(Vec::len).collect();
+    let most = counts[1..].iter().max().expect("three watch");
+    assert!(counts[0] >= 2 * most || counts[0] > 300, "{counts:?}: the hand's come first");
+    assert!(counts[1..].iter().all(|count| *count >= 2), "{counts:?}: nobody is starved");
+    // What is begun is of the latest update: it has waited for less than the picture before it in line took, and much less than
+    // a place in the line takes.
+    let render_us = median(frames[0].iter().map(|header| header.render_us));
+    let wait_us = median(frames[1..].iter().flatten().map(|header| header.wait_us));
+    assert!(wait_us < render_us.max(17_000), "{wait_us} us of waiting, {render_us} of drawing");
+}
+
+/// Drawing and encoding go on at the same time: together they take longer than the drag lasted.
+///
+/// Rules: FRAME-2
+#[test]
+fn the_next_picture_is_drawn_while_one_is_encoded() {
+    let server = Server::start();
+    let mut people = [server.connect("ada")];
+    open(&mut people[0], [1280, 720]);
+    let light = people[0].light();
+    let dim = |update: u64| Command::SetLight { light, parameter: EXPOSURE.to(to_and_fro(update)).into() };
+    let time = Duration::from_secs(5);
+    let frames = drag(&mut people, time, dim);
+    let worked: u64 =
+        frames[0].iter().map(|header| u64::from(header.render_us) + u64::from(header.encode_us)).sum();
+    let worked = Duration::from_micros(worked);
+    // One after the other they cannot take longer than there was.
+    assert!(worked > time, "{worked:?} of work in {time:?}, {} frames", frames[0].len());
+    let numbers: Vec<u32> = frames[0].iter().map(|header| header.live_revision).collect();
+    assert!(numbers.is_sorted(), "pictures stay in order");
+}

@@ -1,0 +1,228 @@
+//! What frames say of themselves, to who asks.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use bench::{Incoming, Tiles};
+use light::parameters::INTENSITY;
+use protocol::{
+    Cause, ClientMessage, Command, FrameQuality, FrameStats, Pass, PassRun, ServerMessage, ViewSettings,
+    ViewSource,
+};
+use serde_json::json;
+use stream::{FrameHeader, HEADER_BYTES};
+
+use crate::support::{Mirror, Server, move_point, moved};
+
+/// Opens a view of 160 x 90 of one's own, or of whom one follows.
+fn open(mirror: &mut Mirror, leader: Option<&Mirror>, stats: bool) {
+    let own = || ViewSource::Own(mirror.client.welcome.camera.clone());
+    let source = leader.map_or_else(own, |leader| ViewSource::Follow(leader.client.welcome.client));
+    let (width, height, camera_revision, settings, interaction) = (160, 90, 1, None, None);
+    mirror.send(&ClientMessage::OpenView {
+        source,
+        width,
+        height,
+        camera_revision,
+        settings,
+        interaction,
+        stats,
+    });
+}
+
+/// The next frame whose stats are `wanted`. Each frame has its own, directly behind it.
+fn told(
+    mirror: &mut Mirror,
+    mut wanted: impl FnMut(&FrameStats) -> bool,
+) -> (FrameHeader, Tiles, FrameStats) {
+    let mut latest: Option<(FrameHeader, Tiles)> = None;
+    mirror.receive_until("stats", |incoming| match incoming {
+        Incoming::Frame(header, tiles) => {
+            assert!(latest.is_none(), "a frame without stats");
+            latest = Some((*header, tiles.clone()));
+            None
+        }
+        Incoming::Message(message) => match &**message {
+            ServerMessage::Stats(stats) => {
+                let (header, tiles) = latest.take().expect("stats come behind a frame");
+                assert_eq!(stats.frame, header.frame);
+                wanted(stats).then(|| (header, tiles, (**stats).clone()))
+            }
+            other => {
+                assert!(latest.is_none(), "between a frame and its stats came {other:?}");
+                None
+            }
+        },
+    })
+}
+
+/// What the next moving frame came to; then waits until all is at rest.
+fn ran(mirror: &mut Mirror) -> Vec<(Pass, Option<u64>, Cause)> {
+    let (.., stats) = told(mirror, |stats| stats.quality == FrameQuality::Moving);
+    let (.., at_rest) = told(mirror, |stats| stats.quality == FrameQuality::Settled);
+    let draws_map = |run: &PassRun| run.pass == Pass::ShadowMap;
+    assert!(!at_rest.passes.iter().any(draws_map), "maps are kept: {at_rest:?}");
+    stats.passes.iter().map(|run| (run.pass, run.light, run.cause)).collect()
+}
+
+/// Each edit names what had to be drawn for it, and nothing else. Lights have the document's ids.
+///
+/// Rules: FRAME-13
+#[test]
+fn stats_name_what_an_edit_had_drawn() {
+    let server = Server::start();
+    let mut ada = server.connect("ada");
+    // An id that is not the light's place among lights.
+    ada.edited(Command::AddCamera { camera: ada.client.welcome.camera.clone() });
+    let lamp = json!({"type": "spot", "name": "lamp", "intensity": 30, "coneAngle": 40,
+        "transform": {"translation": [0, 3, 4], "rotation": [-0.35, 0, 0, 0.936_749_7], "scale": 1}});
+    ada.edited(Command::AddLight { light: serde_json::from_value(lamp).expect("a light") });
+    let (key, lamp) = (ada.light(), ada.document.lights().keys().map(|id| id.0).max().expect("a light"));
+    assert!(lamp > 2 && key < lamp);
+    open(&mut ada, None, true);
+
+    let (header, tiles, stats) = told(&mut ada, |_| true);
+    let first = |pass, light| PassRun { pass, light: Some(light), cause: Cause::First, runs: 1 };
+    for light in [key, lamp] {
+        assert!(stats.passes.contains(&first(Pass::ShadowMap, light)), "{stats:?}");
+        assert!(stats.passes.contains(&first(Pass::Layer, light)), "{stats:?}");
+    }
+    let of_header = [header.wait_us, header.render_us, header.encode_us];
+    assert_eq!([stats.wait_us, stats.render_us, stats.encode_us], of_header);
+    let count = tiles.places().count();
+    assert_eq!((stats.tiles as usize, stats.size, stats.shadow_map_divisor), (count, [160, 90], 1));
+    assert_eq!(stats.bytes as usize, tiles.byte_count() + count * HEADER_BYTES);
+    let (_, tiles, stats) = told(&mut ada, |stats| stats.quality == FrameQuality::Settled);
+    assert_eq!((stats.tiles as usize, stats.size), (tiles.places().count(), [160, 90]));
+    assert!(stats.bytes as usize > tiles.byte_count());
+    let gbuffers = stats.passes.iter().filter(|run| run.pass == Pass::Gbuffer);
+    assert!(gbuffers.map(|run| run.runs).sum::<u32>() >= 4, "four samples: {stats:?}");
+
+    let shown = (Pass::Display, None, Cause::NotKept);
+    let of_light =
+        |light| [(Pass::ShadowMap, Some(light), Cause::Light), (Pass::Layer, Some(light), Cause::Light)];
+    ada.edit(move_point(key, 2, moved(ada.point(2), [0.0, 0.2, 0.0])));
+    assert_eq!(ran(&mut ada), [&of_light(key)[..], &[shown]].concat());
+    ada.edit(Command::PlaceLight {
+        light: lamp,
+        translation: Some([0.1, 3.0, 4.0]),
+        rotation: None,
+        scale: None,
+    });
+    assert_eq!(ran(&mut ada), [&of_light(lamp)[..], &[shown]].concat());
+    ada.edit(Command::SetLight { light: lamp, parameter: INTENSITY.to(10.0).into() });
+    let runs = ran(&mut ada);
+    assert!(
+        !runs.is_empty() && runs.iter().all(|run| matches!(run.0, Pass::Sum | Pass::Display)),
+        "{runs:?}"
+    );
+    let mut camera = ada.client.welcome.camera.clone();
+    camera.translation = moved(camera.translation, [0.1, 0.0, 0.0]);
+    ada.send(&ClientMessage::SetCamera { camera, camera_revision: 2 });
+    let runs = ran(&mut ada);
+    assert!(runs.contains(&(Pass::Gbuffer, None, Cause::Camera)), "{runs:?}");
+    assert!(!runs.iter().any(|run| run.0 == Pass::ShadowMap), "{runs:?}");
+    let layer = |light| (Pass::Layer, Some(light), Cause::Gbuffer);
+    assert!(runs.contains(&layer(key)) && runs.contains(&layer(lamp)), "{runs:?}");
+
+    // The same picture once more had nothing to draw.
+    let (header, ..) = {
+        ada.edit(Command::SetLight { light: lamp, parameter: INTENSITY.to(20.0).into() });
+        told(&mut ada, |stats| stats.quality == FrameQuality::Settled)
+    };
+    ada.send(&ClientMessage::RequestKeyFrame { frame: header.frame });
+    let (again, _, stats) = told(&mut ada, |_| true);
+    assert_eq!((again.frame, again.flags.key, stats.passes), (header.frame + 1, true, Vec::new()));
+}
+
+/// How many frames and how many stats come until all is at rest, and for half a second more.
+fn counted(mirror: &mut Mirror) -> (u64, u64) {
+    let (mut frames, mut stats) = (0, 0);
+    let mut count = |incoming: &Incoming| match incoming {
+        Incoming::Frame(header, _) => {
+            frames += 1;
+            header.flags.settle.then_some(())
+        }
+        Incoming::Message(message) => {
+            stats += u64::from(matches!(**message, ServerMessage::Stats(_)));
+            None
+        }
+    };
+    mirror.receive_until("a lossless frame", &mut count);
+    while let Some(incoming) = mirror.client.receive(Duration::from_millis(500)).expect("received") {
+        if let Incoming::Frame(header, _) = &incoming {
+            mirror.client.ack(header).expect("sent");
+        }
+        count(&incoming);
+    }
+    (frames, stats)
+}
+
+/// Who follows asks for themselves, and a view that goes on may be asked for them and no longer.
+///
+/// Rules: FRAME-13, SOCK-12
+#[test]
+fn only_who_asks_is_told() {
+    let server = Server::start();
+    let [mut ada, mut ben, mut cyd] = ["ada", "ben", "cyd"].map(|name| server.connect(name));
+    let settings = || ViewSettings { exposure: 0.0, solo: Vec::new() };
+    open(&mut ada, None, false);
+    // Nobody can follow a view that is not open yet.
+    let adas = counted(&mut ada);
+    open(&mut ben, Some(&ada), true);
+    open(&mut cyd, Some(&ada), false);
+    let counts = [adas, counted(&mut ben), counted(&mut cyd)];
+    assert!(counts.iter().all(|(frames, _)| *frames > 0), "{counts:?}");
+    assert_eq!(counts.map(|(_, stats)| stats), [0, counts[1].0, 0]);
+
+    ada.send(&ClientMessage::SetView { settings: settings(), stats: Some(true), camera_revision: 2 });
+    told(&mut ada, |stats| stats.quality == FrameQuality::Settled);
+    // Left out, it stays as it is.
+    ada.send(&ClientMessage::SetView { settings: settings(), stats: None, camera_revision: 3 });
+    told(&mut ada, |stats| stats.quality == FrameQuality::Settled);
+    ada.send(&ClientMessage::SetView { settings: settings(), stats: Some(false), camera_revision: 4 });
+    let (frames, stats) = counted(&mut ada);
+    assert!(frames > 0 && stats == 0, "{stats} stats, {frames} frames");
+    // Another view asks anew.
+    open(&mut ben, None, false);
+    // Whatever was under way to the view before.
+    counted(&mut ben);
+    ben.edit(move_point(ada.light(), 2, moved(ada.point(2), [0.0, 0.2, 0.0])));
+    let (frames, stats) = counted(&mut ben);
+    assert!(frames > 0 && stats == 0, "{stats} stats, {frames} frames");
+}
+
+/// What cannot be sent with its frame is not sent at all: they pile up for nobody.
+///
+/// Rules: FRAME-13, SOCK-10
+#[test]
+fn who_does_not_read_has_no_more_stats_than_frames() {
+    let server = Server::start();
+    let mut slow = server.connect("slow");
+    let mut fast = server.connect("fast");
+    open(&mut slow, None, true);
+    open(&mut fast, None, false);
+    // From here on `slow` neither reads nor acknowledges.
+    let (light, start) = (fast.light(), fast.point(2));
+    let until = Instant::now() + Duration::from_secs(5);
+    for step in 0.. {
+        if Instant::now() >= until {
+            break;
+        }
+        let by = if step % 2 == 0 { 0.1 } else { -0.1 };
+        fast.edited(move_point(light, 2, moved(start, [0.0, by, 0.0])));
+    }
+    let mut counts: BTreeMap<u64, (usize, usize)> = BTreeMap::new();
+    while let Some(incoming) = slow.client.receive(Duration::from_millis(300)).expect("received") {
+        match incoming {
+            Incoming::Frame(header, _) => counts.entry(header.frame).or_default().0 += 1,
+            Incoming::Message(message) => {
+                if let ServerMessage::Stats(stats) = *message {
+                    counts.entry(stats.frame).or_default().1 += 1;
+                }
+            }
+        }
+    }
+    assert!(counts.len() >= 3, "{counts:?}");
+    assert!(counts.values().all(|count| *count == (1, 1)), "{counts:?}");
+}
