@@ -131,8 +131,7 @@ gpu_struct! {
     Slab {
         curve: Curve,
         planes: [[f32; 4]; 6],
-        safe_texels: f32,
-        pad0: [f32; 3],
+        bend: [f32; 4],
     }
 }
 

@@ -1,7 +1,6 @@
-//! Slabs of the tube as the mapping passes want them: curve, planes around, and how long an edge is surely
-//! straight.
+//! Slabs of the tube as the mapping passes want them: curve, planes around, and which edges are surely straight.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3, DVec4};
 use light::{Curve, Tube};
 
 use super::gpu_curve;
@@ -14,6 +13,11 @@ pub(crate) const SLABS_A_TURN: usize = 240;
 const OVERLAP: f64 = 5e-4;
 /// The bend is sampled on a grid over the slab; between samples it may be this much larger.
 const SAMPLING_MARGIN: f64 = 2.0;
+/// Logarithm of the factor by which the change of u along an edge that may be called straight is uneven. Its square,
+/// times the weight that a bend has by its place on the edge, stays below the margin above.
+const EVEN: f64 = 0.5;
+/// Larger than any radius and 1, and no infinity, which WGSL does not have.
+const NEVER_SAFE: [f32; 4] = [1e30; 4];
 
 /// The slabs of `tube` from t = `first` to `last`, each with the corners of its box in tube space. Their t is counted
 /// from `t_base`.
@@ -33,12 +37,10 @@ pub(crate) fn slabs(
             }
             let piece = slab.piece.piece(start, end);
             let (t_start, t_span) = (slab.t_start + slab.t_span * start, slab.t_span * (end - start));
-            let bend = bend_a_texel2(tube, &piece, resolution);
             let gpu = Slab {
                 curve: gpu_curve(&piece.to_f32(), t_start - t_base, t_span),
                 planes: planes(&piece),
-                safe_texels: (tolerance_texels / bend).sqrt().min(1e6) as f32,
-                pad0: [0.0; 3],
+                bend: bend(tube, &piece, t_span, tolerance_texels / resolution),
             };
             Some((gpu, piece.bounds.corners()))
         })
@@ -63,38 +65,48 @@ fn planes(piece: &Curve<f64>) -> [[f32; 4]; 6] {
     ]
 }
 
-/// Largest error, in texels, of the straight image of an edge one texel long: it grows with the square of the
-/// length.
+/// What an edge may come to whose image is surely straight: `[p, q, r, s]` of an edge of length `e` between parameters that differ by
+/// `dt` is so where `(p dt + q e) dt` is at most the smaller radius of its ends, and `r dt + s e` at most 1. The image may stray by
+/// `tolerance` times the map's resolution in texels.
 ///
-/// Light model, section 4: `E = (resolution / 16 R) |(H_V - v H_R, H_W - w H_R)|`, and along the light
-/// `(resolution / 16 R) |H_t| sigma`, with each second derivative at its largest over the edge's directions.
-/// `|e| = 2 R / resolution` is one texel. Infinite where the map is close to folding, and in the "up" frame,
+/// Light model, section 4, with `e_u = sigma u'`, where `u'` is the change of u along the edge: at most a factor of
+/// `exp(EVEN)` from its mean, which the ends tell, because u never turns back along a straight edge, and `|u''/u'|` is
+/// bounded by the second pair. `E = (resolution / 16 R) |(H_V - v H_R, H_W - w H_R)|`, and `|H_t| sigma` along the light,
+/// with each second derivative at its largest over the slab and over the edge's directions. What lies square to
+/// the light is straight however long it is. Nothing is safe where the map is close to folding, and in the "up" frame,
 /// whose twist the formulas leave out.
-fn bend_a_texel2(tube: &Tube<f64>, piece: &Curve<f64>, resolution: f64) -> f64 {
+fn bend(tube: &Tube<f64>, piece: &Curve<f64>, t_span: f64, tolerance: f64) -> [f32; 4] {
     if tube.frame == light::Frame::Up {
-        return f64::INFINITY;
+        return NEVER_SAFE;
     }
     // The corner of the slab's box lies at v = w = 1.
     let rim = std::f64::consts::SQRT_2;
-    let mut worst = 0.0_f64;
+    let mut worst = DVec4::ZERO;
     for step in 0..=4 {
         let u = f64::from(step) / 4.0;
         let (u_hat, d, radius) = (piece.u_hat(u), piece.d(u), piece.radius(u));
-        let turn = piece.u_hat_derivative(u, u_hat);
+        let turn = piece.u_hat_derivative(u, u_hat).length();
         let speed = 2.0 * d.length();
         // The offset that bends most leans into the turn; the speed's change counts for every offset.
         for lean in [-rim, 0.0, rim] {
-            let r_turn = lean * radius * turn.length();
+            let r_turn = lean * radius * turn;
             let sigma = speed - r_turn;
             if sigma <= 0.05 * speed {
-                return f64::INFINITY;
+                return NEVER_SAFE;
             }
-            let pull = 2.0 * piece.a.dot(u_hat) * (1.0 + r_turn / d.length());
-            let h_t = 2.0 * turn.length() / (sigma * sigma) + pull.abs() / (sigma * sigma * sigma);
-            let h_r = (2.0 * piece.ar).abs() / (sigma * sigma) + piece.radius_derivative(u).abs() * h_t;
-            let across = turn.length() / sigma + rim * h_r;
-            worst = worst.max(radius / (4.0 * resolution) * across.max(h_t * sigma));
+            let pull = (2.0 * piece.a.dot(u_hat) * (1.0 + r_turn / d.length())).abs();
+            // Of u'^2 and of u' e each.
+            let h_t = DVec2::new(pull, 2.0 * turn) / sigma;
+            let h_r = DVec2::new((2.0 * piece.ar).abs(), 0.0) + piece.radius_derivative(u).abs() * h_t;
+            let across = DVec2::new(turn * sigma, 0.0) + rim * h_r;
+            let strays = across.max(h_t * sigma) / (16.0 * tolerance);
+            let uneven = h_t / EVEN;
+            worst = worst.max(DVec4::new(strays.x, strays.y, uneven.x, uneven.y));
         }
     }
-    SAMPLING_MARGIN * worst.max(1e-300)
+    let of_t = DVec4::new(1.0 / (t_span * t_span), 1.0 / t_span, 1.0 / t_span, 1.0);
+    (worst * of_t * SAMPLING_MARGIN).min(DVec4::splat(1e30)).as_vec4().to_array()
 }
+
+#[cfg(test)]
+mod tests;

@@ -9,8 +9,8 @@ struct Slab {
     curve: Curve,
     // n.q + w of the planes around the slab, ends first; zero or more inside.
     planes: array<vec4f, 6>,
-    // An edge shorter than this many texels is straight enough whatever its direction.
-    safe_texels: f32,
+    // Bounds of how edges bend; see edge_is_safe.
+    bend: vec4f,
 }
 
 struct BentMap {
@@ -150,9 +150,11 @@ fn map_to_slab(c: Curve, q: vec3f) -> vec4f {
     return vec4f(vw, max(curve_radius(c, u), 0.0), c.t_start + c.t_span * u);
 }
 
-// Whether the edge is so short that no bend of this slab shows in it.
+// Whether no bend of this slab shows in the edge: it is short, or lies nearly square to the light. slab.rs has why.
 fn edge_is_safe(slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> bool {
-    return length(qb - qa) * bent.texels_per_vw <= slabs[slab].safe_texels * min(a.z, b.z);
+    let dt = abs(b.w - a.w);
+    let bends = slabs[slab].bend * vec4f(dt, length(qb - qa), dt, length(qb - qa));
+    return (bends.x + bends.y) * dt <= min(a.z, b.z) && bends.z + bends.w <= 1.0;
 }
 
 // Texels per unit of v and w at a point. On a cube they are as wide as angles, so fewer far off its axis.
