@@ -2,14 +2,18 @@
 
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{
-    BindGroup, BindGroupLayout, BindingResource, BufferUsages, CommandEncoder, RenderPipeline, TextureView,
+    BindGroup, BindGroupLayout, BindingResource, BufferUsages, CommandEncoder, RenderPipeline, TextureFormat,
+    TextureView,
 };
 
 use crate::gpu_structs::TERMS;
 use crate::pipeline::{UINT_TEXTURE, UNIFORM, color_attachment};
-use crate::{Gpu, gpu_structs, lighting, shaders};
+use crate::{Gpu, gpu_structs, shaders};
 
-/// A layer, or a sum of some, and the factors of what it scatters and mirrors: linear RGB.
+/// Of what some layers add up to.
+pub(crate) const SUM_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
+
+/// A layer and the factors of what it scatters and mirrors: linear RGB.
 #[derive(Clone, Debug)]
 pub(crate) struct Term {
     pub texture: TextureView,
@@ -17,57 +21,92 @@ pub(crate) struct Term {
     pub specular: [f32; 3],
 }
 
-/// Sums as layers; as a screen shows them, [`crate::display`] has them.
+/// What adds up to a picture, or to a sum: at least one and at most [`TERMS`] layers or sums.
+#[derive(Debug)]
+pub(crate) struct Terms {
+    pub group: BindGroup,
+    pub of: TermsOf,
+}
+
+/// What adds up: the constants that passes are compiled with, and the index of those among their pipelines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TermsOf {
+    Layers,
+    Sums,
+}
+
+impl TermsOf {
+    pub const ALL: [Self; 2] = [Self::Layers, Self::Sums];
+
+    /// `wgsl` with the constant that `terms.wgsl` asks for.
+    pub fn into_wgsl(self, wgsl: &str) -> String {
+        format!("const OF_SUMS = {};\n{wgsl}", self == Self::Sums)
+    }
+}
+
+/// Sums of layers and of sums; as a screen shows them, [`crate::display`] has them.
 #[derive(Debug)]
 pub(crate) struct CompositePass {
-    sum: RenderPipeline,
+    sums: [RenderPipeline; 2],
     pub layout: BindGroupLayout,
 }
 
 impl CompositePass {
     pub fn new(gpu: &Gpu) -> Self {
         let layout = gpu.layout("terms", &[&[UNIFORM][..], &[UINT_TEXTURE; TERMS]].concat());
-        let module = gpu.module("sum", shaders::SUM);
         let pipeline_layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("sum"),
             // Where pictures for screens have their radiance there is none.
             bind_group_layouts: &[None, Some(&layout)],
             immediate_size: 0,
         });
-        let sum =
-            gpu.fullscreen_pipeline(&pipeline_layout, &module, "fs_sum", &[lighting::LAYER_FORMAT], None);
-        Self { sum, layout }
+        let sums = TermsOf::ALL.map(|of| {
+            let module = gpu.module("sum", &of.into_wgsl(shaders::SUM));
+            gpu.fullscreen_pipeline(&pipeline_layout, &module, "fs_sum", &[SUM_FORMAT], None)
+        });
+        Self { sums, layout }
     }
 
-    /// What adds up to a sum: at least one and at most [`TERMS`].
-    pub fn terms(&self, gpu: &Gpu, terms: &[Term]) -> BindGroup {
+    /// Layers with their factors.
+    pub fn layers(&self, gpu: &Gpu, terms: &[Term]) -> Terms {
         let mut uniform = gpu_structs::Terms { count: terms.len() as u32, ..Default::default() };
         let padded = |[r, g, b]: [f32; 3]| [r, g, b, 0.0];
         for (index, term) in terms.iter().enumerate() {
             uniform.diffuse[index] = padded(term.diffuse);
             uniform.specular[index] = padded(term.specular);
         }
+        let textures: Vec<_> = terms.iter().map(|term| &term.texture).collect();
+        Terms { group: self.group(gpu, &uniform, &textures), of: TermsOf::Layers }
+    }
+
+    /// Sums as they are.
+    pub fn sums(&self, gpu: &Gpu, sums: &[TextureView]) -> Terms {
+        let uniform = gpu_structs::Terms { count: sums.len() as u32, ..Default::default() };
+        Terms { group: self.group(gpu, &uniform, &sums.iter().collect::<Vec<_>>()), of: TermsOf::Sums }
+    }
+
+    fn group(&self, gpu: &Gpu, uniform: &gpu_structs::Terms, textures: &[&TextureView]) -> BindGroup {
         let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
             label: Some("terms"),
-            contents: bytemuck::bytes_of(&uniform),
+            contents: bytemuck::bytes_of(uniform),
             usage: BufferUsages::UNIFORM,
         });
         // What is not counted is bound all the same.
-        let textures = terms.iter().chain(std::iter::repeat(&terms[0])).take(TERMS);
-        let textures = textures.map(|term| BindingResource::TextureView(&term.texture));
+        let textures = textures.iter().chain(std::iter::repeat(&textures[0])).take(TERMS);
+        let textures = textures.map(|texture| BindingResource::TextureView(texture));
         let resources: Vec<_> = [uniform.as_entire_binding()].into_iter().chain(textures).collect();
         gpu.group("terms", &self.layout, &resources)
     }
 
     /// Writes a sum.
-    pub fn draw_sum(&self, encoder: &mut CommandEncoder, terms: &BindGroup, into: &TextureView) {
+    pub fn draw_sum(&self, encoder: &mut CommandEncoder, terms: &Terms, into: &TextureView) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("sum"),
             color_attachments: &[Some(color_attachment(into, true))],
             ..Default::default()
         });
-        pass.set_pipeline(&self.sum);
-        pass.set_bind_group(1, terms, &[]);
+        pass.set_pipeline(&self.sums[terms.of as usize]);
+        pass.set_bind_group(1, &terms.group, &[]);
         pass.draw(0..3, 0..1);
     }
 }

@@ -5,6 +5,7 @@ use wgpu::{
     TextureView,
 };
 
+use crate::composite::{Terms, TermsOf};
 use crate::pipeline::{RAW_TEXTURE, UNIFORM, color_attachment};
 use crate::{Gpu, gpu_structs, shaders};
 
@@ -28,7 +29,7 @@ pub(crate) fn exposed(radiance: f32, factor: f32) -> f32 {
 pub(crate) struct DisplayPass {
     pipeline: RenderPipeline,
     /// With what lights add.
-    composite: RenderPipeline,
+    composites: [RenderPipeline; 2],
     layout: BindGroupLayout,
 }
 
@@ -43,7 +44,7 @@ impl DisplayPass {
     /// `terms` is the layout of what lights add.
     pub fn new(gpu: &Gpu, terms: &BindGroupLayout) -> Self {
         let layout = gpu.layout("display", &[RAW_TEXTURE, UNIFORM]);
-        let pipeline = |wgsl, entry_point, groups: &[&BindGroupLayout]| {
+        let pipeline = |wgsl: &str, entry_point, groups: &[&BindGroupLayout]| {
             let pipeline_layout = gpu.pipeline_layout("display", groups);
             gpu.fullscreen_pipeline(
                 &pipeline_layout,
@@ -55,7 +56,8 @@ impl DisplayPass {
         };
         Self {
             pipeline: pipeline(shaders::DISPLAY, "fs_display", &[&layout]),
-            composite: pipeline(shaders::COMPOSITE, "fs_composite", &[&layout, terms]),
+            composites: TermsOf::ALL
+                .map(|of| pipeline(&of.into_wgsl(shaders::COMPOSITE), "fs_composite", &[&layout, terms])),
             layout,
         }
     }
@@ -72,7 +74,7 @@ impl DisplayPass {
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        (radiance, terms, exposure): (&Exposed, Option<&BindGroup>, f64),
+        (radiance, terms, exposure): (&Exposed, Option<&Terms>, f64),
         into: &TextureView,
     ) {
         let factor = factor(exposure);
@@ -83,10 +85,10 @@ impl DisplayPass {
             color_attachments: &[Some(color_attachment(into, true))],
             ..Default::default()
         });
-        pass.set_pipeline(if terms.is_some() { &self.composite } else { &self.pipeline });
+        pass.set_pipeline(terms.map_or(&self.pipeline, |terms| &self.composites[terms.of as usize]));
         pass.set_bind_group(0, &radiance.group, &[]);
         if let Some(terms) = terms {
-            pass.set_bind_group(1, terms, &[]);
+            pass.set_bind_group(1, &terms.group, &[]);
         }
         pass.draw(0..3, 0..1);
     }

@@ -142,8 +142,8 @@ pub(crate) const SPOT_FACES: usize = 5;
 /// Length of the array of pieces in `filter.wgsl`: one more than there may be knots.
 pub(crate) const RADIAL_PIECES: usize = light::MAX_KNOTS + 1;
 
-/// Most layers of a sum in `terms.wgsl`: with the fill no more than every device binds.
-pub(crate) const TERMS: usize = 14;
+/// Most layers of a sum in `terms.wgsl`: with the fill fewer than every device binds. Of more it is less work to keep sums.
+pub(crate) const TERMS: usize = 8;
 
 /// A piece that begins past all angles.
 const NO_PIECE: [f32; 4] = [LARGE as f32, 1.0, 1.0, 0.0];

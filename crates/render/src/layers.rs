@@ -3,16 +3,16 @@
 //! A layer is what a light reflects before factors of all of it ([`light::LightFilter::weights`]). An edit of those, a light that
 //! is switched off and on, and the exposure of a view draw no layer; a light that moves draws its own.
 //!
-//! Layers add up in one order, whatever is kept and whatever was edited: eight by eight where they are more than fourteen, and
-//! those sums fourteen by fourteen.
+//! Layers add up in one order, whatever is kept and whatever was edited: four by four where they are more than eight, and those
+//! sums four by four again while they are.
 
 use glam::DVec3;
 use light::{Digest, LightId, LightInstance};
 use scene::MapScale;
-use wgpu::{BindGroup, CommandEncoder, TextureView, TextureViewDescriptor};
+use wgpu::{BindGroup, CommandEncoder, TextureFormat, TextureView, TextureViewDescriptor};
 
 use crate::camera::Raster;
-use crate::composite::Term;
+use crate::composite::{Term, Terms};
 use crate::gpu_scene::GpuScene;
 use crate::gpu_structs::{LARGE, TERMS};
 use crate::lights::{ShadowMaps, pixels_of};
@@ -22,14 +22,14 @@ use crate::passes::Passes;
 use crate::pipeline::color_attachment;
 use crate::stages::Stage;
 use crate::tile::Tile;
-use crate::{Gpu, RenderError, lighting};
+use crate::{Gpu, RenderError, composite, lighting};
 
-/// Lights whose layers are added up at once where all are too many. One of 64 that moves is added to seven others, and then
-/// their sum to seven.
-const GROUP: usize = 8;
+/// How many layers, or sums, are added up at once where all are too many. One of 64 lights that moves is added to three others,
+/// then their sum to three, and theirs to three.
+const GROUP: usize = 4;
 
-/// Of a layer, and of a sum.
-const BYTES_A_PIXEL: u64 = 16;
+const LAYER_BYTES_A_PIXEL: u64 = 16;
+const SUM_BYTES_A_PIXEL: u64 = 8;
 
 /// The layers of a view whose G-buffer stays the same.
 #[derive(Debug, Default)]
@@ -79,10 +79,10 @@ pub(crate) struct Seen<'a> {
 }
 
 /// Whether layers of so many lights and their sums take at most half of the budget of bytes.
-pub(crate) fn fit(budget: u64, [width, height]: [u32; 2], light_count: usize) -> bool {
+pub(crate) fn fit(budget: u64, size: [u32; 2], light_count: usize) -> bool {
     let lights = light_count as u64;
-    let textures = lights + 2 * lights.div_ceil(GROUP as u64);
-    textures * bytes([width, height]) <= budget / 2
+    let bytes_a_pixel = lights * LAYER_BYTES_A_PIXEL + 2 * lights.div_ceil(GROUP as u64) * SUM_BYTES_A_PIXEL;
+    bytes(size, bytes_a_pixel) <= budget / 2
 }
 
 impl Layers {
@@ -144,7 +144,7 @@ impl Layers {
         }
         let layer = room
             .filter(Evictable::is_there)
-            .unwrap_or_else(|| gpu.memory.keep(MemoryKind::Layers, bytes(size), layer));
+            .unwrap_or_else(|| gpu.memory.keep(MemoryKind::Layers, layer_bytes(size), layer));
         let layer = Some(layer);
         self.lights.push(KeptLayer { light: light.id, shows, shadow_map, layer });
     }
@@ -153,8 +153,8 @@ impl Layers {
     fn texture_for(&self, gpu: &Gpu, size: [u32; 2], light: &LightInstance) -> TextureView {
         let own = self.lights.iter().find(|kept| kept.light == light.id);
         own.and_then(|kept| kept.layer.as_ref()?.take()).unwrap_or_else(|| {
-            gpu.make_room(bytes(size));
-            texture(gpu, size)
+            gpu.make_room(layer_bytes(size));
+            texture(gpu, size, lighting::LAYER_FORMAT)
         })
     }
 
@@ -165,7 +165,7 @@ impl Layers {
         encoder: &mut CommandEncoder,
         (work, seen): (&mut Work, Seen),
         lights: &[LightInstance],
-    ) -> Result<Option<BindGroup>, RenderError> {
+    ) -> Result<Option<Terms>, RenderError> {
         // Others shine all the same; `light::Reach` tells who asks.
         let is_there = |light: &&LightInstance| {
             !light.light.light_filter().is_dark() && work.scene.posed.reach().check(&light.light).is_ok()
@@ -180,34 +180,37 @@ impl Layers {
         }
         if lights.len() <= TERMS {
             let terms = self.terms_of_lights(encoder, (work, seen), &lights)?;
-            return Ok((!terms.is_empty()).then(|| work.passes.composite.terms(work.gpu, &terms)));
+            return Ok((!terms.is_empty()).then(|| work.passes.composite.layers(work.gpu, &terms)));
         }
         let mut of: Vec<Vec<&LightInstance>> = lights.chunks(GROUP).map(<[_]>::to_vec).collect();
-        let mut terms = Vec::new();
+        let mut sums = Vec::new();
         for (index, group) in of.iter().enumerate() {
             let sum = if let Some(sum) = self.held_sum(0, index, group, work.shadow_map) {
                 sum
             } else {
                 let terms = self.terms_of_lights(encoder, (work, seen), group)?;
+                let terms = work.passes.composite.layers(work.gpu, &terms);
                 self.draw_sum(encoder, (work, seen), (0, index, group), &terms)?
             };
-            terms.push(of_sum(sum));
+            sums.push(sum);
         }
         let mut level = 0;
-        while terms.len() > TERMS {
+        while sums.len() > TERMS {
             level += 1;
-            of = of.chunks(TERMS).map(<[_]>::concat).collect();
-            let mut sums = Vec::new();
-            for (index, terms) in terms.chunks(TERMS).enumerate() {
-                let sum = match self.held_sum(level, index, &of[index], work.shadow_map) {
-                    Some(sum) => sum,
-                    None => self.draw_sum(encoder, (work, seen), (level, index, &of[index]), terms)?,
+            of = of.chunks(GROUP).map(<[_]>::concat).collect();
+            let mut next = Vec::new();
+            for (index, sums) in sums.chunks(GROUP).enumerate() {
+                let sum = if let Some(sum) = self.held_sum(level, index, &of[index], work.shadow_map) {
+                    sum
+                } else {
+                    let terms = work.passes.composite.sums(work.gpu, sums);
+                    self.draw_sum(encoder, (work, seen), (level, index, &of[index]), &terms)?
                 };
-                sums.push(of_sum(sum));
+                next.push(sum);
             }
-            terms = sums;
+            sums = next;
         }
-        Ok(Some(work.passes.composite.terms(work.gpu, &terms)))
+        Ok(Some(work.passes.composite.sums(work.gpu, &sums)))
     }
 
     /// The layers of some lights with their weights, drawn where they are not held.
@@ -285,7 +288,7 @@ impl Layers {
         encoder: &mut CommandEncoder,
         (work, seen): (&mut Work, Seen),
         (level, index, lights): (usize, usize, &[&LightInstance]),
-        terms: &[Term],
+        terms: &Terms,
     ) -> Result<TextureView, RenderError> {
         let Work { gpu, passes, shadow_map, ran, .. } = work;
         let cause = match self.sums.get(level).and_then(|sums| sums.get(index)) {
@@ -300,15 +303,16 @@ impl Layers {
         sums.resize_with(sums.len().max(level + 1), Vec::new);
         let own = sums[level].get(index).and_then(|kept| kept.sum.take());
         let is_kept = own.is_some();
-        let sum = own.unwrap_or_else(|| texture(gpu, seen.size));
-        passes.composite.draw_sum(encoder, &passes.composite.terms(gpu, terms), &sum);
+        let sum = own.unwrap_or_else(|| texture(gpu, seen.size, composite::SUM_FORMAT));
+        passes.composite.draw_sum(encoder, terms, &sum);
         gpu.end_stage(encoder, Stage::Sum)?;
         if is_kept {
             sums[level][index].sum.put(sum.clone());
             (sums[level][index].of, sums[level][index].shadow_map) = (revisions(lights), *shadow_map);
             return Ok(sum);
         }
-        let kept = gpu.memory.keep(MemoryKind::Layers, bytes(seen.size), sum.clone());
+        let bytes = bytes(seen.size, SUM_BYTES_A_PIXEL);
+        let kept = gpu.memory.keep(MemoryKind::Layers, bytes, sum.clone());
         let kept = KeptSum { of: revisions(lights), shadow_map: *shadow_map, sum: kept };
         match sums[level].get_mut(index) {
             Some(before) => *before = kept,
@@ -318,19 +322,18 @@ impl Layers {
     }
 }
 
-/// A sum as it is.
-fn of_sum(texture: TextureView) -> Term {
-    Term { texture, diffuse: [1.0; 3], specular: [0.0; 3] }
-}
-
 fn revisions(lights: &[&LightInstance]) -> Vec<(LightId, Digest)> {
     lights.iter().map(|light| (light.id, light.light.revisions().picture)).collect()
 }
 
-fn texture(gpu: &Gpu, [width, height]: [u32; 2]) -> TextureView {
-    gpu.target("layer", width, height, lighting::LAYER_FORMAT).create_view(&TextureViewDescriptor::default())
+fn texture(gpu: &Gpu, [width, height]: [u32; 2], format: TextureFormat) -> TextureView {
+    gpu.target("layer", width, height, format).create_view(&TextureViewDescriptor::default())
 }
 
-fn bytes([width, height]: [u32; 2]) -> u64 {
-    u64::from(width) * u64::from(height) * BYTES_A_PIXEL
+fn layer_bytes(size: [u32; 2]) -> u64 {
+    bytes(size, LAYER_BYTES_A_PIXEL)
+}
+
+fn bytes([width, height]: [u32; 2], bytes_a_pixel: u64) -> u64 {
+    u64::from(width) * u64::from(height) * bytes_a_pixel
 }

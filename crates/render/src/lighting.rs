@@ -13,7 +13,7 @@ use crate::{Aov, Gpu};
 
 /// Radiance and every AOV: raw values, added up in f32.
 pub(crate) const FORMAT: TextureFormat = TextureFormat::Rgba32Float;
-/// What a light alone adds, and sums of that: see `terms.wgsl`.
+/// What a light alone adds: see `terms.wgsl`.
 pub(crate) const LAYER_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 
 const ADD: BlendState = {

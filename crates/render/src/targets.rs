@@ -3,9 +3,10 @@
 use glam::{DAffine3, DVec2};
 use light::{Digest, LightId, LightInstance};
 use scene::Projection;
-use wgpu::{BindGroup, CommandEncoder, Texture, TextureView, TextureViewDescriptor};
+use wgpu::{CommandEncoder, Texture, TextureView, TextureViewDescriptor};
 
 use crate::camera::Raster;
+use crate::composite::Terms;
 use crate::display::Exposed;
 use crate::gbuffer::Gbuffer;
 use crate::gpu_scene::GpuScene;
@@ -246,7 +247,7 @@ impl Targets {
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         passes: &Passes,
-        (terms, exposure): (Option<&BindGroup>, f64),
+        (terms, exposure): (Option<&Terms>, f64),
     ) {
         passes.display.draw(gpu, encoder, (&self.exposed, terms, exposure), &self.display_view);
     }
@@ -257,7 +258,7 @@ impl Targets {
         encoder: &mut CommandEncoder,
         work: &mut Work,
         lights: &[LightInstance],
-    ) -> Result<Option<BindGroup>, RenderError> {
+    ) -> Result<Option<Terms>, RenderError> {
         let seen = Seen { surface: &self.gbuffer.surface, size: self.size };
         self.layers.draw(encoder, (work, seen), lights)
     }

@@ -6,6 +6,7 @@ use super::{
     SUM, WIREFRAME,
 };
 use crate::bendy_light::Baked;
+use crate::composite::TermsOf;
 use crate::linked::with_links;
 use crate::straight::BakedStraight;
 
@@ -27,8 +28,6 @@ pub(super) fn all() -> Vec<(&'static str, String)> {
         ("bent_masked", BENT_MASKED),
         ("wireframe", WIREFRAME),
         ("display", DISPLAY),
-        ("composite", COMPOSITE),
-        ("sum", SUM),
     ];
     let baked = Baked::samples().into_iter();
     let both = |wgsl: String| [false, true].map(|linked| with_links(linked, &wgsl));
@@ -36,7 +35,16 @@ pub(super) fn all() -> Vec<(&'static str, String)> {
         let bendy = both(b.into_wgsl(BENDY)).map(|wgsl| ("bendy", wgsl));
         bendy.into_iter().chain([("locate", b.into_wgsl(LOCATE))])
     });
+    let summed = [("composite", COMPOSITE), ("sum", SUM)];
+    let summed =
+        summed.into_iter().flat_map(|(name, wgsl)| TermsOf::ALL.map(|of| (name, of.into_wgsl(wgsl))));
     let straight = BakedStraight::all().map(BakedStraight::wgsl);
     let straight = straight.flat_map(|(name, wgsl)| both(wgsl).map(|wgsl| (name, wgsl)));
-    fixed.map(|(name, wgsl)| (name, wgsl.to_owned())).into_iter().chain(straight).chain(baked).collect()
+    fixed
+        .map(|(name, wgsl)| (name, wgsl.to_owned()))
+        .into_iter()
+        .chain(summed)
+        .chain(straight)
+        .chain(baked)
+        .collect()
 }

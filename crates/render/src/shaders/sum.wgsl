@@ -1,8 +1,8 @@
-// A sum as a layer of which nothing is mirrored. Follows terms.wgsl.
+// A sum as radiance_to_bits has it. Follows terms.wgsl.
 
 @fragment
-fn fs_sum(@builtin(position) pixel: vec4f) -> @location(0) vec4u {
+fn fs_sum(@builtin(position) pixel: vec4f) -> @location(0) vec2u {
     // Every pixel's; no picture is that high.
     let count = select(0u, terms.count, pixel.y < 0x1p20);
-    return vec4u(radiance_to_bits(sum_at(vec2u(pixel.xy), count)), 0u, 0u);
+    return radiance_to_bits(sum_at(vec2u(pixel.xy), count));
 }

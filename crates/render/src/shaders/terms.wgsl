@@ -1,9 +1,12 @@
-// Layers with factors, added up in their order. Follows encoding.wgsl.
+// Layers with factors, or sums of some, added up in their order. Follows encoding.wgsl.
 //
-// A texel is what a light scatters, and what it mirrors, each as radiance_to_bits has it. Radiance far apart can lie in one
-// place, and either may count for nothing: so each has an exponent of its own.
+// A texel of a layer is what a light scatters, and what it mirrors, each as radiance_to_bits has it. Radiance far apart can
+// lie in one place, and either may count for nothing: so each has an exponent of its own. One of a sum is radiance.
+//
+// A constant comes before this:
+//   OF_SUMS  bool  whether all terms are sums
 
-const TERMS = 14u;
+const TERMS = 8u;
 
 struct Terms {
     // Linear RGB.
@@ -21,14 +24,11 @@ struct Terms {
 @group(1) @binding(6) var term_5: texture_2d<u32>;
 @group(1) @binding(7) var term_6: texture_2d<u32>;
 @group(1) @binding(8) var term_7: texture_2d<u32>;
-@group(1) @binding(9) var term_8: texture_2d<u32>;
-@group(1) @binding(10) var term_9: texture_2d<u32>;
-@group(1) @binding(11) var term_10: texture_2d<u32>;
-@group(1) @binding(12) var term_11: texture_2d<u32>;
-@group(1) @binding(13) var term_12: texture_2d<u32>;
-@group(1) @binding(14) var term_13: texture_2d<u32>;
 
 fn weighed(term: u32, lobes: vec4u) -> vec3f {
+    if OF_SUMS {
+        return radiance_from_bits(lobes.xy);
+    }
     return terms.diffuse[term].rgb * radiance_from_bits(lobes.xy) + terms.specular[term].rgb * radiance_from_bits(lobes.zw);
 }
 
@@ -43,11 +43,5 @@ fn sum_at(pixel: vec2u, count: u32) -> vec3f {
     if count > 5u { total += weighed(5u, textureLoad(term_5, pixel, 0)); }
     if count > 6u { total += weighed(6u, textureLoad(term_6, pixel, 0)); }
     if count > 7u { total += weighed(7u, textureLoad(term_7, pixel, 0)); }
-    if count > 8u { total += weighed(8u, textureLoad(term_8, pixel, 0)); }
-    if count > 9u { total += weighed(9u, textureLoad(term_9, pixel, 0)); }
-    if count > 10u { total += weighed(10u, textureLoad(term_10, pixel, 0)); }
-    if count > 11u { total += weighed(11u, textureLoad(term_11, pixel, 0)); }
-    if count > 12u { total += weighed(12u, textureLoad(term_12, pixel, 0)); }
-    if count > 13u { total += weighed(13u, textureLoad(term_13, pixel, 0)); }
     return total;
 }
