@@ -131,7 +131,7 @@ gpu_struct! {
     Slab {
         curve: Curve,
         planes: [[f32; 4]; 6],
-        bend: [f32; 4],
+        edge_bounds: [f32; 4],
     }
 }
 

@@ -13,8 +13,9 @@ pub(crate) const SLABS_A_TURN: usize = 240;
 const OVERLAP: f64 = 5e-4;
 /// The bend is sampled on a grid over the slab; between samples it may be this much larger.
 const SAMPLING_MARGIN: f64 = 2.0;
-/// Logarithm of the factor by which the change of u along an edge that may be called straight is uneven. Its square,
-/// times the weight that a bend has by its place on the edge, stays below the margin above.
+/// Largest slope of the logarithm of u's change along an edge that may be called straight. The edge's middle then strays by at
+/// most 1.09 times what it would were u even: with `exp(-EVEN |s - 1/2|)`, the worst, the mean of its square, weighed as
+/// deviations of the middle are, by a tent, over the square of its mean.
 const EVEN: f64 = 0.5;
 /// Larger than any radius and 1, and no infinity, which WGSL does not have.
 const NEVER_SAFE: [f32; 4] = [1e30; 4];
@@ -40,7 +41,7 @@ pub(crate) fn slabs(
             let gpu = Slab {
                 curve: gpu_curve(&piece.to_f32(), t_start - t_base, t_span),
                 planes: planes(&piece),
-                bend: bend(tube, &piece, t_span, tolerance_texels / resolution),
+                edge_bounds: edge_bounds(tube, &piece, t_span, tolerance_texels / resolution),
             };
             Some((gpu, piece.bounds.corners()))
         })
@@ -69,13 +70,12 @@ fn planes(piece: &Curve<f64>) -> [[f32; 4]; 6] {
 /// `dt` is so where `(p dt + q e) dt` is at most the smaller radius of its ends, and `r dt + s e` at most 1. The image may stray by
 /// `tolerance` times the map's resolution in texels.
 ///
-/// Light model, section 4, with `e_u = sigma u'`, where `u'` is the change of u along the edge: at most a factor of
-/// `exp(EVEN)` from its mean, which the ends tell, because u never turns back along a straight edge, and `|u''/u'|` is
-/// bounded by the second pair. `E = (resolution / 16 R) |(H_V - v H_R, H_W - w H_R)|`, and `|H_t| sigma` along the light,
+/// Light model, section 4, with `e_u = sigma u'`, where `u'` is the change of u along the edge. Its mean the ends tell, because u
+/// never turns back along a straight edge; and it is nearly even, for the second pair bounds `|u''/u'|` by [`EVEN`]. `E = (resolution / 16 R) |(H_V - v H_R, H_W - w H_R)|`, and `|H_t| sigma` along the light,
 /// with each second derivative at its largest over the slab and over the edge's directions. What lies square to
 /// the light is straight however long it is. Nothing is safe where the map is close to folding, and in the "up" frame,
 /// whose twist the formulas leave out.
-fn bend(tube: &Tube<f64>, piece: &Curve<f64>, t_span: f64, tolerance: f64) -> [f32; 4] {
+fn edge_bounds(tube: &Tube<f64>, piece: &Curve<f64>, t_span: f64, tolerance: f64) -> [f32; 4] {
     if tube.frame == light::Frame::Up {
         return NEVER_SAFE;
     }

@@ -9,8 +9,8 @@ struct Slab {
     curve: Curve,
     // n.q + w of the planes around the slab, ends first; zero or more inside.
     planes: array<vec4f, 6>,
-    // Bounds of how edges bend; see edge_is_safe.
-    bend: vec4f,
+    // Of how edges bend; see edge_is_safe.
+    edge_bounds: vec4f,
 }
 
 struct BentMap {
@@ -153,7 +153,7 @@ fn map_to_slab(c: Curve, q: vec3f) -> vec4f {
 // Whether no bend of this slab shows in the edge: it is short, or lies nearly square to the light. slab.rs has why.
 fn edge_is_safe(slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> bool {
     let dt = abs(b.w - a.w);
-    let bends = slabs[slab].bend * vec4f(dt, length(qb - qa), dt, length(qb - qa));
+    let bends = slabs[slab].edge_bounds * vec4f(dt, length(qb - qa), dt, length(qb - qa));
     return (bends.x + bends.y) * dt <= min(a.z, b.z) && bends.z + bends.w <= 1.0;
 }
 

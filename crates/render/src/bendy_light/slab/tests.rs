@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, DVec4};
 use light::{Curve, Tube, increasing_roots};
 
-use super::{NEVER_SAFE, OVERLAP, bend};
+use super::{NEVER_SAFE, OVERLAP, edge_bounds};
 use crate::bendy_light::tests::light;
 
 const RESOLUTION: f64 = 2048.0;
@@ -48,9 +48,9 @@ fn strays(piece: &Curve<f64>, a: &Mapped, b: &Mapped) -> f64 {
     (1..32).map(at).fold(0.0, f64::max)
 }
 
-fn is_safe(bend: [f64; 4], piece: &Curve<f64>, a: &Mapped, b: &Mapped) -> bool {
+fn is_safe(bounds: [f64; 4], piece: &Curve<f64>, a: &Mapped, b: &Mapped) -> bool {
     let (du, length) = ((b.mapped.w - a.mapped.w).abs(), (b.q - a.q).length());
-    let [p, q, r, s] = bend;
+    let [p, q, r, s] = bounds;
     assert!(piece.radius(a.mapped.w) > 0.0);
     (p * du + q * length) * du <= a.mapped.z.min(b.mapped.z) && r * du + s * length <= 1.0
 }
@@ -65,11 +65,11 @@ fn edges(tube: &Tube<f64>, factor: f64) -> Vec<(f64, bool)> {
     };
     let mut found = Vec::new();
     for slab in light::slabs(tube, tube.n as f64, OVERLAP) {
-        let bend = bend(tube, &slab.piece, 1.0, TOLERANCE_TEXELS / RESOLUTION);
-        if bend == NEVER_SAFE {
+        let bounds = edge_bounds(tube, &slab.piece, 1.0, TOLERANCE_TEXELS / RESOLUTION);
+        if bounds == NEVER_SAFE {
             continue;
         }
-        let bend = bend.map(|bound| f64::from(bound) * factor);
+        let bounds = bounds.map(|bound| f64::from(bound) * factor);
         for _ in 0..400 {
             let a: [f64; 3] = [random(), 2.0 * random() - 1.0, 2.0 * random() - 1.0];
             // Along the light and across it apart, each from a thousandth to all of the slab.
@@ -77,7 +77,7 @@ fn edges(tube: &Tube<f64>, factor: f64) -> Vec<(f64, bool)> {
             let steps = [along, 2.0 * across, 2.0 * across].map(|step| step * (2.0 * random() - 1.0));
             let b = [0, 1, 2].map(|k| (a[k] + steps[k]).clamp(if k == 0 { 0.0 } else { -1.0 }, 1.0));
             let (a, b) = (at(&slab.piece, a), at(&slab.piece, b));
-            found.push((strays(&slab.piece, &a, &b), is_safe(bend, &slab.piece, &a, &b)));
+            found.push((strays(&slab.piece, &a, &b), is_safe(bounds, &slab.piece, &a, &b)));
         }
     }
     found
