@@ -22,8 +22,9 @@ const PEER_FRAMES: usize = 10;
 #[serde(rename_all = "camelCase")]
 pub struct Contestant {
     /// Of ours: `bent`, `bentHalfMap` (with half the texels a side of its shadow map), `spot`, `straightBendy` (the spotlight
-    /// as a BendyLight, drawn the way of a bent one), `bentNothingCulled` (with all that is left out else), `bentIntensity`, and a crowd of bent lights of which one moves; of other renderers the name that they give. Where it
-    /// does not say otherwise one light moves in each frame.
+    /// as a BendyLight, drawn the way of a bent one), `bentNothingCulled` (with all that is left out else), `bentIntensity`,
+    /// and a crowd of bent lights of which one moves; of other renderers the name that they give. Where it does not say
+    /// otherwise one light moves in each frame.
     pub what: String,
     /// Of another renderer.
     pub version: Option<String>,

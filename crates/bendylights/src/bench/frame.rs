@@ -19,8 +19,9 @@ standard output:
   edits       a row an edit: first frame, camera, light move, control point, radius, color, intensity, mute, idle (the same
               picture asked for again); wall and CPU milliseconds of the whole frame with its read-back, and of each stage
               drawn by itself; triangles, texels, pixels and bytes that it worked on
-  sideBySide  in turns: the bent light, with half its map too, a spotlight, the spotlight as a BendyLight, the bent light with all drawn that is left out else, an intensity edit, 64 bent lights of
-              which one moves, and other renderers with --peers
+  sideBySide  in turns: the bent light, with half its map too, a spotlight, the spotlight as a BendyLight, the bent light
+              with all drawn that is left out else, an intensity edit, 64 bent lights of which one moves, and other renderers
+              with --peers
   growth      with --growth, in scenes of its own: triangles in the tube and outside of it, 10 thousand to a million; lights,
               1 to 64, one moved; segments, 1 to 16; pixels, 360p to 4K; each with its error against the reference, in a
               picture a fourth as wide and high, an eighth along pixels
