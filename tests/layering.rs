@@ -43,7 +43,8 @@ const LAYERS: &[Layer] = &[
         never: &["tokio", "wgpu", "axum", "protocol"],
         pure: false,
     },
-    Layer { name: "render", uses: &["light", "scene"], never: &["tokio", "axum", "protocol"], pure: false },
+    Layer { name: "relight", uses: &["light"], never: NO_IO, pure: false },
+    Layer { name: "render", uses: &["light", "scene", "relight"], never: &["tokio", "axum", "protocol"], pure: false },
     Layer { name: "stream", uses: &[], never: &["tokio", "wgpu", "axum"], pure: false },
     Layer {
         name: "protocol",
