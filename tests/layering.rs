@@ -44,7 +44,12 @@ const LAYERS: &[Layer] = &[
         pure: false,
     },
     Layer { name: "relight", uses: &["light"], never: NO_IO, pure: false },
-    Layer { name: "render", uses: &["light", "scene", "relight"], never: &["tokio", "axum", "protocol"], pure: false },
+    Layer {
+        name: "render",
+        uses: &["light", "scene", "relight"],
+        never: &["tokio", "axum", "protocol"],
+        pure: false,
+    },
     Layer { name: "stream", uses: &[], never: &["tokio", "wgpu", "axum"], pure: false },
     Layer {
         name: "protocol",

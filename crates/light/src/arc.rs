@@ -7,7 +7,8 @@
 //! turns by up to 60 degrees on either side of the valley, 5e-8 up to 75, and never more than 5.7e-5, for a
 //! hairpin that turns by 89.
 
-use crate::{Curve, Real};
+use crate::Curve;
+use crate::lanes::{Lanes, Mask};
 
 /// Abscissae and weights of the eight-point rule on `[-1, 1]`, the positive half (Abramowitz and Stegun,
 /// table 25.4).
@@ -19,27 +20,29 @@ pub const GAUSS_LEGENDRE: [(f64, f64); 4] = [
 ];
 
 /// Length of the centre curve from the segment's start to `u`, in tube units.
-pub fn arc_length<F: Real>(curve: &Curve<F>, u: F) -> F {
+#[inline(always)]
+pub fn arc_length<F: Lanes>(curve: &Curve<F>, u: F) -> F {
+    let zero = F::of(0.0);
     let aa = F::dot(curve.a, curve.a);
     let valley = -F::dot(curve.d0, curve.a);
     // The valley lies inside (0, u): 0 < valley / aa < u, asked without dividing.
-    if valley > F::of(0.0) && valley < u * aa {
-        let split = valley / aa;
-        arc_quadrature(curve, F::of(0.0), split) + arc_quadrature(curve, split, u)
-    } else {
-        arc_quadrature(curve, F::of(0.0), u)
+    let has_valley = valley.gt(zero) & valley.lt(u * aa);
+    if !has_valley.any() {
+        return arc_quadrature(curve, zero, u);
     }
+    // Elsewhere the first piece has no length.
+    let split = F::select(has_valley, valley / aa, zero);
+    let rest = arc_quadrature(curve, split, u);
+    F::select(has_valley, arc_quadrature(curve, zero, split) + rest, rest)
 }
 
-fn arc_quadrature<F: Real>(curve: &Curve<F>, from: F, to: F) -> F {
+#[inline(always)]
+fn arc_quadrature<F: Lanes>(curve: &Curve<F>, from: F, to: F) -> F {
     let (middle, half) = ((from + to) * F::of(0.5), (to - from) * F::of(0.5));
-    let speed = |u: F| {
-        let d = curve.d(u);
-        F::dot(d, d).sqrt()
-    };
-    let sum = GAUSS_LEGENDRE.iter().fold(F::of(0.0), |sum, &(x, weight)| {
+    let mut sum = F::of(0.0);
+    for (x, weight) in GAUSS_LEGENDRE {
         let x = half * F::of(x);
-        sum + F::of(weight) * (speed(middle - x) + speed(middle + x))
-    });
+        sum = sum + F::of(weight) * (F::length(curve.d(middle - x)) + F::length(curve.d(middle + x)));
+    }
     F::of(2.0) * half * sum
 }

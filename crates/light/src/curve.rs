@@ -10,10 +10,11 @@
 use glam::DVec3;
 
 use crate::Real;
+use crate::lanes::{Lanes, Mask, choose_vec};
 
 /// A box around everything a curve's tube can reach.
 #[derive(Clone, Copy, Debug)]
-pub struct TubeBox<F: Real> {
+pub struct TubeBox<F: Lanes> {
     /// Centre.
     pub center: F::Vec3,
     /// Orthonormal axes: chord, in the plane of the curve, normal to it.
@@ -22,11 +23,14 @@ pub struct TubeBox<F: Real> {
     pub half: [F; 3],
 }
 
-impl<F: Real> TubeBox<F> {
+impl<F: Lanes> TubeBox<F> {
     /// Whether `q` lies in the box.
-    pub fn contains(&self, q: F::Vec3) -> bool {
+    #[inline(always)]
+    pub fn contains(&self, q: F::Vec3) -> F::Mask {
         let p = q - self.center;
-        (0..3).all(|k| F::dot(p, self.axes[k]).abs() <= self.half[k])
+        F::dot(p, self.axes[0]).abs().le(self.half[0])
+            & F::dot(p, self.axes[1]).abs().le(self.half[1])
+            & F::dot(p, self.axes[2]).abs().le(self.half[2])
     }
 }
 
@@ -44,7 +48,7 @@ impl TubeBox<f64> {
 
 /// A quadratic piece of a tube in tube space, prepared in f64 and rounded once.
 #[derive(Clone, Copy, Debug)]
-pub struct Curve<F: Real> {
+pub struct Curve<F: Lanes> {
     /// Start, bit-equal to the `b2` of the piece before.
     pub b0: F::Vec3,
     /// End.
@@ -71,50 +75,64 @@ pub struct Curve<F: Real> {
     pub bounds: TubeBox<F>,
 }
 
-impl<F: Real> Curve<F> {
+impl<F: Lanes> Curve<F> {
     /// Half the derivative, `d(u) = P'(u) / 2`; at the end `d1` to the last bit, which near a cusp the sum has lost.
+    #[inline(always)]
     pub fn d(&self, u: F) -> F::Vec3 {
-        if u == F::of(1.0) { self.d1 } else { self.d0 + self.a * u }
+        F::select_vec(u.equals(F::of(1.0)), self.d1, self.d0 + self.a * u)
     }
 
     /// Position of the centre curve.
+    #[inline(always)]
     pub fn position(&self, u: F) -> F::Vec3 {
         self.b0 + (self.d0 * F::of(2.0) + self.a * u) * u
     }
 
     /// `q - P(u)`, formed so that the large part cancels first.
+    #[inline(always)]
     pub fn offset(&self, q: F::Vec3, u: F) -> F::Vec3 {
         (q - self.b0) - (self.d0 * F::of(2.0) + self.a * u) * u
     }
 
     /// Radius.
+    #[inline(always)]
     pub fn radius(&self, u: F) -> F {
         self.r0 + u * (F::of(2.0) * self.e0 + u * self.ar)
     }
 
     /// Derivative of the radius.
+    #[inline(always)]
     pub fn radius_derivative(&self, u: F) -> F {
         F::of(2.0) * (self.e0 + u * self.ar)
     }
 
     /// Unit tangent; the one-sided limit where `P'` is zero at an end.
+    #[inline(always)]
     pub fn u_hat(&self, u: F) -> F::Vec3 {
-        let limit = if u < F::of(0.5) { self.a } else { -self.a };
-        F::unit(self.d(u)).or_else(|| F::unit(limit)).unwrap_or(limit)
+        let d = self.d(u);
+        let speed = F::length(d);
+        let moves = speed.gt(F::of(0.0));
+        if moves.all() {
+            return d * (F::of(1.0) / speed);
+        }
+        let limit = F::select_vec(u.lt(F::of(0.5)), self.a, -self.a);
+        choose_vec!(F, moves, d * (F::of(1.0) / speed), F::unit_or(limit, limit))
     }
 
     /// The rotation-minimising `(v_hat, w_hat)` about the unit tangent `u_hat`.
+    #[inline(always)]
     pub fn rotation_minimizing(&self, u_hat: F::Vec3) -> (F::Vec3, F::Vec3) {
         let m = F::cross(self.n_hat, u_hat);
         (self.n_hat * self.alpha + m * self.beta, self.n_hat * self.beta - m * self.alpha)
     }
 
     /// Derivative of the unit tangent, `(P'' - (P''.u_hat) u_hat) / |P'|`; zero where `P'` is.
+    #[inline(always)]
     pub fn u_hat_derivative(&self, u: F, u_hat: F::Vec3) -> F::Vec3 {
         let d = self.d(u);
         let speed = F::dot(d, d).sqrt();
         let across = self.a - u_hat * F::dot(self.a, u_hat);
-        if speed > F::of(0.0) { across * (F::of(1.0) / speed) } else { self.a * F::of(0.0) }
+        choose_vec!(F, speed.gt(F::of(0.0)), across * (F::of(1.0) / speed), self.a * F::of(0.0))
     }
 }
 

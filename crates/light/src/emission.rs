@@ -1,8 +1,11 @@
 //! What leaves a light.
 
-use glam::DVec3;
+use crate::lanes::Lanes;
 
 /// Colour times intensity, neither below zero, linear RGB.
-pub fn emission(color: DVec3, intensity: f64) -> DVec3 {
-    color.max(DVec3::ZERO) * intensity.max(0.0)
+#[inline(always)]
+pub fn emission<F: Lanes>(color: F::Vec3, intensity: F) -> F::Vec3 {
+    let zero = F::of(0.0);
+    let [r, g, b] = F::coordinates(color);
+    F::vec3([r.most(zero), g.most(zero), b.most(zero)]) * intensity.most(zero)
 }

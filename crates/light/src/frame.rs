@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use crate::{Curve, Real};
+use crate::Curve;
+use crate::lanes::{Lanes, Mask};
 
 /// Below this sine of the angle between the end tangents a segment's plane is rounding noise.
 pub const STRAIGHT: f64 = 1e-13;
@@ -31,28 +32,33 @@ pub fn orient(curve: &mut Curve<f64>, carried: Option<Carried>, up: DVec3) -> Ca
 
 /// `w_hat` from the unit vector `up`: its part across `u_hat`, or the least-aligned axis's where they are
 /// parallel.
-pub fn perpendicular_up<F: Real>(up: F::Vec3, u_hat: F::Vec3) -> F::Vec3 {
-    let across = |v: F::Vec3| v - u_hat * F::dot(v, u_hat);
-    let perp = across(up);
-    if F::dot(perp, perp) >= F::of(1e-12) {
-        // Once more: what rounding left along `u_hat` is large against a small `perp`.
-        let perp = across(F::unit(perp).unwrap_or(perp));
-        return F::unit(perp).unwrap_or(perp);
+#[inline(always)]
+pub fn perpendicular_up<F: Lanes>(up: F::Vec3, u_hat: F::Vec3) -> F::Vec3 {
+    let perp = across::<F>(up, u_hat);
+    let leans = F::dot(perp, perp).ge(F::of(1e-12));
+    // Once more: what rounding left along `u_hat` is large against a small `perp`.
+    let twice = across::<F>(F::unit_or(perp, perp), u_hat);
+    let w_hat = F::unit_or(twice, twice);
+    if leans.all() {
+        return w_hat;
     }
-    let axis = across(F::vec(least_aligned_axis(F::vec_f64(u_hat))));
-    F::unit(axis).unwrap_or(axis)
+    let axis = across::<F>(least_aligned_axis::<F>(u_hat), u_hat);
+    F::select_vec(leans, w_hat, F::unit_or(axis, axis))
+}
+
+/// The part of `v` across the unit vector `u_hat`.
+#[inline(always)]
+fn across<F: Lanes>(v: F::Vec3, u_hat: F::Vec3) -> F::Vec3 {
+    v - u_hat * F::dot(v, u_hat)
 }
 
 /// The coordinate axis that leans least towards `v`.
-fn least_aligned_axis(v: DVec3) -> DVec3 {
-    let magnitude = v.abs();
-    if magnitude.x <= magnitude.y && magnitude.x <= magnitude.z {
-        DVec3::X
-    } else if magnitude.y <= magnitude.z {
-        DVec3::Y
-    } else {
-        DVec3::Z
-    }
+#[inline(always)]
+fn least_aligned_axis<F: Lanes>(v: F::Vec3) -> F::Vec3 {
+    let [x, y, z] = F::coordinates(v).map(F::abs);
+    let is_x = x.le(y) & x.le(z);
+    let y_or_z = F::select_vec(y.le(z), F::vec(DVec3::Y), F::vec(DVec3::Z));
+    F::select_vec(is_x, F::vec(DVec3::X), y_or_z)
 }
 
 /// `v` turned by the smallest rotation that takes the unit vector `from` to `to`: nothing where the curve is

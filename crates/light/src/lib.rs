@@ -1,6 +1,6 @@
 //! The BendyLight model: light that travels along a quadratic B-spline inside a tube of varying radius.
 //!
-//! Pure functions over f64 and f32; knows no scene, no files and no clock. Where this crate says "light
+//! Pure functions over f64, f32 and many f32 side by side ([`Lanes`]); knows no scene, no files and no clock. Where this crate says "light
 //! model, section n", it means the numbered sections in `ARCHITECTURE.md`. The paper is Kerr, Pellacini and
 //! Denning, "BendyLights: Artistic Control of Direct Illumination by Curving Light Rays", 2010; symbols are
 //! its own.
@@ -16,6 +16,10 @@
 //! # Ok::<(), light::LightError>(())
 //! ```
 #![forbid(unsafe_code)]
+#![expect(
+    clippy::inline_always,
+    reason = "many lanes are only as fast as what is inlined where their width was chosen"
+)]
 
 mod arc;
 mod bend;
@@ -26,6 +30,7 @@ mod emission;
 mod error;
 mod filter;
 mod frame;
+mod lanes;
 mod light;
 mod links;
 mod parameter;
@@ -55,6 +60,7 @@ pub use curve::{Curve, TubeBox, quadratic_range};
 pub use emission::emission;
 pub use error::LightError;
 pub use filter::{Cut, LightFilter, Profile, Radial, Section, blackbody, irradiance};
+pub use lanes::{Lanes, Mask};
 pub use links::{Links, MAX_LINK_BYTES, MAX_LINKS};
 pub use parameter::{
     Backing, Choice, Key, Kind, MAX_EXTENT, MAX_NAME_BYTES, Number, Of, Owner, Parameter, Scale, Setting,
@@ -67,7 +73,7 @@ pub use place::Place;
 pub use rays::cone::Cone;
 pub use rays::omni::Omni;
 pub use rays::parallel::Parallel;
-pub use rays::tube::{Location, Root, Tube, TubePoint};
+pub use rays::tube::{Inside, Location, Root, Tube, TubePoint};
 pub use reach::{OutOfReach, Reach};
 pub use real::Real;
 pub use revision::{Digest, Revisions};

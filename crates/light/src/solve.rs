@@ -10,18 +10,52 @@
 //! Accuracy: `|du| <= 16 eps cond` for tubes with `R kappa <= 0.9` and `|P'| >= 0.1 (|d0| + |d1|)`; see
 //! [`crate::Tube`].
 
+use crate::lanes::{Lanes, Mask, choose};
 use crate::{Curve, Real};
 
-/// At most one root on the left increasing piece and one on the right, in ascending order.
-pub type Roots<F> = [Option<F>; 2];
+/// At most one root on the left increasing piece and one on the right, of one point in each lane. What a root is where there
+/// is none means nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct Roots<F: Lanes> {
+    /// The root on the left piece.
+    pub left: F,
+    /// The root on the right piece, not before the other.
+    pub right: F,
+    /// Whether there is one on the left.
+    pub has_left: F::Mask,
+    /// Whether there is one on the right.
+    pub has_right: F::Mask,
+}
+
+impl<F: Lanes> Roots<F> {
+    /// No root at all.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let (none, never) = (F::of(0.0), F::Mask::of(false));
+        Self { left: none, right: none, has_left: never, has_right: never }
+    }
+}
+
+impl<F: Real> Roots<F> {
+    /// Those that there are, in ascending order.
+    pub fn found(self) -> impl Iterator<Item = F> {
+        let Self { left, right, has_left, has_right } = self;
+        [has_left.then_some(left), has_right.then_some(right)].into_iter().flatten()
+    }
+}
 
 /// Quotient limited to +-64 and never NaN: `0 / 0` is 0, `n / 0` is 64 with the sign of `n`.
-fn sdiv<F: Real>(n: F, d: F) -> F {
+#[inline(always)]
+fn sdiv<F: Lanes>(n: F, d: F) -> F {
     let (zero, limit) = (F::of(0.0), F::of(64.0));
-    if n.abs() <= limit * d.abs() {
-        return if d == zero { zero } else { n / d };
-    }
-    if (n < zero) == (d < zero) { limit } else { -limit }
+    let bounded = n.abs().le(limit * d.abs());
+    let beyond = F::select(same(n.lt(zero), d.lt(zero)), limit, -limit);
+    choose!(F, bounded, choose!(F, d.equals(zero), zero, n / d), beyond)
+}
+
+#[inline(always)]
+fn same<M: Mask>(a: M, b: M) -> M {
+    (a & b) | !(a | b)
 }
 
 /// The coefficients of `f` that give its slope and half its curvature anywhere.
@@ -32,10 +66,12 @@ struct Cubic<F> {
     c3: F,
 }
 
-impl<F: Real> Cubic<F> {
+impl<F: Lanes> Cubic<F> {
+    #[inline(always)]
     fn slope(&self, u: F) -> F {
         (F::of(3.0) * self.c3 * u + F::of(2.0) * self.c2) * u + self.c1
     }
+    #[inline(always)]
     fn half_curvature(&self, u: F) -> F {
         F::of(3.0) * self.c3 * u + self.c2
     }
@@ -45,55 +81,45 @@ impl<F: Real> Cubic<F> {
 ///
 /// Starts at the least of the bounds that each term alone gives; the polynomial is convex, so Newton descends
 /// to the root.
-fn climb<F: Real>(f: F, g: F, h: F, a: F, t_max: F) -> F {
+#[inline(always)]
+fn climb<F: Lanes>(f: F, g: F, h: F, a: F, t_max: F) -> F {
     let mut t = t_max;
-    if f < g * t {
-        t = f / g;
-    }
-    if f < h * t * t {
-        t = (f / h).sqrt();
-    }
-    if f < a * t * t * t {
-        t = (f / a).cbrt_above().least(t);
-    }
+    t = choose!(F, f.lt(g * t), f / g, t);
+    t = choose!(F, f.lt(h * t * t), (f / h).sqrt(), t);
+    t = choose!(F, f.lt(a * t * t * t), (f / a).cbrt_above().least(t), t);
     for _ in 0..F::NEWTON_STEPS {
         let value = ((a * t + h) * t + g) * t - f;
         let slope = (F::of(3.0) * a * t + F::of(2.0) * h) * t + g;
-        if slope > F::of(0.0) {
-            t = (t - value / slope).within(F::of(0.0), t_max);
-        }
+        t = choose!(F, slope.gt(F::of(0.0)), (t - value / slope).within(F::of(0.0), t_max), t);
     }
     t
 }
 
 /// One Newton step on `f` formed from `r = q - P(u)` itself; taken only where it is a correction.
-fn polish<F: Real>(curve: &Curve<F>, q: F::Vec3, u: F, low: F, high: F) -> F {
+#[inline(always)]
+fn polish<F: Lanes>(curve: &Curve<F>, q: F::Vec3, u: F, low: F, high: F) -> F {
     let (r, d) = (curve.offset(q, u), curve.d(u));
     let (n, slope) = (F::dot(r, d), F::of(2.0) * F::dot(d, d) - F::dot(r, curve.a));
     // |step| <= 2^-6, asked without dividing; and so short that the slope changes by less than half, for near a cusp
     // both n and the slope may be rounding noise.
     let half_curvature = F::of(3.0) * F::dot(curve.a, d);
-    let short = n.abs() <= slope * F::of(0.015_625)
-        && (n * half_curvature).abs() <= F::of(0.25) * slope * slope
-        && slope > F::of(0.0);
-    let step = if short { n / slope } else { F::of(0.0) };
+    let short = n.abs().le(slope * F::of(0.015_625))
+        & (n * half_curvature).abs().le(F::of(0.25) * slope * slope)
+        & slope.gt(F::of(0.0));
+    let step = choose!(F, short, n / slope, F::of(0.0));
     (u + step).within(low, high)
 }
 
 /// Half the derivative of the squared distance.
-fn f_at<F: Real>(curve: &Curve<F>, q: F::Vec3, u: F) -> F {
+#[inline(always)]
+fn f_at<F: Lanes>(curve: &Curve<F>, q: F::Vec3, u: F) -> F {
     -F::dot(curve.offset(q, u), curve.d(u))
 }
 
 /// The value that a piece's split point has: the caller's at an end, the cubic's inside.
-fn at_split<F: Real>(u: F, start: F, end: F, inside: F) -> F {
-    if u == F::of(0.0) {
-        start
-    } else if u == F::of(1.0) {
-        end
-    } else {
-        inside
-    }
+#[inline(always)]
+fn at_split<F: Lanes>(u: F, start: F, end: F, inside: F) -> F {
+    F::select(u.equals(F::of(0.0)), start, F::select(u.equals(F::of(1.0)), end, inside))
 }
 
 /// The increasing roots of `f` on `[0, 1]`.
@@ -101,7 +127,8 @@ fn at_split<F: Real>(u: F, start: F, end: F, inside: F) -> F {
 /// `f0` and `f1` are `f` at the ends, computed by the caller from the geometry, once a joint: both segments
 /// that meet there then agree on the side a point lies on. Where `f` vanishes with `P'` at an end, the sign
 /// comes from the one-sided tangent.
-pub fn increasing_roots<F: Real>(curve: &Curve<F>, q: F::Vec3, f0: F, f1: F) -> Roots<F> {
+#[inline(always)]
+pub fn increasing_roots<F: Lanes>(curve: &Curve<F>, q: F::Vec3, f0: F, f1: F) -> Roots<F> {
     let (zero, one) = (F::of(0.0), F::of(1.0));
     let (d0, a) = (curve.d0, curve.a);
     let from_start = q - curve.b0;
@@ -110,21 +137,9 @@ pub fn increasing_roots<F: Real>(curve: &Curve<F>, q: F::Vec3, f0: F, f1: F) -> 
         c2: F::of(3.0) * F::dot(d0, a),
         c3: F::dot(a, a),
     };
-    let e0 = if F::dot(d0, d0) > zero { f0 } else { -F::dot(from_start, a) };
-    let e1 = if F::dot(curve.d1, curve.d1) > zero { f1 } else { F::dot(q - curve.b2, a) };
-
-    // Where f' changes sign, or the inflection where it never does.
-    let clamp01 = |x: F| x.within(zero, one);
-    let discriminant = cubic.c2 * cubic.c2 - F::of(3.0) * cubic.c3 * cubic.c1;
-    let (cl, ch) = if discriminant > zero {
-        let root = discriminant.sqrt();
-        let qd = -(cubic.c2 + if cubic.c2 < zero { -root } else { root });
-        let (x, y) = (sdiv(qd, F::of(3.0) * cubic.c3), sdiv(cubic.c1, qd));
-        (clamp01(x.least(y)), clamp01(x.most(y)))
-    } else {
-        let inflection = clamp01(sdiv(-cubic.c2, F::of(3.0) * cubic.c3));
-        (inflection, inflection)
-    };
+    let e0 = choose!(F, F::dot(d0, d0).gt(zero), f0, -F::dot(from_start, a));
+    let e1 = choose!(F, F::dot(curve.d1, curve.d1).gt(zero), f1, F::dot(q - curve.b2, a));
+    let (cl, ch) = splits(&cubic);
 
     // From the geometry: near P' = 0 the roots lie so close together that the rounding of the coefficients is
     // larger than all of `f` between them.
@@ -135,16 +150,39 @@ pub fn increasing_roots<F: Real>(curve: &Curve<F>, q: F::Vec3, f0: F, f1: F) -> 
 
     // A piece without length counts only where f rises: a point exactly on the plane across an end has f = 0 there, and may
     // be farthest from it.
-    let mut roots = [None, None];
-    if e0 <= zero && zero <= sl && (cl > zero || cubic.slope(cl) >= zero) {
+    let mut roots = Roots::<F>::none();
+    roots.has_left = e0.le(zero) & zero.le(sl) & (cl.gt(zero) | cubic.slope(cl).ge(zero));
+    if roots.has_left.any() {
         let (g, h) = (cubic.slope(cl).most(zero), (-cubic.half_curvature(cl)).most(zero));
         let u = cl - climb(fl.abs(), g, h, cubic.c3, cl);
-        roots[0] = Some(polish(curve, q, u, zero, cl));
+        roots.left = polish(curve, q, u, zero, cl);
     }
-    if sh <= zero && zero <= e1 && (ch < one || cubic.slope(ch) >= zero) {
+    roots.has_right = sh.le(zero) & zero.le(e1) & (ch.lt(one) | cubic.slope(ch).ge(zero));
+    if roots.has_right.any() {
         let (g, h) = (cubic.slope(ch).most(zero), cubic.half_curvature(ch).most(zero));
         let u = ch + climb(fh.abs(), g, h, cubic.c3, one - ch);
-        roots[1] = Some(polish(curve, q, u, ch, one));
+        roots.right = polish(curve, q, u, ch, one);
     }
     roots
+}
+
+/// Where `f'` changes sign, or twice the inflection where it never does; held to `[0, 1]`.
+#[inline(always)]
+fn splits<F: Lanes>(cubic: &Cubic<F>) -> (F, F) {
+    let (zero, one, three) = (F::of(0.0), F::of(1.0), F::of(3.0));
+    let discriminant = cubic.c2 * cubic.c2 - three * cubic.c3 * cubic.c1;
+    let turns = discriminant.gt(zero);
+    if turns.decided() == Some(false) {
+        let inflection = sdiv(-cubic.c2, three * cubic.c3).within(zero, one);
+        return (inflection, inflection);
+    }
+    let root = discriminant.sqrt();
+    let qd = -(cubic.c2 + F::select(cubic.c2.lt(zero), -root, root));
+    let (x, y) = (sdiv(qd, three * cubic.c3), sdiv(cubic.c1, qd));
+    let (low, high) = (x.least(y).within(zero, one), x.most(y).within(zero, one));
+    if turns.all() {
+        return (low, high);
+    }
+    let inflection = sdiv(-cubic.c2, three * cubic.c3).within(zero, one);
+    (F::select(turns, low, inflection), F::select(turns, high, inflection))
 }

@@ -1,6 +1,7 @@
 //! What becomes of light along its way.
 
 use super::own;
+use crate::lanes::Lanes;
 use crate::parameters::{CUT_OFF, CUT_ON, FAR_EDGE, NEAR_EDGE};
 use crate::{Decay, Light};
 
@@ -38,16 +39,19 @@ impl Cut {
     }
 
     /// The share of light that is there at the path length `s`.
-    pub fn at(&self, s: f64) -> f64 {
-        ramp(s - self.on_start, self.on_inverse_width)
-            * (1.0 - ramp(s - self.off_start, self.off_inverse_width))
+    #[inline(always)]
+    pub fn at<F: Lanes>(&self, s: F) -> F {
+        ramp(s - F::of(self.on_start), F::of(self.on_inverse_width))
+            * (F::of(1.0) - ramp(s - F::of(self.off_start), F::of(self.off_inverse_width)))
     }
 }
 
 /// From 0 to 1 over the first `1 / inverse_width`; nothing at 0 itself, however steep.
-fn ramp(past: f64, inverse_width: f64) -> f64 {
-    let x = if past > 0.0 { (past * inverse_width).min(1.0) } else { 0.0 };
-    x * x * (3.0 - 2.0 * x)
+#[inline(always)]
+fn ramp<F: Lanes>(past: F, inverse_width: F) -> F {
+    let (zero, one) = (F::of(0.0), F::of(1.0));
+    let x = F::select(past.gt(zero), (past * inverse_width).least(one), zero);
+    x * x * (F::of(3.0) - F::of(2.0) * x)
 }
 
 impl Decay {
@@ -61,11 +65,12 @@ impl Decay {
     }
 
     /// That factor.
-    pub fn at(self, s: f64) -> f64 {
+    #[inline(always)]
+    pub fn at<F: Lanes>(self, s: F) -> F {
         match self {
-            Self::None => 1.0,
-            Self::Linear => 1.0 / s,
-            Self::InverseSquare => 1.0 / (s * s),
+            Self::None => F::of(1.0),
+            Self::Linear => F::of(1.0) / s,
+            Self::InverseSquare => F::of(1.0) / (s * s),
         }
     }
 }

@@ -10,6 +10,7 @@ mod section;
 use glam::DVec3;
 
 use crate::emission::emission;
+use crate::lanes::Lanes;
 use crate::parameter::Typed;
 use crate::parameters::{
     COLOR, COLOR_TEMPERATURE, CONE_ANGLE, DECAY, DECAY_START, DIFFUSE, ENABLE_COLOR_TEMPERATURE, ENABLED,
@@ -103,17 +104,27 @@ impl LightFilter {
 /// Irradiance on a surface square to the light, linear RGB, without visibility: `emission tint profile(rho) cut(s)
 /// decay(s)`, `rho` being where the place lies in the cross-section.
 pub fn irradiance(filter: &LightFilter, emission: DVec3, place: &Place) -> DVec3 {
-    let along = filter.cut.at(place.s) * filter.decay.at(place.s.max(filter.least_distance));
-    emission * filter.tint * (across(filter, place) * along)
+    emission * filter.tint * filter.share_at(place.v, place.w, place.s)
 }
 
-/// What becomes of light across: nothing is left outside of an outline that the light does not end at by itself.
-fn across(filter: &LightFilter, place: &Place) -> f64 {
-    let share = filter.radial.share(place.v, place.w);
-    let rho2 = filter.section.rho2(place.v, place.w) / (share * share);
-    let has_outline = filter.section != Section::Circle || !filter.radial.is_even();
-    let is_outside = has_outline && rho2 > 1.0;
-    if is_outside { 0.0 } else { filter.profile.at(rho2) }
+impl LightFilter {
+    /// What is left of light at (v, w) after a way of length `s` in world units.
+    #[inline(always)]
+    pub fn share_at<F: Lanes>(&self, v: F, w: F, s: F) -> F {
+        let along = self.cut.at(s) * self.decay.at(s.most(F::of(self.least_distance)));
+        self.across(v, w) * along
+    }
+
+    /// What becomes of light across: nothing is left outside of an outline that the light does not end at by itself.
+    #[inline(always)]
+    fn across<F: Lanes>(&self, v: F, w: F) -> F {
+        let share = self.radial.share(v, w);
+        let rho2 = self.section.rho2(v, w) / (share * share);
+        if self.section == Section::Circle && self.radial.is_even() {
+            return self.profile.at(rho2);
+        }
+        F::select(rho2.gt(F::of(1.0)), F::of(0.0), self.profile.at(rho2))
+    }
 }
 
 fn tint(light: &Light) -> DVec3 {
@@ -122,7 +133,7 @@ fn tint(light: &Light) -> DVec3 {
     }
     let temperature = light.get(ENABLE_COLOR_TEMPERATURE).then(|| blackbody(light.get(COLOR_TEMPERATURE)));
     let color = light.get(COLOR) * temperature.unwrap_or(DVec3::ONE);
-    emission(color, light.get(INTENSITY)) * libm::exp2(light.get(EXPOSURE))
+    emission::<f64>(color, light.get(INTENSITY)) * libm::exp2(light.get(EXPOSURE))
 }
 
 /// The value of a parameter; `None` where lights of that shape have none.

@@ -1,5 +1,6 @@
 //! How light falls off from its axis to its edge.
 
+use crate::lanes::Lanes;
 use crate::parameters::{CONE_ANGLE, CONE_SOFTNESS, PROFILE, PROFILE_POWER};
 use crate::{Light, ProfileCurve};
 
@@ -52,28 +53,32 @@ impl Profile {
     }
 
     /// Value at `rho^2`, up to 1.
-    pub fn at(&self, rho2: f64) -> f64 {
+    #[inline(always)]
+    pub fn at<F: Lanes>(&self, rho2: F) -> F {
+        let (zero, one) = (F::of(0.0), F::of(1.0));
+        let tan2 = rho2 * F::of(self.tan2_outer);
         if self.curve == ProfileCurve::Cosine {
-            return libm::pow(1.0 + rho2 * self.tan2_outer, -0.5 * self.power);
+            return (one + tan2).pow(-0.5 * self.power);
         }
         if self.inverse_span == 0.0 {
-            return 1.0;
+            return one;
         }
         let share = match self.curve {
             ProfileCurve::Linear => rho2.sqrt(),
-            _ => rho2 * self.edge / secants(rho2 * self.tan2_outer),
+            _ => rho2 * F::of(self.edge) / secants(tan2),
         };
-        let s = ((1.0 - share) * self.inverse_span).clamp(0.0, 1.0);
+        let s = ((one - share) * F::of(self.inverse_span)).within(zero, one);
         match self.curve {
             ProfileCurve::Linear => s,
-            ProfileCurve::Power => libm::pow(s, self.power),
-            _ => s * s * (3.0 - 2.0 * s),
+            ProfileCurve::Power => s.pow(self.power),
+            _ => s * s * (F::of(3.0) - F::of(2.0) * s),
         }
     }
 }
 
 /// `h (1 + h)`, `h = sqrt(1 + tan^2)` the secant.
-fn secants(tan2: f64) -> f64 {
-    let h = (1.0 + tan2).sqrt();
-    h * (1.0 + h)
+#[inline(always)]
+fn secants<F: Lanes>(tan2: F) -> F {
+    let h = (F::of(1.0) + tan2).sqrt();
+    h * (F::of(1.0) + h)
 }

@@ -1,6 +1,7 @@
 //! How far out a light reaches around its axis.
 
 use super::own;
+use crate::lanes::Lanes;
 use crate::parameters::RADIAL_FALLOFF;
 use crate::{Light, Piece};
 
@@ -24,19 +25,28 @@ impl Radial {
     }
 
     /// The share at a place across the light.
-    pub fn share(&self, v: f64, w: f64) -> f64 {
+    #[inline(always)]
+    pub fn share<F: Lanes>(&self, v: F, w: F) -> F {
+        let (zero, one) = (F::of(0.0), F::of(1.0));
         if self.is_even() {
-            return 1.0;
+            return one;
         }
         let degrees = angle_around(v, w);
-        let Some(piece) = self.pieces.iter().rfind(|piece| piece.from <= degrees) else { return 1.0 };
-        let [from, to] = piece.values;
-        from + (to - from) * ((degrees - piece.from) * piece.inverse_length).clamp(0.0, 1.0)
+        let mut share = one;
+        // The last piece that begins before it counts.
+        for piece in &self.pieces {
+            let [from, to] = piece.values.map(F::of);
+            let past = (degrees - F::of(piece.from)) * F::of(piece.inverse_length);
+            let there = from + (to - from) * past.within(zero, one);
+            share = F::select(degrees.ge(F::of(piece.from)), there, share);
+        }
+        share
     }
 }
 
 /// Degrees from V, the left as seen along the light, towards W, its top: 0 to 360.
-fn angle_around(v: f64, w: f64) -> f64 {
-    let degrees = libm::atan2(w, v).to_degrees();
-    if degrees < 0.0 { degrees + 360.0 } else { degrees }
+#[inline(always)]
+fn angle_around<F: Lanes>(v: F, w: F) -> F {
+    let degrees = w.atan2(v) * F::of(180.0 / std::f64::consts::PI);
+    F::select(degrees.lt(F::of(0.0)), degrees + F::of(360.0), degrees)
 }

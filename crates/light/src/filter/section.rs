@@ -1,6 +1,7 @@
 //! What a light's cross-section looks like.
 
 use super::own;
+use crate::lanes::{Lanes, choose};
 use crate::parameters::{CROSS_SECTION, SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH};
 use crate::{CrossSection, Light};
 
@@ -34,13 +35,14 @@ impl Section {
     }
 
     /// The square of how far out a place lies, 1 on the outline.
-    pub fn rho2(&self, v: f64, w: f64) -> f64 {
+    #[inline(always)]
+    pub fn rho2<F: Lanes>(&self, v: F, w: F) -> F {
         let Self::Superellipse { scale, power } = *self else { return v * v + w * w };
-        let [x, y] = [v.abs() * scale[0], w.abs() * scale[1]];
+        let (x, y) = (v.abs() * F::of(scale[0]), w.abs() * F::of(scale[1]));
         // The larger apart, so that no power leaves the range of numbers.
-        let (most, least) = (x.max(y), x.min(y));
-        let share = if most > 0.0 { least / most } else { 0.0 };
-        let rho = most * libm::pow(1.0 + libm::pow(share, power), power.recip());
+        let (most, least) = (x.most(y), x.least(y));
+        let share = choose!(F, most.gt(F::of(0.0)), least / most, F::of(0.0));
+        let rho = most * (F::of(1.0) + share.pow(power)).pow(power.recip());
         rho * rho
     }
 }

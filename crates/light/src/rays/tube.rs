@@ -7,6 +7,7 @@ use crate::build::{self, Placement};
 use crate::curve::Curve;
 use crate::filter::{LightFilter, irradiance};
 use crate::frame::perpendicular_up;
+use crate::lanes::{Lanes, Mask, choose_vec};
 use crate::parameters::{DIRECTION, END_MODE, FRAME};
 use crate::solve::{Roots, increasing_roots};
 use crate::{ControlPoint, Direction, EndMode, Frame, Light, LightError, Place, Real, Segment};
@@ -19,7 +20,7 @@ use crate::{ControlPoint, Direction, EndMode, Frame, Light, LightError, Place, R
 /// at offset `r` is within `16 eps cond`, `cond = (|r| + L) / (|P'| (1 - kappa r.N))`, `eps` 2^-52 or 2^-24;
 /// times `1 + |world offset| / size` for world positions.
 #[derive(Clone, Debug)]
-pub struct Tube<F: Real> {
+pub struct Tube<F: Lanes> {
     /// The segments; with [`EndMode::Extend`] one more, whose parameter has no end.
     pub segments: Vec<Segment<F>>,
     /// Number of quadratic segments `n`: `t` runs from 0 to `n`, or on where the light is extended.
@@ -38,7 +39,7 @@ pub struct Tube<F: Real> {
 
 /// One way to reach a point from the curve, inside the tube. Lengths in tube space.
 #[derive(Clone, Copy, Debug)]
-pub struct Root<F: Real> {
+pub struct Root<F: Lanes> {
     /// Index of the segment; `n` on the extension.
     pub segment: usize,
     /// Parameter in the segment.
@@ -66,13 +67,17 @@ impl<F: Real> Root<F> {
 
 /// A root that lies in the tube, before its frame is known: what a search for the nearest compares.
 #[derive(Clone, Copy, Debug)]
-struct Inside<F: Real> {
-    segment: usize,
-    u: F,
-    r: F::Vec3,
+pub struct Inside<F: Lanes> {
+    /// Index of the segment; `n` on the extension.
+    pub segment: usize,
+    /// Parameter in the segment.
+    pub u: F,
+    /// `q - P(u)`.
+    pub r: F::Vec3,
     /// `|r|^2`.
-    r2: F,
-    radius: F,
+    pub r2: F,
+    /// Radius of the tube at `u`.
+    pub radius: F,
 }
 
 /// Where a point lies in a light.
@@ -139,13 +144,6 @@ impl Tube<f64> {
         Place { t, v, w, s: self.path_length(root), direction }
     }
 
-    /// Length of the way to a root, `sqrt(s_c^2 + |r|^2)` in world units with `s_c` the arc length along the curve.
-    fn path_length(&self, root: &Root<f64>) -> f64 {
-        let segment = &self.segments[root.segment];
-        let along = segment.arc_start + arc_length(&segment.curve, root.u);
-        (along * along + root.r.length_squared()).sqrt() * self.placement.world_per_tube
-    }
-
     /// Irradiance at a root on a surface square to the light, linear RGB, without visibility.
     pub fn irradiance(&self, root: &Root<f64>) -> DVec3 {
         irradiance(&self.light_filter, self.segments[root.segment].emission(root.u), &self.place_at(root))
@@ -166,12 +164,125 @@ impl From<&Tube<f64>> for Tube<f32> {
     }
 }
 
-impl<F: Real> Tube<F> {
+impl<F: Lanes> Tube<F> {
     /// Whether the light goes on past its last control point.
     pub fn end_mode(&self) -> EndMode {
         if self.segments.len() > self.n { EndMode::Extend } else { EndMode::Cut }
     }
 
+    /// `f` at the start of the first segment.
+    #[inline(always)]
+    pub fn first_joint(&self, q: F::Vec3) -> F {
+        let first = &self.segments[0].curve;
+        -F::dot(q - first.b0, first.d0)
+    }
+
+    /// `f` at the end of segment `i`: one value a joint, shared by the segments that meet there.
+    #[inline(always)]
+    pub fn end_joint(&self, i: usize, q: F::Vec3) -> F {
+        let curve = &self.segments[i].curve;
+        -F::dot(q - curve.b2, curve.d1)
+    }
+
+    /// The parameters to test on segment `i`, whose ends have the values `f0` and `f1`; the extension, `i = n`, has
+    /// one without end.
+    #[inline(always)]
+    pub fn candidates(&self, i: usize, q: F::Vec3, f0: F, f1: F) -> Roots<F> {
+        let curve = &self.segments[i].curve;
+        if i == self.n {
+            let left = -f0 / (F::of(2.0) * F::dot(curve.d0, curve.d0));
+            return Roots { left, has_left: left.gt(F::of(0.0)), ..Roots::none() };
+        }
+        let is_near = curve.bounds.contains(q);
+        if !is_near.any() {
+            return Roots::none();
+        }
+        let roots = increasing_roots(curve, q, f0, f1);
+        Roots { has_left: roots.has_left & is_near, has_right: roots.has_right & is_near, ..roots }
+    }
+
+    /// The root at `u` of segment `i`, and whether it lies in the tube: `|r| <= R`.
+    #[inline(always)]
+    pub fn inside_at(&self, i: usize, q: F::Vec3, u: F) -> (Inside<F>, F::Mask) {
+        let curve = &self.segments[i].curve;
+        let (r, radius) = (curve.offset(q, u), curve.radius(u));
+        let r2 = F::dot(r, r);
+        let is_inside = radius.ge(F::of(0.0)) & r2.le(radius * radius);
+        (Inside { segment: i, u, r, r2, radius }, is_inside)
+    }
+
+    /// All that is known at a root.
+    #[inline(always)]
+    pub fn root_at(&self, inside: &Inside<F>) -> Root<F> {
+        let Inside { segment, u, r, radius, .. } = *inside;
+        let curve = &self.segments[segment].curve;
+        let u_hat = curve.u_hat(u);
+        let (v_hat, w_hat) = self.cross_section(curve, u_hat);
+        Root { segment, u, r, v_len: F::dot(r, v_hat), w_len: F::dot(r, w_hat), radius, v_hat, u_hat }
+    }
+
+    /// `(v_hat, w_hat)` across the unit tangent, in the light's frame mode.
+    #[inline(always)]
+    pub fn cross_section(&self, curve: &Curve<F>, u_hat: F::Vec3) -> (F::Vec3, F::Vec3) {
+        if self.frame == Frame::RotationMinimizing {
+            return curve.rotation_minimizing(u_hat);
+        }
+        let w_hat = perpendicular_up::<F>(self.up, u_hat);
+        (F::cross(w_hat, u_hat), w_hat)
+    }
+
+    /// Unit direction in tube space from the surface to where its light comes from, in the light's mode (light
+    /// model, section 3, times R).
+    #[inline(always)]
+    pub fn direction_at(&self, root: &Root<F>) -> F::Vec3 {
+        self.direction_by(self.direction, root)
+    }
+
+    /// The same by the tangent of the path, whatever the light's mode: the way that visibility follows.
+    #[inline(always)]
+    pub fn path_direction_at(&self, root: &Root<F>) -> F::Vec3 {
+        self.direction_by(Direction::Path, root)
+    }
+
+    #[inline(always)]
+    fn direction_by(&self, direction: Direction, root: &Root<F>) -> F::Vec3 {
+        let curve = &self.segments[root.segment].curve;
+        let (u_hat, r, radius) = (root.u_hat, root.r, root.radius);
+        let spread = r * curve.radius_derivative(root.u);
+        let tangent = match direction {
+            Direction::Tube => curve.d(root.u) * (F::of(2.0) * radius) + spread,
+            Direction::Path => {
+                let turn = curve.u_hat_derivative(root.u, u_hat);
+                let speed = F::of(2.0) * F::length(curve.d(root.u));
+                let along = u_hat * ((speed - F::dot(r, turn)) * radius) + spread;
+                along + F::cross(u_hat, r) * (self.twist(root, turn) * radius)
+            }
+        };
+        let length = F::length(tangent);
+        choose_vec!(F, length.lt(F::DIRECTION_FLOOR), -u_hat, tangent * (F::of(-1.0) / length))
+    }
+
+    /// `tau`, the frame's rotation about the tangent per unit of u; zero for the rotation-minimising frame.
+    #[inline(always)]
+    pub fn twist(&self, root: &Root<F>, u_hat_derivative: F::Vec3) -> F {
+        if self.frame == Frame::RotationMinimizing {
+            return F::of(0.0);
+        }
+        let along = F::dot(self.up, root.u_hat);
+        let length = F::length(self.up - root.u_hat * along).most(F::of(1e-6));
+        along * F::dot(u_hat_derivative, root.v_hat) / length
+    }
+
+    /// Length of the way to a root, `sqrt(s_c^2 + |r|^2)` in world units with `s_c` the arc length along the curve.
+    #[inline(always)]
+    pub fn path_length(&self, root: &Root<F>) -> F {
+        let segment = &self.segments[root.segment];
+        let along = segment.arc_start + arc_length(&segment.curve, root.u);
+        (along * along + F::dot(root.r, root.r)).sqrt() * F::of(self.placement.world_per_tube)
+    }
+}
+
+impl<F: Real> Tube<F> {
     /// Calls `found` with every in-tube root of the tube-space point `q`, in ascending t; one at a joint
     /// comes once.
     pub fn for_each_root(&self, q: F::Vec3, mut found: impl FnMut(Root<F>)) {
@@ -182,69 +293,18 @@ impl<F: Real> Tube<F> {
         let mut last: Option<(usize, F)> = None;
         let mut report = |i: usize, u: F| {
             let same = |(j, v): (usize, F)| F::of((i - j) as f64) + (u - v) < F::JOINT_MERGE;
-            if !last.is_some_and(same)
-                && let Some(inside) = self.inside_at(i, q, u)
-            {
+            let (inside, is_inside) = self.inside_at(i, q, u);
+            if is_inside && !last.is_some_and(same) {
                 last = Some((i, u));
                 found(inside);
             }
         };
         let mut f0 = self.first_joint(q);
         for i in 0..self.segments.len() {
-            // One value a joint, shared by the segments that meet there.
             let f1 = self.end_joint(i, q);
-            self.candidates(i, q, f0, f1).into_iter().flatten().for_each(|u| report(i, u));
+            self.candidates(i, q, f0, f1).found().for_each(|u| report(i, u));
             f0 = f1;
         }
-    }
-
-    /// `f` at the start of the first segment.
-    fn first_joint(&self, q: F::Vec3) -> F {
-        let first = &self.segments[0].curve;
-        -F::dot(q - first.b0, first.d0)
-    }
-
-    /// `f` at the end of segment `i`.
-    fn end_joint(&self, i: usize, q: F::Vec3) -> F {
-        let curve = &self.segments[i].curve;
-        -F::dot(q - curve.b2, curve.d1)
-    }
-
-    /// The parameters to test on segment `i`, whose ends have the values `f0` and `f1`; the extension, `i = n`, has
-    /// one without end.
-    fn candidates(&self, i: usize, q: F::Vec3, f0: F, f1: F) -> Roots<F> {
-        let curve = &self.segments[i].curve;
-        if i == self.n {
-            let u = -f0 / (F::of(2.0) * F::dot(curve.d0, curve.d0));
-            return [(u > F::of(0.0)).then_some(u), None];
-        }
-        if curve.bounds.contains(q) { increasing_roots(curve, q, f0, f1) } else { [None; 2] }
-    }
-
-    /// The root at `u` of segment `i` if it lies in the tube: `|r| <= R`.
-    fn inside_at(&self, i: usize, q: F::Vec3, u: F) -> Option<Inside<F>> {
-        let curve = &self.segments[i].curve;
-        let (r, radius) = (curve.offset(q, u), curve.radius(u));
-        let r2 = F::dot(r, r);
-        (radius >= F::of(0.0) && r2 <= radius * radius).then_some(Inside { segment: i, u, r, r2, radius })
-    }
-
-    /// All that is known at a root.
-    fn root_at(&self, inside: &Inside<F>) -> Root<F> {
-        let Inside { segment, u, r, radius, .. } = *inside;
-        let curve = &self.segments[segment].curve;
-        let u_hat = curve.u_hat(u);
-        let (v_hat, w_hat) = self.cross_section(curve, u_hat);
-        Root { segment, u, r, v_len: F::dot(r, v_hat), w_len: F::dot(r, w_hat), radius, v_hat, u_hat }
-    }
-
-    /// `(v_hat, w_hat)` across the unit tangent, in the light's frame mode.
-    pub fn cross_section(&self, curve: &Curve<F>, u_hat: F::Vec3) -> (F::Vec3, F::Vec3) {
-        if self.frame == Frame::RotationMinimizing {
-            return curve.rotation_minimizing(u_hat);
-        }
-        let w_hat = perpendicular_up::<F>(self.up, u_hat);
-        (F::cross(w_hat, u_hat), w_hat)
     }
 
     /// The root that counts: the one with the smallest `|r| / R` (light model, section 5).
@@ -255,50 +315,11 @@ impl<F: Real> Tube<F> {
     fn nearest_inside(&self, q: F::Vec3) -> Option<Inside<F>> {
         let mut best: Option<Inside<F>> = None;
         self.for_each_inside(q, |inside| {
-            if best.is_none_or(|best| nearer(&inside, &best)) {
+            if best.is_none_or(|best| inside.is_nearer(&best)) {
                 best = Some(inside);
             }
         });
         best
-    }
-
-    /// Unit direction in tube space from the surface to where its light comes from, in the light's mode (light
-    /// model, section 3, times R).
-    pub fn direction_at(&self, root: &Root<F>) -> F::Vec3 {
-        self.direction_by(self.direction, root)
-    }
-
-    /// The same by the tangent of the path, whatever the light's mode: the way that visibility follows.
-    pub fn path_direction_at(&self, root: &Root<F>) -> F::Vec3 {
-        self.direction_by(Direction::Path, root)
-    }
-
-    fn direction_by(&self, direction: Direction, root: &Root<F>) -> F::Vec3 {
-        let curve = &self.segments[root.segment].curve;
-        let (u_hat, r, radius) = (root.u_hat, root.r, root.radius);
-        let spread = r * curve.radius_derivative(root.u);
-        let tangent = match direction {
-            Direction::Tube => curve.d(root.u) * (F::of(2.0) * radius) + spread,
-            Direction::Path => {
-                let turn = curve.u_hat_derivative(root.u, u_hat);
-                let speed = F::of(2.0) * F::dot(curve.d(root.u), curve.d(root.u)).sqrt();
-                let along = u_hat * ((speed - F::dot(r, turn)) * radius) + spread;
-                along + F::cross(u_hat, r) * (self.twist(root, turn) * radius)
-            }
-        };
-        let length = F::dot(tangent, tangent).sqrt();
-        if length < F::DIRECTION_FLOOR { -u_hat } else { tangent * (F::of(-1.0) / length) }
-    }
-
-    /// `tau`, the frame's rotation about the tangent per unit of u; zero for the rotation-minimising frame.
-    fn twist(&self, root: &Root<F>, u_hat_derivative: F::Vec3) -> F {
-        if self.frame == Frame::RotationMinimizing {
-            return F::of(0.0);
-        }
-        let along = F::dot(self.up, root.u_hat);
-        let perp = self.up - root.u_hat * along;
-        let length = F::dot(perp, perp).sqrt().most(F::of(1e-6));
-        along * F::dot(u_hat_derivative, root.v_hat) / length
     }
 
     /// Where a world position lies in the light.
@@ -324,12 +345,15 @@ impl<F: Real> Tube<F> {
     }
 }
 
+impl<F: Lanes> Inside<F> {
+    /// Whether this has the smaller `|r| / R`; asked without dividing, since R may be zero (then r is zero too).
+    #[inline(always)]
+    pub fn is_nearer(&self, than: &Self) -> F::Mask {
+        (self.r2 * than.radius * than.radius).lt(than.r2 * self.radius * self.radius)
+    }
+}
+
 /// How near to the source light falls off no further, in world units.
 fn least_distance(placement: &Placement) -> f64 {
     1e-6 * placement.world_per_tube
-}
-
-/// Whether `a` has the smaller `|r| / R`; asked without dividing, since R may be zero (then r is zero too).
-fn nearer<F: Real>(a: &Inside<F>, b: &Inside<F>) -> bool {
-    a.r2 * b.radius * b.radius < b.r2 * a.radius * a.radius
 }

@@ -66,7 +66,7 @@ fn profile_falls_from_one_to_zero() {
     let soft = profile(25.0, 0.2);
     let inner = 20_f64.to_radians().tan() / 25_f64.to_radians().tan();
     assert_eq!((soft.at(0.0), soft.at((inner - 1e-9).powi(2))), (1.0, 1.0));
-    assert!(soft.at(1.0).abs() < 1e-15 && soft.at(0.81) > 0.0);
+    assert!(soft.at(1.0_f64).abs() < 1e-15 && soft.at(0.81) > 0.0);
     assert!((0..100).all(|k| soft.at(f64::from(k) / 100.0) >= soft.at(f64::from(k + 1) / 100.0)));
     assert_eq!(profile(25.0, 0.0).at(0.999), 1.0);
 }

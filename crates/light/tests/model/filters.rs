@@ -175,7 +175,7 @@ fn a_section_without_roundness_is_a_rectangle() {
         let rho = (x / 0.4).max(y / 0.2);
         assert!((section.rho2(x, y).sqrt() - rho).abs() < 1e-14 * rho, "({x}, {y})");
     }
-    assert!((section.rho2(0.4, 0.2) - 1.0).abs() < 1e-14);
+    assert!((section.rho2(0.4, 0.2) - 1.0_f64).abs() < 1e-14);
 }
 
 /// The profile's edge is scaled by the share: linear from one angle to the next, and around from the last to the first;

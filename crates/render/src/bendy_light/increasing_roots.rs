@@ -68,5 +68,5 @@ pub fn increasing_roots(
 
 /// A NaN where the shader wrote none is kept as a root, to be seen.
 fn roots([left, right, has_left, has_right]: [f32; 4]) -> Roots<f32> {
-    [(left, has_left), (right, has_right)].map(|(u, has)| (has != 0.0).then_some(u))
+    Roots { left, right, has_left: has_left != 0.0, has_right: has_right != 0.0 }
 }

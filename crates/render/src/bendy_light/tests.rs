@@ -437,7 +437,7 @@ fn a_spotlights_wireframe_is_that_of_its_bendy_light() {
 /// The numbers that WGSL spells out are Rust's.
 #[test]
 fn constants_are_the_models() {
-    use light::{GAUSS_LEGENDRE, Real};
+    use light::{GAUSS_LEGENDRE, Lanes, Real};
     let solve = include_str!("../shaders/solve.wgsl");
     let arc = include_str!("../shaders/arc.wgsl");
     let tube = include_str!("../shaders/tube.wgsl");

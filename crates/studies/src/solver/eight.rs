@@ -5,7 +5,7 @@
 //! that is handed over in memory costs more than what is done with it.
 
 use glam::Vec3;
-use light::{Curve, Real};
+use light::{Curve, Lanes};
 use wide::f32x8;
 
 use super::family::Case;
@@ -144,9 +144,9 @@ fn climb(f: f32x8, g: f32x8, h: f32x8, a: f32x8, t_max: f32x8) -> f32x8 {
     let mut t = t_max;
     t = f.simd_lt(g * t).select(f / g, t);
     t = f.simd_lt(h * t * t).select((f / h).sqrt(), t);
-    let cubic = f32x8::from((f / a).to_array().map(Real::cbrt_above));
+    let cubic = f32x8::from((f / a).to_array().map(Lanes::cbrt_above));
     t = f.simd_lt(a * t * t * t).select(cubic.fast_min(t), t);
-    for _ in 0..<f32 as Real>::NEWTON_STEPS {
+    for _ in 0..<f32 as Lanes>::NEWTON_STEPS {
         let value = ((a * t + h) * t + g) * t - f;
         let slope = (3.0 * a * t + 2.0 * h) * t + g;
         t = slope.simd_gt(ZERO).select(within(t - value / slope, ZERO, t_max), t);

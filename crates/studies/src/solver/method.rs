@@ -47,7 +47,7 @@ pub const METHODS: [Method; 9] = [
 ];
 
 /// A solver: the parameters on the segment at which the distance to the point has a minimum.
-pub type Solve<F> = fn(&Curve<F>, <F as light::Real>::Vec3) -> Found<F>;
+pub type Solve<F> = fn(&Curve<F>, <F as light::Lanes>::Vec3) -> Found<F>;
 
 impl Method {
     /// The solver itself.
@@ -70,7 +70,7 @@ fn ours<F: Width>(curve: &Curve<F>, q: F::Vec3) -> Found<F> {
     let f0 = -F::dot(q - curve.b0, curve.d0);
     let f1 = -F::dot(q - curve.b2, curve.d1);
     let mut found = Found::none();
-    found.extend(light::increasing_roots(curve, q, f0, f1).into_iter().flatten());
+    found.extend(light::increasing_roots(curve, q, f0, f1).found());
     found
 }
 

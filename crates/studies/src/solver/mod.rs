@@ -182,7 +182,7 @@ fn on_adapter(gpu: &Gpu, inputs: u64) -> Result<Throughput, StudyError> {
         seconds += each.as_secs_f64();
         for (index, roots) in (0..inputs).zip(answers) {
             let mut found = Found::none();
-            found.extend(roots.into_iter().flatten());
+            found.extend(roots.found());
             tally.count(family, index, &Bars::<f32>::new(family, &family.case(index)), &found);
         }
     }

@@ -26,7 +26,7 @@ fn at(piece: &Curve<f64>, [u, v, w]: [f64; 3]) -> Mapped {
 
 fn map(piece: &Curve<f64>, q: DVec3) -> DVec4 {
     let f = [-(q - piece.b0).dot(piece.d0), -(q - piece.b2).dot(piece.d1)];
-    let u = increasing_roots(piece, q, f[0].min(0.0), f[1].max(0.0)).into_iter().flatten();
+    let u = increasing_roots(piece, q, f[0].min(0.0), f[1].max(0.0)).found();
     let u = u.min_by(|a, b| piece.offset(q, *a).length().total_cmp(&piece.offset(q, *b).length()));
     let u = u.expect("inside the slab");
     let (v_hat, w_hat) = piece.rotation_minimizing(piece.u_hat(u));

@@ -1,0 +1,27 @@
+//! Code compiled for several kinds of processors, chosen when it runs.
+
+use pulp::{Arch, Simd, WithSimd};
+
+/// Work on sixteen lanes: `run` and all it calls has to be inlined, and closures are not.
+pub(crate) trait Work {
+    /// What comes of it.
+    type Output;
+    /// Does it. `#[inline(always)]`, or it is compiled for the oldest processor.
+    fn run(self) -> Self::Output;
+}
+
+struct On<W>(W);
+
+impl<W: Work> WithSimd for On<W> {
+    type Output = W::Output;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> W::Output {
+        self.0.run()
+    }
+}
+
+/// Does `work` with the widest vectors that this processor has.
+#[inline]
+pub(crate) fn run<W: Work>(work: W) -> W::Output {
+    Arch::new().dispatch(On(work))
+}
