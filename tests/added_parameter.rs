@@ -64,6 +64,7 @@ impl Own {
             scene: "demo:vases".into(),
             public_urls: Vec::new(),
             trace: None,
+            backend: None,
         };
         let server = Server::open(&config).expect("a server");
         let runtime = Runtime::new().expect("a runtime");

@@ -23,6 +23,7 @@ fn a_drag_goes_on_beside_eight_stills() {
         stills: 8,
         still: [2048, 2048],
         samples: 1,
+        backend: None,
     };
     let report = stills::run(program(), &options).expect("measured");
     println!("{report:#?}");
@@ -76,7 +77,9 @@ fn views_that_close_free_their_memory() {
     for client in &mut clients {
         see(client, [1600, 900]);
     }
-    assert_eq!(kept(&server, "views"), 4.0 * 1600.0 * 900.0 * 44.0);
+    // 44 bytes a pixel where the device lights; where the processor does the G-buffer, twice in memory and as blocks.
+    let a_pixel = kept(&server, "views") / (4.0 * 1600.0 * 900.0);
+    assert!(a_pixel == 44.0 || a_pixel == 124.0, "{a_pixel} bytes a pixel");
     assert!(kept(&server, "shadow_maps") > 0.0);
     let resident_full = resident_bytes(&server);
     drop(clients);

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use plotters::prelude::*;
 use protocol::ClientMessage;
+use render::Backend;
 use serde::Serialize;
 
 use crate::cases::{self, Case};
@@ -21,6 +22,8 @@ pub struct Options {
     pub height: u32,
     /// Updates of the drag.
     pub updates: u64,
+    /// Who draws shadows and lights; as the server chooses where nobody says.
+    pub backend: Option<Backend>,
 }
 
 /// What was measured.
@@ -54,7 +57,9 @@ pub struct Report {
 /// measures. `progress` is told how many updates have been sent.
 pub fn run(program: &Path, options: Options, progress: impl Fn(u64)) -> Result<(Report, String), BenchError> {
     let data = tempfile::tempdir()?;
-    let server = ServerProcess::start(program, data.path(), &["--scene", "demo:vases"])?;
+    let backend = options.backend.map_or("auto", Backend::name);
+    let server =
+        ServerProcess::start(program, data.path(), &["--scene", "demo:vases", "--backend", backend])?;
     server.wait_until_ready()?;
     let mut client = Client::connect(&server.address, "main", "bench", None)?;
     open_view(&mut client, [options.width, options.height])?;

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use image::RgbImage;
 use protocol::{ClientMessage, Command};
+use render::Backend;
 use serde::Serialize;
 
 use crate::circle::{ANIMATION_FRAME, RADIUS, control_point, decode, ms, open_view, position_of};
@@ -24,6 +25,8 @@ pub struct Options {
     pub still: [u32; 2],
     /// Samples a pixel of a still.
     pub samples: u32,
+    /// Who draws shadows and lights; as the server chooses where nobody says.
+    pub backend: Option<Backend>,
 }
 
 /// How the frames of a drag came.
@@ -59,7 +62,9 @@ pub struct Report {
 /// Starts `program serve` on data of its own, drags in one session, and again while another session renders stills.
 pub fn run(program: &Path, options: &Options) -> Result<Report, BenchError> {
     let data = tempfile::tempdir()?;
-    let server = ServerProcess::start(program, data.path(), &["--scene", "demo:vases"])?;
+    let backend = options.backend.map_or("auto", Backend::name);
+    let server =
+        ServerProcess::start(program, data.path(), &["--scene", "demo:vases", "--backend", backend])?;
     server.wait_until_ready()?;
     created(&server.post("/sessions", br#"{"name": "stills", "scene": "demo:vases"}"#)?)?;
     let mut client = viewer(&server, options)?;

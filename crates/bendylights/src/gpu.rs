@@ -2,12 +2,42 @@
 
 use std::sync::Arc;
 
+use clap::ValueEnum;
 use cli::say;
-use render::{Gpu, RenderError};
+use render::{Backend, Gpu, MemoryBudget, RenderError};
 
-/// Opens the best device, and says so where its driver is slow for no need.
+/// Who draws shadows and lights.
+#[derive(clap::Args)]
+pub struct BackendArgs {
+    /// Who draws shadows and lights of pictures
+    #[arg(long, value_enum, default_value = "auto", value_name = "WHO")]
+    backend: Choice,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Choice {
+    /// Native where the graphics driver draws on the processor anyway, wgpu elsewhere
+    Auto,
+    /// The processor, on all cores, for machines without a GPU; the driver still finds what each pixel sees
+    Native,
+    /// The graphics driver, be it a GPU's or a software one
+    Wgpu,
+}
+
+impl BackendArgs {
+    /// Who was asked for; `None` where that follows from the device.
+    pub fn wanted(&self) -> Option<Backend> {
+        match self.backend {
+            Choice::Auto => None,
+            Choice::Native => Some(Backend::Native),
+            Choice::Wgpu => Some(Backend::Wgpu),
+        }
+    }
+}
+
+/// Opens the best device, which draws all itself, and says so where its driver is slow for no need.
 pub fn open() -> Result<Arc<Gpu>, RenderError> {
-    let gpu = Gpu::new()?;
+    let gpu = Gpu::open(MemoryBudget::default(), Some(Backend::Wgpu))?;
     if let Some(advice) = gpu.advice() {
         say(&format!("note: {advice}"));
     }

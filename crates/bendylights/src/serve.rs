@@ -11,6 +11,7 @@ use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
 
 use crate::error::Error;
+use crate::gpu::BackendArgs;
 
 /// The session that every server has.
 const SESSION: &str = "main";
@@ -43,6 +44,8 @@ pub struct Args {
     /// File to whose end a line of JSON is written for each picture: when, of what, how long it took, which passes ran and why
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
+    #[command(flatten)]
+    backend: BackendArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
@@ -69,6 +72,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         scene: args.scene.clone(),
         public_urls: args.public_url.clone(),
         trace: args.trace.clone(),
+        backend: args.backend.wanted(),
     };
     let server = Server::open(&config)?;
     let place = args

@@ -15,7 +15,7 @@ pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + No
     /// Whether every lane does.
     fn all(self) -> bool;
     /// The answer where the type has one lane, so that code may branch; `None` where lanes may differ, and both sides have
-    /// to be computed ([`choose`]).
+    /// to be computed.
     fn decided(self) -> Option<bool>;
 }
 

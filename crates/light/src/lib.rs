@@ -60,6 +60,7 @@ pub use curve::{Curve, TubeBox, quadratic_range};
 pub use emission::emission;
 pub use error::LightError;
 pub use filter::{Cut, LightFilter, Profile, Radial, Section, blackbody, irradiance};
+pub use frame::perpendicular_up;
 pub use lanes::{Lanes, Mask};
 pub use links::{Links, MAX_LINK_BYTES, MAX_LINKS};
 pub use parameter::{

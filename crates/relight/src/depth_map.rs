@@ -25,6 +25,11 @@ impl DepthMap {
         self.faces
     }
 
+    /// All depths, face after face.
+    pub(crate) fn texels(&self) -> &[f32] {
+        &self.texels
+    }
+
     /// A face's depths, row after row.
     pub fn face(&self, face: usize) -> &[f32] {
         let length = self.side * self.side;

@@ -13,7 +13,7 @@ pub(crate) fn pow(x: F32s, exponent: f32) -> F32s {
     exp2(log2(x) * F32s::splat(exponent))
 }
 
-/// Binary logarithm of `x >= 0`, -150 of what is subnormal or 0. With `x = m 2^e`, m from 0.7 to 1.4, and
+/// Binary logarithm of `x >= 0`, -10^9 of what is subnormal or 0. With `x = m 2^e`, m from 0.7 to 1.4, and
 /// `s = (m - 1) / (m + 1)`, `log2 m = 2 / ln 2 (s + s^3 / 3 + s^5 / 5 + ...)`; what is left out after `s^9` is below 1e-8.
 #[inline(always)]
 pub(crate) fn log2(x: F32s) -> F32s {
@@ -23,7 +23,7 @@ pub(crate) fn log2(x: F32s) -> F32s {
     for i in 0..LANES {
         // 0x3f3504f3 are the bits of the root of one half.
         let from_root = bits.0[i].wrapping_sub(0x3f35_04f3);
-        exponent.0[i] = ((from_root as i32) >> 23) as f32;
+        exponent.0[i] = (from_root.cast_signed() >> 23) as f32;
         mantissa.0[i] = f32::from_bits((from_root & 0x007f_ffff) + 0x3f35_04f3);
     }
     let one = F32s::splat(1.0);
@@ -35,14 +35,16 @@ pub(crate) fn log2(x: F32s) -> F32s {
     }
     let two_over_ln2 = F32s::splat(std::f32::consts::LOG2_E * 2.0);
     let log = exponent + two_over_ln2 * (s + s * s2 * series);
-    F32s::select(x.lt(F32s::splat(f32::MIN_POSITIVE)), F32s::splat(-150.0), log)
+    F32s::select(x.lt(F32s::splat(f32::MIN_POSITIVE)), F32s::splat(-1e9), log)
 }
 
 /// Two to the power of `x`; 0 below -126, and at most 2^127.
 #[inline(always)]
 pub(crate) fn exp2(x: F32s) -> F32s {
     let bounded = x.within(F32s::splat(-126.0), F32s::splat(127.0));
-    let whole = (bounded + F32s::splat(0.5)).floor();
+    // From 1.5 times 2^23 on a float's last bit is 1, also below 0.
+    let shifted = bounded + F32s::splat(12_582_912.0);
+    let whole = shifted - F32s::splat(12_582_912.0);
     let share = (bounded - whole) * F32s::splat(std::f32::consts::LN_2);
     // e^share, |share| <= ln 2 / 2: what is left out after share^7 is below 5e-9.
     let mut series = F32s::splat(1.0 / 5040.0);
@@ -51,7 +53,7 @@ pub(crate) fn exp2(x: F32s) -> F32s {
     }
     let mut power = U32s::splat(0);
     for i in 0..LANES {
-        power.0[i] = (((whole.0[i] as i32) + 127) << 23) as u32;
+        power.0[i] = shifted.0[i].to_bits().wrapping_sub(0x4b40_0000 - 127) << 23;
     }
     let result = series * F32s::from_bits(power);
     F32s::select(x.lt(F32s::splat(-126.0)), F32s::splat(0.0), result)
@@ -64,7 +66,7 @@ pub(crate) fn atan2(y: F32s, x: F32s) -> F32s {
     let (across, along) = (y.abs(), x.abs());
     let ratio = across.least(along) / across.most(along).most(F32s::splat(1e-37));
     let z = ratio * ratio;
-    let mut p = F32s::splat(0.002_849_886_9);
+    let mut p = F32s::splat(0.002_849_887);
     for factor in [
         -0.016_068_615,
         0.042_691_49,
@@ -83,3 +85,6 @@ pub(crate) fn atan2(y: F32s, x: F32s) -> F32s {
     angle = F32s::select(x.lt(zero), pi - angle, angle);
     F32s::select(y.lt(zero), -angle, angle)
 }
+
+#[cfg(test)]
+mod tests;

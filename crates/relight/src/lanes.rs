@@ -5,9 +5,6 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use glam::DVec3;
-use light::{Lanes, Mask};
-
 /// How many there are.
 pub(crate) const LANES: usize = 16;
 
@@ -60,6 +57,27 @@ binary!(BitOr, bitor, Masks, |);
 binary!(BitAnd, bitand, U32s, &);
 binary!(BitOr, bitor, U32s, |);
 
+/// A whole operation of each lane, which wraps around.
+macro_rules! wrapping {
+    ($trait:ident, $name:ident, $op:ident) => {
+        impl $trait for U32s {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                let mut out = self;
+                for i in 0..LANES {
+                    out.0[i] = self.0[i].$op(other.0[i]);
+                }
+                out
+            }
+        }
+    };
+}
+
+wrapping!(Add, add, wrapping_add);
+wrapping!(Sub, sub, wrapping_sub);
+wrapping!(Mul, mul, wrapping_mul);
+
 impl Neg for F32s {
     type Output = Self;
     #[inline(always)]
@@ -84,33 +102,6 @@ impl Not for Masks {
     }
 }
 
-impl Mask for Masks {
-    #[inline(always)]
-    fn of(answer: bool) -> Self {
-        Self([if answer { u32::MAX } else { 0 }; LANES])
-    }
-    #[inline(always)]
-    fn any(self) -> bool {
-        let mut any = 0;
-        for i in 0..LANES {
-            any |= self.0[i];
-        }
-        any != 0
-    }
-    #[inline(always)]
-    fn all(self) -> bool {
-        let mut all = u32::MAX;
-        for i in 0..LANES {
-            all &= self.0[i];
-        }
-        all == u32::MAX
-    }
-    #[inline(always)]
-    fn decided(self) -> Option<bool> {
-        None
-    }
-}
-
 impl Masks {
     /// One lane's answer.
     #[inline(always)]
@@ -119,114 +110,11 @@ impl Masks {
     }
 }
 
-/// A comparison of each lane.
-macro_rules! compare {
-    ($name:ident, $op:tt) => {
-        #[inline(always)]
-        fn $name(self, other: Self) -> Masks {
-            let mut out = Masks([0; LANES]);
-            for i in 0..LANES {
-                out.0[i] = if self.0[i] $op other.0[i] { u32::MAX } else { 0 };
-            }
-            out
-        }
-    };
-}
-
-impl Lanes for F32s {
-    type Vec3 = Vec3s;
-    type Mask = Masks;
-    const NEWTON_STEPS: usize = <f32 as Lanes>::NEWTON_STEPS;
-    const DIRECTION_FLOOR: Self = Self([<f32 as Lanes>::DIRECTION_FLOOR; LANES]);
-
-    compare!(lt, <);
-    compare!(le, <=);
-    compare!(equals, ==);
-
-    #[inline(always)]
-    fn of(x: f64) -> Self {
-        Self::splat(x as f32)
-    }
-    #[inline(always)]
-    fn vec(v: DVec3) -> Vec3s {
-        Vec3s::splat(v.as_vec3().to_array())
-    }
-    #[inline(always)]
-    fn vec3([x, y, z]: [Self; 3]) -> Vec3s {
-        Vec3s { x, y, z }
-    }
-    #[inline(always)]
-    fn coordinates(v: Vec3s) -> [Self; 3] {
-        [v.x, v.y, v.z]
-    }
-    #[inline(always)]
-    fn dot(a: Vec3s, b: Vec3s) -> Self {
-        a.x * b.x + a.y * b.y + a.z * b.z
-    }
-    #[inline(always)]
-    fn cross(a: Vec3s, b: Vec3s) -> Vec3s {
-        Vec3s { x: a.y * b.z - b.y * a.z, y: a.z * b.x - b.z * a.x, z: a.x * b.y - b.x * a.y }
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        let mut out = self;
-        for i in 0..LANES {
-            out.0[i] = self.0[i].sqrt();
-        }
-        out
-    }
-    #[inline(always)]
-    fn abs(self) -> Self {
-        let mut out = self;
-        for i in 0..LANES {
-            out.0[i] = self.0[i].abs();
-        }
-        out
-    }
-    #[inline(always)]
-    fn cbrt_above(self) -> Self {
-        let mut out = self;
-        for i in 0..LANES {
-            out.0[i] = self.0[i].cbrt_above();
-        }
-        out
-    }
-    #[inline(always)]
-    fn pow(self, exponent: f64) -> Self {
-        crate::elementary::pow(self, exponent as f32)
-    }
-    #[inline(always)]
-    fn atan2(self, x: Self) -> Self {
-        crate::elementary::atan2(self, x)
-    }
-    #[inline(always)]
-    fn select(mask: Masks, yes: Self, no: Self) -> Self {
-        let mut out = no;
-        for i in 0..LANES {
-            out.0[i] = if mask.0[i] != 0 { yes.0[i] } else { no.0[i] };
-        }
-        out
-    }
-    #[inline(always)]
-    fn select_vec(mask: Masks, yes: Vec3s, no: Vec3s) -> Vec3s {
-        Vec3s {
-            x: Self::select(mask, yes.x, no.x),
-            y: Self::select(mask, yes.y, no.y),
-            z: Self::select(mask, yes.z, no.z),
-        }
-    }
-}
-
 impl F32s {
     /// The same number in every lane.
     #[inline(always)]
     pub fn splat(x: f32) -> Self {
         Self([x; LANES])
-    }
-    /// Sixteen numbers from the beginning of some.
-    #[inline(always)]
-    pub fn load(from: &[f32; LANES]) -> Self {
-        Self(*from)
     }
     /// The largest whole number that is no larger, for what fits into 31 bits.
     #[inline(always)]
@@ -237,13 +125,14 @@ impl F32s {
         }
         out
     }
-    /// The whole numbers towards zero; what is below zero becomes 0.
+    /// The nearest whole numbers of what lies from 0 to 2^22, of two the even one. Casts, which take care of every number,
+    /// are no vectors' work.
     #[inline(always)]
     pub fn to_u32(self) -> U32s {
         let mut out = U32s([0; LANES]);
         for i in 0..LANES {
-            // As i32, which processors convert to at once.
-            out.0[i] = self.0[i].max(0.0) as i32 as u32;
+            // From 2^23 on a float's last bit is 1.
+            out.0[i] = (self.0[i] + 8_388_608.0).to_bits().wrapping_sub(0x4b00_0000);
         }
         out
     }
@@ -272,15 +161,6 @@ impl U32s {
     #[inline(always)]
     pub fn splat(x: u32) -> Self {
         Self([x; LANES])
-    }
-    /// As floats; exact below 2^24, taken as signed.
-    #[inline(always)]
-    pub fn to_f32(self) -> F32s {
-        let mut out = F32s([0.0; LANES]);
-        for i in 0..LANES {
-            out.0[i] = self.0[i] as i32 as f32;
-        }
-        out
     }
     /// Which lanes have the same number.
     #[inline(always)]

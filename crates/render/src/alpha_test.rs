@@ -1,5 +1,7 @@
 //! The alpha tests of a scene in one table, for passes that draw triangles of all materials at once.
 
+use std::sync::Arc;
+
 use scene::{Material, Sampler, Wrap};
 use wgpu::{Buffer, BufferUsages};
 
@@ -18,6 +20,9 @@ pub(crate) struct AlphaTests {
     pub tests: Buffer,
     /// All their pictures.
     pub texels: Buffer,
+    /// The same in memory, where the processor draws.
+    host_tests: Vec<relight::AlphaTest>,
+    pub host_texels: Option<Arc<[u8]>>,
 }
 
 /// Where a picture's alpha lies among the texels.
@@ -37,14 +42,26 @@ impl AlphaTests {
         mut texels: Vec<u8>,
     ) -> Result<Self, RenderError> {
         texels.resize(texels.len().next_multiple_of(4), 0);
-        let texels = upload(gpu, TEXELS, &texels, BufferUsages::STORAGE)?;
-        Ok(Self { tests: upload(gpu, TESTS, &list, BufferUsages::STORAGE)?, list, texels })
+        Ok(Self {
+            tests: upload(gpu, TESTS, &list, BufferUsages::STORAGE)?,
+            host_tests: list.iter().map(host_test).collect(),
+            list,
+            texels: upload(gpu, TEXELS, &texels, BufferUsages::STORAGE)?,
+            host_texels: gpu.host(|| texels.into()),
+        })
     }
 
     /// Other tests by the same pictures.
     pub fn with_tests(&self, gpu: &Gpu, list: Vec<gpu_structs::AlphaTest>) -> Result<Self, RenderError> {
         let tests = upload(gpu, TESTS, &list, BufferUsages::STORAGE)?;
-        Ok(Self { list, tests, texels: self.texels.clone() })
+        let host_tests = list.iter().map(host_test).collect();
+        Ok(Self {
+            list,
+            tests,
+            texels: self.texels.clone(),
+            host_tests,
+            host_texels: self.host_texels.clone(),
+        })
     }
 
     /// One test that no triangle has: a binding may not be empty.
@@ -56,8 +73,43 @@ impl AlphaTests {
         )
     }
 
+    /// The same as the processor asks them.
+    pub fn host(&self) -> relight::AlphaTests<'_> {
+        relight::AlphaTests {
+            tests: &self.host_tests,
+            texels: self.host_texels.as_deref().expect("they are there where the processor draws"),
+        }
+    }
+
+    /// Of its buffers and of texels in memory.
     pub fn bytes(&self) -> u64 {
-        self.tests.size() + self.texels.size()
+        let host = self.host_texels.as_ref().map_or(0, |texels| texels.len() as u64);
+        self.tests.size() + self.texels.size() + host
+    }
+}
+
+/// A test as the processor asks it.
+fn host_test(test: &gpu_structs::AlphaTest) -> relight::AlphaTest {
+    let wrap = |wrap| match wrap {
+        0 => relight::Wrap::Repeat,
+        1 => relight::Wrap::Mirror,
+        _ => relight::Wrap::Edge,
+    };
+    let gpu_structs::AlphaTest { first_triangle, first_index, cutoff, factor, .. } = *test;
+    let gpu_structs::AlphaTest { offset, width, height, levels, .. } = *test;
+    let (wrap_u, wrap_v, nearest) = (wrap(test.wrap_u), wrap(test.wrap_v), test.nearest != 0);
+    relight::AlphaTest {
+        first_triangle,
+        first_index,
+        cutoff,
+        factor,
+        offset,
+        width,
+        height,
+        levels,
+        wrap_u,
+        wrap_v,
+        nearest,
     }
 }
 

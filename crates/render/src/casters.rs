@@ -1,5 +1,7 @@
 //! What casts shadows: the scene's own triangles, or fewer that stray a little from them.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use wgpu::{Buffer, BufferUsages};
 
@@ -32,6 +34,16 @@ pub(crate) struct Casters {
     /// How many indices have no alpha test.
     pub opaque_indices: u32,
     pub clusters: Clusters,
+    /// The same in memory, where the processor draws.
+    pub host: Option<Arc<HostCasters>>,
+}
+
+/// Casters in memory, for maps that the processor draws.
+#[derive(Debug)]
+pub(crate) struct HostCasters {
+    pub positions: Vec<[f32; 3]>,
+    /// As [`Casters::indices`].
+    pub indices: Vec<u32>,
 }
 
 /// What casters are made of, before any of it is on a device.
@@ -78,6 +90,7 @@ impl CasterMesh {
             triangle_count: (indices.len() / 3) as u32,
             opaque_indices: opaque_indices as u32,
             clusters,
+            host: gpu.host(|| Arc::new(HostCasters { positions, indices })),
         })
     }
 }
@@ -89,9 +102,10 @@ impl Casters {
         CasterMesh::new(surface, mesh_error).upload(gpu)
     }
 
-    /// Of its buffers.
+    /// Of its buffers and arrays.
     pub fn bytes(&self) -> u64 {
-        self.positions.size() + self.indices.size()
+        let of = |host: &HostCasters| size_of_val(&host.positions[..]) + size_of_val(&host.indices[..]);
+        self.positions.size() + self.indices.size() + self.host.as_deref().map_or(0, of) as u64
     }
 }
 

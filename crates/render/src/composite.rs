@@ -13,10 +13,10 @@ use crate::{Gpu, gpu_structs, shaders};
 /// Of what some layers add up to.
 pub(crate) const SUM_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
 
-/// A layer and the factors of what it scatters and mirrors: linear RGB.
+/// A layer, in what it is held in, and the factors of what it scatters and mirrors: linear RGB.
 #[derive(Clone, Debug)]
-pub(crate) struct Term {
-    pub texture: TextureView,
+pub(crate) struct Term<Layer> {
+    pub layer: Layer,
     pub diffuse: [f32; 3],
     pub specular: [f32; 3],
 }
@@ -68,14 +68,14 @@ impl CompositePass {
     }
 
     /// Layers with their factors.
-    pub fn layers(&self, gpu: &Gpu, terms: &[Term]) -> Terms {
+    pub fn layers(&self, gpu: &Gpu, terms: &[Term<TextureView>]) -> Terms {
         let mut uniform = gpu_structs::Terms { count: terms.len() as u32, ..Default::default() };
         let padded = |[r, g, b]: [f32; 3]| [r, g, b, 0.0];
         for (index, term) in terms.iter().enumerate() {
             uniform.diffuse[index] = padded(term.diffuse);
             uniform.specular[index] = padded(term.specular);
         }
-        let textures: Vec<_> = terms.iter().map(|term| &term.texture).collect();
+        let textures: Vec<_> = terms.iter().map(|term| &term.layer).collect();
         Terms { group: self.group(gpu, &uniform, &textures), of: TermsOf::Layers }
     }
 

@@ -1,14 +1,15 @@
 //! The graphics device, without a window.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use relight::Workers;
 use wgpu::{
     Adapter, Backends, CommandEncoder, CommandEncoderDescriptor, Device, DeviceType, ErrorFilter, Features,
     Limits, PollType, Queue,
 };
 
 use crate::stages::{Stage, StageRecorder};
-use crate::{MemoryBudget, RenderError, driver};
+use crate::{Aov, Backend, MemoryBudget, RenderError, driver};
 
 /// What every pass relies on: lights add up in f32, and a pixel knows its triangle.
 const FEATURES: Features = Features::FLOAT32_BLENDABLE.union(Features::PRIMITIVE_INDEX);
@@ -20,6 +21,9 @@ pub struct Gpu {
     pub(crate) queue: Queue,
     pub(crate) memory: MemoryBudget,
     pub(crate) stages: StageRecorder,
+    backend: Backend,
+    /// Made when the processor first draws something.
+    workers: OnceLock<Workers>,
     adapter_name: String,
     advice: Option<String>,
     driver: String,
@@ -30,12 +34,23 @@ pub struct Gpu {
 impl Gpu {
     /// Opens the best device: Vulkan before GL, a GPU before a processor.
     pub fn new() -> Result<Self, RenderError> {
-        Self::with_memory_budget(MemoryBudget::default())
+        Self::open(MemoryBudget::default(), None)
     }
 
-    /// The same, with what is kept on it counted against `memory`.
+    /// The same, with what is kept counted against `memory`.
     pub fn with_memory_budget(memory: MemoryBudget) -> Result<Self, RenderError> {
+        Self::open(memory, None)
+    }
+
+    /// The same, with shadows and lights drawn by `backend`; by what the device is where nobody says.
+    pub fn open(memory: MemoryBudget, backend: Option<Backend>) -> Result<Self, RenderError> {
         let adapter = choose_adapter()?;
+        let backend = backend.unwrap_or_else(|| Backend::of(&adapter));
+        if !backend.works_with(&adapter) {
+            let (name, backend) = (driver::adapter_name(&adapter.get_info()), backend.name());
+            let why = format!("{name} gives no depths back, which the backend {backend} starts from");
+            return Err(RenderError::NoAdapter(why));
+        }
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("render"),
             required_features: FEATURES,
@@ -60,7 +75,8 @@ impl Gpu {
         let (adapter_name, advice) = (driver::adapter_name(&info), driver::advice(&info));
         let driver = format!("{} {}", info.driver, info.driver_info).trim().to_owned();
         let stages = StageRecorder::default();
-        Ok(Self { device, queue, memory, stages, adapter_name, advice, driver, lost })
+        let workers = OnceLock::new();
+        Ok(Self { device, queue, memory, stages, backend, workers, adapter_name, advice, driver, lost })
     }
 
     /// Name of the driver's device, and of the interface and the driver's version that it is used by.
@@ -76,6 +92,26 @@ impl Gpu {
     /// Name and version of the driver, as it says them.
     pub fn driver(&self) -> &str {
         &self.driver
+    }
+
+    /// Who draws shadows and lights of the beauty.
+    pub fn backend(&self) -> Backend {
+        self.backend
+    }
+
+    /// Who draws those of `aov`: what hangs on no shadow map the device draws in any case.
+    pub(crate) fn backend_of(&self, aov: Aov) -> Backend {
+        if matches!(aov, Aov::Beauty | Aov::Visibility) { self.backend } else { Backend::Wgpu }
+    }
+
+    /// What lights that the processor draws need in memory, where it draws.
+    pub(crate) fn host<T>(&self, make: impl FnOnce() -> T) -> Option<T> {
+        (self.backend == Backend::Native).then(make)
+    }
+
+    /// The threads that draw where the processor does.
+    pub(crate) fn workers(&self) -> &Workers {
+        self.workers.get_or_init(Workers::new)
     }
 
     /// The account of what is kept.

@@ -1,12 +1,13 @@
 //! A directional light: its map is one orthographic picture along its rays.
 
 use glam::{DMat3, DMat4, DVec2, DVec3};
-use light::{MAX_EXTENT, Parallel};
+use light::{LightFilter, MAX_EXTENT, Parallel};
 use scene::PosedScene;
 
 use crate::camera::columns;
 use crate::clusters::{Cluster, Side};
 use crate::gpu_scene::GpuScene;
+use crate::map_views::MapViews;
 use crate::shadow_settings::MapSize;
 use crate::{ShadowSettings, gpu_structs};
 
@@ -41,7 +42,9 @@ impl FittedMap {
 #[derive(Clone, Debug)]
 pub(crate) struct GpuDirectional {
     pub uniform: gpu_structs::Directional,
-    pub shadow_view: Option<gpu_structs::ShadowView>,
+    /// The same as in `uniform`.
+    pub light_filter: LightFilter,
+    pub views: MapViews,
 }
 
 /// The convex hull of these world positions holds all that a light lights of a scene.
@@ -157,13 +160,13 @@ impl GpuDirectional {
             DVec3::Z.extend(0.0) * depth_scale,
             (-center / half).extend(-bottom * depth_scale).extend(1.0),
         );
-        let clip_from_scene = clip_from_light * DMat4::from_mat3(light_from_scene);
+        let light_from_scene = DMat4::from_mat3(light_from_scene);
         // The place across the window is (v, w) = (-x, y) scale + shift.
         let scale = DVec2::from(parallel.half.map(|half| half.map_or(0.0, f64::recip)));
         let [shift_x, shift_y] = (parallel.beside(scene.posed.origin_in_world) * scale).to_array();
         Self {
             uniform: gpu_structs::Directional {
-                light_from_scene: columns(&DMat4::from_mat3(light_from_scene)),
+                light_from_scene: columns(&light_from_scene),
                 window: [scale.x, scale.y, -shift_x, shift_y].map(|x| x as f32),
                 fit: [center.x, center.y, half.x.recip(), half.y.recip()].map(|x| x as f32),
                 light_filter: (&parallel.light_filter).into(),
@@ -172,8 +175,12 @@ impl GpuDirectional {
                 mesh_error: shadows.mesh_error.min(2.0 * MAX_EXTENT) as f32,
                 pad0: 0.0,
             },
-            shadow_view: casts
-                .then(|| gpu_structs::ShadowView { clip_from_scene: columns(&clip_from_scene) }),
+            light_filter: parallel.light_filter.clone(),
+            views: MapViews {
+                light_from_scene,
+                near: None,
+                clip_from_light: vec![casts.then_some(clip_from_light)],
+            },
         }
     }
 }

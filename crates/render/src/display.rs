@@ -20,6 +20,12 @@ pub(crate) fn factor(exposure: f64) -> f32 {
     exposure.exp2() as f32
 }
 
+/// How bright the processor shows radiance, brightened by so many stops.
+pub(crate) fn exposure_of(stops: f64) -> relight::Exposure {
+    let factor = factor(stops);
+    relight::Exposure { factor, brightest: BRIGHTEST / factor }
+}
+
 /// `radiance` times `factor`, as the shader has it.
 pub(crate) fn exposed(radiance: f32, factor: f32) -> f32 {
     radiance.min(BRIGHTEST / factor) * factor

@@ -1,19 +1,26 @@
 //! What each pixel sees: the one pass over the scene's triangles that a picture needs.
 
+use glam::{DAffine3, DVec2};
+use scene::Projection;
 use wgpu::{
-    BindGroup, BindGroupLayout, BindingResource, CommandEncoder, RenderPipeline, TextureFormat, TextureView,
-    TextureViewDescriptor,
+    BindGroup, BindGroupLayout, BindingResource, Buffer, CommandEncoder, RenderPipeline, Texture,
+    TextureFormat, TextureView, TextureViewDescriptor,
 };
 
 use crate::gpu_scene::GpuScene;
+use crate::pass_runs::Cause;
 use crate::pipeline::{
     DEPTH_FORMAT, RAW_TEXTURE, UINT_TEXTURE, cleared_depth, color_attachment, nearer_wins, vertex_buffers,
 };
+use crate::readback::read_together;
 use crate::tile::Tile;
-use crate::{Gpu, shaders};
+use crate::{Gpu, RenderError, readback, shaders};
 
 const FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 const OFFSET_FORMAT: TextureFormat = TextureFormat::R32Float;
+
+/// Bytes a pixel of a G-buffer: what is packed, the offset and the depth.
+pub(crate) const BYTES_A_PIXEL: u64 = 16 + 4 + 4;
 
 /// The pipelines, which outlive scenes and pictures.
 #[derive(Debug)]
@@ -31,8 +38,78 @@ pub(crate) struct Gbuffer {
     /// How far in front of each surface its shadow is looked for.
     offset: TextureView,
     depth: TextureView,
+    /// The textures of those, in that order.
+    pub textures: [Texture; 3],
     /// Group 1 of the lighting passes.
     pub surface: BindGroup,
+}
+
+/// A G-buffer in memory, rows from the top. See `surface.wgsl` for what texels mean.
+#[derive(Debug, Default)]
+pub(crate) struct GbufferTexels {
+    pub packed: Vec<[u32; 4]>,
+    pub offset: Vec<f32>,
+    /// Reversed: 0 where nothing is seen.
+    pub depth: Vec<f32>,
+    /// What they are copied through.
+    staging: Option<Buffer>,
+}
+
+/// All that a G-buffer depends on, besides its size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct GbufferKey {
+    /// Of the scene.
+    pub revision: u64,
+    pub world_from_camera: DAffine3,
+    pub projection: Projection,
+    /// Of the whole picture in pixels.
+    pub size: [u32; 2],
+    pub tile: Tile,
+    /// From the centre of each pixel, in pixels.
+    pub sample_offset: DVec2,
+}
+
+impl GbufferKey {
+    /// Why a G-buffer has to be drawn where there was that one before, another.
+    pub fn cause_after(&self, before: Option<&Self>) -> Cause {
+        match before {
+            None => Cause::First,
+            Some(before) if before.revision != self.revision => Cause::Scene,
+            Some(before) if (before.tile, before.sample_offset) != (self.tile, self.sample_offset) => {
+                Cause::NotKept
+            }
+            Some(_) => Cause::Camera,
+        }
+    }
+}
+
+impl GbufferTexels {
+    /// Of all that texels of `size` pixels take.
+    pub fn bytes_of([width, height]: [u32; 2]) -> u64 {
+        let staged = readback::padded_bytes([16, 4, 4].map(|texel| texel * width as usize), height);
+        u64::from(width) * u64::from(height) * BYTES_A_PIXEL + staged
+    }
+
+    /// Of its arrays, and of what they are copied through.
+    pub fn bytes(&self) -> u64 {
+        self.packed.len() as u64 * BYTES_A_PIXEL + self.staging.as_ref().map_or(0, Buffer::size)
+    }
+
+    /// Takes over what has been drawn into `gbuffer` and submitted, and waits for it.
+    pub fn read(&mut self, gpu: &Gpu, gbuffer: &Gbuffer) -> Result<(), RenderError> {
+        let [packed, offset, depth] = &gbuffer.textures;
+        let (width, height) = (packed.width(), packed.height());
+        let pixels = width as usize * height as usize;
+        self.packed.resize(pixels, [0; 4]);
+        self.offset.resize(pixels, 0.0);
+        self.depth.resize(pixels, 0.0);
+        let textures = [
+            (packed, bytemuck::cast_slice_mut(&mut self.packed)),
+            (offset, bytemuck::cast_slice_mut(&mut self.offset)),
+            (depth, bytemuck::cast_slice_mut(&mut self.depth)),
+        ];
+        read_together(gpu, &mut self.staging, height, textures)
+    }
 }
 
 impl GbufferPass {
@@ -70,13 +147,13 @@ impl GbufferPass {
     }
 
     pub fn targets(&self, gpu: &Gpu, width: u32, height: u32) -> Gbuffer {
-        let view = |format| {
-            gpu.target("gbuffer", width, height, format).create_view(&TextureViewDescriptor::default())
-        };
-        let (packed, offset, depth) = (view(FORMAT), view(OFFSET_FORMAT), view(DEPTH_FORMAT));
+        let textures =
+            [FORMAT, OFFSET_FORMAT, DEPTH_FORMAT].map(|format| gpu.target("gbuffer", width, height, format));
+        let [packed, offset, depth] =
+            textures.each_ref().map(|texture| texture.create_view(&TextureViewDescriptor::default()));
         let resources = [&packed, &depth, &offset].map(BindingResource::TextureView);
         let surface = gpu.group("surface", &self.surface_layout, &resources);
-        Gbuffer { packed, offset, depth, surface }
+        Gbuffer { packed, offset, depth, textures, surface }
     }
 
     /// Draws what the pixels of `tile` see of a picture of `size`. All of the picture is mapped as it would be

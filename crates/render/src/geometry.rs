@@ -1,6 +1,7 @@
 //! The triangles of a posed scene, laid out for the GPU.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::{Vec2, Vec3, Vec4};
 use light::MAX_EXTENT;
@@ -145,15 +146,39 @@ pub(crate) struct Geometry {
     pub hierarchy: Buffer,
     /// Those triangles in the order of its leaves.
     pub hierarchy_triangles: Buffer,
+    /// The same in memory, where the processor draws.
+    pub host: Option<Arc<HostGeometry>>,
+}
+
+/// A scene's triangles in memory, for lights that the processor draws.
+#[derive(Debug)]
+pub(crate) struct HostGeometry {
+    pub vertices: Vertices,
+    /// Over all of their triangles.
+    pub hierarchy: Hierarchy,
+}
+
+impl HostGeometry {
+    /// Of its arrays, but for what is as many as materials and nodes.
+    fn bytes(&self) -> u64 {
+        let Vertices { positions, attributes, indices, planes, .. } = &self.vertices;
+        let of_triangles = size_of_val(&indices[..]) + size_of_val(&planes[..]);
+        let of_vertices = size_of_val(&positions[..]) + size_of_val(&attributes[..]);
+        let Hierarchy { nodes, triangles } = &self.hierarchy;
+        (of_vertices + of_triangles + size_of_val(&nodes[..]) + size_of_val(&triangles[..])) as u64
+    }
 }
 
 impl Geometry {
+    /// Of its buffers and arrays.
     pub fn bytes(&self) -> u64 {
         let geometry = [&self.positions, &self.attributes, &self.indices, &self.planes];
-        geometry.into_iter().chain([&self.hierarchy, &self.hierarchy_triangles]).map(Buffer::size).sum()
+        let buffers = geometry.into_iter().chain([&self.hierarchy, &self.hierarchy_triangles]);
+        buffers.map(Buffer::size).sum::<u64>() + self.host.as_ref().map_or(0, |host| host.bytes())
     }
 
-    pub fn new(gpu: &Gpu, vertices: &Vertices) -> Result<Self, RenderError> {
+    /// Uploads `vertices`.
+    pub fn new(gpu: &Gpu, vertices: Vertices) -> Result<Self, RenderError> {
         let hierarchy = Hierarchy::new(&vertices.positions, vertices.indices.as_chunks().0);
         let geometry = BufferUsages::STORAGE | BufferUsages::VERTEX;
         Ok(Self {
@@ -183,6 +208,7 @@ impl Geometry {
                 &hierarchy.triangles,
                 BufferUsages::STORAGE,
             )?,
+            host: gpu.host(|| Arc::new(HostGeometry { vertices, hierarchy })),
         })
     }
 }

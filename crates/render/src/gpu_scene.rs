@@ -35,7 +35,7 @@ pub(crate) struct GpuScene {
     pub view: BindGroup,
     /// Group 2 of the fill's pass; see `fill.wgsl`.
     pub fill: BindGroup,
-    /// Counts its buffers and textures.
+    /// Counts its buffers and textures, and what of them is in memory too.
     _memory: Reservation,
 }
 
@@ -74,11 +74,10 @@ impl GpuScene {
         revision: u64,
         mesh_error: f64,
     ) -> Result<Self, RenderError> {
-        let (scene, vertices) = (&posed.scene, Vertices::new(posed)?);
+        let (scene, mut vertices) = (&posed.scene, Vertices::new(posed)?);
         let opaque =
             vertices.draws.iter().rfind(|draw| scene.materials[draw.material].alpha_cutoff.is_none());
         let opaque_indices = opaque.map_or(0, |draw| draw.indices.end);
-        let geometry = Geometry::new(gpu, &vertices)?;
         let Materials { draws, alpha_tests, texture_bytes } =
             Materials::new(gpu, &group_layouts.material, scene, &vertices.draws)?;
         let no_tests;
@@ -88,7 +87,11 @@ impl GpuScene {
             no_tests = AlphaTests::none(gpu)?;
             &no_tests
         };
-        let Geometry { positions, attributes, indices, planes, hierarchy, hierarchy_triangles } = &geometry;
+        let casters = Casters::new(gpu, (&vertices, opaque_indices as usize), mesh_error)?;
+        let (triangle_count, runs) = (vertices.planes.len() as u32, std::mem::take(&mut vertices.runs));
+        let geometry = Geometry::new(gpu, vertices)?;
+        let Geometry { positions, attributes, indices, planes, hierarchy, hierarchy_triangles, .. } =
+            &geometry;
         let view_resources = [view_uniform, planes, positions, indices, attributes]
             .into_iter()
             .chain([hierarchy, hierarchy_triangles, &tests.tests, &tests.texels])
@@ -104,7 +107,6 @@ impl GpuScene {
             }),
             usage: BufferUsages::UNIFORM,
         });
-        let casters = Casters::new(gpu, (&vertices, opaque_indices as usize), mesh_error)?;
         let bytes = texture_bytes
             + geometry.bytes()
             + casters.bytes()
@@ -113,11 +115,11 @@ impl GpuScene {
             revision,
             posed: Arc::clone(posed),
             geometry,
-            triangle_count: vertices.planes.len() as u32,
+            triangle_count,
             opaque_indices,
             casters,
             draws,
-            runs: vertices.runs,
+            runs,
             alpha_tests,
             view,
             fill: gpu.group("fill", &group_layouts.fill, &[fill_uniform.as_entire_binding()]),

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{DMat3, DMat4, DVec3};
 
 use crate::casters::Casters;
-use crate::clusters::{Cluster, Within};
+use crate::clusters::{Cluster, Leaf, Within};
 use crate::gpu_structs::Mat4;
 use crate::shadow_settings::Culling;
 use crate::shells::Shell;
@@ -22,34 +22,49 @@ pub(crate) fn in_view(
     source: Option<DVec3>,
     culling: Culling,
 ) -> Vec<(Range<u32>, Shell)> {
-    let clip_from_scene = DMat4::from_cols_array_2d(&clip_from_scene.map(|column| column.map(f64::from)));
-    let planes = planes(&clip_from_scene);
+    let mirrored = is_mirrored(&in_f64(clip_from_scene));
+    let mut runs: Vec<(Range<u32>, Shell)> = Vec::new();
+    leaves_in_view(casters, clip_from_scene, source, culling, |leaf, shell| {
+        let indices = 3 * leaf.triangles.start..3 * leaf.triangles.end;
+        let shell = if mirrored { shell.turned() } else { shell };
+        match runs.last_mut() {
+            Some((run, same)) if run.end == indices.start && *same == shell => run.end = indices.end,
+            _ => runs.push((indices, shell)),
+        }
+    });
+    runs
+}
+
+/// Hands over the leaves without alpha tests that may be seen by `clip_from_scene`, and what they are of as light that begins
+/// at `source` has it.
+pub(crate) fn leaves_in_view(
+    casters: &Casters,
+    clip_from_scene: &Mat4,
+    source: Option<DVec3>,
+    culling: Culling,
+    mut take: impl FnMut(&Leaf, Shell),
+) {
+    let planes = planes(&in_f64(clip_from_scene));
     let source = source.map(|center| {
         let half = DVec3::splat(ROUNDING * center.abs().max_element());
         Cluster { center, half }
     });
-    let mirrored = is_mirrored(&clip_from_scene);
     let clusters = &casters.clusters;
-    let mut runs: Vec<(Range<u32>, Shell)> = Vec::new();
     for tree in clusters.casting(clusters.open_sides(|_| true)) {
         tree.select(
             |cluster| if culling.clusters { cluster.within(&planes, 0.0) } else { Within::Take },
             |leaf| {
                 let leaf = &clusters.leaves[leaf as usize];
-                let indices = 3 * leaf.triangles.start..3 * leaf.triangles.end;
-                if indices.end > casters.opaque_indices {
-                    return;
-                }
-                let shell = if culling.backs { leaf.shell_from(source.as_ref()) } else { Shell::Open };
-                let shell = if mirrored { shell.turned() } else { shell };
-                match runs.last_mut() {
-                    Some((run, same)) if run.end == indices.start && *same == shell => run.end = indices.end,
-                    _ => runs.push((indices, shell)),
+                if 3 * leaf.triangles.end <= casters.opaque_indices {
+                    take(leaf, if culling.backs { leaf.shell_from(source.as_ref()) } else { Shell::Open });
                 }
             },
         );
     }
-    runs
+}
+
+fn in_f64(matrix: &Mat4) -> DMat4 {
+    DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from)))
 }
 
 /// `normal . p + offset` is zero or more on the inner side of each of the four sides of the picture.

@@ -7,85 +7,119 @@
 //! sums four by four again while they are.
 
 use glam::DVec3;
-use light::{Digest, LightId, LightInstance};
+use light::{CheckedLight, Digest, LightId, LightInstance};
 use scene::MapScale;
-use wgpu::{BindGroup, CommandEncoder, TextureFormat, TextureView, TextureViewDescriptor};
 
 use crate::camera::Raster;
-use crate::composite::{Term, Terms};
+use crate::composite::Term;
 use crate::gpu_scene::GpuScene;
 use crate::gpu_structs::{LARGE, TERMS};
-use crate::lights::{ShadowMaps, pixels_of};
+use crate::lights::{ReadyLight, ShadowMaps, pixels_of};
 use crate::memory::{Evictable, MemoryKind};
 use crate::pass_runs::{Cause, Pass, PassRuns};
-use crate::passes::Passes;
-use crate::pipeline::color_attachment;
-use crate::stages::Stage;
 use crate::tile::Tile;
-use crate::{Gpu, RenderError, composite, lighting};
+use crate::{Gpu, RenderError};
 
 /// How many layers, or sums, are added up at once where all are too many. One of 64 lights that moves is added to three others,
 /// then their sum to three, and theirs to three.
 const GROUP: usize = 4;
 
-const LAYER_BYTES_A_PIXEL: u64 = 16;
-const SUM_BYTES_A_PIXEL: u64 = 8;
+/// Who draws the layers of a view and adds them up: the device, or the processor.
+pub(crate) trait LayerPainter {
+    /// What a layer is held in; clones share it.
+    type Layer: Clone + Send + 'static;
+    /// What a sum is held in; clones share it.
+    type Sum: Clone + Send + 'static;
+    /// What a light and its map are looked up by.
+    type Light;
+    /// What adds up to a picture, or to a sum: at least one and at most [`TERMS`] layers or sums.
+    type Terms;
+    const LAYER_BYTES_A_PIXEL: u64;
+    const SUM_BYTES_A_PIXEL: u64;
 
-/// The layers of a view whose G-buffer stays the same.
-#[derive(Debug, Default)]
-pub(crate) struct Layers {
-    lights: Vec<KeptLayer>,
+    /// As [`ShadowMaps::ready`], by who draws layers.
+    fn ready(
+        &mut self,
+        shadow_maps: &mut ShadowMaps,
+        raster: &Raster,
+        light: (&LightInstance, MapScale),
+    ) -> Result<Option<ReadyLight<Self::Light>>, RenderError>;
+
+    /// Draws what `light` alone adds to `pixels`, `[x, y, width, height]`, and nothing elsewhere; over a layer that
+    /// nobody needs any more where there is one. That is a [`crate::Stage::Light`].
+    fn draw_layer(
+        &mut self,
+        light: &ReadyLight<Self::Light>,
+        pixels: [u32; 4],
+        over: Option<Self::Layer>,
+    ) -> Result<Self::Layer, RenderError>;
+
+    /// Draws a sum, over one that nobody needs any more where there is one. That is a [`crate::Stage::Sum`].
+    fn draw_sum(&mut self, terms: &Self::Terms, over: Option<Self::Sum>) -> Result<Self::Sum, RenderError>;
+
+    /// Layers with their factors.
+    fn terms_of_layers(&self, layers: &[Term<Self::Layer>]) -> Self::Terms;
+
+    /// Sums as they are.
+    fn terms_of_sums(&self, sums: &[Self::Sum]) -> Self::Terms;
+}
+
+/// The layers of a view whose G-buffer stays the same, and their sums, in what they are held in.
+#[derive(Debug)]
+pub(crate) struct Layers<Layer, Sum> {
+    lights: Vec<KeptLayer<Layer>>,
     /// Of groups of lights, then of groups of those, level by level.
-    sums: Vec<Vec<KeptSum>>,
+    sums: Vec<Vec<KeptSum<Sum>>>,
 }
 
 #[derive(Debug)]
-struct KeptLayer {
+struct KeptLayer<Layer> {
     light: LightId,
     /// The light's revision of what it shows; `None` of nothing.
     shows: Option<Digest>,
     /// How fine the map was that it was drawn with.
     shadow_map: MapScale,
     /// `None` where the light reaches nothing that is seen.
-    layer: Option<Evictable<TextureView>>,
+    layer: Option<Evictable<Layer>>,
 }
 
 #[derive(Debug)]
-struct KeptSum {
+struct KeptSum<Sum> {
     /// The lights that it is of, each with its revision of all that a picture depends on.
     of: Vec<(LightId, Digest)>,
     /// How fine maps had to be when it was drawn.
     shadow_map: MapScale,
-    sum: Evictable<TextureView>,
+    sum: Evictable<Sum>,
 }
 
 /// What layers are drawn with.
 pub(crate) struct Work<'a> {
     pub gpu: &'a Gpu,
-    pub passes: &'a Passes,
     pub scene: &'a GpuScene,
     pub raster: &'a Raster,
+    /// Pixels.
+    pub size: [u32; 2],
     /// How fine maps have to be.
     pub shadow_map: MapScale,
     pub shadow_maps: &'a mut ShadowMaps,
     pub ran: &'a mut PassRuns,
 }
 
-/// What layers are drawn of: what pixels see, as lighting passes bind it, and their number.
-#[derive(Clone, Copy)]
-pub(crate) struct Seen<'a> {
-    pub surface: &'a BindGroup,
-    pub size: [u32; 2],
-}
-
 /// Whether layers of so many lights and their sums take at most half of the budget of bytes.
-pub(crate) fn fit(budget: u64, size: [u32; 2], light_count: usize) -> bool {
+pub(crate) fn fit<P: LayerPainter>(budget: u64, size: [u32; 2], light_count: usize) -> bool {
     let lights = light_count as u64;
-    let bytes_a_pixel = lights * LAYER_BYTES_A_PIXEL + 2 * lights.div_ceil(GROUP as u64) * SUM_BYTES_A_PIXEL;
+    let bytes_a_pixel =
+        lights * P::LAYER_BYTES_A_PIXEL + 2 * lights.div_ceil(GROUP as u64) * P::SUM_BYTES_A_PIXEL;
     bytes(size, bytes_a_pixel) <= budget / 2
 }
 
-impl Layers {
+impl<Layer, Sum> Default for Layers<Layer, Sum> {
+    fn default() -> Self {
+        Self { lights: Vec::new(), sums: Vec::new() }
+    }
+}
+
+impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, Sum> {
     /// Makes each anew when it is next asked for.
     pub fn invalidate(&mut self) {
         self.lights.iter_mut().for_each(|layer| layer.shows = None);
@@ -93,11 +127,11 @@ impl Layers {
     }
 
     /// Where the content of `light` is held, drawn with a map that is fine enough.
-    fn held(&self, light: &LightInstance, shadow_map: MapScale) -> Option<TextureView> {
+    fn held(&self, light: &LightInstance, shadow_map: MapScale) -> Option<Layer> {
         let shows = Some(light.light.revisions().radiance);
         let kept = self.lights.iter().find(|kept| (kept.light, kept.shows) == (light.id, shows))?;
         let layer = kept.layer.as_ref().filter(|_| kept.shadow_map <= shadow_map)?;
-        layer.take().inspect(|texture| layer.put(texture.clone()))
+        layer.take().inspect(|held| layer.put(held.clone()))
     }
 
     /// Whether `light` reaches a pixel; where it reaches none, that is kept as its layer.
@@ -130,10 +164,9 @@ impl Layers {
     /// Keeps what shows `light` now.
     fn keep(
         &mut self,
-        gpu: &Gpu,
-        size: [u32; 2],
+        (gpu, bytes): (&Gpu, u64),
         (light, shadow_map): (&LightInstance, MapScale),
-        layer: TextureView,
+        layer: Layer,
     ) {
         let shows = Some(light.light.revisions().radiance);
         let own = self.lights.iter().position(|kept| kept.light == light.id);
@@ -144,28 +177,23 @@ impl Layers {
         }
         let layer = room
             .filter(Evictable::is_there)
-            .unwrap_or_else(|| gpu.memory.keep(MemoryKind::Layers, layer_bytes(size), layer));
+            .unwrap_or_else(|| gpu.memory.keep(MemoryKind::Layers, bytes, layer));
         let layer = Some(layer);
         self.lights.push(KeptLayer { light: light.id, shows, shadow_map, layer });
     }
 
-    /// A texture for the layer of a light: its own, or a new one.
-    fn texture_for(&self, gpu: &Gpu, size: [u32; 2], light: &LightInstance) -> TextureView {
-        let own = self.lights.iter().find(|kept| kept.light == light.id);
-        own.and_then(|kept| kept.layer.as_ref()?.take()).unwrap_or_else(|| {
-            gpu.make_room(layer_bytes(size));
-            texture(gpu, size, lighting::LAYER_FORMAT)
-        })
+    /// Takes out the layer that there is of a light, whatever it shows.
+    fn take(&self, light: &LightInstance) -> Option<Layer> {
+        self.lights.iter().find(|kept| kept.light == light.id)?.layer.as_ref()?.take()
     }
 
     /// Brings the layers of `lights` up to date, and adds them up to few terms: what a picture is besides its fill. `None` where no
     /// light adds anything.
-    pub fn draw(
+    pub fn draw<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
-        encoder: &mut CommandEncoder,
-        (work, seen): (&mut Work, Seen),
+        (work, painter): (&mut Work, &mut P),
         lights: &[LightInstance],
-    ) -> Result<Option<Terms>, RenderError> {
+    ) -> Result<Option<P::Terms>, RenderError> {
         // Others shine all the same; `light::Reach` tells who asks.
         let is_there = |light: &&LightInstance| {
             !light.light.light_filter().is_dark() && work.scene.posed.reach().check(&light.light).is_ok()
@@ -179,8 +207,8 @@ impl Layers {
             }
         }
         if lights.len() <= TERMS {
-            let terms = self.terms_of_lights(encoder, (work, seen), &lights)?;
-            return Ok((!terms.is_empty()).then(|| work.passes.composite.layers(work.gpu, &terms)));
+            let terms = self.terms_of_lights((work, painter), &lights)?;
+            return Ok((!terms.is_empty()).then(|| painter.terms_of_layers(&terms)));
         }
         let mut of: Vec<Vec<&LightInstance>> = lights.chunks(GROUP).map(<[_]>::to_vec).collect();
         let mut sums = Vec::new();
@@ -188,9 +216,9 @@ impl Layers {
             let sum = if let Some(sum) = self.held_sum(0, index, group, work.shadow_map) {
                 sum
             } else {
-                let terms = self.terms_of_lights(encoder, (work, seen), group)?;
-                let terms = work.passes.composite.layers(work.gpu, &terms);
-                self.draw_sum(encoder, (work, seen), (0, index, group), &terms)?
+                let terms = self.terms_of_lights((work, painter), group)?;
+                let terms = painter.terms_of_layers(&terms);
+                self.draw_sum((work, painter), (0, index, group), &terms)?
             };
             sums.push(sum);
         }
@@ -203,69 +231,55 @@ impl Layers {
                 let sum = if let Some(sum) = self.held_sum(level, index, &of[index], work.shadow_map) {
                     sum
                 } else {
-                    let terms = work.passes.composite.sums(work.gpu, sums);
-                    self.draw_sum(encoder, (work, seen), (level, index, &of[index]), &terms)?
+                    let terms = painter.terms_of_sums(sums);
+                    self.draw_sum((work, painter), (level, index, &of[index]), &terms)?
                 };
                 next.push(sum);
             }
             sums = next;
         }
-        Ok(Some(work.passes.composite.sums(work.gpu, &sums)))
+        Ok(Some(painter.terms_of_sums(&sums)))
     }
 
     /// The layers of some lights with their weights, drawn where they are not held.
-    fn terms_of_lights(
+    fn terms_of_lights<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
-        encoder: &mut CommandEncoder,
-        (work, seen): (&mut Work, Seen),
+        (work, painter): (&mut Work, &mut P),
         lights: &[&LightInstance],
-    ) -> Result<Vec<Term>, RenderError> {
+    ) -> Result<Vec<Term<Layer>>, RenderError> {
         let mut terms = Vec::with_capacity(lights.len());
         for light in lights {
             let held = self.held(light, work.shadow_map);
-            let layer = if held.is_some() { held } else { self.draw_layer(encoder, (work, seen), light)? };
-            let Some(texture) = layer else { continue };
-            let weights = light.light.light_filter().weights();
-            let [diffuse, specular] =
-                weights.map(|weight: DVec3| weight.min(DVec3::splat(LARGE)).as_vec3().to_array());
-            terms.push(Term { texture, diffuse, specular });
+            let layer = if held.is_some() { held } else { self.draw_layer((work, painter), light)? };
+            let Some(layer) = layer else { continue };
+            let [diffuse, specular] = factors(&light.light);
+            terms.push(Term { layer, diffuse, specular });
         }
         Ok(terms)
     }
 
     /// `None` where the light reaches nothing that is seen.
-    fn draw_layer(
+    fn draw_layer<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
-        encoder: &mut CommandEncoder,
-        (work, seen): (&mut Work, Seen),
+        (work, painter): (&mut Work, &mut P),
         light: &LightInstance,
-    ) -> Result<Option<TextureView>, RenderError> {
-        let Work { gpu, passes, scene, raster, shadow_map, shadow_maps, ran } = work;
-        let ready = shadow_maps.ready(gpu, encoder, (passes, scene, raster), (light, *shadow_map))?;
+    ) -> Result<Option<Layer>, RenderError> {
+        let Work { gpu, raster, size, shadow_map, shadow_maps, ran, .. } = work;
+        let ready = painter.ready(shadow_maps, raster, (light, *shadow_map))?;
         let Some(ready) = ready else { return Ok(None) };
         if let Some(cause) = ready.shadow_drawn {
             ran.note(Pass::ShadowMap, Some(light.id), cause);
         }
         ran.note(Pass::Layer, Some(light.id), self.cause(light));
-        let layer = self.texture_for(gpu, seen.size, light);
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("layer"),
-            color_attachments: &[Some(color_attachment(&layer, true))],
-            ..Default::default()
-        });
-        pass.set_bind_group(0, &scene.view, &[]);
-        pass.set_bind_group(1, seen.surface, &[]);
-        let tile = Tile { x: 0, y: 0, width: seen.size[0], height: seen.size[1] };
-        let pixels = tile.cut(ready.pixels);
-        ready.lighting(gpu, passes).draw_layer(gpu, &mut pass, &ready.groups(), pixels);
-        drop(pass);
-        gpu.end_stage(encoder, Stage::Light)?;
-        gpu.stages.count(|counters| counters.scissor_pixels += u64::from(pixels[2]) * u64::from(pixels[3]));
-        // A map that passes is to be gone before the next one comes.
-        if ready.passing.is_some() {
-            gpu.finish(encoder)?;
+        let bytes = bytes(*size, P::LAYER_BYTES_A_PIXEL);
+        let over = self.take(light);
+        if over.is_none() {
+            gpu.make_room(bytes);
         }
-        self.keep(gpu, seen.size, (light, ready.shadow_map), layer.clone());
+        let pixels = Tile { x: 0, y: 0, width: size[0], height: size[1] }.cut(ready.pixels);
+        let layer = painter.draw_layer(&ready, pixels, over)?;
+        gpu.stages.count(|counters| counters.scissor_pixels += u64::from(pixels[2]) * u64::from(pixels[3]));
+        self.keep((gpu, bytes), (light, ready.shadow_map), layer.clone());
         Ok(Some(layer))
     }
 
@@ -275,7 +289,7 @@ impl Layers {
         index: usize,
         lights: &[&LightInstance],
         shadow_map: MapScale,
-    ) -> Option<TextureView> {
+    ) -> Option<Sum> {
         let kept = self.sums.get(level)?.get(index)?;
         if kept.of != revisions(lights) || kept.shadow_map > shadow_map {
             return None;
@@ -283,14 +297,13 @@ impl Layers {
         kept.sum.take().inspect(|sum| kept.sum.put(sum.clone()))
     }
 
-    fn draw_sum(
+    fn draw_sum<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
-        encoder: &mut CommandEncoder,
-        (work, seen): (&mut Work, Seen),
+        (work, painter): (&mut Work, &mut P),
         (level, index, lights): (usize, usize, &[&LightInstance]),
-        terms: &Terms,
-    ) -> Result<TextureView, RenderError> {
-        let Work { gpu, passes, shadow_map, ran, .. } = work;
+        terms: &P::Terms,
+    ) -> Result<Sum, RenderError> {
+        let Work { gpu, size, shadow_map, ran, .. } = work;
         let cause = match self.sums.get(level).and_then(|sums| sums.get(index)) {
             None => Cause::First,
             Some(kept) if kept.of.is_empty() => Cause::Gbuffer,
@@ -303,15 +316,13 @@ impl Layers {
         sums.resize_with(sums.len().max(level + 1), Vec::new);
         let own = sums[level].get(index).and_then(|kept| kept.sum.take());
         let is_kept = own.is_some();
-        let sum = own.unwrap_or_else(|| texture(gpu, seen.size, composite::SUM_FORMAT));
-        passes.composite.draw_sum(encoder, terms, &sum);
-        gpu.end_stage(encoder, Stage::Sum)?;
+        let sum = painter.draw_sum(terms, own)?;
         if is_kept {
             sums[level][index].sum.put(sum.clone());
             (sums[level][index].of, sums[level][index].shadow_map) = (revisions(lights), *shadow_map);
             return Ok(sum);
         }
-        let bytes = bytes(seen.size, SUM_BYTES_A_PIXEL);
+        let bytes = bytes(*size, P::SUM_BYTES_A_PIXEL);
         let kept = gpu.memory.keep(MemoryKind::Layers, bytes, sum.clone());
         let kept = KeptSum { of: revisions(lights), shadow_map: *shadow_map, sum: kept };
         match sums[level].get_mut(index) {
@@ -322,16 +333,13 @@ impl Layers {
     }
 }
 
+/// Factors of a layer of `light`: of what is scattered, and of what is mirrored; linear RGB.
+pub(crate) fn factors(light: &CheckedLight) -> [[f32; 3]; 2] {
+    light.light_filter().weights().map(|weight| weight.min(DVec3::splat(LARGE)).as_vec3().to_array())
+}
+
 fn revisions(lights: &[&LightInstance]) -> Vec<(LightId, Digest)> {
     lights.iter().map(|light| (light.id, light.light.revisions().picture)).collect()
-}
-
-fn texture(gpu: &Gpu, [width, height]: [u32; 2], format: TextureFormat) -> TextureView {
-    gpu.target("layer", width, height, format).create_view(&TextureViewDescriptor::default())
-}
-
-fn layer_bytes(size: [u32; 2]) -> u64 {
-    bytes(size, LAYER_BYTES_A_PIXEL)
 }
 
 fn bytes([width, height]: [u32; 2], bytes_a_pixel: u64) -> u64 {

@@ -5,20 +5,21 @@ use std::sync::Arc;
 
 use light::{CheckedLight, LightId, LightInstance, Rays, Tube};
 use scene::{MapScale, ViewSlot};
-use wgpu::{BindGroup, CommandEncoder, TextureView};
+use wgpu::TextureView;
 
-use crate::bendy_light::{self, Baked, BendyPass, BendySlot, BentWork};
+use crate::backend::Backend;
+use crate::bendy_light::{self, BendySlot, BentWork};
 use crate::camera::Raster;
-use crate::coarse_casters::CoarseCasters;
+use crate::coarse_casters::{Coarse, CoarseCasters};
 use crate::gpu_scene::GpuScene;
-use crate::lighting::LightingPass;
 use crate::linked::{KnownLinks, Linked};
 use crate::map_key::MapKey;
 use crate::memory::{Evictable, MemoryKind, Reservation};
+use crate::native_slot::{NativeSlot, NativeWork};
 use crate::pass_runs::Cause;
 use crate::passes::Passes;
 use crate::shadow_settings::{Culling, MapSize};
-use crate::straight::{BakedStraight, Straight, StraightSlot};
+use crate::straight::{Straight, StraightSlot};
 use crate::{Gpu, RenderError, ShadowSettings};
 
 /// The shadow maps of one scene's lights, whoever needs them.
@@ -27,11 +28,40 @@ pub(crate) struct ShadowMaps {
     maps: Vec<KeptMap>,
     users: Vec<User>,
     pub bent_work: BentWork,
+    native_work: NativeWork,
     known_links: KnownLinks,
     pub coarse: CoarseCasters,
     shadows: ShadowSettings,
-    /// Which map of each light was drawn last, and how large.
-    drawn: BTreeMap<LightId, (MapKey, MapSize)>,
+    /// Which map of each light was drawn last by each who draws them, and how large.
+    drawn: BTreeMap<(LightId, Backend), (MapKey, MapSize)>,
+}
+
+/// Who draws lights' maps: the device, or the processor.
+pub(crate) trait MapPainter {
+    /// What a light and its map are looked up by.
+    type Light;
+    const BACKEND: Backend;
+
+    /// What a map of `light` of that size can be drawn in; nothing yet.
+    fn slot(&self, light: &CheckedLight, size: MapSize) -> LightSlot;
+
+    /// Brings `slot`, which is made for such lights, up to date. Returns the light in place and whether its map was
+    /// drawn: of those casters that `linked` leaves, or of coarse ones where there are any and they serve.
+    fn prepare(
+        &mut self,
+        slot: &mut LightSlot,
+        light: (MapKey, &CheckedLight),
+        what: (Option<&Linked>, &ShadowSettings),
+        work: MapWork,
+    ) -> Result<(Self::Light, bool), RenderError>;
+}
+
+/// What maps of bent lights are drawn with.
+pub(crate) struct MapWork<'a> {
+    pub bent_work: &'a mut BentWork,
+    pub native_work: &'a mut NativeWork,
+    /// Casters of fewer triangles, where the map is a coarse one that may have them.
+    pub coarse: Option<&'a Coarse>,
 }
 
 #[derive(Debug)]
@@ -50,25 +80,18 @@ struct User {
     maps: Vec<MapKey>,
 }
 
+/// A map, by who draws it of which light.
 #[derive(Debug)]
-enum LightSlot {
+pub(crate) enum LightSlot {
     Straight(Box<StraightSlot>),
     Bendy(Box<BendySlot>),
+    Native(Box<NativeSlot>),
 }
 
-/// Which lighting pass draws a light.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum LightingKind {
-    Straight(BakedStraight),
-    Bendy(Baked),
-}
-
-/// A light whose shadows are up to date.
+/// A light whose shadows are up to date, in the form of who draws it.
 #[derive(Debug)]
-pub(crate) struct ReadyLight {
-    pub kind: LightingKind,
-    /// Group 2 of its lighting pass.
-    pub group: BindGroup,
+pub(crate) struct ReadyLight<Light> {
+    pub light: Light,
     /// What it may reach: `[x, y, width, height]`.
     pub pixels: [u32; 4],
     /// What of the scene counts for it, where it has links.
@@ -81,28 +104,15 @@ pub(crate) struct ReadyLight {
     pub passing: Option<Reservation>,
 }
 
-impl ReadyLight {
-    /// The pass that draws it.
-    pub fn lighting(&self, gpu: &Gpu, passes: &Passes) -> Arc<LightingPass> {
-        let is_linked = self.linked.is_some();
-        match self.kind {
-            LightingKind::Straight(baked) => passes.straight.lighting(gpu, baked, is_linked),
-            LightingKind::Bendy(baked) => passes.bendy.lighting(gpu, baked, is_linked),
-        }
-    }
-
-    /// What its lighting pass binds after view and surface.
-    pub fn groups(&self) -> Vec<&BindGroup> {
-        [&self.group].into_iter().chain(self.linked.as_ref().map(|linked| &linked.group)).collect()
-    }
-}
-
 impl LightSlot {
-    /// Whether a map of a light found by `rays`, which has that size, can be drawn here.
-    fn fits(&self, rays: &Rays, size: MapSize) -> bool {
-        match (self, rays) {
-            (Self::Bendy(slot), Rays::Bent(_)) => slot.size() == size,
-            (Self::Straight(slot), Rays::Cone(_) | Rays::Omni(_) | Rays::Parallel(_)) => slot.size() == size,
+    /// Whether a map of a light found by `rays`, which has that size, can be drawn here by `backend`.
+    fn fits(&self, backend: Backend, rays: &Rays, size: MapSize) -> bool {
+        match (self, backend, rays) {
+            (Self::Bendy(slot), Backend::Wgpu, Rays::Bent(_)) => slot.size() == size,
+            (Self::Straight(slot), Backend::Wgpu, Rays::Cone(_) | Rays::Omni(_) | Rays::Parallel(_)) => {
+                slot.size() == size
+            }
+            (Self::Native(slot), Backend::Native, _) => slot.size() == size,
             _ => false,
         }
     }
@@ -111,6 +121,7 @@ impl LightSlot {
         match self {
             Self::Straight(slot) => slot.shows(),
             Self::Bendy(slot) => slot.shows(),
+            Self::Native(slot) => slot.shows(),
         }
     }
 
@@ -118,6 +129,7 @@ impl LightSlot {
         match self {
             Self::Straight(slot) => slot.invalidate(),
             Self::Bendy(slot) => slot.invalidate(),
+            Self::Native(slot) => slot.invalidate(),
         }
     }
 }
@@ -134,6 +146,7 @@ impl ShadowMaps {
             maps: Vec::new(),
             users: Vec::new(),
             bent_work: BentWork::new(),
+            native_work: NativeWork::default(),
             known_links: KnownLinks::default(),
             coarse: CoarseCasters::default(),
             shadows: ShadowSettings::default(),
@@ -207,7 +220,9 @@ impl ShadowMaps {
 
     fn see_who_needs_what(&mut self) {
         let Self { users, drawn, .. } = self;
-        drawn.retain(|light, _| users.iter().any(|user| user.maps.iter().any(|key| key.light() == *light)));
+        drawn.retain(|(light, _), _| {
+            users.iter().any(|user| user.maps.iter().any(|key| key.light() == *light))
+        });
         for map in &mut self.maps {
             let key = map.shows();
             map.needed = key.is_some_and(|key| self.users.iter().any(|user| user.maps.contains(&key)));
@@ -218,18 +233,18 @@ impl ShadowMaps {
     /// Brings the shadows of `light` up to date, in a map that is at least as fine as `scale` asks for: one that is there in
     /// full serves for half. `None`, and nothing drawn, where no pixel of the picture can be lit. Refuses a light that is out
     /// of the scene's reach, before anything is changed.
-    pub fn ready(
+    pub fn ready<P: MapPainter>(
         &mut self,
-        gpu: &Gpu,
-        encoder: &mut CommandEncoder,
+        (gpu, painter): (&Gpu, &mut P),
         (passes, scene, raster): (&Passes, &GpuScene, &Raster),
         (instance, scale): (&LightInstance, MapScale),
-    ) -> Result<Option<ReadyLight>, RenderError> {
+    ) -> Result<Option<ReadyLight<P::Light>>, RenderError> {
         let light = &*instance.light;
         let key = MapKey::of(instance, scene.revision);
         // A light whose shadows were switched off has another map of no size, and the one from before.
         let known_of = |size: MapSize| {
-            let shows = |slot: &LightSlot| slot.shows() == Some(key) && slot.fits(light.rays(), size);
+            let shows =
+                |slot: &LightSlot| slot.shows() == Some(key) && slot.fits(P::BACKEND, light.rays(), size);
             self.maps.iter().position(|map| map.slot.peek(shows).unwrap_or(false))
         };
         let (mut shadow_map, mut shadows) = (MapScale::Full, self.shadows);
@@ -244,54 +259,36 @@ impl ShadowMaps {
         }
         let Some(pixels) = pixels_of(light, (scene, raster), self.shadows.culling) else { return Ok(None) };
         let free = || {
-            let fits = |map: &KeptMap| map.slot.peek(|slot| slot.fits(light.rays(), size)).unwrap_or(false);
-            self.maps.iter().position(|map| !map.needed && fits(map))
+            let fits = |slot: &LightSlot| slot.fits(P::BACKEND, light.rays(), size);
+            self.maps.iter().position(|map| !map.needed && map.slot.peek(fits).unwrap_or(false))
         };
         let index = known.or_else(free);
         let mut slot = match index.and_then(|index| self.maps[index].slot.take()) {
             Some(slot) => slot,
-            None => Self::new_slot(gpu, passes, light, size),
+            None => painter.slot(light, size),
         };
         let shadows = &shadows;
         let linked = self.known_links.get(gpu, &passes.group_layouts.links, scene, light.light());
-        let what = (scene, linked.as_deref(), shadows);
-        let (kind, group, shadow_drawn) = match (&mut slot, light.rays(), Straight::of(light)) {
-            (LightSlot::Bendy(slot), Rays::Bent(tube), _) => {
-                let work = &mut self.bent_work;
-                // What a light's links leave, and what strays already, is drawn as it is.
-                let is_coarse = known.is_none() && shadow_map != MapScale::Full;
-                let coarse = if is_coarse && linked.is_none() && shadows.mesh_error == 0.0 {
-                    self.coarse.get(gpu, scene)?
-                } else {
-                    None
-                };
-                let of = (key, light, tube);
-                let (placed, drawn) = passes.bendy.prepare(gpu, work, slot, of, what, coarse)?;
-                (LightingKind::Bendy(placed.baked), placed.group, drawn)
-            }
-            (LightSlot::Straight(slot), _, Some(straight)) => {
-                let ready = passes.straight.prepare(gpu, encoder, slot, (key, straight), what)?;
-                let kind = LightingKind::Straight(straight.baked(shadows.filter));
-                (kind, ready.group, ready.drawn)
-            }
-            _ => unreachable!("the slot was chosen or made for this kind of light"),
+        // What a light's links leave, and what strays already, is drawn as it is.
+        let is_coarse =
+            known.is_none() && shadow_map != MapScale::Full && matches!(light.rays(), Rays::Bent(_));
+        let coarse = if is_coarse && linked.is_none() && shadows.mesh_error == 0.0 {
+            self.coarse.get(gpu, scene)?
+        } else {
+            None
         };
-        let shadow_drawn = shadow_drawn.then(|| match self.drawn.insert(instance.id, (key, size)) {
+        let Self { bent_work, native_work, .. } = self;
+        let work = MapWork { bent_work, native_work, coarse };
+        let (placed, shadow_drawn) =
+            painter.prepare(&mut slot, (key, light), (linked.as_deref(), shadows), work)?;
+        let last = (instance.id, P::BACKEND);
+        let shadow_drawn = shadow_drawn.then(|| match self.drawn.insert(last, (key, size)) {
             None => Cause::First,
             Some((before, size_before)) if before == key && size_before != size => Cause::Resolution,
             Some((before, _)) => key.cause_after(&before),
         });
         let passing = self.keep(gpu, index, (slot, linked.clone()), size);
-        Ok(Some(ReadyLight { kind, group, pixels, linked, shadow_map, shadow_drawn, passing }))
-    }
-
-    fn new_slot(gpu: &Gpu, passes: &Passes, light: &CheckedLight, size: MapSize) -> LightSlot {
-        match light.rays() {
-            Rays::Cone(_) | Rays::Omni(_) | Rays::Parallel(_) => {
-                LightSlot::Straight(Box::new(passes.straight.slot(gpu, size)))
-            }
-            Rays::Bent(_) => LightSlot::Bendy(Box::new(BendyPass::slot(gpu, size))),
-        }
+        Ok(Some(ReadyLight { light: placed, pixels, linked, shadow_map, shadow_drawn, passing }))
     }
 
     /// Puts a map back, or keeps a new one where there is room. Where there is none, the line that counts it until

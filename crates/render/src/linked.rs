@@ -30,6 +30,9 @@ type Pair = [Option<Links>; 2];
 pub(crate) struct Linked {
     /// Group 3 of its lighting pass.
     pub group: BindGroup,
+    /// What the texture of that group holds, where the processor draws: a bit a triangle, 32 a word; `[0]` says whether the
+    /// light lights it, `[1]` whether it throws shadows.
+    pub host_bits: Option<Arc<[[u32; 2]]>>,
     /// One a node: whether it throws shadows; `None` where all do.
     throwing: Option<Vec<bool>>,
     /// Made when a map is first drawn.
@@ -123,8 +126,11 @@ impl Linked {
         );
         let view = texture.create_view(&TextureViewDescriptor::default());
         let group = gpu.group("links", layout, &[BindingResource::TextureView(&view)]);
-        let memory = gpu.memory.reserve(MemoryKind::Scenes, size_of_val(&bits[..]) as u64);
-        Self { group, throwing, casters: OnceLock::new(), _memory: memory }
+        let bytes = size_of_val(&bits[..]) as u64;
+        let host_bits: Option<Arc<[_]>> = gpu.host(|| bits.into());
+        let host_bytes = host_bits.as_ref().map_or(0, |_| bytes);
+        let memory = gpu.memory.reserve(MemoryKind::Scenes, bytes + host_bytes);
+        Self { group, host_bits, throwing, casters: OnceLock::new(), _memory: memory }
     }
 
     fn casting<'a>(

@@ -230,6 +230,17 @@ impl<T> Evictable<T> {
         }
     }
 
+    /// Counts it with so many bytes from now on; what is in use has grown or shrunk.
+    pub fn resize(&self, bytes: u64) {
+        let Reservation { allocation, memory } = &self.reservation;
+        let before =
+            memory.account().allocations.get(allocation).map_or(bytes, |allocation| allocation.bytes);
+        memory.make_room(bytes.saturating_sub(before));
+        if let Some(allocation) = memory.account().allocations.get_mut(allocation) {
+            allocation.bytes = bytes;
+        }
+    }
+
     /// Whether it is still there.
     pub fn is_there(&self) -> bool {
         lock(&self.value).is_some()
@@ -279,6 +290,21 @@ mod tests {
         kept[2].set_needed(false);
         let _more = memory.reserve(MemoryKind::Views, 10);
         assert_eq!(there(&kept), [true, true, false]);
+    }
+
+    #[test]
+    fn what_grows_makes_room_for_itself() {
+        let memory = MemoryBudget::new(30);
+        let kept = three(&memory);
+        memory.begin_picture();
+        let value = kept[2].take().unwrap();
+        kept[2].resize(20);
+        kept[2].put(value);
+        assert_eq!((there(&kept), memory.total()), (vec![false, true, true], 30));
+        kept[2].resize(5);
+        assert_eq!((there(&kept), memory.total()), (vec![false, true, true], 15));
+        drop(kept);
+        assert_eq!(memory.total(), 0);
     }
 
     #[test]

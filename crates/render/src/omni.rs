@@ -6,6 +6,7 @@ use scene::PosedScene;
 
 use crate::camera::columns;
 use crate::gpu_scene::GpuScene;
+use crate::map_views::MapViews;
 use crate::omni_faces::{CubeFace, FACES, FittedCube};
 use crate::shadow_settings::MapSize;
 use crate::{ShadowSettings, gpu_structs};
@@ -18,8 +19,9 @@ const NEAR_SHARE: f64 = 1e-3;
 #[derive(Clone, Debug)]
 pub(crate) struct GpuOmni {
     pub uniform: gpu_structs::Omni,
-    /// One a face of the map; `None` where nothing casts shadows.
-    pub shadow_views: Vec<Option<gpu_structs::ShadowView>>,
+    /// The same as in `uniform`.
+    pub light_filter: LightFilter,
+    pub views: MapViews,
 }
 
 /// The convex hull of these world positions holds all that a light lights of a scene; none where it lights nothing.
@@ -66,10 +68,7 @@ impl GpuOmni {
         let far = (source.abs() + posed.half_extent).length();
         let least_distance = (NEAR_SHARE * far).max(f64::MIN_POSITIVE);
         let near = (0.99 * fitted.nearest.min(far)).max(least_distance);
-        let view = |face: &CubeFace| {
-            let clip_from_scene = face.clip_from_light(near) * DMat4::from(light_from_scene);
-            face.casts.then(|| gpu_structs::ShadowView { clip_from_scene: columns(&clip_from_scene) })
-        };
+        let view = |face: &CubeFace| face.casts.then(|| face.clip_from_light(near));
         let fits = fitted.faces.map(|face| {
             let scale = face.half.recip();
             [face.middle.x, face.middle.y, scale.x, scale.y].map(|x| x as f32)
@@ -86,7 +85,12 @@ impl GpuOmni {
                 pad0: 0.0,
                 fits,
             },
-            shadow_views: fitted.faces.iter().map(view).collect(),
+            light_filter,
+            views: MapViews {
+                light_from_scene: light_from_scene.into(),
+                near: Some(near),
+                clip_from_light: fitted.faces.iter().map(view).collect(),
+            },
         }
     }
 }

@@ -16,7 +16,7 @@ pub(crate) fn read<T: bytemuck::Pod>(
     let extent = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
     let (width, height) = (width as usize, height as usize);
     let row = width * size_of::<T>();
-    let padded_row = row.next_multiple_of(COPY_BYTES_PER_ROW_ALIGNMENT as usize);
+    let padded_row = padded(row);
     let size = (padded_row * height) as u64;
     let limit = gpu.device.limits().max_buffer_size;
     if size > limit {
@@ -26,12 +26,7 @@ pub(crate) fn read<T: bytemuck::Pod>(
             limit: limit as f64,
         });
     }
-    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("readback"),
-        size,
-        usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
+    let buffer = readback_buffer(gpu, size);
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let layout = wgpu::TexelCopyBufferLayout {
         offset: 0,
@@ -53,6 +48,73 @@ pub(crate) fn read<T: bytemuck::Pod>(
     Ok(texels)
 }
 
+/// Textures of one height, read back together: into each slice all rows of its texture, from the top without gaps. They
+/// are copied through `staging`, which is made where it is not there or too small. Waits for everything submitted
+/// before.
+pub(crate) fn read_together<const N: usize>(
+    gpu: &Gpu,
+    staging: &mut Option<Buffer>,
+    height: u32,
+    textures: [(&Texture, &mut [u8]); N],
+) -> Result<(), RenderError> {
+    let rows = textures.each_ref().map(|(_, into)| into.len() / height as usize);
+    let size = padded_bytes(rows, height);
+    let limit = gpu.device.limits().max_buffer_size;
+    if size > limit {
+        let what = "the picture's G-buffer in bytes";
+        return Err(RenderError::TooLarge { what, size: size as f64, limit: limit as f64 });
+    }
+    let fits = staging.take().filter(|buffer| buffer.size() >= size);
+    let buffer = staging.insert(fits.unwrap_or_else(|| readback_buffer(gpu, size)));
+    let mut encoder = gpu.encoder();
+    let mut offset = 0;
+    for ((texture, _), row) in textures.iter().zip(rows) {
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset,
+            bytes_per_row: Some(padded(row) as u32),
+            rows_per_image: None,
+        };
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo { buffer, layout },
+            texture.size(),
+        );
+        offset += (padded(row) * height as usize) as u64;
+    }
+    gpu.queue.submit([encoder.finish()]);
+    let bytes = map(gpu, buffer)?;
+    let mut rest = &bytes[..];
+    for ((_, into), row) in textures.into_iter().zip(rows) {
+        let (own, behind) = rest.split_at(padded(row) * height as usize);
+        for (into, padded) in into.chunks_exact_mut(row).zip(own.chunks_exact(padded(row))) {
+            into.copy_from_slice(&padded[..row]);
+        }
+        rest = behind;
+    }
+    drop(bytes);
+    buffer.unmap();
+    Ok(())
+}
+
+/// Bytes that textures of one height are copied through, whose rows have so many each.
+pub(crate) fn padded_bytes<const N: usize>(rows: [usize; N], height: u32) -> u64 {
+    rows.map(|row| (padded(row) * height as usize) as u64).iter().sum()
+}
+
+/// Bytes from one row of a copied texture to the next.
+fn padded(row: usize) -> usize {
+    row.next_multiple_of(COPY_BYTES_PER_ROW_ALIGNMENT as usize)
+}
+
+fn readback_buffer(gpu: &Gpu, size: u64) -> Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("readback"),
+        size,
+        usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    })
+}
+
 /// The contents of `buffer`, which can be copied from. Waits for everything submitted before.
 pub(crate) fn buffer<T: bytemuck::Pod>(gpu: &Gpu, buffer: &Buffer) -> Result<Vec<T>, RenderError> {
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -63,12 +125,7 @@ pub(crate) fn buffer<T: bytemuck::Pod>(gpu: &Gpu, buffer: &Buffer) -> Result<Vec
 
 /// Copies `buffer`, for [`of_copy`].
 pub(crate) fn copied(gpu: &Gpu, encoder: &mut CommandEncoder, buffer: &Buffer) -> Buffer {
-    let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("readback"),
-        size: buffer.size(),
-        usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
+    let copy = readback_buffer(gpu, buffer.size());
     encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
     copy
 }

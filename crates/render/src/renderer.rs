@@ -1,5 +1,7 @@
 //! Scenes in, pictures out; and what is kept in between.
 
+mod native;
+
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -12,12 +14,15 @@ use crate::camera::{Raster, sample_offset};
 use crate::gpu_scene::GpuScene;
 use crate::layers::{self, Work};
 use crate::lights::ShadowMaps;
+use crate::native_layers::NativeLayers;
 use crate::pass_runs::{Cause, Pass, PassCounts, PassRun, PassRuns};
 use crate::passes::Passes;
 use crate::stages::{Recording, Stage};
-use crate::targets::{Targets, Viewers};
+use crate::targets::{Lit, Targets, Viewers};
 use crate::tile::Tile;
-use crate::{Aov, Gpu, Picture, RenderError, ShadowSettings, View, ViewSlot, gpu_structs, readback};
+use crate::wgpu_layers::WgpuLayers;
+use crate::wgpu_maps::WgpuMaps;
+use crate::{Aov, Backend, Gpu, Picture, RenderError, ShadowSettings, View, ViewSlot, gpu_structs, readback};
 
 /// Draws pictures of one scene at a time, for any number of viewers.
 ///
@@ -115,6 +120,18 @@ impl Renderer {
         (&self.gpu, &mut self.scene)
     }
 
+    /// What pictures of a view are drawn into, for tests to look at.
+    #[cfg(test)]
+    pub(crate) fn take_targets(&mut self, view: &View) -> Targets {
+        self.viewers.take(&self.gpu, &self.passes, view).expect("it is small")
+    }
+
+    /// Puts that back.
+    #[cfg(test)]
+    pub(crate) fn put_targets(&mut self, targets: Targets) {
+        self.viewers.put(&self.gpu, ViewSlot::default(), targets);
+    }
+
     /// How often each pass has run.
     pub fn counts(&self) -> PassCounts {
         self.ran.counts
@@ -145,8 +162,8 @@ impl Renderer {
 
     /// The raw values of `view` under `lights`.
     pub fn render(&mut self, view: &View, lights: &[LightInstance]) -> Result<Picture, RenderError> {
-        let pixels = self.with_whole(view, view.aov, lights, |_, gpu, targets| {
-            readback::read(gpu, &targets.radiance, targets.size)
+        let pixels = self.with_whole(view, view.aov, lights, |renderer, gpu, targets| {
+            renderer.read_raw(gpu, targets, (view.aov, targets.size))
         })?;
         Ok(Picture { width: view.width, height: view.height, pixels })
     }
@@ -159,7 +176,12 @@ impl Renderer {
     /// [`crate::MemoryBudget`] lights are added to the picture one after the other, as in [`Self::render`].
     pub fn render_display(&mut self, view: &View, lights: &[LightInstance]) -> Result<Vec<u8>, RenderError> {
         let size = [view.width, view.height];
-        if view.samples > 1 || !layers::fit(self.gpu.memory.budget(), size, lights.len()) {
+        let (budget, count) = (self.gpu.memory.budget(), lights.len());
+        let fit = match self.gpu.backend() {
+            Backend::Wgpu => layers::fit::<WgpuLayers>(budget, size, count),
+            Backend::Native => layers::fit::<NativeLayers>(budget, size, count),
+        };
+        if view.samples > 1 || !fit {
             return self.with_whole(view, Aov::Beauty, lights, |renderer, gpu, targets| {
                 renderer.read_display(gpu, targets, (targets.size, view.exposure))
             });
@@ -167,11 +189,16 @@ impl Renderer {
         let drawing = Drawing::new(&View { aov: Aov::Beauty, ..view.clone() }, lights)?;
         self.attempt(view.slot, |renderer, gpu| {
             gpu.memory.begin_picture();
-            let mut targets = renderer.viewers.take(gpu, &renderer.passes, view)?;
+            let mut targets = renderer.viewers.take(gpu, &renderer.passes, &drawing.view)?;
+            if gpu.backend() == Backend::Native {
+                let bytes = renderer.draw_natively(gpu, &mut targets, &drawing)?;
+                renderer.viewers.put(gpu, view.slot, targets);
+                return Ok(bytes);
+            }
             let bytes = loop {
                 renderer.shadow_maps.bent_work.put_off();
                 renderer.draw_layered(gpu, &mut targets, &drawing)?;
-                let bytes = read_shown(gpu, &targets, size)?;
+                let bytes = read_shown(gpu, targets.lit(gpu, &renderer.passes), size)?;
                 // The device is waited for once a picture. A map without room is rare, and then all is drawn again.
                 if renderer.shadow_maps.bent_work.fitted(gpu)? {
                     break bytes;
@@ -215,9 +242,9 @@ impl Renderer {
             ran.note(Pass::Lighting, None, drawn.unwrap_or(Cause::NotKept));
             targets.samples_drawn = 1;
         }
-        let shadow_map = view.shadow_map;
-        let mut work = Work { gpu, passes, scene, raster, shadow_map, shadow_maps, ran };
-        let terms = targets.draw_layers(&mut encoder, &mut work, lights)?;
+        let (shadow_map, size) = (view.shadow_map, targets.size);
+        let mut work = Work { gpu, scene, raster, size, shadow_map, shadow_maps, ran };
+        let terms = targets.draw_layers(&mut encoder, passes, &mut work, lights)?;
         targets.draw_display(gpu, &mut encoder, passes, (terms.as_ref(), view.exposure));
         gpu.end_stage(&mut encoder, Stage::Display)?;
         gpu.queue.submit([encoder.finish()]);
@@ -226,8 +253,8 @@ impl Renderer {
     }
 
     /// The same picture drawn stage by stage, each submitted and waited for: together they take longer than
-    /// [`Self::render_display`] does. What other threads draw meanwhile on the same device is waited for too, and only one thread at a time may record. Pipelines that
-    /// were not used before are compiled in the stage that needs them: draw the picture once before.
+    /// [`Self::render_display`] does. What other threads draw meanwhile on the same device is waited for too. Pipelines
+    /// that were not used before are compiled in the stage that needs them: draw the picture once before.
     pub fn record_display(
         &mut self,
         view: &View,
@@ -245,19 +272,35 @@ impl Renderer {
         self.shadow_maps.invalidate();
     }
 
-    /// Tone-maps the corner of what is in `targets`, brightened by so many stops, and reads it back.
+    /// What is in the corner of `targets`, of `aov`.
+    pub(crate) fn read_raw(
+        &self,
+        gpu: &Gpu,
+        targets: &Targets,
+        (aov, size): (Aov, [u32; 2]),
+    ) -> Result<Vec<[f32; 4]>, RenderError> {
+        match gpu.backend_of(aov) {
+            Backend::Wgpu => readback::read(gpu, &targets.lit(gpu, &self.passes).radiance, size),
+            Backend::Native => Ok(targets.native.radiance().to_vec()),
+        }
+    }
+
+    /// Tone-maps the corner of the beauty in `targets`, brightened by so many stops, and reads it back.
     pub(crate) fn read_display(
         &mut self,
         gpu: &Gpu,
         targets: &Targets,
         (size, exposure): ([u32; 2], f64),
     ) -> Result<Vec<u8>, RenderError> {
+        if gpu.backend() == Backend::Native {
+            return Ok(self.show_natively(gpu, targets, exposure));
+        }
         let mut encoder = gpu.encoder();
         targets.draw_display(gpu, &mut encoder, &self.passes, (None, exposure));
         gpu.end_stage(&mut encoder, Stage::Display)?;
         gpu.queue.submit([encoder.finish()]);
         self.ran.note(Pass::Display, None, Cause::NotKept);
-        read_shown(gpu, targets, size)
+        read_shown(gpu, targets.lit(gpu, &self.passes), size)
     }
 
     /// Draws all of `aov` of `view` into the targets of its slot, then does `work` with them.
@@ -273,7 +316,7 @@ impl Renderer {
         let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
         self.attempt(view.slot, |renderer, gpu| {
             gpu.memory.begin_picture();
-            let mut targets = renderer.viewers.take(gpu, &renderer.passes, view)?;
+            let mut targets = renderer.viewers.take(gpu, &renderer.passes, &drawing.view)?;
             while !renderer.draw_sample(gpu, &mut targets, &drawing, tile, None)? {}
             let result = work(renderer, gpu, &targets)?;
             renderer.viewers.put(gpu, view.slot, targets);
@@ -291,6 +334,9 @@ impl Renderer {
         tile: Tile,
         mut pause: Option<&mut dyn FnMut(Piece) -> bool>,
     ) -> Result<bool, RenderError> {
+        if gpu.backend_of(drawing.view.aov) == Backend::Native {
+            return self.draw_sample_natively(gpu, targets, drawing, tile, pause);
+        }
         let Drawing { view, raster, wanted, samples, .. } = drawing;
         let lights = &self.as_drawn(view.aov, &drawing.lights);
         let Self { passes, scene, shadow_maps, ran, view_uniform, .. } = self;
@@ -302,7 +348,7 @@ impl Renderer {
             return Ok(true);
         }
         if view.aov == Aov::Wireframe {
-            let picture = (&targets.radiance_view, targets.size);
+            let picture = (&targets.lit(gpu, passes).radiance_view, targets.size);
             shadow_maps.draw_wireframe(gpu, (passes, scene), &lights[view.light].light, picture)?;
             ran.note(Pass::ShadowMap, Some(lights[view.light].id), Cause::NotKept);
             targets.samples_drawn = *samples;
@@ -329,7 +375,8 @@ impl Renderer {
                 continue;
             }
             let wanted_light = (light, view.shadow_map);
-            let ready = match shadow_maps.ready(gpu, &mut encoder, (passes, scene, raster), wanted_light) {
+            let mut maps = WgpuMaps { gpu, passes, scene, encoder: &mut encoder };
+            let ready = match shadow_maps.ready((gpu, &mut maps), (passes, scene, raster), wanted_light) {
                 // Others shine all the same; `light::Reach` tells who asks.
                 Err(RenderError::OutOfReach(_)) if view.aov == Aov::Beauty => continue,
                 ready => ready?,
@@ -422,8 +469,8 @@ impl Renderer {
 }
 
 /// Reads back the corner of what is shown.
-fn read_shown(gpu: &Gpu, targets: &Targets, size: [u32; 2]) -> Result<Vec<u8>, RenderError> {
-    let bytes = readback::read::<[u8; 4]>(gpu, &targets.display, size)?.into_flattened();
+fn read_shown(gpu: &Gpu, lit: &Lit, size: [u32; 2]) -> Result<Vec<u8>, RenderError> {
+    let bytes = readback::read::<[u8; 4]>(gpu, &lit.display, size)?.into_flattened();
     gpu.stages.ended(Stage::Readback);
     gpu.stages.count(|counters| counters.bytes += bytes.len() as u64);
     Ok(bytes)

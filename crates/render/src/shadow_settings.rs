@@ -1,5 +1,6 @@
 //! What of shadows can be chosen: how fine their maps are and how they are looked up.
 
+use relight::ShadowFilter;
 use scene::MapScale;
 
 use crate::RenderError;
@@ -56,18 +57,6 @@ impl Default for Culling {
     fn default() -> Self {
         Self::ALL
     }
-}
-
-/// Percentage-closer filters: each texel is compared by itself, and the answers are blended.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ShadowFilter {
-    /// The nearest texel alone.
-    Nearest,
-    /// 2 x 2 texels, by the distances of their centres.
-    #[default]
-    Bilinear,
-    /// 4 x 4 texels: nine bilinear look-ups a texel apart.
-    Pcf3x3,
 }
 
 /// How large a light's map is.
@@ -161,12 +150,7 @@ impl Default for ShadowSettings {
     }
 }
 
-impl ShadowFilter {
-    /// Every filter, in the order of the variants.
-    pub const ALL: [Self; 3] = [Self::Nearest, Self::Bilinear, Self::Pcf3x3];
-
-    /// `wgsl` with the constant that `shadow_filter.wgsl` asks for.
-    pub(crate) fn into_wgsl(self, wgsl: &str) -> String {
-        format!("const SHADOW_FILTER = {}u;\n{wgsl}", self as u32)
-    }
+/// `wgsl` with the constant that `shadow_filter.wgsl` asks for.
+pub(crate) fn with_filter(filter: ShadowFilter, wgsl: &str) -> String {
+    format!("const SHADOW_FILTER = {}u;\n{wgsl}", filter as u32)
 }

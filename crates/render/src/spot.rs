@@ -8,7 +8,8 @@ use scene::PosedScene;
 use crate::baked_filter::BakedFilter;
 use crate::camera::columns;
 use crate::gpu_scene::GpuScene;
-use crate::shadow_settings::MapSize;
+use crate::map_views::MapViews;
+use crate::shadow_settings::{MapSize, with_filter};
 use crate::spot_faces::{self, Face, FittedFaces};
 use crate::{ShadowFilter, ShadowSettings, gpu_structs};
 
@@ -21,8 +22,9 @@ const NEAR_SHARE: f64 = 1e-3;
 #[derive(Clone, Debug)]
 pub(crate) struct GpuSpot {
     pub uniform: gpu_structs::Spot,
-    /// One a face of the map; `None` where nothing casts shadows.
-    pub shadow_views: Vec<Option<gpu_structs::ShadowView>>,
+    /// The same as in `uniform`.
+    pub light_filter: LightFilter,
+    pub views: MapViews,
 }
 
 /// The convex hull of these world positions holds all that a light lights of a scene.
@@ -48,12 +50,8 @@ impl GpuSpot {
         let FittedFaces { faces, nearest } = fitted;
         let least_distance = (NEAR_SHARE * far).max(f64::MIN_POSITIVE);
         let shadow_near = (0.99 * nearest.min(far)).max(least_distance);
-        let view = |face: &Face| {
-            let clip_from_scene = clip_from_face(face, shadow_near)
-                * DMat4::from_mat3(face.axes)
-                * DMat4::from(light_from_scene);
-            face.casts.then(|| gpu_structs::ShadowView { clip_from_scene: columns(&clip_from_scene) })
-        };
+        let view =
+            |face: &Face| face.casts.then(|| clip_from_face(face, shadow_near) * DMat4::from_mat3(face.axes));
         let mut fits = [[0.0; 4]; gpu_structs::SPOT_FACES];
         for (fit, Face { center, half, .. }) in fits.iter_mut().zip(faces) {
             let scale = half.recip();
@@ -72,7 +70,12 @@ impl GpuSpot {
                 mesh_error: shadows.mesh_error.min(2.0 * MAX_EXTENT) as f32,
                 fits,
             },
-            shadow_views: faces.iter().map(view).collect(),
+            light_filter,
+            views: MapViews {
+                light_from_scene: light_from_scene.into(),
+                near: Some(shadow_near),
+                clip_from_light: faces.iter().map(view).collect(),
+            },
         }
     }
 }
@@ -139,6 +142,6 @@ impl BakedSpot {
     /// `wgsl` with its constants.
     pub fn into_wgsl(self, wgsl: &str) -> String {
         let Self { filter, cube, light_filter } = self;
-        format!("const SHADOW_CUBE = {cube};\n{}", light_filter.into_wgsl(&filter.into_wgsl(wgsl)))
+        format!("const SHADOW_CUBE = {cube};\n{}", light_filter.into_wgsl(&with_filter(filter, wgsl)))
     }
 }

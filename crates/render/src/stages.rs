@@ -1,7 +1,7 @@
 //! What a frame's stages cost, each waited for: what `bendylights bench frame` shows.
 
 use std::ops::AddAssign;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{self, ThreadId};
 use std::time::{Duration, Instant};
 
@@ -12,6 +12,8 @@ use rustix::time::{ClockId, clock_gettime};
 pub enum Stage {
     /// What each pixel sees.
     Gbuffer,
+    /// That read back, and made ready to be lit by the processor where it draws.
+    Surfaces,
     /// The vertices of what casts shadows, mapped into a bent light's tube; with the fitting of its map.
     Vertices,
     /// Those of its triangles sorted out that are straight in the map and lie in one slab.
@@ -20,7 +22,7 @@ pub enum Stage {
     Clip,
     /// Those split until their edges are straight.
     Split,
-    /// A map drawn; of a straight light with the fitting of its map.
+    /// A map drawn; of a straight light with the fitting of its map, and all of one that the processor draws.
     Draw,
     /// How much came of a bent map's stages, read back to see whether there was room.
     Counts,
@@ -38,8 +40,9 @@ pub enum Stage {
 
 impl Stage {
     /// Every stage, in the order of a frame.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Gbuffer,
+        Self::Surfaces,
         Self::Vertices,
         Self::Triangles,
         Self::Clip,
@@ -57,6 +60,7 @@ impl Stage {
     pub fn name(self) -> &'static str {
         match self {
             Self::Gbuffer => "gbuffer",
+            Self::Surfaces => "surfaces",
             Self::Vertices => "vertices",
             Self::Triangles => "triangles",
             Self::Clip => "clip",
@@ -156,9 +160,9 @@ impl Recording {
     }
 }
 
-/// Takes down the stages of what one thread draws on a device while it is on; of one thread at a time.
+/// Takes down the stages of what threads draw on a device, of each that asked for it by itself.
 #[derive(Debug, Default)]
-pub(crate) struct StageRecorder(Mutex<Option<Running>>);
+pub(crate) struct StageRecorder(Mutex<Vec<Running>>);
 
 /// A recording that goes on.
 #[derive(Debug)]
@@ -168,50 +172,76 @@ struct Running {
     watch: Stopwatch,
 }
 
-impl Running {
-    /// Whether this thread's stages are taken down.
-    fn is_here(&self) -> bool {
-        self.thread == thread::current().id()
-    }
-}
-
 impl StageRecorder {
-    /// On from here.
+    /// On from here, for this thread.
     pub fn start(&self) {
         let (thread, recording) = (thread::current().id(), Recording::default());
-        self.with(|on| *on = Some(Running { thread, recording, watch: Stopwatch::start() }));
+        self.lock().push(Running { thread, recording, watch: Stopwatch::start() });
     }
 
     /// Off from here; what was taken down.
     pub fn stop(&self) -> Recording {
-        self.with(Option::take).map_or_else(Recording::default, |running| running.recording)
+        let (mut all, thread) = (self.lock(), thread::current().id());
+        let own = all.iter().position(|running| running.thread == thread);
+        own.map_or_else(Recording::default, |own| all.swap_remove(own).recording)
     }
 
-    /// Whether stages are taken down, and so submitted one by one.
+    /// Whether stages of this thread are taken down, and so submitted one by one.
     pub fn is_on(&self) -> bool {
-        self.with(|on| on.as_ref().is_some_and(Running::is_here))
+        self.with_own(|_| ()).is_some()
     }
 
     /// Takes down that a stage has ended, which was waited for.
     pub fn ended(&self, stage: Stage) {
-        self.with(|on| {
-            if let Some(Running { recording, watch, .. }) = on.as_mut().filter(|running| running.is_here()) {
-                recording.runs[stage as usize] += 1;
-                recording.costs[stage as usize] += watch.lap();
-            }
+        self.with_own(|Running { recording, watch, .. }| {
+            recording.runs[stage as usize] += 1;
+            recording.costs[stage as usize] += watch.lap();
         });
     }
 
     /// Counts what a stage has worked on.
     pub fn count(&self, add: impl FnOnce(&mut Counters)) {
-        self.with(|on| {
-            if let Some(running) = on.as_mut().filter(|running| running.is_here()) {
-                add(&mut running.recording.counters);
-            }
-        });
+        self.with_own(|running| add(&mut running.recording.counters));
     }
 
-    fn with<T>(&self, work: impl FnOnce(&mut Option<Running>) -> T) -> T {
-        work(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    fn with_own<T>(&self, work: impl FnOnce(&mut Running) -> T) -> Option<T> {
+        let thread = thread::current().id();
+        self.lock().iter_mut().find(|running| running.thread == thread).map(work)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<Running>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Barrier;
+
+    use super::*;
+
+    #[test]
+    fn threads_that_record_at_once_each_have_their_own() {
+        let (recorder, together) = (StageRecorder::default(), Barrier::new(2));
+        let record = |bytes: u64| {
+            recorder.start();
+            together.wait();
+            for _ in 0..bytes {
+                recorder.ended(Stage::Readback);
+                recorder.count(|counters| counters.bytes += 1);
+            }
+            together.wait();
+            let recording = recorder.stop();
+            (recording.runs(Stage::Readback), recording.counters.bytes, recorder.is_on())
+        };
+        let [three, five] = thread::scope(|scope| {
+            [3, 5]
+                .map(|bytes| scope.spawn(move || record(bytes)))
+                .map(|thread| thread.join().expect("recorded"))
+        });
+        assert_eq!((three, five), ((3, 3, false), (5, 5, false)));
+        // Nobody records.
+        recorder.ended(Stage::Readback);
+        assert_eq!(recorder.stop(), Recording::default());
     }
 }

@@ -15,15 +15,16 @@ use crate::gpu_scene::{GpuScene, SceneGroupLayouts};
 use crate::lighting::{LightingPass, Variants};
 use crate::linked::{Linked, casting};
 use crate::map_key::MapKey;
+use crate::map_views::MapViews;
 use crate::omni::{self, GpuOmni};
 use crate::omni_faces::FittedCube;
 use crate::pipeline::{NON_FILTERING, RAW_TEXTURE_LAYERS, UNIFORM};
 use crate::shadow::{ShadowMap, ShadowPass};
-use crate::shadow_settings::MapSize;
+use crate::shadow_settings::{MapSize, with_filter};
 use crate::spot::{self, BakedSpot, GpuSpot};
 use crate::spot_faces::FittedFaces;
 use crate::stages::Stage;
-use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, gpu_structs, shaders};
+use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, shaders};
 
 /// Group 2 of their lighting passes; see `spot.wgsl`.
 const BINDINGS: [BindingType; 3] = [UNIFORM, RAW_TEXTURE_LAYERS, NON_FILTERING];
@@ -46,17 +47,36 @@ pub(crate) enum BakedStraight {
 
 /// How a light's map is fitted to a scene.
 #[derive(Clone, Debug)]
-enum Fitted {
+pub(crate) enum Fitted {
     Spot(FittedFaces),
     Omni(Box<FittedCube>),
     Directional(FittedMap),
 }
 
 /// A light in place: its numbers for one scene.
-struct Placed {
-    uniform: Vec<u8>,
-    /// One a layer of the map; `None` where nothing casts shadows.
-    shadow_views: Vec<Option<gpu_structs::ShadowView>>,
+#[derive(Clone, Debug)]
+pub(crate) enum Placed {
+    Spot(GpuSpot),
+    Omni(GpuOmni),
+    Directional(GpuDirectional),
+}
+
+impl Placed {
+    fn uniform(&self) -> &[u8] {
+        match self {
+            Self::Spot(spot) => bytemuck::bytes_of(&spot.uniform),
+            Self::Omni(omni) => bytemuck::bytes_of(&omni.uniform),
+            Self::Directional(directional) => bytemuck::bytes_of(&directional.uniform),
+        }
+    }
+
+    pub fn views(&self) -> &MapViews {
+        match self {
+            Self::Spot(spot) => &spot.views,
+            Self::Omni(omni) => &omni.views,
+            Self::Directional(directional) => &directional.views,
+        }
+    }
 }
 
 /// A light whose map is up to date.
@@ -99,7 +119,7 @@ impl<'a> Straight<'a> {
     }
 
     /// What becomes of its light on the way.
-    fn light_filter(self) -> &'a LightFilter {
+    pub fn light_filter(self) -> &'a LightFilter {
         match self {
             Self::Spot(_, cone) => &cone.light_filter,
             Self::Omni(omni) => &omni.light_filter,
@@ -117,7 +137,7 @@ impl<'a> Straight<'a> {
     }
 
     /// Where its light begins; `None` where that is outside of every scene.
-    fn source_in_world(self) -> Option<DVec3> {
+    pub fn source_in_world(self) -> Option<DVec3> {
         match self {
             Self::Spot(_, cone) => Some(cone.translation),
             Self::Omni(omni) => Some(omni.translation),
@@ -126,7 +146,7 @@ impl<'a> Straight<'a> {
     }
 
     /// How its map is fitted to a scene; as if to nothing where it has none.
-    fn fitted(self, scene: &GpuScene, shadows: &ShadowSettings) -> Fitted {
+    pub fn fitted(self, scene: &GpuScene, shadows: &ShadowSettings) -> Fitted {
         let shadowed = self.light_filter().shadow_enable;
         match self {
             Self::Spot(light, cone) if shadowed => {
@@ -143,23 +163,16 @@ impl<'a> Straight<'a> {
     }
 
     /// The light in place, by a map that was fitted for its shape.
-    fn placed(self, fitted: &Fitted, scene: &GpuScene, shadows: &ShadowSettings) -> Placed {
+    pub fn placed(self, fitted: &Fitted, scene: &GpuScene, shadows: &ShadowSettings) -> Placed {
         match (self, fitted) {
             (Self::Spot(_, cone), Fitted::Spot(fitted)) => {
-                let GpuSpot { uniform, shadow_views } = GpuSpot::new(cone, scene, shadows, fitted);
-                let uniform = bytemuck::bytes_of(&uniform).to_vec();
-                Placed { uniform, shadow_views }
+                Placed::Spot(GpuSpot::new(cone, scene, shadows, fitted))
             }
             (Self::Omni(omni), Fitted::Omni(fitted)) => {
-                let GpuOmni { uniform, shadow_views } = GpuOmni::new(omni, scene, shadows, fitted);
-                Placed { uniform: bytemuck::bytes_of(&uniform).to_vec(), shadow_views }
+                Placed::Omni(GpuOmni::new(omni, scene, shadows, fitted))
             }
             (Self::Directional(parallel), Fitted::Directional(fitted)) => {
-                let GpuDirectional { uniform, shadow_view } =
-                    GpuDirectional::new(parallel, scene, shadows, fitted);
-                let uniform = bytemuck::bytes_of(&uniform).to_vec();
-                let shadow_views = vec![shadow_view];
-                Placed { uniform, shadow_views }
+                Placed::Directional(GpuDirectional::new(parallel, scene, shadows, fitted))
             }
             _ => unreachable!("a light keeps its shape while its key stays the same"),
         }
@@ -180,9 +193,9 @@ impl BakedStraight {
     pub fn wgsl(self) -> (&'static str, String) {
         match self {
             Self::Spot(baked) => ("spot", baked.into_wgsl(shaders::SPOT)),
-            Self::Omni(map, light) => ("omni", light.into_wgsl(&map.into_wgsl(shaders::OMNI))),
+            Self::Omni(map, light) => ("omni", light.into_wgsl(&with_filter(map, shaders::OMNI))),
             Self::Directional(map, light) => {
-                ("directional", light.into_wgsl(&map.into_wgsl(shaders::DIRECTIONAL)))
+                ("directional", light.into_wgsl(&with_filter(map, shaders::DIRECTIONAL)))
             }
         }
     }
@@ -264,7 +277,7 @@ impl StraightPass {
         let placed = light.placed(&fitted, scene, shadows);
         let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
             label: Some("straight light"),
-            contents: &placed.uniform,
+            contents: placed.uniform(),
             usage: BufferUsages::UNIFORM,
         });
         let resources = [
@@ -278,7 +291,8 @@ impl StraightPass {
             let casting = casting(gpu, scene, linked, shadows.mesh_error)?;
             let what = (&scene.geometry, &casting);
             let source = light.source_in_world().map(|source| source - scene.posed.origin_in_world);
-            let views = (&placed.shadow_views[..], source, shadows.culling);
+            let views = placed.views().shadow_views();
+            let views = (&views[..], source, shadows.culling);
             let triangles = self.shadow.draw(gpu, encoder, &slot.map, views, what);
             gpu.end_stage(encoder, Stage::Draw)?;
             let MapSize { side, layers } = slot.map.target.size;

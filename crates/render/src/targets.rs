@@ -1,27 +1,33 @@
 //! What pictures are drawn into, and what it holds: a viewer's whole picture, or one tile of a larger one.
 
-use glam::{DAffine3, DVec2};
+use std::sync::OnceLock;
+
+use glam::DVec2;
 use light::{Digest, LightId, LightInstance};
-use scene::Projection;
 use wgpu::{CommandEncoder, Texture, TextureView, TextureViewDescriptor};
 
 use crate::camera::Raster;
 use crate::composite::Terms;
 use crate::display::Exposed;
-use crate::gbuffer::Gbuffer;
+use crate::gbuffer::{self, Gbuffer, GbufferKey, GbufferTexels};
 use crate::gpu_scene::GpuScene;
-use crate::layers::{Layers, Seen, Work};
+use crate::layers::{Layers, Work};
 use crate::lights::ReadyLight;
 use crate::memory::{Evictable, MemoryKind};
+use crate::native_targets::{self, NativeTargets};
 use crate::pass_runs::Cause;
 use crate::passes::Passes;
 use crate::pipeline::color_attachment;
 use crate::stages::Stage;
 use crate::tile::Tile;
-use crate::{Aov, Gpu, RenderError, View, ViewSlot, display, lighting};
+use crate::wgpu_layers::WgpuLayers;
+use crate::wgpu_maps::WgpuLight;
+use crate::{Aov, Backend, Gpu, RenderError, View, ViewSlot, display, gpu_structs, lighting};
 
-/// Bytes a pixel of targets: G-buffer, its terminator's offset and its depth, radiance, display.
-pub(crate) const BYTES_A_PIXEL: u64 = 16 + 4 + 4 + 16 + 4;
+/// Bytes a pixel of radiance and of what a screen shows of it.
+const LIT_BYTES_A_PIXEL: u64 = 16 + 4;
+/// Bytes a pixel of targets that the device lights.
+const BYTES_A_PIXEL: u64 = gbuffer::BYTES_A_PIXEL + LIT_BYTES_A_PIXEL;
 
 /// The targets of every viewer.
 #[derive(Debug, Default)]
@@ -35,34 +41,34 @@ pub(crate) struct Targets {
     gbuffer: Gbuffer,
     /// What the G-buffer shows.
     gbuffer_key: Option<GbufferKey>,
+    /// The same in memory, of what it was when it was last asked for.
+    texels: (Option<GbufferKey>, GbufferTexels),
     /// What each light alone adds to what that shows.
-    layers: Layers,
-    pub radiance: Texture,
-    pub radiance_view: TextureView,
-    exposed: Exposed,
+    layers: Layers<TextureView, TextureView>,
+    /// What the processor lights.
+    pub native: NativeTargets,
+    /// Made when the device first lights something.
+    lit: OnceLock<Lit>,
     /// What the radiance shows: of which scene's revision, in which view, which tile, under which lights.
     shown: Option<(u64, View, Tile, Vec<Shown>)>,
     /// Samples a pixel of it that have been added up.
     pub samples_drawn: u32,
     /// How many of the lights the sample after those has; `None` before it has anything.
     pub lights_drawn: Option<usize>,
+}
+
+/// What the device lights.
+#[derive(Debug)]
+pub(crate) struct Lit {
+    pub radiance: Texture,
+    pub radiance_view: TextureView,
+    exposed: Exposed,
     pub display: Texture,
     display_view: TextureView,
 }
 
 /// A light and its revision of what pictures depend on.
 type Shown = (LightId, Digest);
-
-/// All that a G-buffer depends on, besides its size.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct GbufferKey {
-    revision: u64,
-    world_from_camera: DAffine3,
-    projection: Projection,
-    size: [u32; 2],
-    tile: Tile,
-    sample_offset: DVec2,
-}
 
 impl Viewers {
     /// The targets of the viewer of `view`, as it left them if the size is still the same. They are the caller's
@@ -81,16 +87,17 @@ impl Viewers {
             return Ok(targets);
         }
         self.forget(view.slot);
-        gpu.make_room(bytes(size));
+        gpu.make_room(bytes_of(gpu.backend_of(view.aov), size));
         Ok(Targets::new(gpu, passes, size))
     }
 
     /// Keeps the targets of a viewer for its next picture.
     pub fn put(&mut self, gpu: &Gpu, slot: ViewSlot, targets: Targets) {
         if let Some((_, kept)) = self.0.iter().find(|(known, _)| *known == slot) {
+            kept.resize(targets.bytes());
             kept.put(targets);
         } else {
-            let kept = gpu.memory.keep(MemoryKind::Views, bytes(targets.size), targets);
+            let kept = gpu.memory.keep(MemoryKind::Views, targets.bytes(), targets);
             self.0.push((slot, kept));
         }
     }
@@ -111,30 +118,73 @@ impl Viewers {
     }
 }
 
-fn bytes([width, height]: [u32; 2]) -> u64 {
-    u64::from(width) * u64::from(height) * BYTES_A_PIXEL
+/// Bytes of targets of `size` pixels at most, lit by `backend`; without layers.
+pub(crate) fn bytes_of(backend: Backend, size: [u32; 2]) -> u64 {
+    match backend {
+        Backend::Wgpu => pixels(size) * BYTES_A_PIXEL,
+        Backend::Native => {
+            let device = pixels(size) * gbuffer::BYTES_A_PIXEL;
+            device + GbufferTexels::bytes_of(size) + NativeTargets::most_bytes(size)
+        }
+    }
+}
+
+fn pixels([width, height]: [u32; 2]) -> u64 {
+    u64::from(width) * u64::from(height)
+}
+
+impl Lit {
+    fn new(gpu: &Gpu, passes: &Passes, [width, height]: [u32; 2]) -> Self {
+        let radiance = gpu.target("radiance", width, height, lighting::FORMAT);
+        let radiance_view = radiance.create_view(&TextureViewDescriptor::default());
+        let display = gpu.target("display", width, height, display::FORMAT);
+        Self {
+            exposed: passes.display.exposed(gpu, &radiance_view),
+            radiance,
+            radiance_view,
+            display_view: display.create_view(&TextureViewDescriptor::default()),
+            display,
+        }
+    }
 }
 
 impl Targets {
     pub fn new(gpu: &Gpu, passes: &Passes, size: [u32; 2]) -> Self {
         let [width, height] = size;
-        let radiance = gpu.target("radiance", width, height, lighting::FORMAT);
-        let radiance_view = radiance.create_view(&TextureViewDescriptor::default());
-        let display = gpu.target("display", width, height, display::FORMAT);
         Self {
             size,
             gbuffer: passes.gbuffer.targets(gpu, width, height),
             gbuffer_key: None,
+            texels: (None, GbufferTexels::default()),
             layers: Layers::default(),
-            exposed: passes.display.exposed(gpu, &radiance_view),
-            radiance,
-            radiance_view,
+            native: NativeTargets::default(),
+            lit: OnceLock::new(),
             shown: None,
             samples_drawn: 0,
             lights_drawn: None,
-            display_view: display.create_view(&TextureViewDescriptor::default()),
-            display,
         }
+    }
+
+    /// Of its textures, of what of them is in memory, and of what the processor made of that; without layers.
+    fn bytes(&self) -> u64 {
+        let lit = if self.lit.get().is_some() { LIT_BYTES_A_PIXEL } else { 0 };
+        let device = pixels(self.size) * (gbuffer::BYTES_A_PIXEL + lit);
+        device + self.texels.1.bytes() + self.native.bytes()
+    }
+
+    /// What the device lights.
+    pub fn lit(&self, gpu: &Gpu, passes: &Passes) -> &Lit {
+        self.lit.get_or_init(|| Lit::new(gpu, passes, self.size))
+    }
+
+    /// The G-buffer in memory, read back unless it is there as it was drawn last. What draws it has to be submitted.
+    pub fn gbuffer_texels(&mut self, gpu: &Gpu) -> Result<&GbufferTexels, RenderError> {
+        let (key, texels) = &mut self.texels;
+        if *key != self.gbuffer_key {
+            texels.read(gpu, &self.gbuffer)?;
+            *key = self.gbuffer_key;
+        }
+        Ok(texels)
     }
 
     /// Starts anew, unless the radiance shows this picture or the beginning of it.
@@ -168,21 +218,20 @@ impl Targets {
         };
         let cause = match self.gbuffer_key {
             Some(before) if before == key => return None,
-            None => Cause::First,
-            Some(before) if before.revision != key.revision => Cause::Scene,
-            Some(before) if (before.tile, before.sample_offset) != (tile, sample_offset) => Cause::NotKept,
-            Some(_) => Cause::Camera,
+            before => key.cause_after(before.as_ref()),
         };
         passes.gbuffer.draw(encoder, &self.gbuffer, (size, tile), scene);
         self.layers.invalidate();
+        self.native.invalidate();
         self.gbuffer_key = Some(key);
         Some(cause)
     }
 
     /// Draws everything anew when it is next asked for.
     pub fn invalidate(&mut self) {
-        (self.gbuffer_key, self.shown) = (None, None);
+        (self.gbuffer_key, self.texels.0, self.shown) = (None, None, None);
         self.layers.invalidate();
+        self.native.invalidate();
     }
 
     /// As [`Self::draw_lights`]; where stages are taken down, what comes from no light and each light apart.
@@ -193,7 +242,7 @@ impl Targets {
         what: (&Passes, &GpuScene),
         onto: (Aov, Tile),
         (base, clear): (bool, bool),
-        lights: &[ReadyLight],
+        lights: &[ReadyLight<WgpuLight>],
     ) -> Result<(), RenderError> {
         if !gpu.stages.is_on() {
             self.draw_lights(gpu, encoder, what, onto, (base, clear), lights);
@@ -221,11 +270,12 @@ impl Targets {
         (passes, scene): (&Passes, &GpuScene),
         (aov, tile): (Aov, Tile),
         (base, clear): (bool, bool),
-        lights: &[ReadyLight],
+        lights: &[ReadyLight<WgpuLight>],
     ) {
+        let radiance = &self.lit(gpu, passes).radiance_view;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("lighting"),
-            color_attachments: &[Some(color_attachment(&self.radiance_view, clear))],
+            color_attachments: &[Some(color_attachment(radiance, clear))],
             ..Default::default()
         });
         pass.set_bind_group(0, &scene.view, &[]);
@@ -249,17 +299,42 @@ impl Targets {
         passes: &Passes,
         (terms, exposure): (Option<&Terms>, f64),
     ) {
-        passes.display.draw(gpu, encoder, (&self.exposed, terms, exposure), &self.display_view);
+        let lit = self.lit(gpu, passes);
+        passes.display.draw(gpu, encoder, (&lit.exposed, terms, exposure), &lit.display_view);
     }
 
     /// Brings what each of `lights` alone adds up to date: the terms of what they add together, `None` where that is nothing.
     pub fn draw_layers(
         &mut self,
         encoder: &mut CommandEncoder,
+        passes: &Passes,
         work: &mut Work,
         lights: &[LightInstance],
     ) -> Result<Option<Terms>, RenderError> {
-        let seen = Seen { surface: &self.gbuffer.surface, size: self.size };
-        self.layers.draw(encoder, (work, seen), lights)
+        let (gpu, scene, size, surface) = (work.gpu, work.scene, self.size, &self.gbuffer.surface);
+        let mut painter = WgpuLayers { gpu, passes, scene, surface, size, encoder };
+        self.layers.draw((work, &mut painter), lights)
+    }
+
+    /// Has what the pixels of the upper left `size` see in memory, as the processor lights it. `view` is what the G-buffer was
+    /// drawn with, which has to be submitted.
+    pub fn see(
+        &mut self,
+        gpu: &Gpu,
+        scene: &GpuScene,
+        (view, size): (&gpu_structs::View, [u32; 2]),
+    ) -> Result<(), RenderError> {
+        if self.native.sees() {
+            return Ok(());
+        }
+        let row = self.size[0] as usize;
+        let GbufferTexels { packed, offset, depth, .. } = self.gbuffer_texels(gpu)?;
+        let gbuffer = relight::Gbuffer { size, row, packed, z: depth, terminator_offset: offset };
+        let surfaces = native_targets::surfaces(gpu, scene, view, &gbuffer);
+        self.native.see(surfaces);
+        Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

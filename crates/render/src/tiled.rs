@@ -6,9 +6,9 @@ use light::LightInstance;
 
 use crate::memory::{MemoryKind, Reservation};
 use crate::renderer::{Drawing, Piece};
-use crate::targets::{BYTES_A_PIXEL, Targets};
+use crate::targets::{Targets, bytes_of};
 use crate::tile::{Tile, Tiling};
-use crate::{Aov, Gpu, Picture, PictureFormat, Pixels, RenderError, Renderer, View, readback};
+use crate::{Aov, Gpu, Picture, PictureFormat, Pixels, RenderError, Renderer, View};
 
 /// How far a picture is, in samples of its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -159,7 +159,7 @@ impl Renderer {
         let work = work.get_or_insert_with(|| Work::new(gpu, size, triangles, pixels));
         let Some(next) = work.tiling.tile() else { return Ok(true) };
         let tile = if whole { Tile { x: 0, y: 0, width: size[0], height: size[1] } } else { next };
-        work.fit(gpu, self, tile)?;
+        work.fit(gpu, self, (drawing.view.aov, tile))?;
         let Some(targets) = &mut work.targets else { return Ok(false) };
 
         let (mut since, longest) = (Instant::now(), &mut work.longest);
@@ -180,7 +180,7 @@ impl Renderer {
         if !done {
             return Ok(false);
         }
-        self.collect_tile(gpu, targets, (tile, drawing.view.exposure), pixels)?;
+        self.collect_tile(gpu, targets, (tile, &drawing.view), pixels)?;
         work.finished += std::mem::take(&mut work.begun);
         if whole {
             return Ok(true);
@@ -195,13 +195,13 @@ impl Renderer {
         &mut self,
         gpu: &Gpu,
         targets: &Targets,
-        (tile, exposure): (Tile, f64),
+        (tile, view): (Tile, &View),
         pixels: &mut Pixels,
     ) -> Result<(), RenderError> {
         let size = [tile.width, tile.height];
         match pixels {
             Pixels::Display { width, bytes, .. } => {
-                let drawn = self.read_display(gpu, targets, (size, exposure))?;
+                let drawn = self.read_display(gpu, targets, (size, view.exposure))?;
                 place(
                     bytes,
                     4 * *width as usize,
@@ -211,7 +211,7 @@ impl Renderer {
                 );
             }
             Pixels::Raw(picture) => {
-                let drawn = readback::read::<[f32; 4]>(gpu, &targets.radiance, size)?;
+                let drawn = self.read_raw(gpu, targets, (view.aov, size))?;
                 let columns = (tile.x as usize, tile.width as usize);
                 place(&mut picture.pixels, picture.width as usize, &drawn, columns, tile.y);
             }
@@ -249,7 +249,7 @@ impl Work {
     }
 
     /// Has targets that hold `tile`, and not much more.
-    fn fit(&mut self, gpu: &Gpu, renderer: &Renderer, tile: Tile) -> Result<(), RenderError> {
+    fn fit(&mut self, gpu: &Gpu, renderer: &Renderer, (aov, tile): (Aov, Tile)) -> Result<(), RenderError> {
         let (width, height) = (tile.width, tile.height);
         let limit = gpu.device.limits().max_texture_dimension_2d;
         let side = width.max(height);
@@ -266,7 +266,8 @@ impl Work {
             // The old ones first: at no time are there two.
             (self.targets, self.tile_memory) = (None, None);
             gpu.collect();
-            self.tile_memory = Some(gpu.memory.reserve(MemoryKind::Tiled, needed * BYTES_A_PIXEL));
+            let bytes = bytes_of(gpu.backend_of(aov), [width, height]);
+            self.tile_memory = Some(gpu.memory.reserve(MemoryKind::Tiled, bytes));
             self.targets = Some(Targets::new(gpu, &renderer.passes, [width, height]));
         }
         Ok(())

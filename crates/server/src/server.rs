@@ -41,6 +41,8 @@ pub struct Config {
     pub public_urls: Vec<PublicUrl>,
     /// A file to whose end a line is written for each picture that is made (SPEC, TRACE-1).
     pub trace: Option<PathBuf>,
+    /// Who draws shadows and lights; as the graphics device is where nobody says.
+    pub backend: Option<render::Backend>,
 }
 
 /// A server that is ready to listen.
@@ -65,7 +67,7 @@ impl Server {
         let trace = trace.unwrap_or_default();
         let Data { store, token, lock } = Data::open(config)?;
         let metrics = Arc::new(Metrics::new(MemoryBudget::new(MAX_RENDER_BYTES)));
-        let (renders, render_thread) = Renders::start(Arc::clone(&metrics))?;
+        let (renders, render_thread) = Renders::start(Arc::clone(&metrics), config.backend)?;
         let (data, public_urls) = (config.data.clone(), config.public_urls.clone());
         Ok(Self {
             store,
@@ -175,7 +177,7 @@ mod tests {
 
     fn config(data: &Path) -> Config {
         let (session, scene, public_urls) = ("main".into(), "demo:vases".into(), Vec::new());
-        Config { data: data.into(), session, scene, public_urls, trace: None }
+        Config { data: data.into(), session, scene, public_urls, trace: None, backend: None }
     }
 
     #[test]

@@ -9,9 +9,11 @@ use super::{Axis, Contestant, EditReport, Report};
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Drawn = Result<(), Box<dyn std::error::Error>>;
 
-/// One a stage, in their order: the G-buffer grey, what makes maps blue and violet, what adds light warm, the rest green.
+/// One a stage, in their order: the G-buffer and what is made of it grey, what makes maps blue and violet, what adds
+/// light warm, the rest green.
 const COLORS: [RGBColor; Stage::ALL.len()] = [
     RGBColor(0x9a, 0x9a, 0x9a),
+    RGBColor(0x62, 0x62, 0x62),
     RGBColor(0xa9, 0xc9, 0xec),
     RGBColor(0x6f, 0xa3, 0xdc),
     RGBColor(0x3f, 0x7f, 0xc4),
@@ -40,8 +42,8 @@ pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
         root.fill(&WHITE)?;
         // The adapter's name has its driver's version.
-        let Report { scene, width, height, adapter, .. } = report;
-        let title = format!("{scene}, {width} x {height} pixels, {adapter}");
+        let Report { scene, width, height, adapter, backend, .. } = report;
+        let title = format!("{scene}, {width} x {height} pixels, {adapter}, {backend}");
         let (edits, rest) = root.titled(&title, ("sans-serif", 16))?.split_vertically(HEIGHTS[0]);
         let (side_by_side, rest) = rest.split_vertically(contest);
         by_stages(&edits, &report.edits)?;

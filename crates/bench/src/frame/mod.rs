@@ -16,7 +16,7 @@ mod tests;
 
 use std::sync::Arc;
 
-use render::{Cost, Gpu, Recording, Renderer, ShadowSettings, Stopwatch};
+use render::{Backend, Cost, Gpu, MemoryBudget, Recording, Renderer, ShadowSettings, Stopwatch};
 use scene::{Aov, View, ViewSlot};
 use serde::Serialize;
 use stream::MOVING_QUALITY;
@@ -38,6 +38,8 @@ pub struct Options<'a> {
     pub repeats: usize,
     /// Lights of the crowd of which one moves.
     pub crowd: usize,
+    /// Who draws; as the device is where nobody says.
+    pub backend: Option<Backend>,
     /// Other renderers to run beside.
     pub peers: Option<&'a Peers>,
     /// Along which axes frames are to grow.
@@ -63,6 +65,8 @@ pub struct Report {
     pub adapter: String,
     /// The driver and its version.
     pub driver: String,
+    /// Who drew shadows and lights.
+    pub backend: &'static str,
     /// What was drawn.
     pub scene: String,
     /// Triangles of the scene.
@@ -118,7 +122,7 @@ pub fn run(
     options: Options,
     progress: &dyn Fn(Progress),
 ) -> Result<(Report, String), BenchError> {
-    let gpu = Arc::new(Gpu::new()?);
+    let gpu = Arc::new(Gpu::open(MemoryBudget::default(), options.backend)?);
     let mut renderer = Renderer::new(Arc::clone(&gpu))?;
     renderer.set_scene(&subject.scene)?;
     let steps = options.repeats + contest::steps(&options) + options.growth.map_or(0, GrowthPlan::steps);
@@ -130,6 +134,7 @@ pub fn run(
     let report = Report {
         adapter: bench.gpu.adapter_name().into(),
         driver: bench.gpu.driver().into(),
+        backend: bench.gpu.backend().name(),
         scene: subject.name.clone(),
         triangles: subject.scene.triangle_count(),
         width: subject.view.width,

@@ -15,8 +15,8 @@ pub(super) fn of(report: &Report) -> String {
 }
 
 fn edits(text: &mut String, report: &Report) -> std::fmt::Result {
-    let Report { scene, triangles, width, height, adapter, .. } = report;
-    writeln!(text, "{scene}, {triangles} triangles, {width}x{height}; {adapter}")?;
+    let Report { scene, triangles, width, height, adapter, backend, .. } = report;
+    writeln!(text, "{scene}, {triangles} triangles, {width}x{height}; {adapter}, {backend}")?;
     writeln!(
         text,
         "wall ms of the whole frame (minimum, median), its CPU ms (median), and wall ms of its stages (median):"

@@ -25,7 +25,8 @@ fn subject() -> Subject {
 fn report() -> Value {
     let growth =
         GrowthPlan { triangles: vec![1_000], lights: vec![2], segments: vec![2], sizes: vec![[160, 90]] };
-    let options = Options { repeats: 2, crowd: 3, peers: None, growth: Some(&growth) };
+    let options =
+        Options { repeats: 2, crowd: 3, backend: Some(Backend::Wgpu), peers: None, growth: Some(&growth) };
     let (report, chart) =
         run(&subject(), options, &|progress| assert!(progress.done < progress.of)).expect("measured");
     assert!(chart.starts_with("<svg"));

@@ -7,6 +7,7 @@ use cli::{Output, Size, answer, say};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::error::Error;
+use crate::gpu::BackendArgs;
 use crate::render::{choose_camera, open_lit};
 
 /// Bent lights of which one moves, beside one alone.
@@ -53,6 +54,8 @@ pub struct Args {
     /// Python that has them [default: that of DIR/.venv or DIR/venv]
     #[arg(long, value_name = "PATH", requires = "peers")]
     python: Option<PathBuf>,
+    #[command(flatten)]
+    backend: BackendArgs,
     /// Chart to write
     #[arg(short, value_name = "OUT.svg")]
     output: Option<PathBuf>,
@@ -68,7 +71,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let bar = ProgressBar::new(0).with_style(style);
     let growth = args.growth.then(GrowthPlan::full);
     let repeats = args.repeats as usize;
-    let options = frame::Options { repeats, crowd: CROWD, peers: peers.as_ref(), growth: growth.as_ref() };
+    let (peers, growth) = (peers.as_ref(), growth.as_ref());
+    let options = frame::Options { repeats, crowd: CROWD, backend: args.backend.wanted(), peers, growth };
     let result = frame::run(&subject, options, &|progress| {
         bar.set_length(progress.of as u64);
         bar.set_position(progress.done as u64);

@@ -8,6 +8,7 @@ use cli::{Output, Size, answer};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::error::Error;
+use crate::gpu::BackendArgs;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -39,6 +40,8 @@ pub struct Args {
     /// Width and height of those in pixels
     #[arg(long, default_value = "2048x2048", value_name = "WxH", requires = "stills")]
     still_size: Size,
+    #[command(flatten)]
+    backend: BackendArgs,
     /// Chart to write: a bar a frame, its stages stacked; below it the cases
     #[arg(short, value_name = "OUT.svg")]
     output: Option<PathBuf>,
@@ -53,7 +56,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} updates").expect("a valid template");
     let bar = ProgressBar::new(args.updates).with_style(style);
     let Size { width, height } = args.size;
-    let options = session::Options { width, height, updates: args.updates };
+    let options = session::Options { width, height, updates: args.updates, backend: args.backend.wanted() };
     let result = session::run(&program, options, |update| bar.set_position(update));
     bar.finish_and_clear();
     let (report, chart) = result.map_err(Error::Bench)?;
@@ -71,6 +74,7 @@ fn beside_stills(args: &Args, count: u64) -> Result<(), Error> {
         stills: count as usize,
         still: [args.still_size.width, args.still_size.height],
         samples: 16,
+        backend: args.backend.wanted(),
     };
     let report = stills::run(&program, &options).map_err(Error::Bench)?;
     Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)

@@ -112,19 +112,19 @@ impl LightFilter {
     #[inline(always)]
     pub fn share_at<F: Lanes>(&self, v: F, w: F, s: F) -> F {
         let along = self.cut.at(s) * self.decay.at(s.most(F::of(self.least_distance)));
-        self.across(v, w) * along
+        across(self, v, w) * along
     }
+}
 
-    /// What becomes of light across: nothing is left outside of an outline that the light does not end at by itself.
-    #[inline(always)]
-    fn across<F: Lanes>(&self, v: F, w: F) -> F {
-        let share = self.radial.share(v, w);
-        let rho2 = self.section.rho2(v, w) / (share * share);
-        if self.section == Section::Circle && self.radial.is_even() {
-            return self.profile.at(rho2);
-        }
-        F::select(rho2.gt(F::of(1.0)), F::of(0.0), self.profile.at(rho2))
+/// What becomes of light across: nothing is left outside of an outline that the light does not end at by itself.
+#[inline(always)]
+fn across<F: Lanes>(filter: &LightFilter, v: F, w: F) -> F {
+    let share = filter.radial.share(v, w);
+    let rho2 = filter.section.rho2(v, w) / (share * share);
+    if filter.section == Section::Circle && filter.radial.is_even() {
+        return filter.profile.at(rho2);
     }
+    F::select(rho2.gt(F::of(1.0)), F::of(0.0), filter.profile.at(rho2))
 }
 
 fn tint(light: &Light) -> DVec3 {

@@ -315,7 +315,7 @@ impl<F: Real> Tube<F> {
     fn nearest_inside(&self, q: F::Vec3) -> Option<Inside<F>> {
         let mut best: Option<Inside<F>> = None;
         self.for_each_inside(q, |inside| {
-            if best.is_none_or(|best| inside.is_nearer(&best)) {
+            if best.is_none_or(|best| nearer(&inside, &best)) {
                 best = Some(inside);
             }
         });
@@ -345,12 +345,10 @@ impl<F: Real> Tube<F> {
     }
 }
 
-impl<F: Lanes> Inside<F> {
-    /// Whether this has the smaller `|r| / R`; asked without dividing, since R may be zero (then r is zero too).
-    #[inline(always)]
-    pub fn is_nearer(&self, than: &Self) -> F::Mask {
-        (self.r2 * than.radius * than.radius).lt(than.r2 * self.radius * self.radius)
-    }
+/// Whether `a` has the smaller `|r| / R`; asked without dividing, since R may be zero (then r is zero too).
+#[inline(always)]
+fn nearer<F: Lanes>(a: &Inside<F>, b: &Inside<F>) -> F::Mask {
+    (a.r2 * b.radius * b.radius).lt(b.r2 * a.radius * a.radius)
 }
 
 /// How near to the source light falls off no further, in world units.

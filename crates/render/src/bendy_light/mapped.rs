@@ -36,7 +36,7 @@ pub fn map_points(
             let vertex_count = positions.len() as u32;
             let block_count = vertex_count.div_ceil(VERTICES_A_BLOCK as u32);
             let map = BentMap { vertex_count, block_count, ..bent_map(tube, origin, turn) };
-            let mut table: Vec<Slab> = turn.iter().map(|slab| slab.0).collect();
+            let mut table: Vec<Slab> = turn.iter().map(|slab| (&slab.0).into()).collect();
             table.resize(SLABS_A_TURN, Slab::default());
             for (known, found) in mapped.iter_mut().zip(dispatch(gpu, &map, &table, &positions)?) {
                 *known = known.or(found);

@@ -8,6 +8,7 @@ mod locate;
 mod map_shape;
 mod mapped;
 mod masked;
+mod native;
 mod near_slabs;
 mod pass;
 mod shadow;
@@ -23,15 +24,17 @@ use glam::{DMat3, DMat4, DVec3};
 use light::MAX_EXTENT;
 use light::{Curve, Direction, EndMode, Frame, Part, Segment, Tube};
 
-use self::map_shape::MapShape;
 use crate::baked_filter::BakedFilter;
 use crate::gpu_structs::Mat4;
+use crate::shadow_settings::with_filter;
 use crate::{ShadowFilter, ShadowSettings};
 
 pub(crate) use faces::map_size;
 pub use increasing_roots::increasing_roots;
 pub use locate::locate;
+pub(crate) use map_shape::MapShape;
 pub use mapped::map_points;
+pub(crate) use native::{draw_map, placed};
 pub(crate) use pass::{BendyPass, BendySlot, corners_in_world};
 pub(crate) use shadow_buffers::BentWork;
 
@@ -89,7 +92,7 @@ pub(crate) fn hull_in_world(tube: &Tube<f64>, t_max: f64) -> Vec<DVec3> {
         .collect()
 }
 
-fn gpu_curve(curve: &Curve<f32>, t_start: f64, t_span: f64) -> gpu_structs::Curve {
+fn gpu_curve(curve: &Curve<f32>, t_start: f32, t_span: f32) -> gpu_structs::Curve {
     let bounds = &curve.bounds;
     gpu_structs::Curve {
         b0: curve.b0.to_array(),
@@ -103,9 +106,9 @@ fn gpu_curve(curve: &Curve<f32>, t_start: f64, t_span: f64) -> gpu_structs::Curv
         a: curve.a.to_array(),
         beta: curve.beta,
         n_hat: curve.n_hat.to_array(),
-        t_start: t_start as f32,
+        t_start,
         box_center: bounds.center.to_array(),
-        t_span: t_span as f32,
+        t_span,
         box_axis_0: bounds.axes[0].to_array(),
         box_half_0: bounds.half[0],
         box_axis_1: bounds.axes[1].to_array(),
@@ -187,7 +190,7 @@ impl Baked {
             frame == Frame::Up,
             direction == Direction::Path,
         );
-        constants + &light_filter.into_wgsl(&filter.into_wgsl(wgsl))
+        constants + &light_filter.into_wgsl(&with_filter(filter, wgsl))
     }
 }
 
@@ -199,7 +202,7 @@ pub(crate) fn segments(tube: &Tube<f64>) -> Vec<gpu_structs::Segment> {
         let [color_0, color_1, color_2] = s.color.map(|c| c.to_array().map(bound));
         let [intensity_0, intensity_1, intensity_2] = s.intensity.map(bound);
         gpu_structs::Segment {
-            curve: gpu_curve(&s.curve, i as f64, 1.0),
+            curve: gpu_curve(&s.curve, i as f32, 1.0),
             color_0,
             intensity_0,
             color_1,
@@ -233,6 +236,12 @@ pub(crate) fn uniform(part: &Part, scene_origin: DVec3) -> gpu_structs::BendyLig
     }
 }
 
+/// How far what casts shadows may stray from the surface, in tube space. Farther than the scene reaches is as good as any
+/// farther.
+fn mesh_error_in_tube(tube: &Tube<f64>, map: &MapShape) -> f32 {
+    (map.mesh_error() / tube.placement.world_per_tube).min(MAX_EXTENT) as f32
+}
+
 /// The same with its shadow map.
 pub(crate) fn uniform_with_map(
     part: &Part,
@@ -247,8 +256,7 @@ pub(crate) fn uniform_with_map(
         slope: map.slope() as f32,
         shadow_resolution: map.side() as f32,
         shadow_tolerance_texels: shadows.bent_tolerance_texels(),
-        // Farther than the scene reaches is as good as any farther.
-        mesh_error: (map.mesh_error() / part.tube.placement.world_per_tube).min(MAX_EXTENT) as f32,
+        mesh_error: mesh_error_in_tube(&part.tube, map),
         fits: map.fits(),
         ..uniform(part, scene_origin)
     }

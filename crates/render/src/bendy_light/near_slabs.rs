@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use light::Tube;
+use relight::Slab;
 
-use super::gpu_structs::Slab;
 use super::map_shape::MapShape;
 use crate::casters::Casters;
 use crate::clusters::{Cluster, Leaf, VERTICES_A_BLOCK, Within};

@@ -82,6 +82,27 @@ impl BendySlot {
     }
 }
 
+/// What casts shadows in a light, and the map fitted to that: what `linked` leaves, or the `coarse` casters where those serve.
+pub(super) fn fitted<'a>(
+    gpu: &Gpu,
+    (tube, light): (&Tube<f64>, &Light),
+    (scene, linked, shadows): (&'a GpuScene, Option<&'a Linked>, &ShadowSettings),
+    coarse: Option<&'a Coarse>,
+) -> Result<(Casting<'a>, MapShape), RenderError> {
+    let t_max = t_max(tube, scene.posed.origin_in_world, scene.posed.half_extent);
+    let of = (tube, Faces::of(light), t_max);
+    let mut casting = casting(gpu, scene, linked, shadows.mesh_error)?;
+    let mut map = map_shape(of, (scene, &casting), shadows);
+    if let Some(Coarse { casters, mesh_error, .. }) =
+        coarse.filter(|coarse| coarse.serve(map.last_texel(tube)))
+    {
+        casting.casters = casters;
+        let shadows = ShadowSettings { mesh_error: *mesh_error, ..*shadows };
+        map = map_shape(of, (scene, &casting), &shadows);
+    }
+    Ok((casting, map))
+}
+
 /// A map of a light over `scene` for what casts shadows there; where the light is extended, up to `t_max`.
 fn map_shape(
     light: (&Tube<f64>, Faces, f64),
@@ -140,20 +161,10 @@ impl BendyPass {
         // What lies in the scene: of a light far longer than that, f32 could not hold the whole and the part.
         let part = tube.part_near(scene.posed.origin_in_world, scene.posed.half_extent);
         let tube = &part.tube;
-        let t_max = t_max(tube, scene.posed.origin_in_world, scene.posed.half_extent);
         let kept = slot.map.take().filter(|(kept, _)| *kept == key);
         let stale = kept.is_none() && tube.light_filter.shadow_enable;
         let map = if stale {
-            let of = (tube, Faces::of(light.light()), t_max);
-            let mut casting = casting(gpu, scene, linked, shadows.mesh_error)?;
-            let mut map = map_shape(of, (scene, &casting), shadows);
-            if let Some(Coarse { casters, mesh_error, .. }) =
-                coarse.filter(|coarse| coarse.serve(map.last_texel(tube)))
-            {
-                casting.casters = casters;
-                let shadows = ShadowSettings { mesh_error: *mesh_error, ..*shadows };
-                map = map_shape(of, (scene, &casting), &shadows);
-            }
+            let (casting, map) = fitted(gpu, (tube, light.light()), (scene, linked, shadows), coarse)?;
             let onto = Onto::Map(&slot.target);
             self.shadow.render(gpu, work, &MapRequest { scene, casting, tube, map: &map, onto, shadows })?;
             Some(map)

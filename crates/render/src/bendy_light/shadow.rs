@@ -10,16 +10,17 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 use light::{Frame, Tube};
+use relight::Slab;
 use wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder, ComputePipeline, RenderPipeline};
 
-use super::gpu_structs::{BentCounts, BentMap, LEVELS, Slab};
+use super::gpu_structs::{BentCounts, BentMap, LEVELS};
 use super::map_shape::MapShape;
 use super::masked::MaskedDraw;
 use super::near_slabs::NearSlabs;
 use super::shadow_buffers::{BentWork, Buffers, LEAVES_A_WINDOW, Made, Room, VERTEX_BYTES};
 use super::slab::{self, SLABS_A_TURN};
-use super::tube_from_scene;
 use super::wireframe::Drawing;
+use super::{gpu_structs, tube_from_scene};
 use crate::casters::{Casters, Casting};
 use crate::gpu_scene::GpuScene;
 use crate::memory::{Evictable, MemoryKind};
@@ -133,8 +134,8 @@ impl BentShadowPass {
             (Some(kept), Some(buffers)) => (Some(kept), buffers),
             _ => (None, Buffers::new(gpu, casters, work.room)),
         };
-        let mut table: Vec<Slab> = slabs.iter().map(|slab| slab.0).collect();
-        table.resize(SLABS_A_TURN, Slab::default());
+        let mut table: Vec<gpu_structs::Slab> = slabs.iter().map(|slab| (&slab.0).into()).collect();
+        table.resize(SLABS_A_TURN, gpu_structs::Slab::default());
         buffers.write(gpu, &table, (&map, &near), request.map);
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if !slabs.is_empty() {

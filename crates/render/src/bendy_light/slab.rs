@@ -3,8 +3,9 @@
 use glam::{DVec2, DVec3, DVec4};
 use light::{Curve, Tube};
 
-use super::gpu_curve;
-use super::gpu_structs::Slab;
+use relight::Slab;
+
+use super::{gpu_curve, gpu_structs};
 
 /// How many fit into one uniform; `bent_map.wgsl` has the same number. A light with more is mapped in turns.
 pub(crate) const SLABS_A_TURN: usize = 240;
@@ -38,14 +39,24 @@ pub(crate) fn slabs(
             }
             let piece = slab.piece.piece(start, end);
             let (t_start, t_span) = (slab.t_start + slab.t_span * start, slab.t_span * (end - start));
-            let gpu = Slab {
-                curve: gpu_curve(&piece.to_f32(), t_start - t_base, t_span),
+            let slab = Slab {
+                curve: piece.to_f32(),
+                t_start: (t_start - t_base) as f32,
+                t_span: t_span as f32,
                 planes: planes(&piece),
                 edge_bounds: edge_bounds(tube, &piece, t_span, tolerance_texels / resolution),
             };
-            Some((gpu, piece.bounds.corners()))
+            Some((slab, piece.bounds.corners()))
         })
         .collect()
+}
+
+impl From<&Slab> for gpu_structs::Slab {
+    fn from(slab: &Slab) -> Self {
+        let Slab { curve, t_start, t_span, planes, edge_bounds } = slab;
+        let curve = gpu_curve(curve, *t_start, *t_span);
+        Self { curve, planes: *planes, edge_bounds: *edge_bounds }
+    }
 }
 
 /// `(n, w)` with `n.q + w` the distance inside: the planes square to the curve at both ends, then the sides

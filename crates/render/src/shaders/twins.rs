@@ -58,7 +58,8 @@ fn rust_functions(rust: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for line in rust.lines() {
         if let Some(header) = line.strip_prefix("impl") {
-            let header = header.strip_prefix("<F: Real>").unwrap_or(header);
+            let header =
+                ["<F: Real>", "<F: Lanes>"].iter().find_map(|f| header.strip_prefix(f)).unwrap_or(header);
             let type_name = header.rsplit(" for ").next().unwrap_or_default().trim();
             of = prefix(type_name.split(['<', ' ']).next().unwrap_or_default());
         } else if line.starts_with('}') {
@@ -104,7 +105,7 @@ fn functions_have_one_name_in_rust_and_in_wgsl() {
         assert!(known.iter().all(|name| wgsl_functions(wgsl).contains(*name)));
     }
     // The planted faults: another name, and a method that names another type.
-    let rust = "impl<F: Real> TubeBox<F> {\n    pub fn contains(&self) {}\n}\npub fn arc_length() {}\n";
+    let rust = "impl<F: Lanes> TubeBox<F> {\n    pub fn contains(&self) {}\n}\npub fn arc_length() {}\n";
     assert!(alone(rust, "fn tube_box_contains() {}\nfn arc_length() {}", &[]).is_empty());
     assert_eq!(alone(rust, "fn length() {}\nfn curve_contains() {}", &[]), ["curve_contains", "length"]);
 }

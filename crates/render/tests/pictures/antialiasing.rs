@@ -4,7 +4,7 @@ use glam::DVec3;
 use render::{Aov, View};
 use scene::Material;
 
-use crate::support::{floor, named, on_plane, picture, renderer, scene_of, spot, view};
+use crate::support::{BACKENDS, floor, named, on_plane, picture, renderer_of, scene_of, spot, view};
 
 /// A white floor from straight above, whose edges cross pixels.
 fn edges(samples: u32) -> View {
@@ -20,32 +20,38 @@ fn bright_floor() -> scene::Scene {
 
 #[test]
 fn coverage_is_the_area() {
-    let view = edges(64);
-    let beauty = picture(&bright_floor(), &view, &[]);
-    let half_pixel = 3.0 * 0.4_f64.tan() / 16.0;
-    let mut partly = 0;
-    for (center, color) in on_plane(&beauty, &view, DVec3::Y, 0.0) {
-        let covered = |c: f64| {
-            (((c + half_pixel).min(1.0) - (c - half_pixel).max(-1.0)) / (2.0 * half_pixel)).clamp(0.0, 1.0)
-        };
-        let area = covered(center.x) * covered(center.z);
-        // A lattice of N points misses an axis-parallel rectangle by less than (2 log2 N) / N of the pixel.
-        assert!((color[3] - area).abs() < 2.0 * 6.0 / 64.0, "{center}: {} for {area}", color[3]);
-        assert!((color[0] - color[3]).abs() < 1e-5);
-        partly += usize::from(color[3] > 0.01 && color[3] < 0.99);
+    for backend in BACKENDS {
+        let view = edges(64);
+        let mut renderer = renderer_of(backend, &bright_floor());
+        let beauty = renderer.render(&view, &[]).unwrap();
+        let half_pixel = 3.0 * 0.4_f64.tan() / 16.0;
+        let mut partly = 0;
+        for (center, color) in on_plane(&beauty, &view, DVec3::Y, 0.0) {
+            let covered = |c: f64| {
+                (((c + half_pixel).min(1.0) - (c - half_pixel).max(-1.0)) / (2.0 * half_pixel))
+                    .clamp(0.0, 1.0)
+            };
+            let area = covered(center.x) * covered(center.z);
+            // A lattice of N points misses an axis-parallel rectangle by less than (2 log2 N) / N of the pixel.
+            assert!((color[3] - area).abs() < 2.0 * 6.0 / 64.0, "{center}: {} for {area}", color[3]);
+            assert!((color[0] - color[3]).abs() < 1e-5);
+            partly += usize::from(color[3] > 0.01 && color[3] < 0.99);
+        }
+        assert!(partly > 20);
+        // The planted fault: one sample a pixel knows no parts.
+        assert!(renderer.render(&edges(1), &[]).unwrap().pixels.iter().all(|p| p[3] == 0.0 || p[3] == 1.0));
     }
-    assert!(partly > 20);
-    // The planted fault: one sample a pixel knows no parts.
-    assert!(picture(&bright_floor(), &edges(1), &[]).pixels.iter().all(|p| p[3] == 0.0 || p[3] == 1.0));
 }
 
 #[test]
 fn one_sample_is_repeatable_after_many() {
-    let mut renderer = renderer(&bright_floor());
-    let first = renderer.render(&edges(1), &[]).unwrap();
-    let many = renderer.render(&edges(8), &[]).unwrap();
-    assert_eq!(renderer.render(&edges(1), &[]).unwrap(), first);
-    assert_ne!(first, many);
+    for backend in BACKENDS {
+        let mut renderer = renderer_of(backend, &bright_floor());
+        let first = renderer.render(&edges(1), &[]).unwrap();
+        let many = renderer.render(&edges(8), &[]).unwrap();
+        assert_eq!(renderer.render(&edges(1), &[]).unwrap(), first);
+        assert_ne!(first, many);
+    }
 }
 
 #[test]

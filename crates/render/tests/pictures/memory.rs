@@ -4,15 +4,15 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use glam::DVec3;
-use light::parameters::{CONE_ANGLE, INTENSITY, NAME, RANGE, SHADOW_ENABLE, TRANSLATION};
-use light::{Light, LightInstance};
+use light::parameters::{CONE_ANGLE, INTENSITY, NAME, RANGE, SHADOW_ENABLE, SHADOW_LINK, TRANSLATION};
+use light::{Light, LightInstance, Links};
 use render::{
-    Aov, Gpu, MemoryBudget, MemoryKind, Picture, PictureFormat, Pixels, Renderer, TiledPicture, View,
-    ViewSlot,
+    Aov, Backend, Gpu, MemoryBudget, MemoryKind, Picture, PictureFormat, Pixels, Renderer, TiledPicture,
+    View, ViewSlot,
 };
 use scene::{Material, Scene};
 
-use crate::support::{apart, floor, instances, named, scene_of, spot, view};
+use crate::support::{BACKENDS, apart, floor, instances, named, scene_of, spot, view};
 
 /// Bytes of a map of 2048 x 2048 texels.
 const MAP: u64 = 4 << 22;
@@ -22,9 +22,9 @@ fn tables() -> Scene {
 }
 
 /// A renderer of its own device, which keeps at most so much.
-fn renderer(budget: u64) -> (Renderer, MemoryBudget) {
+fn renderer(backend: Backend, budget: u64) -> (Renderer, MemoryBudget) {
     let memory = MemoryBudget::new(budget);
-    let gpu = Gpu::with_memory_budget(memory.clone()).expect("tests need a graphics driver");
+    let gpu = Gpu::open(memory.clone(), Some(backend)).expect("tests need a graphics driver");
     let mut renderer = Renderer::new(Arc::new(gpu)).unwrap();
     renderer.set_shadow_settings(apart()).unwrap();
     renderer.set_scene(&scene::pose(tables())).unwrap();
@@ -70,29 +70,32 @@ fn pictures(
 /// picture is the same to the last bit.
 #[test]
 fn little_memory_makes_the_same_pictures() {
-    let lights = instances(&lights(7));
-    let (mut rich, rich_ledger) = renderer(1 << 30);
-    let (whole, tiled, _) = pictures(&mut rich, &rich_ledger, &lights);
-    assert_eq!(rich_ledger.bytes(MemoryKind::ShadowMaps), 7 * MAP);
-    assert_eq!(rich.counts().shadow, 7);
+    for backend in BACKENDS {
+        let lights = instances(&lights(7));
+        let (mut rich, rich_ledger) = renderer(backend, 1 << 30);
+        let (whole, tiled, _) = pictures(&mut rich, &rich_ledger, &lights);
+        assert_eq!(rich_ledger.bytes(MemoryKind::ShadowMaps), 7 * MAP);
+        assert_eq!(rich.counts().shadow, 7);
 
-    let budget = 4 * MAP;
-    let (mut poor, poor_ledger) = renderer(budget);
-    let (poor_whole, poor_tiled, most) = pictures(&mut poor, &poor_ledger, &lights);
-    assert!(poor_whole == whole && poor_tiled == tiled);
-    assert!(poor.counts().shadow > 7, "maps were made again");
-    assert!(most <= budget + MAP, "{most} bytes, and one map more may be in use");
-    // The planted fault: a light whose map was another's.
-    let mut other = lights.clone();
-    other.swap(0, 2);
-    other.truncate(6);
-    assert!(poor.render(&camera(1), &other).unwrap() != whole);
+        let budget = 4 * MAP;
+        let (mut poor, poor_ledger) = renderer(backend, budget);
+        let (poor_whole, poor_tiled, most) = pictures(&mut poor, &poor_ledger, &lights);
+        assert!(poor_whole == whole && poor_tiled == tiled);
+        assert!(poor.counts().shadow > 7, "maps were made again");
+        assert!(most <= budget + MAP, "{most} bytes, and one map more may be in use");
+        // The planted fault: a light whose map was another's.
+        let mut other = lights.clone();
+        other.swap(0, 2);
+        other.truncate(6);
+        assert!(poor.render(&camera(1), &other).unwrap() != whole);
+    }
 }
 
 /// A very wide light's map has five faces of half the size, and no other light's room will do for it.
 #[test]
 fn wide_lights_are_counted_by_their_faces() {
-    let (mut renderer, memory) = renderer(1 << 30);
+    let backend = Backend::Wgpu;
+    let (mut renderer, memory) = renderer(backend, 1 << 30);
     let maps = |angles: &[f64], renderer: &mut Renderer| {
         let spots =
             angles.iter().map(|&cone_angle| spot(DVec3::Y * 3.0, DVec3::ZERO).with(CONE_ANGLE, cone_angle));
@@ -111,83 +114,135 @@ fn wide_lights_are_counted_by_their_faces() {
 }
 
 /// One device for the tests of what is given back.
-fn shared() -> &'static Arc<Gpu> {
-    static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
-    GPU.get_or_init(|| Arc::new(Gpu::new().expect("tests need a graphics driver")))
+fn shared(backend: Backend) -> &'static Arc<Gpu> {
+    static GPUS: [OnceLock<Arc<Gpu>>; 2] = [const { OnceLock::new() }; 2];
+    let open = || Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver");
+    GPUS[backend as usize].get_or_init(|| Arc::new(open()))
+}
+
+/// What views of 150 x 140 pixels take, each with the lights of a picture.
+fn bytes_of_views(backend: Backend, count: u64) -> std::ops::RangeInclusive<u64> {
+    let pixels = 150 * 140;
+    match backend {
+        // The G-buffer, radiance and a screen's bytes.
+        Backend::Wgpu => count * pixels * 44..=count * pixels * 44,
+        // The G-buffer here and there, copied by rows of 2,400 and 600 bytes with gaps, and radiance; what pixels see and what
+        // is added to that, 64 bytes a pixel, in whole blocks of those that see something.
+        Backend::Native => {
+            let least = pixels * (24 + 24 + 16) + (2560 + 2 * 768) * 140;
+            count * least..=count * (least + 64 * 152 * 140)
+        }
+    }
 }
 
 #[test]
 fn what_nobody_looks_at_is_given_back() {
-    let memory = shared().memory();
-    let mut renderer = Renderer::new(Arc::clone(shared())).unwrap();
-    renderer.set_shadow_settings(apart()).unwrap();
-    renderer.set_scene(&scene::pose(tables())).unwrap();
-    let at_rest = lights(3);
-    let lights = instances(&at_rest);
-    // The work buffers of bent maps stay with the scene.
-    renderer.render(&camera(1), &lights).unwrap();
-    renderer.forget(ViewSlot(1));
-    let before = memory.total();
+    for backend in BACKENDS {
+        let memory = shared(backend).memory();
+        let mut renderer = Renderer::new(Arc::clone(shared(backend))).unwrap();
+        renderer.set_shadow_settings(apart()).unwrap();
+        renderer.set_scene(&scene::pose(tables())).unwrap();
+        let at_rest = lights(3);
+        let lights = instances(&at_rest);
+        // The work buffers of bent maps stay with the scene.
+        renderer.render(&camera(1), &lights).unwrap();
+        renderer.forget(ViewSlot(1));
+        let before = memory.total();
 
-    // Views that close; the maps go with the last who needs them.
-    renderer.render(&camera(1), &lights).unwrap();
-    renderer.render(&camera(2), &lights[..2]).unwrap();
-    assert_eq!(memory.bytes(MemoryKind::ShadowMaps), 3 * MAP);
-    assert_eq!(memory.bytes(MemoryKind::Views), 2 * 150 * 140 * 44);
-    renderer.forget(ViewSlot(1));
-    assert_eq!(memory.bytes(MemoryKind::ShadowMaps), 2 * MAP);
-    renderer.forget(ViewSlot(2));
-    assert_eq!(memory.total(), before);
-
-    // A still that is given up in the middle.
-    let mut still = TiledPicture::for_file(&camera(3), &lights, PictureFormat::Exr).unwrap();
-    for _ in 0..4 {
-        assert!(!renderer.draw_some(&mut still, Duration::ZERO).unwrap());
-    }
-    assert!(memory.bytes(MemoryKind::Tiled) > 150 * 140 * 16 && memory.bytes(MemoryKind::ShadowMaps) > 0);
-    drop(still);
-    renderer.forget(ViewSlot(3));
-    assert_eq!(memory.total(), before);
-
-    // A drag leaves no trail of maps.
-    for step in 0..5 {
-        let mut moved = at_rest.clone();
-        let translation = moved[0].transform().translation + DVec3::X * (0.1 * f64::from(step));
-        moved[0].set(TRANSLATION.to(translation));
-        renderer.render(&camera(1), &instances(&moved)).unwrap();
+        // Views that close; the maps go with the last who needs them.
+        renderer.render(&camera(1), &lights).unwrap();
+        renderer.render(&camera(2), &lights[..2]).unwrap();
         assert_eq!(memory.bytes(MemoryKind::ShadowMaps), 3 * MAP);
+        let views = memory.bytes(MemoryKind::Views);
+        assert!(bytes_of_views(backend, 2).contains(&views), "{backend:?}: {views}");
+        renderer.forget(ViewSlot(1));
+        assert_eq!(memory.bytes(MemoryKind::ShadowMaps), 2 * MAP);
+        renderer.forget(ViewSlot(2));
+        assert_eq!(memory.total(), before);
+
+        // A still that is given up in the middle.
+        let mut still = TiledPicture::for_file(&camera(3), &lights, PictureFormat::Exr).unwrap();
+        for _ in 0..4 {
+            assert!(!renderer.draw_some(&mut still, Duration::ZERO).unwrap());
+        }
+        assert!(memory.bytes(MemoryKind::Tiled) > 150 * 140 * 16 && memory.bytes(MemoryKind::ShadowMaps) > 0);
+        drop(still);
+        renderer.forget(ViewSlot(3));
+        assert_eq!(memory.total(), before);
+
+        // A drag leaves no trail of maps.
+        for step in 0..5 {
+            let mut moved = at_rest.clone();
+            let translation = moved[0].transform().translation + DVec3::X * (0.1 * f64::from(step));
+            moved[0].set(TRANSLATION.to(translation));
+            renderer.render(&camera(1), &instances(&moved)).unwrap();
+            assert_eq!(memory.bytes(MemoryKind::ShadowMaps), 3 * MAP);
+        }
+        drop(renderer);
+        assert_eq!(memory.total(), 0);
     }
-    drop(renderer);
-    assert_eq!(memory.total(), 0);
 }
 
 /// A light that nothing shadows has a map of no size, and one only, however many pictures it is in; the map from before
 /// stays for when shadows are back.
 #[test]
 fn pictures_of_a_light_without_shadows_keep_nothing_more() {
-    let (mut renderer, memory) = renderer(1 << 30);
-    let kept = |memory: &MemoryBudget| memory.bytes(MemoryKind::ShadowMaps);
-    for light in lights(2) {
-        let without = instances(&[light.clone().with(SHADOW_ENABLE, false)]);
-        let pictures = |renderer: &mut Renderer| {
-            for step in 0..5 {
-                let from = DVec3::new(2.0 + 0.1 * f64::from(step), 3.0, 4.0);
-                let moved =
-                    View { camera: view(from, DVec3::ZERO, [150, 140], Aov::Beauty).camera, ..camera(1) };
-                renderer.render(&moved, &without).unwrap();
-            }
-        };
-        let before = kept(&memory);
-        renderer.render(&camera(1), &without).unwrap();
-        let first = kept(&memory);
-        assert!(first < before + 100, "nothing is kept but something to bind");
-        pictures(&mut renderer);
-        assert_eq!(kept(&memory), first, "bytes of maps after more pictures");
-        renderer.render(&camera(1), &instances(std::slice::from_ref(&light))).unwrap();
-        assert!(kept(&memory) >= first + MAP);
-        pictures(&mut renderer);
-        let drawn = renderer.counts().shadow;
-        renderer.render(&camera(1), &instances(&[light])).unwrap();
-        assert_eq!(renderer.counts().shadow, drawn, "the map is still there");
+    for backend in BACKENDS {
+        let (mut renderer, memory) = renderer(backend, 1 << 30);
+        let kept = |memory: &MemoryBudget| memory.bytes(MemoryKind::ShadowMaps);
+        // A map of the processor serves lights of every shape: the second light would take the first one's.
+        let shapes = if backend == Backend::Wgpu { 2 } else { 1 };
+        for light in lights(shapes) {
+            let with = instances(std::slice::from_ref(&light));
+            let without = with[0].light.light().clone().with(SHADOW_ENABLE, false);
+            let without = instances(&[without]);
+            let pictures = |renderer: &mut Renderer| {
+                for step in 0..5 {
+                    let from = DVec3::new(2.0 + 0.1 * f64::from(step), 3.0, 4.0);
+                    let moved =
+                        View { camera: view(from, DVec3::ZERO, [150, 140], Aov::Beauty).camera, ..camera(1) };
+                    renderer.render(&moved, &without).unwrap();
+                }
+            };
+            let before = kept(&memory);
+            renderer.render(&camera(1), &without).unwrap();
+            let first = kept(&memory);
+            assert!(first < before + 100, "nothing is kept but something to bind");
+            pictures(&mut renderer);
+            assert_eq!(kept(&memory), first, "bytes of maps after more pictures");
+            renderer.render(&camera(1), &with).unwrap();
+            assert!(kept(&memory) >= first + MAP);
+            pictures(&mut renderer);
+            let drawn = renderer.counts().shadow;
+            renderer.render(&camera(1), &with).unwrap();
+            assert_eq!(renderer.counts().shadow, drawn, "the map is still there");
+        }
     }
+}
+
+/// What lies in buffers lies in memory too where the processor draws lights, is counted, and goes with the scene.
+#[test]
+fn arrays_of_scenes_are_counted_where_the_processor_draws() {
+    // Two white texels.
+    const TEXTURES: u64 = 2 * 4;
+    let mut scene = tables();
+    scene.nodes[1].name = "table".into();
+    let scene = scene::pose(scene);
+    let linked = lights(2).remove(1).with(SHADOW_LINK, Links::new(vec![], vec!["table".into()]));
+    let [by_wgpu, by_native] = [Backend::Wgpu, Backend::Native].map(|backend| {
+        let memory = MemoryBudget::new(1 << 30);
+        let gpu = Gpu::open(memory.clone(), Some(backend)).expect("tests need a graphics driver");
+        assert_eq!(gpu.backend(), backend);
+        let mut renderer = Renderer::new(Arc::new(gpu)).unwrap();
+        renderer.set_shadow_settings(apart()).unwrap();
+        renderer.set_scene(&scene).unwrap();
+        let unlinked = memory.bytes(MemoryKind::Scenes);
+        renderer.render(&camera(1), &instances(std::slice::from_ref(&linked))).unwrap();
+        let bytes = [unlinked, memory.bytes(MemoryKind::Scenes)];
+        drop(renderer);
+        assert_eq!(memory.total(), 0);
+        bytes
+    });
+    assert!(by_wgpu[1] > by_wgpu[0], "what links leave is counted");
+    assert_eq!(by_native, by_wgpu.map(|bytes| 2 * bytes - TEXTURES));
 }

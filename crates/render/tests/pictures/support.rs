@@ -5,16 +5,25 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use light::parameters::{INTENSITY, NAME};
 use light::{Light, LightInstance, Transform};
-use render::{Aov, Gpu, PassCounts, Picture, Renderer, ShadowSettings, View};
+use render::{Aov, Backend, Gpu, MemoryBudget, PassCounts, Picture, Renderer, ShadowSettings, View};
 use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
 
 /// 2^-24: half an ulp of 1 in f32.
 pub const EPS: f64 = f64::EPSILON * 268_435_456.0;
 
+/// Who may draw shadows and lights.
+pub const BACKENDS: [Backend; 2] = [Backend::Wgpu, Backend::Native];
+
 /// The device.
 pub fn gpu() -> Arc<Gpu> {
-    static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
-    Arc::clone(GPU.get_or_init(|| Arc::new(Gpu::new().expect("tests need a graphics driver"))))
+    gpu_of(Backend::Wgpu)
+}
+
+/// The device, with lights drawn by `backend`.
+pub fn gpu_of(backend: Backend) -> Arc<Gpu> {
+    static GPUS: [OnceLock<Arc<Gpu>>; 2] = [const { OnceLock::new() }; 2];
+    let open = || Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver");
+    Arc::clone(GPUS[backend as usize].get_or_init(|| Arc::new(open())))
 }
 
 /// BendyLights are drawn by their own way, straight ones too: tests compare them with spotlights.
@@ -24,8 +33,13 @@ pub fn apart() -> ShadowSettings {
 
 /// A renderer of `scene`, with those settings.
 pub fn renderer(scene: &Scene) -> Renderer {
+    renderer_of(Backend::Wgpu, scene)
+}
+
+/// A renderer of `scene` whose lights `backend` draws, with those settings.
+pub fn renderer_of(backend: Backend, scene: &Scene) -> Renderer {
     scene.check().expect("test scenes keep their promises");
-    let mut renderer = Renderer::new(gpu()).expect("the device works");
+    let mut renderer = Renderer::new(gpu_of(backend)).expect("the device works");
     renderer.set_shadow_settings(apart()).expect("sound");
     renderer.set_scene(&scene::pose(scene.clone())).expect("test scenes fit");
     renderer

@@ -8,7 +8,7 @@ use light::parameters::{COLOR, NAME, RANGE};
 use render::{Aov, Picture, PictureFormat, Pixels, Progress, Renderer, TiledPicture, View, ViewSlot};
 use scene::{Image, Material, Primitive, Sampler, Scene, TextureRef};
 
-use crate::support::{instances, named, renderer, scene_of, spot, square, view};
+use crate::support::{BACKENDS, instances, named, renderer_of, scene_of, spot, square, view};
 
 /// A textured floor, a smooth ball of few triangles and a double-sided sheet on edge.
 fn things() -> Scene {
@@ -74,7 +74,11 @@ fn camera(size: [u32; 2], aov: Aov, samples: u32) -> View {
 }
 
 /// In tiles as small as they get; other pictures come between.
-fn tiled(renderer: &mut Renderer, mut picture: TiledPicture, between: &View) -> (Pixels, usize) {
+fn tiled(
+    renderer: &mut Renderer,
+    mut picture: TiledPicture,
+    (between, lights): (&View, &[LightInstance]),
+) -> (Pixels, usize) {
     let mut turns = 1;
     let mut progress = picture.progress();
     assert_eq!(progress.done, 0);
@@ -83,7 +87,7 @@ fn tiled(renderer: &mut Renderer, mut picture: TiledPicture, between: &View) -> 
         assert!(picture.progress().done >= progress.done && picture.progress().of == progress.of);
         progress = picture.progress();
         if turns % 5 == 0 {
-            renderer.render(between, &lights()[1..2]).unwrap();
+            renderer.render(between, &lights[1..2]).unwrap();
         }
     }
     assert_eq!(picture.progress().done, progress.of);
@@ -96,10 +100,12 @@ fn differences(a: &Picture, b: &Picture) -> (usize, f32) {
 }
 
 /// The picture's raw values, drawn in tiles with others in between.
-fn raw(renderer: &mut Renderer, view: &View) -> (Picture, usize) {
+fn raw(renderer: &mut Renderer, view: &View, lights: &[LightInstance]) -> (Picture, usize) {
     let between = View { slot: ViewSlot(9), ..camera([40, 30], Aov::Beauty, 1) };
-    let picture = TiledPicture::for_file(view, &lights(), PictureFormat::Exr).unwrap();
-    let (Pixels::Raw(picture), turns) = tiled(renderer, picture, &between) else { panic!("raw values") };
+    let picture = TiledPicture::for_file(view, lights, PictureFormat::Exr).unwrap();
+    let (Pixels::Raw(picture), turns) = tiled(renderer, picture, (&between, lights)) else {
+        panic!("raw values")
+    };
     (picture, turns)
 }
 
@@ -121,16 +127,18 @@ fn carpeted() -> Scene {
 /// Which of two surfaces in one place is seen does not depend on where a tile begins, and is the same all over.
 #[test]
 fn surfaces_in_one_place_are_the_same_ones_in_every_tile() {
-    let mut renderer = renderer(&carpeted());
-    let view = camera([700, 410], Aov::Beauty, 1);
-    let whole = renderer.render(&view, &lights()).unwrap();
-    let (tiled, turns) = raw(&mut renderer, &view);
-    assert_eq!((differences(&whole, &tiled), turns >= 6), ((0, 0.0), true));
-    // The middle of the picture shows the middle of the carpet, which alone is green.
-    let rows = whole.pixels.chunks(700).skip(150).take(110);
-    let seen: Vec<_> = rows.flat_map(|row| &row[270..430]).filter(|pixel| pixel[0] > 0.0).collect();
-    let green = seen.iter().filter(|pixel| pixel[1] > pixel[0]).count();
-    assert!(seen.len() > 10_000 && [0, seen.len()].contains(&green), "{green} of {}", seen.len());
+    for backend in BACKENDS {
+        let mut renderer = renderer_of(backend, &carpeted());
+        let view = camera([700, 410], Aov::Beauty, 1);
+        let whole = renderer.render(&view, &lights()).unwrap();
+        let (tiled, turns) = raw(&mut renderer, &view, &lights());
+        assert_eq!((differences(&whole, &tiled), turns >= 6), ((0, 0.0), true));
+        // The middle of the picture shows the middle of the carpet, which alone is green.
+        let rows = whole.pixels.chunks(700).skip(150).take(110);
+        let seen: Vec<_> = rows.flat_map(|row| &row[270..430]).filter(|pixel| pixel[0] > 0.0).collect();
+        let green = seen.iter().filter(|pixel| pixel[1] > pixel[0]).count();
+        assert!(seen.len() > 10_000 && [0, seen.len()].contains(&green), "{green} of {}", seen.len());
+    }
 }
 
 /// A step of the G-buffer's colours, which are stored by their square roots in 13 bits: at 1 one of twice that.
@@ -143,27 +151,29 @@ const BRIGHTEST: f32 = 3.0 * 10.0 / std::f32::consts::PI;
 /// can differ, and make the G-buffer round a texture's colour to the neighbouring step, at some of the pixels.
 #[test]
 fn tiles_make_up_the_picture() {
-    let mut renderer = renderer(&things());
-    let most = |aov| match aov {
-        Aov::Beauty => BRIGHTEST * COLOR_STEP,
-        _ => 0.0,
-    };
-    for aov in [Aov::Beauty, Aov::Depth, Aov::Normal, Aov::T, Aov::Visibility] {
-        let view = View { light: 2, ..camera([700, 410], aov, 2) };
-        let whole = renderer.render(&view, &lights()).unwrap();
-        let (tiled, turns) = raw(&mut renderer, &view);
-        let (count, error) = differences(&whole, &tiled);
-        assert!(error <= most(aov), "{aov:?}: {count} values differ, by up to {error}");
-        assert!(count < whole.pixels.len() / 10, "{aov:?}: {count} values differ");
-        // 3 x 2 tiles of at least 128 x 128 pixels, each with its samples and lights.
-        assert!(turns >= 6, "{turns}");
-        // The planted faults: a tile one pixel beside its place, and one sample for two.
-        let mut shifted = tiled.clone();
-        shifted.pixels.rotate_right(1);
-        assert!(differences(&whole, &shifted).1 > 100.0 * most(aov).max(1e-4), "{aov:?}");
-        if aov.takes_samples() {
-            let (single, _) = raw(&mut renderer, &View { samples: 1, ..view.clone() });
-            assert!(differences(&whole, &single).1 > 10.0 * most(aov));
+    for backend in BACKENDS {
+        let mut renderer = renderer_of(backend, &things());
+        let most = |aov| match aov {
+            Aov::Beauty => BRIGHTEST * COLOR_STEP,
+            _ => 0.0,
+        };
+        for aov in [Aov::Beauty, Aov::Depth, Aov::Normal, Aov::T, Aov::Visibility] {
+            let view = View { light: 2, ..camera([700, 410], aov, 2) };
+            let whole = renderer.render(&view, &lights()).unwrap();
+            let (tiled, turns) = raw(&mut renderer, &view, &lights());
+            let (count, error) = differences(&whole, &tiled);
+            assert!(error <= most(aov), "{aov:?}: {count} values differ, by up to {error}");
+            assert!(count < whole.pixels.len() / 10, "{aov:?}: {count} values differ");
+            // 3 x 2 tiles of at least 128 x 128 pixels, each with its samples and lights.
+            assert!(turns >= 6, "{turns}");
+            // The planted faults: a tile one pixel beside its place, and one sample for two.
+            let mut shifted = tiled.clone();
+            shifted.pixels.rotate_right(1);
+            assert!(differences(&whole, &shifted).1 > 100.0 * most(aov).max(1e-4), "{aov:?}");
+            if aov.takes_samples() {
+                let (single, _) = raw(&mut renderer, &View { samples: 1, ..view.clone() }, &lights());
+                assert!(differences(&whole, &single).1 > 10.0 * most(aov));
+            }
         }
     }
 }
@@ -171,58 +181,86 @@ fn tiles_make_up_the_picture() {
 /// What a screen shows is as near.
 #[test]
 fn tiles_make_up_the_screen() {
-    let mut renderer = renderer(&things());
-    let view = camera([500, 300], Aov::Beauty, 2);
-    let whole = renderer.render_display(&view, &lights()).unwrap();
-    let picture = TiledPicture::for_screen(&view, &lights()).unwrap();
-    let (Pixels::Display { bytes, .. }, _) = tiled(&mut renderer, picture, &view) else { panic!("bytes") };
-    assert!(whole.iter().zip(&bytes).all(|(a, b)| a.abs_diff(*b) <= 1));
-    // The planted fault: rows in another order.
-    let turned: Vec<u8> = bytes.chunks(4 * 500).rev().flatten().copied().collect();
-    assert!(whole.iter().zip(&turned).any(|(a, b)| a.abs_diff(*b) > 50));
+    for backend in BACKENDS {
+        let mut renderer = renderer_of(backend, &things());
+        let view = camera([500, 300], Aov::Beauty, 2);
+        let whole = renderer.render_display(&view, &lights()).unwrap();
+        let picture = TiledPicture::for_screen(&view, &lights()).unwrap();
+        let (Pixels::Display { bytes, .. }, _) = tiled(&mut renderer, picture, (&view, &lights())) else {
+            panic!("bytes")
+        };
+        assert!(whole.iter().zip(&bytes).all(|(a, b)| a.abs_diff(*b) <= 1));
+        // The planted fault: rows in another order.
+        let turned: Vec<u8> = bytes.chunks(4 * 500).rev().flatten().copied().collect();
+        assert!(whole.iter().zip(&turned).any(|(a, b)| a.abs_diff(*b) > 50));
+    }
 }
 
 /// A file's picture is drawn as one long turn draws it, and says on the way how much of it is drawn: in samples of pixels,
 /// after every sample of every tile.
 #[test]
 fn a_file_says_how_far_it_is() {
-    let mut renderer = renderer(&things());
-    for (aov, samples, of) in
-        [(Aov::Beauty, 3, 3 * 700 * 410), (Aov::Depth, 3, 700 * 410), (Aov::Wireframe, 1, 700 * 410)]
-    {
-        let view = camera([700, 410], aov, samples);
-        let mut told: Vec<Progress> = Vec::new();
-        let file = renderer
-            .render_file(&view, &lights(), PictureFormat::Exr, |progress| told.push(progress))
-            .unwrap();
-        assert!(told.iter().all(|progress| progress.of == of), "{aov:?}: {told:?}");
-        assert!(told.is_sorted_by(|a, b| a.done < b.done), "{aov:?}: {told:?}");
-        assert_eq!(told.last().map(|last| last.done), Some(of), "{aov:?}");
-        // Tiles begin with 256 pixels a side, so the first row has three.
-        let least = if aov == Aov::Wireframe { 1 } else { 3 * of as usize / (700 * 410) };
-        assert!(told.len() >= least, "{aov:?}: {told:?}");
+    for backend in BACKENDS {
+        let mut renderer = renderer_of(backend, &things());
+        for (aov, samples, of) in
+            [(Aov::Beauty, 3, 3 * 700 * 410), (Aov::Depth, 3, 700 * 410), (Aov::Wireframe, 1, 700 * 410)]
+        {
+            let view = camera([700, 410], aov, samples);
+            let mut told: Vec<Progress> = Vec::new();
+            let file = renderer
+                .render_file(&view, &lights(), PictureFormat::Exr, |progress| told.push(progress))
+                .unwrap();
+            assert!(told.iter().all(|progress| progress.of == of), "{aov:?}: {told:?}");
+            assert!(told.is_sorted_by(|a, b| a.done < b.done), "{aov:?}: {told:?}");
+            assert_eq!(told.last().map(|last| last.done), Some(of), "{aov:?}");
+            // Tiles begin with 256 pixels a side, so the first row has three.
+            let least = if aov == Aov::Wireframe { 1 } else { 3 * of as usize / (700 * 410) };
+            assert!(told.len() >= least, "{aov:?}: {told:?}");
 
-        let mut whole = TiledPicture::for_file(&view, &lights(), PictureFormat::Exr).unwrap();
-        while !renderer.draw_some(&mut whole, Duration::MAX).unwrap() {}
-        assert_eq!(
-            whole.into_pixels().into_file(&view, &lights(), PictureFormat::Exr).unwrap(),
-            file,
-            "{aov:?}"
-        );
+            let mut whole = TiledPicture::for_file(&view, &lights(), PictureFormat::Exr).unwrap();
+            while !renderer.draw_some(&mut whole, Duration::MAX).unwrap() {}
+            assert_eq!(
+                whole.into_pixels().into_file(&view, &lights(), PictureFormat::Exr).unwrap(),
+                file,
+                "{aov:?}"
+            );
+        }
     }
 }
 
-/// However many turns it takes, each shadow map is made once.
+/// Where no uv is interpolated nothing at all differs, however many samples there are and however often others come between.
+#[test]
+fn samples_in_tiles_are_those_of_the_picture_to_the_bit() {
+    for backend in BACKENDS {
+        let mut renderer = renderer_of(backend, &carpeted());
+        let view = View { fill: 0.7, ..camera([390, 270], Aov::Beauty, 3) };
+        let whole = renderer.render(&view, &lights()).unwrap();
+        let (tiled, turns) = raw(&mut renderer, &view, &lights());
+        // 2 x 2 tiles or more, with a turn for each light of each sample.
+        assert!(turns >= 4 * 3 * 3, "{turns}");
+        assert_eq!(differences(&whole, &tiled), (0, 0.0), "{backend:?}");
+        // The planted fault: lights in another order add up to other bits.
+        let mut turned = lights();
+        turned.rotate_left(1);
+        assert_ne!(differences(&whole, &renderer.render(&view, &turned).unwrap()).0, 0);
+    }
+}
+
+/// However many turns it takes, each shadow map is made once, and a picture at rest has those of the one that moved.
 #[test]
 fn tiles_share_their_shadow_maps() {
-    let mut renderer = renderer(&things());
-    let view = camera([700, 410], Aov::Beauty, 3);
-    let mut picture = TiledPicture::for_screen(&view, &lights()).unwrap();
-    let mut turns = 0;
-    while !renderer.draw_some(&mut picture, Duration::ZERO).unwrap() {
-        turns += 1;
+    for backend in BACKENDS {
+        let mut renderer = renderer_of(backend, &things());
+        let view = camera([700, 410], Aov::Beauty, 3);
+        renderer.render_display(&View { samples: 1, ..view.clone() }, &lights()).unwrap();
+        assert_eq!(renderer.counts().shadow, 3);
+        let mut picture = TiledPicture::for_screen(&view, &lights()).unwrap();
+        let mut turns = 0;
+        while !renderer.draw_some(&mut picture, Duration::ZERO).unwrap() {
+            turns += 1;
+        }
+        // One for each light over each sample of each tile.
+        assert!(turns > 3 * 3 * 6 - 1, "{turns}");
+        assert_eq!(renderer.counts().shadow, 3);
     }
-    // A turn a map, and one for each light over each sample of each tile.
-    assert!(turns > 3 + 3 * 3 * 6 - 1, "{turns}");
-    assert_eq!(renderer.counts().shadow, 3);
 }

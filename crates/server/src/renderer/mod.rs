@@ -6,7 +6,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use light::LightInstance;
-use render::{PassRun, PictureFormat, Pixels, RenderError, View, ViewSlot};
+use render::{Backend, PassRun, PictureFormat, Pixels, RenderError, View, ViewSlot};
 use scene::PosedScene;
 use tokio::sync::{mpsc, oneshot, watch};
 
@@ -164,13 +164,16 @@ enum Job {
 
 impl Renders {
     /// Opens the device on a thread of its own, which then warms up. Blocks until the device is open.
-    pub fn start(metrics: Arc<Metrics>) -> Result<(Self, RenderThread), ServerError> {
+    pub fn start(
+        metrics: Arc<Metrics>,
+        backend: Option<Backend>,
+    ) -> Result<(Self, RenderThread), ServerError> {
         let (jobs, inbox) = mpsc::channel(RENDER_QUEUE);
         let (noted, readiness) = watch::channel(Readiness::WarmingUp);
         let (opened, is_open) = std::sync::mpsc::sync_channel(1);
         let ending = Arc::new(AtomicBool::new(false));
         let ended = Arc::clone(&ending);
-        let thread = std::thread::spawn(move || match RenderLoop::open(metrics, inbox, ended) {
+        let thread = std::thread::spawn(move || match RenderLoop::open((metrics, backend), inbox, ended) {
             Ok(render_loop) => {
                 if opened.send(Ok(())).is_ok() {
                     noted.send_replace(render_loop.warm_up());

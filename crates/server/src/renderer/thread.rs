@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Weak};
 use std::time::{Duration, Instant};
 
-use render::{Gpu, MemoryBudget, PassRun, Pixels, RenderError, Renderer, TiledPicture};
+use render::{Backend, Gpu, MemoryBudget, PassRun, Pixels, RenderError, Renderer, TiledPicture};
 use scene::PosedScene;
 use tokio::runtime::{self, Runtime};
 use tokio::sync::mpsc;
@@ -40,6 +40,8 @@ pub(super) struct RenderLoop {
     base: Renderer,
     /// Counts what is kept, also when the device was lost and is opened again.
     memory: MemoryBudget,
+    /// Who draws shadows and lights; as the device is where nobody says.
+    backend: Option<Backend>,
     /// The one that drew last at the end.
     scenes: Vec<SceneRenderer>,
     inbox: mpsc::Receiver<Job>,
@@ -82,15 +84,16 @@ impl Task {
 impl RenderLoop {
     /// Opens the device.
     pub fn open(
-        metrics: Arc<Metrics>,
+        (metrics, backend): (Arc<Metrics>, Option<Backend>),
         inbox: mpsc::Receiver<Job>,
         ended: Arc<AtomicBool>,
     ) -> Result<Self, RenderError> {
         let memory = metrics.render_memory().clone();
         let clock = runtime::Builder::new_current_thread().enable_time().build();
         Ok(Self {
-            base: open(&memory)?,
+            base: open(&memory, backend)?,
             memory,
+            backend,
             scenes: Vec::new(),
             inbox,
             ended,
@@ -224,7 +227,7 @@ impl RenderLoop {
             for other in &mut self.waiting {
                 other.picture = None;
             }
-            self.base = open(&self.memory)?;
+            self.base = open(&self.memory, self.backend)?;
             return self.draw(task, turn);
         }
         result
@@ -303,9 +306,9 @@ impl RenderLoop {
     }
 }
 
-fn open(memory: &MemoryBudget) -> Result<Renderer, RenderError> {
-    let gpu = Gpu::with_memory_budget(memory.clone())?;
-    tracing::info!("rendering with {}", gpu.adapter_name());
+fn open(memory: &MemoryBudget, backend: Option<Backend>) -> Result<Renderer, RenderError> {
+    let gpu = Gpu::open(memory.clone(), backend)?;
+    tracing::info!("rendering with {}, shadows and lights by {}", gpu.adapter_name(), gpu.backend().name());
     if let Some(advice) = gpu.advice() {
         tracing::warn!("{advice}");
     }

@@ -88,6 +88,7 @@ async fn open(folder: &Path) -> (Door, Server, TcpListener) {
         scene: "demo:vases".into(),
         public_urls: vec!["https://lights.example.org".parse().unwrap()],
         trace: None,
+        backend: None,
     };
     let server = spawn_blocking(move || Server::open(&config).unwrap()).await.unwrap();
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();

@@ -11,7 +11,6 @@ mod blinn;
 mod chart;
 mod closed_form;
 mod cubic;
-mod eight;
 mod family;
 mod found;
 mod histogram;
@@ -30,14 +29,15 @@ pub use method::{METHODS, Method};
 pub use report::{Accuracy, InFamily, Measured, Quantiles, Report, Throughput, Verdict};
 pub use width::Precision;
 
+use glam::Vec3;
+use light::Curve;
 use rayon::prelude::*;
+use relight::{SixteenCases, roots_of_sixteen};
 use render::Gpu;
 
-use self::eight::{Cases8, LANES, increasing_roots_8};
 use self::family::Case;
 use self::found::Found;
 use self::judge::{Bars, Tally};
-
 use self::width::Width;
 use crate::StudyError;
 use crate::timing::nanoseconds;
@@ -46,7 +46,9 @@ use crate::timing::nanoseconds;
 const CHUNK: u64 = 4096;
 /// Cases by which run times are measured.
 const TIMED: u64 = 2048;
-/// Most cases of a family that are solved eight-wide and on the adapter: they fit into its buffers.
+/// Cases that are solved at once.
+const SIXTEEN: usize = 16;
+/// Most cases of a family that are solved sixteen-wide and on the adapter: they fit into its buffers.
 const MOST_IN_BULK: u64 = 60_000;
 /// How often the adapter solves them for its run time.
 const DISPATCHES: u32 = 8;
@@ -89,7 +91,7 @@ pub fn run(options: &Options, gpu: Option<&Gpu>, judged: impl Fn(u64) + Sync) ->
         inputs_per_family: options.inputs_per_family,
         ours: Verdict::of(&Tally::sum(ours)),
         methods,
-        eight_wide: eight_wide(in_bulk),
+        sixteen_wide: sixteen_wide(in_bulk),
         adapter: gpu.map(|gpu| on_adapter(gpu, in_bulk)).transpose()?,
     })
 }
@@ -145,30 +147,38 @@ fn judge_in<F: Width>(
     }
 }
 
-/// The eight-wide twin over the first `inputs` cases of each family.
-fn eight_wide(inputs: u64) -> Throughput {
-    let eights = |family: Family, inputs: u64| {
-        let eight = move |first: u64| std::array::from_fn(|lane| family.case(first + lane as u64).rounded());
-        (0..inputs).step_by(LANES).map(move |first| (first, Cases8::new(&eight(first))))
+/// Sixteen at once, over the first `inputs` cases of each family.
+fn sixteen_wide(inputs: u64) -> Throughput {
+    let all = |family: Family, inputs: u64| {
+        (0..inputs).step_by(SIXTEEN).map(move |first| (first, SixteenCases::new(&sixteen(family, first))))
     };
     let mut tally = Tally::default();
     for family in FAMILIES {
-        for (first, cases) in eights(family, inputs) {
-            let found = increasing_roots_8(&cases).found();
-            for (index, found) in (first..inputs).zip(&found) {
-                tally.count(family, index, &Bars::<f32>::new(family, &family.case(index)), found);
+        for (first, cases) in all(family, inputs) {
+            for (index, roots) in (first..inputs).zip(roots_of_sixteen(&cases)) {
+                let mut found = Found::none();
+                found.extend(roots.found());
+                tally.count(family, index, &Bars::<f32>::new(family, &family.case(index)), &found);
             }
         }
     }
     let time = |family| {
-        let cases: Vec<_> = eights(family, TIMED).collect();
-        nanoseconds(&cases, |(_, cases)| increasing_roots_8(cases)) / LANES as f64
+        let cases: Vec<_> = all(family, TIMED).collect();
+        nanoseconds(&cases, |(_, cases)| roots_of_sixteen(cases)) / SIXTEEN as f64
     };
     Throughput {
-        on: format!("one core, {LANES} at once"),
+        on: format!("one core, {SIXTEEN} at once"),
         solves_per_second: FAMILIES.len() as f64 * 1e9 / FAMILIES.map(time).iter().sum::<f64>(),
         verdict: Verdict::of(&tally),
     }
+}
+
+/// Cases of a family from `first` on.
+fn sixteen(family: Family, first: u64) -> [(Curve<f32>, Vec3); SIXTEEN] {
+    std::array::from_fn(|lane| {
+        let case: Case<f32> = family.case(first + lane as u64).rounded();
+        (case.curve, case.q)
+    })
 }
 
 /// The shaders' twin over the first `inputs` cases of each family.

@@ -18,8 +18,8 @@ pub struct Report {
     pub ours: Verdict,
     /// Every method in every width.
     pub methods: Vec<Measured>,
-    /// The product's solver in f32, eight at once.
-    pub eight_wide: Throughput,
+    /// The product's solver in f32, sixteen at once: [`relight::roots_of_sixteen`].
+    pub sixteen_wide: Throughput,
     /// The product's solver in f32 on the adapter; nothing where there is none.
     pub adapter: Option<Throughput>,
 }

@@ -1,0 +1,125 @@
+//! Pictures whose alpha is known everywhere.
+
+use glam::{Vec2, Vec3};
+
+use super::{AlphaTest, AlphaTests, Wrap};
+
+const TEST: AlphaTest = AlphaTest {
+    first_triangle: 0,
+    first_index: 0,
+    cutoff: 0.5,
+    factor: 1.0,
+    offset: 0,
+    width: 4,
+    height: 4,
+    levels: 1,
+    wrap_u: Wrap::Edge,
+    wrap_v: Wrap::Edge,
+    nearest: false,
+};
+/// Alpha grows along u and v, by 10 and 40 a texel.
+const RAMP: [u8; 16] = [0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120, 130, 140, 150];
+/// Sums of four products in f32, each rounded a few times, and uv with a rounding of up to 8 texels.
+const TOLERANCE: f32 = 1e-5;
+
+fn at(test: &AlphaTest, texels: &[u8], u: f32, v: f32) -> f32 {
+    let tests = AlphaTests { tests: &[], texels };
+    255.0 * tests.texel_alpha(test, Vec2::new(u, v), Vec2::ZERO, Vec2::ZERO)
+}
+
+#[test]
+fn between_texels_alpha_is_linear_either_way() {
+    for (u, v) in [(0.2, 0.3), (0.5, 0.5), (0.125, 0.875), (0.6, 0.77)] {
+        let expected = 10.0 * (4.0 * u - 0.5) + 40.0 * (4.0 * v - 0.5);
+        assert!((at(&TEST, &RAMP, u, v) - expected).abs() < 255.0 * TOLERANCE, "{u}, {v}");
+    }
+    // Rows taken for columns are caught.
+    assert!((at(&TEST, &RAMP, 0.2, 0.3) - at(&TEST, &RAMP, 0.3, 0.2)).abs() > 1.0);
+}
+
+#[test]
+fn beyond_its_edges_a_picture_goes_on_as_its_wrap_says() {
+    let with = |wrap| AlphaTest { wrap_u: wrap, wrap_v: wrap, ..TEST };
+    for step in -40..40 {
+        let u = step as f32 * 0.0625 + 0.03125;
+        let close = |a: f32, b: f32| assert!((a - b).abs() < 255.0 * TOLERANCE, "{a} and {b} at {u}");
+        let repeat = with(Wrap::Repeat);
+        close(at(&repeat, &RAMP, u, 0.4), at(&repeat, &RAMP, u + 1.0, 0.4));
+        close(at(&repeat, &RAMP, 0.4, u), at(&repeat, &RAMP, 0.4, u - 3.0));
+        let mirror = with(Wrap::Mirror);
+        close(at(&mirror, &RAMP, u, 0.4), at(&mirror, &RAMP, -u, 0.4));
+        close(at(&mirror, &RAMP, 0.4, u), at(&mirror, &RAMP, 0.4, 2.0 - u));
+        let edge = with(Wrap::Edge);
+        close(at(&edge, &RAMP, u, 0.4), at(&edge, &RAMP, u.clamp(0.0, 1.0), 0.4));
+        close(at(&edge, &RAMP, 0.4, u), at(&edge, &RAMP, 0.4, u.clamp(0.0, 1.0)));
+    }
+    // Where a picture begins again, its last texel is next to its first: half of each.
+    assert!((at(&with(Wrap::Repeat), &RAMP, 0.0, 0.125) - 15.0).abs() < 255.0 * TOLERANCE);
+    assert!((at(&with(Wrap::Mirror), &RAMP, 0.0, 0.125) - 0.0).abs() < 255.0 * TOLERANCE);
+}
+
+#[test]
+fn magnified_texels_are_blended_unless_they_are_not() {
+    let nearest = AlphaTest { nearest: true, wrap_u: Wrap::Repeat, wrap_v: Wrap::Mirror, ..TEST };
+    for (u, v, expected) in [(0.24, 0.0, 0.0), (0.26, 0.0, 10.0), (-0.01, 0.3, 70.0), (1.3, -0.3, 50.0)] {
+        assert!((at(&nearest, &RAMP, u, v) - expected).abs() < 255.0 * TOLERANCE, "{u}, {v}");
+    }
+}
+
+#[test]
+fn the_shorter_way_across_a_texel_of_the_map_picks_the_level() {
+    // Levels of 8 by 4, 4 by 2, 2 by 1 and 1 by 1 texels, each of one alpha: 0, 60, 120 and 180.
+    let texels: Vec<u8> =
+        [(32, 0), (8, 60), (2, 120), (1, 180)].into_iter().flat_map(|(n, x)| vec![x; n]).collect();
+    let test = AlphaTest { width: 8, height: 4, levels: 4, ..TEST };
+    let tests = AlphaTests { tests: &[test], texels: &texels };
+    // So many texels of the picture along a step to the right, and a step down.
+    let level = |right: Vec2, down: Vec2| {
+        let size = Vec2::new(8.0, 4.0);
+        255.0 / 60.0 * tests.texel_alpha(&test, Vec2::new(0.3, 0.6), right / size, down / size)
+    };
+    let (x, y) = (Vec2::X, Vec2::Y);
+    for (right, down, expected) in [
+        (x, y, 0.0),
+        (0.1 * x, 0.1 * y, 0.0),
+        (2.0 * x, 2.0 * y, 1.0),
+        (2.0 * y, -2.0 * x, 1.0),
+        (2.0 * x, 64.0 * y, 1.0),
+        (64.0 * x, 1.0 * y, 0.0),
+        (4.0 * x, 5.0 * y, 2.0),
+        (3.0 * x, 3.0 * y, libm::log2f(3.0)),
+        // Along a slant, what is across is less than the steps.
+        (4.0 * x, 4.0 * x + 2.0 * y, libm::log2f(8.0 / libm::sqrtf(20.0))),
+        (100.0 * x, 100.0 * y, 3.0),
+        (Vec2::ZERO, 3.0 * y, 0.0),
+    ] {
+        assert!((level(right, down) - expected).abs() < 1e-4, "{right}, {down}: {}", level(right, down));
+    }
+}
+
+#[test]
+fn a_triangle_has_holes_where_the_product_is_below_its_tests_cutoff() {
+    let texels: Vec<u8> = RAMP.into_iter().chain([255]).collect();
+    let solid = AlphaTest { offset: 16, width: 1, height: 1, ..TEST };
+    let tests = [
+        // Of triangles 0 to 2: what is below 50 / 255 on the ramp.
+        AlphaTest { cutoff: 50.0 / 255.0, ..TEST },
+        // Of 3: nothing; of 4 and 5: where the corners' alpha is less than 0.8.
+        AlphaTest { first_triangle: 3, first_index: 0, cutoff: 0.5, ..solid },
+        AlphaTest { first_triangle: 4, first_index: 0, factor: 0.5, cutoff: 0.4, ..solid },
+    ];
+    let tests = AlphaTests { tests: &tests, texels: &texels };
+    assert_eq!([0, 1, 2, 3, 4, 5, 9].map(|triangle| tests.test_of(triangle)), [0, 0, 0, 1, 2, 2, 2]);
+    let corners = [Vec3::new(0.125, 0.125, 1.0), Vec3::new(0.875, 0.125, 1.0), Vec3::new(0.125, 0.875, 0.5)];
+    // On the ramp alpha is 30 times the second weight, and half of 120 at the third corner.
+    for (weights, holes) in [
+        (Vec3::X, [true, false, false]),
+        (Vec3::Y, [true, false, false]),
+        (Vec3::Z, [false, false, true]),
+        (Vec3::new(0.5, 0.0, 0.5), [true, false, true]),
+        (Vec3::new(0.0, 0.5, 0.5), [false, false, true]),
+        (Vec3::new(0.0, 0.7, 0.3), [true, false, false]),
+    ] {
+        assert_eq!([2, 3, 5].map(|triangle| tests.has_hole(triangle, corners, weights)), holes, "{weights}");
+    }
+}

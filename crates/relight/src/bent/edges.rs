@@ -1,0 +1,155 @@
+//! Which edges are straight in a bent map, and which triangles show in it: the twin of what `bent_map.wgsl` has of that, for
+//! one edge and for sixteen.
+
+use light::{Curve, Lanes, Mask};
+
+use super::casters::{BentFace, BentMap};
+use super::slab::Mapped;
+
+/// Surfaces without an alpha test. Of a closed one light meets only the side that faces it.
+pub(super) const OPEN: u32 = u32::MAX;
+/// A closed surface whose triangles face outwards is `OPEN - 1`; this one's face inwards.
+pub(super) const INSIDE_OUT: u32 = u32::MAX - 2;
+/// Corners may be moved by so many of the finest texels where a triangle is drawn: to a grid of 1/16 texel, the coarsest that
+/// Vulkan lets a rasteriser have, of texels that are up to four times as wide the other way. Finer here, but both ways of
+/// drawing are to leave out the same.
+const SNAP_TEXELS: f64 = 0.25;
+/// Four roundings of a position of size 1, the length of the light.
+const POSITION_ROUNDING: f64 = 1.0 / 4_194_304.0;
+
+/// An edge: its ends in tube space, and where they lie in the tube.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Edge<F: Lanes> {
+    pub qa: F::Vec3,
+    pub a: Mapped<F>,
+    pub qb: F::Vec3,
+    pub b: Mapped<F>,
+}
+
+impl<F: Lanes> Edge<F> {
+    /// Whether no bend of its slab shows in it: it is short, or lies nearly square to the light. `bounds` are the slab's.
+    #[inline(always)]
+    pub fn is_safe(&self, bounds: [F; 4]) -> F::Mask {
+        let dt = (self.b.t - self.a.t).abs();
+        let length = F::length(self.qb - self.qa);
+        let strays = (bounds[0] * dt + bounds[1] * length) * dt;
+        strays.le(self.a.r.least(self.b.r)) & (bounds[2] * dt + bounds[3] * length).le(F::of(1.0))
+    }
+}
+
+/// Texels per unit of v and w at a point. On a cube they are as wide as angles, so fewer far off its axis.
+#[inline(always)]
+fn texels_at<F: Lanes>(map: &BentMap, v: F, w: F) -> F {
+    let texels = F::of(f64::from(map.texels_per_vw));
+    match map.cube_slope {
+        None => texels,
+        Some(slope) => texels / (F::of(f64::from(slope)) * v.abs().most(w.abs())).most(F::of(1.0)),
+    }
+}
+
+/// Whether light meets the triangle from within what it is of: something else of that lies before it then. Not where moving
+/// its corners might turn it round. `turned` is 1 of what is inside out, -1 of others.
+#[inline(always)]
+pub(super) fn faces_away<F: Lanes>(map: &BentMap, [a, b, c]: [&Mapped<F>; 3], turned: F) -> F::Mask {
+    let has_width = a.r.least(b.r.least(c.r)).gt(F::of(0.0));
+    let (v, w) = (a.v / a.r, a.w / a.r);
+    let ab = [b.v / b.r - v, b.w / b.r - w];
+    let ac = [c.v / c.r - v, c.w / c.r - w];
+    // Looking along light's way, v to w turns clockwise, so what turns from v to w shows its front to the source no more.
+    let area = turned * (ab[0] * ac[1] - ab[1] * ac[0]);
+    let around = length2(ab) + length2(ac) + length2([ac[0] - ab[0], ac[1] - ab[1]]);
+    has_width & area.lt(-(around * F::of(SNAP_TEXELS) / texels_at(map, v, w)))
+}
+
+#[inline(always)]
+fn length2<F: Lanes>([x, y]: [F; 2]) -> F {
+    (x * x + y * y).sqrt()
+}
+
+/// Whether a triangle's image lies beyond one side of what is drawn of each face. `bow` is the most by which (V, W, R) strays
+/// from the straight edges, as a length in tube space. Between its edges a triangle strays by at most 4/3 of what the middles
+/// of its edges do, were it quadratic: twice leaves room for more.
+#[inline(always)]
+pub(super) fn off_map<F: Lanes>(map: &BentMap, corners: [&Mapped<F>; 3], bow: F) -> F::Mask {
+    let mut off = F::Mask::of(true);
+    for face in map.faces {
+        off = off & off_face(face, corners, F::of(2.0) * bow);
+    }
+    off
+}
+
+#[inline(always)]
+fn off_face<F: Lanes>(face: &BentFace, [a, b, c]: [&Mapped<F>; 3], bow: F) -> F::Mask {
+    let m = &face.clip_from_mapped;
+    let rows = [m.row(0), m.row(1), m.row(2)];
+    let [margin_x, margin_y, margin_z] = [across(rows[0], bow), across(rows[1], bow), across(rows[2], bow)];
+    let (outer_a, outer_b, outer_c) =
+        (on(rows[2], a) + margin_z, on(rows[2], b) + margin_z, on(rows[2], c) + margin_z);
+    let zero = F::of(0.0);
+    let behind = outer_a.lt(zero) & outer_b.lt(zero) & outer_c.lt(zero);
+    let outer = [outer_a, outer_b, outer_c];
+    behind
+        | beyond([on(rows[0], a), on(rows[0], b), on(rows[0], c)], outer, margin_x)
+        | beyond([on(rows[1], a), on(rows[1], b), on(rows[1], c)], outer, margin_y)
+}
+
+/// A clip coordinate.
+#[inline(always)]
+fn on<F: Lanes>(row: glam::Vec3, at: &Mapped<F>) -> F {
+    F::of(f64::from(row.x)) * at.v + F::of(f64::from(row.y)) * at.w + F::of(f64::from(row.z)) * at.r
+}
+
+/// How far a clip coordinate may stray.
+#[inline(always)]
+fn across<F: Lanes>(row: glam::Vec3, bow: F) -> F {
+    bow * F::of(f64::from(row.abs().element_sum()))
+}
+
+/// Whether all three lie past one of the two sides.
+#[inline(always)]
+fn beyond<F: Lanes>(x: [F; 3], outer: [F; 3], margin: F) -> F::Mask {
+    let (a, b, c) = (outer[0] + margin, outer[1] + margin, outer[2] + margin);
+    (x[0].gt(a) & x[1].gt(b) & x[2].gt(c)) | (x[0].lt(-a) & x[1].lt(-b) & x[2].lt(-c))
+}
+
+/// How far (V, W, R) strays from a straight edge, as a length in tube space.
+#[inline(always)]
+pub(super) fn bow<F: Lanes>(mapped: &Mapped<F>, straight: &Mapped<F>) -> F {
+    length2([mapped.v - straight.v, mapped.w - straight.w]) + (mapped.r - straight.r).abs()
+}
+
+/// How much faster than the centre a path at (v, w) runs on a cube; 1 else.
+#[inline(always)]
+fn stretch_at<F: Lanes>(map: &BentMap, curve: &Curve<F>, v: F, w: F) -> F {
+    if map.cube_slope.is_none() {
+        return F::of(1.0);
+    }
+    let half = F::of(0.5);
+    let speed = (F::of(2.0) * F::length(curve.d(half))).most(F::of(1e-20));
+    let spread = curve.radius_derivative(half) * length2([v, w]).least(F::of(1.5)) / speed;
+    length2([F::of(1.0), spread])
+}
+
+/// Whether a point's image lies too far from where the straight edge has it, in texels: across the map, and along the light
+/// as the length it is in the scene. `t_span` is the slab's.
+#[inline(always)]
+pub(super) fn strays<F: Lanes>(
+    map: &BentMap,
+    (curve, t_span): (&Curve<F>, F),
+    q: F::Vec3,
+    (mapped, straight): (&Mapped<F>, &Mapped<F>),
+) -> F::Mask {
+    let zero = F::of(0.0);
+    let has_width = mapped.r.least(straight.r).gt(zero);
+    let (v, w) = (straight.v / straight.r, straight.w / straight.r);
+    let scale = texels_at(map, v, w);
+    let stretch = stretch_at(map, curve, v, w);
+    let across = length2([(mapped.v / mapped.r - v) * scale, (mapped.w / mapped.r - w) * scale]);
+    let speed = F::of(2.0) * F::length(curve.d(F::of(0.5))) * stretch * scale / straight.r;
+    let along = (mapped.t - straight.t) / t_span * speed;
+    // In a very thin tube a texel is less than the rounding of a position: what bends there is noise, and splitting for it
+    // would not end.
+    let rounding = F::of(POSITION_ROUNDING) * (F::of(1.0) + F::length(q)) * stretch * scale / straight.r;
+    let most = F::of(f64::from(map.tolerance_texels)).most(rounding);
+    has_width & across.most(along.abs()).gt(most)
+}

@@ -1,0 +1,205 @@
+//! A bent shadow map: casters mapped into tube space, cut and split until their edges are straight there, and drawn.
+//! ARCHITECTURE, "Shadows", has why; `bent_map.wgsl` and its passes do the same on a device.
+//!
+//! Whoever calls goes from stage to stage, so that each can be measured: [`BentWork::map_vertices`],
+//! [`BentWork::map_triangles`], [`BentWork::split`], [`BentWork::draw`].
+
+use glam::Vec3;
+use light::{Lanes, Mask};
+use rayon::prelude::*;
+
+use super::casters::{BentMap, Casters};
+use super::slab::{Mapped, SlabLanes};
+use super::split::{Drawn, Patch, ToClip, split};
+use super::triangles::{Listed, Vertex};
+use crate::Workers;
+use crate::depth_map::DepthMap;
+use crate::lanes::{LANES, U32s, Vec3s};
+use crate::raster::{Depths, Face, Holed, Scratch, draw_face_with_holes};
+use crate::simd::{self, Work};
+
+/// Vertices of a block of casters.
+const BLOCK: usize = 64;
+/// Leaves of casters that a thread lists at once.
+const LEAVES_A_TURN: usize = 32;
+/// Triangles that a thread cuts and splits at once.
+const SPLIT_A_TURN: usize = 64;
+/// A vertex in no slab.
+const NO_SLAB: u32 = u32::MAX;
+/// In slabs of distant parts of the tube that overlap there.
+const SEVERAL_SLABS: u32 = u32::MAX - 1;
+
+/// Memory of making bent maps, kept from one to the next.
+#[derive(Debug, Default)]
+pub struct BentWork {
+    slabs: Vec<SlabLanes>,
+    vertices: Vec<Vertex>,
+    listed: Vec<Listed>,
+    split: Vec<Drawn>,
+    scratch: Scratch,
+}
+
+impl BentWork {
+    /// Maps each vertex near the light once.
+    pub fn map_vertices(&mut self, workers: &Workers, map: &BentMap, casters: &Casters) {
+        let Self { slabs, vertices, .. } = self;
+        slabs.clear();
+        slabs.extend(map.slabs.iter().map(SlabLanes::new));
+        let nowhere = Mapped { v: 0.0, w: 0.0, r: 0.0, t: 0.0 };
+        let unmapped = Vertex { q: Vec3::ZERO, slab: NO_SLAB, mapped: nowhere };
+        vertices.resize(casters.positions.len(), unmapped);
+        let mut is_near = vec![false; casters.positions.len().div_ceil(BLOCK)];
+        for &block in casters.blocks {
+            is_near[block as usize] = true;
+        }
+        workers.run(|| {
+            let blocks = vertices.par_chunks_mut(BLOCK).zip(casters.positions.par_chunks(BLOCK));
+            blocks.zip(&is_near).filter(|(_, is_near)| **is_near).for_each(|((vertices, positions), _)| {
+                simd::run(MapVertices { map, slabs, positions, vertices });
+            });
+        });
+    }
+
+    /// Sorts out the triangles near the light: dropped, used as they are, or to be cut or split.
+    pub fn map_triangles(&mut self, workers: &Workers, map: &BentMap, casters: &Casters) {
+        let Self { slabs, vertices, listed, .. } = self;
+        let turns = casters.leaves.len().div_ceil(LEAVES_A_TURN);
+        listed.resize_with(turns, Listed::default);
+        workers.run(|| {
+            listed.par_iter_mut().zip(casters.leaves.par_chunks(LEAVES_A_TURN)).for_each(
+                |(listed, leaves)| {
+                    listed.list((map, slabs), (casters, vertices), leaves);
+                },
+            );
+        });
+    }
+
+    /// Cuts what reaches over several slabs, and splits what is not straight. Returns how many triangles were looked at for it.
+    pub fn split(&mut self, workers: &Workers, map: &BentMap, casters: &Casters) -> u64 {
+        let mut to_clip: Vec<ToClip> =
+            self.listed.iter().flat_map(|listed| &listed.to_clip).copied().collect();
+        let mut patches: Vec<Patch> =
+            self.listed.iter().flat_map(|listed| &listed.patches).copied().collect();
+        // Sixteen points of one slab are mapped at once.
+        to_clip.sort_unstable_by_key(|item| (item.slab, item.triangle));
+        patches.sort_by_key(|patch| patch.slab);
+        let count = to_clip.len() + patches.len();
+        let clip_turns = to_clip.len().div_ceil(SPLIT_A_TURN);
+        let turns = clip_turns + patches.len().div_ceil(SPLIT_A_TURN);
+        let Self { slabs, split: into, .. } = self;
+        into.resize_with(turns, Drawn::default);
+        workers.run(|| {
+            let (of_clipped, of_patches) = into.split_at_mut(clip_turns);
+            let clipped =
+                of_clipped.par_iter_mut().zip(to_clip.par_chunks(SPLIT_A_TURN)).map(|turn| (turn, &[][..]));
+            let split_only = of_patches.par_iter_mut().zip(patches.par_chunks(SPLIT_A_TURN));
+            let split_only = split_only.map(|(into, patches)| ((into, &[][..]), patches));
+            clipped.chain(split_only).for_each(|((into, to_clip), patches)| {
+                into.whole.clear();
+                into.holed.clear();
+                simd::run(Split { map, slabs, casters, to_clip, patches, into });
+            });
+        });
+        count as u64
+    }
+
+    /// Draws what was mapped onto each face. Returns how many triangles that were.
+    pub fn draw(&mut self, workers: &Workers, map: &BentMap, casters: &Casters, into: &mut DepthMap) -> u64 {
+        let Self { listed, split, scratch, .. } = self;
+        let whole = listed.iter().map(|listed| listed.whole.as_slice());
+        let whole: Vec<_> = whole.chain(split.iter().map(|drawn| drawn.whole.as_slice())).collect();
+        let holed: Vec<_> = split.iter().map(|drawn| drawn.holed.as_slice()).collect();
+        let side = into.side();
+        for (index, face) in map.faces.iter().enumerate() {
+            let depths = Depths::Bent { row: face.row, depth_per_value: face.depth_per_t };
+            let drawn = Face { clip_from_place: face.clip_from_mapped, depths };
+            let (whole, chunks) = if face.casts { (&whole[..], &holed[..]) } else { (&[][..], &[][..]) };
+            let holed = Holed { chunks, tests: casters.alpha_tests };
+            draw_face_with_holes(&drawn, whole, &holed, workers, scratch, into.face_mut(index), side);
+        }
+        let count = |drawn: &Drawn| drawn.whole.len() + drawn.holed.len();
+        let split = split.iter().map(count).sum::<usize>();
+        (listed.iter().map(|listed| listed.whole.len()).sum::<usize>() + split) as u64
+    }
+}
+
+struct MapVertices<'a> {
+    map: &'a BentMap<'a>,
+    slabs: &'a [SlabLanes],
+    positions: &'a [[f32; 3]],
+    vertices: &'a mut [Vertex],
+}
+
+impl Work for MapVertices<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { map, slabs, positions, vertices } = self;
+        for (positions, vertices) in positions.chunks(LANES).zip(vertices.chunks_mut(LANES)) {
+            let mut q = Vec3s::splat([0.0; 3]);
+            for i in 0..LANES {
+                let at = map.space.position(positions[i.min(positions.len() - 1)]);
+                (q.x.0[i], q.y.0[i], q.z.0[i]) = (at.x, at.y, at.z);
+            }
+            let slab = slabs_of(map, slabs, q);
+            for (i, vertex) in vertices.iter_mut().enumerate() {
+                (vertex.q, vertex.slab) = (q.lane(i), slab.0[i]);
+            }
+            for (index, lanes) in slabs.iter().enumerate() {
+                let here = slab.equals(U32s::splat(index as u32));
+                if here.any() {
+                    let mapped = lanes.map(&map.space, q);
+                    for (i, vertex) in vertices.iter_mut().enumerate() {
+                        if here.lane(i) {
+                            vertex.mapped = mapped.lane(i);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The first slab that holds each point.
+#[inline(always)]
+fn slabs_of(map: &BentMap, slabs: &[SlabLanes], q: Vec3s) -> U32s {
+    let [low, high] = map.bounds.map(|corner| Vec3s::splat(corner.to_array()));
+    let near =
+        q.x.ge(low.x) & q.y.ge(low.y) & q.z.ge(low.z) & q.x.le(high.x) & q.y.le(high.y) & q.z.le(high.z);
+    let none = U32s::splat(NO_SLAB);
+    let mut found = none;
+    if !near.any() {
+        return found;
+    }
+    for (index, slab) in slabs.iter().enumerate() {
+        let holds = near & slab.holds(q);
+        if !holds.any() {
+            continue;
+        }
+        let is_first = holds & found.equals(none);
+        // The next slab shares a margin with this one; any later one is another part of the tube.
+        let is_next = found.equals(U32s::splat((index as u32).wrapping_sub(1))) | is_first;
+        found = U32s::select(holds & !is_next, U32s::splat(SEVERAL_SLABS), found);
+        found = U32s::select(is_first, U32s::splat(index as u32), found);
+    }
+    found
+}
+
+struct Split<'a> {
+    map: &'a BentMap<'a>,
+    slabs: &'a [SlabLanes],
+    casters: &'a Casters<'a>,
+    to_clip: &'a [ToClip],
+    patches: &'a [Patch],
+    into: &'a mut Drawn,
+}
+
+impl Work for Split<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        split((self.map, self.slabs), self.casters, (self.to_clip, self.patches), self.into);
+    }
+}

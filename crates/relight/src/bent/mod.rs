@@ -1,0 +1,207 @@
+//! A BendyLight: where surfaces lie in it, and what its bent map says of them. The twin of `bendy.wgsl`, on the light model
+//! that `light` has for one lane and for many.
+
+mod casters;
+mod edges;
+mod lookup;
+mod map;
+mod root;
+mod slab;
+mod split;
+mod triangles;
+mod visibility;
+
+use glam::{Mat4, Vec3};
+use light::{Curve, Lanes, LightFilter, Mask, Segment, Tube, TubeBox};
+
+use crate::depth_map::DepthMap;
+use crate::lanes::{F32s, Masks, Vec3s};
+use crate::shape::{Sample, Shape};
+use crate::surfaces::Surface;
+use crate::{Scene, ShadowFilter};
+
+pub use casters::{BentFace, BentMap, Casters};
+pub use map::BentWork;
+pub use slab::{Slab, TubeSpace};
+
+/// Largest colour and intensity, so that their product is still finite.
+const MAX_INTENSITY: f32 = 1e15;
+/// Largest irradiance that stays finite through the BRDF: emission, and what is left of it, held by themselves.
+const MAX_EMISSION: f32 = 1e15;
+
+/// A BendyLight as it is drawn, or a part of one.
+#[derive(Debug)]
+pub struct Bent {
+    tube: Tube<F32s>,
+    /// Columns, and the translation.
+    tube_from_scene: [Vec3s; 4],
+    /// Columns.
+    world_from_tube: [Vec3s; 3],
+    world_per_tube: f32,
+    map: BentMapPlace,
+}
+
+/// What a bent map's depths and faces stand for; see `tube.wgsl`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BentMapPlace {
+    /// Depths count from this t, ...
+    pub t_base: f32,
+    /// ... and 1 is so much later.
+    pub t_span: f32,
+    /// Nothing casts shadows beyond.
+    pub t_last: f32,
+    /// Radius over the depth of the map's cube; `None` where the map has one face, even in v and w.
+    pub slope: Option<f32>,
+    /// How far a receiver may lie behind the map's depth and be lit, in texels.
+    pub tolerance_texels: f32,
+    /// How far what casts shadows may stray from the surface, in tube space.
+    pub mesh_error: f32,
+    /// Middle and 1 / half size of what is drawn of each face, as slopes.
+    pub fits: [[f32; 4]; 5],
+    /// How texels are blended.
+    pub filter: ShadowFilter,
+}
+
+impl Bent {
+    /// `tube_from_scene` takes scene space to tube space.
+    pub fn new(tube: &Tube<f64>, tube_from_scene: Mat4, map: BentMapPlace) -> Self {
+        Self {
+            tube: in_lanes(tube),
+            tube_from_scene: tube_from_scene.to_cols_array_2d().map(|[x, y, z, _]| Vec3s::splat([x, y, z])),
+            world_from_tube: tube.placement.rotation.as_mat3().to_cols_array_2d().map(Vec3s::splat),
+            world_per_tube: tube.placement.world_per_tube as f32,
+            map,
+        }
+    }
+
+    /// A position in the scene, in tube space.
+    #[inline(always)]
+    fn tube_position(&self, position: Vec3s) -> Vec3s {
+        let columns = &self.tube_from_scene;
+        columns[0] * position.x + columns[1] * position.y + columns[2] * position.z + columns[3]
+    }
+
+    #[inline(always)]
+    fn world_vector(&self, v: Vec3s) -> Vec3s {
+        let columns = &self.world_from_tube;
+        columns[0] * v.x + columns[1] * v.y + columns[2] * v.z
+    }
+
+    #[inline(always)]
+    fn tube_vector(&self, v: Vec3s) -> Vec3s {
+        let columns = &self.world_from_tube;
+        F32s::vec3([F32s::dot(columns[0], v), F32s::dot(columns[1], v), F32s::dot(columns[2], v)])
+    }
+}
+
+impl Shape for Bent {
+    fn light_filter(&self) -> &LightFilter {
+        &self.tube.light_filter
+    }
+
+    #[inline(always)]
+    fn sample(&self, scene: &Scene, map: Option<&DepthMap>, surface: &Surface, asked: Masks) -> Sample {
+        let q = self.tube_position(surface.position);
+        let nearest = root::nearest(&self.tube, q, asked);
+        let (zero, nothing) = (F32s::splat(0.0), Vec3s::splat([0.0; 3]));
+        let mut sample =
+            Sample { inside: nearest.found, direction: nothing, irradiance: nothing, visibility: zero };
+        // Sixteen pixels that lie together mostly lie in one segment.
+        for segment in 0..self.tube.segments.len() {
+            let here = nearest.found & nearest.segment.equals(F32s::splat(segment as f32));
+            if here.any() {
+                let of_segment = self.sample_segment(scene, map, surface, &nearest, (segment, q, here));
+                sample.direction = F32s::select_vec(here, of_segment.direction, sample.direction);
+                sample.irradiance = F32s::select_vec(here, of_segment.irradiance, sample.irradiance);
+                sample.visibility = F32s::select(here, of_segment.visibility, sample.visibility);
+            }
+        }
+        sample
+    }
+}
+
+impl Bent {
+    /// What surfaces at roots of one segment get.
+    #[inline(always)]
+    fn sample_segment(
+        &self,
+        scene: &Scene,
+        map: Option<&DepthMap>,
+        surface: &Surface,
+        nearest: &root::Nearest,
+        (segment, q, here): (usize, Vec3s, Masks),
+    ) -> Sample {
+        let (inside, _) = self.tube.inside_at(segment, q, nearest.u);
+        let root = self.tube.root_at(&inside);
+        let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
+        let radius = F32s::select(root.radius.gt(zero), root.radius, one);
+        let (v, w) = (root.v_len / radius, root.w_len / radius);
+        let toward = self.world_vector(self.tube.direction_at(&root));
+        let filter = &self.tube.light_filter;
+        let s = if filter.needs_distance() { self.tube.path_length(&root) } else { zero };
+        let most = F32s::splat(MAX_EMISSION);
+        let [r, g, b] = F32s::coordinates(self.tube.segments[segment].emission(root.u));
+        let emission = F32s::vec3([r.least(most), g.least(most), b.least(most)]);
+        let share = filter.share_at(v, w, s);
+        // At the source itself light would be infinitely strong.
+        let share = F32s::select(share.le(most), share, most);
+        let visibility = match map {
+            Some(map) => self.visibility(scene, map, surface, (&root, v, w), here),
+            None => one,
+        };
+        Sample {
+            inside: here,
+            direction: toward * (one / F32s::length(toward)),
+            irradiance: emission * share,
+            visibility,
+        }
+    }
+}
+
+/// The light with each of its numbers in every lane.
+pub(crate) fn in_lanes(tube: &Tube<f64>) -> Tube<F32s> {
+    let of_tube = Tube::<f32>::from(tube);
+    let bound = |x: f32| F32s::splat(x.clamp(-MAX_INTENSITY, MAX_INTENSITY));
+    let segments = of_tube.segments.iter().map(|segment| Segment {
+        curve: curve_in_lanes(&segment.curve),
+        color: segment.color.map(|color| F32s::vec3(color.to_array().map(bound))),
+        intensity: segment.intensity.map(bound),
+        arc_start: F32s::splat(segment.arc_start),
+    });
+    Tube {
+        segments: segments.collect(),
+        n: of_tube.n,
+        placement: of_tube.placement,
+        frame: of_tube.frame,
+        up: in_lanes_vec(of_tube.up),
+        direction: of_tube.direction,
+        light_filter: of_tube.light_filter,
+    }
+}
+
+fn in_lanes_vec(v: Vec3) -> Vec3s {
+    Vec3s::splat(v.to_array())
+}
+
+/// A curve with each of its numbers in every lane.
+pub(crate) fn curve_in_lanes(curve: &Curve<f32>) -> Curve<F32s> {
+    let bounds = &curve.bounds;
+    Curve {
+        b0: in_lanes_vec(curve.b0),
+        b2: in_lanes_vec(curve.b2),
+        d0: in_lanes_vec(curve.d0),
+        d1: in_lanes_vec(curve.d1),
+        a: in_lanes_vec(curve.a),
+        n_hat: in_lanes_vec(curve.n_hat),
+        alpha: F32s::splat(curve.alpha),
+        beta: F32s::splat(curve.beta),
+        r0: F32s::splat(curve.r0),
+        e0: F32s::splat(curve.e0),
+        ar: F32s::splat(curve.ar),
+        bounds: TubeBox {
+            center: in_lanes_vec(bounds.center),
+            axes: bounds.axes.map(in_lanes_vec),
+            half: bounds.half.map(F32s::splat),
+        },
+    }
+}

@@ -1,0 +1,51 @@
+//! Which of the roots of sixteen points counts.
+
+use light::{Lanes, Mask, Tube};
+
+use crate::lanes::{F32s, Masks, Vec3s};
+
+/// The root of each point with the smallest |r| / R.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Nearest {
+    /// Which points lie in the tube.
+    pub found: Masks,
+    /// In which of its segments.
+    pub segment: F32s,
+    /// The parameter there.
+    pub u: F32s,
+    r2: F32s,
+    radius: F32s,
+}
+
+/// Those of the points `q` in tube space that are `asked` for. At a joint the same root comes from both sides, equal but for
+/// rounding; either will do.
+#[inline(always)]
+pub(crate) fn nearest(tube: &Tube<F32s>, q: Vec3s, asked: Masks) -> Nearest {
+    let zero = F32s::splat(0.0);
+    let mut best = Nearest { found: Masks::of(false), segment: zero, u: zero, r2: zero, radius: zero };
+    let mut f0 = tube.first_joint(q);
+    for i in 0..tube.segments.len() {
+        let f1 = tube.end_joint(i, q);
+        let roots = tube.candidates(i, q, f0, f1);
+        if (asked & roots.has_left).any() {
+            consider(&mut best, tube, (i, q), (roots.left, asked & roots.has_left));
+        }
+        if (asked & roots.has_right).any() {
+            consider(&mut best, tube, (i, q), (roots.right, asked & roots.has_right));
+        }
+        f0 = f1;
+    }
+    best
+}
+
+#[inline(always)]
+fn consider(best: &mut Nearest, tube: &Tube<F32s>, (i, q): (usize, Vec3s), (u, has): (F32s, Masks)) {
+    let (inside, is_inside) = tube.inside_at(i, q, u);
+    let nearer = (inside.r2 * best.radius * best.radius).lt(best.r2 * inside.radius * inside.radius);
+    let better = has & is_inside & (nearer | !best.found);
+    best.found = best.found | better;
+    best.segment = F32s::select(better, F32s::splat(i as f32), best.segment);
+    best.u = F32s::select(better, u, best.u);
+    best.r2 = F32s::select(better, inside.r2, best.r2);
+    best.radius = F32s::select(better, inside.radius, best.radius);
+}

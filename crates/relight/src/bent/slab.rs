@@ -1,0 +1,155 @@
+//! Points mapped into tube space, slab by slab: the twin of `map_to_slab` of `bent_map.wgsl`.
+
+use glam::{Mat4, Vec3};
+use light::{Curve, Frame, Lanes, Mask, increasing_roots};
+
+use super::curve_in_lanes;
+use crate::lanes::{F32s, LANES, Masks, Vec3s};
+
+/// A piece of the tube between two planes square to its curve; inside it and its box the map is one to one.
+#[derive(Clone, Copy, Debug)]
+pub struct Slab {
+    /// Position, radius and frame.
+    pub curve: Curve<f32>,
+    /// The map's t where it starts.
+    pub t_start: f32,
+    /// The map's t per unit of the curve's parameter.
+    pub t_span: f32,
+    /// n.q + w of the planes around, ends first; zero or more inside.
+    pub planes: [[f32; 4]; 6],
+    /// Which edges are surely straight: `[p, q, r, s]`, where `(p dt + q e) dt` is at most the smaller radius of the ends
+    /// and `r dt + s e` at most 1, of an edge of length e between parameters that differ by dt.
+    pub edge_bounds: [f32; 4],
+}
+
+/// How scene space and a light's frame lie in its tube space.
+#[derive(Clone, Copy, Debug)]
+pub struct TubeSpace {
+    /// From scene space.
+    pub from_scene: Mat4,
+    /// Orientation of the cross-section.
+    pub frame: Frame,
+    /// Unit vector that orients it where that is [`Frame::Up`].
+    pub up: Vec3,
+}
+
+/// A slab with each of its numbers in every lane.
+#[derive(Debug)]
+pub(super) struct SlabLanes {
+    pub curve: Curve<F32s>,
+    t_start: F32s,
+    t_span: F32s,
+    planes: [(Vec3s, F32s); 6],
+}
+
+/// (V, W, R, t) of a point, or of one a lane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mapped<F> {
+    pub v: F,
+    pub w: F,
+    pub r: F,
+    pub t: F,
+}
+
+impl TubeSpace {
+    /// A position of the scene in tube space.
+    #[inline(always)]
+    pub(super) fn position(&self, [x, y, z]: [f32; 3]) -> Vec3 {
+        let m = &self.from_scene;
+        m.x_axis.truncate() * x + m.y_axis.truncate() * y + m.z_axis.truncate() * z + m.w_axis.truncate()
+    }
+}
+
+impl SlabLanes {
+    pub fn new(slab: &Slab) -> Self {
+        let plane = |[x, y, z, w]: [f32; 4]| (Vec3s::splat([x, y, z]), F32s::splat(w));
+        Self {
+            curve: curve_in_lanes(&slab.curve),
+            t_start: F32s::splat(slab.t_start),
+            t_span: F32s::splat(slab.t_span),
+            planes: slab.planes.map(plane),
+        }
+    }
+
+    /// Signed distance from one of the planes around; inside where all six are zero or more.
+    #[inline(always)]
+    pub fn distance(&self, plane: usize, q: Vec3s) -> F32s {
+        let (normal, offset) = self.planes[plane];
+        F32s::dot(normal, q) + offset
+    }
+
+    /// Which points lie in the slab.
+    #[inline(always)]
+    pub fn holds(&self, q: Vec3s) -> Masks {
+        let ends = self.distance(0, q).least(self.distance(1, q));
+        let inside = ends.ge(F32s::splat(0.0));
+        if !inside.any() {
+            return inside;
+        }
+        let across = self.distance(2, q).least(self.distance(3, q));
+        let along_normal = self.distance(4, q).least(self.distance(5, q));
+        inside & across.least(along_normal).ge(F32s::splat(0.0))
+    }
+
+    /// Where points of the slab lie in the tube. The signs at the ends are known; rounding at a clipping plane must not lose
+    /// the root.
+    #[inline(always)]
+    pub fn map(&self, space: &TubeSpace, q: Vec3s) -> Mapped<F32s> {
+        let (zero, curve) = (F32s::splat(0.0), &self.curve);
+        let f0 = (-F32s::dot(q - curve.b0, curve.d0)).least(zero);
+        let f1 = (-F32s::dot(q - curve.b2, curve.d1)).most(zero);
+        let roots = increasing_roots(curve, q, f0, f1);
+        let mut u = f0 / (f0 - f1).least(F32s::splat(-1e-30));
+        u = F32s::select(roots.has_right, roots.right, u);
+        u = F32s::select(roots.has_left, roots.left, u);
+        let both = roots.has_left & roots.has_right;
+        if both.any() {
+            let (right, left) = (curve.offset(q, roots.right), curve.offset(q, roots.left));
+            let nearer = F32s::dot(right, right).lt(F32s::dot(left, left));
+            u = F32s::select(both & nearer, roots.right, u);
+        }
+        let u_hat = curve.u_hat(u);
+        let (v_hat, w_hat) = match space.frame {
+            Frame::RotationMinimizing => curve.rotation_minimizing(u_hat),
+            Frame::Up => {
+                let w_hat = light::perpendicular_up::<F32s>(Vec3s::splat(space.up.to_array()), u_hat);
+                (F32s::cross(w_hat, u_hat), w_hat)
+            }
+        };
+        let r = curve.offset(q, u);
+        Mapped {
+            v: F32s::dot(r, v_hat),
+            w: F32s::dot(r, w_hat),
+            r: curve.radius(u).most(zero),
+            t: self.t_start + self.t_span * u,
+        }
+    }
+}
+
+impl Mapped<F32s> {
+    /// One lane's.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> Mapped<f32> {
+        Mapped { v: self.v.0[lane], w: self.w.0[lane], r: self.r.0[lane], t: self.t.0[lane] }
+    }
+}
+
+impl Mapped<f32> {
+    /// A place of a vertex, and the value that is drawn.
+    #[inline(always)]
+    pub fn corner(self) -> [f32; 4] {
+        [self.v, self.w, self.r, self.t]
+    }
+}
+
+/// Points side by side; where there are fewer than lanes the last one is repeated. Some there have to be.
+#[inline(always)]
+pub(super) fn side_by_side(points: &[Vec3]) -> Vec3s {
+    let mut lanes = Vec3s::splat([0.0; 3]);
+    let last = points.len() - 1;
+    for i in 0..LANES {
+        let point = points[i.min(last)];
+        (lanes.x.0[i], lanes.y.0[i], lanes.z.0[i]) = (point.x, point.y, point.z);
+    }
+    lanes
+}

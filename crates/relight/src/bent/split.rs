@@ -1,0 +1,304 @@
+//! Triangles cut to slabs, and split until their edges are as good as straight in the map: the twin of `bent_map_clip.wgsl` and
+//! `bent_map_split.wgsl`. Whether an edge is split depends on that edge alone, so neighbours agree and no cracks open.
+
+use super::casters::{BentMap, Casters};
+use super::edges::{Edge, INSIDE_OUT, OPEN, bow, faces_away, off_map, strays};
+use super::slab::{Mapped, Slab, SlabLanes, side_by_side};
+use crate::lanes::LANES;
+use crate::raster::{HoledTriangle, Triangle};
+use crate::scene::weights_at;
+use glam::Vec3;
+
+/// How often a patch may be split; what comes of it then is drawn as it is.
+const MOST_LEVELS: usize = 10;
+/// Three corners, and one more for each of the six planes.
+const MOST_CORNERS: usize = 9;
+
+/// What comes of some triangles that were cut and split.
+#[derive(Debug, Default)]
+pub(super) struct Drawn {
+    pub whole: Vec<Triangle>,
+    pub holed: Vec<HoledTriangle>,
+}
+
+/// A triangle in a slab that it may touch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ToClip {
+    pub triangle: u32,
+    pub slab: u32,
+    /// As in a patch.
+    pub caster: u32,
+}
+
+/// A triangle in a slab.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Patch {
+    /// Corners in tube space.
+    pub q: [Vec3; 3],
+    /// Where they lie in the tube.
+    pub mapped: [Mapped<f32>; 3],
+    pub slab: u32,
+    /// Which triangle of those with an alpha test it is of, or what surface.
+    pub caster: u32,
+}
+
+/// Whether an edge needs a point between its ends, and that point.
+#[derive(Clone, Copy, Debug)]
+struct Middle {
+    split: bool,
+    /// How far (V, W, R) strays from the straight edge, as a length in tube space; 0 where too little to see.
+    bow: f32,
+    q: Vec3,
+    mapped: Mapped<f32>,
+}
+
+/// Memory of one turn.
+#[derive(Default)]
+struct Memory {
+    points: Vec<Vec3>,
+    mapped: Vec<Mapped<f32>>,
+    /// Where the points of each patch's edges begin; those of safe ones have none.
+    edges: Vec<[Option<usize>; 3]>,
+}
+
+/// Cuts `to_clip`, then splits what came of that, and `patches`; both are sorted by slab. Adds what is to be drawn.
+#[inline(always)]
+pub(super) fn split(
+    (map, slabs): (&BentMap, &[SlabLanes]),
+    casters: &Casters,
+    (to_clip, patches): (&[ToClip], &[Patch]),
+    into: &mut Drawn,
+) {
+    let mut memory = Memory::default();
+    let mut level_patches = patches.to_vec();
+    for of_slab in to_clip.chunk_by(|a, b| a.slab == b.slab) {
+        clip((map, &slabs[of_slab[0].slab as usize]), casters, of_slab, &mut memory, &mut level_patches);
+    }
+    for level in 0..=MOST_LEVELS {
+        let mut next = Vec::new();
+        for of_slab in level_patches.chunk_by(|a, b| a.slab == b.slab) {
+            let slab = &slabs[of_slab[0].slab as usize];
+            measure((map, slab), of_slab, &mut memory);
+            for (patch, edges) in of_slab.iter().zip(&memory.edges) {
+                let middles = middles_of(map, patch, (edges, &memory));
+                divide(map, casters, (patch, &middles), level == MOST_LEVELS, (&mut next, into));
+            }
+        }
+        if next.is_empty() {
+            return;
+        }
+        level_patches = next;
+    }
+}
+
+/// Maps points of one slab, sixteen at a time.
+#[inline(always)]
+fn map_points((map, slab): (&BentMap, &SlabLanes), points: &[Vec3], mapped: &mut Vec<Mapped<f32>>) {
+    mapped.clear();
+    for points in points.chunks(LANES) {
+        let lanes = slab.map(&map.space, side_by_side(points));
+        for i in 0..points.len() {
+            mapped.push(lanes.lane(i));
+        }
+    }
+}
+
+/// Cuts triangles to their slab in the scene, and adds them as fans of patches.
+#[inline(always)]
+fn clip(
+    (map, slab): (&BentMap, &SlabLanes),
+    casters: &Casters,
+    items: &[ToClip],
+    memory: &mut Memory,
+    patches: &mut Vec<Patch>,
+) {
+    memory.points.clear();
+    let mut counts = Vec::with_capacity(items.len());
+    for item in items {
+        let planes = &map.slabs[item.slab as usize].planes;
+        let first = 3 * item.triangle as usize;
+        let corner = |k: usize| map.space.position(casters.positions[casters.indices[first + k] as usize]);
+        let (polygon, count) = clipped(planes, [corner(0), corner(1), corner(2)]);
+        let count = if count < 3 { 0 } else { count };
+        memory.points.extend(&polygon[..count]);
+        counts.push(count);
+    }
+    map_points((map, slab), &memory.points, &mut memory.mapped);
+    let mut first = 0;
+    for (item, count) in items.iter().zip(counts) {
+        let corners = &memory.points[first..first + count];
+        let mapped = &memory.mapped[first..first + count];
+        for k in 2..count {
+            patches.push(Patch {
+                q: [corners[0], corners[k - 1], corners[k]],
+                mapped: [mapped[0], mapped[k - 1], mapped[k]],
+                slab: item.slab,
+                caster: item.caster,
+            });
+        }
+        first += count;
+    }
+}
+
+/// A triangle cut by planes: its corners, and how many they are.
+#[inline(always)]
+fn clipped(planes: &[[f32; 4]; 6], triangle: [Vec3; 3]) -> ([Vec3; MOST_CORNERS], usize) {
+    let mut polygon = [Vec3::ZERO; MOST_CORNERS];
+    polygon[..3].copy_from_slice(&triangle);
+    let mut count = 3;
+    for &[x, y, z, w] in planes {
+        if count < 3 {
+            break;
+        }
+        let normal = Vec3::new(x, y, z);
+        let (mut kept, mut kept_count) = ([Vec3::ZERO; MOST_CORNERS], 0);
+        let mut before = polygon[count - 1];
+        let mut before_distance = normal.dot(before) + w;
+        for &here in &polygon[..count] {
+            let distance = normal.dot(here) + w;
+            // Always from the outer end, so that the triangles on both sides of the edge agree bit for bit.
+            let crossing = if before_distance < 0.0 && distance >= 0.0 {
+                Some(before + (here - before) * (before_distance / (before_distance - distance)))
+            } else if before_distance >= 0.0 && distance < 0.0 {
+                Some(here + (before - here) * (distance / (distance - before_distance)))
+            } else {
+                None
+            };
+            let inside = (distance >= 0.0).then_some(here);
+            for corner in [crossing, inside].into_iter().flatten() {
+                if kept_count < MOST_CORNERS {
+                    kept[kept_count] = corner;
+                    kept_count += 1;
+                }
+            }
+            (before, before_distance) = (here, distance);
+        }
+        (polygon, count) = (kept, kept_count);
+    }
+    (polygon, count)
+}
+
+/// Lists and maps the points that tell which edges of `patches`, all of one slab, are straight.
+#[inline(always)]
+fn measure((map, slab): (&BentMap, &SlabLanes), patches: &[Patch], memory: &mut Memory) {
+    memory.points.clear();
+    memory.edges.clear();
+    let bounds = map.slabs[patches[0].slab as usize].edge_bounds;
+    for patch in patches {
+        let mut edges = [None; 3];
+        for (k, edge) in edges.iter_mut().enumerate() {
+            let ends = patch.edge(k);
+            if !ends.is_safe(bounds) {
+                *edge = Some(memory.points.len());
+                let middle = (ends.qa + ends.qb) * 0.5;
+                // Made from both ends alike, so that the edge's other triangle finds the same bits.
+                memory.points.extend([middle, (ends.qa + middle) * 0.5, (ends.qb + middle) * 0.5]);
+            }
+        }
+        memory.edges.push(edges);
+    }
+    map_points((map, slab), &memory.points, &mut memory.mapped);
+}
+
+impl Patch {
+    /// The edge from a corner to the next.
+    #[inline(always)]
+    fn edge(&self, k: usize) -> Edge<f32> {
+        let next = (k + 1) % 3;
+        Edge { qa: self.q[k], a: self.mapped[k], qb: self.q[next], b: self.mapped[next] }
+    }
+}
+
+/// Compares the image of each edge's middle with the middle of the images, and so the quarters: an S crosses its chord in the
+/// middle. The middle of homogeneous (V, W, R) is what is drawn; on a straight cone both agree.
+#[inline(always)]
+fn middles_of(map: &BentMap, patch: &Patch, (edges, memory): (&[Option<usize>; 3], &Memory)) -> [Middle; 3] {
+    let mut middles = [Middle { split: false, bow: 0.0, q: Vec3::ZERO, mapped: patch.mapped[0] }; 3];
+    let Slab { curve, t_span, .. } = &map.slabs[patch.slab as usize];
+    for k in 0..3 {
+        let Some(first) = edges[k] else { continue };
+        let ends = patch.edge(k);
+        let straight = halfway(&ends.a, &ends.b);
+        let there = [straight, halfway(&ends.a, &straight), halfway(&ends.b, &straight)];
+        let middle = &mut middles[k];
+        (middle.q, middle.mapped) = (memory.points[first], memory.mapped[first]);
+        for (i, straight) in there.iter().enumerate() {
+            let (q, mapped) = (memory.points[first + i], &memory.mapped[first + i]);
+            middle.split |= strays(map, (curve, *t_span), q, (mapped, straight));
+            middle.bow = middle.bow.max(bow(mapped, straight));
+        }
+    }
+    middles
+}
+
+#[inline(always)]
+fn halfway(a: &Mapped<f32>, b: &Mapped<f32>) -> Mapped<f32> {
+    Mapped { v: (a.v + b.v) * 0.5, w: (a.w + b.w) * 0.5, r: (a.r + b.r) * 0.5, t: (a.t + b.t) * 0.5 }
+}
+
+/// A patch of a triangle with an alpha test. A vertex that clipping and splitting made has no uv: where it lies in its triangle
+/// tells that, for both are flat in the scene.
+fn with_holes(map: &BentMap, casters: &Casters, patch: &Patch) -> HoledTriangle {
+    let (scene, tests) = (casters.scene, &casters.alpha_tests);
+    let triangle = tests.scene_triangle(patch.caster);
+    let [a, b, c] = scene.corners(triangle).map(|corner| map.space.position(corner.to_array()));
+    let [at_a, at_b, at_c] = scene.uv_alpha(triangle);
+    let uv_alpha = patch.q.map(|q| {
+        let weights = weights_at([a, b, c], q);
+        (at_a + weights.y * (at_b - at_a) + weights.z * (at_c - at_a)).to_array()
+    });
+    let corners = patch.mapped.map(Mapped::corner);
+    HoledTriangle { corners, uv_alpha, test: tests.test_of(patch.caster) as u32 }
+}
+
+/// Drops a patch that lies off the map, draws one that is straight or the last, and splits others at the middles of those edges
+/// that are not.
+#[inline(always)]
+fn divide(
+    map: &BentMap,
+    casters: &Casters,
+    (patch, middles): (&Patch, &[Middle; 3]),
+    is_last: bool,
+    (next, into): (&mut Vec<Patch>, &mut Drawn),
+) {
+    let [a, b, c] = &patch.mapped;
+    let bow = middles[0].bow.max(middles[1].bow).max(middles[2].bow);
+    if off_map(map, [a, b, c], bow) {
+        return;
+    }
+    let splits = middles.iter().filter(|middle| middle.split).count();
+    if splits == 0 || is_last {
+        if patch.caster < INSIDE_OUT {
+            into.holed.push(with_holes(map, casters, patch));
+            return;
+        }
+        let turned = if patch.caster == INSIDE_OUT { 1.0 } else { -1.0 };
+        if patch.caster == OPEN || !faces_away(map, [a, b, c], turned) {
+            into.whole.push([a.corner(), b.corner(), c.corner()]);
+        }
+        return;
+    }
+    let corner = |k: usize| (patch.q[k % 3], patch.mapped[k % 3]);
+    let middle = |k: usize| (middles[k % 3].q, middles[k % 3].mapped);
+    let mut pass_on = |corners: [(Vec3, Mapped<f32>); 3]| {
+        let [(qa, a), (qb, b), (qc, c)] = corners;
+        next.push(Patch { q: [qa, qb, qc], mapped: [a, b, c], ..*patch });
+    };
+    if splits == 3 {
+        for k in 0..3 {
+            pass_on([corner(k), middle(k), middle(k + 2)]);
+        }
+        pass_on([middle(0), middle(1), middle(2)]);
+        return;
+    }
+    // From where a split edge comes first and, of two, the second next.
+    let first = (0..3).find(|&k| middles[k].split && !middles[(k + 2) % 3].split).unwrap_or(0);
+    if splits == 1 {
+        pass_on([corner(first), middle(first), corner(first + 2)]);
+        pass_on([middle(first), corner(first + 1), corner(first + 2)]);
+    } else {
+        pass_on([middle(first), corner(first + 1), middle(first + 1)]);
+        pass_on([corner(first), middle(first), middle(first + 1)]);
+        pass_on([corner(first), middle(first + 1), corner(first + 2)]);
+    }
+}

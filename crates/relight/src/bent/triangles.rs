@@ -1,0 +1,232 @@
+//! Every triangle near a bent light once: dropped, used as it is, passed on as a patch where it lies in one slab and may be bent,
+//! or else listed with each slab that it may touch. The twin of `bent_map_triangles.wgsl`.
+
+use glam::Vec3;
+use light::{Lanes, Mask};
+
+use super::casters::{BentMap, Casters};
+use super::edges::{Edge, INSIDE_OUT, OPEN, faces_away, off_map};
+use super::slab::{Mapped, SlabLanes};
+use super::split::{Patch, ToClip};
+use crate::lanes::{F32s, LANES, Masks, U32s, Vec3s};
+use crate::raster::Triangle;
+use crate::simd::{self, Work};
+
+/// A vertex of casters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Vertex {
+    /// In tube space.
+    pub q: Vec3,
+    /// The first slab that holds it.
+    pub slab: u32,
+    /// Where it lies in that.
+    pub mapped: Mapped<f32>,
+}
+
+/// What became of some of the triangles.
+#[derive(Debug, Default)]
+pub(super) struct Listed {
+    /// To be drawn as they are.
+    pub whole: Vec<Triangle>,
+    pub patches: Vec<Patch>,
+    pub to_clip: Vec<ToClip>,
+}
+
+impl Listed {
+    /// Lists what is in `leaves` anew.
+    pub fn list(
+        &mut self,
+        (map, slabs): (&BentMap, &[SlabLanes]),
+        (casters, vertices): (&Casters, &[Vertex]),
+        leaves: &[[u32; 2]],
+    ) {
+        self.whole.clear();
+        self.patches.clear();
+        self.to_clip.clear();
+        simd::run(List { map, slabs, casters, vertices, leaves, listed: self });
+    }
+}
+
+struct List<'a> {
+    map: &'a BentMap<'a>,
+    slabs: &'a [SlabLanes],
+    casters: &'a Casters<'a>,
+    vertices: &'a [Vertex],
+    leaves: &'a [[u32; 2]],
+    listed: &'a mut Listed,
+}
+
+impl Work for List<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        for &[first, count_and_shell] in self.leaves {
+            let end = first + (count_and_shell & 0xffff);
+            let shell = count_and_shell >> 16;
+            let mut triangle = first;
+            while triangle < end {
+                let count = (end - triangle).min(LANES as u32) as usize;
+                self.sixteen(triangle, count, shell);
+                triangle += LANES as u32;
+            }
+        }
+    }
+}
+
+/// Corners of sixteen triangles: in tube space, mapped, and the slabs that hold them.
+struct Corners {
+    q: [Vec3s; 3],
+    mapped: [Mapped<F32s>; 3],
+    slab: [U32s; 3],
+    /// The bounds of the first corner's slab.
+    bounds: [F32s; 4],
+}
+
+impl List<'_> {
+    /// Lists up to sixteen triangles of a leaf.
+    #[inline(always)]
+    fn sixteen(&mut self, first: u32, count: usize, shell: u32) {
+        let corners = self.corners(first, count);
+        let mut there = Masks::of(false);
+        for i in 0..count {
+            there.0[i] = u32::MAX;
+        }
+        let [slab_a, slab_b, slab_c] = corners.slab;
+        let in_one = there & slab_a.equals(slab_b) & slab_a.equals(slab_c) & below(slab_a, self.slabs.len());
+        if in_one.any() {
+            self.in_one_slab(&corners, in_one, (first, count, shell));
+        }
+        let across = there & !in_one;
+        if across.any() {
+            self.across_slabs(&corners, across, (first, count, shell));
+        }
+    }
+
+    #[inline(always)]
+    fn corners(&self, first: u32, count: usize) -> Corners {
+        let (zero, none) = (F32s::splat(0.0), Vec3s::splat([0.0; 3]));
+        let nowhere = Mapped { v: zero, w: zero, r: zero, t: zero };
+        let mut corners =
+            Corners { q: [none; 3], mapped: [nowhere; 3], slab: [U32s::splat(0); 3], bounds: [zero; 4] };
+        for i in 0..LANES {
+            let index = 3 * (first as usize + i.min(count - 1));
+            for k in 0..3 {
+                let vertex = &self.vertices[self.casters.indices[index + k] as usize];
+                let (q, mapped) = (&mut corners.q[k], &mut corners.mapped[k]);
+                (q.x.0[i], q.y.0[i], q.z.0[i]) = (vertex.q.x, vertex.q.y, vertex.q.z);
+                (mapped.v.0[i], mapped.w.0[i]) = (vertex.mapped.v, vertex.mapped.w);
+                (mapped.r.0[i], mapped.t.0[i]) = (vertex.mapped.r, vertex.mapped.t);
+                corners.slab[k].0[i] = vertex.slab;
+            }
+            if let Some(slab) = self.map.slabs.get(corners.slab[0].0[i] as usize) {
+                for k in 0..4 {
+                    corners.bounds[k].0[i] = slab.edge_bounds[k];
+                }
+            }
+        }
+        corners
+    }
+
+    /// Which surface a triangle is of, or which of those with an alpha test it is.
+    #[inline(always)]
+    fn caster_of(&self, triangle: u32, shell: u32) -> u32 {
+        let opaque = self.casters.opaque_triangles;
+        if triangle >= opaque { triangle - opaque } else { OPEN - shell }
+    }
+
+    #[inline(always)]
+    fn in_one_slab(&mut self, corners: &Corners, here: Masks, (first, count, shell): (u32, usize, u32)) {
+        let [qa, qb, qc] = corners.q;
+        let [a, b, c] = &corners.mapped;
+        // Nearly all are. Looking closer here would cost every triangle nine solves.
+        let bounds = corners.bounds;
+        let safe = Edge { qa, a: *a, qb, b: *b }.is_safe(bounds)
+            & Edge { qa: qb, a: *b, qb: qc, b: *c }.is_safe(bounds)
+            & Edge { qa: qc, a: *c, qb: qa, b: *a }.is_safe(bounds);
+        let mut dropped = off_map(self.map, [a, b, c], F32s::splat(0.0));
+        if shell != 0 {
+            let turned = if OPEN - shell == INSIDE_OUT { 1.0 } else { -1.0 };
+            let mut opaque = Masks::of(true);
+            for i in 0..LANES {
+                if first + i as u32 >= self.casters.opaque_triangles {
+                    opaque.0[i] = 0;
+                }
+            }
+            dropped = dropped | (opaque & faces_away(self.map, [a, b, c], F32s::splat(turned)));
+        }
+        let left = here & !(safe & dropped);
+        for i in 0..count {
+            if !left.lane(i) {
+                continue;
+            }
+            let caster = self.caster_of(first + i as u32, shell);
+            let mapped = [a.lane(i), b.lane(i), c.lane(i)];
+            // Patches know their triangle, and by it their holes.
+            if safe.lane(i) && caster >= INSIDE_OUT {
+                self.listed.whole.push([mapped[0].corner(), mapped[1].corner(), mapped[2].corner()]);
+            } else {
+                let q = [qa.lane(i), qb.lane(i), qc.lane(i)];
+                self.listed.patches.push(Patch { q, mapped, slab: corners.slab[0].0[i], caster });
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn across_slabs(&mut self, corners: &Corners, across: Masks, (first, count, shell): (u32, usize, u32)) {
+        let near = across & near_all(self.map.bounds, &corners.q);
+        if !near.any() {
+            return;
+        }
+        for (index, slab) in self.slabs.iter().enumerate() {
+            let touched = near & may_touch(slab, &corners.q);
+            if !touched.any() {
+                continue;
+            }
+            for i in 0..count {
+                if touched.lane(i) {
+                    let triangle = first + i as u32;
+                    let caster = self.caster_of(triangle, shell);
+                    self.listed.to_clip.push(ToClip { triangle, slab: index as u32, caster });
+                }
+            }
+        }
+    }
+}
+
+/// Which of some numbers are below another.
+#[inline(always)]
+fn below(numbers: U32s, limit: usize) -> Masks {
+    let mut below = Masks::of(false);
+    for i in 0..LANES {
+        below.0[i] = if (numbers.0[i] as usize) < limit { u32::MAX } else { 0 };
+    }
+    below
+}
+
+/// Which triangles have a box that touches another.
+#[inline(always)]
+fn near_all([low, high]: [Vec3; 2], [a, b, c]: &[Vec3s; 3]) -> Masks {
+    let x = axis_near([low.x, high.x], [a.x, b.x, c.x]);
+    let y = axis_near([low.y, high.y], [a.y, b.y, c.y]);
+    x & y & axis_near([low.z, high.z], [a.z, b.z, c.z])
+}
+
+#[inline(always)]
+fn axis_near([low, high]: [f32; 2], [a, b, c]: [F32s; 3]) -> Masks {
+    a.most(b).most(c).ge(F32s::splat(low)) & a.least(b).least(c).le(F32s::splat(high))
+}
+
+/// Which triangles lie on the outer side of none of the slab's planes.
+#[inline(always)]
+fn may_touch(slab: &SlabLanes, [a, b, c]: &[Vec3s; 3]) -> Masks {
+    let mut may = Masks::of(true);
+    for plane in 0..6 {
+        let farthest = slab.distance(plane, *a).most(slab.distance(plane, *b)).most(slab.distance(plane, *c));
+        may = may & farthest.ge(F32s::splat(0.0));
+        if !may.any() {
+            break;
+        }
+    }
+    may
+}

@@ -1,0 +1,269 @@
+//! How much of a bent light nothing is in the way of: the twin of `bent_visibility` of `bendy.wgsl`.
+
+use light::{Lanes, Mask, Root};
+
+use super::lookup::{MapTexel, Pair, map_texel};
+use super::{Bent, BentMapPlace};
+use crate::Scene;
+use crate::depth_map::DepthMap;
+use crate::lanes::{F32s, Masks, U32s, Vec3s};
+use crate::surfaces::Surface;
+use crate::visibility::{LitTexels, Receiver, decided, filtered, gathered, in_their_own_way};
+
+/// Lengths along the light, in a texel's widths. From texel to texel the receiver's plane runs along the light so far: more
+/// than this, and what the map cannot tell the scene is asked; ...
+const GRAZING: f32 = 1.0;
+/// ... the map is believed as if it were this at most; ...
+const STEEP: f32 = 4.0;
+/// ... and seen edge on it runs so far.
+const STEEPEST: f32 = 32.0;
+/// The farthest of the texels around is a step and a half away, where the plane may lie so much earlier.
+const REACH: f32 = 1.5 * STEEPEST;
+
+/// A receiver's place on the map, and what its own plane looks like there.
+struct BentReceiver {
+    face: U32s,
+    texel: Pair,
+    /// As the face stores it, and how it changes along the receiver's plane from texel to texel.
+    depth: F32s,
+    step: Pair,
+    /// How much deeper than the map says it may lie and be lit: by all that the map can tell, and if what is near is left to
+    /// the scene.
+    tolerance: F32s,
+    reach: F32s,
+    /// The depth that 1 stands for.
+    far: F32s,
+}
+
+impl Receiver for BentReceiver {
+    #[inline(always)]
+    fn texel(&self) -> Pair {
+        self.texel
+    }
+
+    #[inline(always)]
+    fn lit_texels(&self, map: &DepthMap, corner: Pair) -> LitTexels {
+        let (zero, side) = (F32s::splat(0.0), map.side() as f32);
+        // Where the tube's rim touches the map's, what lies beyond is looked up a texel further in. Farther out nothing throws
+        // shadows, though what may throw none is drawn up to the map's border.
+        let (low, high) = (F32s::splat(-1.5), F32s::splat(side + 0.5));
+        let beyond =
+            self.texel[0].lt(low) | self.texel[1].lt(low) | self.texel[0].gt(high) | self.texel[1].gt(high);
+        let last = F32s::splat(side - 2.0);
+        let first = [corner[0].within(zero, last), corner[1].within(zero, last)];
+        let [dx, dy] = self.step;
+        let start = self.depth + (dx * (first[0] - self.texel[0]) + dy * (first[1] - self.texel[1]));
+        let expected = [start, start + dx, start + dy, start + (dx + dy)];
+        // A texel that nothing was drawn to holds the last depth, and a plane may run on past it.
+        let latest = self.far * F32s::splat(1.0 - 1.0 / 4_194_304.0);
+        let stored = gathered(map, self.face, first);
+        let mut lit = LitTexels { told: [beyond; 4], left: [beyond; 4] };
+        for k in 0..4 {
+            let stored = stored[k] * self.far;
+            lit.told[k] = lit.told[k] | stored.ge((expected[k] - self.tolerance).least(latest));
+            lit.left[k] = lit.left[k] | stored.ge((expected[k] - self.reach).least(latest));
+        }
+        lit
+    }
+}
+
+/// What is known of a path at a root.
+struct Path {
+    v_hat: Vec3s,
+    w_hat: Vec3s,
+    /// Half the derivatives of position, first and second.
+    d: Vec3s,
+    a: Vec3s,
+    u_hat_derivative: Vec3s,
+    radius_derivative: F32s,
+    /// Derivative of position by t along the curve of constant (v, w): the way light takes.
+    tangent: Vec3s,
+    /// The frame's rotation about the tangent per unit of u.
+    twist: F32s,
+    center_speed: F32s,
+}
+
+/// Where a point beside a root's lies in the tube, or past its rim.
+struct Lifted {
+    dt: F32s,
+    vw_len: Pair,
+    radius: F32s,
+}
+
+impl Bent {
+    #[inline(always)]
+    fn path(&self, root: &Root<F32s>, v: F32s, w: F32s) -> Path {
+        let curve = &self.tube.segments[root.segment].curve;
+        let (v_hat, w_hat) = (root.v_hat, F32s::cross(root.u_hat, root.v_hat));
+        let d = curve.d(root.u);
+        let u_hat_derivative = curve.u_hat_derivative(root.u, root.u_hat);
+        let radius_derivative = curve.radius_derivative(root.u);
+        let twist = self.tube.twist(root, u_hat_derivative);
+        let center_speed = F32s::splat(2.0) * F32s::length(d);
+        let tangent = root.u_hat * (center_speed - F32s::dot(root.r, u_hat_derivative))
+            + (v_hat * v + w_hat * w) * radius_derivative
+            + F32s::cross(root.u_hat, root.r) * twist;
+        Path {
+            v_hat,
+            w_hat,
+            d,
+            a: curve.a,
+            u_hat_derivative,
+            radius_derivative,
+            tangent,
+            twist,
+            center_speed,
+        }
+    }
+
+    /// The place beside a root, to second order in `lift`, which is short. `sigma` is `|P'| - r . u_hat'`.
+    #[inline(always)]
+    fn lifted(&self, (root, path): (&Root<F32s>, &Path), lift: Vec3s, sigma: F32s) -> Lifted {
+        let (zero, one, two) = (F32s::splat(0.0), F32s::splat(1.0), F32s::splat(2.0));
+        let curve = &self.tube.segments[root.segment].curve;
+        // grad t = u_hat / sigma, and a step of Newton's method on r . P' from there.
+        let rough = F32s::dot(lift, root.u_hat) / sigma.most(F32s::splat(1e-20));
+        let d = path.d + path.a * rough;
+        let r = root.r + lift - (path.d * two + path.a * rough) * rough;
+        let slope = two * F32s::dot(d, d) - F32s::dot(r, path.a);
+        let dt = rough + F32s::select(slope.gt(zero), F32s::dot(r, d) / slope, zero);
+        let r_there = root.r + lift - (path.d * two + path.a * dt) * dt;
+        let d_there = path.d + path.a * dt;
+        let u_hat = d_there * (one / F32s::dot(d_there, d_there).most(F32s::splat(1e-37)).sqrt());
+        // The frame turns with the tangent, and where it leans towards `up` about it.
+        let turn = F32s::dot(root.v_hat, u_hat) / (one + F32s::dot(root.u_hat, u_hat));
+        let v_hat = root.v_hat - (root.u_hat + u_hat) * turn;
+        let v_len = F32s::dot(r_there, v_hat);
+        let w_len = F32s::dot(r_there, F32s::cross(u_hat, v_hat));
+        let turned = path.twist * dt;
+        let radius = root.radius + (path.radius_derivative + curve.ar * dt) * dt;
+        Lifted { dt, vw_len: [v_len + turned * w_len, w_len - turned * v_len], radius: radius.most(zero) }
+    }
+
+    /// How much of the arriving light nothing is in the way of, where it is `asked`.
+    ///
+    /// Each texel is compared with the t that the receiver's own plane has at that texel's centre, so that a plane cannot
+    /// shadow itself: a step e in the plane is `R (dv v_hat + dw w_hat) + T dt` with T the path's tangent, and n.e = 0
+    /// gives `dt = -R (n_v dv + n_w dw) / n.T`.
+    #[inline(always)]
+    pub(super) fn visibility(
+        &self,
+        scene: &Scene,
+        map: &DepthMap,
+        surface: &Surface,
+        (root, v, w): (&Root<F32s>, F32s, F32s),
+        asked: Masks,
+    ) -> F32s {
+        let zero = F32s::splat(0.0);
+        let path = self.path(root, v, w);
+        let arriving = self.world_vector(path.tangent);
+        let arriving = arriving * (F32s::splat(-1.0) / F32s::length(arriving));
+        // Light that arrives from behind meets the surface's other side.
+        let mut asked = asked & F32s::dot(surface.normal, arriving).gt(zero);
+        asked = asked & !in_their_own_way(scene, surface, arriving, asked);
+        if !asked.any() {
+            return zero;
+        }
+        let curvature = F32s::dot(root.r, path.u_hat_derivative);
+        let sigma = (path.center_speed - curvature).most(F32s::splat(0.1) * path.center_speed);
+        let world_per_tube = F32s::splat(self.world_per_tube);
+        let lift = self.tube_vector(surface.normal) * (surface.terminator_offset / world_per_tube);
+        let lifted = self.lifted((root, &path), lift, sigma);
+        let on_map = map_texel(&self.map, map.side() as f32, lifted.vw_len, lifted.radius);
+
+        // A facet that faces away lies behind the plane of the smooth surface.
+        let faces_light = F32s::dot(surface.geometric_normal, arriving).gt(zero);
+        let normal = F32s::select_vec(faces_light, surface.geometric_normal, surface.normal);
+        let normal = self.tube_vector(normal);
+        let (receiver, width) = self.receiver(root, (&path, v, w), &lifted, &on_map, normal);
+        let run = length2(receiver.step);
+        let shares = filtered(&receiver, map, self.map.filter);
+
+        // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach, along
+        // the chord of the path, whose tangent turns with the centre's.
+        let grazes = asked & (!faces_light | run.gt(F32s::splat(GRAZING) * width));
+        let back = (F32s::splat(2.0) * receiver.reach + run) / on_map.gain;
+        let way = path.u_hat_derivative * (F32s::splat(0.5) * sigma * back * back) - path.tangent * back;
+        let way = self.world_vector(way) * world_per_tube;
+        let visibility = decided(scene, surface, shares, grazes, way);
+        F32s::select(asked, visibility, zero)
+    }
+
+    /// The receiver with its plane's `normal` in tube space, and a texel's width as a depth.
+    #[inline(always)]
+    fn receiver(
+        &self,
+        root: &Root<F32s>,
+        (path, v, w): (&Path, F32s, F32s),
+        lifted: &Lifted,
+        on_map: &MapTexel,
+        normal: Vec3s,
+    ) -> (BentReceiver, F32s) {
+        let place = &self.map;
+        let t = F32s::splat(root.segment as f32) + root.u + lifted.dt - F32s::splat(place.t_base);
+        let leaning = [F32s::dot(normal, path.v_hat), F32s::dot(normal, path.w_hat)];
+        // One texel's width in the scene, as a step in t; at most that by the speed in which the map's own error is measured.
+        let speed = F32s::length(path.tangent).least(map_speed(place, path, v, w)).most(F32s::splat(1e-20));
+        let footprint = texel_width(place, on_map, (lifted.radius, path)) / speed;
+        // Seen edge on, the plane runs off along the light within a texel: the way it leans.
+        let edge_on = length2(leaning) * speed * F32s::splat(1.0 / STEEPEST);
+        let facing = (-F32s::dot(normal, path.tangent)).most(edge_on);
+        let run = lifted.radius / facing;
+        let step = [
+            run * dot2(leaning, on_map.right) * on_map.gain,
+            run * dot2(leaning, on_map.down) * on_map.gain + t * on_map.gain_down,
+        ];
+        // The depth is rounded to some ulps of the largest. And the receiver's own caster may stray by e towards the light: a
+        // plane moved so far along its normal is met e / (n . T) earlier.
+        let width = footprint * on_map.gain;
+        let rounding = F32s::splat(place.t_last / 4_194_304.0) + F32s::splat(place.mesh_error) / facing;
+        let tolerance = F32s::splat(place.tolerance_texels)
+            * (width + length2(step).least(F32s::splat(STEEP) * width))
+            + rounding * on_map.gain;
+        let receiver = BentReceiver {
+            face: on_map.face,
+            texel: on_map.texel,
+            depth: t * on_map.gain,
+            step,
+            tolerance,
+            reach: tolerance.most(F32s::splat(REACH) * width),
+            far: on_map.far,
+        };
+        (receiver, width)
+    }
+}
+
+/// The speed by which a map's error along the light is measured, of a path at (v, w): on a wide cone far from that of the
+/// centre.
+#[inline(always)]
+fn map_speed(place: &BentMapPlace, path: &Path, v: F32s, w: F32s) -> F32s {
+    if place.slope.is_none() {
+        return path.center_speed;
+    }
+    length2([path.center_speed, path.radius_derivative * length2([v, w])])
+}
+
+/// How wide the steps of (v, w) from texel to texel are for a path.
+#[inline(always)]
+fn texel_width(place: &BentMapPlace, texel: &MapTexel, (radius, path): (F32s, &Path)) -> F32s {
+    if place.slope.is_none() {
+        return radius * length2(texel.right).most(length2(texel.down));
+    }
+    // Far off the axis of a wide cone, what is across the tube is almost along the path.
+    let along = path.tangent * (F32s::splat(1.0) / F32s::length(path.tangent));
+    let right = path.v_hat * texel.right[0] + path.w_hat * texel.right[1];
+    let down = path.v_hat * texel.down[0] + path.w_hat * texel.down[1];
+    let right = right - along * F32s::dot(right, along);
+    let down = down - along * F32s::dot(down, along);
+    radius * F32s::length(right).most(F32s::length(down))
+}
+
+#[inline(always)]
+fn dot2(a: Pair, b: Pair) -> F32s {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+#[inline(always)]
+fn length2(a: Pair) -> F32s {
+    dot2(a, a).sqrt()
+}

@@ -1,0 +1,267 @@
+//! What one light alone adds to what pixels see.
+
+use light::{Lanes, LightFilter, Mask};
+use rayon::prelude::*;
+
+use crate::brdf::reflected;
+use crate::depth_map::DepthMap;
+use crate::lanes::{F32s, LANES, Masks, Vec3s};
+use crate::shape::{Sample, Shape};
+use crate::simd::{self, Work};
+use crate::surfaces::{Block, SIDE, Surface};
+use crate::{Bent, Directional, Omni, Scene, Spot, Surfaces, Workers};
+
+/// Blocks that a thread takes at once: a quarter of a millisecond or so.
+const BLOCKS_A_TURN: usize = 64;
+/// The same where what is drawn is added to a sum at once: 12 KiB of it, which stay next to the core.
+const ADDED_A_TURN: usize = 32;
+
+/// A light as it is drawn.
+#[derive(Debug)]
+pub enum Light {
+    /// A BendyLight.
+    Bent(Box<Bent>),
+    /// A spotlight.
+    Spot(Box<Spot>),
+    /// An omni light.
+    Omni(Box<Omni>),
+    /// A directional light.
+    Directional(Box<Directional>),
+}
+
+/// What one light alone scatters and mirrors, before factors of all of it: linear radiance, of each block of surfaces.
+#[derive(Clone, Debug, Default)]
+pub struct Layer(pub(crate) Vec<Texel>);
+
+/// Of sixteen pixels: what they scatter, and what they mirror.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Texel {
+    pub diffuse: Vec3s,
+    pub specular: Vec3s,
+}
+
+impl Texel {
+    const NOTHING: Self = {
+        let zero = F32s([0.0; LANES]);
+        let nothing = Vec3s { x: zero, y: zero, z: zero };
+        Self { diffuse: nothing, specular: nothing }
+    };
+
+    /// What the eye gets of it, by factors of what is scattered and of what is mirrored: linear RGB.
+    #[inline(always)]
+    pub fn weighed(&self, [diffuse, specular]: [[f32; 3]; 2]) -> Vec3s {
+        Vec3s::splat(diffuse) * self.diffuse + Vec3s::splat(specular) * self.specular
+    }
+}
+
+/// What becomes of what a light adds, block by block of the surfaces.
+pub(crate) enum Onto<'a> {
+    /// It is kept.
+    Layer(&'a mut [Texel]),
+    /// It is added to what there is, by factors of what is scattered and of what is mirrored.
+    Sum(&'a mut [Vec3s], [[f32; 3]; 2]),
+    /// How much of the light nothing is in the way of takes the place of what is scattered, and 1 within the light that of what
+    /// is mirrored.
+    Visibility(&'a mut [Texel]),
+}
+
+/// What is drawn of a light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Quantity {
+    Reflected,
+    Visibility,
+}
+
+impl Layer {
+    /// Bytes of the layer of so many blocks of surfaces.
+    pub fn bytes(block_count: usize) -> u64 {
+        (block_count * size_of::<Texel>()) as u64
+    }
+}
+
+/// Draws the layer of `light` within `pixels`, `[x, y, width, height]`; nothing is added beside them. `map` is its shadow map,
+/// `None` where nothing shadows it. Returns how many pixels were looked at.
+pub fn draw_layer(
+    workers: &Workers,
+    surfaces: &Surfaces,
+    scene: &Scene,
+    (light, map): (&Light, Option<&DepthMap>),
+    pixels: [u32; 4],
+    Layer(texels): &mut Layer,
+) -> u64 {
+    texels.resize(surfaces.blocks.len(), Texel::NOTHING);
+    draw_light(workers, surfaces, scene, (light, map), pixels, Onto::Layer(texels))
+}
+
+/// How much of `light` nothing is in the way of, 1 where that is all, as [`draw_layer`] has it: grey, with alpha 1 where the
+/// light's volume holds the surface, and 0 elsewhere. Rows from the top.
+pub fn visibility_of(
+    workers: &Workers,
+    surfaces: &Surfaces,
+    scene: &Scene,
+    light: (&Light, Option<&DepthMap>),
+    pixels: [u32; 4],
+) -> Vec<[f32; 4]> {
+    let mut texels = vec![Texel::NOTHING; surfaces.blocks.len()];
+    draw_light(workers, surfaces, scene, light, pixels, Onto::Visibility(&mut texels));
+    let [width, height] = surfaces.size().map(|side| side as usize);
+    let mut picture = vec![[0.0; 4]; width * height];
+    for (block, texel) in surfaces.blocks.iter().zip(&texels) {
+        for i in 0..LANES {
+            let (x, y) = (block.corner[0] as usize + i % SIDE, block.corner[1] as usize + i / SIDE);
+            if x < width && y < height {
+                let (visible, inside) = (texel.diffuse.x.0[i], texel.specular.x.0[i]);
+                picture[y * width + x] = [visible, visible, visible, inside];
+            }
+        }
+    }
+    picture
+}
+
+/// Draws `light` as [`draw_layer`] does onto as many blocks as there are.
+pub(crate) fn draw_light(
+    workers: &Workers,
+    surfaces: &Surfaces,
+    scene: &Scene,
+    (light, map): (&Light, Option<&DepthMap>),
+    pixels: [u32; 4],
+    onto: Onto,
+) -> u64 {
+    match light {
+        Light::Bent(bent) => draw(workers, surfaces, scene, (&**bent, map), pixels, onto),
+        Light::Spot(spot) => draw(workers, surfaces, scene, (&**spot, map), pixels, onto),
+        Light::Omni(omni) => draw(workers, surfaces, scene, (&**omni, map), pixels, onto),
+        Light::Directional(sun) => draw(workers, surfaces, scene, (&**sun, map), pixels, onto),
+    }
+}
+
+fn draw<S: Shape>(
+    workers: &Workers,
+    surfaces: &Surfaces,
+    scene: &Scene,
+    (shape, map): (&S, Option<&DepthMap>),
+    pixels: [u32; 4],
+    onto: Onto,
+) -> u64 {
+    let of = if matches!(onto, Onto::Visibility(_)) { Quantity::Visibility } else { Quantity::Reflected };
+    let turn = |blocks: &[Block], texels: &mut [Texel]| {
+        simd::run(Turn { shape, surfaces, scene, map, pixels, of, blocks, texels })
+    };
+    workers.run(|| match onto {
+        Onto::Layer(texels) | Onto::Visibility(texels) => {
+            let turns = texels.par_chunks_mut(BLOCKS_A_TURN).zip(surfaces.blocks.par_chunks(BLOCKS_A_TURN));
+            turns.map(|(texels, blocks)| turn(blocks, texels)).sum()
+        }
+        Onto::Sum(sums, factors) => {
+            let turns = sums.par_chunks_mut(ADDED_A_TURN).zip(surfaces.blocks.par_chunks(ADDED_A_TURN));
+            let drawn = turns.map(|(sums, blocks)| {
+                let mut texels = [Texel::NOTHING; ADDED_A_TURN];
+                let texels = &mut texels[..blocks.len()];
+                let looked_at = turn(blocks, texels);
+                simd::run(Added { texels, factors, sums });
+                looked_at
+            });
+            drawn.sum()
+        }
+    })
+}
+
+struct Added<'a> {
+    texels: &'a [Texel],
+    factors: [[f32; 3]; 2],
+    sums: &'a mut [Vec3s],
+}
+
+impl Work for Added<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (texel, sum) in self.texels.iter().zip(self.sums) {
+            *sum = *sum + texel.weighed(self.factors);
+        }
+    }
+}
+
+struct Turn<'a, S> {
+    shape: &'a S,
+    surfaces: &'a Surfaces,
+    scene: &'a Scene<'a>,
+    map: Option<&'a DepthMap>,
+    pixels: [u32; 4],
+    of: Quantity,
+    blocks: &'a [Block],
+    texels: &'a mut [Texel],
+}
+
+impl<S: Shape> Work for Turn<'_, S> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn run(self) -> u64 {
+        let Self { shape, surfaces, scene, map, pixels, of, blocks, texels } = self;
+        let mut looked_at = 0;
+        for (block, texel) in blocks.iter().zip(texels) {
+            *texel = Texel::NOTHING;
+            if !touches(block.corner, pixels) {
+                continue;
+            }
+            looked_at += LANES as u64;
+            let surface = surfaces.surface(block);
+            let mut asked = surface.exists;
+            if scene.links.bits.is_some() {
+                asked = asked & lit(scene, &surface);
+            }
+            let sample = shape.sample(scene, map, &surface, asked);
+            if sample.inside.any() {
+                *texel = match of {
+                    Quantity::Reflected => reflection(shape.light_filter(), &surface, &sample),
+                    Quantity::Visibility => visibility(&sample),
+                };
+            }
+        }
+        looked_at
+    }
+}
+
+/// Whether a block has some of `pixels`.
+#[inline(always)]
+fn touches(corner: [u16; 2], [x, y, width, height]: [u32; 4]) -> bool {
+    let [left, top] = corner.map(u32::from);
+    left + SIDE as u32 > x && left < x + width && top + SIDE as u32 > y && top < y + height
+}
+
+/// The surfaces that the light shows on.
+#[inline(always)]
+fn lit(scene: &Scene, surface: &Surface) -> Masks {
+    let mut lit = Masks::of(false);
+    for i in 0..LANES {
+        let triangle = surface.triangle.0[i];
+        if triangle != 0 && scene.links.is_lit(triangle - 1) {
+            lit.0[i] = u32::MAX;
+        }
+    }
+    lit
+}
+
+#[inline(always)]
+fn visibility(sample: &Sample) -> Texel {
+    let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
+    let visible = F32s::select(sample.inside, sample.visibility, zero);
+    let inside = F32s::select(sample.inside, one, zero);
+    Texel { diffuse: F32s::vec3([visible, visible, visible]), specular: F32s::vec3([inside, inside, inside]) }
+}
+
+#[inline(always)]
+fn reflection(filter: &LightFilter, surface: &Surface, sample: &Sample) -> Texel {
+    let shadow = Vec3s::splat(filter.shadow_color.min(glam::DVec3::splat(1e30)).as_vec3().to_array());
+    let white = Vec3s::splat([1.0; 3]);
+    let arriving =
+        sample.irradiance * (shadow * (F32s::splat(1.0) - sample.visibility) + white * sample.visibility);
+    let lobes = reflected(surface, sample.direction);
+    let nothing = Vec3s::splat([0.0; 3]);
+    Texel {
+        diffuse: F32s::select_vec(sample.inside, lobes.diffuse * arriving, nothing),
+        specular: F32s::select_vec(sample.inside, lobes.specular * arriving, nothing),
+    }
+}

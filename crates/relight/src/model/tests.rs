@@ -1,0 +1,153 @@
+//! Sixteen lanes have the bits of one: what `f32` finds in a light, they find too.
+
+use light::parameters::{DIRECTION, END_MODE, FRAME, PROFILE};
+use light::{Direction, EndMode, Frame, Light, ProfileCurve, Root, Tube};
+
+use super::*;
+use crate::bent::in_lanes;
+use crate::simd::{self, Work};
+
+/// Numbers from 0 to 1 that are the same everywhere: a linear congruence.
+struct Spread(u32);
+
+impl Spread {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (self.0 >> 8) as f32 / 16_777_216.0
+    }
+}
+
+/// Lights in all ways to orient and to end, of several shapes.
+fn lights() -> Vec<Light> {
+    let bent = |points: &[[f64; 3]], radii: &[f64]| {
+        Light::bendy(points.iter().map(|point| DVec3::from_array(*point)).collect(), radii.to_vec())
+    };
+    let bow = [[0.0, 0.0, 0.0], [0.3, 0.4, -0.8], [0.9, 0.7, -1.7], [1.6, 0.2, -2.4], [1.9, -0.8, -2.9]];
+    let bow = bent(&bow, &[0.1, 0.25, 0.4, 0.5, 0.6]);
+    let straight = bent(&[[0.0; 3], [0.0, 0.0, -1.0], [0.0, 0.0, -2.0]], &[0.0, 0.4, 0.8]);
+    let mut all = Vec::new();
+    for light in [bow, straight] {
+        for frame in [Frame::RotationMinimizing, Frame::Up] {
+            for direction in [Direction::Tube, Direction::Path] {
+                for end in [EndMode::Cut, EndMode::Extend] {
+                    let light = light.clone().with(FRAME, frame).with(DIRECTION, direction);
+                    all.push(light.with(END_MODE, end));
+                }
+            }
+        }
+    }
+    all
+}
+
+/// What is found at the roots of sixteen points on one segment, a number each: u, V, W, R, the direction, and how far light
+/// came.
+struct OnSegment<'a> {
+    tube: &'a Tube<F32s>,
+    segment: usize,
+    q: Vec3s,
+}
+
+impl Work for OnSegment<'_> {
+    type Output = ([Masks; 2], [[F32s; 8]; 2]);
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Self { tube, segment, q } = self;
+        let mut f0 = tube.first_joint(q);
+        for i in 0..segment {
+            f0 = tube.end_joint(i, q);
+        }
+        let roots = tube.candidates(segment, q, f0, tube.end_joint(segment, q));
+        let left = at(tube, segment, q, roots.left);
+        let right = at(tube, segment, q, roots.right);
+        ([roots.has_left & left.0, roots.has_right & right.0], [left.1, right.1])
+    }
+}
+
+#[inline(always)]
+fn at(tube: &Tube<F32s>, segment: usize, q: Vec3s, u: F32s) -> (Masks, [F32s; 8]) {
+    let (inside, is_inside) = tube.inside_at(segment, q, u);
+    let root = tube.root_at(&inside);
+    let direction = tube.direction_at(&root);
+    let s = tube.path_length(&root);
+    (is_inside, [root.u, root.v_len, root.w_len, root.radius, direction.x, direction.y, direction.z, s])
+}
+
+fn of_one(tube: &Tube<f32>, root: &Root<f32>) -> [f32; 8] {
+    let direction = tube.direction_at(root);
+    let s = tube.path_length(root);
+    [root.u, root.v_len, root.w_len, root.radius, direction.x, direction.y, direction.z, s]
+}
+
+#[test]
+fn sixteen_lanes_find_what_one_finds() {
+    let mut spread = Spread(7);
+    let mut compared = 0;
+    for light in lights() {
+        let tube = Tube::new(&light).expect("the light is sound");
+        let (one, many) = (Tube::<f32>::from(&tube), in_lanes(&tube));
+        for _ in 0..200 {
+            let mut q = Vec3s::splat([0.0; 3]);
+            for i in 0..LANES {
+                // Around the curve, and a little beside the tube.
+                let segment = &one.segments[(spread.next() * one.n as f32) as usize].curve;
+                let middle = segment.position(spread.next());
+                let beside = [0; 3].map(|_| (spread.next() - 0.5) * 1.2);
+                (q.x.0[i], q.y.0[i], q.z.0[i]) =
+                    (middle.x + beside[0], middle.y + beside[1], middle.z + beside[2]);
+            }
+            let found: Vec<_> = (0..many.segments.len())
+                .map(|segment| simd::run(OnSegment { tube: &many, segment, q }))
+                .collect();
+            for i in 0..LANES {
+                one.for_each_root(q.lane(i), |root| {
+                    let (has, values) = &found[root.segment];
+                    let expected = of_one(&one, &root).map(f32::to_bits);
+                    let same =
+                        (0..2).any(|k| has[k].lane(i) && values[k].map(|x| x.0[i].to_bits()) == expected);
+                    assert!(same, "{root:?} is not what {found:?} have in lane {i}");
+                    compared += 1;
+                    // The planted fault: another lane's answer.
+                    let other = (i + 1) % LANES;
+                    assert!((0..2).all(|k| values[k].map(|x| x.0[other].to_bits()) != expected));
+                });
+            }
+        }
+    }
+    assert!(compared > 3_000, "{compared} roots were compared");
+}
+
+/// What becomes of light on its way, a share each.
+struct Shares<'a>(&'a light::LightFilter, [F32s; 3]);
+
+impl Work for Shares<'_> {
+    type Output = F32s;
+
+    #[inline(always)]
+    fn run(self) -> F32s {
+        let Self(filter, [v, w, s]) = self;
+        filter.share_at(v, w, s)
+    }
+}
+
+/// Powers and angles are computed otherwise in lanes: within what `elementary` says of them, times what follows.
+#[test]
+fn light_falls_off_as_it_does_in_double_precision() {
+    let mut spread = Spread(3);
+    let light = lights().remove(0);
+    for curve in [ProfileCurve::Smooth, ProfileCurve::Linear, ProfileCurve::Power, ProfileCurve::Cosine] {
+        let tube = Tube::new(&light.clone().with(PROFILE, curve)).expect("the light is sound");
+        for _ in 0..500 {
+            let places = [0; 3].map(|_| spread.next());
+            let many = simd::run(Shares(&tube.light_filter, places.map(F32s::splat)));
+            let [v, w, s] = places.map(f64::from);
+            let one = tube.light_filter.share_at(v, w, s);
+            // f32 rounds (1 - share) / span, span a fifth or so of what it is of, and curves are at most three times as steep.
+            assert!(
+                (f64::from(many.0[5]) - one).abs() < 1e-5,
+                "{curve:?} at {places:?}: {} for {one}",
+                many.0[5]
+            );
+        }
+    }
+}

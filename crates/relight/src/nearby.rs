@@ -1,0 +1,79 @@
+//! The last piece of light's way to a surface, followed through the scene itself, a pixel at a time: `nearby.wgsl` has why.
+
+use glam::Vec3;
+
+use crate::scene::{Scene, weights_at};
+
+/// A surface as a way to it asks for it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Met {
+    pub position: Vec3,
+    /// Unit shading normal.
+    pub normal: Vec3,
+    /// Unit normal of the triangle, towards the viewer.
+    pub geometric_normal: Vec3,
+    pub terminator_offset: f32,
+    /// Distance along the view axis.
+    pub depth: f32,
+    pub triangle: u32,
+}
+
+impl Met {
+    /// Where light has to arrive for the surface to be lit.
+    pub fn shadow_position(&self) -> Vec3 {
+        self.position + self.terminator_offset * self.normal
+    }
+}
+
+/// What f32 makes of positions of this size.
+pub(crate) fn rounding(position: Vec3) -> f32 {
+    position.abs().max_element() * (1.0 / 2_097_152.0)
+}
+
+/// Whether light that comes along `arriving`, a unit vector towards it, passes through the surface's own triangle from behind.
+pub(crate) fn is_in_its_own_way(scene: &Scene, surface: &Met, arriving: Vec3) -> bool {
+    let facing = surface.geometric_normal.dot(arriving);
+    if facing > 0.0 || !scene.links.throws_shadow(surface.triangle) {
+        return false;
+    }
+    let height = surface.terminator_offset * surface.normal.dot(surface.geometric_normal);
+    let through = surface.shadow_position() + arriving * (height / (-facing).max(1e-30));
+    height <= 0.0 || weights_at(scene.corners(surface.triangle), through).min_element() >= 0.0
+}
+
+/// Whether a triangle other than the surface's own lies between where its shadow is looked for and `way` from there.
+pub(crate) fn is_met(scene: &Scene, surface: &Met, way: Vec3) -> bool {
+    let start = surface.shadow_position();
+    let end = start + way;
+    let slack = rounding(start) + surface.depth * (1.0 / 2_097_152.0);
+    let (low, high) = (start.min(end) - slack, start.max(end) + slack);
+    let mut index = 0;
+    while let Some(node) = scene.hierarchy.nodes.get(index) {
+        let is_leaf = node.triangle_count > 0;
+        let passed_by = Vec3::from(node.min).cmpgt(high).any() || Vec3::from(node.max).cmplt(low).any();
+        if is_leaf && !passed_by {
+            let of_leaf = node.next as usize..(node.next + node.triangle_count) as usize;
+            for &triangle in &scene.hierarchy.triangles[of_leaf] {
+                if triangle != surface.triangle && lies_between(scene, triangle, (start, way), slack) {
+                    return true;
+                }
+            }
+        }
+        index = if passed_by && !is_leaf { node.next as usize } else { index + 1 };
+    }
+    false
+}
+
+/// Whether a triangle is met between `start` and `start + way`, and is there.
+fn lies_between(scene: &Scene, triangle: u32, (start, way): (Vec3, Vec3), slack: f32) -> bool {
+    let (normal, offset) = scene.plane(triangle);
+    let (start_height, end_height) = (normal.dot(start) - offset, normal.dot(start + way) - offset);
+    if start_height.abs() <= slack || start_height * end_height >= 0.0 {
+        return false;
+    }
+    let at = start + way * (start_height / (start_height - end_height));
+    let weights = weights_at(scene.corners(triangle), at);
+    weights.min_element() >= -1e-6
+        && scene.links.throws_shadow(triangle)
+        && !scene.has_hole(triangle, weights)
+}

@@ -1,0 +1,234 @@
+//! Draws triangles as a light sees them onto a face of its shadow map: the depth of what is nearest, a texel.
+//!
+//! What Vulkan's rules ask of a driver with 8 bits of a texel: corners are rounded to 1/256 of a texel, a triangle
+//! covers the texels whose centres are in it, and centres on an edge by the top-left rule. Both windings are drawn.
+//!
+//! In two steps, each on all threads. Set-up finds where triangles lie, 16 at once, and lists them by bands of rows.
+//! Then each band is drawn by one thread, into memory that stays in its cache. Which depth wins does not depend on the
+//! order, and so a map has the same bytes however many threads draw it.
+
+mod clip;
+mod holed;
+mod large;
+mod project;
+mod rule;
+mod setup;
+mod small;
+#[cfg(test)]
+mod tests;
+mod wide;
+
+use std::hint::black_box;
+use std::sync::{Mutex, PoisonError};
+
+use glam::Mat3;
+use pulp::{Arch, Simd, WithSimd};
+use rayon::iter::{
+    IndexedParallelIterator, IntoParallelIterator, IntoParallelRefMutIterator, ParallelIterator,
+};
+
+use crate::Workers;
+use crate::alpha_test::AlphaTests;
+use holed::HoledPiece;
+use project::Projection;
+use rule::{Bent, Orthographic, Perspective, Rule};
+use setup::{Piece, SetUp};
+use wide::{COUNT, Ints, LANES};
+
+/// Rows that one thread draws at once. Of a map 2048 texels wide they take half a megabyte.
+const BAND: usize = 64;
+/// Triangles that one thread sets up at once.
+const PIECE: usize = 2048;
+/// Most texels a side: corners in 1/256 of a texel are exact in f32 as far as the guard band, which is twice as wide.
+pub const MOST_SIDE: usize = 8192;
+
+/// Three corners: each a homogeneous place (X, Y, Z), and a value that perspective interpolates.
+pub type Triangle = [[f32; 4]; 3];
+
+/// A triangle with an alpha test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HoledTriangle {
+    /// As others have them.
+    pub corners: Triangle,
+    /// (u, v, alpha) of each corner.
+    pub uv_alpha: [[f32; 3]; 3],
+    /// Which of the tests it has.
+    pub test: u32,
+}
+
+/// Triangles with alpha tests, to be drawn with others.
+#[derive(Clone, Copy, Debug)]
+pub struct Holed<'a, Chunk> {
+    /// The triangles.
+    pub chunks: &'a [Chunk],
+    /// All tests.
+    pub tests: AlphaTests<'a>,
+}
+
+/// What a texel stores of what is nearest there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Depths {
+    /// The least `value * depth_per_value / (row[0] + row[1] * (i + 0.5))` in row `i`, at least 0; 1 where there is
+    /// nothing. What has w >= 10^-30 is drawn.
+    Bent {
+        /// What depths are divided by: the first, plus the second for each row.
+        row: [f32; 2],
+        /// Depth of a value of 1.
+        depth_per_value: f32,
+    },
+    /// The greatest `near / w`; 0 where there is nothing. What has w < `near` is cut away.
+    Perspective {
+        /// Positive.
+        near: f32,
+    },
+    /// The greatest value within 0 and 1; 0 where there is nothing. What has others is cut away. For places with w = 1.
+    Orthographic,
+}
+
+/// How a face of a map is drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Face {
+    /// From places to clip coordinates (x, y, w): |x| <= w and |y| <= w are on the face, y is up.
+    pub clip_from_place: Mat3,
+    /// What is stored.
+    pub depths: Depths,
+}
+
+/// Memory of [`draw_face_with_holes`], kept from one drawing to the next.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    pieces: Vec<Piece>,
+    holed: Vec<HoledPiece>,
+    /// One a thread, of a band with some texels to spare beside it.
+    bands: Vec<Vec<f32>>,
+    /// For [`Rule::in_row`].
+    rows: Vec<f32>,
+}
+
+/// As [`draw_face_with_holes`] without any that have some.
+#[cfg(test)]
+fn draw_face<Chunk: AsRef<[Triangle]> + Sync>(
+    face: &Face,
+    chunks: &[Chunk],
+    workers: &Workers,
+    scratch: &mut Scratch,
+    texels: &mut [f32],
+    side: usize,
+) {
+    let none = Holed::<&[HoledTriangle]> { chunks: &[], tests: AlphaTests::default() };
+    draw_face_with_holes(face, chunks, &none, workers, scratch, texels, side);
+}
+
+/// Draws triangles, and those that have holes, onto a face of `side` texels a side: `texels`, row after row from the top.
+pub fn draw_face_with_holes<Chunk: AsRef<[Triangle]> + Sync, HoledChunk: AsRef<[HoledTriangle]> + Sync>(
+    face: &Face,
+    chunks: &[Chunk],
+    holed: &Holed<HoledChunk>,
+    workers: &Workers,
+    scratch: &mut Scratch,
+    texels: &mut [f32],
+    side: usize,
+) {
+    assert!(side <= MOST_SIDE && texels.len() == side * side, "a face of {side} texels a side");
+    let Scratch { pieces, holed: holed_pieces, bands, rows } = scratch;
+    let slices: Vec<&[Triangle]> = chunks.iter().flat_map(|chunk| chunk.as_ref().chunks(PIECE)).collect();
+    pieces.resize_with(slices.len(), Piece::default);
+    let holed_slices: Vec<&[HoledTriangle]> =
+        holed.chunks.iter().flat_map(|chunk| chunk.as_ref().chunks(PIECE)).collect();
+    holed_pieces.resize_with(holed_slices.len(), HoledPiece::default);
+    bands.resize_with(workers.count(), Vec::new);
+    let projection = Projection::new(face, side);
+    let set_up = |(piece, triangles): (&mut Piece, &[Triangle])| {
+        Arch::new().dispatch(SetUp { piece, triangles, projection: &projection });
+    };
+    let set_up_holed = |(piece, triangles): (&mut HoledPiece, &[HoledTriangle])| {
+        piece.set_up(triangles, &projection);
+    };
+    workers.run(|| {
+        pieces.par_iter_mut().zip(slices.into_par_iter()).for_each(set_up);
+        holed_pieces.par_iter_mut().zip(holed_slices.into_par_iter()).for_each(set_up_holed);
+        let seen = Seen { pieces, holed: holed_pieces, tests: holed.tests };
+        match face.depths {
+            Depths::Bent { row: [first, each], depth_per_value } => {
+                let in_row = |row: usize| (first + each * (row as f32 + 0.5)) / depth_per_value;
+                rows.clear();
+                rows.extend((0..side).map(in_row));
+                draw_bands(Bent { rows }, seen, bands, texels, side);
+            }
+            Depths::Perspective { .. } => draw_bands(Perspective, seen, bands, texels, side),
+            Depths::Orthographic => draw_bands(Orthographic, seen, bands, texels, side),
+        }
+    });
+}
+
+/// Everything that is drawn, set up.
+#[derive(Clone, Copy)]
+struct Seen<'a> {
+    pieces: &'a [Piece],
+    holed: &'a [HoledPiece],
+    tests: AlphaTests<'a>,
+}
+
+/// Draws all bands of a face, each thread what is next when it has done one.
+fn draw_bands<R: Rule>(rule: R, seen: Seen, memories: &mut [Vec<f32>], texels: &mut [f32], side: usize) {
+    let queue = Mutex::new(texels.chunks_mut((BAND * side).max(1)).enumerate());
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    memories.par_iter_mut().with_max_len(1).for_each(|memory| {
+        while let Some((index, texels)) = next() {
+            Arch::new().dispatch(DrawBand { rule, seen, index, memory, texels, side });
+        }
+    });
+}
+
+/// Rows of a face while they are drawn. Beyond each row there is room for a span of 16 texels that begins in it.
+struct Band<'a> {
+    /// The first row, and the one after the last.
+    first: usize,
+    end: usize,
+    /// Texels from one row to the next.
+    stride: usize,
+    texels: &'a mut [f32],
+    /// [`COUNT`], which the compiler does not see through: what it makes of products with 0, 1, 2 and so on is slower.
+    count: Ints,
+}
+
+/// Clears a band, draws it, and brings it to the map.
+struct DrawBand<'a, R> {
+    rule: R,
+    seen: Seen<'a>,
+    index: usize,
+    memory: &'a mut Vec<f32>,
+    texels: &'a mut [f32],
+    side: usize,
+}
+
+impl<R: Rule> WithSimd for DrawBand<'_, R> {
+    type Output = ();
+
+    #[expect(clippy::inline_always, reason = "pulp compiles it for the vectors that it found")]
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let Self { rule, seen, index, memory, texels, side } = self;
+        // Not a power of two, by which all rows would lie in the same few lines of the cache.
+        let stride = side.next_multiple_of(LANES) + LANES;
+        let height = texels.len() / side;
+        memory.resize(BAND * stride, 0.0);
+        memory.fill(R::CLEARED);
+        let first = index * BAND;
+        let mut band = Band { first, end: first + height, stride, texels: memory, count: black_box(COUNT) };
+        for piece in seen.pieces {
+            for &triangle in &piece.large_in[index] {
+                large::draw(rule, &piece.large[triangle as usize], &mut band);
+            }
+            for triangle in &piece.small_in[index] {
+                small::draw(rule, triangle, &mut band);
+            }
+        }
+        for piece in seen.holed {
+            piece.draw(rule, seen.tests, index, &mut band);
+        }
+        for (row, drawn) in texels.chunks_exact_mut(side).zip(memory.chunks_exact(stride)) {
+            row.copy_from_slice(&drawn[..side]);
+        }
+    }
+}

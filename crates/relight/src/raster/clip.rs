@@ -1,0 +1,84 @@
+//! Cuts triangles that reach where the light does not: behind its source, or so far aside that their corners on the
+//! face would be too large to compute with exactly.
+
+/// A corner in clip coordinates (x, y, w), with its value and whatever else is interpolated.
+pub(super) type ClipCorner<const N: usize> = [f32; N];
+
+/// Most corners of a triangle after five cuts.
+const MOST: usize = 8;
+
+/// Corners of a convex polygon, in order.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Polygon<const N: usize> {
+    corners: [ClipCorner<N>; MOST],
+    count: usize,
+}
+
+impl<const N: usize> Polygon<N> {
+    /// What of a triangle has w >= `least_w`, |x| <= `guard` w and |y| <= `guard` w. Of no corners where there is
+    /// nothing: where a corner is no number, too, or is the origin, from where the triangle is seen edge on.
+    ///
+    /// Two triangles that share an edge get the same corners on it: a cut goes from inside to outside, whichever way
+    /// round the triangle does, and corners inside stay as they are.
+    pub fn cut(triangle: [ClipCorner<N>; 3], least_w: f32, guard: f32) -> Self {
+        let mut polygon = Self { corners: [[0.0; N]; MOST], count: 0 };
+        let is_finite = triangle.as_flattened().iter().all(|x| x.is_finite());
+        if is_finite && triangle.iter().all(|corner| corner[..3] != [0.0; 3]) {
+            polygon.corners[..3].copy_from_slice(&triangle);
+            polygon.count = 3;
+        }
+        let guard = f64::from(guard);
+        // Of x, y, w and 1: what is cut away is where the sum is negative.
+        let planes = [
+            [0.0, 0.0, 1.0, -f64::from(least_w)],
+            [-1.0, 0.0, guard, 0.0],
+            [1.0, 0.0, guard, 0.0],
+            [0.0, -1.0, guard, 0.0],
+            [0.0, 1.0, guard, 0.0],
+        ];
+        for plane in planes {
+            polygon = polygon.cut_by(plane);
+        }
+        polygon
+    }
+
+    /// Triangles that together are the polygon.
+    pub fn triangles(&self) -> impl Iterator<Item = [ClipCorner<N>; 3]> {
+        let corners = &self.corners[..self.count];
+        corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]])
+    }
+
+    fn cut_by(&self, plane: [f64; 4]) -> Self {
+        let mut cut = Self { corners: [[0.0; N]; MOST], count: 0 };
+        let mut push = |corner: ClipCorner<N>| {
+            cut.corners[cut.count] = corner;
+            cut.count += 1;
+        };
+        for k in 0..self.count {
+            let (here, next) = (self.corners[k], self.corners[(k + 1) % self.count]);
+            let (height, next_height) = (height(here, plane), height(next, plane));
+            if height >= 0.0 {
+                push(here);
+            }
+            if height >= 0.0 && next_height < 0.0 {
+                push(between(here, next, height / (height - next_height)));
+            } else if height < 0.0 && next_height >= 0.0 {
+                push(between(next, here, next_height / (next_height - height)));
+            }
+        }
+        cut
+    }
+}
+
+fn height<const N: usize>(corner: ClipCorner<N>, plane: [f64; 4]) -> f64 {
+    f64::from(corner[0]) * plane[0]
+        + f64::from(corner[1]) * plane[1]
+        + f64::from(corner[2]) * plane[2]
+        + plane[3]
+}
+
+fn between<const N: usize>(inside: ClipCorner<N>, outside: ClipCorner<N>, share: f64) -> ClipCorner<N> {
+    std::array::from_fn(|k| {
+        (f64::from(inside[k]) + share * (f64::from(outside[k]) - f64::from(inside[k]))) as f32
+    })
+}

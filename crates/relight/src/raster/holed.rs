@@ -1,0 +1,123 @@
+//! Triangles with alpha tests: what has less alpha than the test asks for is a hole, and stores nothing.
+#![expect(clippy::cast_possible_wrap, reason = "places on a map are far below 2^31")]
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined is compiled without the vectors that the caller has"
+)]
+
+use glam::{Vec2, Vec3};
+
+use super::clip::Polygon;
+use super::large::{Large, Plane};
+use super::project::Projection;
+use super::rule::Rule;
+use super::wide::{Floats, Ints, LANES};
+use super::{BAND, Band, HoledTriangle};
+use crate::alpha_test::AlphaTests;
+
+/// Neighbours of a texel may lie beyond where w is infinite. For uv there, D is at least this share of the texel's.
+const LEAST_SHARE: f64 = 1e-3;
+
+/// A triangle.
+#[derive(Debug)]
+struct Holed {
+    large: Large,
+    /// Of u / w, v / w and alpha / w.
+    over_w: [Plane; 3],
+    test: usize,
+}
+
+/// Some triangles of a face, set up.
+#[derive(Debug, Default)]
+pub(super) struct HoledPiece {
+    triangles: Vec<Holed>,
+    /// Of each band: places in `triangles`.
+    in_bands: Vec<Vec<u32>>,
+}
+
+impl HoledPiece {
+    /// Sets these triangles up instead of those before.
+    pub fn set_up(&mut self, triangles: &[HoledTriangle], projection: &Projection) {
+        self.triangles.clear();
+        self.in_bands.resize_with(projection.side.div_ceil(BAND), Vec::new);
+        self.in_bands.iter_mut().for_each(Vec::clear);
+        for triangle in triangles {
+            self.add(triangle, projection);
+        }
+    }
+
+    fn add(&mut self, triangle: &HoledTriangle, projection: &Projection) {
+        let corners: [[f32; 7]; 3] = std::array::from_fn(|k| {
+            let ([x, y, w, value], [u, v, alpha]) =
+                (projection.clip(triangle.corners[k]), triangle.uv_alpha[k]);
+            [x, y, w, value, u, v, alpha]
+        });
+        for corners in Polygon::cut(corners, projection.least_w, projection.guard).triangles() {
+            let over_w =
+                [4, 5, 6].map(|axis| corners.map(|corner| f64::from(corner[axis]) / f64::from(corner[2])));
+            let on_face = corners.map(|[x, y, w, value, ..]| projection.corner([x, y, w, value]));
+            let Some((large, over_w)) = Large::with_planes(on_face, over_w, projection.side) else {
+                continue;
+            };
+            let [first, last] = large.rows.map(|row| row as usize / BAND);
+            for band in first..=last {
+                self.in_bands[band].push(self.triangles.len() as u32);
+            }
+            self.triangles.push(Holed { large, over_w, test: triangle.test as usize });
+        }
+    }
+
+    /// Draws what of them is in a band, the one of this number.
+    #[inline(always)]
+    pub fn draw<R: Rule>(&self, rule: R, tests: AlphaTests, index: usize, band: &mut Band) {
+        for &triangle in &self.in_bands[index] {
+            self.triangles[triangle as usize].draw(rule, tests, band);
+        }
+    }
+}
+
+impl Holed {
+    #[inline(always)]
+    fn draw<R: Rule>(&self, rule: R, tests: AlphaTests, band: &mut Band) {
+        let first = (self.large.rows[0] as usize).max(band.first);
+        let end = (self.large.rows[1] as usize + 1).min(band.end);
+        for row in first..end {
+            let Some(run) = self.large.run(row) else { continue };
+            let at = (row - band.first) * band.stride + run.first;
+            let mut done = 0;
+            while done < run.count {
+                let Some(texels) = band.texels[at + done..].first_chunk_mut::<LANES>() else { return };
+                let along = band.count + Ints::splat(done as i32);
+                let covered = Ints::splat(run.count as i32 - 1) - along;
+                let along = along.floats();
+                let n = along.times_plus(Floats::splat(run.n_step), Floats::splat(run.n));
+                let d = along.times_plus(Floats::splat(run.d_step), Floats::splat(run.d));
+                let stored = rule.stored(covered, n, d, rule.in_row(row), Floats(*texels));
+                for (lane, texel) in texels.iter_mut().enumerate() {
+                    // What something nearer hides needs no test.
+                    if stored.0[lane] != *texel && !self.is_hole(tests, run.first + done + lane, row) {
+                        *texel = stored.0[lane];
+                    }
+                }
+                done += LANES;
+            }
+        }
+    }
+
+    /// Whether there is a hole at a texel's centre.
+    #[inline(always)]
+    fn is_hole(&self, tests: AlphaTests, column: usize, row: usize) -> bool {
+        let (d, over_w) = self.large.at(&self.over_w, column, row);
+        let here = [(over_w[0] / d) as f32, (over_w[1] / d) as f32, (over_w[2] / d) as f32];
+        let uv = Vec2::new(here[0], here[1]);
+        let [dx, dy] = [self.uv(column + 1, row, d) - uv, self.uv(column, row + 1, d) - uv];
+        tests.is_hole(self.test, Vec3::from(here), dx, dy)
+    }
+    /// Uv at a texel next to one with this D.
+    #[inline(always)]
+    fn uv(&self, column: usize, row: usize, d_beside: f64) -> Vec2 {
+        let (d, [u, v, _]) = self.large.at(&self.over_w, column, row);
+        let d = d.max(LEAST_SHARE * d_beside);
+        Vec2::new((u / d) as f32, (v / d) as f32)
+    }
+}

@@ -1,0 +1,176 @@
+//! Triangles of any size, and those that were cut: row by row, from the first covered texel to the last, which f64
+//! tells exactly.
+#![expect(clippy::cast_possible_wrap, reason = "places on a map are far below 2^31")]
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined is compiled without the vectors that the caller has"
+)]
+
+use super::Band;
+use super::rule::Rule;
+use super::wide::{Floats, Ints, LANES};
+
+/// A corner on the face.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    /// To the right and down from the centre of the first texel, in 1/256 of a texel; at most 2^22 either way.
+    pub at: [i32; 2],
+    /// N and D of [`Rule`].
+    pub n: f32,
+    pub d: f32,
+}
+
+/// A triangle. Its numbers are integers below 2^48 where `Small` has integers, and exact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Large {
+    /// The first and the last column and row of texels whose centres may be covered.
+    pub columns: [i32; 2],
+    pub rows: [i32; 2],
+    /// Edge functions as `Small` has them: `c + a i + b j` at the texel in column `i` and row `j` of the face.
+    a: [f64; 3],
+    b: [f64; 3],
+    c: [f64; 3],
+    n: Plane,
+    d: Plane,
+}
+
+/// A number that is linear on the face, as `Small` has N and D: the first, plus the others times the edge functions of
+/// the second and the third corner.
+pub(super) type Plane = [f64; 3];
+
+/// Covered texels of a row, and how N and D go along it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Run {
+    /// The first column, and how many there are.
+    pub first: usize,
+    pub count: usize,
+    /// At the first.
+    pub n: f32,
+    pub d: f32,
+    /// From each to the next.
+    pub n_step: f32,
+    pub d_step: f32,
+}
+
+impl Large {
+    /// `None` where it cannot cover a texel of a face with so many a side.
+    pub fn new(corners: [Corner; 3], side: usize) -> Option<Self> {
+        Self::with_planes(corners, [], side).map(|(large, [])| large)
+    }
+
+    /// The same, and planes of other numbers at the corners.
+    pub fn with_planes<const N: usize>(
+        corners: [Corner; 3],
+        others: [[f64; 3]; N],
+        side: usize,
+    ) -> Option<(Self, [Plane; N])> {
+        let [p, q, r] = corners.map(|corner| corner.at.map(i64::from));
+        let doubled_area = (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]);
+        let range = |axis: usize| {
+            let [least, most] = [p[axis].min(q[axis]).min(r[axis]), p[axis].max(q[axis]).max(r[axis])];
+            [((least + 255) >> 8).max(0) as i32, (most >> 8).min(side as i64 - 1) as i32]
+        };
+        let [columns, rows] = [range(0), range(1)];
+        if doubled_area == 0 || columns[0] > columns[1] || rows[0] > rows[1] {
+            return None;
+        }
+        let sign = doubled_area.signum();
+        // From the second to the third of the corners, for the edge named by the first.
+        let edge = |from: [i64; 2], to: [i64; 2]| {
+            let (a, b) = (sign * (from[1] - to[1]), sign * (to[0] - from[0]));
+            // Centres on top and left edges are covered.
+            let uncovered = i64::from(!(a > 0 || a == 0 && b > 0));
+            let at_origin = -(a * from[0] + b * from[1]);
+            let c = (at_origin - uncovered) >> 8;
+            ([a as f64, b as f64, c as f64], (at_origin - 256 * c) as f64)
+        };
+        let [(e0, _), (e1, rest1), (e2, rest2)] = [edge(q, r), edge(r, p), edge(p, q)];
+        let per_area = (doubled_area.abs() as f64).recip();
+        let plane = |x: [f64; 3]| {
+            let [one, two] = [1, 2].map(|k| (x[k] - x[0]) * per_area);
+            [x[0] + rest1 * one + rest2 * two, 256.0 * one, 256.0 * two]
+        };
+        let of = |k: usize| [e0[k], e1[k], e2[k]];
+        let large = Self {
+            columns,
+            rows,
+            a: of(0),
+            b: of(1),
+            c: of(2),
+            n: plane(corners.map(|corner| f64::from(corner.n))),
+            d: plane(corners.map(|corner| f64::from(corner.d))),
+        };
+        Some((large, others.map(plane)))
+    }
+
+    /// Planes at the centre of a texel: D, and three others.
+    #[inline(always)]
+    pub fn at(&self, others: &[Plane; 3], column: usize, row: usize) -> (f64, [f64; 3]) {
+        let (x, y) = (column as f64, row as f64);
+        let one = self.a[1] * x + self.b[1] * y + self.c[1];
+        let two = self.a[2] * x + self.b[2] * y + self.c[2];
+        let [p, q, r] = others;
+        (here(&self.d, one, two), [here(p, one, two), here(q, one, two), here(r, one, two)])
+    }
+
+    /// What it covers of a row. A quotient of integers below 2^53 is rounded to no integer that it is not, and so its
+    /// floor and ceiling are exact.
+    #[inline(always)]
+    pub fn run(&self, row: usize) -> Option<Run> {
+        let y = row as f64;
+        let [mut first, mut last] = [f64::from(self.columns[0]), f64::from(self.columns[1])];
+        let starts = [self.b[0] * y + self.c[0], self.b[1] * y + self.c[1], self.b[2] * y + self.c[2]];
+        for (k, start) in starts.into_iter().enumerate() {
+            let zero = -start / self.a[k];
+            if self.a[k] > 0.0 {
+                first = first.max(zero.ceil());
+            } else if self.a[k] < 0.0 {
+                last = last.min(zero.floor());
+            } else if start < 0.0 {
+                return None;
+            }
+        }
+        if first > last {
+            return None;
+        }
+        let (one, two) = (starts[1] + self.a[1] * first, starts[2] + self.a[2] * first);
+        let (n, d) = (self.n, self.d);
+        Some(Run {
+            first: first as i32 as usize,
+            count: (last - first) as i32 as usize + 1,
+            n: (n[0] + n[1] * one + n[2] * two) as f32,
+            d: (d[0] + d[1] * one + d[2] * two) as f32,
+            n_step: (n[1] * self.a[1] + n[2] * self.a[2]) as f32,
+            d_step: (d[1] * self.a[1] + d[2] * self.a[2]) as f32,
+        })
+    }
+}
+
+/// A plane where the edge functions of the second and the third corner are `one` and `two`.
+#[inline(always)]
+fn here(plane: &Plane, one: f64, two: f64) -> f64 {
+    plane[0] + plane[1] * one + plane[2] * two
+}
+
+/// Draws the rows of a triangle that are in a band.
+#[inline(always)]
+pub(super) fn draw<R: Rule>(rule: R, large: &Large, band: &mut Band) {
+    let first = (large.rows[0] as usize).max(band.first);
+    let end = (large.rows[1] as usize + 1).min(band.end);
+    for row in first..end {
+        let Some(run) = large.run(row) else { continue };
+        let in_row = rule.in_row(row);
+        let at = (row - band.first) * band.stride + run.first;
+        let mut done = 0;
+        while done < run.count {
+            let Some(texels) = band.texels[at + done..].first_chunk_mut::<LANES>() else { return };
+            let along = band.count + Ints::splat(done as i32);
+            let covered = Ints::splat(run.count as i32 - 1) - along;
+            let along = along.floats();
+            let n = along.times_plus(Floats::splat(run.n_step), Floats::splat(run.n));
+            let d = along.times_plus(Floats::splat(run.d_step), Floats::splat(run.d));
+            *texels = rule.stored(covered, n, d, in_row, Floats(*texels)).0;
+            done += LANES;
+        }
+    }
+}

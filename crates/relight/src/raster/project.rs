@@ -1,0 +1,138 @@
+//! From places to texels of a face: 16 corners at once, and one alone, to the same bits.
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined is compiled without the vectors that the caller has"
+)]
+
+use glam::Mat3;
+
+use super::clip::ClipCorner;
+use super::large::Corner;
+use super::wide::{Floats, Ints, LANES};
+use super::{Depths, Face, Triangle};
+
+/// Texels from the middle of a face to the end of the guard band, beyond which triangles are cut.
+const GUARD_TEXELS: f32 = 8192.0;
+/// What has less is as good as at the source: what is divided by more stays within f32.
+const LEAST_W: f32 = 1e-30;
+/// A float of at most 2^22 that this is added to has its nearest integer in its last bits.
+const ROUND: f32 = 12_582_912.0;
+
+/// From places to a face's texels, and what is interpolated there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Projection {
+    clip_from_place: Mat3,
+    pub side: usize,
+    /// What has less is cut away.
+    pub least_w: f32,
+    /// Of |x| / w and |y| / w: where the guard band ends.
+    pub guard: f32,
+    /// From x / w and -y / w to 1/256 of a texel from the centre of the first.
+    scale: f32,
+    shift: f32,
+    /// Some N is `near / w`, others value / w.
+    near: Option<f32>,
+}
+
+impl Projection {
+    pub fn new(face: &Face, side: usize) -> Self {
+        let near = match face.depths {
+            Depths::Perspective { near } => Some(near),
+            Depths::Bent { .. } | Depths::Orthographic => None,
+        };
+        Self {
+            clip_from_place: face.clip_from_place,
+            side,
+            least_w: near.unwrap_or(LEAST_W),
+            guard: GUARD_TEXELS / (0.5 * side as f32),
+            scale: 128.0 * side as f32,
+            shift: 128.0 * side as f32 - 128.0,
+            near,
+        }
+    }
+
+    /// A corner in clip coordinates.
+    pub fn clip(&self, [x, y, z, value]: [f32; 4]) -> ClipCorner<4> {
+        let matrix = self.clip_from_place;
+        let axis = |k: usize| {
+            let yz = y.mul_add(matrix.y_axis[k], z * matrix.z_axis[k]);
+            x.mul_add(matrix.x_axis[k], yz)
+        };
+        [axis(0), axis(1), axis(2), value]
+    }
+
+    /// Of a corner with w > 0 in the guard band.
+    pub fn corner(&self, [x, y, w, value]: ClipCorner<4>) -> Corner {
+        let d = w.recip();
+        let rounded = |ratio: f32| {
+            let most = (GUARD_TEXELS + 0.5 * self.side as f32) * 256.0;
+            let place = ratio.mul_add(self.scale, self.shift).clamp(-most, most);
+            (place + ROUND).to_bits().cast_signed() - ROUND.to_bits().cast_signed()
+        };
+        Corner { at: [rounded(x * d), rounded(-(y * d))], n: self.near.unwrap_or(value) * d, d }
+    }
+}
+
+/// Sixteen corners.
+#[derive(Clone, Copy)]
+pub(super) struct Corners {
+    pub clip: [Floats; 4],
+    pub at: [Ints; 2],
+    pub n: Floats,
+    pub d: Floats,
+}
+
+/// X, Y, Z and the value of each corner. Not inlined: among other things, compilers make something slower of it.
+#[inline(never)]
+pub(super) fn by_axes(group: &[Triangle; LANES]) -> [[Floats; 4]; 3] {
+    let mut places = [[Floats::ZERO; 4]; 3];
+    for (lane, triangle) in group.iter().enumerate() {
+        for corner in 0..3 {
+            for axis in 0..4 {
+                places[corner][axis].0[lane] = triangle[corner][axis];
+            }
+        }
+    }
+    places
+}
+
+/// The corners of this number.
+#[inline(always)]
+pub(super) fn project(place: &[Floats; 4], projection: &Projection) -> Corners {
+    let matrix = projection.clip_from_place;
+    let clip = [
+        clip_axis(place, matrix.x_axis.x, matrix.y_axis.x, matrix.z_axis.x),
+        clip_axis(place, matrix.x_axis.y, matrix.y_axis.y, matrix.z_axis.y),
+        clip_axis(place, matrix.x_axis.z, matrix.y_axis.z, matrix.z_axis.z),
+        place[3],
+    ];
+    let d = Floats::splat(1.0) / clip[2];
+    let (scale, shift) = (Floats::splat(projection.scale), Floats::splat(projection.shift));
+    let right = (clip[0] * d).times_plus(scale, shift);
+    let down = (clip[1] * d).times_plus(Floats::splat(-projection.scale), shift);
+    let at = [rounded(right), rounded(down)];
+    let n = match projection.near {
+        Some(near) => Floats::splat(near) * d,
+        None => place[3] * d,
+    };
+    Corners { clip, at, n, d }
+}
+
+#[inline(always)]
+fn clip_axis(place: &[Floats; 4], x: f32, y: f32, z: f32) -> Floats {
+    let yz = place[1].times_plus(Floats::splat(y), place[2] * Floats::splat(z));
+    place[0].times_plus(Floats::splat(x), yz)
+}
+
+#[inline(always)]
+fn rounded(x: Floats) -> Ints {
+    (x + Floats::splat(ROUND)).bits() - Ints::splat(ROUND.to_bits().cast_signed())
+}
+
+/// Holds where corners need not be cut.
+#[inline(always)]
+pub(super) fn is_inside(corners: &Corners, projection: &Projection) -> Ints {
+    let [x, y, w, _] = corners.clip;
+    let reach = w * Floats::splat(projection.guard);
+    Floats::splat(projection.least_w).at_most(w) | x.absolute().at_most(reach) | y.absolute().at_most(reach)
+}

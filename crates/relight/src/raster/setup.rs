@@ -1,0 +1,188 @@
+//! Finds where triangles lie on a face, and lists them by bands of its rows.
+#![expect(clippy::cast_possible_wrap, reason = "places on a map are far below 2^31")]
+#![expect(
+    clippy::inline_always,
+    reason = "what is not inlined is compiled without the vectors that the caller has"
+)]
+
+use pulp::{Simd, WithSimd};
+
+use super::clip::{ClipCorner, Polygon};
+use super::large::{Corner, Large};
+use super::project::{Corners, Projection, by_axes, is_inside, project};
+use super::small::{LARGEST, Small};
+use super::wide::{COUNT, Floats, Ints, LANES};
+use super::{BAND, Triangle};
+
+/// Some triangles of a face, set up.
+#[derive(Debug, Default)]
+pub(super) struct Piece {
+    pub large: Vec<Large>,
+    /// Of each band.
+    pub small_in: Vec<Vec<Small>>,
+    /// Of each band: places in `large`.
+    pub large_in: Vec<Vec<u32>>,
+}
+
+/// Sets triangles up.
+pub(super) struct SetUp<'a> {
+    pub piece: &'a mut Piece,
+    pub triangles: &'a [Triangle],
+    pub projection: &'a Projection,
+}
+
+impl WithSimd for SetUp<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let Self { piece, triangles, projection } = self;
+        piece.clear(projection.side.div_ceil(BAND));
+        let mut done = 0;
+        while done < triangles.len() {
+            let rest = &triangles[done..];
+            let mut group = [[[0.0; 4]; 3]; LANES];
+            let whole = if let Some(whole) = rest.first_chunk() {
+                whole
+            } else {
+                group[..rest.len()].copy_from_slice(rest);
+                &group
+            };
+            set_up_group(piece, whole, rest.len().min(LANES), projection);
+            done += LANES;
+        }
+    }
+}
+
+impl Piece {
+    fn clear(&mut self, bands: usize) {
+        self.large.clear();
+        self.small_in.resize_with(bands, Vec::new);
+        self.small_in.iter_mut().for_each(Vec::clear);
+        self.large_in.resize_with(bands, Vec::new);
+        self.large_in.iter_mut().for_each(Vec::clear);
+    }
+
+    fn add_large(&mut self, large: Large) {
+        let [first, last] = large.rows.map(|row| row as usize / BAND);
+        for band in first..=last {
+            self.large_in[band].push(self.large.len() as u32);
+        }
+        self.large.push(large);
+    }
+
+    fn add_cut(&mut self, triangle: [ClipCorner<4>; 3], projection: &Projection) {
+        let polygon = Polygon::cut(triangle, projection.least_w, projection.guard);
+        for corners in polygon.triangles() {
+            let corners = corners.map(|corner| projection.corner(corner));
+            if let Some(large) = Large::new(corners, projection.side) {
+                self.add_large(large);
+            }
+        }
+    }
+}
+
+/// The least and the most of three; the first and the last texel centre between them that are on the face.
+#[inline(always)]
+fn span(p: Ints, q: Ints, r: Ints, side: usize) -> ([Ints; 2], Ints) {
+    let [least, most] = [p.least(q).least(r), p.greatest(q).greatest(r)];
+    let first = (least + Ints::splat(255)).shifted_down(8).greatest(Ints::splat(0));
+    let last = most.shifted_down(8).least(Ints::splat(side as i32 - 1));
+    ([first, last], Ints::splat(256 * LARGEST) - (most - least))
+}
+
+#[inline(always)]
+fn set_up_group(piece: &mut Piece, group: &[Triangle; LANES], count: usize, projection: &Projection) {
+    let places = by_axes(group);
+    let corners =
+        [project(&places[0], projection), project(&places[1], projection), project(&places[2], projection)];
+    let is_whole = is_inside(&corners[0], projection)
+        | is_inside(&corners[1], projection)
+        | is_inside(&corners[2], projection)
+        | (Ints::splat(count as i32 - 1) - COUNT);
+    let [p, q, r] = [corners[0].at, corners[1].at, corners[2].at];
+    let (columns, is_narrow) = span(p[0], q[0], r[0], projection.side);
+    let (rows, is_low) = span(p[1], q[1], r[1], projection.side);
+    let is_seen = (columns[1] - columns[0]) | (rows[1] - rows[0]);
+    let (smalls, covers) = small_ones(&corners, columns, rows);
+    let is_drawn = is_whole | is_seen | is_narrow | is_low | covers;
+    for lane in 0..count {
+        if is_drawn.0[lane] >= 0 {
+            let small = smalls.lane(lane);
+            let (first, last) = (small.rows[0] as usize / BAND, small.rows[1] as usize / BAND);
+            for band in first..=last {
+                piece.small_in[band].push(small);
+            }
+        } else if is_whole.0[lane] < 0 {
+            piece.add_cut(corners.map(|corner| corner.clip.map(|x| x.0[lane])), projection);
+        } else if is_seen.0[lane] >= 0 && (is_narrow.0[lane] < 0 || is_low.0[lane] < 0) {
+            let corners = corners.map(|corner| Corner {
+                at: corner.at.map(|x| x.0[lane]),
+                n: corner.n.0[lane],
+                d: corner.d.0[lane],
+            });
+            if let Some(large) = Large::new(corners, projection.side) {
+                piece.add_large(large);
+            }
+        }
+    }
+}
+
+/// Triangles whose centres of texels are in `columns` and `rows`, and a condition that holds where they may cover some.
+#[inline(always)]
+fn small_ones(corners: &[Corners; 3], columns: [Ints; 2], rows: [Ints; 2]) -> (Small<Ints, Floats>, Ints) {
+    let [p, q, r] = [corners[0].at, corners[1].at, corners[2].at];
+    let area = (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]);
+    let origin = [columns[0] * Ints::splat(256), rows[0] * Ints::splat(256)];
+    let first = edges(q, r, area, origin);
+    let second = edges(r, p, area, origin);
+    let third = edges(p, q, area, origin);
+    let area = area.select(area, -area);
+    let per_area = Floats::splat(1.0) / area.floats();
+    let rests = [second.rest, third.rest];
+    let smalls = Small {
+        columns,
+        rows,
+        e: [first.e, second.e, third.e],
+        a: [first.a, second.a, third.a],
+        b: [first.b, second.b, third.b],
+        n: plane(corners[0].n, corners[1].n, corners[2].n, per_area, rests),
+        d: plane(corners[0].d, corners[1].d, corners[2].d, per_area, rests),
+    };
+    // Of many a tiny triangle, only one texel is in question, and that is soon answered.
+    let more = (columns[1] - columns[0]) + (rows[1] - rows[0]) - Ints::splat(1);
+    let has_first = first.e | second.e | third.e;
+    (smalls, (area - Ints::splat(1)) | more.select(more, has_first))
+}
+
+/// Edge functions as `Small` has them, and what they would be at the first texel without division by 256, less 256
+/// times what they are.
+#[derive(Clone, Copy)]
+struct Edges {
+    e: Ints,
+    a: Ints,
+    b: Ints,
+    rest: Floats,
+}
+
+/// Of the edges between two corners of triangles whose doubled areas, with their signs, are known.
+#[inline(always)]
+fn edges(from: [Ints; 2], to: [Ints; 2], area: Ints, origin: [Ints; 2]) -> Edges {
+    let (a, b) = (from[1] - to[1], to[0] - from[0]);
+    let (a, b) = (area.select(a, -a), area.select(b, -b));
+    let start = a * (origin[0] - from[0]) + b * (origin[1] - from[1]);
+    // Centres on top and left edges are covered: where a > 0, or a = 0 and b > 0.
+    let is_flat = a | -a;
+    let uncovered = is_flat.select(Ints::splat(1) - b, Ints::splat(1) - a);
+    let uncovered = (-uncovered).select(Ints::ZERO, Ints::splat(1));
+    let e = (start - uncovered).shifted_down(8);
+    Edges { e, a, b, rest: (start - e * Ints::splat(256)).floats() }
+}
+
+/// As `Small` has N and D, by those at the corners.
+#[inline(always)]
+fn plane(x: Floats, second: Floats, third: Floats, per_area: Floats, rests: [Floats; 2]) -> [Floats; 3] {
+    let (one, two) = ((second - x) * per_area, (third - x) * per_area);
+    let start = rests[1].times_plus(two, rests[0].times_plus(one, x));
+    [start, one * Floats::splat(256.0), two * Floats::splat(256.0)]
+}

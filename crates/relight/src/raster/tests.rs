@@ -1,0 +1,76 @@
+//! What a map shows, against triangles that are drawn slowly and exactly.
+#![expect(clippy::cast_possible_wrap, reason = "places on a map are far below 2^31")]
+
+mod coverage;
+mod cut;
+mod depths;
+mod holes;
+mod oracle;
+mod whole_maps;
+
+use std::sync::OnceLock;
+
+use glam::Mat3;
+
+use super::{Depths, Face, Scratch, Triangle, draw_face};
+use crate::Workers;
+
+/// A bent light's depths, on a face where they are the values themselves.
+const PLAIN: Depths = Depths::Bent { row: [1.0, 0.0], depth_per_value: 1.0 };
+
+/// Numbers without order, the same each time: xorshift.
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    /// From `low` to below `high`.
+    fn whole(&mut self, low: i32, high: i32) -> i32 {
+        low + ((self.bits() >> 11) % (high - low) as u64) as i32
+    }
+
+    fn real(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * ((self.bits() >> 40) as f32 / (1 << 24) as f32)
+    }
+}
+
+/// A corner at whole 1/256 of a texel from the centre of the first one. In f32 it is off by less than half of one, and
+/// so is rounded to the same, up to 2^19 of them: of the coordinate four roundings remain, of 2^-24 each.
+fn corner(at: [i32; 2], w: f32, value: f32, side: usize) -> [f32; 4] {
+    let [right, down] = at.map(|x| (f64::from(x) + 128.0) / (128.0 * side as f64) - 1.0);
+    [(right * f64::from(w)) as f32, (-down * f64::from(w)) as f32, w, value]
+}
+
+/// Corners with w = 1 and the value 1/2.
+fn flat(corners: [[i32; 2]; 3], side: usize) -> Triangle {
+    corners.map(|at| corner(at, 1.0, 0.5, side))
+}
+
+/// A map of these triangles, whose places are clip coordinates.
+fn drawn(triangles: &[Triangle], depths: Depths, side: usize) -> Vec<f32> {
+    static WORKERS: OnceLock<Workers> = OnceLock::new();
+    let mut texels = vec![f32::NAN; side * side];
+    let face = Face { clip_from_place: Mat3::IDENTITY, depths };
+    let workers = WORKERS.get_or_init(|| Workers::of(2));
+    draw_face(&face, &[triangles], workers, &mut Scratch::default(), &mut texels, side);
+    texels
+}
+
+/// How many of these triangles, each drawn alone, cover each texel.
+fn counts(triangles: &[Triangle], depths: Depths, side: usize) -> Vec<usize> {
+    let cleared = drawn(&[], depths, side);
+    let mut counts = vec![0; side * side];
+    for triangle in triangles {
+        for (count, (depth, cleared)) in
+            counts.iter_mut().zip(drawn(&[*triangle], depths, side).iter().zip(&cleared))
+        {
+            *count += usize::from(depth != cleared);
+        }
+    }
+    counts
+}

@@ -1,0 +1,152 @@
+//! Triangles with alpha tests.
+
+use glam::Mat3;
+
+use super::oracle::meet;
+use super::{Depths, PLAIN, Random, Triangle};
+use crate::Workers;
+use crate::alpha_test::{AlphaTest, AlphaTests, Wrap};
+use crate::raster::{Face, Holed, HoledTriangle, Scratch, draw_face_with_holes};
+
+const TEST: AlphaTest = AlphaTest {
+    first_triangle: 0,
+    first_index: 0,
+    cutoff: 0.5,
+    factor: 1.0,
+    offset: 0,
+    width: 1,
+    height: 1,
+    levels: 1,
+    wrap_u: Wrap::Repeat,
+    wrap_v: Wrap::Repeat,
+    nearest: true,
+};
+
+fn drawn(
+    plain: &[Triangle],
+    triangles: &[HoledTriangle],
+    tests: AlphaTests,
+    depths: Depths,
+    side: usize,
+) -> Vec<f32> {
+    let face = Face { clip_from_place: Mat3::IDENTITY, depths };
+    let mut texels = vec![f32::NAN; side * side];
+    let holed = Holed { chunks: &[triangles], tests };
+    draw_face_with_holes(
+        &face,
+        &[plain],
+        &holed,
+        &Workers::of(2),
+        &mut Scratch::default(),
+        &mut texels,
+        side,
+    );
+    texels
+}
+
+/// A floor below the light that goes on behind it, with one cell of a picture along x, and one along the depth.
+fn floor() -> [Triangle; 2] {
+    let [a, b, c, d] = [[-3.0, -0.3], [3.0, -0.3], [-3.0, 4.0], [3.0, 4.0]].map(|[x, w]| [x, -0.4, w, 0.5]);
+    [[a, b, c], [c, b, d]]
+}
+
+fn with_uv(triangle: Triangle, test: u32) -> HoledTriangle {
+    HoledTriangle { corners: triangle, uv_alpha: triangle.map(|[x, _, w, _]| [x, w, 1.0]), test }
+}
+
+#[test]
+fn holes_are_where_perspective_puts_them() {
+    // Two by two texels, each 1/4 of the floor's units wide: a chess board.
+    let (side, cell) = (160, 0.25);
+    let test = AlphaTest { width: 2, height: 2, ..TEST };
+    let tests = AlphaTests { tests: &[test], texels: &[255, 0, 0, 255] };
+    let scaled = |triangle: Triangle| {
+        let uv_alpha =
+            triangle.map(|[x, _, w, _]| [x, w, 1.0].map(|x| if x == 1.0 { 1.0 } else { x / (2.0 * cell) }));
+        HoledTriangle { uv_alpha, ..with_uv(triangle, 0) }
+    };
+    let triangles = floor().map(scaled);
+    let texels = drawn(&[], &triangles, tests, PLAIN, side);
+    let (mut seen, mut flat) = (0, 0);
+    for (index, depth) in texels.into_iter().enumerate() {
+        let (column, row) = ((index % side) as f64 + 0.5, (index / side) as f64 + 0.5);
+        let (_, w, _) = meet(&floor()[0], column, row, side);
+        let x = w * (2.0 * column / side as f64 - 1.0);
+        // Clear of the edges of cells, and not so far off that 1/256 of a texel of the map makes a difference.
+        let is_clear =
+            |x: f64| (x / f64::from(cell)).fract().abs() > 0.1 && (x / f64::from(cell)).fract().abs() < 0.9;
+        if w > 0.0 && w < 2.0 && x.abs() < 3.0 && is_clear(x) && is_clear(w) {
+            let is_solid =
+                |x: f64, w: f64| ((x / f64::from(cell)).floor() + (w / f64::from(cell)).floor()) % 2.0 == 0.0;
+            assert_eq!(depth < 1.0, is_solid(x, w), "at {column}, {row}: {x}, {w}");
+            seen += 1;
+            // What a floor that is parallel to the map would show is caught.
+            flat += usize::from(is_solid(column / side as f64, row / side as f64) != is_solid(x, w));
+        }
+    }
+    assert!(seen > 2000 && flat > 500, "{flat} of {seen}");
+}
+
+#[test]
+fn far_off_the_picture_is_taken_from_coarser_levels() {
+    // Levels of 64, 32, 16 and so on texels a side, solid from the third on.
+    let levels = 7;
+    let mut texels = Vec::new();
+    for level in 0..levels {
+        let width = 64 >> level;
+        texels.extend(vec![if level >= 2 { 255 } else { 0 }; width * width]);
+    }
+    let test = AlphaTest { width: 64, height: 64, levels: levels as u32, ..TEST };
+    let tests = AlphaTests { tests: &[test], texels: &texels };
+    let side = 64;
+    let all = [[-1.0, 1.0, 1.0, 0.5], [3.0, 1.0, 1.0, 0.5], [-1.0, -3.0, 1.0, 0.5]];
+    let solid = |across: f32, down: f32| {
+        // So many texels of the picture to one of the map.
+        let uv_alpha = [[0.0, 0.0, 1.0], [2.0 * across, 0.0, 1.0], [0.0, 2.0 * down, 1.0]];
+        let texels = drawn(&[], &[HoledTriangle { corners: all, uv_alpha, test: 0 }], tests, PLAIN, side);
+        let covered = texels.iter().filter(|depth| **depth < 1.0).count();
+        assert!(covered == 0 || covered == side * side, "{across}, {down}");
+        covered > 0
+    };
+    // Half of the second level and half of the third is what the test asks for: 2^1.5 texels.
+    assert_eq!([1.0, 2.7, 2.9, 8.0].map(|many| solid(many, many)), [false, false, true, true]);
+    // By the shorter way.
+    assert_eq!([solid(2.7, 30.0), solid(30.0, 2.7), solid(2.9, 30.0)], [false, false, true]);
+}
+
+#[test]
+fn a_solid_picture_makes_no_difference_and_an_empty_one_all() {
+    let mut random = Random(77);
+    let side = 200;
+    let triangles: Vec<Triangle> = (0..400)
+        .map(|_| {
+            [0, 1, 2].map(|_| {
+                let [x, y] = [0, 1].map(|_| random.real(-1.5, 1.5));
+                [x, y, random.real(-0.2, 1.0), random.real(0.0, 1.0)]
+            })
+        })
+        .collect();
+    let solid = AlphaTest { cutoff: 0.8, factor: 0.9, ..TEST };
+    let tests = [solid, AlphaTest { offset: 1, ..solid }, AlphaTest { factor: 0.7, ..solid }];
+    let tests = AlphaTests { tests: &tests, texels: &[255, 100] };
+    let of =
+        |test: u32| triangles.iter().map(|triangle| with_uv(*triangle, test)).collect::<Vec<HoledTriangle>>();
+    for depths in [PLAIN, Depths::Perspective { near: 0.1 }, Depths::Orthographic] {
+        let nothing = drawn(&[], &[], tests, depths, side);
+        assert_eq!(drawn(&[], &of(1), tests, depths, side), nothing, "the texel's alpha is too little");
+        assert_eq!(drawn(&[], &of(2), tests, depths, side), nothing, "the material's is");
+        let faint = of(0).into_iter().map(|triangle| {
+            let uv_alpha = triangle.uv_alpha.map(|[u, v, _]| [u, v, 0.5]);
+            HoledTriangle { uv_alpha, ..triangle }
+        });
+        assert_eq!(drawn(&[], &faint.collect::<Vec<_>>(), tests, depths, side), nothing, "the corners' is");
+        // In halves, so that both kinds are in a map. Small and large triangles round N and D in other ways, by
+        // 19 times 2^-24 of what they are at corners: here, up to 80 times what they are at a texel.
+        let whole = super::drawn(&triangles, depths, side);
+        let both = drawn(&triangles[..200], &of(0)[200..], tests, depths, side);
+        for (whole, both) in whole.iter().zip(&both) {
+            assert!((whole - both).abs() <= 1e-4 * whole, "{whole} {both}");
+        }
+        assert_ne!(whole, nothing);
+    }
+}

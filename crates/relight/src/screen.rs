@@ -1,0 +1,111 @@
+//! What a screen shows of linear radiance: exposed, tone-mapped, sRGB, RGBA of 8 bits a channel.
+
+use light::{Lanes, Mask};
+use rayon::prelude::*;
+
+use crate::Workers;
+use crate::elementary::pow;
+use crate::lanes::{F32s, LANES, U32s, Vec3s};
+use crate::simd::{self, Work};
+
+/// Bytes of a pixel on a screen: RGBA.
+pub(crate) const BYTES_A_PIXEL: usize = 4;
+/// Pixels that a thread shows at once.
+const PIXELS_A_TURN: usize = 4096;
+
+/// How bright a screen shows radiance.
+#[derive(Clone, Copy, Debug)]
+pub struct Exposure {
+    /// Factor of radiance.
+    pub factor: f32,
+    /// Radiance above this is cut to it, that its product with the factor stays a number.
+    pub brightest: f32,
+}
+
+/// What a screen shows of `radiance`, linear RGBA. Alpha only tells how much of a pixel shows a surface, and the rest is
+/// black: it is not looked at.
+pub fn display_radiance(workers: &Workers, radiance: &[[f32; 4]], exposure: Exposure) -> Vec<u8> {
+    let mut bytes = vec![0; BYTES_A_PIXEL * radiance.len()];
+    workers.run(|| {
+        let turns = bytes.par_chunks_mut(BYTES_A_PIXEL * PIXELS_A_TURN);
+        let turns = turns.zip(radiance.par_chunks(PIXELS_A_TURN));
+        turns.for_each(|(bytes, radiance)| simd::run(Shown { radiance, exposure, bytes }));
+    });
+    bytes
+}
+
+struct Shown<'a> {
+    radiance: &'a [[f32; 4]],
+    exposure: Exposure,
+    bytes: &'a mut [u8],
+}
+
+impl Work for Shown<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { radiance, exposure, bytes } = self;
+        let pixels = bytes.as_chunks_mut::<BYTES_A_PIXEL>().0;
+        for (radiance, pixels) in radiance.chunks(LANES).zip(pixels.chunks_mut(LANES)) {
+            let mut linear = Vec3s::splat([0.0; 3]);
+            for (i, [r, g, b, _]) in radiance.iter().enumerate() {
+                (linear.x.0[i], linear.y.0[i], linear.z.0[i]) = (*r, *g, *b);
+            }
+            let shown = shown(linear, exposure);
+            for (pixel, shown) in pixels.iter_mut().zip(shown.0) {
+                *pixel = shown.to_le_bytes();
+            }
+        }
+    }
+}
+
+/// Hue and colour are kept up to this; above, peaks are compressed to 1 and desaturated.
+const START: f32 = 0.8 - 0.04;
+const DESATURATION: f32 = 0.15;
+
+/// Khronos PBR Neutral, as `display.wgsl` has it.
+#[inline(always)]
+fn pbr_neutral(linear: Vec3s) -> Vec3s {
+    let one = F32s::splat(1.0);
+    // Takes off the reflection of 4 % that a dielectric adds to its base colour.
+    let low = linear.x.least(linear.y.least(linear.z));
+    let dark = low - F32s::splat(6.25) * low * low;
+    let off = F32s::select(low.lt(F32s::splat(0.08)), dark, F32s::splat(0.04));
+    let color = linear - Vec3s { x: off, y: off, z: off };
+    let peak = color.x.most(color.y.most(color.z));
+    let bright = peak.ge(F32s::splat(START));
+    if !bright.any() {
+        return color;
+    }
+    let room = F32s::splat(1.0 - START);
+    let new_peak = one - room * room / (peak + room - F32s::splat(START));
+    let white = one - one / (F32s::splat(DESATURATION) * (peak - new_peak) + one);
+    let scaled = color * (new_peak / peak);
+    let peaks = Vec3s { x: new_peak, y: new_peak, z: new_peak };
+    F32s::select_vec(bright, scaled * (one - white) + peaks * white, color)
+}
+
+/// Black, and opaque.
+pub(crate) const BLACK: U32s = U32s([0xff00_0000; LANES]);
+
+/// The channels' bytes, red the lowest.
+#[inline(always)]
+pub(crate) fn shown(linear: Vec3s, exposure: Exposure) -> U32s {
+    let (brightest, factor) = (F32s::splat(exposure.brightest), F32s::splat(exposure.factor));
+    let [r, g, b] = F32s::coordinates(linear);
+    let exposed = F32s::vec3([r.least(brightest), g.least(brightest), b.least(brightest)]) * factor;
+    let [r, g, b] = F32s::coordinates(pbr_neutral(exposed));
+    let (green, blue) = (srgb_byte(g) * U32s::splat(0x100), srgb_byte(b) * U32s::splat(0x1_0000));
+    srgb_byte(r) | green | blue | BLACK
+}
+
+/// The sRGB transfer function (IEC 61966-2-1), to the nearest of 256 steps.
+#[inline(always)]
+fn srgb_byte(linear: F32s) -> U32s {
+    let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
+    let c = linear.within(zero, one);
+    let curved = F32s::splat(1.055) * pow(c, 1.0 / 2.4) - F32s::splat(0.055);
+    let encoded = F32s::select(c.le(F32s::splat(0.003_130_8)), F32s::splat(12.92) * c, curved);
+    (encoded * F32s::splat(255.0)).to_u32()
+}

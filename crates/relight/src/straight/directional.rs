@@ -1,0 +1,184 @@
+//! A directional light: the twin of `parallel.wgsl` and `parallel_lookup.wgsl`. Light space: the light's axes about the
+//! scene's origin; light travels along -z.
+
+use glam::Mat4;
+use light::{Lanes, LightFilter, Mask};
+
+use super::{DEPTH_ROUNDING, GRAZING, LightFrame, Located, REACH, nothing};
+use crate::depth_map::DepthMap;
+use crate::lanes::{F32s, Masks, U32s, Vec3s};
+use crate::shape::{Sample, Shape};
+use crate::surfaces::Surface;
+use crate::visibility::{LitTexels, Receiver, decided, filtered, gathered, in_their_own_way};
+use crate::{Scene, ShadowFilter};
+
+/// A directional light as it is drawn.
+#[derive(Debug)]
+pub struct Directional {
+    frame: LightFrame,
+    light_filter: LightFilter,
+    window: [f32; 4],
+    map: DirectionalMapPlace,
+}
+
+/// What a directional light's map shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DirectionalMapPlace {
+    /// Middle and 1 / half size of it, along x and y.
+    pub fit: [f32; 4],
+    /// The z that has the map's depth 0: none of the scene is below.
+    pub bottom: f32,
+    /// The map's depth a world unit along z.
+    pub depth_scale: f32,
+    /// How far what casts shadows may stray from the surface, in world units.
+    pub mesh_error: f32,
+    /// How texels are blended.
+    pub filter: ShadowFilter,
+}
+
+impl Directional {
+    /// `light_from_scene` turns scene space to light space. The place across the window is (-x, y) times the first two
+    /// of `window` plus the others: 0 where it has no end.
+    pub fn new(
+        light_from_scene: Mat4,
+        light_filter: LightFilter,
+        window: [f32; 4],
+        map: DirectionalMapPlace,
+    ) -> Self {
+        Self { frame: LightFrame::new(light_from_scene), light_filter, window, map }
+    }
+
+    #[inline(always)]
+    pub(super) fn locate(&self, scene_position: Vec3s) -> Located {
+        let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
+        let position = self.frame.vector(scene_position);
+        let [scale_v, scale_w, shift_v, shift_w] = self.window;
+        let v = F32s::splat(shift_v) - position.x * F32s::splat(scale_v);
+        let w = position.y * F32s::splat(scale_w) + F32s::splat(shift_w);
+        let toward = self.frame.scene_vector(Vec3s { x: zero, y: zero, z: one });
+        Located { inside: v.abs().le(one) & w.abs().le(one), v, w, s: zero, toward }
+    }
+}
+
+impl Shape for Directional {
+    fn light_filter(&self) -> &LightFilter {
+        &self.light_filter
+    }
+
+    #[inline(always)]
+    fn sample(&self, scene: &Scene, map: Option<&DepthMap>, surface: &Surface, asked: Masks) -> Sample {
+        let mut located = self.locate(surface.position);
+        located.inside = located.inside & asked;
+        if !located.inside.any() {
+            return nothing();
+        }
+        let visibility = match map {
+            Some(map) => self.visibility(scene, map, surface, located.toward, located.inside),
+            None => F32s::splat(1.0),
+        };
+        located.sample(&self.light_filter, visibility)
+    }
+}
+
+/// A place on the map, and how high the receiver's own plane is around it; lengths along the light, as depths of the
+/// map.
+struct DirectionalReceiver {
+    texel: [F32s; 2],
+    depth: F32s,
+    /// How the plane rises from texel to texel; it is not followed farther than `most`.
+    step: [F32s; 2],
+    most: F32s,
+    /// How much higher the map may have something for the receiver to be lit: by all that the map can tell, and if what
+    /// is near is left to the scene.
+    tolerance: F32s,
+    reach: F32s,
+}
+
+impl Receiver for DirectionalReceiver {
+    #[inline(always)]
+    fn texel(&self) -> [F32s; 2] {
+        self.texel
+    }
+
+    #[inline(always)]
+    fn lit_texels(&self, map: &DepthMap, first: [F32s; 2]) -> LitTexels {
+        let [right, down] = self.step;
+        let corner = right * (first[0] - self.texel[0]) + down * (first[1] - self.texel[1]);
+        let rises = [corner, corner + right, corner + down, corner + (right + down)];
+        let stored = gathered(map, U32s::splat(0), first);
+        let mut lit = LitTexels { told: [Masks::of(false); 4], left: [Masks::of(false); 4] };
+        for k in 0..4 {
+            // Nothing is below 0, which is what the map holds where there is nothing.
+            let plane = (self.depth + rises[k].within(-self.most, self.most)).most(F32s::splat(0.0));
+            lit.told[k] = stored[k].le(plane + self.tolerance);
+            lit.left[k] = stored[k].le(plane + self.reach);
+        }
+        lit
+    }
+}
+
+impl Directional {
+    /// How much of the arriving light nothing is in the way of, where it is `asked`. Each texel is compared with the
+    /// height that the receiver's own plane has at its centre, so that a plane cannot shadow itself.
+    #[inline(always)]
+    fn visibility(
+        &self,
+        scene: &Scene,
+        map: &DepthMap,
+        surface: &Surface,
+        to_light: Vec3s,
+        asked: Masks,
+    ) -> F32s {
+        let (zero, one, half) = (F32s::splat(0.0), F32s::splat(1.0), F32s::splat(0.5));
+        // Light that arrives from behind meets the surface's other side.
+        let mut asked = asked & F32s::dot(surface.normal, to_light).gt(zero);
+        asked = asked & !in_their_own_way(scene, surface, to_light, asked);
+        if !asked.any() {
+            return zero;
+        }
+        // A facet that faces away lies behind the plane of the smooth surface.
+        let faces_light = F32s::dot(surface.geometric_normal, to_light).gt(zero);
+        let scene_normal = F32s::select_vec(faces_light, surface.geometric_normal, surface.normal);
+        let start = surface.shadow_position();
+        let at = self.frame.vector(start);
+        let normal = self.frame.vector(scene_normal);
+        let cosine = normal.z.most(F32s::splat(1e-20));
+        let place = &self.map;
+        let [middle_x, middle_y, per_x, per_y] = place.fit;
+        let (side, depth_scale) = (F32s::splat(map.side() as f32), F32s::splat(place.depth_scale));
+        // In world units.
+        let texels = [2.0 / (per_x * map.side() as f32), 2.0 / (per_y * map.side() as f32)];
+        let width = F32s::splat(texels[0].max(texels[1]));
+        let rise = [-normal.x / cosine * F32s::splat(texels[0]), -normal.y / cosine * F32s::splat(texels[1])];
+        let rise_length = (rise[0] * rise[0] + rise[1] * rise[1]).sqrt();
+
+        // Nothing is higher than the map's depths reach.
+        let run = (F32s::splat(REACH) * width).most(F32s::splat(1.5) * rise_length).least(one / depth_scale);
+        // A neighbouring facet that rises out of the plane by 0.25 rad is no occluder: a quarter of a texel's width,
+        // longer along the light where it grazes. Nor is the receiver's own caster, which strays along the normal;
+        // light grazes at a cosine of 0.1 at least. And positions are rounded, as are the map's depths, up to 1.
+        let facets = F32s::splat(0.25) * width / (cosine * cosine).most(F32s::splat(0.06));
+        let strayed = F32s::splat(place.mesh_error) / cosine.most(F32s::splat(0.1));
+        let rounding = start.x.abs().most(start.y.abs()).most(start.z.abs()) * F32s::splat(1.0 / 2_097_152.0);
+        let tolerance = (facets + strayed + rounding) * depth_scale + F32s::splat(DEPTH_ROUNDING);
+        let most = run * depth_scale;
+        let receiver = DirectionalReceiver {
+            texel: [
+                ((at.x - F32s::splat(middle_x)) * F32s::splat(0.5 * per_x) + half) * side - half,
+                (half - (at.y - F32s::splat(middle_y)) * F32s::splat(0.5 * per_y)) * side - half,
+            ],
+            depth: (at.z - F32s::splat(place.bottom)) * depth_scale,
+            step: [rise[0] * depth_scale, -rise[1] * depth_scale],
+            most,
+            tolerance,
+            reach: tolerance.most(most),
+        };
+        let shares = filtered(&receiver, map, place.filter);
+
+        // Beside the receiver a steep caster may be higher than it is here: the scene is asked for twice the reach, and
+        // as far as the plane rises in the texels around.
+        let grazes = asked & (!faces_light | rise_length.gt(F32s::splat(GRAZING) * width));
+        let way = to_light * (F32s::splat(3.0) * run);
+        F32s::select(asked, decided(scene, surface, shares, grazes, way), zero)
+    }
+}

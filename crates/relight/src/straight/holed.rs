@@ -1,0 +1,50 @@
+//! What throws shadows in a straight light and has an alpha test.
+
+use std::ops::Range;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::casters::{HoledCasters, HoledRun, StraightFace, StraightMap};
+use crate::Workers;
+use crate::raster::{HoledTriangle, Triangle};
+
+/// Triangles that a thread lists at once.
+const A_TURN: usize = 1024;
+
+/// Lists what a face may show of them, in the place of what was listed before.
+pub(super) fn list(
+    workers: &Workers,
+    (map, face): (&StraightMap, &StraightFace),
+    casters: &HoledCasters,
+    into: &mut Vec<Vec<HoledTriangle>>,
+) {
+    let runs = if face.casts { casters.runs } else { &[] };
+    let turns: Vec<(Range<u32>, u32)> = runs.iter().flat_map(turns).collect();
+    into.resize_with(turns.len(), Vec::new);
+    workers.run(|| {
+        into.par_iter_mut().zip(turns).for_each(|(listed, (triangles, test))| {
+            listed.clear();
+            for triangle in triangles {
+                let corners = casters.scene.corners(triangle).map(|corner| map.place(corner.to_array()));
+                if !is_beside(face, &corners) {
+                    let uv_alpha = casters.scene.uv_alpha(triangle).map(|corner| corner.to_array());
+                    listed.push(HoledTriangle { corners, uv_alpha, test });
+                }
+            }
+        });
+    });
+}
+
+/// A run in pieces, with its test.
+fn turns(HoledRun { triangles, test }: &HoledRun) -> impl Iterator<Item = (Range<u32>, u32)> {
+    let (Range { start, end }, test) = (triangles.clone(), *test);
+    (start..end).step_by(A_TURN).map(move |first| (first..end.min(first + A_TURN as u32), test))
+}
+
+/// Whether a triangle lies on the outer side of one of the sides of a face.
+fn is_beside(face: &StraightFace, corners: &Triangle) -> bool {
+    let [a, b, c] = corners.map(|[x, y, z, _]| face.clip_from_place * Vec3::new(x, y, z));
+    let all = |outside: fn(Vec3) -> bool| outside(a) && outside(b) && outside(c);
+    all(|p| p.x > p.z) || all(|p| p.x < -p.z) || all(|p| p.y > p.z) || all(|p| p.y < -p.z)
+}

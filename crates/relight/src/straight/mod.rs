@@ -1,0 +1,102 @@
+//! Lights whose rays are straight: where surfaces lie in them, and what their maps say of them. Each shape has its own
+//! place in the light, and its own receiver; they share the pass that draws maps, and what follows from a place.
+
+mod casters;
+mod directional;
+mod holed;
+mod map;
+mod omni;
+mod spot;
+
+use glam::Mat4;
+use light::{Lanes, LightFilter, Mask};
+
+use crate::lanes::{F32s, Masks, Vec3s};
+use crate::shape::Sample;
+
+pub use casters::{HoledCasters, HoledRun, StraightFace, StraightMap};
+pub use directional::{Directional, DirectionalMapPlace};
+pub use map::StraightWork;
+pub use omni::{Omni, OmniMapPlace};
+pub use spot::{Spot, SpotMapPlace};
+
+/// Lengths along the light, in a texel's widths. Where the receiver's plane runs farther than this from texel to texel,
+/// what the map cannot tell the scene is asked; ...
+const GRAZING: f32 = 1.0;
+/// ... farther than this the plane is only followed as the texels around need.
+const REACH: f32 = 48.0;
+/// Some ulps of a map's largest depth, 1, by which depths that are linear across a triangle are off.
+const DEPTH_ROUNDING: f32 = 1.0 / 4_194_304.0;
+/// Largest share that stays finite through the BRDF: nothing is left of this much at the source itself.
+const MOST_SHARE: f32 = 1e15;
+
+/// From scene space to light space: the scene's axes, turned, about the light or the scene's origin.
+#[derive(Clone, Copy, Debug)]
+struct LightFrame {
+    columns: [Vec3s; 3],
+    shift: Vec3s,
+}
+
+impl LightFrame {
+    fn new(light_from_scene: Mat4) -> Self {
+        let [a, b, c, shift] =
+            light_from_scene.to_cols_array_2d().map(|[x, y, z, _]| Vec3s::splat([x, y, z]));
+        Self { columns: [a, b, c], shift }
+    }
+
+    #[inline(always)]
+    fn position(&self, p: Vec3s) -> Vec3s {
+        self.vector(p) + self.shift
+    }
+
+    #[inline(always)]
+    fn vector(&self, v: Vec3s) -> Vec3s {
+        self.columns[0] * v.x + self.columns[1] * v.y + self.columns[2] * v.z
+    }
+
+    /// A vector in light space, in the scene's axes.
+    #[inline(always)]
+    fn scene_vector(&self, v: Vec3s) -> Vec3s {
+        Vec3s {
+            x: F32s::dot(self.columns[0], v),
+            y: F32s::dot(self.columns[1], v),
+            z: F32s::dot(self.columns[2], v),
+        }
+    }
+}
+
+/// Where surfaces lie in a light.
+#[derive(Clone, Copy, Debug)]
+struct Located {
+    inside: Masks,
+    v: F32s,
+    w: F32s,
+    /// Length of light's way, in world units; 0 where nothing depends on it.
+    s: F32s,
+    /// Unit vector to where light comes from, in scene space.
+    toward: Vec3s,
+}
+
+impl Located {
+    /// What surfaces there get of a light of that filter.
+    #[inline(always)]
+    fn sample(&self, filter: &LightFilter, visibility: F32s) -> Sample {
+        let most = F32s::splat(MOST_SHARE);
+        let share = filter.share_at(self.v, self.w, self.s);
+        // At the source itself light would be infinitely strong.
+        let share = F32s::select(share.le(most), share, most);
+        Sample {
+            inside: self.inside,
+            direction: self.toward,
+            irradiance: Vec3s { x: share, y: share, z: share },
+            visibility,
+        }
+    }
+}
+
+/// Nothing of a light that holds none of the surfaces.
+#[inline(always)]
+fn nothing() -> Sample {
+    let zero = Vec3s::splat([0.0; 3]);
+    Sample { inside: Masks::of(false), direction: zero, irradiance: zero, visibility: F32s::splat(0.0) }
+}

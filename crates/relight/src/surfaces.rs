@@ -1,0 +1,320 @@
+//! What pixels see, made of a G-buffer once a camera or scene change, as relighting goes through it: sixteen pixels at a
+//! time, four by four, and no background.
+
+use light::{Lanes, Mask};
+use rayon::prelude::*;
+
+use crate::encoding::unit_from_bits;
+use crate::lanes::{F32s, LANES, Masks, U32s, Vec3s};
+use crate::simd::{self, Work};
+use crate::{Scene, Workers};
+
+/// Pixels along each side of a block.
+pub(crate) const SIDE: usize = 4;
+
+/// The camera's rays, as `view.wgsl` has them: the sample of pixel (x, y) of the picture lies on the ray from
+/// `origin + x origin_dx + y origin_dy`; likewise its direction, which advances one unit along the view axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Of the first pixel's ray.
+    pub origin: [f32; 3],
+    /// To the next pixel to the right.
+    pub origin_dx: [f32; 3],
+    /// To the next one below.
+    pub origin_dy: [f32; 3],
+    /// Of the first pixel's ray.
+    pub direction: [f32; 3],
+    /// To the next pixel to the right.
+    pub direction_dx: [f32; 3],
+    /// To the next one below.
+    pub direction_dy: [f32; 3],
+    /// Distance along the view axis = `(c.x + c.y z) / (c.z + c.w z)` of the z of the depth buffer.
+    pub depth_from_z: [f32; 4],
+    /// The pixel of the picture that the G-buffer's first one is; whole numbers. Where blocks of a tile are the picture's,
+    /// so where both are multiples of 4, the tile is the picture to the bit.
+    pub tile_origin: [f32; 2],
+}
+
+/// A G-buffer as it was read back, rows from the top.
+#[derive(Clone, Copy, Debug)]
+pub struct Gbuffer<'a> {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Texels from one row to the next, at least the width.
+    pub row: usize,
+    /// Shading normal, triangle + 1, material: see `gbuffer.wgsl`.
+    pub packed: &'a [[u32; 4]],
+    /// The depth buffer.
+    pub z: &'a [f32],
+    /// How far in front of the surface its shadow is looked for.
+    pub terminator_offset: &'a [f32],
+}
+
+/// Sixteen pixels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Block {
+    /// Distance along the view axis.
+    pub depth: F32s,
+    /// Octahedral, as in the G-buffer.
+    pub normal: U32s,
+    /// Of the triangle, towards the viewer.
+    pub geometric_normal: Vec3s,
+    /// As in the G-buffer.
+    pub material: [U32s; 2],
+    pub terminator_offset: F32s,
+    /// Index of the triangle + 1; 0 where there is no surface.
+    pub triangle: U32s,
+    /// Of the pixel in the block's corner.
+    pub corner: [u16; 2],
+}
+
+/// All blocks that see something, in rows from the top.
+#[derive(Debug)]
+pub struct Surfaces {
+    size: [u32; 2],
+    camera: Camera,
+    pub(crate) blocks: Vec<Block>,
+    /// What each block reflects of the fill, all of it.
+    pub(crate) fill: Vec<Vec3s>,
+    /// Where each row of blocks begins, and where the last one ends.
+    pub(crate) rows: Vec<usize>,
+}
+
+/// What sixteen pixels see.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surface {
+    /// Which of them see anything; the rest means nothing where they do not.
+    pub exists: Masks,
+    /// Scene space.
+    pub position: Vec3s,
+    pub depth: F32s,
+    pub geometric_normal: Vec3s,
+    /// Unit shading normal.
+    pub normal: Vec3s,
+    pub terminator_offset: F32s,
+    /// + 1.
+    pub triangle: U32s,
+    /// Unit vector towards the viewer.
+    pub to_eye: Vec3s,
+    /// Linear.
+    pub base_color: Vec3s,
+    pub metallic: F32s,
+    /// Perceptual: the GGX alpha is its square.
+    pub roughness: F32s,
+}
+
+impl Surfaces {
+    /// Those of a G-buffer of `scene`.
+    pub fn new(workers: &Workers, scene: &Scene, (camera, fill): (Camera, Fill), gbuffer: &Gbuffer) -> Self {
+        let height_in_blocks = (gbuffer.size[1] as usize).div_ceil(SIDE);
+        let rows: Vec<_> = workers.run(|| {
+            let row = |row| simd::run(RowOfBlocks { scene, camera: &camera, fill: &fill, gbuffer, row });
+            (0..height_in_blocks).into_par_iter().map(row).collect()
+        });
+        let count = rows.iter().map(|(blocks, _)| blocks.len()).sum();
+        let (blocks, fill) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut surfaces = Self { size: gbuffer.size, camera, blocks, fill, rows: vec![0] };
+        for (blocks, fill) in rows {
+            surfaces.blocks.extend(blocks);
+            surfaces.fill.extend(fill);
+            surfaces.rows.push(surfaces.blocks.len());
+        }
+        surfaces
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// How many blocks of sixteen pixels see something.
+    pub fn block_count(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// Of what it holds.
+    pub fn bytes(&self) -> u64 {
+        Self::bytes_of(self.block_count())
+    }
+
+    /// How many blocks see something at most in so many pixels.
+    pub fn most_blocks(size: [u32; 2]) -> usize {
+        size.map(|side| (side as usize).div_ceil(SIDE)).iter().product()
+    }
+
+    /// Of so many blocks.
+    pub fn bytes_of(block_count: usize) -> u64 {
+        (block_count * (size_of::<Block>() + size_of::<Vec3s>())) as u64
+    }
+
+    /// What a block's pixels see.
+    #[inline(always)]
+    pub(crate) fn surface(&self, block: &Block) -> Surface {
+        surface_of(&self.camera, block)
+    }
+}
+
+/// What a block's pixels see.
+#[inline(always)]
+fn surface_of(camera: &Camera, block: &Block) -> Surface {
+    let (origin, direction) = rays(camera, block.corner);
+    let (base_color, metallic, roughness) = crate::encoding::material_from_bits(block.material);
+    let length = F32s::length(direction);
+    Surface {
+        exists: !block.triangle.equals(U32s::splat(0)),
+        position: origin + direction * block.depth,
+        depth: block.depth,
+        geometric_normal: block.geometric_normal,
+        normal: unit_from_bits(block.normal),
+        terminator_offset: block.terminator_offset,
+        triangle: block.triangle,
+        to_eye: direction * (F32s::splat(-1.0) / length),
+        base_color,
+        metallic,
+        roughness,
+    }
+}
+
+/// Light from everywhere: a hemisphere that goes from `ground` to `sky` with the height of a direction; linear RGB.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fill {
+    /// From above.
+    pub sky: [f32; 3],
+    /// From below.
+    pub ground: [f32; 3],
+}
+
+impl Fill {
+    #[inline(always)]
+    fn toward(&self, height: F32s) -> Vec3s {
+        let share = height * F32s::splat(0.5) + F32s::splat(0.5);
+        Vec3s::splat(self.ground) * (F32s::splat(1.0) - share) + Vec3s::splat(self.sky) * share
+    }
+
+    /// What surfaces reflect of it. Dielectrics scatter what arrives about the normal, metals mirror what arrives about the
+    /// reflected ray; both with the base colour as their albedo, so that a white surface returns what it gets.
+    #[inline(always)]
+    fn reflected(&self, surface: &Surface) -> Vec3s {
+        let (one, two) = (F32s::splat(1.0), F32s::splat(2.0));
+        let normal = surface.normal;
+        let mirrored = two * F32s::dot(normal, surface.to_eye) * normal.y - surface.to_eye.y;
+        let rough = surface.roughness;
+        let diffuse = self.toward(normal.y);
+        let specular = self.toward(mirrored * (one - rough) + normal.y * rough);
+        let arriving = diffuse * (one - surface.metallic) + specular * surface.metallic;
+        F32s::select_vec(surface.exists, surface.base_color * arriving, Vec3s::splat([0.0; 3]))
+    }
+}
+
+/// The rays of a block's pixels: where they start, and their directions.
+#[inline(always)]
+fn rays(camera: &Camera, [left, top]: [u16; 2]) -> (Vec3s, Vec3s) {
+    let (mut x, mut y) = (F32s::splat(0.0), F32s::splat(0.0));
+    // Whole numbers, and exact.
+    let (left, top) = (camera.tile_origin[0] + f32::from(left), camera.tile_origin[1] + f32::from(top));
+    for i in 0..LANES {
+        x.0[i] = left + (i % SIDE) as f32;
+        y.0[i] = top + (i / SIDE) as f32;
+    }
+    (
+        along(camera.origin, (camera.origin_dx, x), (camera.origin_dy, y)),
+        along(camera.direction, (camera.direction_dx, x), (camera.direction_dy, y)),
+    )
+}
+
+#[inline(always)]
+fn along(base: [f32; 3], (dx, x): ([f32; 3], F32s), (dy, y): ([f32; 3], F32s)) -> Vec3s {
+    Vec3s::splat(base) + Vec3s::splat(dx) * x + Vec3s::splat(dy) * y
+}
+
+struct RowOfBlocks<'a> {
+    scene: &'a Scene<'a>,
+    camera: &'a Camera,
+    fill: &'a Fill,
+    gbuffer: &'a Gbuffer<'a>,
+    row: usize,
+}
+
+impl Work for RowOfBlocks<'_> {
+    type Output = (Vec<Block>, Vec<Vec3s>);
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Self { scene, camera, fill, gbuffer, row } = self;
+        let width = gbuffer.size[0] as usize;
+        let mut blocks = Vec::with_capacity(width.div_ceil(SIDE));
+        let mut filled = Vec::with_capacity(width.div_ceil(SIDE));
+        for column in 0..width.div_ceil(SIDE) {
+            let corner = [(SIDE * column) as u16, (SIDE * row) as u16];
+            let (block, z) = loaded(scene, gbuffer, corner);
+            if !block.triangle.equals(U32s::splat(0)).all() {
+                let block = placed(scene, camera, block, z);
+                filled.push(fill.reflected(&surface_of(camera, &block)));
+                blocks.push(block);
+            }
+        }
+        (blocks, filled)
+    }
+}
+
+/// A block without its depth, and the z of its pixels; its geometric normals are those of triangles' fronts.
+#[inline(always)]
+fn loaded(scene: &Scene, gbuffer: &Gbuffer, corner: [u16; 2]) -> (Block, F32s) {
+    let [width, height] = gbuffer.size.map(|side| side as usize);
+    let (zero, none) = (F32s::splat(0.0), U32s::splat(0));
+    let mut block = Block {
+        depth: zero,
+        normal: none,
+        geometric_normal: Vec3s::splat([0.0; 3]),
+        material: [none; 2],
+        terminator_offset: zero,
+        triangle: none,
+        corner,
+    };
+    let mut z = zero;
+    for i in 0..LANES {
+        let (x, y) = (corner[0] as usize + i % SIDE, corner[1] as usize + i / SIDE);
+        if x >= width || y >= height {
+            continue;
+        }
+        let pixel = y * gbuffer.row + x;
+        let [normal, triangle, low, high] = gbuffer.packed[pixel];
+        if triangle == 0 {
+            continue;
+        }
+        let [nx, ny, nz, _] = scene.planes[triangle as usize - 1];
+        (block.geometric_normal.x.0[i], block.geometric_normal.y.0[i], block.geometric_normal.z.0[i]) =
+            (nx, ny, nz);
+        block.normal.0[i] = normal;
+        block.triangle.0[i] = triangle;
+        (block.material[0].0[i], block.material[1].0[i]) = (low, high);
+        block.terminator_offset.0[i] = gbuffer.terminator_offset[pixel];
+        z.0[i] = gbuffer.z[pixel];
+    }
+    (block, z)
+}
+
+/// The block with its depths, cut with the planes of its triangles as in `depth_on` of `view.wgsl`, and its normals towards the
+/// viewer.
+#[inline(always)]
+fn placed(scene: &Scene, camera: &Camera, mut block: Block, z: F32s) -> Block {
+    let (origin, direction) = rays(camera, block.corner);
+    let mut offset = F32s::splat(0.0);
+    for i in 0..LANES {
+        if block.triangle.0[i] != 0 {
+            offset.0[i] = scene.planes[block.triangle.0[i] as usize - 1][3];
+        }
+    }
+    let normal = block.geometric_normal;
+    let [a, b, c, d] = camera.depth_from_z;
+    let [a, b, c, d] = [F32s::splat(a), F32s::splat(b), F32s::splat(c), F32s::splat(d)];
+    let rough = (a + b * z) / (c + d * z);
+    let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
+    let closing = F32s::dot(normal, direction);
+    let edge_on = closing.equals(zero);
+    let exact = (offset - F32s::dot(normal, origin)) / F32s::select(edge_on, one, closing);
+    let held = exact.within(F32s::splat(0.5) * rough, F32s::splat(2.0) * rough);
+    block.depth = F32s::select(edge_on, rough, held);
+    block.geometric_normal = F32s::select_vec(closing.gt(zero), -normal, normal);
+    block
+}

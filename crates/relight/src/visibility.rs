@@ -1,0 +1,167 @@
+//! Percentage-closer filters: each texel is compared by itself, and the answers are blended (`shadow_filter.wgsl`).
+
+use light::{Lanes, Mask};
+
+use crate::depth_map::DepthMap;
+use crate::lanes::{F32s, LANES, Masks, U32s, Vec3s};
+use crate::nearby::{self, Met};
+use crate::surfaces::Surface;
+use crate::{Scene, ShadowFilter};
+
+/// A receiver on a map. Each shape of light has its own.
+pub(crate) trait Receiver {
+    /// Its place, counted from the centre of the first texel.
+    fn texel(&self) -> [F32s; 2];
+    /// Which of the four texels from `corner` on let the light through, row after row.
+    fn lit_texels(&self, map: &DepthMap, corner: [F32s; 2]) -> LitTexels;
+}
+
+/// Which of four texels let light through, row after row.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LitTexels {
+    /// By all that the map can tell.
+    pub told: [Masks; 4],
+    /// If what is near to the receiver is left to the scene.
+    pub left: [Masks; 4],
+}
+
+/// Shares of the light that the filter lets through, both ways of [`LitTexels`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shares {
+    pub told: F32s,
+    pub left: F32s,
+}
+
+/// The four texels from a corner on, row after row; what lies beside the map is the nearest of it.
+#[inline(always)]
+pub(crate) fn gathered(map: &DepthMap, face: U32s, corner: [F32s; 2]) -> [F32s; 4] {
+    let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
+    let mut found = [zero; 4];
+    let (side, texels) = (map.side(), map.texels());
+    let last = F32s::splat(side as f32 - 1.0);
+    let (width, first) = (U32s::splat(side as u32), face * U32s::splat((side * side) as u32));
+    let left = corner[0].within(zero, last).to_u32();
+    let right = (corner[0] + one).within(zero, last).to_u32();
+    let top = first + corner[1].within(zero, last).to_u32() * width;
+    let bottom = first + (corner[1] + one).within(zero, last).to_u32() * width;
+    for i in 0..LANES {
+        let (left, right) = (left.0[i], right.0[i]);
+        let (top, bottom) = (top.0[i], bottom.0[i]);
+        found[0].0[i] = texel(texels, top.wrapping_add(left));
+        found[1].0[i] = texel(texels, top.wrapping_add(right));
+        found[2].0[i] = texel(texels, bottom.wrapping_add(left));
+        found[3].0[i] = texel(texels, bottom.wrapping_add(right));
+    }
+    found
+}
+
+/// A texel; 0 where a place that means nothing lies beyond all of them.
+#[inline(always)]
+fn texel(texels: &[f32], at: u32) -> f32 {
+    texels.get(at as usize).copied().unwrap_or(0.0)
+}
+
+/// Sum over four texels, weighted by column and row: 1 to the last bit where all are lit.
+#[inline(always)]
+fn weighted(lit: &[Masks; 4], columns: [F32s; 2], rows: [F32s; 2]) -> F32s {
+    let top = columns[0] * share(lit[0]) + columns[1] * share(lit[1]);
+    let bottom = columns[0] * share(lit[2]) + columns[1] * share(lit[3]);
+    rows[0] * top + rows[1] * bottom
+}
+
+/// 1 of what is lit.
+#[inline(always)]
+fn share(lit: Masks) -> F32s {
+    F32s::select(lit, F32s::splat(1.0), F32s::splat(0.0))
+}
+
+#[inline(always)]
+fn weighted_both(lit: &LitTexels, columns: [F32s; 2], rows: [F32s; 2]) -> Shares {
+    Shares { told: weighted(&lit.told, columns, rows), left: weighted(&lit.left, columns, rows) }
+}
+
+/// Shares of the light that `filter` lets through.
+#[inline(always)]
+pub(crate) fn filtered<R: Receiver>(receiver: &R, map: &DepthMap, filter: ShadowFilter) -> Shares {
+    let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
+    let [x, y] = receiver.texel();
+    let first = [x.floor(), y.floor()];
+    let mut blend = [x - first[0], y - first[1]];
+    if filter == ShadowFilter::Nearest {
+        let half = F32s::splat(0.5);
+        blend = [F32s::select(blend[0].gt(half), one, zero), F32s::select(blend[1].gt(half), one, zero)];
+    }
+    if filter != ShadowFilter::Pcf3x3 {
+        let columns = [one - blend[0], blend[0]];
+        let rows = [one - blend[1], blend[1]];
+        return weighted_both(&receiver.lit_texels(map, first), columns, rows);
+    }
+    let low = [[one - blend[0], one], [one - blend[1], one]];
+    let high = [[one, blend[0]], [one, blend[1]]];
+    let mut sum = Shares { told: zero, left: zero };
+    for (columns, dx) in [(low[0], -1.0), (high[0], 1.0)] {
+        for (rows, dy) in [(low[1], -1.0), (high[1], 1.0)] {
+            let corner = [first[0] + F32s::splat(dx), first[1] + F32s::splat(dy)];
+            let shares = weighted_both(&receiver.lit_texels(map, corner), columns, rows);
+            (sum.told, sum.left) = (sum.told + shares.told, sum.left + shares.left);
+        }
+    }
+    let ninth = F32s::splat(9.0);
+    Shares { told: sum.told / ninth, left: sum.left / ninth }
+}
+
+/// Share of the light that reaches the surface, given both shares of [`filtered`]. Where light grazes and the texels around
+/// do not all let it through, the scene tells of `way`, its last piece reversed, and the map of what came before.
+#[inline(always)]
+pub(crate) fn decided(scene: &Scene, surface: &Surface, shares: Shares, grazes: Masks, way: Vec3s) -> F32s {
+    let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
+    let asked = grazes & shares.told.lt(one) & shares.left.gt(zero);
+    if !asked.any() {
+        return shares.told;
+    }
+    let mut visibility = shares.told;
+    for i in 0..LANES {
+        if asked.lane(i) {
+            let is_blocked = nearby::is_met(scene, &surface.met(i), way.lane(i));
+            visibility.0[i] = if is_blocked { 0.0 } else { shares.left.0[i] };
+        }
+    }
+    visibility
+}
+
+/// Which of `asked` are in the way of the light that comes along `arriving`, unit vectors towards it.
+#[inline(always)]
+pub(crate) fn in_their_own_way(scene: &Scene, surface: &Surface, arriving: Vec3s, asked: Masks) -> Masks {
+    let faces_away = F32s::dot(surface.geometric_normal, arriving).le(F32s::splat(0.0));
+    let mut in_the_way = Masks::of(false);
+    if !(asked & faces_away).any() {
+        return in_the_way;
+    }
+    for i in 0..LANES {
+        if (asked & faces_away).lane(i) && nearby::is_in_its_own_way(scene, &surface.met(i), arriving.lane(i))
+        {
+            in_the_way.0[i] = u32::MAX;
+        }
+    }
+    in_the_way
+}
+
+impl Surface {
+    /// Where light has to arrive for the surfaces to be lit.
+    #[inline(always)]
+    pub fn shadow_position(&self) -> Vec3s {
+        self.position + self.normal * self.terminator_offset
+    }
+
+    /// One lane's, which exists.
+    fn met(&self, lane: usize) -> Met {
+        Met {
+            position: self.position.lane(lane),
+            normal: self.normal.lane(lane),
+            geometric_normal: self.geometric_normal.lane(lane),
+            terminator_offset: self.terminator_offset.0[lane],
+            depth: self.depth.0[lane],
+            triangle: self.triangle.0[lane].wrapping_sub(1),
+        }
+    }
+}

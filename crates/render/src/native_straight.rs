@@ -1,0 +1,154 @@
+//! A light with straight rays that the processor draws: its numbers for `relight`, and its map.
+
+use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec4Swizzles};
+use relight::{
+    AlphaTests, DepthMap, Directional, DirectionalMapPlace, HoledCasters, HoledRun, Omni, OmniMapPlace, Spot,
+    SpotMapPlace, StraightFace, StraightMap, StraightWork,
+};
+
+use crate::casters::Casting;
+use crate::clusters::VERTICES_A_BLOCK;
+use crate::directional::GpuDirectional;
+use crate::gpu_scene::GpuScene;
+use crate::host_scene::arrays;
+use crate::in_view::leaves_in_view;
+use crate::linked::{Linked, casting};
+use crate::map_views::MapViews;
+use crate::material::MaterialDraw;
+use crate::omni::GpuOmni;
+use crate::shadow_settings::Culling;
+use crate::spot::GpuSpot;
+use crate::stages::Stage;
+use crate::straight::{Placed, Straight};
+use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, gpu_structs};
+
+/// Casters of which a light's map looks at some.
+#[derive(Debug, Default)]
+struct InView {
+    /// One a face: first triangle of a leaf, and how many it has with its [`crate::shells::Shell`] above 16 bits.
+    leaves: Vec<Vec<[u32; 2]>>,
+    /// Blocks of vertices.
+    blocks: Vec<u32>,
+    triangles: u64,
+}
+
+impl InView {
+    fn new(casting: &Casting, views: &MapViews, source: Option<DVec3>, culling: Culling) -> Self {
+        let casters = casting.casters;
+        let mut is_near = vec![false; (casters.vertex_count as usize).div_ceil(VERTICES_A_BLOCK)];
+        let mut triangles = 0;
+        let leaves_of = |view: &Option<gpu_structs::ShadowView>| {
+            let mut leaves = Vec::new();
+            let Some(view) = view else { return leaves };
+            leaves_in_view(casters, &view.clip_from_scene, source, culling, |leaf, shell| {
+                let count = leaf.triangles.len() as u32;
+                leaves.push([leaf.triangles.start, count | (shell as u32) << 16]);
+                triangles += u64::from(count);
+                for &block in casters.clusters.blocks_of(leaf) {
+                    is_near[block as usize] = true;
+                }
+            });
+            leaves
+        };
+        let leaves = views.shadow_views().iter().map(leaves_of).collect();
+        let blocks = (0_u32..).zip(is_near).filter_map(|(block, is_near)| is_near.then_some(block)).collect();
+        Self { leaves, blocks, triangles }
+    }
+}
+
+/// Draws the map of a light in place into one of its size: of those casters that `linked` leaves.
+pub(crate) fn draw_map(
+    (gpu, work): (&Gpu, &mut StraightWork),
+    (light, placed): (Straight, &Placed),
+    (scene, linked, shadows): (&GpuScene, Option<&Linked>, &ShadowSettings),
+    into: &mut DepthMap,
+) -> Result<(), RenderError> {
+    let casting = casting(gpu, scene, linked, shadows.mesh_error)?;
+    let source = light.source_in_world().map(|source| source - scene.posed.origin_in_world);
+    let views = placed.views();
+    let seen = InView::new(&casting, views, source, shadows.culling);
+    let faces: Vec<_> = seen
+        .leaves
+        .iter()
+        .zip(&views.clip_from_light)
+        .map(|(leaves, clip_from_light)| StraightFace {
+            clip_from_place: clip_from_place(views, clip_from_light.as_ref()).as_mat3(),
+            leaves,
+            casts: clip_from_light.is_some(),
+        })
+        .collect();
+    let map = StraightMap {
+        place_from_scene: (place_from_light(views) * views.light_from_scene).as_mat4(),
+        near: views.near.map(|near| near as f32),
+        faces: &faces,
+    };
+    let host = casting.casters.host.as_deref().expect("it is there where the processor draws");
+    // Of each draw, or of each run that links leave, the test of the same number.
+    let run = |(draw, test): (&MaterialDraw, u32)| HoledRun {
+        triangles: draw.indices.start / 3..draw.indices.end / 3,
+        test,
+    };
+    let runs: Vec<_> = casting.masked.iter().zip(0..).map(run).collect();
+    let holed = HoledCasters {
+        scene: &arrays(scene, linked),
+        runs: &runs,
+        tests: casting.alpha_tests.map_or_else(AlphaTests::default, |tests| tests.host()),
+    };
+    let casters = (&host.positions[..], &seen.blocks[..], &host.indices[..]);
+    work.draw(gpu.workers(), &map, casters, &holed, into);
+    gpu.stages.ended(Stage::Draw);
+    gpu.stages.count(|counters| {
+        counters.triangles_seen += seen.triangles;
+        counters.triangles_drawn += seen.triangles;
+        counters.texels += into.faces() as u64 * (into.side() as u64).pow(2);
+    });
+    Ok(())
+}
+
+/// From light space to places and values: as they are, or across the light with the depth.
+fn place_from_light(views: &MapViews) -> DMat4 {
+    match (views.near, &views.clip_from_light[..]) {
+        (None, [Some(clip_from_light)]) => {
+            DMat4::from_cols(DVec4::X, DVec4::Y, DVec4::W, clip_from_light.row(2)).transpose()
+        }
+        _ => DMat4::IDENTITY,
+    }
+}
+
+/// From places to (x, y, w) of a face.
+fn clip_from_place(views: &MapViews, clip_from_light: Option<&DMat4>) -> DMat3 {
+    let Some(clip_from_light) = clip_from_light else { return DMat3::IDENTITY };
+    let [x, y, z, w] = [0, 1, 2, 3].map(|k| clip_from_light.col(k)).map(Vec4Swizzles::xyw);
+    DMat3::from_cols(x, y, if views.near.is_some() { z } else { w })
+}
+
+/// The light in place, as the processor draws it.
+pub(crate) fn in_lanes(placed: &Placed, filter: ShadowFilter) -> relight::Light {
+    let matrix = |columns: &gpu_structs::Mat4| Mat4::from_cols_array_2d(columns);
+    let end = |range: f32| (range > 0.0).then_some(range);
+    match placed {
+        Placed::Spot(GpuSpot { uniform, light_filter, .. }) => {
+            let gpu_structs::Spot { tan_outer, range, shadow_near, mesh_error, fits, .. } = *uniform;
+            let map = SpotMapPlace { near: shadow_near, mesh_error, fits, filter };
+            let spot = Spot::new(
+                matrix(&uniform.light_from_scene),
+                light_filter.clone(),
+                (tan_outer, end(range)),
+                map,
+            );
+            relight::Light::Spot(Box::new(spot))
+        }
+        Placed::Omni(GpuOmni { uniform, light_filter, .. }) => {
+            let gpu_structs::Omni { range, shadow_near, mesh_error, fits, .. } = *uniform;
+            let map = OmniMapPlace { near: shadow_near, mesh_error, fits, filter };
+            let omni = Omni::new(matrix(&uniform.light_from_scene), light_filter.clone(), end(range), map);
+            relight::Light::Omni(Box::new(omni))
+        }
+        Placed::Directional(GpuDirectional { uniform, light_filter, .. }) => {
+            let gpu_structs::Directional { window, fit, bottom, depth_scale, mesh_error, .. } = *uniform;
+            let map = DirectionalMapPlace { fit, bottom, depth_scale, mesh_error, filter };
+            let sun = Directional::new(matrix(&uniform.light_from_scene), light_filter.clone(), window, map);
+            relight::Light::Directional(Box::new(sun))
+        }
+    }
+}

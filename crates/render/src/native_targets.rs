@@ -1,0 +1,165 @@
+//! What the processor lights of a view or a tile, and what that adds up to.
+
+use std::sync::Arc;
+
+use light::{CheckedLight, LightInstance};
+use relight::{Camera, Exposure, Fill, Gbuffer, Layer, Sum, Surfaces, Terms};
+
+use crate::gpu_scene::GpuScene;
+use crate::host_scene::arrays;
+use crate::layers::{Layers, Work, factors};
+use crate::lights::ReadyLight;
+use crate::native_layers::{NativeLayers, NativeTerms};
+use crate::native_map::NativeLight;
+use crate::passes::Passes;
+use crate::stages::Stage;
+use crate::tile::Tile;
+use crate::{Gpu, RenderError, gpu_structs};
+
+/// What pixels see, in memory, and what lights add to that.
+#[derive(Debug, Default)]
+pub(crate) struct NativeTargets {
+    /// Of the G-buffer as it was drawn last; `None` until they are asked for.
+    surfaces: Option<Surfaces>,
+    /// What each light alone adds.
+    layers: Layers<Arc<Layer>, Arc<Sum>>,
+    /// What the lights so far add to the sample that is being drawn.
+    added: Sum,
+    /// The samples before it: linear RGBA, rows from the top.
+    radiance: Vec<[f32; 4]>,
+}
+
+/// What the pixels of a G-buffer see that was drawn with `view`.
+pub(crate) fn surfaces(gpu: &Gpu, scene: &GpuScene, view: &gpu_structs::View, gbuffer: &Gbuffer) -> Surfaces {
+    let fill = &scene.posed.scene.fill;
+    let fill = Fill { sky: fill.sky.as_vec3().to_array(), ground: fill.ground.as_vec3().to_array() };
+    let surfaces = Surfaces::new(gpu.workers(), &arrays(scene, None), (camera(view), fill), gbuffer);
+    gpu.stages.ended(Stage::Surfaces);
+    surfaces
+}
+
+fn camera(view: &gpu_structs::View) -> Camera {
+    Camera {
+        origin: view.ray_origin,
+        origin_dx: view.ray_origin_dx,
+        origin_dy: view.ray_origin_dy,
+        direction: view.ray_direction,
+        direction_dx: view.ray_direction_dx,
+        direction_dy: view.ray_direction_dy,
+        depth_from_z: view.depth_from_z,
+        tile_origin: view.tile_origin,
+    }
+}
+
+impl NativeTargets {
+    /// Of all that it holds but layers, for so many pixels.
+    pub fn most_bytes(size: [u32; 2]) -> u64 {
+        let (blocks, [width, height]) = (Surfaces::most_blocks(size), size.map(u64::from));
+        Surfaces::bytes_of(blocks) + Sum::bytes(blocks) + width * height * size_of::<[f32; 4]>() as u64
+    }
+
+    /// Of what it holds but layers.
+    pub fn bytes(&self) -> u64 {
+        let surfaces = self.surfaces.as_ref().map_or(0, Surfaces::bytes);
+        surfaces + Sum::bytes(self.added.block_count()) + size_of_val(&self.radiance[..]) as u64
+    }
+
+    /// Whether it has what pixels see.
+    pub fn sees(&self) -> bool {
+        self.surfaces.is_some()
+    }
+
+    /// Takes over what pixels see now.
+    pub fn see(&mut self, surfaces: Surfaces) {
+        self.surfaces = Some(surfaces);
+    }
+
+    /// Pixels see something else.
+    pub fn invalidate(&mut self) {
+        self.surfaces = None;
+        self.layers.invalidate();
+    }
+
+    /// What a screen shows of layers of `lights`, which are brought up to date, and of so much of the fill.
+    pub fn draw_layers(
+        &mut self,
+        passes: &Passes,
+        work: &mut Work,
+        lights: &[LightInstance],
+        (fill_factor, exposure): (f32, Exposure),
+    ) -> Result<Vec<u8>, RenderError> {
+        let (gpu, scene, surfaces) = (work.gpu, work.scene, seen(self.surfaces.as_ref()));
+        let mut painter = NativeLayers { gpu, passes, scene, surfaces };
+        let terms = self.layers.draw((work, &mut painter), lights)?;
+        let terms = terms.unwrap_or(NativeTerms::Layers(Vec::new()));
+        let shown = (fill_factor, exposure);
+        let bytes = terms.with(|terms| relight::display(gpu.workers(), surfaces, terms, shown));
+        gpu.stages.ended(Stage::Display);
+        Ok(bytes)
+    }
+
+    /// No light has added anything to the sample that begins.
+    pub fn begin_sample(&mut self, gpu: &Gpu) {
+        relight::sum(gpu.workers(), seen(self.surfaces.as_ref()), Terms::Layers(&[]), &mut self.added);
+    }
+
+    /// Adds `light`, which is `ready`, to the sample. It reaches pixels of the picture, of which this is `tile`.
+    pub fn add_light(
+        &mut self,
+        (gpu, scene): (&Gpu, &GpuScene),
+        light: &CheckedLight,
+        (ready, tile): (&ReadyLight<NativeLight>, Tile),
+    ) {
+        let surfaces = seen(self.surfaces.as_ref());
+        let NativeLight { light: shape, map } = &ready.light;
+        let scene = arrays(scene, ready.linked.as_deref());
+        let pixels = tile.cut(ready.pixels);
+        let drawn = (pixels, factors(light));
+        relight::add_light(gpu.workers(), surfaces, &scene, (shape, map.as_deref()), drawn, &mut self.added);
+        gpu.stages.ended(Stage::Light);
+        gpu.stages.count(|counters| counters.scissor_pixels += u64::from(pixels[2]) * u64::from(pixels[3]));
+    }
+
+    /// Has how much of `ready` nothing is in the way of where else radiance is. It reaches pixels of the picture, of which this is
+    /// `tile`.
+    pub fn show_visibility(
+        &mut self,
+        (gpu, scene): (&Gpu, &GpuScene),
+        (ready, tile): (Option<&ReadyLight<NativeLight>>, Tile),
+    ) {
+        let surfaces = seen(self.surfaces.as_ref());
+        let [width, height] = surfaces.size().map(|side| side as usize);
+        let Some(ready) = ready else {
+            self.radiance = vec![[0.0; 4]; width * height];
+            return;
+        };
+        let NativeLight { light, map } = &ready.light;
+        let scene = arrays(scene, ready.linked.as_deref());
+        let pixels = tile.cut(ready.pixels);
+        self.radiance =
+            relight::visibility_of(gpu.workers(), surfaces, &scene, (light, map.as_deref()), pixels);
+        gpu.stages.ended(Stage::Light);
+    }
+
+    /// Adds the sample with its weight, and so much of the fill, to those before it; to nothing if it is the `first`.
+    pub fn end_sample(&mut self, gpu: &Gpu, is_first: bool, (fill_factor, weight): (f32, f32)) {
+        let surfaces = seen(self.surfaces.as_ref());
+        let [width, height] = surfaces.size().map(|side| side as usize);
+        if is_first {
+            self.radiance.clear();
+            self.radiance.resize(width * height, [0.0; 4]);
+        }
+        let (terms, added) = ([&self.added], (fill_factor, weight));
+        relight::add_sample(gpu.workers(), surfaces, Terms::Sums(&terms), added, &mut self.radiance);
+        gpu.stages.ended(Stage::Sum);
+    }
+
+    /// What the samples have added up to: linear RGBA, rows from the top.
+    pub fn radiance(&self) -> &[[f32; 4]] {
+        &self.radiance
+    }
+}
+
+fn seen(surfaces: Option<&Surfaces>) -> &Surfaces {
+    surfaces.expect("whoever lights pixels has had them see")
+}

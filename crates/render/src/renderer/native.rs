@@ -1,0 +1,157 @@
+//! Pictures of the beauty, and of visibility, by the processor: the device draws what pixels see, and nothing else.
+
+use glam::DVec2;
+use light::LightInstance;
+
+use super::{Drawing, Piece, Renderer};
+use crate::camera::sample_offset;
+use crate::layers::Work;
+use crate::native_map::NativeMaps;
+use crate::pass_runs::{Cause, Pass};
+use crate::stages::Stage;
+use crate::targets::Targets;
+use crate::tile::Tile;
+use crate::{Aov, Gpu, RenderError, display, gpu_structs};
+
+impl Renderer {
+    /// Has what the pixels of `tile` see at the sample with that offset and weight in memory. Returns the camera's rays.
+    fn see(
+        &mut self,
+        gpu: &Gpu,
+        targets: &mut Targets,
+        (drawing, tile): (&Drawing, Tile),
+        (offset, weight): (DVec2, f32),
+    ) -> Result<gpu_structs::View, RenderError> {
+        let Drawing { view, raster, .. } = drawing;
+        let Self { passes, scene, ran, view_uniform, .. } = self;
+        let origin = scene.posed.origin_in_world;
+        let uniform = raster.uniform(offset, weight, view.fill, origin, [tile.x, tile.y])?;
+        gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
+        let mut encoder = gpu.encoder();
+        if let Some(cause) = targets.draw_gbuffer(&mut encoder, passes, scene, (raster, tile), offset) {
+            ran.note(Pass::Gbuffer, None, cause);
+            gpu.end_stage(&mut encoder, Stage::Gbuffer)?;
+            gpu.queue.submit([encoder.finish()]);
+        }
+        targets.see(gpu, scene, (&uniform, [tile.width, tile.height]))?;
+        Ok(uniform)
+    }
+
+    /// What `drawing` shows for a screen, by layers of its lights.
+    pub(super) fn draw_natively(
+        &mut self,
+        gpu: &Gpu,
+        targets: &mut Targets,
+        drawing: &Drawing,
+    ) -> Result<Vec<u8>, RenderError> {
+        let Drawing { view, raster, .. } = drawing;
+        let lights = self.as_drawn(view.aov, &drawing.lights);
+        let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
+        self.shadow_maps.begin(view.slot, &lights, self.scene.revision);
+        let uniform = self.see(gpu, targets, (drawing, tile), (DVec2::ZERO, 1.0))?;
+        let Self { passes, scene, shadow_maps, ran, .. } = self;
+        let (shadow_map, size) = (view.shadow_map, targets.size);
+        let mut work = Work { gpu, scene, raster, size, shadow_map, shadow_maps, ran };
+        let shown = (uniform.fill_factor, display::exposure_of(view.exposure));
+        let bytes = targets.native.draw_layers(passes, &mut work, &lights, shown)?;
+        ran.note(Pass::Display, None, Cause::NotKept);
+        Ok(bytes)
+    }
+
+    /// [`Renderer::draw_sample`] of the beauty, or of how much of a light nothing is in the way of. Lights add up in their order in a sum of the sample's own, then the fill and
+    /// that are added to the samples before: so do layers of up to [`gpu_structs::TERMS`] lights on a screen, which one
+    /// sample is to the bit. Where there are more, sums of four add up there, and roundings differ.
+    ///
+    /// Nothing of that depends on tiles, or on pauses.
+    pub(super) fn draw_sample_natively(
+        &mut self,
+        gpu: &Gpu,
+        targets: &mut Targets,
+        drawing: &Drawing,
+        tile: Tile,
+        mut pause: Option<&mut dyn FnMut(Piece) -> bool>,
+    ) -> Result<bool, RenderError> {
+        let Drawing { view, raster, samples, .. } = drawing;
+        let lights = self.as_drawn(view.aov, &drawing.lights);
+        self.shadow_maps.begin(view.slot, &lights, self.scene.revision);
+        targets.begin(self.scene.revision, view, tile, &lights);
+        let sample = targets.samples_drawn;
+        if sample == *samples {
+            return Ok(true);
+        }
+        let weight = 1.0 / *samples as f32;
+        let at = (sample_offset(sample, *samples), weight);
+        let uniform = self.see(gpu, targets, (drawing, tile), at)?;
+        if view.aov == Aov::Visibility {
+            self.show_visibility(gpu, targets, (drawing, tile), &lights[view.light])?;
+            targets.samples_drawn = *samples;
+            return Ok(true);
+        }
+        let Self { passes, scene, shadow_maps, ran, .. } = self;
+        let (passes, scene) = (&**passes, &*scene);
+        if targets.lights_drawn.is_none() {
+            targets.native.begin_sample(gpu);
+        }
+        let mut paused = |piece| pause.as_deref_mut().is_some_and(|pause| pause(piece));
+        for (index, light) in lights.iter().enumerate().skip(targets.lights_drawn.unwrap_or(0)) {
+            if light.light.light_filter().is_dark() {
+                continue;
+            }
+            let (mut maps, wanted) = (NativeMaps { gpu, scene }, (light, view.shadow_map));
+            let ready = match shadow_maps.ready((gpu, &mut maps), (passes, scene, raster), wanted) {
+                // Others shine all the same; `light::Reach` tells who asks.
+                Err(RenderError::OutOfReach(_)) => continue,
+                ready => ready?,
+            };
+            // It reaches nothing that is seen.
+            let Some(ready) = ready else { continue };
+            if let Some(cause) = ready.shadow_drawn {
+                ran.note(Pass::ShadowMap, Some(light.id), cause);
+                // A map that is kept can wait, and with it the light.
+                if ready.passing.is_none() && paused(Piece::ShadowMap) {
+                    return Ok(false);
+                }
+            }
+            targets.native.add_light((gpu, scene), &light.light, (&ready, tile));
+            // A map that passes is to be gone before the next one comes.
+            drop(ready);
+            targets.lights_drawn = Some(index + 1);
+            if index + 1 < lights.len() && paused(Piece::Pixels) {
+                return Ok(false);
+            }
+        }
+        targets.native.end_sample(gpu, sample == 0, (uniform.fill_factor, weight));
+        ran.note(Pass::Lighting, None, Cause::NotKept);
+        (targets.samples_drawn, targets.lights_drawn) = (sample + 1, None);
+        Ok(sample + 1 == *samples)
+    }
+
+    /// How much of a light nothing is in the way of.
+    fn show_visibility(
+        &mut self,
+        gpu: &Gpu,
+        targets: &mut Targets,
+        (drawing, tile): (&Drawing, Tile),
+        light: &LightInstance,
+    ) -> Result<(), RenderError> {
+        let Drawing { view, raster, .. } = drawing;
+        let Self { passes, scene, shadow_maps, ran, .. } = self;
+        let mut maps = NativeMaps { gpu, scene };
+        let ready = shadow_maps.ready((gpu, &mut maps), (passes, scene, raster), (light, view.shadow_map))?;
+        if let Some(cause) = ready.as_ref().and_then(|ready| ready.shadow_drawn) {
+            ran.note(Pass::ShadowMap, Some(light.id), cause);
+        }
+        targets.native.show_visibility((gpu, scene), (ready.as_ref(), tile));
+        ran.note(Pass::Lighting, None, Cause::NotKept);
+        Ok(())
+    }
+
+    /// What a screen shows of the beauty in `targets`, brightened by so many stops.
+    pub(super) fn show_natively(&mut self, gpu: &Gpu, targets: &Targets, exposure: f64) -> Vec<u8> {
+        let exposure = display::exposure_of(exposure);
+        let bytes = relight::display_radiance(gpu.workers(), targets.native.radiance(), exposure);
+        gpu.stages.ended(Stage::Display);
+        self.ran.note(Pass::Display, None, Cause::NotKept);
+        bytes
+    }
+}

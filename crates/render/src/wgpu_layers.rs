@@ -1,0 +1,95 @@
+//! Layers and their sums in textures, drawn by the device.
+
+use light::LightInstance;
+use scene::MapScale;
+use wgpu::{BindGroup, CommandEncoder, TextureFormat, TextureView, TextureViewDescriptor};
+
+use crate::camera::Raster;
+use crate::composite::{Term, Terms};
+use crate::gpu_scene::GpuScene;
+use crate::layers::LayerPainter;
+use crate::lights::{ReadyLight, ShadowMaps};
+use crate::passes::Passes;
+use crate::pipeline::color_attachment;
+use crate::stages::Stage;
+use crate::wgpu_maps::{WgpuLight, WgpuMaps};
+use crate::{Gpu, RenderError, composite, lighting};
+
+/// Draws layers of what a G-buffer holds.
+pub(crate) struct WgpuLayers<'a> {
+    pub gpu: &'a Gpu,
+    pub passes: &'a Passes,
+    pub scene: &'a GpuScene,
+    /// The G-buffer, as lighting passes bind it.
+    pub surface: &'a BindGroup,
+    /// Pixels.
+    pub size: [u32; 2],
+    pub encoder: &'a mut CommandEncoder,
+}
+
+impl WgpuLayers<'_> {
+    fn texture(&self, format: TextureFormat) -> TextureView {
+        let [width, height] = self.size;
+        let texture = self.gpu.target("layer", width, height, format);
+        texture.create_view(&TextureViewDescriptor::default())
+    }
+}
+
+impl LayerPainter for WgpuLayers<'_> {
+    type Layer = TextureView;
+    type Sum = TextureView;
+    type Light = WgpuLight;
+    type Terms = Terms;
+    const LAYER_BYTES_A_PIXEL: u64 = 16;
+    const SUM_BYTES_A_PIXEL: u64 = 8;
+
+    fn ready(
+        &mut self,
+        shadow_maps: &mut ShadowMaps,
+        raster: &Raster,
+        light: (&LightInstance, MapScale),
+    ) -> Result<Option<ReadyLight<WgpuLight>>, RenderError> {
+        let (gpu, passes, scene) = (self.gpu, self.passes, self.scene);
+        let mut maps = WgpuMaps { gpu, passes, scene, encoder: self.encoder };
+        shadow_maps.ready((gpu, &mut maps), (passes, scene, raster), light)
+    }
+
+    fn draw_layer(
+        &mut self,
+        light: &ReadyLight<WgpuLight>,
+        pixels: [u32; 4],
+        over: Option<TextureView>,
+    ) -> Result<TextureView, RenderError> {
+        let layer = over.unwrap_or_else(|| self.texture(lighting::LAYER_FORMAT));
+        let mut pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("layer"),
+            color_attachments: &[Some(color_attachment(&layer, true))],
+            ..Default::default()
+        });
+        pass.set_bind_group(0, &self.scene.view, &[]);
+        pass.set_bind_group(1, self.surface, &[]);
+        light.lighting(self.gpu, self.passes).draw_layer(self.gpu, &mut pass, &light.groups(), pixels);
+        drop(pass);
+        self.gpu.end_stage(self.encoder, Stage::Light)?;
+        // A map that passes is to be gone before the next one comes.
+        if light.passing.is_some() {
+            self.gpu.finish(self.encoder)?;
+        }
+        Ok(layer)
+    }
+
+    fn draw_sum(&mut self, terms: &Terms, over: Option<TextureView>) -> Result<TextureView, RenderError> {
+        let sum = over.unwrap_or_else(|| self.texture(composite::SUM_FORMAT));
+        self.passes.composite.draw_sum(self.encoder, terms, &sum);
+        self.gpu.end_stage(self.encoder, Stage::Sum)?;
+        Ok(sum)
+    }
+
+    fn terms_of_layers(&self, layers: &[Term<TextureView>]) -> Terms {
+        self.passes.composite.layers(self.gpu, layers)
+    }
+
+    fn terms_of_sums(&self, sums: &[TextureView]) -> Terms {
+        self.passes.composite.sums(self.gpu, sums)
+    }
+}

@@ -1,0 +1,96 @@
+//! Shadow maps in textures, drawn by the device, and lights as it binds them.
+
+use std::sync::Arc;
+
+use light::{CheckedLight, Rays};
+use wgpu::{BindGroup, CommandEncoder};
+
+use crate::backend::Backend;
+use crate::bendy_light::{Baked, BendyPass};
+use crate::gpu_scene::GpuScene;
+use crate::lighting::LightingPass;
+use crate::lights::{LightSlot, MapPainter, MapWork, ReadyLight};
+use crate::linked::Linked;
+use crate::map_key::MapKey;
+use crate::passes::Passes;
+use crate::shadow_settings::MapSize;
+use crate::straight::{BakedStraight, Straight};
+use crate::{Gpu, RenderError, ShadowSettings};
+
+/// Draws maps of lights over a scene. Those of straight lights are encoded, others submitted.
+pub(crate) struct WgpuMaps<'a> {
+    pub gpu: &'a Gpu,
+    pub passes: &'a Passes,
+    pub scene: &'a GpuScene,
+    pub encoder: &'a mut CommandEncoder,
+}
+
+/// A light as its lighting pass binds it.
+#[derive(Debug)]
+pub(crate) struct WgpuLight {
+    kind: LightingKind,
+    /// Group 2 of that pass.
+    group: BindGroup,
+}
+
+/// Which lighting pass draws a light.
+#[derive(Clone, Copy, Debug)]
+enum LightingKind {
+    Straight(BakedStraight),
+    Bendy(Baked),
+}
+
+impl ReadyLight<WgpuLight> {
+    /// The pass that draws it.
+    pub fn lighting(&self, gpu: &Gpu, passes: &Passes) -> Arc<LightingPass> {
+        let is_linked = self.linked.is_some();
+        match self.light.kind {
+            LightingKind::Straight(baked) => passes.straight.lighting(gpu, baked, is_linked),
+            LightingKind::Bendy(baked) => passes.bendy.lighting(gpu, baked, is_linked),
+        }
+    }
+
+    /// What its lighting pass binds after view and surface.
+    pub fn groups(&self) -> Vec<&BindGroup> {
+        [&self.light.group].into_iter().chain(self.linked.as_ref().map(|linked| &linked.group)).collect()
+    }
+}
+
+impl MapPainter for WgpuMaps<'_> {
+    type Light = WgpuLight;
+    const BACKEND: Backend = Backend::Wgpu;
+
+    fn slot(&self, light: &CheckedLight, size: MapSize) -> LightSlot {
+        match light.rays() {
+            Rays::Cone(_) | Rays::Omni(_) | Rays::Parallel(_) => {
+                LightSlot::Straight(Box::new(self.passes.straight.slot(self.gpu, size)))
+            }
+            Rays::Bent(_) => LightSlot::Bendy(Box::new(BendyPass::slot(self.gpu, size))),
+        }
+    }
+
+    fn prepare(
+        &mut self,
+        slot: &mut LightSlot,
+        (key, light): (MapKey, &CheckedLight),
+        (linked, shadows): (Option<&Linked>, &ShadowSettings),
+        MapWork { bent_work, coarse, .. }: MapWork,
+    ) -> Result<(WgpuLight, bool), RenderError> {
+        let Self { gpu, passes, scene, encoder } = self;
+        let what = (*scene, linked, shadows);
+        let (kind, group, drawn) = match (slot, light.rays(), Straight::of(light)) {
+            (LightSlot::Bendy(slot), Rays::Bent(tube), _) => {
+                let of = (key, light, tube);
+                let (placed, drawn) = passes.bendy.prepare(gpu, bent_work, slot, of, what, coarse)?;
+                (LightingKind::Bendy(placed.baked), placed.group, drawn)
+            }
+            (LightSlot::Straight(slot), _, Some(straight)) => {
+                let ready = passes.straight.prepare(gpu, encoder, slot, (key, straight), what)?;
+                let kind = LightingKind::Straight(straight.baked(shadows.filter));
+                (kind, ready.group, ready.drawn)
+            }
+            _ => unreachable!("the slot was chosen or made for this kind of light"),
+        };
+        Ok((WgpuLight { kind, group }, drawn))
+    }
+}
