@@ -19,8 +19,7 @@ pub(super) fn list(
     casters: &HoledCasters,
     into: &mut Vec<Vec<HoledTriangle>>,
 ) {
-    let runs = if face.casts { casters.runs } else { &[] };
-    let turns: Vec<(Range<u32>, u32)> = runs.iter().flat_map(turns).collect();
+    let turns: Vec<(Range<u32>, u32)> = casters.runs.iter().flat_map(turns).collect();
     into.resize_with(turns.len(), Vec::new);
     workers.run(|| {
         into.par_iter_mut().zip(turns).for_each(|(listed, (triangles, test))| {

@@ -100,3 +100,6 @@ fn nothing() -> Sample {
     let zero = Vec3s::splat([0.0; 3]);
     Sample { inside: Masks::of(false), direction: zero, irradiance: zero, visibility: F32s::splat(0.0) }
 }
+
+#[cfg(test)]
+mod tests;

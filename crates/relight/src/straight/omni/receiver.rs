@@ -1,0 +1,178 @@
+//! An omni light's map: the twin of `omni_lookup.wgsl`.
+
+use light::{Lanes, Mask};
+
+use super::super::{DEPTH_ROUNDING, GRAZING, REACH};
+use super::Omni;
+use crate::Scene;
+use crate::depth_map::DepthMap;
+use crate::lanes::{F32s, Masks, U32s, Vec3s};
+use crate::surfaces::Surface;
+use crate::visibility::{LitTexels, Receiver, decided, filtered, gathered, in_their_own_way};
+
+/// The faces that hold positions in light space.
+#[inline(always)]
+fn face_of(position: Vec3s) -> U32s {
+    let zero = F32s::splat(0.0);
+    let (x, y, z) = (position.x.abs(), position.y.abs(), position.z.abs());
+    let of_x = U32s::select(position.x.lt(zero), U32s::splat(1), U32s::splat(0));
+    let of_y = U32s::select(position.y.lt(zero), U32s::splat(3), U32s::splat(2));
+    let of_z = U32s::select(position.z.lt(zero), U32s::splat(5), U32s::splat(4));
+    U32s::select(x.ge(y.most(z)), of_x, U32s::select(y.ge(z), of_y, of_z))
+}
+
+/// Vectors as faces see them: right, up and ahead. Right and up are the axes that follow its own in turn, on both faces
+/// of an axis: one of them is mirrored, and no angle changes.
+#[inline(always)]
+fn seen_on(face: U32s, v: Vec3s) -> Vec3s {
+    let on_x = face.equals(U32s::splat(0)) | face.equals(U32s::splat(1));
+    let on_y = face.equals(U32s::splat(2)) | face.equals(U32s::splat(3));
+    let behind = (face & U32s::splat(1)).equals(U32s::splat(1));
+    let ahead = F32s::select(on_x, v.x, F32s::select(on_y, v.y, v.z));
+    Vec3s {
+        x: F32s::select(on_x, v.y, F32s::select(on_y, v.z, v.x)),
+        y: F32s::select(on_x, v.z, F32s::select(on_y, v.x, v.y)),
+        z: F32s::select(behind, -ahead, ahead),
+    }
+}
+
+/// A place on a face of the map, and how near the receiver's own plane is around it. What the map stores is the near
+/// plane's share of the way ahead, a nearness that is linear on a plane: 1 on the near plane, 0 at infinity.
+struct OmniReceiver {
+    face: U32s,
+    texel: [F32s; 2],
+    nearness: F32s,
+    /// From one texel to the next.
+    step: [F32s; 2],
+    /// The plane is taken to be neither farther nor nearer than that.
+    least: F32s,
+    most: F32s,
+    /// How much nearer than the plane the map may have something for the receiver to be lit: by all that the map can
+    /// tell, and if what is near is left to the scene.
+    tolerance: F32s,
+    reach: F32s,
+}
+
+impl Receiver for OmniReceiver {
+    #[inline(always)]
+    fn texel(&self) -> [F32s; 2] {
+        self.texel
+    }
+
+    #[inline(always)]
+    fn lit_texels(&self, map: &DepthMap, first: [F32s; 2]) -> LitTexels {
+        let [right, down] = self.step;
+        let corner = self.nearness + (right * (first[0] - self.texel[0]) + down * (first[1] - self.texel[1]));
+        let planes = [corner, corner + right, corner + down, corner + (right + down)];
+        let stored = gathered(map, self.face, first);
+        let mut lit = LitTexels { told: [Masks::of(false); 4], left: [Masks::of(false); 4] };
+        for k in 0..4 {
+            let excess = stored[k] - planes[k].within(self.least, self.most);
+            lit.told[k] = excess.le(self.tolerance);
+            lit.left[k] = excess.le(self.reach);
+        }
+        lit
+    }
+}
+
+impl Omni {
+    /// How much of the arriving light nothing is in the way of, where it is `asked`. Each texel is compared with the
+    /// nearness that the receiver's own plane has at its centre, so that a plane cannot shadow itself.
+    #[inline(always)]
+    pub(super) fn visibility(
+        &self,
+        scene: &Scene,
+        map: &DepthMap,
+        surface: &Surface,
+        to_light: Vec3s,
+        asked: Masks,
+    ) -> F32s {
+        let (zero, one, half) = (F32s::splat(0.0), F32s::splat(1.0), F32s::splat(0.5));
+        // Light that arrives from behind meets the surface's other side.
+        let mut asked = asked & F32s::dot(surface.normal, to_light).gt(zero);
+        asked = asked & !in_their_own_way(scene, surface, to_light, asked);
+        if !asked.any() {
+            return zero;
+        }
+        // A facet that faces away lies behind the plane of the smooth surface.
+        let faces_light = F32s::dot(surface.geometric_normal, to_light).gt(zero);
+        let scene_normal = F32s::select_vec(faces_light, surface.geometric_normal, surface.normal);
+        let in_light = self.frame.position(surface.shadow_position());
+        let face = face_of(in_light);
+        let fit = self.fit_of(face);
+        let side = F32s::splat(map.side() as f32);
+        let at = seen_on(face, in_light);
+        let normal = seen_on(face, self.frame.vector(scene_normal));
+        let ahead = at.z.most(F32s::splat(1e-30));
+        let way_length = F32s::length(at);
+        let near = F32s::splat(self.map.near);
+
+        // Slopes from one texel to the next, and how wide a texel is at the receiver.
+        let slopes = [F32s::splat(2.0) / (fit[2] * side), F32s::splat(2.0) / (fit[3] * side)];
+        let width = slopes[0].most(slopes[1]) * ahead;
+        // How high the source is over the plane. On the ray along e the plane is at e times height / -(normal . e),
+        // which makes its nearness linear in e.
+        let height = (-F32s::dot(normal, at)).most(F32s::splat(1e-30));
+        let per_height = near / height;
+        let nearness = near / ahead;
+        let step = [-(normal.x * slopes[0] * per_height), normal.y * slopes[1] * per_height];
+
+        // Seen edge on, the plane runs off to the source or to infinity within a texel: it is followed as far as the
+        // texels around go, but for the first tenth of light's way.
+        let run = (step[0] * step[0] + step[1] * step[1]).sqrt() / nearness;
+        let around = F32s::splat(1.5) * run;
+        let tenth = F32s::splat(0.9);
+        let share =
+            (F32s::splat(REACH) * width / ahead).least(half).most((around / (one + around)).least(tenth));
+        let most = nearness / (one - share);
+
+        // A neighbouring facet that rises out of the plane by 0.25 rad is no occluder: a quarter of a texel's width,
+        // longer along the light where it grazes. Nor is the receiver's own caster, which strays along the normal. And
+        // what is stored, linear across a triangle, is off by some ulps of its largest value, 1.
+        let cosine = height / way_length;
+        let rise = F32s::splat(0.25) * width / (cosine * cosine).most(F32s::splat(0.06));
+        let error = F32s::splat(self.map.mesh_error);
+        let plane_height = height.most(F32s::splat(0.1) * way_length);
+        let room = (plane_height - error).most(error);
+        let strayed = F32s::select(room.gt(zero), error / room, zero);
+        let tolerance = nearness * (rise / ahead + strayed) + F32s::splat(DEPTH_ROUNDING);
+        let receiver = OmniReceiver {
+            face,
+            texel: [
+                ((at.x / ahead - fit[0]) * fit[2] * half + half) * side - half,
+                (half - (at.y / ahead - fit[1]) * fit[3] * half) * side - half,
+            ],
+            nearness,
+            step,
+            least: nearness * (one - share),
+            most,
+            tolerance,
+            reach: tolerance.most(most - nearness),
+        };
+        let shares = filtered(&receiver, map, self.map.filter);
+
+        // Beside the receiver a steep caster may be nearer than it is here: the scene is asked for twice the reach, and
+        // as far as the plane runs in the texels around.
+        let grazes = asked & (!faces_light | (run * ahead).gt(F32s::splat(GRAZING) * width));
+        let way = to_light * (way_length * (F32s::splat(3.0) * share).least(tenth));
+        F32s::select(asked, decided(scene, surface, shares, grazes, way), zero)
+    }
+
+    /// Middle and 1 / half size of what is drawn of faces, as slopes.
+    #[inline(always)]
+    fn fit_of(&self, face: U32s) -> [F32s; 4] {
+        let [x, y, per_x, per_y] = self.map.fits[0];
+        let mut fit = [F32s::splat(x), F32s::splat(y), F32s::splat(per_x), F32s::splat(per_y)];
+        // Sixteen pixels that lie together mostly lie on one face.
+        for (other, [x, y, per_x, per_y]) in (1..).zip(&self.map.fits[1..]) {
+            let here = face.equals(U32s::splat(other));
+            if here.any() {
+                fit[0] = F32s::select(here, F32s::splat(*x), fit[0]);
+                fit[1] = F32s::select(here, F32s::splat(*y), fit[1]);
+                fit[2] = F32s::select(here, F32s::splat(*per_x), fit[2]);
+                fit[3] = F32s::select(here, F32s::splat(*per_y), fit[3]);
+            }
+        }
+        fit
+    }
+}

@@ -1,0 +1,15 @@
+//! Straight lights against the light model in f64, and their maps against shadows whose outlines are known.
+
+mod holes;
+mod places;
+mod shadows;
+
+use super::SpotMapPlace;
+use crate::ShadowFilter;
+
+const SPOT_MAP: SpotMapPlace = SpotMapPlace {
+    near: 0.1,
+    mesh_error: 0.0,
+    fits: [[0.0, 0.0, 1.0, 1.0]; 5],
+    filter: ShadowFilter::Bilinear,
+};

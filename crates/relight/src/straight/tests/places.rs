@@ -1,0 +1,131 @@
+//! Where points lie in straight lights.
+
+use glam::{DMat3, DQuat, DVec3, Mat4};
+use light::parameters::{CONE_ANGLE, HEIGHT, RANGE, ROTATION, WIDTH};
+use light::{CheckedLight, Light, Place, Rays};
+
+use super::super::{Directional, DirectionalMapPlace, LightFrame, Located, Omni, OmniMapPlace, Spot};
+use super::SPOT_MAP;
+use crate::ShadowFilter;
+use crate::lanes::{F32s, LANES, Vec3s};
+
+/// Places are some ulps of numbers of up to 10 off.
+const TOLERANCE: f64 = 1e-5;
+
+/// Turned about no axis of its own.
+fn turned() -> DQuat {
+    DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.8)
+}
+
+fn light_from_scene(source: DVec3) -> Mat4 {
+    let rotation = DMat3::from_quat(turned()).transpose();
+    glam::DAffine3 { matrix3: rotation, translation: -(rotation * source) }.as_affine3a().into()
+}
+
+/// Positions without order around the origin, up to 5 away.
+fn positions() -> Vec<[DVec3; LANES]> {
+    let number = |k: usize, factor: f64| ((k as f64 * factor).fract() - 0.5) * 10.0;
+    let one = |k: usize| DVec3::new(number(k, 0.618_034), number(k, 0.754_878), number(k, 0.569_84));
+    (0..200)
+        .map(|group| std::array::from_fn(|lane| one(group * LANES + lane + 1).as_vec3().as_dvec3()))
+        .collect()
+}
+
+fn in_lanes(points: &[DVec3; LANES]) -> Vec3s {
+    let axis = |k: usize| F32s(points.map(|p| p[k] as f32));
+    Vec3s { x: axis(0), y: axis(1), z: axis(2) }
+}
+
+/// Holds places to those of the light model, but for positions so near to its edge that rounding decides. Returns how
+/// many were inside of it.
+fn assert_located(locate: impl Fn(Vec3s) -> Located, expected: impl Fn(DVec3) -> Option<Place>) -> usize {
+    let mut inside = 0;
+    for points in positions() {
+        let located = locate(in_lanes(&points));
+        for (lane, point) in points.iter().enumerate() {
+            let nearby = [1.0 + TOLERANCE, 1.0 - TOLERANCE].map(|scale| expected(*point * scale).is_some());
+            let Some(place) = expected(*point) else {
+                assert!(!located.inside.lane(lane) || nearby.contains(&true), "{point} is outside");
+                continue;
+            };
+            assert!(located.inside.lane(lane) || nearby.contains(&false), "{point} is inside");
+            let close = |a: f32, b: f64, size: f64| (f64::from(a) - b).abs() <= TOLERANCE * size;
+            // Where a ray meets a cube's face moves as the position does, over how near that is.
+            assert!(
+                close(located.v.0[lane], place.v, 10.0) && close(located.w.0[lane], place.w, 10.0),
+                "{point}"
+            );
+            assert!(close(located.s.0[lane], place.s, 10.0), "{point}");
+            assert!(
+                (located.toward.lane(lane).as_dvec3() - place.direction).length() <= TOLERANCE,
+                "{point}"
+            );
+            inside += 1;
+        }
+    }
+    inside
+}
+
+#[test]
+fn lights_are_where_the_light_model_has_them() {
+    let checked = |light: Light| CheckedLight::new(light.with(ROTATION, turned())).expect("a light");
+    let source = DVec3::new(0.3, -0.7, 0.4);
+
+    let spot = checked(Light::spot().with(CONE_ANGLE, 50.0).with(RANGE, Some(3.5)));
+    let Rays::Cone(cone) = spot.rays() else { panic!("a cone") };
+    let tan = cone.tan_outer as f32;
+    let of = |tan| Spot::new(light_from_scene(source), cone.light_filter.clone(), (tan, Some(3.5)), SPOT_MAP);
+    let lanes = of(tan);
+    assert!(assert_located(|p| lanes.locate(p), |p| cone.locate(p - source)) > 50);
+
+    let omni = checked(Light::omni().with(RANGE, Some(4.0)));
+    let Rays::Omni(omni) = omni.rays() else { panic!("an omni light") };
+    let map = OmniMapPlace {
+        near: 0.1,
+        mesh_error: 0.0,
+        fits: [[0.0, 0.0, 1.0, 1.0]; 6],
+        filter: ShadowFilter::Bilinear,
+    };
+    let lanes = Omni::new(light_from_scene(source), omni.light_filter.clone(), Some(4.0), map);
+    assert!(assert_located(|p| lanes.locate(p), |p| omni.locate(p - source)) > 300);
+
+    let sun = checked(Light::directional().with(WIDTH, Some(4.0)).with(HEIGHT, Some(6.0)));
+    let Rays::Parallel(parallel) = sun.rays() else { panic!("a directional light") };
+    let lanes = window_sun(parallel.light_filter.clone());
+    assert!(assert_located(|p| lanes.locate(p), |p| parallel.locate(p)) > 300);
+
+    // The planted fault: a cone a hundredth wider is another.
+    let wider = of(tan * 1.01);
+    let found = positions().iter().any(|points| {
+        let located = wider.locate(in_lanes(points));
+        (0..LANES).any(|lane| {
+            cone.locate(points[lane] - source)
+                .is_some_and(|place| (f64::from(located.v.0[lane]) - place.v).abs() > 10.0 * TOLERANCE)
+        })
+    });
+    assert!(found, "a wider cone goes unseen");
+}
+
+/// Through a window 4 wide and 6 high.
+fn window_sun(light_filter: light::LightFilter) -> Directional {
+    let map = DirectionalMapPlace {
+        fit: [0.0, 0.0, 1.0, 1.0],
+        bottom: -1.0,
+        depth_scale: 0.5,
+        mesh_error: 0.0,
+        filter: ShadowFilter::Bilinear,
+    };
+    Directional::new(light_from_scene(DVec3::ZERO), light_filter, [0.5, 1.0 / 3.0, 0.0, 0.0], map)
+}
+
+#[test]
+fn vectors_go_to_light_space_and_back() {
+    let frame = LightFrame::new(light_from_scene(DVec3::new(3.0, 2.0, 1.0)));
+    for points in positions().iter().take(10) {
+        let there = in_lanes(points);
+        let back = frame.scene_vector(frame.vector(there));
+        for (lane, point) in points.iter().enumerate() {
+            assert!((back.lane(lane).as_dvec3() - *point).length() < TOLERANCE * 10.0);
+        }
+    }
+}
