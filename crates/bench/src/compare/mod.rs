@@ -270,15 +270,19 @@ impl Expected<'_> {
 }
 
 /// Relative RMSE of the radiance of `beauty`, which shows a scene under several lights, against the sum of what the
-/// reference says of each; and of how many pixels: those that are compared under each of them alone.
-pub(crate) fn radiance_rmse_of_all(each: &[(Expected, Comparison)], beauty: &Picture) -> (f64, usize) {
+/// reference says of each; and of how many pixels: those that are compared under each of them alone, which `alone` has.
+pub(crate) fn radiance_rmse_of_all(
+    each: &[Expected],
+    alone: &[Comparison],
+    beauty: &Picture,
+) -> (f64, usize) {
     use Verdict::{Compared, False, Missed};
     let (mut error2, mut reference2, mut compared) = (0.0, 0.0, 0);
     for pixel in 0..beauty.pixels.len() {
-        if each.iter().all(|(_, found)| matches!(found.verdicts[pixel], Compared | Missed | False)) {
+        if alone.iter().all(|found| matches!(found.verdicts[pixel], Compared | Missed | False)) {
             let radiance =
                 |expected: &Expected| expected.pixels[pixel].as_ref().map_or(DVec3::ZERO, Seen::radiance);
-            let expected: DVec3 = each.iter().map(|(expected, _)| radiance(expected)).sum();
+            let expected: DVec3 = each.iter().map(radiance).sum();
             error2 += (rgb(beauty, pixel) - expected).length_squared();
             reference2 += expected.length_squared();
             compared += 1;

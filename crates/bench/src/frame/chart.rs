@@ -1,10 +1,12 @@
 //! Edits by stages, contestants side by side, and growth, as an SVG.
 
+mod growth;
+
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use render::Stage;
 
-use super::{Axis, Contestant, EditReport, Report};
+use super::{BackendError, Contestant, Edit, EditReport, Report};
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Drawn = Result<(), Box<dyn std::error::Error>>;
@@ -46,11 +48,11 @@ pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>
         let title = format!("{scene}, {width} x {height} pixels, {adapter}, {backend}");
         let (edits, rest) = root.titled(&title, ("sans-serif", 16))?.split_vertically(HEIGHTS[0]);
         let (side_by_side, rest) = rest.split_vertically(contest);
-        by_stages(&edits, &report.edits)?;
-        contestants(&side_by_side, &report.side_by_side)?;
+        by_stages(&edits, report)?;
+        contestants(&side_by_side, report)?;
         if !report.growth.is_empty() {
             for (area, axis) in rest.split_evenly((1, report.growth.len())).iter().zip(&report.growth) {
-                grown(area, axis)?;
+                growth::draw(area, axis, report)?;
             }
         }
         root.present()?;
@@ -58,38 +60,41 @@ pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>
     Ok(svg)
 }
 
-/// A bar an edit, its stages stacked, and a line across it for the whole frame.
-fn by_stages(area: &Area, edits: &[EditReport]) -> Drawn {
+/// A bar an edit and backend, its stages stacked, and a line across it for the whole frame.
+fn by_stages(area: &Area, report: &Report) -> Drawn {
+    let edits = &report.edits;
     let all = |edit: &EditReport| edit.stages.iter().map(|stage| stage.costs.wall_ms.median).sum::<f64>();
     let top = edits.iter().map(|edit| all(edit).max(edit.frame.wall_ms.median)).fold(1.0, f64::max);
     let mut plot = ChartBuilder::on(area)
-        .caption(
-            "a frame after each edit: its stages, each waited for; the line is the whole frame",
-            ("sans-serif", 15),
-        )
+        .caption(caption(report), ("sans-serif", 15))
         .margin(12)
         .x_label_area_size(30)
         .y_label_area_size(56)
-        .build_cartesian_2d((0..edits.len() - 1).into_segmented(), 0.0..1.08 * top)?;
+        .build_cartesian_2d((0..Edit::ALL.len() - 1).into_segmented(), 0.0..1.08 * top)?;
     plot.configure_mesh()
         .disable_x_mesh()
         .light_line_style(BLACK.mix(0.05))
         .y_desc("wall ms, median")
         .x_label_style(("sans-serif", 13))
         .x_label_formatter(&|at| match at {
-            SegmentValue::CenterOf(index) => edits[*index].edit.name().into(),
+            SegmentValue::CenterOf(index) => Edit::ALL[*index].name().into(),
             _ => String::new(),
         })
         .draw()?;
+    // Side by side in the room that an edit has, those of one backend in the same place of it.
+    let groups = report.errors.len();
+    let room = plot.plotting_area().dim_in_pixel().0 / Edit::ALL.len() as u32;
+    let place = |at: usize| (SegmentValue::Exact(at % Edit::ALL.len()), (at / Edit::ALL.len()) as u32);
+    let width = (room - 24) / groups as u32;
     for (index, (stage, color)) in Stage::ALL.into_iter().zip(COLORS).enumerate() {
         let bar = |(at, edit): (usize, &EditReport)| {
             let bottom: f64 = edit.stages[..index].iter().map(|stage| stage.costs.wall_ms.median).sum();
-            let corners = [
-                (SegmentValue::Exact(at), bottom),
-                (SegmentValue::Exact(at + 1), bottom + edit.stages[index].costs.wall_ms.median),
-            ];
-            let mut bar = Rectangle::new(corners, color.filled());
-            bar.set_margin(0, 0, 16, 16);
+            let (left, group) = place(at);
+            let right = SegmentValue::Exact(at % Edit::ALL.len() + 1);
+            let top = bottom + edit.stages[index].costs.wall_ms.median;
+            let mut bar = Rectangle::new([(left, bottom), (right, top)], color.filled());
+            let from = 12 + group * width;
+            bar.set_margin(0, 0, from + 3, room.saturating_sub(from + width) + 3);
             bar
         };
         plot.draw_series(edits.iter().enumerate().map(bar))?
@@ -97,9 +102,10 @@ fn by_stages(area: &Area, edits: &[EditReport]) -> Drawn {
             .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 12, y + 5)], color.filled()));
     }
     let whole = |(at, edit): (usize, &EditReport)| {
-        let ms = edit.frame.wall_ms.median;
-        let ends = [(SegmentValue::Exact(at), ms), (SegmentValue::Exact(at + 1), ms)];
-        PathElement::new(ends, BLACK.stroke_width(2))
+        let (left, group) = place(at);
+        let (from, ms) = ((12 + group * width).cast_signed(), edit.frame.wall_ms.median);
+        let ends = [(from, 0), (from + width.cast_signed(), 0)];
+        EmptyElement::at((left, ms)) + PathElement::new(ends, BLACK.stroke_width(2))
     };
     plot.draw_series(edits.iter().enumerate().map(whole))?;
     plot.configure_series_labels()
@@ -110,9 +116,26 @@ fn by_stages(area: &Area, edits: &[EditReport]) -> Drawn {
     Ok(())
 }
 
+/// What the bars of edits show, and how right they are.
+fn caption(report: &Report) -> String {
+    let error = |one: &BackendError| format!("{} (error {:.1e})", one.backend, one.error.radiance_rmse);
+    let errors: Vec<_> = report.errors.iter().map(error).collect();
+    let whose = errors.join(", right ");
+    let left = if errors.len() > 1 { "left " } else { "" };
+    format!(
+        "a frame after each edit: its stages, each waited for; the line is the whole frame; {left}{whose}"
+    )
+}
+
+/// Of the backend that is measured, or of wgpu beside it.
+fn color_of(backend: &str, report: &Report) -> RGBColor {
+    if backend == report.backend { COLORS[3] } else { COLORS[9] }
+}
+
 /// A bar each, to the median; the line in it is the minimum.
-fn contestants(area: &Area, all: &[Contestant]) -> Drawn {
+fn contestants(area: &Area, report: &Report) -> Drawn {
     const LABELS: i32 = 190;
+    let all: &[Contestant] = &report.side_by_side;
     let width = WIDTH.cast_signed();
     area.draw(&Text::new(
         "whole frames side by side, in turns: wall ms, the bar to the median, the line at the minimum",
@@ -125,8 +148,7 @@ fn contestants(area: &Area, all: &[Contestant]) -> Drawn {
         let top = 40 + row * BAR.cast_signed();
         let (median, min) = (one.wall_ms.median, one.wall_ms.min);
         let x = |ms: f64| LABELS + (ms * scale) as i32;
-        let ours = one.version.is_none();
-        let color = if ours { COLORS[3] } else { COLORS[0] };
+        let color = one.backend.map_or(COLORS[0], |backend| color_of(backend, report));
         area.draw(&Text::new(one.what.clone(), (14, top + 4), ("sans-serif", 13)))?;
         area.draw(&Rectangle::new([(LABELS, top), (x(median), top + 18)], color.filled()))?;
         area.draw(&PathElement::new([(x(min), top), (x(min), top + 18)], BLACK.stroke_width(2)))?;
@@ -134,45 +156,4 @@ fn contestants(area: &Area, all: &[Contestant]) -> Drawn {
         area.draw(&Text::new(text, (x(median).min(width - 190) + 6, top + 4), ("sans-serif", 12)))?;
     }
     Ok(())
-}
-
-/// Time over what grows, with the error beside each point.
-fn grown(area: &Area, Axis { axis, points }: &Axis) -> Drawn {
-    let values = points.iter().map(|point| point.value as f64);
-    let (least, most) = values.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
-    let times = points.iter().flat_map(|point| [point.frame.wall_ms.min, point.frame.wall_ms.median]);
-    let (fastest, slowest) = times.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
-    // A decade more than half of what there is leaves room for the labels.
-    let x_range = (least / 1.6)..(most * 3.0).max(least * 4.0);
-    let y_range = (fastest / 2.0).max(0.1)..slowest * 2.5;
-    let mut plot = ChartBuilder::on(area)
-        .caption(axis, ("sans-serif", 14))
-        .margin(8)
-        .x_label_area_size(28)
-        .y_label_area_size(42)
-        .build_cartesian_2d(x_range.log_scale(), y_range.log_scale())?;
-    plot.configure_mesh()
-        .light_line_style(BLACK.mix(0.05))
-        .x_labels(4)
-        .x_label_formatter(&|value| short(*value))
-        .y_desc("wall ms, median")
-        .y_label_formatter(&|ms| format!("{ms}"))
-        .draw()?;
-    let line = points.iter().map(|point| (point.value as f64, point.frame.wall_ms.median));
-    plot.draw_series(LineSeries::new(line.clone(), COLORS[3].stroke_width(2)).point_size(3))?;
-    let error = |point: &super::Point| format!("{:.0e}", point.error.radiance_rmse);
-    let labels = points.iter().zip(line);
-    plot.draw_series(
-        labels.map(|(point, (x, ms))| Text::new(error(point), (x, ms * 1.35), ("sans-serif", 10))),
-    )?;
-    Ok(())
-}
-
-/// Thousands and millions by their letter.
-fn short(value: f64) -> String {
-    match value {
-        value if value >= 1e6 => format!("{}M", value / 1e6),
-        value if value >= 1e3 => format!("{}k", value / 1e3),
-        value => format!("{value}"),
-    }
 }

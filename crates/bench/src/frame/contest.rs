@@ -2,14 +2,15 @@
 
 use light::parameters::INTENSITY;
 use light::{LightError, bend_to};
-use render::{Cost, Culling, ShadowSettings};
+use render::{Cost, Culling, Renderer, ShadowSettings};
 use scene::{MapScale, View};
 use serde::Serialize;
 
 use super::costs::{Costs, Spread};
 use super::peers::Line;
+use super::side::timed;
 use super::subject::{Frame, Subject, crowd, instance, moved};
-use super::{Bench, Options, timed};
+use super::{Bench, Options};
 use crate::BenchError;
 
 /// Rounds in which all take their turns. Other renderers start anew in each.
@@ -21,19 +22,22 @@ const PEER_FRAMES: usize = 10;
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Contestant {
-    /// Of ours: `bent`, `bentHalfMap` (with half the texels a side of its shadow map), `spot`, `straightBendy` (the spotlight
-    /// as a BendyLight, drawn the way of a bent one), `bentNothingCulled` (with all that is left out else), `bentIntensity`,
-    /// and a crowd of bent lights of which one moves; of other renderers the name that they give. Where it does not say
-    /// otherwise one light moves in each frame.
+    /// Of ours: `bent`, `bentHalfMap` (with half the texels a side of its shadow map), `spot`, `straightBendy` (the
+    /// spotlight as a BendyLight, drawn the way of a bent one), `bentNothingCulled` (with all that is left out else),
+    /// `bentIntensity`, and a crowd of bent lights of which one moves; of other renderers the name that they give. Where
+    /// it does not say otherwise one light moves in each frame. Where another backend is measured, some are drawn by
+    /// wgpu too: `bentByWgpu` and so on.
     pub what: String,
+    /// Who drew it, of ours.
+    pub backend: Option<&'static str>,
     /// Of another renderer.
     pub version: Option<String>,
-    /// Milliseconds a frame. Of another renderer, the least and the middle of the medians of its rounds: its fastest frame
-    /// may be one in which nothing moved.
+    /// Milliseconds a frame. Of another renderer, the least and the middle of the medians of its rounds: its fastest
+    /// frame may be one in which nothing moved.
     pub wall_ms: Spread,
     /// Milliseconds a frame of the process on all cores; another renderer's is not known.
     pub cpu_ms: Option<Spread>,
-    /// Wall time over that of `bent`, minimum over minimum and median over median.
+    /// Wall time over that of `bent` by the backend that is measured, minimum over minimum and median over median.
     pub to_bent: Spread,
 }
 
@@ -49,6 +53,15 @@ enum Ours {
     Crowd(usize),
 }
 
+/// One of ours while it is measured.
+struct Entry {
+    what: String,
+    backend: &'static str,
+    ours: Ours,
+    renderer: Renderer,
+    costs: Vec<Cost>,
+}
+
 impl Ours {
     fn all(crowd: usize) -> [Self; 7] {
         [
@@ -60,6 +73,11 @@ impl Ours {
             Self::BentIntensity,
             Self::Crowd(crowd),
         ]
+    }
+
+    /// Those that are drawn by wgpu too, where another backend is measured.
+    fn beside(crowd: usize) -> [Self; 5] {
+        [Self::Bent, Self::BentHalfMap, Self::Spot, Self::BentIntensity, Self::Crowd(crowd)]
     }
 
     fn name(self) -> String {
@@ -105,7 +123,7 @@ impl Ours {
                 subject.under(subject.bent.clone().with(INTENSITY, intensity))
             }
             Self::Crowd(count) => {
-                let mut lights = crowd(&subject.bent, count, subject.scene.reach().middle);
+                let mut lights = crowd(&subject.bent, count, subject.posed.reach().middle);
                 lights[0] = moved(&lights[0], k, radius);
                 let lights = (0..).zip(lights).map(|(id, light)| instance(id, light));
                 Ok(Frame { view: subject.view.clone(), lights: lights.collect::<Result<_, _>>()? })
@@ -122,23 +140,14 @@ pub(super) fn steps(options: &Options) -> usize {
 /// Ours frame by frame in turns, then each other renderer, and all of it again.
 pub(super) fn measured(bench: &mut Bench, subject: &Subject) -> Result<Vec<Contestant>, BenchError> {
     let Options { repeats, peers, .. } = bench.options;
-    let ours = Ours::all(bench.options.crowd);
-    // Each keeps its own maps.
-    let mut renderers = Vec::with_capacity(ours.len());
-    for ours in ours {
-        let mut renderer = bench.renderer.with_same_pipelines()?;
-        renderer.set_shadow_settings(ours.settings())?;
-        renderer.set_scene(&subject.scene)?;
-        renderers.push(renderer);
-    }
-    let mut costs: Vec<Vec<Cost>> = vec![Vec::new(); ours.len()];
+    let mut entries = entries(bench, subject)?;
     let mut lines: Vec<Vec<Line>> = Vec::new();
     let frames = repeats.div_ceil(ROUNDS);
     for round in 0..ROUNDS {
         bench.step("side by side: ours");
         // The zeroth makes what the others keep.
         for k in 0..=frames {
-            for ((ours, renderer), costs) in ours.into_iter().zip(&mut renderers).zip(&mut costs) {
+            for Entry { ours, renderer, costs, .. } in &mut entries {
                 let frame = ours.frame(subject, round * (frames + 1) + k)?;
                 let cost = timed(renderer, &frame)?.1;
                 if k > 0 {
@@ -152,17 +161,34 @@ pub(super) fn measured(bench: &mut Bench, subject: &Subject) -> Result<Vec<Conte
             lines.push(peers.run(index, frames.max(PEER_FRAMES))?);
         }
     }
-    drop(renderers);
-    bench.renderer.collect();
-    let named = ours.into_iter().map(Ours::name);
-    let mut contestants: Vec<_> =
-        named.zip(&costs).map(|(what, costs)| Contestant::ours(what, costs)).collect();
+    let mut contestants: Vec<_> = entries.into_iter().map(Entry::contestant).collect();
+    for side in &bench.sides {
+        side.renderer.collect();
+    }
     contestants.extend(theirs(&lines.concat()));
     let bent = contestants[0].wall_ms;
     for Contestant { wall_ms, to_bent, .. } in &mut contestants {
         *to_bent = Spread { min: wall_ms.min / bent.min, median: wall_ms.median / bent.median };
     }
     Ok(contestants)
+}
+
+/// All of the first side, then some of the other where there is one. Each keeps its own maps.
+fn entries(bench: &Bench, subject: &Subject) -> Result<Vec<Entry>, BenchError> {
+    let crowd = bench.options.crowd;
+    let mut entries = Vec::new();
+    for (index, side) in bench.sides.iter().enumerate() {
+        let is_main = index == 0;
+        let all = if is_main { Ours::all(crowd).to_vec() } else { Ours::beside(crowd).to_vec() };
+        for ours in all {
+            let mut renderer = side.renderer.with_same_pipelines()?;
+            renderer.set_shadow_settings(ours.settings())?;
+            renderer.set_scene(&subject.posed)?;
+            let what = if is_main { ours.name() } else { format!("{}ByWgpu", ours.name()) };
+            entries.push(Entry { what, backend: side.backend(), ours, renderer, costs: Vec::new() });
+        }
+    }
+    Ok(entries)
 }
 
 /// What other renderers said in all rounds, by their names in the order of the first.
@@ -177,14 +203,22 @@ fn theirs(lines: &[Line]) -> Vec<Contestant> {
         let of_it: Vec<&Line> = lines.iter().filter(|line| line.name == name).collect();
         let wall_ms = Spread::of(of_it.iter().map(|line| line.ms_median).collect());
         let version = of_it.first().map(|line| line.version.clone());
-        Contestant { what: name.into(), version, wall_ms, cpu_ms: None, to_bent: Spread::default() }
+        Contestant {
+            what: name.into(),
+            backend: None,
+            version,
+            wall_ms,
+            cpu_ms: None,
+            to_bent: Spread::default(),
+        }
     };
     names.into_iter().map(of_name).collect()
 }
 
-impl Contestant {
-    fn ours(what: String, costs: &[Cost]) -> Self {
-        let Costs { wall_ms, cpu_ms } = Costs::of(costs);
-        Self { what, version: None, wall_ms, cpu_ms: Some(cpu_ms), to_bent: Spread::default() }
+impl Entry {
+    fn contestant(self) -> Contestant {
+        let Self { what, backend, costs, .. } = self;
+        let (Costs { wall_ms, cpu_ms }, to_bent) = (Costs::of(&costs), Spread::default());
+        Contestant { what, backend: Some(backend), version: None, wall_ms, cpu_ms: Some(cpu_ms), to_bent }
     }
 }

@@ -49,7 +49,7 @@ pub struct Counted {
     pub texels: u64,
     /// Pixels of the rectangles in which lights were added; what is beside the tube in them counts too.
     pub scissor_pixels: u64,
-    /// Bytes of the picture read back.
+    /// Bytes of the picture read back; none where the processor has made it.
     pub bytes: u64,
 }
 

@@ -1,11 +1,18 @@
-//! The edits that frames are drawn for.
+//! The edits that frames are drawn for, and what those frames take.
 
 use glam::DVec3;
 use light::parameters::{COLOR, ENABLED, INTENSITY};
 use light::{Light, LightError};
+use render::{Cost, Recording, Renderer, Stopwatch};
+use scene::{View, ViewSlot};
 use serde::Serialize;
+use stream::MOVING_QUALITY;
 
+use super::Bench;
+use super::costs::{Costs, Counted, StageCosts};
+use super::side::timed;
 use super::subject::{Frame, Subject, moved};
+use crate::BenchError;
 
 /// What has changed since the picture before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -29,6 +36,25 @@ pub enum Edit {
     Mute,
     /// Nothing: the same picture is asked for again.
     Idle,
+}
+
+/// The frames after an edit. Before each of them the subject was drawn as it is without the edit.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct EditReport {
+    /// Who drew them.
+    pub backend: &'static str,
+    /// What was changed.
+    pub edit: Edit,
+    /// Of a whole frame.
+    pub frame: Costs,
+    /// The JPEG that the picture would go to a viewer as; in no stage and not in `frame`.
+    pub encode: Costs,
+    /// The same frame drawn stage by stage, each waited for, so that together they take longer than `frame`.
+    pub stages: Vec<StageCosts>,
+    /// How much a frame has worked on.
+    #[serde(flatten)]
+    pub counted: Counted,
 }
 
 impl Edit {
@@ -98,6 +124,91 @@ impl Edit {
                 light.with(INTENSITY, intensity)
             }
             Self::Mute => light.with(ENABLED, false),
+        }
+    }
+}
+
+/// Every edit in turn by each side, again and again: what else the machine does hits all of them. A row an edit of the
+/// first side, then those of the other.
+pub(super) fn measured(bench: &mut Bench, subject: &Subject) -> Result<Vec<EditReport>, BenchError> {
+    let rows = |side: &super::Side| Edit::ALL.map(|edit| Measured::new(side.backend(), edit));
+    let mut measured: Vec<Measured> = bench.sides.iter().flat_map(rows).collect();
+    // The zeroth turn compiles pipelines and is thrown away.
+    for k in 0..=bench.options.repeats {
+        if k > 0 {
+            bench.step("edits");
+        }
+        for (at, edit) in Edit::ALL.into_iter().enumerate() {
+            for (side, rows) in bench.sides.iter_mut().zip(measured.chunks_mut(Edit::ALL.len())) {
+                let taken = taken(&mut side.renderer, subject, edit, k)?;
+                if k > 0 {
+                    rows[at].add(taken);
+                }
+            }
+        }
+    }
+    Ok(measured.into_iter().map(Measured::report).collect())
+}
+
+/// What a frame after an edit took.
+struct Taken {
+    frame: Cost,
+    encode: Cost,
+    recording: Recording,
+}
+
+/// The frame after an edit, whole and stage by stage.
+fn taken(renderer: &mut Renderer, subject: &Subject, edit: Edit, k: usize) -> Result<Taken, BenchError> {
+    let (unedited, edited) = (subject.under(subject.bent.clone())?, edit.frame(subject, k)?);
+    before(renderer, edit, &unedited)?;
+    let (bytes, frame) = timed(renderer, &edited)?;
+    let mut watch = Stopwatch::start();
+    let View { width, height, .. } = edited.view;
+    stream::jpeg(&bytes, width as u16, height as u16, MOVING_QUALITY)?;
+    let encode = watch.lap();
+    before(renderer, edit, &unedited)?;
+    let (_, recording) = renderer.record_display(&edited.view, &edited.lights)?;
+    Ok(Taken { frame, encode, recording })
+}
+
+/// The picture without the edit, or none.
+fn before(renderer: &mut Renderer, edit: Edit, frame: &Frame) -> Result<(), BenchError> {
+    if edit == Edit::First {
+        renderer.forget(ViewSlot::default());
+    } else {
+        renderer.render_display(&frame.view, &frame.lights)?;
+    }
+    Ok(())
+}
+
+/// What is known of an edit's frames.
+struct Measured {
+    backend: &'static str,
+    edit: Edit,
+    frames: Vec<Cost>,
+    encodes: Vec<Cost>,
+    recordings: Vec<Recording>,
+}
+
+impl Measured {
+    fn new(backend: &'static str, edit: Edit) -> Self {
+        Self { backend, edit, frames: Vec::new(), encodes: Vec::new(), recordings: Vec::new() }
+    }
+
+    fn add(&mut self, Taken { frame, encode, recording }: Taken) {
+        self.frames.push(frame);
+        self.encodes.push(encode);
+        self.recordings.push(recording);
+    }
+
+    fn report(self) -> EditReport {
+        EditReport {
+            backend: self.backend,
+            edit: self.edit,
+            frame: Costs::of(&self.frames),
+            encode: Costs::of(&self.encodes),
+            stages: StageCosts::of(&self.recordings),
+            counted: self.recordings.last().map_or_else(Counted::default, |last| last.counters.into()),
         }
     }
 }

@@ -2,16 +2,17 @@
 
 use glam::{DQuat, DVec3};
 use light::parameters::{CONE_ANGLE, INTENSITY, ROTATION, TRANSLATION};
-use light::{Light, LightId};
+use light::{Light, LightInstance};
 use render::{Cost, ShadowSettings};
 use scene::{Scene, View, ViewSlot};
 use serde::Serialize;
 
+use super::Bench;
 use super::costs::{Costs, Counted};
+use super::error::{self, PictureError, SMALLER};
+use super::side::timed;
 use super::subject::{Frame, bent, crowd, instance, moved};
-use super::{Bench, timed};
 use crate::BenchError;
-use crate::compare::{Drawn, Expected, Subject, radiance_rmse_of_all};
 use crate::shadow::scenes::{Part, ball, floor, place, scene_of, view};
 
 /// Balls along each side of the square that they lie in.
@@ -22,8 +23,8 @@ const INSIDE: u32 = 10_000;
 const OUTSIDE: f64 = 5.0;
 /// Pixels of a frame whose size does not grow.
 const SIZE: [u32; 2] = [686, 382];
-/// By how much each side is divided for the reference, and where pictures grow.
-const SMALLER: [u32; 2] = [4, 8];
+/// By how much each side is divided for the reference where pictures grow.
+const SMALLER_AS_PIXELS_GROW: u32 = 8;
 /// Half angle of the light's cone in degrees: its circle on the floor is wider than the square of the balls.
 const CONE: f64 = 26.0;
 /// How far the light moves, in world units.
@@ -62,27 +63,24 @@ pub struct Point {
     pub width: u32,
     /// Pixels.
     pub height: u32,
+    /// Of the backend that is measured.
+    #[serde(flatten)]
+    pub grown: Grown,
+    /// Of wgpu, in turns with it, where that is another.
+    pub by_wgpu: Option<Grown>,
+}
+
+/// What a backend's frames of one kind took, and how right they are.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Grown {
     /// Of a whole frame.
     pub frame: Costs,
     /// How much a frame has worked on.
     #[serde(flatten)]
     pub counted: Counted,
     /// How wrong a smaller picture of it is.
-    pub error: GrowthError,
-}
-
-/// Against the reference, where no shadow's edge is near.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct GrowthError {
-    /// Pixels of the picture that is compared.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// Pixels that were compared: those that both see as the same surface, with no edge of any light near.
-    pub compared: usize,
-    /// `sqrt(mean |gpu - reference|^2) / sqrt(mean |reference|^2)` over those.
-    pub radiance_rmse: f64,
+    pub error: PictureError,
 }
 
 impl GrowthPlan {
@@ -114,7 +112,7 @@ struct Setting {
 /// Every axis.
 pub(super) fn measured(bench: &mut Bench, plan: &GrowthPlan) -> Result<Vec<Axis>, BenchError> {
     let alone = |segments| Ok::<_, BenchError>(vec![bent(&spot(), segments, length())?]);
-    let setting = |value, scene, lights| Setting { value, scene, lights, size: SIZE, smaller: SMALLER[0] };
+    let setting = |value, scene, lights| Setting { value, scene, lights, size: SIZE, smaller: SMALLER };
     let mut axes: [(&'static str, Vec<Setting>); 5] =
         ["trianglesInTube", "trianglesOutside", "lights", "segments", "pixels"]
             .map(|axis| (axis, Vec::new()));
@@ -133,7 +131,7 @@ pub(super) fn measured(bench: &mut Bench, plan: &GrowthPlan) -> Result<Vec<Axis>
     for &size in &plan.sizes {
         let value = u64::from(size[0]) * u64::from(size[1]);
         let setting = setting(value, balls(INSIDE, 0), alone(3)?);
-        axes[4].1.push(Setting { size, smaller: SMALLER[1], ..setting });
+        axes[4].1.push(Setting { size, smaller: SMALLER_AS_PIXELS_GROW, ..setting });
     }
     let axis = |(axis, settings): (&'static str, Vec<Setting>)| {
         let points = settings.into_iter().map(|setting| point(bench, axis, setting));
@@ -146,56 +144,36 @@ fn point(bench: &mut Bench, axis: &str, setting: Setting) -> Result<Point, Bench
     let Setting { value, scene, lights, size: [width, height], smaller } = setting;
     bench.step(format!("{axis} {value}"));
     let posed = scene::pose(scene.clone());
-    bench.renderer.set_scene(&posed)?;
-    bench.renderer.set_shadow_settings(ShadowSettings::default())?;
-    let mut frame = Frame { view: view(width, height), lights: Vec::new() };
-    for (id, light) in (0..).zip(&lights) {
-        frame.lights.push(instance(id, light.clone())?);
+    for side in &mut bench.sides {
+        side.renderer.set_scene(&posed)?;
+        side.renderer.set_shadow_settings(ShadowSettings::default())?;
     }
-    let mut costs: Vec<Cost> = Vec::new();
+    let view = view(width, height);
+    let mut frame = Frame { view: view.clone(), lights: LightInstance::numbered(lights.clone())? };
+    let mut costs: Vec<Vec<Cost>> = vec![Vec::new(); bench.sides.len()];
     for k in 0..=bench.options.repeats {
-        let LightId(id) = frame.lights[0].id;
-        frame.lights[0] = instance(id, moved(&lights[0], k, RADIUS))?;
-        let cost = timed(&mut bench.renderer, &frame)?.1;
-        // The first draws what the others keep.
-        if k > 0 {
-            costs.push(cost);
+        frame.lights[0] = instance(0, moved(&lights[0], k, RADIUS))?;
+        for (side, costs) in bench.sides.iter_mut().zip(&mut costs) {
+            let cost = timed(&mut side.renderer, &frame)?.1;
+            // The first draws what the others keep.
+            if k > 0 {
+                costs.push(cost);
+            }
         }
     }
     frame.lights[0] = instance(0, lights[0].clone())?;
-    let counted = bench.renderer.record_display(&frame.view, &frame.lights)?.1.counters.into();
-    bench.renderer.forget(ViewSlot::default());
-    let error = error(bench, &scene, &frame, &lights, [width / smaller, height / smaller])?;
-    Ok(Point { value, width, height, frame: Costs::of(&costs), counted, error })
-}
-
-/// Under all lights at once, where no edge of any of them is near.
-fn error(
-    bench: &mut Bench,
-    scene: &Scene,
-    frame: &Frame,
-    lights: &[Light],
-    [width, height]: [u32; 2],
-) -> Result<GrowthError, BenchError> {
-    let view = View { width, height, ..frame.view.clone() };
-    let subjects: Vec<_> = lights
-        .iter()
-        .map(|light| Subject::new("growth", scene.clone(), light.clone(), view.clone()))
-        .collect();
-    let mut each = Vec::with_capacity(subjects.len());
-    for subject in &subjects {
-        let expected = Expected::new(subject, || {})?;
-        if each.is_empty() {
-            bench.renderer.set_scene(expected.posed())?;
-        }
-        let drawn = Drawn::new(&mut bench.renderer, subject, ShadowSettings::default())?;
-        let comparison = expected.compare(&drawn);
-        each.push((expected, comparison));
+    let mut counted: Vec<Counted> = Vec::new();
+    for side in &mut bench.sides {
+        counted.push(side.renderer.record_display(&frame.view, &frame.lights)?.1.counters.into());
+        side.renderer.forget(ViewSlot::default());
     }
-    let beauty = bench.renderer.render(&View { fill: 0.0, ..view }, &frame.lights)?;
-    let (radiance_rmse, compared) = radiance_rmse_of_all(&each, &beauty);
-    bench.renderer.forget(ViewSlot::default());
-    Ok(GrowthError { width, height, compared, radiance_rmse })
+    let view = View { width: width / smaller, height: height / smaller, ..view };
+    let errors = error::of_sides(&mut bench.sides, &scene, &lights, &view)?;
+    let of_side =
+        |((costs, counted), error): ((&Vec<Cost>, _), _)| Grown { frame: Costs::of(costs), counted, error };
+    let mut grown: Vec<Grown> = costs.iter().zip(counted).zip(errors).map(of_side).collect();
+    let by_wgpu = grown.drain(1..).next();
+    Ok(Point { value, width, height, grown: grown.remove(0), by_wgpu })
 }
 
 /// Above the balls and beside them, shining at them.

@@ -12,7 +12,8 @@ use scene::{Camera, PosedScene, Scene, View};
 const SEGMENTS: usize = 3;
 /// Half angle in degrees of the cone that is bent of a light without one.
 const CONE_ANGLE: f64 = 30.0;
-/// How far the middle of a straight light is moved aside, as a share of its length; the first that does not fold is taken.
+/// How far the middle of a straight light is moved aside, as a share of its length; the first that does not fold is
+/// taken.
 const ASIDE: [f64; 4] = [0.25, 0.12, 0.06, 0.03];
 
 /// What is drawn.
@@ -20,7 +21,7 @@ const ASIDE: [f64; 4] = [0.25, 0.12, 0.06, 0.03];
 pub struct Subject {
     /// Names it in the report.
     pub name: String,
-    pub(super) scene: Arc<PosedScene>,
+    pub(super) posed: Arc<PosedScene>,
     pub(super) view: View,
     /// The BendyLight that edits are made to.
     pub(super) bent: Light,
@@ -45,8 +46,8 @@ impl Subject {
         light: &Light,
         size: [u32; 2],
     ) -> Result<Self, LightError> {
-        let scene = scene::pose(scene);
-        let reach = scene.reach();
+        let posed = scene::pose(scene);
+        let reach = posed.reach();
         let length = light.get(TRANSLATION).distance(reach.middle).max(0.5 * reach.half_extent.length());
         let (bent, spot) = if light.owner() == Owner::Bendy {
             (light.clone(), straighten(light)?)
@@ -54,7 +55,7 @@ impl Subject {
             let spot = with_cone(light, CONE_ANGLE, Some(reach.middle), length);
             (bent(&spot, SEGMENTS, length)?, spot)
         };
-        Ok(Self { name: name.into(), scene, view: View::beauty(camera, size), bent, spot })
+        Ok(Self { name: name.into(), posed, view: View::beauty(camera, size), bent, spot })
     }
 
     /// A light that is drawn alone.
@@ -64,11 +65,12 @@ impl Subject {
 
     /// What lights and cameras are moved by: a hundredth of how far the scene reaches.
     pub(super) fn step(&self) -> f64 {
-        0.01 * self.scene.half_extent.length()
+        0.01 * self.posed.half_extent.length()
     }
 }
 
-/// The spotlight `spot` without its range, of so many segments over `length` world units, bowed aside as evenly as they can.
+/// The spotlight `spot` without its range, of so many segments over `length` world units, bowed aside as evenly as they
+/// can.
 pub(super) fn bent(spot: &Light, segments: usize, length: f64) -> Result<Light, LightError> {
     let straight = bend_to(&spot.clone().with(RANGE, None), segments, length)?;
     let end = straight.points().last().map_or(1.0, |point| point.position.z);

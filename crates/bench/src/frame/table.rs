@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Report, StageCosts};
+use super::{BackendError, Edit, EditReport, PictureError, Point, Report, StageCosts};
 
 /// Edits by stages, contestants, growth.
 pub(super) fn of(report: &Report) -> String {
@@ -21,13 +21,25 @@ fn edits(text: &mut String, report: &Report) -> std::fmt::Result {
         text,
         "wall ms of the whole frame (minimum, median), its CPU ms (median), and wall ms of its stages (median):"
     )?;
-    write!(text, "{:14}{:>8}{:>8}{:>8}", "", "min", "median", "cpu")?;
-    let stages = report.edits.first().map_or(&[][..], |edit| &edit.stages);
-    for StageCosts { stage, .. } in stages {
+    for (edits, BackendError { backend, error }) in report.edits.chunks(Edit::ALL.len()).zip(&report.errors) {
+        group(text, backend, edits)?;
+        let PictureError { width, height, compared, radiance_rmse } = error;
+        writeln!(
+            text,
+            "{backend}'s error against the reference, {width}x{height}: {radiance_rmse:.1e} over {compared} pixels"
+        )?;
+    }
+    Ok(())
+}
+
+/// The edits of one backend.
+fn group(text: &mut String, backend: &str, edits: &[EditReport]) -> std::fmt::Result {
+    write!(text, "{backend:14}{:>8}{:>8}{:>8}", "min", "median", "cpu")?;
+    for StageCosts { stage, .. } in edits.first().map_or(&[][..], |edit| &edit.stages) {
         write!(text, "{stage:>10}")?;
     }
     writeln!(text, "{:>8}", "encode")?;
-    for edit in &report.edits {
+    for edit in edits {
         let frame = edit.frame;
         write!(
             text,
@@ -63,10 +75,15 @@ fn contestants(text: &mut String, report: &Report) -> std::fmt::Result {
 
 fn growth(text: &mut String, report: &Report) -> std::fmt::Result {
     for axis in &report.growth {
-        writeln!(text, "{}: wall ms (minimum, median), error against the reference", axis.axis)?;
-        for point in &axis.points {
-            let (wall_ms, error) = (point.frame.wall_ms, point.error.radiance_rmse);
-            writeln!(text, "{:>14}{:10.1}{:10.1}{error:12.1e}", point.value, wall_ms.min, wall_ms.median)?;
+        let beside = if report.errors.len() > 1 { "; the same by wgpu" } else { "" };
+        writeln!(text, "{}: wall ms (minimum, median), error against the reference{beside}", axis.axis)?;
+        for Point { value, grown, by_wgpu, .. } in &axis.points {
+            write!(text, "{value:>14}")?;
+            for grown in [Some(grown), by_wgpu.as_ref()].into_iter().flatten() {
+                let (wall_ms, error) = (grown.frame.wall_ms, grown.error.radiance_rmse);
+                write!(text, "{:10.1}{:10.1}{error:12.1e}", wall_ms.min, wall_ms.median)?;
+            }
+            writeln!(text)?;
         }
     }
     Ok(())

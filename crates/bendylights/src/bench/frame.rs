@@ -15,25 +15,30 @@ const CROWD: usize = 64;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
-Draws a scene under one bent light, its first light; a straight one is bent for that. Tables go to standard error, JSON to
-standard output:
-  edits       a row an edit: first frame, camera, light move, control point, radius, color, intensity, mute, idle (the same
-              picture asked for again); wall and CPU milliseconds of the whole frame with its read-back, and of each stage
-              drawn by itself; triangles, texels, pixels and bytes that it worked on
-  sideBySide  in turns: the bent light, with half its map too, a spotlight, the spotlight as a BendyLight, the bent light
-              with all drawn that is left out else, an intensity edit, 64 bent lights of which one moves, and other renderers
-              with --peers
-  growth      with --growth, in scenes of its own: triangles in the tube and outside of it, 10 thousand to a million; lights,
-              1 to 64, one moved; segments, 1 to 16; pixels, 360p to 4K; each with its error against the reference, in a
-              picture a fourth as wide and high, an eighth along pixels
+Draws a scene under one bent light, its first light; a straight one is bent for that. Where the processor lights
+pictures (--backend) wgpu is measured in the same run, in turns with it. Tables go to standard error, JSON to standard
+output:
+  edits       a row an edit and backend: first frame, camera, light move, control point, radius, color, intensity, mute,
+              idle (the same picture asked for again); wall and CPU milliseconds of the whole frame with its read-back,
+              and of each stage drawn by itself; triangles, texels, pixels and bytes that it worked on
+  errors      how far each backend's picture is from the reference, where no shadow's edge is near, in a picture a
+              fourth as wide and high
+  sideBySide  in turns: the bent light, with half its map too, a spotlight, the spotlight as a BendyLight, the bent
+              light with all drawn that is left out else, an intensity edit, 64 bent lights of which one moves; where
+              the processor is measured, most of them by wgpu too (bentByWgpu ..); other renderers with --peers
+  growth      with --growth, in scenes of its own: triangles in the tube and outside of it, 10 thousand to a million;
+              lights, 1 to 64, one moved; segments, 1 to 16; pixels, 360p to 4K; each with its error against the
+              reference, in a picture a fourth as wide and high, an eighth along pixels; by wgpu too (byWgpu) where the
+              processor is measured
 
-Other renderers are scripts: each folder in DIR with a bench.py is one. It is run as `python bench.py FRAMES` and prints, a
-line of JSON each, {\"name\": .., \"version\": .., \"ms_median\": ..}; their minimum is the least of three such medians. What
-they draw is theirs to say: name the same scene. A setup.sh in DIR, where it has one, makes the virtual environment
-DIR/.venv that their Python is looked for in.
+Other renderers are scripts: each folder in DIR with a bench.py is one. It is run as `python bench.py FRAMES` and
+prints, a line of JSON each, {\"name\": .., \"version\": .., \"ms_median\": ..}; their minimum is the least of three
+such medians. What they draw is theirs to say: name the same scene. A setup.sh in DIR, where it has one, makes the
+virtual environment DIR/.venv that their Python is looked for in.
 
 Examples:
   bendylights bench frame -o frame.svg
+  bendylights bench frame --backend native --scene demo:arbor -o frame.svg
   bendylights bench frame --scene bench.glb --growth --peers peers --python venv/bin/python -o frame.svg > frame.json")]
 pub struct Args {
     /// Scene: a glTF file, or `demo:NAME`

@@ -1,0 +1,72 @@
+//! How wrong the pictures are that were timed.
+
+use light::{Light, LightInstance};
+use render::{Renderer, ShadowSettings};
+use scene::{Scene, View, ViewSlot};
+use serde::Serialize;
+
+use super::side::Side;
+use crate::BenchError;
+use crate::compare::{Drawn, Expected, Subject, radiance_rmse_of_all};
+
+/// By how much each side of a picture is divided for the reference.
+pub(super) const SMALLER: u32 = 4;
+
+/// Against the reference, where no shadow's edge is near.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct PictureError {
+    /// Pixels of the picture that is compared.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Pixels that were compared: those that both see as the same surface, with no edge of any light near.
+    pub compared: usize,
+    /// `sqrt(mean |picture - reference|^2) / sqrt(mean |reference|^2)` over those.
+    pub radiance_rmse: f64,
+}
+
+/// How wrong a backend's picture is.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct BackendError {
+    /// Who drew it.
+    pub backend: &'static str,
+    /// A picture a fourth as wide and high, under the bent light without its edits.
+    #[serde(flatten)]
+    pub error: PictureError,
+}
+
+/// Of each side's picture of `scene` under all `lights` at once, none of which is straight. The sides are left with
+/// that scene without its fill.
+pub(super) fn of_sides(
+    sides: &mut [Side],
+    scene: &Scene,
+    lights: &[Light],
+    view: &View,
+) -> Result<Vec<PictureError>, BenchError> {
+    let subject = |light: &Light| Subject::new("frame", scene.clone(), light.clone(), view.clone());
+    let subjects: Vec<_> = lights.iter().map(subject).collect();
+    let expected = subjects.iter().map(|subject| Expected::new(subject, || {}));
+    let expected = expected.collect::<Result<Vec<_>, _>>()?;
+    sides.iter_mut().map(|side| of(&mut side.renderer, (&subjects, &expected), view)).collect()
+}
+
+fn of(
+    renderer: &mut Renderer,
+    (subjects, expected): (&[Subject], &[Expected]),
+    view: &View,
+) -> Result<PictureError, BenchError> {
+    if let Some(first) = expected.first() {
+        renderer.set_scene(first.posed())?;
+    }
+    let alone = subjects.iter().zip(expected).map(|(subject, expected)| {
+        Ok(expected.compare(&Drawn::new(renderer, subject, ShadowSettings::default())?))
+    });
+    let comparisons = alone.collect::<Result<Vec<_>, BenchError>>()?;
+    let lights = LightInstance::numbered(subjects.iter().map(|subject| subject.light.clone()))?;
+    let beauty = renderer.render(&View { fill: 0.0, ..view.clone() }, &lights)?;
+    let (radiance_rmse, compared) = radiance_rmse_of_all(expected, &comparisons, &beauty);
+    renderer.forget(ViewSlot::default());
+    Ok(PictureError { width: view.width, height: view.height, compared, radiance_rmse })
+}

@@ -1,0 +1,43 @@
+//! Who is measured: the renderer that was asked for, and wgpu beside it where that is another.
+
+use std::sync::Arc;
+
+use render::{Backend, Cost, Gpu, MemoryBudget, RenderError, Renderer, Stopwatch};
+use scene::PosedScene;
+
+use super::subject::Frame;
+
+/// A device, and a renderer on it that draws moving pictures in one way.
+pub(super) struct Side {
+    pub gpu: Arc<Gpu>,
+    pub renderer: Renderer,
+}
+
+impl Side {
+    fn open(backend: Option<Backend>, scene: &Arc<PosedScene>) -> Result<Self, RenderError> {
+        let gpu = Arc::new(Gpu::open(MemoryBudget::default(), backend)?);
+        let mut renderer = Renderer::new(Arc::clone(&gpu))?;
+        renderer.set_scene(scene)?;
+        Ok(Self { gpu, renderer })
+    }
+
+    /// What its backend is called in reports.
+    pub fn backend(&self) -> &'static str {
+        self.gpu.backend().name()
+    }
+}
+
+/// First the one that draws as `backend` says, then wgpu where that is another; both with `scene`.
+pub(super) fn opened(backend: Option<Backend>, scene: &Arc<PosedScene>) -> Result<Vec<Side>, RenderError> {
+    let main = Side::open(backend, scene)?;
+    let is_other = main.gpu.backend() != Backend::Wgpu;
+    let beside = is_other.then(|| Side::open(Some(Backend::Wgpu), scene)).transpose()?;
+    Ok([main].into_iter().chain(beside).collect())
+}
+
+/// What a whole frame takes, and its bytes.
+pub(super) fn timed(renderer: &mut Renderer, frame: &Frame) -> Result<(Vec<u8>, Cost), RenderError> {
+    let mut watch = Stopwatch::start();
+    let bytes = renderer.render_display(&frame.view, &frame.lights)?;
+    Ok((bytes, watch.lap()))
+}
