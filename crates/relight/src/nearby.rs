@@ -1,8 +1,8 @@
 //! The last piece of light's way to a surface, followed through the scene itself, a pixel at a time: `nearby.wgsl` has why.
 
-use glam::Vec3;
+use glam::{Vec3, Vec3Swizzles};
 
-use crate::scene::{Scene, weights_at};
+use crate::scene::{HierarchyNode, Scene, weights_at};
 
 /// A surface as a way to it asks for it.
 #[derive(Clone, Copy, Debug)]
@@ -46,11 +46,11 @@ pub(crate) fn is_met(scene: &Scene, surface: &Met, way: Vec3) -> bool {
     let start = surface.shadow_position();
     let end = start + way;
     let slack = rounding(start) + surface.depth * (1.0 / 2_097_152.0);
-    let (low, high) = (start.min(end) - slack, start.max(end) + slack);
+    let segment = (start + 0.5 * way, 0.5 * way, slack + rounding(end));
     let mut index = 0;
     while let Some(node) = scene.hierarchy.nodes.get(index) {
         let is_leaf = node.triangle_count > 0;
-        let passed_by = Vec3::from(node.min).cmpgt(high).any() || Vec3::from(node.max).cmplt(low).any();
+        let passed_by = is_beside(node, segment);
         if is_leaf && !passed_by {
             let of_leaf = node.next as usize..(node.next + node.triangle_count) as usize;
             for &triangle in &scene.hierarchy.triangles[of_leaf] {
@@ -62,6 +62,18 @@ pub(crate) fn is_met(scene: &Scene, surface: &Met, way: Vec3) -> bool {
         index = if passed_by && !is_leaf { node.next as usize } else { index + 1 };
     }
     false
+}
+
+/// Whether no point of a segment lies within `slack` of a node's box, by axes that may part the two: those of the box, and what is
+/// square to one of them and to the segment (Ericson, Real-Time Collision Detection, 5.3.3). The segment is `middle` plus up to once
+/// `half` either way.
+fn is_beside(node: &HierarchyNode, (middle, half, slack): (Vec3, Vec3, f32)) -> bool {
+    let (min, max) = (Vec3::from(node.min), Vec3::from(node.max));
+    let between = 0.5 * (min + max) - middle;
+    let box_half = (0.5 + 4.0 * f32::EPSILON) * (max - min) + slack;
+    let reach = half.abs();
+    let across = box_half.yzx() * reach.zxy() + box_half.zxy() * reach.yzx();
+    between.abs().cmpgt(box_half + reach).any() || half.cross(between).abs().cmpgt(across).any()
 }
 
 /// Whether a triangle is met between `start` and `start + way`, and is there.
@@ -77,3 +89,6 @@ fn lies_between(scene: &Scene, triangle: u32, (start, way): (Vec3, Vec3), slack:
         && scene.links.throws_shadow(triangle)
         && !scene.has_hole(triangle, weights)
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,8 +4,8 @@
 //! covers the texels whose centres are in it, and centres on an edge by the top-left rule. Both windings are drawn.
 //!
 //! In two steps, each on all threads. Set-up finds where triangles lie, 16 at once, and lists them by bands of rows.
-//! Then each band is drawn by one thread, into memory that stays in its cache. Which depth wins does not depend on the
-//! order, and so a map has the same bytes however many threads draw it.
+//! Then each band is drawn by one thread. Which depth wins does not depend on the order, and so a map has the same bytes
+//! however many threads draw it.
 
 mod clip;
 mod holed;
@@ -19,23 +19,21 @@ mod tests;
 mod wide;
 
 use std::hint::black_box;
-use std::sync::{Mutex, PoisonError};
 
 use glam::Mat3;
 use pulp::{Arch, Simd, WithSimd};
-use rayon::iter::{
-    IndexedParallelIterator, IntoParallelIterator, IntoParallelRefMutIterator, ParallelIterator,
-};
+use rayon::prelude::*;
 
 use crate::Workers;
 use crate::alpha_test::AlphaTests;
+use crate::depth_map::stride;
 use holed::HoledPiece;
 use project::Projection;
 use rule::{Bent, Orthographic, Perspective, Rule};
 use setup::{Piece, SetUp};
-use wide::{COUNT, Ints, LANES};
+use wide::{COUNT, Ints};
 
-/// Rows that one thread draws at once. Of a map 2048 texels wide they take half a megabyte.
+/// Rows that one thread draws at once. Of a map 2048 texels wide they take half a megabyte, which stays next to the core.
 const BAND: usize = 64;
 /// Triangles that one thread sets up at once.
 const PIECE: usize = 2048;
@@ -99,13 +97,11 @@ pub struct Face {
 pub struct Scratch {
     pieces: Vec<Piece>,
     holed: Vec<HoledPiece>,
-    /// One a thread, of a band with some texels to spare beside it.
-    bands: Vec<Vec<f32>>,
     /// For [`Rule::in_row`].
     rows: Vec<f32>,
 }
 
-/// As [`draw_face_with_holes`] without any that have some.
+/// As [`draw_face_with_holes`] without any that have some, onto rows without gaps.
 #[cfg(test)]
 fn draw_face<Chunk: AsRef<[Triangle]> + Sync>(
     face: &Face,
@@ -116,10 +112,18 @@ fn draw_face<Chunk: AsRef<[Triangle]> + Sync>(
     side: usize,
 ) {
     let none = Holed::<&[HoledTriangle]> { chunks: &[], tests: AlphaTests::default() };
-    draw_face_with_holes(face, chunks, &none, workers, scratch, texels, side);
+    let mut with_gaps = vec![0.0; side * stride(side)];
+    draw_face_with_holes(face, chunks, &none, workers, scratch, &mut with_gaps, side);
+    texels.copy_from_slice(&without_gaps(&with_gaps, side));
 }
 
-/// Draws triangles, and those that have holes, onto a face of `side` texels a side: `texels`, row after row from the top.
+/// A face's rows without the room behind them.
+#[cfg(test)]
+fn without_gaps(texels: &[f32], side: usize) -> Vec<f32> {
+    texels.chunks(stride(side)).flat_map(|row| &row[..side]).copied().collect()
+}
+
+/// Draws triangles, and those that have holes, onto a face of `side` texels a side: `texels`, as a [`DepthMap`] has them.
 pub fn draw_face_with_holes<Chunk: AsRef<[Triangle]> + Sync, HoledChunk: AsRef<[HoledTriangle]> + Sync>(
     face: &Face,
     chunks: &[Chunk],
@@ -129,14 +133,13 @@ pub fn draw_face_with_holes<Chunk: AsRef<[Triangle]> + Sync, HoledChunk: AsRef<[
     texels: &mut [f32],
     side: usize,
 ) {
-    assert!(side <= MOST_SIDE && texels.len() == side * side, "a face of {side} texels a side");
-    let Scratch { pieces, holed: holed_pieces, bands, rows } = scratch;
+    assert!(side <= MOST_SIDE && texels.len() == side * stride(side), "a face of {side} texels a side");
+    let Scratch { pieces, holed: holed_pieces, rows } = scratch;
     let slices: Vec<&[Triangle]> = chunks.iter().flat_map(|chunk| chunk.as_ref().chunks(PIECE)).collect();
     pieces.resize_with(slices.len(), Piece::default);
     let holed_slices: Vec<&[HoledTriangle]> =
         holed.chunks.iter().flat_map(|chunk| chunk.as_ref().chunks(PIECE)).collect();
     holed_pieces.resize_with(holed_slices.len(), HoledPiece::default);
-    bands.resize_with(workers.count(), Vec::new);
     let projection = Projection::new(face, side);
     let set_up = |(piece, triangles): (&mut Piece, &[Triangle])| {
         Arch::new().dispatch(SetUp { piece, triangles, projection: &projection });
@@ -153,10 +156,10 @@ pub fn draw_face_with_holes<Chunk: AsRef<[Triangle]> + Sync, HoledChunk: AsRef<[
                 let in_row = |row: usize| (first + each * (row as f32 + 0.5)) / depth_per_value;
                 rows.clear();
                 rows.extend((0..side).map(in_row));
-                draw_bands(Bent { rows }, seen, bands, texels, side);
+                draw_bands(Bent { rows }, seen, texels, side);
             }
-            Depths::Perspective { .. } => draw_bands(Perspective, seen, bands, texels, side),
-            Depths::Orthographic => draw_bands(Orthographic, seen, bands, texels, side),
+            Depths::Perspective { .. } => draw_bands(Perspective, seen, texels, side),
+            Depths::Orthographic => draw_bands(Orthographic, seen, texels, side),
         }
     });
 }
@@ -169,18 +172,16 @@ struct Seen<'a> {
     tests: AlphaTests<'a>,
 }
 
-/// Draws all bands of a face, each thread what is next when it has done one.
-fn draw_bands<R: Rule>(rule: R, seen: Seen, memories: &mut [Vec<f32>], texels: &mut [f32], side: usize) {
-    let queue = Mutex::new(texels.chunks_mut((BAND * side).max(1)).enumerate());
-    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
-    memories.par_iter_mut().with_max_len(1).for_each(|memory| {
-        while let Some((index, texels)) = next() {
-            Arch::new().dispatch(DrawBand { rule, seen, index, memory, texels, side });
-        }
+/// Draws all bands of a face.
+fn draw_bands<R: Rule>(rule: R, seen: Seen, texels: &mut [f32], side: usize) {
+    // Some bands cost much more than others: each thread takes what is next when it has done one.
+    let bands = texels.par_chunks_mut((BAND * stride(side)).max(1)).enumerate().with_max_len(1);
+    bands.for_each(|(index, texels)| {
+        Arch::new().dispatch(DrawBand { rule, seen, index, texels, stride: stride(side) });
     });
 }
 
-/// Rows of a face while they are drawn. Beyond each row there is room for a span of 16 texels that begins in it.
+/// Rows of a face while they are drawn.
 struct Band<'a> {
     /// The first row, and the one after the last.
     first: usize,
@@ -192,14 +193,13 @@ struct Band<'a> {
     count: Ints,
 }
 
-/// Clears a band, draws it, and brings it to the map.
+/// Clears a band and draws it.
 struct DrawBand<'a, R> {
     rule: R,
     seen: Seen<'a>,
     index: usize,
-    memory: &'a mut Vec<f32>,
     texels: &'a mut [f32],
-    side: usize,
+    stride: usize,
 }
 
 impl<R: Rule> WithSimd for DrawBand<'_, R> {
@@ -208,14 +208,10 @@ impl<R: Rule> WithSimd for DrawBand<'_, R> {
     #[expect(clippy::inline_always, reason = "pulp compiles it for the vectors that it found")]
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
-        let Self { rule, seen, index, memory, texels, side } = self;
-        // Not a power of two, by which all rows would lie in the same few lines of the cache.
-        let stride = side.next_multiple_of(LANES) + LANES;
-        let height = texels.len() / side;
-        memory.resize(BAND * stride, 0.0);
-        memory.fill(R::CLEARED);
-        let first = index * BAND;
-        let mut band = Band { first, end: first + height, stride, texels: memory, count: black_box(COUNT) };
+        let Self { rule, seen, index, texels, stride } = self;
+        texels.fill(R::CLEARED);
+        let (first, height) = (index * BAND, texels.len() / stride);
+        let mut band = Band { first, end: first + height, stride, texels, count: black_box(COUNT) };
         for piece in seen.pieces {
             for &triangle in &piece.large_in[index] {
                 large::draw(rule, &piece.large[triangle as usize], &mut band);
@@ -226,9 +222,6 @@ impl<R: Rule> WithSimd for DrawBand<'_, R> {
         }
         for piece in seen.holed {
             piece.draw(rule, seen.tests, index, &mut band);
-        }
-        for (row, drawn) in texels.chunks_exact_mut(side).zip(memory.chunks_exact(stride)) {
-            row.copy_from_slice(&drawn[..side]);
         }
     }
 }

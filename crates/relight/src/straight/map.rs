@@ -45,7 +45,7 @@ impl StraightWork {
         for (index, face) in map.faces.iter().enumerate() {
             let texels = into.face_mut(index);
             if !face.casts {
-                workers.run(|| texels.par_chunks_mut(side).for_each(|row| row.fill(0.0)));
+                workers.run(|| texels.par_chunks_mut(side).for_each(|some| some.fill(0.0)));
                 continue;
             }
             let Self { places, listed, holed: listed_holed, scratch } = self;

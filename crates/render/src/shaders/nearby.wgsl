@@ -52,12 +52,22 @@ fn has_hole(triangle: u32, weights: vec3f) -> bool {
     return test.factor * here.z * texel < test.cutoff;
 }
 
+// Whether no point of a segment lies within `slack` of a node's box, by axes that may part the two: those of the box, and
+// what is square to one of them and to the segment (Ericson, Real-Time Collision Detection, 5.3.3). The segment is `middle`
+// plus up to once `half` either way.
+fn is_beside(node: HierarchyNode, middle: vec3f, half: vec3f, slack: f32) -> bool {
+    let between = 0.5 * (node.min + node.max) - middle;
+    let box_half = (0.5 + 0x1p-21) * (node.max - node.min) + slack;
+    let reach = abs(half);
+    let across = box_half.yzx * reach.zxy + box_half.zxy * reach.yzx;
+    return any(abs(between) > box_half + reach) || any(abs(cross(half, between)) > across);
+}
+
 // Whether a triangle other than the surface's own lies between `start` and `start + way`, and is there.
 fn is_met(surface: Surface, start: vec3f, way: vec3f) -> bool {
     let end_point = start + way;
     let slack = rounding(start) + 0x1p-21 * surface.depth;
-    let low = min(start, end_point) - slack;
-    let high = max(start, end_point) + slack;
+    let room = slack + rounding(end_point);
     // The bound, not a branch: a group of pixels with no way to go leaves at once on a software driver.
     let end = select(0u, arrayLength(&hierarchy), any(way != vec3f(0.0)));
     let first_tested = alpha_tests[0].first_index / 3u;
@@ -66,7 +76,7 @@ fn is_met(surface: Surface, start: vec3f, way: vec3f) -> bool {
     while index < end && !met {
         let node = hierarchy[index];
         let is_leaf = node.triangle_count > 0u;
-        let passed_by = any(node.min > high) || any(node.max < low);
+        let passed_by = is_beside(node, start + 0.5 * way, 0.5 * way, room);
         let count = select(node.triangle_count, 0u, passed_by);
         for (var k = 0u; k < count; k++) {
             let triangle = hierarchy_triangles[node.next + k];

@@ -6,7 +6,8 @@ use super::oracle::meet;
 use super::{Depths, PLAIN, Random, Triangle};
 use crate::Workers;
 use crate::alpha_test::{AlphaTest, AlphaTests, Wrap};
-use crate::raster::{Face, Holed, HoledTriangle, Scratch, draw_face_with_holes};
+use crate::depth_map::stride;
+use crate::raster::{Face, Holed, HoledTriangle, Scratch, draw_face_with_holes, without_gaps};
 
 const TEST: AlphaTest = AlphaTest {
     first_triangle: 0,
@@ -30,7 +31,7 @@ fn drawn(
     side: usize,
 ) -> Vec<f32> {
     let face = Face { clip_from_place: Mat3::IDENTITY, depths };
-    let mut texels = vec![f32::NAN; side * side];
+    let mut texels = vec![f32::NAN; side * stride(side)];
     let holed = Holed { chunks: &[triangles], tests };
     draw_face_with_holes(
         &face,
@@ -41,7 +42,7 @@ fn drawn(
         &mut texels,
         side,
     );
-    texels
+    without_gaps(&texels, side)
 }
 
 /// A floor below the light that goes on behind it, with one cell of a picture along x, and one along the depth.

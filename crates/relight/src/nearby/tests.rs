@@ -1,0 +1,95 @@
+//! Which boxes ways pass by.
+
+use glam::{DVec3, Vec3};
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+
+use super::{is_beside, rounding};
+use crate::HierarchyNode;
+
+/// What is held against it: a box and a segment.
+#[derive(Clone, Copy, Debug)]
+struct Case {
+    min: Vec3,
+    max: Vec3,
+    start: Vec3,
+    way: Vec3,
+}
+
+fn cases() -> impl Strategy<Value = Case> {
+    let place = |reach: f32| [-reach..reach, -reach..reach, -reach..reach].prop_map(Vec3::from);
+    // Flat boxes too, and ways along axes, where products are 0.
+    let size = (place(1.0), any::<bool>());
+    let size = size.prop_map(|(size, is_flat)| if is_flat { size.abs().with_y(0.0) } else { size.abs() });
+    let way = (place(8.0), 0u32..8).prop_map(|(way, zeros)| {
+        Vec3::from([0, 1, 2].map(|axis| if zeros >> axis & 1 == 1 && zeros != 7 { 0.0 } else { way[axis] }))
+    });
+    (place(3.0), size, place(6.0), way).prop_map(|(min, size, start, way)| Case {
+        min,
+        max: min + size,
+        start,
+        way,
+    })
+}
+
+impl Case {
+    fn slack(&self) -> f32 {
+        rounding(self.start) + rounding(self.start + self.way)
+    }
+
+    fn is_beside(&self) -> bool {
+        let node = HierarchyNode { min: self.min.into(), max: self.max.into(), triangle_count: 0, next: 0 };
+        is_beside(&node, (self.start + 0.5 * self.way, 0.5 * self.way, self.slack()))
+    }
+
+    /// Whether some of the segment is in the box made larger by `room`, by what is left of it between each pair of planes (Liang
+    /// and Barsky 1984), in f64.
+    fn passes_through(&self, room: f64) -> bool {
+        let (start, way) = (self.start.as_dvec3(), self.way.as_dvec3());
+        let (min, max) = (self.min.as_dvec3() - room, self.max.as_dvec3() + room);
+        let (mut first, mut last) = (0.0f64, 1.0f64);
+        for axis in 0..3 {
+            if way[axis] == 0.0 {
+                if start[axis] < min[axis] || start[axis] > max[axis] {
+                    return false;
+                }
+                continue;
+            }
+            let ends = [min[axis], max[axis]].map(|plane| (plane - start[axis]) / way[axis]);
+            first = first.max(ends[0].min(ends[1]));
+            last = last.min(ends[0].max(ends[1]));
+        }
+        first <= last
+    }
+
+    /// Whether the boxes of both touch.
+    fn touches_its_box(&self) -> bool {
+        let end = self.start + self.way;
+        let (low, high): (DVec3, DVec3) = (self.start.min(end).as_dvec3(), self.start.max(end).as_dvec3());
+        self.min.as_dvec3().cmple(high).all() && self.max.as_dvec3().cmpge(low).all()
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+    #[test]
+    fn no_box_is_passed_by_that_a_way_leads_through(case in cases()) {
+        prop_assert!(!(case.is_beside() && case.passes_through(0.0)));
+    }
+
+    /// Both roundings of the products are within twice the slack, and an edge is met at no less than the slack times the root of 2.
+    #[test]
+    fn boxes_beside_a_way_are_passed_by(case in cases()) {
+        prop_assert!(case.is_beside() || case.passes_through(f64::from(4.0 * case.slack())));
+    }
+}
+
+#[test]
+fn most_boxes_that_a_box_around_a_way_touches_are_passed_by() {
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let cases: Vec<_> = (0..4000).map(|_| cases().new_tree(&mut runner).expect("a case").current()).collect();
+    let touching: Vec<_> = cases.into_iter().filter(Case::touches_its_box).collect();
+    let passed_by = touching.iter().filter(|case| case.is_beside()).count();
+    assert!(passed_by > touching.len() / 2, "{passed_by} of {}", touching.len());
+}
