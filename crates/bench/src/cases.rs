@@ -9,7 +9,7 @@ use plotters::prelude::*;
 use protocol::ClientMessage;
 use serde::Serialize;
 
-use crate::circle::{Quantiles, decode, drag_in_a_circle, open_view};
+use crate::circle::{GESTURE, Quantiles, decode, drag_in_a_circle, open_view};
 use crate::{BenchError, Client, Incoming, ServerProcess};
 
 /// Sizes of views in pixels, and clients that have one; all but one of those only watch.
@@ -18,6 +18,7 @@ const VIEWERS: [usize; 2] = [1, 4];
 
 /// A drag, and what came of it.
 #[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
 pub struct Case {
     /// Pixels of each view.
     pub width: u32,
@@ -61,7 +62,7 @@ fn measure_one(
     let (drag, seconds, watched) = thread::scope(|scope| {
         let watchers: Vec<_> =
             clients.into_iter().map(|client| scope.spawn(move || watch(client, is_over))).collect();
-        let dragged = drag_in_a_circle(&mut hand, updates, |_| {});
+        let dragged = drag_in_a_circle(&mut hand, updates);
         is_over.store(true, Ordering::Relaxed);
         let watched: Result<Vec<f64>, BenchError> = watchers
             .into_iter()
@@ -70,7 +71,7 @@ fn measure_one(
         let (drag, seconds) = dragged?;
         Ok::<_, BenchError>((drag, seconds, watched?))
     })?;
-    hand.send(&ClientMessage::GestureCancel { gesture: "bench".into() })?;
+    hand.send(&ClientMessage::GestureCancel { gesture: GESTURE.into() })?;
     let watched_frames_per_second =
         (!watched.is_empty()).then(|| watched.iter().sum::<f64>() / watched.len() as f64);
     let bytes = drag.frame_bytes();

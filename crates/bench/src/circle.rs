@@ -1,26 +1,25 @@
-//! A control point of the demo's light, dragged in a circle, and how the frames of that come.
+//! A control point, dragged in a circle, and how the frames of that come.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use image::RgbImage;
-use light::CheckedLight;
-use protocol::{Camera, ClientMessage, Command, PointParameter, ServerMessage, State, Vec3, ViewSource};
+use protocol::{Camera, ClientMessage, ServerMessage, ViewSource};
 use serde::Serialize;
 use stream::FrameHeader;
 
+use crate::dragged::Circle;
 use crate::{BenchError, Client, Incoming, Tiles};
 
 /// A page sends at most one update an animation frame.
 pub(crate) const ANIMATION_FRAME: Duration = Duration::from_micros(16_667);
-/// How far the control point goes around its place, in light-local units.
-pub(crate) const RADIUS: f64 = 0.25;
 
 /// The client's name for its drag.
 pub(crate) const GESTURE: &str = "bench";
 
 /// Milliseconds of the middle and of the slow end of many.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
 pub struct Quantiles {
     /// Half are faster.
     pub p50_ms: f64,
@@ -51,30 +50,24 @@ pub(crate) struct Shown {
     pub bytes: usize,
 }
 
-/// Drags the demo's control point in a circle, an update an animation frame, until the last is on the screen. What became of
-/// it, and the seconds.
-pub(crate) fn drag_in_a_circle(
-    client: &mut Client,
-    updates: u64,
-    progress: impl Fn(u64),
-) -> Result<(Drag, f64), BenchError> {
-    let (light, start) = control_point(client)?;
+/// Drags a control point in a circle, an update an animation frame, until the last is on the screen. What became of it,
+/// and the seconds.
+pub(crate) fn drag_in_a_circle(client: &mut Client, updates: u64) -> Result<(Drag, f64), BenchError> {
+    let circle = Circle::of(client)?;
+    let light = circle.light;
     let (gesture, base_seq) = (GESTURE.to_owned(), client.welcome.seq);
     client.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq })?;
     let mut drag = Drag::default();
     let began = Instant::now();
     for update in 1..=updates {
         let angle = std::f64::consts::TAU * update as f64 / updates as f64;
-        let [x, y, z] = start;
-        let position = [x + RADIUS * angle.sin(), y + RADIUS * (1.0 - angle.cos()), z];
-        let command = Command::SetPoint { light, point: 2, parameter: position_of(position) };
+        let command = circle.command(angle);
         drag.sent.insert(update, Instant::now());
         client.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command })?;
         let next = began + ANIMATION_FRAME * update as u32;
         while let Some(left) = next.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
             drag.take(client, left)?;
         }
-        progress(update);
     }
     while drag.latest_shown < updates {
         drag.take(client, Duration::from_secs(1))?;
@@ -100,23 +93,6 @@ pub(crate) fn open_view(client: &mut Client, [width, height]: [u32; 2]) -> Resul
     client.wait_for("a first lossless picture", |incoming| {
         matches!(incoming, Incoming::Frame(header, _) if header.flags.settle).then_some(())
     })
-}
-
-/// The demo's light and where its third control point is.
-pub(crate) fn control_point(client: &Client) -> Result<(u64, Vec3), BenchError> {
-    let State::Snapshot(document) = &client.welcome.state else {
-        return Err(BenchError::Refused("it gave no document".into()));
-    };
-    let bendy = document.lights.iter().find_map(|light| {
-        let checked = CheckedLight::try_from(light.light.clone()).ok()?;
-        Some((light.id, checked.light().points().get(2)?.position.to_array()))
-    });
-    bendy.ok_or_else(|| BenchError::Refused("its scene has no BendyLight".into()))
-}
-
-/// The parameter that moves a control point.
-pub(crate) fn position_of(position: Vec3) -> PointParameter {
-    light::parameters::POSITION.to(position.into()).into()
 }
 
 /// What is known of a drag while it goes on.

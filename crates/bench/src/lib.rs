@@ -5,20 +5,26 @@
 
 #![expect(clippy::disallowed_methods, reason = "measurements hold within bounds, not to the bit")]
 
+mod bent;
 mod cases;
 mod circle;
 mod client;
 pub mod compare;
 pub mod drag;
+mod dragged;
 mod error;
 pub mod frame;
 pub mod log;
+mod peers;
 mod process;
 pub mod session;
 pub mod shadow;
+mod spread;
 pub mod stills;
 
 pub use cases::Case;
 pub use client::{Client, Incoming, Known, Tiles};
 pub use error::BenchError;
+pub use peers::Peers;
 pub use process::{Address, Response, ServerProcess};
+pub use spread::Spread;

@@ -5,11 +5,12 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use image::RgbImage;
-use protocol::{ClientMessage, Command};
+use protocol::ClientMessage;
 use render::Backend;
 use serde::Serialize;
 
-use crate::circle::{ANIMATION_FRAME, RADIUS, control_point, decode, ms, open_view, position_of};
+use crate::circle::{ANIMATION_FRAME, decode, ms, open_view};
+use crate::dragged::Circle;
 use crate::{BenchError, Client, Incoming, Response, ServerProcess};
 
 /// What to measure.
@@ -31,6 +32,7 @@ pub struct Options {
 
 /// How the frames of a drag came.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
 pub struct Pace {
     /// Frames decoded in a second.
     pub frames_per_second: f64,
@@ -42,6 +44,7 @@ pub struct Pace {
 
 /// What was measured.
 #[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
 pub struct Report {
     /// The drag with nothing else going on: before, and after all stills are finished.
     pub alone: [Pace; 2],
@@ -132,7 +135,8 @@ fn created(response: &Response) -> Result<(), BenchError> {
 
 /// Drags the demo's control point in circles for so long; how its frames came.
 fn drag(client: &mut Client, gesture: &str, time: Duration) -> Result<Pace, BenchError> {
-    let (light, [x, y, z]) = control_point(client)?;
+    let circle = Circle::of(client)?;
+    let light = circle.light;
     let base_seq = client.welcome.seq;
     let gesture = gesture.to_owned();
     client.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq })?;
@@ -140,9 +144,7 @@ fn drag(client: &mut Client, gesture: &str, time: Duration) -> Result<Pace, Benc
     let (mut shown, mut picture) = (Vec::<Instant>::new(), RgbImage::new(0, 0));
     while began.elapsed() < time {
         update += 1;
-        let angle = 0.05 * update as f64;
-        let position = [x + RADIUS * angle.sin(), y + RADIUS * (1.0 - angle.cos()), z];
-        let command = Command::SetPoint { light, point: 2, parameter: position_of(position) };
+        let command = circle.command(0.05 * update as f64);
         client.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command })?;
         let next = began + ANIMATION_FRAME * update as u32;
         while let Some(left) = next.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {

@@ -6,17 +6,12 @@ use render::{Cost, Culling, Renderer, ShadowSettings};
 use scene::{MapScale, View};
 use serde::Serialize;
 
-use super::costs::{Costs, Spread};
-use super::peers::Line;
+use super::costs::Costs;
 use super::side::timed;
 use super::subject::{Frame, Subject, crowd, instance, moved};
 use super::{Bench, Options};
-use crate::BenchError;
-
-/// Rounds in which all take their turns. Other renderers start anew in each.
-const ROUNDS: usize = 3;
-/// Fewest frames of another renderer in a round, for a median to be one.
-const PEER_FRAMES: usize = 10;
+use crate::peers::{FEWEST_FRAMES, Line, Peer, RUNS};
+use crate::{BenchError, Peers, Spread};
 
 /// Whole frames of one kind.
 #[derive(Clone, Debug, Serialize)]
@@ -132,9 +127,9 @@ impl Ours {
     }
 }
 
-/// Steps of progress.
+/// Steps of progress. All take their turns in as many rounds as other renderers have runs.
 pub(super) fn steps(options: &Options) -> usize {
-    ROUNDS * (1 + options.peers.map_or(0, super::Peers::count))
+    RUNS * (1 + options.peers.map_or(0, Peers::count))
 }
 
 /// Ours frame by frame in turns, then each other renderer, and all of it again.
@@ -142,8 +137,8 @@ pub(super) fn measured(bench: &mut Bench, subject: &Subject) -> Result<Vec<Conte
     let Options { repeats, peers, .. } = bench.options;
     let mut entries = entries(bench, subject)?;
     let mut lines: Vec<Vec<Line>> = Vec::new();
-    let frames = repeats.div_ceil(ROUNDS);
-    for round in 0..ROUNDS {
+    let frames = repeats.div_ceil(RUNS);
+    for round in 0..RUNS {
         bench.step("side by side: ours");
         // The zeroth makes what the others keep.
         for k in 0..=frames {
@@ -155,17 +150,17 @@ pub(super) fn measured(bench: &mut Bench, subject: &Subject) -> Result<Vec<Conte
                 }
             }
         }
-        for index in 0..peers.map_or(0, super::Peers::count) {
+        for index in 0..peers.map_or(0, Peers::count) {
             bench.step("side by side: peers");
             let Some(peers) = peers else { continue };
-            lines.push(peers.run(index, frames.max(PEER_FRAMES))?);
+            lines.push(peers.run(index, frames.max(FEWEST_FRAMES))?);
         }
     }
     let mut contestants: Vec<_> = entries.into_iter().map(Entry::contestant).collect();
     for side in &bench.sides {
         side.renderer.collect();
     }
-    contestants.extend(theirs(&lines.concat()));
+    contestants.extend(Peer::all(&lines.concat()).into_iter().map(Contestant::from));
     let bent = contestants[0].wall_ms;
     for Contestant { wall_ms, to_bent, .. } in &mut contestants {
         *to_bent = Spread { min: wall_ms.min / bent.min, median: wall_ms.median / bent.median };
@@ -191,28 +186,11 @@ fn entries(bench: &Bench, subject: &Subject) -> Result<Vec<Entry>, BenchError> {
     Ok(entries)
 }
 
-/// What other renderers said in all rounds, by their names in the order of the first.
-fn theirs(lines: &[Line]) -> Vec<Contestant> {
-    let mut names: Vec<&str> = Vec::new();
-    for line in lines {
-        if !names.contains(&line.name.as_str()) {
-            names.push(&line.name);
-        }
+impl From<Peer> for Contestant {
+    fn from(Peer { name, version, wall_ms }: Peer) -> Self {
+        let to_bent = Spread::default();
+        Self { what: name, backend: None, version: Some(version), wall_ms, cpu_ms: None, to_bent }
     }
-    let of_name = |name: &str| {
-        let of_it: Vec<&Line> = lines.iter().filter(|line| line.name == name).collect();
-        let wall_ms = Spread::of(of_it.iter().map(|line| line.ms_median).collect());
-        let version = of_it.first().map(|line| line.version.clone());
-        Contestant {
-            what: name.into(),
-            backend: None,
-            version,
-            wall_ms,
-            cpu_ms: None,
-            to_bent: Spread::default(),
-        }
-    };
-    names.into_iter().map(of_name).collect()
 }
 
 impl Entry {

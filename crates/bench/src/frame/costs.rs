@@ -3,14 +3,7 @@
 use render::{Cost, Counters, Recording, Stage};
 use serde::Serialize;
 
-/// Milliseconds of the fastest and of the middle of many.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Spread {
-    /// Nothing but other work makes one slower than this.
-    pub min: f64,
-    /// Half are faster.
-    pub median: f64,
-}
+use crate::Spread;
 
 /// What some work took, of many times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -51,18 +44,6 @@ pub struct Counted {
     pub scissor_pixels: u64,
     /// Bytes of the picture read back; none where the processor has made it.
     pub bytes: u64,
-}
-
-impl Spread {
-    /// Of values in any order; 0 of none.
-    pub(super) fn of(mut values: Vec<f64>) -> Self {
-        values.sort_by(f64::total_cmp);
-        let middle = values.len().saturating_sub(1) / 2;
-        Self {
-            min: values.first().copied().unwrap_or(0.0),
-            median: values.get(middle).copied().unwrap_or(0.0),
-        }
-    }
 }
 
 impl Costs {

@@ -11,8 +11,9 @@ use super::Bench;
 use super::costs::{Costs, Counted};
 use super::error::{self, PictureError, SMALLER};
 use super::side::timed;
-use super::subject::{Frame, bent, crowd, instance, moved};
+use super::subject::{Frame, crowd, instance, moved};
 use crate::BenchError;
+use crate::bent::bent;
 use crate::shadow::scenes::{Part, ball, floor, place, scene_of, view};
 
 /// Balls along each side of the square that they lie in.

@@ -10,7 +10,6 @@ mod costs;
 mod edit;
 mod error;
 mod growth;
-mod peers;
 mod side;
 mod subject;
 mod table;
@@ -24,14 +23,14 @@ use serde::Serialize;
 use self::error::SMALLER;
 use self::side::Side;
 use self::subject::Frame;
-use crate::BenchError;
+use crate::{BenchError, Peers};
 
 pub use contest::Contestant;
-pub use costs::{Costs, Counted, Spread, StageCosts};
+pub use costs::{Costs, Counted, StageCosts};
 pub use edit::{Edit, EditReport};
 pub use error::{BackendError, PictureError};
 pub use growth::{Axis, Grown, GrowthPlan, Point};
-pub use peers::Peers;
+pub(crate) use side::backends;
 pub use subject::Subject;
 
 /// What to measure.

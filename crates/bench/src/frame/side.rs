@@ -14,8 +14,8 @@ pub(super) struct Side {
 }
 
 impl Side {
-    fn open(backend: Option<Backend>, scene: &Arc<PosedScene>) -> Result<Self, RenderError> {
-        let gpu = Arc::new(Gpu::open(MemoryBudget::default(), backend)?);
+    fn open(backend: Backend, scene: &Arc<PosedScene>) -> Result<Self, RenderError> {
+        let gpu = Arc::new(Gpu::open(MemoryBudget::default(), Some(backend))?);
         let mut renderer = Renderer::new(Arc::clone(&gpu))?;
         renderer.set_scene(scene)?;
         Ok(Self { gpu, renderer })
@@ -27,12 +27,18 @@ impl Side {
     }
 }
 
-/// First the one that draws as `backend` says, then wgpu where that is another; both with `scene`.
-pub(super) fn opened(backend: Option<Backend>, scene: &Arc<PosedScene>) -> Result<Vec<Side>, RenderError> {
-    let main = Side::open(backend, scene)?;
-    let is_other = main.gpu.backend() != Backend::Wgpu;
-    let beside = is_other.then(|| Side::open(Some(Backend::Wgpu), scene)).transpose()?;
-    Ok([main].into_iter().chain(beside).collect())
+/// First who draws as `wanted` says, or as the device is where nobody says; then wgpu where that is another.
+pub(crate) fn backends(wanted: Option<Backend>) -> Result<Vec<Backend>, RenderError> {
+    let main = match wanted {
+        Some(backend) => backend,
+        None => Gpu::open(MemoryBudget::default(), None)?.backend(),
+    };
+    Ok([main].into_iter().chain((main != Backend::Wgpu).then_some(Backend::Wgpu)).collect())
+}
+
+/// The [`backends`], each with `scene`.
+pub(super) fn opened(wanted: Option<Backend>, scene: &Arc<PosedScene>) -> Result<Vec<Side>, RenderError> {
+    backends(wanted)?.into_iter().map(|backend| Side::open(backend, scene)).collect()
 }
 
 /// What a whole frame takes, and its bytes.

@@ -4,17 +4,11 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
-use light::parameters::{INTENSITY, RANGE, ROTATION, TRANSLATION};
-use light::{CheckedLight, Light, LightError, LightId, LightInstance, Owner, bend_to, straighten, with_cone};
+use light::parameters::{INTENSITY, ROTATION, TRANSLATION};
+use light::{CheckedLight, Light, LightError, LightId, LightInstance};
 use scene::{Camera, PosedScene, Scene, View};
 
-/// Segments of the bent light, where the scene brings none: those of the design's frame.
-const SEGMENTS: usize = 3;
-/// Half angle in degrees of the cone that is bent of a light without one.
-const CONE_ANGLE: f64 = 30.0;
-/// How far the middle of a straight light is moved aside, as a share of its length; the first that does not fold is
-/// taken.
-const ASIDE: [f64; 4] = [0.25, 0.12, 0.06, 0.03];
+use crate::bent::bent_and_spot;
 
 /// What is drawn.
 #[derive(Clone, Debug)]
@@ -47,14 +41,7 @@ impl Subject {
         size: [u32; 2],
     ) -> Result<Self, LightError> {
         let posed = scene::pose(scene);
-        let reach = posed.reach();
-        let length = light.get(TRANSLATION).distance(reach.middle).max(0.5 * reach.half_extent.length());
-        let (bent, spot) = if light.owner() == Owner::Bendy {
-            (light.clone(), straighten(light)?)
-        } else {
-            let spot = with_cone(light, CONE_ANGLE, Some(reach.middle), length);
-            (bent(&spot, SEGMENTS, length)?, spot)
-        };
+        let (bent, spot) = bent_and_spot(light, posed.reach())?;
         Ok(Self { name: name.into(), posed, view: View::beauty(camera, size), bent, spot })
     }
 
@@ -67,27 +54,6 @@ impl Subject {
     pub(super) fn step(&self) -> f64 {
         0.01 * self.posed.half_extent.length()
     }
-}
-
-/// The spotlight `spot` without its range, of so many segments over `length` world units, bowed aside as evenly as they
-/// can.
-pub(super) fn bent(spot: &Light, segments: usize, length: f64) -> Result<Light, LightError> {
-    let straight = bend_to(&spot.clone().with(RANGE, None), segments, length)?;
-    let end = straight.points().last().map_or(1.0, |point| point.position.z);
-    let bowed = |aside: f64| {
-        straight.clone().with_points(|_, point| {
-            let share = point.position.z / end;
-            point.position.x = aside * end.abs() * 4.0 * share * (1.0 - share);
-        })
-    };
-    let mut refused = None;
-    for light in ASIDE.map(bowed) {
-        match CheckedLight::new(light.clone()) {
-            Ok(_) => return Ok(light),
-            Err(why) => refused = Some(why),
-        }
-    }
-    refused.map_or(Ok(straight), Err)
 }
 
 /// `count` lights like `light`, turned about the vertical through `middle`, together as bright as one.

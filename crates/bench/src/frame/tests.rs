@@ -183,23 +183,3 @@ fn beside_the_processor_wgpu_draws_the_same_in_the_same_run() {
         assert!(fault(&taken_for, other, "first").is_some(), "{row}");
     }
 }
-
-#[test]
-fn what_is_no_folder_of_peers_is_refused_with_what_to_do() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let said = |python| Peers::find(folder.path(), python).map(|_| ()).expect_err("refused").to_string();
-    assert!(said(None).contains("bench.py"), "{}", said(None));
-    let peer = folder.path().join("peer");
-    std::fs::create_dir(&peer).expect("a folder");
-    let says = |script: &str| std::fs::write(peer.join("bench.py"), script).expect("written");
-    says("echo '{\"name\": \"peer\", \"version\": \"1\", \"ms_median\": 4}'; echo more");
-    assert!(said(None).contains("--python"), "{}", said(None));
-    let shell = std::path::Path::new("/bin/sh");
-    let peers = Peers::find(folder.path(), Some(shell)).expect("found");
-    let lines = peers.run(0, 1).expect("measured");
-    assert_eq!((lines.len(), lines[0].name.as_str(), lines[0].ms_median), (1, "peer", 4.0));
-    says("echo broken >&2; exit 1");
-    assert!(peers.run(0, 1).expect_err("it failed").to_string().contains("broken"));
-    says("echo nothing");
-    assert!(peers.run(0, 1).is_err());
-}

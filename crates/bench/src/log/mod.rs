@@ -7,10 +7,11 @@ use std::path::Path;
 use std::process::Command as Process;
 use std::time::{Duration, Instant};
 
-use protocol::{ClientMessage, Command, Scope, ServerMessage, Vec3};
+use protocol::{ClientMessage, Scope, ServerMessage};
 use serde::Serialize;
 
-use crate::circle::{RADIUS, control_point, ms, position_of};
+use crate::circle::ms;
+use crate::dragged::Circle;
 use crate::{BenchError, Client, Incoming, ServerProcess};
 
 /// Requests that a client has under way at once where it does not wait for each answer.
@@ -174,8 +175,7 @@ impl Answered {
 
 /// Edits of one light by one client.
 struct Edits {
-    light: u64,
-    start: Vec3,
+    circle: Circle,
     /// Edits that have been made.
     count: usize,
     /// The latest record.
@@ -186,8 +186,7 @@ struct Edits {
 
 impl Edits {
     fn new(client: &Client) -> Result<Self, BenchError> {
-        let (light, start) = control_point(client)?;
-        Ok(Self { light, start, count: 0, seq: client.welcome.seq, requests: 0 })
+        Ok(Self { circle: Circle::of(client)?, count: 0, seq: client.welcome.seq, requests: 0 })
     }
 
     /// Makes so many edits, each another, with at most `in_flight` under way; `progress` is told how many are answered.
@@ -200,12 +199,10 @@ impl Edits {
     ) -> Result<Answered, BenchError> {
         let first = self.count;
         self.count += count;
-        let (light, [x, y, z], base_seq) = (self.light, self.start, self.seq);
+        let (circle, base_seq) = (self.circle.clone(), self.seq);
         self.answered(client, count, in_flight, progress, |op_id, number| {
             // Never twice the same place: that would be no edit.
-            let angle = (first + number) as f64;
-            let position = [x + RADIUS * angle.sin(), y + RADIUS * (1.0 - angle.cos()), z];
-            let command = Command::SetPoint { light, point: 2, parameter: position_of(position) };
+            let command = circle.command((first + number) as f64);
             ClientMessage::Edit { op_id, base_seq, command }
         })
     }

@@ -1,11 +1,12 @@
 //! `bendylights bench frame`: where a frame's time goes.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use ::bench::frame::{self, GrowthPlan, Peers, Subject};
+use ::bench::frame::{self, GrowthPlan, Subject};
 use cli::{Output, Size, answer, say};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::{PeerArgs, name_of};
 use crate::error::Error;
 use crate::gpu::BackendArgs;
 use crate::render::{choose_camera, open_lit};
@@ -53,12 +54,8 @@ pub struct Args {
     /// Measure how frames grow, too: some minutes
     #[arg(long)]
     growth: bool,
-    /// Folder of other renderers to measure in turns with ours
-    #[arg(long, value_name = "DIR")]
-    peers: Option<PathBuf>,
-    /// Python that has them [default: that of DIR/.venv or DIR/venv]
-    #[arg(long, value_name = "PATH", requires = "peers")]
-    python: Option<PathBuf>,
+    #[command(flatten)]
+    peers: PeerArgs,
     #[command(flatten)]
     backend: BackendArgs,
     /// Chart to write
@@ -69,8 +66,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Error> {
     cli::without_window_system();
     let output = args.output.as_deref().map(Output::create_chart).transpose()?;
-    let peers =
-        args.peers.as_deref().map(|folder| Peers::find(folder, args.python.as_deref())).transpose()?;
+    let peers = args.peers.found()?;
     let subject = subject(args)?;
     let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
     let bar = ProgressBar::new(0).with_style(style);
@@ -101,8 +97,6 @@ fn subject(args: &Args) -> Result<Subject, Error> {
     let camera =
         choose_camera(&args.scene, None, f64::from(width) / f64::from(height), (&reach, &contents.cameras))?;
     let Some(light) = contents.lights.first() else { return Err(Error::NothingLit(args.scene.clone())) };
-    let file =
-        Path::new(&args.scene).file_name().map_or(args.scene.clone(), |name| name.to_string_lossy().into());
-    let subject = Subject::new(&file, loaded.scene, camera, light.light(), [width, height]);
+    let subject = Subject::new(&name_of(&args.scene), loaded.scene, camera, light.light(), [width, height]);
     subject.map_err(|reason| Error::BadLight { file: args.scene.clone(), reason })
 }

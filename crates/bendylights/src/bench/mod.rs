@@ -6,6 +6,10 @@ mod log;
 mod session;
 mod shadow;
 
+use std::path::{Path, PathBuf};
+
+use ::bench::{BenchError, Peers};
+
 use crate::error::Error;
 
 #[derive(clap::Args)]
@@ -36,4 +40,26 @@ pub fn run(args: &Args) -> Result<(), Error> {
         Question::Session(args) => session::run(args),
         Question::Shadow(args) => shadow::run(args),
     }
+}
+
+/// Other renderers to measure beside.
+#[derive(clap::Args)]
+struct PeerArgs {
+    /// Folder of other renderers to measure in the same run
+    #[arg(long, value_name = "DIR")]
+    peers: Option<PathBuf>,
+    /// Python that has them [default: that of DIR/.venv or DIR/venv]
+    #[arg(long, value_name = "PATH", requires = "peers")]
+    python: Option<PathBuf>,
+}
+
+impl PeerArgs {
+    fn found(&self) -> Result<Option<Peers>, BenchError> {
+        self.peers.as_deref().map(|folder| Peers::find(folder, self.python.as_deref())).transpose()
+    }
+}
+
+/// What reports call a scene: a file without its folder.
+fn name_of(scene: &str) -> String {
+    Path::new(scene).file_name().map_or(scene.into(), |name| name.to_string_lossy().into())
 }

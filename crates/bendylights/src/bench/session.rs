@@ -7,27 +7,52 @@ use ::bench::{session, stills};
 use cli::{Output, Size, answer};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::{PeerArgs, name_of};
 use crate::error::Error;
 use crate::gpu::BackendArgs;
+use crate::render::open_lit;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
-Prints JSON: edit to decoded frame (p50, p95), and where the time of each frame's newest update went:
-  wait    from the change to the start of the render
-  render  the picture, with its read-back
-  encode  JPEG
-  send    all else: the update's and the frame's way through sockets and queues
-  decode  by the client
-Then cases: the same drag in views of 686x382 and 1280x720, alone and while three others watch in views of their own:
-frames a second, edit to decoded frame, bytes.
+Drags a control point of the scene's first BendyLight in a circle, an update an animation frame. A scene without one has
+its first light bent for that, the light that `bendylights bench frame` draws, and the others taken away. Where the
+processor lights pictures (--backend) the same drag is measured by wgpu in the same run, by a server that starts when the
+first has stopped. Prints JSON:
+  what     what was dragged
+  drags    one a backend, the one that is measured first:
+    backend              who drew shadows and lights
+    frames, framesPerSecond
+    editToDecoded        from sending an update to having decoded a frame that shows it: p50Ms, p95Ms
+    stages               where the time of each frame's newest update went, p50Ms and p95Ms each:
+      wait    from the change to the start of the render
+      render  the picture, with its read-back
+      encode  JPEG
+      send    all else: the update's and the frame's way through sockets and queues
+      decode  by the client
+    releaseToLosslessMs  from letting go to having decoded the lossless picture
+    frameBytesP50        of a moving frame
+  cases    the same drag, by the first backend, in views of 686x382 and 1280x720, alone and while three others watch in
+           views of their own: viewers, framesPerSecond, watchedFramesPerSecond, editToDecoded, frameBytesP50,
+           bytesPerSecond
+  peers    with --peers, other renderers after the drags, three runs each: name, version, wallMs (min and median of the
+           runs' medians), editToDecodedOverIt (the first drag's p50 over that median)
+
+Other renderers are scripts, as `bendylights help bench frame` says. They draw what they draw, in a size of their own
+whatever --size says, and neither encode nor send it: name the scene and the size that they draw.
 
 With --stills N another session asks for N pictures meanwhile; prints JSON: frame rate, usual and longest gap of a
-drag alone and beside them, how often the one was worked on that was so least often, and when all were there.
+drag alone and beside them (alone, beside, rateKept, longestGapOfUsual), how often the one was worked on that was so
+least often (leastTurns), how many were there too early (finishedEarly), and when all were (allFinishedS).
 
 Examples:
   bendylights bench session --updates 240 -o session.svg
+  bendylights bench session --backend native --scene demo:arbor -o session.svg
+  bendylights bench session --scene bench.glb --peers peers --python venv/bin/python -o session.svg > session.json
   bendylights bench session --stills 8 --still-size 4096x4096")]
 pub struct Args {
+    /// Scene: a glTF file, or `demo:NAME`
+    #[arg(long, value_name = "SCENE", default_value = "demo:vases")]
+    scene: String,
     /// Width and height of the view in pixels
     #[arg(long, default_value = "686x382", value_name = "WxH")]
     size: Size,
@@ -35,14 +60,16 @@ pub struct Args {
     #[arg(long, default_value_t = 240, value_name = "N", value_parser = clap::value_parser!(u64).range(10..=100_000))]
     updates: u64,
     /// Pictures of 16 samples a pixel that another session asks for meanwhile
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=8), conflicts_with = "output")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=8), conflicts_with_all = ["output", "scene", "peers"])]
     stills: Option<u64>,
     /// Width and height of those in pixels
     #[arg(long, default_value = "2048x2048", value_name = "WxH", requires = "stills")]
     still_size: Size,
     #[command(flatten)]
+    peers: PeerArgs,
+    #[command(flatten)]
     backend: BackendArgs,
-    /// Chart to write: a bar a frame, its stages stacked; below it the cases
+    /// Chart to write: the drags side by side, a bar a frame, its stages stacked; below them the cases
     #[arg(short, value_name = "OUT.svg")]
     output: Option<PathBuf>,
 }
@@ -51,13 +78,30 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if let Some(count) = args.stills {
         return beside_stills(args, count);
     }
-    let output = args.output.as_deref().map(Output::create).transpose()?;
+    cli::without_window_system();
+    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
+    let peers = args.peers.found()?;
+    // What the server would refuse is said here, before it is started.
+    if open_lit(&args.scene, None)?.contents.lights.is_empty() {
+        return Err(Error::NothingLit(args.scene.clone()));
+    }
     let program = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} updates").expect("a valid template");
-    let bar = ProgressBar::new(args.updates).with_style(style);
-    let Size { width, height } = args.size;
-    let options = session::Options { width, height, updates: args.updates, backend: args.backend.wanted() };
-    let result = session::run(&program, options, |update| bar.set_position(update));
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
+    let bar = ProgressBar::new(0).with_style(style);
+    let options = session::Options {
+        scene: &args.scene,
+        name: &name_of(&args.scene),
+        width: args.size.width,
+        height: args.size.height,
+        updates: args.updates,
+        backend: args.backend.wanted(),
+        peers: peers.as_ref(),
+    };
+    let result = session::run(&program, &options, &|progress| {
+        bar.set_length(progress.of as u64);
+        bar.set_position(progress.done as u64);
+        bar.set_message(progress.what);
+    });
     bar.finish_and_clear();
     let (report, chart) = result.map_err(Error::Bench)?;
     if let Some(output) = output {

@@ -1,17 +1,21 @@
-//! `bendylights bench drag` and `bendylights bench log`, with few samples.
+//! `bendylights bench drag`, `bench log` and `bench session`, with few samples.
 
 use serde_json::Value;
 
-use crate::program::{Folder, run};
+use crate::program::{Done, Folder, TRIANGLE, run};
 
-/// The JSON and the chart.
-fn measured(args: &[&str]) -> Value {
+/// The JSON and what was said; the chart is one.
+fn measured_and_said(args: &[&str]) -> (Value, String) {
     let folder = Folder::new();
     let chart = folder.path("chart.svg");
-    let done = run(&[args, &["-o", &chart]].concat());
-    assert_eq!(done.code, 0, "{}", done.stderr);
+    let Done { code, stdout, stderr } = run(&[args, &["-o", &chart]].concat());
+    assert_eq!(code, 0, "{stderr}");
     assert!(std::fs::read_to_string(chart).expect("a chart").starts_with("<svg"));
-    serde_json::from_str(&done.stdout).expect("JSON")
+    (serde_json::from_str(&stdout).expect("JSON"), stderr)
+}
+
+fn measured(args: &[&str]) -> Value {
+    measured_and_said(args).0
 }
 
 /// What moves as a whole lands; the paper's formulas miss what they are not exact for, and hit highlights.
@@ -48,4 +52,112 @@ fn the_log_is_measured() {
     let opening = report["opening"].as_array().expect("lengths");
     let records: Vec<_> = opening.iter().filter_map(|at| at["records"].as_u64()).collect();
     assert_eq!(records, [2, 4, 11, 31]);
+}
+
+/// What is wrong with the drags that a report has of `backends`, whose servers said who draws.
+fn wrong_drags(report: &Value, said: &str, backends: &[&str]) -> Vec<String> {
+    let drags = report["drags"].as_array().expect("drags");
+    let found: Vec<_> = drags.iter().filter_map(|drag| drag["backend"].as_str()).collect();
+    let drawn: Vec<_> = said
+        .lines()
+        .filter_map(|line| line.rsplit_once("shadows and lights by ").map(|(_, backend)| backend.trim()))
+        .collect();
+    let mut wrong = Vec::new();
+    if found != backends {
+        wrong.push(format!("the report has {found:?}"));
+    }
+    if drawn != backends {
+        wrong.push(format!("those who drew are {drawn:?}"));
+    }
+    for drag in drags {
+        let ms = |path: &str| drag.pointer(path).and_then(Value::as_f64);
+        let positive = [
+            "/framesPerSecond",
+            "/frames",
+            "/editToDecoded/p50Ms",
+            "/stages/render/p50Ms",
+            "/stages/decode/p95Ms",
+            "/releaseToLosslessMs",
+            "/frameBytesP50",
+        ];
+        wrong.extend(
+            positive.iter().filter(|path| ms(path) <= Some(0.0)).map(|path| format!("{path} in {drag}")),
+        );
+        if ms("/editToDecoded/p50Ms") < ms("/stages/render/p50Ms") {
+            wrong.push(format!("a frame is there before it is drawn in {drag}"));
+        }
+    }
+    if drags.len() == 2 && drags[0]["editToDecoded"] == drags[1]["editToDecoded"] {
+        wrong.push("both are one's times".into());
+    }
+    wrong
+}
+
+/// A script in place of another renderer, that says another time at each of its runs: 10, 20 and 30 ms.
+fn peers(folder: &Folder) -> String {
+    let script = folder.path("peers/peer/bench.py");
+    std::fs::create_dir_all(folder.path("peers/peer")).expect("a folder");
+    let runs = folder.path("runs");
+    let text = format!(
+        "echo >> {runs}\necho '{{\"name\": \"peer\", \"version\": \"1\", \"ms_median\": '$(wc -l < {runs})0'}}'"
+    );
+    std::fs::write(script, text).expect("written");
+    folder.path("peers")
+}
+
+/// What is wrong with the one peer of a report, of which three runs took 10, 20 and 30 ms.
+fn wrong_peer(report: &Value) -> Option<String> {
+    let p50 = report["drags"][0]["editToDecoded"]["p50Ms"].as_f64().expect("a time");
+    let expected = serde_json::json!([{
+        "name": "peer",
+        "version": "1",
+        "wallMs": {"min": 10.0, "median": 20.0},
+        "editToDecodedOverIt": p50 / 20.0,
+    }]);
+    (report["peers"] != expected).then(|| report["peers"].to_string())
+}
+
+/// Beside the processor wgpu drags the same, and other renderers draw what they draw.
+#[test]
+fn a_session_is_measured_by_both_backends_and_beside_a_peer() {
+    let folder = Folder::new();
+    let peers = peers(&folder);
+    let small = ["bench", "session", "--backend", "native", "--size", "64x36", "--updates", "10"];
+    let (report, said) =
+        measured_and_said(&[&small[..], &["--peers", &peers, "--python", "/bin/sh"]].concat());
+    assert_eq!(wrong_drags(&report, &said, &["native", "wgpu"]), [""; 0]);
+    assert_eq!(report["scene"], "demo:vases");
+    assert!(report["what"].as_str().is_some_and(|what| what.contains("`key`")), "{report}");
+    assert_eq!(report["cases"].as_array().map(Vec::len), Some(4), "{report}");
+    assert_eq!(wrong_peer(&report), None);
+
+    // Planted: who drew is not who is named, one's times for both, a peer whose fastest run counts for all.
+    assert_eq!(wrong_drags(&report, "", &["native", "wgpu"]).len(), 1);
+    let mut planted = report.clone();
+    planted["drags"][1] = planted["drags"][0].clone();
+    assert_eq!(wrong_drags(&planted, &said, &["native", "wgpu"]).len(), 2);
+    let mut planted = report.clone();
+    planted["drags"][0]["stages"]["render"]["p50Ms"] = 0.into();
+    assert_eq!(wrong_drags(&planted, &said, &["native", "wgpu"]).len(), 1);
+    let mut planted = report;
+    planted["peers"][0]["wallMs"]["median"] = 10.0.into();
+    assert!(wrong_peer(&planted).is_some());
+}
+
+/// A scene whose only light is the key that it gets has that bent and dragged; by wgpu nothing is measured beside it.
+#[test]
+fn a_session_whose_lights_are_straight_is_dragged_too() {
+    let folder = Folder::new();
+    let scene = folder.file("triangle.gltf", TRIANGLE);
+    let small = ["bench", "session", "--backend", "wgpu", "--size", "64x36", "--updates", "10"];
+    let (report, said) = measured_and_said(&[&small[..], &["--scene", &scene]].concat());
+    assert_eq!(wrong_drags(&report, &said, &["wgpu"]), [""; 0]);
+    assert_eq!(report["scene"], "triangle.gltf");
+    let what = report["what"].as_str().expect("text");
+    assert!(what.contains("`default key`") && what.contains("bent and alone"), "{what}");
+    assert_eq!(report["peers"], serde_json::json!([]));
+    // A scene that is not there is refused before a server is started.
+    let missing = run(&["bench", "session", "--scene", "demo:nothing"]);
+    assert_eq!(missing.code, 2);
+    assert!(missing.stderr.contains("vases") && !missing.stderr.contains("rendering"), "{}", missing.stderr);
 }

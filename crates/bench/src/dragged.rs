@@ -1,0 +1,222 @@
+//! What the drags of sessions take hold of: a control point of a BendyLight, on its way around a circle.
+
+use glam::DVec3;
+use light::{CheckedLight, Light, Owner, Reach};
+use protocol::{Bounds, ClientMessage, Command, Document, PointParameter, ServerMessage, State};
+
+use crate::bent::bent_and_spot;
+use crate::{BenchError, Client, Incoming, ServerProcess};
+
+/// The control point of a BendyLight that is dragged: each has a third.
+const POINT: usize = 2;
+/// Radius of the circle as a share of half the scene's diagonal: a quarter of a unit in `demo:vases`.
+const SHARE: f64 = 0.028_513_76;
+/// By how much the circle is made smaller; the first by which the light folds nowhere on it is taken.
+const SMALLER: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
+/// Places on the circle at which that is looked at.
+const PLACES: u32 = 240;
+
+/// A control point and the circle that it is dragged in, which begins where it lies.
+#[derive(Clone, Debug)]
+pub(crate) struct Circle {
+    /// Id of its light.
+    pub light: u64,
+    /// Name of its light.
+    name: String,
+    /// Where the control point lies, light-local.
+    start: DVec3,
+    /// Light-local.
+    radius: f64,
+    /// World units for a light-local one.
+    scale: f64,
+}
+
+impl Circle {
+    /// Around the third control point of the first BendyLight in the client's session.
+    pub fn of(client: &Client) -> Result<Self, BenchError> {
+        let document = document(client)?;
+        let found = document.lights.iter().find_map(|placed| {
+            let light = CheckedLight::try_from(placed.light.clone()).ok()?;
+            (light.light().owner() == Owner::Bendy).then_some((placed.id, light))
+        });
+        let (id, light) = found.ok_or_else(|| BenchError::Refused("its scene has no BendyLight".into()))?;
+        Ok(Self::in_light(id, light.light(), reach_of(client.welcome.bounds)))
+    }
+
+    fn in_light(id: u64, light: &Light, reach: Reach) -> Self {
+        let start = light.points()[POINT].position;
+        let scale = light.transform().scale;
+        let of_share = |smaller: f64| Self {
+            light: id,
+            name: light.name().into(),
+            start,
+            radius: smaller * SHARE * reach.half_extent.length() / scale,
+            scale,
+        };
+        let [.., least] = SMALLER;
+        // Where every circle folds the server says why it refuses the least.
+        SMALLER.map(of_share).into_iter().find(|circle| circle.is_open_to(light)).unwrap_or(of_share(least))
+    }
+
+    /// Whether `light` folds nowhere on it.
+    fn is_open_to(&self, light: &Light) -> bool {
+        (0..PLACES).all(|place| {
+            let angle = std::f64::consts::TAU * f64::from(place) / f64::from(PLACES);
+            let moved = light.clone().with_points(|index, point| {
+                if index == POINT {
+                    point.position = self.at(angle);
+                }
+            });
+            CheckedLight::new(moved).is_ok()
+        })
+    }
+
+    /// Where the control point is after an angle in radians, light-local.
+    fn at(&self, angle: f64) -> DVec3 {
+        self.start + self.radius * DVec3::new(angle.sin(), 1.0 - angle.cos(), 0.0)
+    }
+
+    /// Moves the control point there.
+    pub fn command(&self, angle: f64) -> Command {
+        let parameter: PointParameter = light::parameters::POSITION.to(self.at(angle)).into();
+        Command::SetPoint { light: self.light, point: POINT, parameter }
+    }
+
+    /// Says what is dragged, and how.
+    pub fn what(&self, scene: &str) -> String {
+        let Self { name, radius, scale, .. } = self;
+        let world = radius * scale;
+        format!(
+            "control point {POINT} of `{name}` in {scene}, dragged in a circle of radius {world:.3}, on loopback"
+        )
+    }
+}
+
+/// Sees to it that the session `main` has a BendyLight. Where its scene brings none, its first light is bent as frames
+/// are measured by it, and alone, too. Whether that was done.
+pub(crate) fn bend_where_all_is_straight(server: &ServerProcess) -> Result<bool, BenchError> {
+    let mut client = Client::connect(&server.address, "main", "bench", None)?;
+    let document = document(&client)?.clone();
+    let mut lights = Vec::new();
+    for placed in document.lights {
+        let light =
+            CheckedLight::try_from(placed.light).map_err(|why| BenchError::Refused(why.to_string()))?;
+        if light.light().owner() == Owner::Bendy {
+            return Ok(false);
+        }
+        lights.push((placed.id, light));
+    }
+    let Some((_, first)) = lights.first() else {
+        return Err(BenchError::Refused("its scene has no light".into()));
+    };
+    let (bent, _) = bent_and_spot(first.light(), reach_of(client.welcome.bounds))?;
+    let removed = lights.iter().map(|(id, _)| Command::RemoveLight { light: *id });
+    for (number, command) in
+        [Command::AddLight { light: (&bent).into() }].into_iter().chain(removed).enumerate()
+    {
+        edit(&mut client, &format!("bench-bend-{number}"), command)?;
+    }
+    Ok(true)
+}
+
+/// Has a command carried out.
+fn edit(client: &mut Client, op_id: &str, command: Command) -> Result<(), BenchError> {
+    let base_seq = client.welcome.seq;
+    client.send(&ClientMessage::Edit { op_id: op_id.into(), base_seq, command })?;
+    let outcome = client.wait_for("what became of an edit", |incoming| match incoming {
+        Incoming::Message(message) => match *message {
+            ServerMessage::EditResult(result) if result.op_id == op_id => Some(result.outcome),
+            _ => None,
+        },
+        Incoming::Frame(..) => None,
+    })?;
+    outcome.problem().map_or(Ok(()), |problem| Err(BenchError::Refused(problem.message.clone())))
+}
+
+fn document(client: &Client) -> Result<&Document, BenchError> {
+    match &client.welcome.state {
+        State::Snapshot(document) => Ok(document),
+        State::Tail(_) => Err(BenchError::Refused("it gave no document".into())),
+    }
+}
+
+/// The scene's box, but for the roundings of its corners.
+fn reach_of(Bounds { min, max }: Bounds) -> Reach {
+    let (min, max) = (DVec3::from_array(min), DVec3::from_array(max));
+    Reach { middle: min / 2.0 + max / 2.0, half_extent: max / 2.0 - min / 2.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use light::parameters::{CONE_ANGLE, RANGE, SCALE, TRANSLATION};
+    use scene::PosedScene;
+
+    use super::*;
+
+    fn vases() -> (Light, std::sync::Arc<PosedScene>) {
+        let loaded = assets::demo("vases").expect("the demo");
+        (loaded.contents.lights[0].light().clone(), scene::pose(loaded.scene))
+    }
+
+    /// [`SHARE`] has seven digits.
+    #[test]
+    fn in_the_vases_the_circle_has_a_radius_of_a_quarter() {
+        let (key, posed) = vases();
+        let circle = Circle::in_light(1, &key, posed.reach());
+        assert!(
+            (circle.radius - 0.25).abs() < 0.25 * 1e-6,
+            "{} {}",
+            circle.radius,
+            0.25 / posed.half_extent.length()
+        );
+        assert_eq!(circle.at(0.0), circle.start);
+        let across = circle.at(std::f64::consts::PI) - circle.start;
+        assert!((across - 2.0 * circle.radius * DVec3::Y).length() < 1e-12, "{across}");
+    }
+
+    /// In the world, whatever the light's own scale.
+    #[test]
+    fn the_circle_is_the_same_share_of_every_scene() {
+        let (key, posed) = vases();
+        let circle = Circle::in_light(1, &key, posed.reach());
+        let twice = Reach { half_extent: 2.0 * posed.half_extent, ..posed.reach() };
+        let grown = Circle::in_light(1, &key.with(SCALE, 4.0), twice);
+        assert!((grown.radius * 4.0 - 2.0 * circle.radius).abs() < 1e-12, "{grown:?}");
+    }
+
+    #[test]
+    fn where_the_light_would_fold_the_circle_is_smaller() {
+        let (key, posed) = vases();
+        let whole = Circle::in_light(1, &key, posed.reach());
+        assert!(whole.is_open_to(&key));
+        let tight = key.with_points(|_, point| point.radius *= 1.25);
+        assert!(CheckedLight::new(tight.clone()).is_ok());
+        assert!(!whole.is_open_to(&tight), "the planted fault is none");
+        let found = Circle::in_light(1, &tight, posed.reach());
+        assert!(found.radius < whole.radius && found.is_open_to(&tight), "{found:?}");
+    }
+
+    /// The box that a client is told is that of the scene but for roundings, so the bent light is that of frames.
+    #[test]
+    fn a_session_bends_the_light_that_frames_are_measured_by() {
+        let spot = Light::spot()
+            .with(TRANSLATION, DVec3::new(1.0, 16.0, 3.0))
+            .with(CONE_ANGLE, 20.0)
+            .with(RANGE, Some(9.0));
+        let (_, posed) = vases();
+        let told = reach_of(Bounds::of(&posed));
+        let off = |told: Reach| {
+            let bent = |reach| bent_and_spot(&spot, reach).expect("it bends").0;
+            let (ours, frames) = (bent(told), bent(posed.reach()));
+            assert_eq!(ours.points().len(), 5, "three segments");
+            ours.points()
+                .iter()
+                .zip(frames.points())
+                .map(|(a, b)| (a.position - b.position).length())
+                .fold(0.0, f64::max)
+        };
+        assert!(off(told) < 1e-12, "{}", off(told));
+        let planted = Reach { middle: told.middle + 0.01, ..told };
+        assert!(off(planted) > 1e-12, "{}", off(planted));
+    }
+}

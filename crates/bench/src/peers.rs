@@ -1,0 +1,146 @@
+//! Other renderers, run by their own scripts.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use serde::Deserialize;
+
+use crate::{BenchError, Spread};
+
+/// What measures one renderer: `DIR/NAME/bench.py FRAMES`.
+const SCRIPT: &str = "bench.py";
+/// How often each is run, anew each time.
+pub(crate) const RUNS: usize = 3;
+/// Fewest frames of a run, for its median to be one.
+pub(crate) const FEWEST_FRAMES: usize = 10;
+
+/// A folder of other renderers and the Python that has them.
+#[derive(Clone, Debug)]
+pub struct Peers {
+    python: PathBuf,
+    scripts: Vec<PathBuf>,
+}
+
+/// A line that a script prints: frames of which the light moved in each, read back.
+#[derive(Clone, Debug, Deserialize)]
+pub(crate) struct Line {
+    pub name: String,
+    pub version: String,
+    pub ms_median: f64,
+}
+
+/// What one renderer said in all its runs.
+#[derive(Clone, Debug)]
+pub(crate) struct Peer {
+    pub name: String,
+    pub version: String,
+    /// Milliseconds a frame: the least and the middle of the medians of its runs. Its fastest frame may be one in which
+    /// nothing moved.
+    pub wall_ms: Spread,
+}
+
+impl Peer {
+    /// Of the lines of all runs, by their names in the order of the first.
+    pub(crate) fn all(lines: &[Line]) -> Vec<Self> {
+        let mut peers: Vec<Self> = Vec::new();
+        for Line { name, version, .. } in lines {
+            if peers.iter().all(|peer| peer.name != *name) {
+                let of_it = lines.iter().filter(|line| line.name == *name);
+                let wall_ms = Spread::of(of_it.map(|line| line.ms_median).collect());
+                peers.push(Self { name: name.clone(), version: version.clone(), wall_ms });
+            }
+        }
+        peers
+    }
+}
+
+impl Peers {
+    /// Those whose scripts lie in `folder`, one folder each. Without `python` it is that of the virtual environment
+    /// `.venv` or `venv` beside them.
+    pub fn find(folder: &Path, python: Option<&Path>) -> Result<Self, BenchError> {
+        let mut scripts = Vec::new();
+        for entry in std::fs::read_dir(folder).map_err(|_| BenchError::NoPeers(folder.into()))? {
+            let script = entry?.path().join(SCRIPT);
+            if script.is_file() {
+                scripts.push(script);
+            }
+        }
+        // In an order that does not depend on the file system.
+        scripts.sort();
+        if scripts.is_empty() {
+            return Err(BenchError::NoPeers(folder.into()));
+        }
+        let beside = || [".venv", "venv"].map(|venv| folder.join(venv).join("bin/python"));
+        let found = || beside().into_iter().find(|python| python.is_file());
+        let python = python.map(Path::to_owned).or_else(found);
+        Ok(Self { python: python.ok_or_else(|| BenchError::NoPython(folder.into()))?, scripts })
+    }
+
+    /// How many scripts there are.
+    pub(crate) fn count(&self) -> usize {
+        self.scripts.len()
+    }
+
+    /// Has script `index` draw so many frames in a process of its own.
+    pub(crate) fn run(&self, index: usize, frames: usize) -> Result<Vec<Line>, BenchError> {
+        let script = &self.scripts[index];
+        let failed =
+            |reason: String| BenchError::Peer { script: script.clone(), python: self.python.clone(), reason };
+        // Pictures that a script keeps are nobody's.
+        let pictures = tempfile::tempdir()?;
+        let done = Command::new(&self.python)
+            .arg(script)
+            .arg(frames.to_string())
+            .env("PEERS_OUT", pictures.path())
+            .env("PYTHONDONTWRITEBYTECODE", "1")
+            .stdin(Stdio::null())
+            .output()
+            .map_err(|error| failed(error.to_string()))?;
+        if !done.status.success() {
+            let said = String::from_utf8_lossy(&done.stderr);
+            return Err(failed(said.lines().last().unwrap_or("it says nothing").trim().to_owned()));
+        }
+        let said = String::from_utf8_lossy(&done.stdout);
+        let lines: Vec<Line> = said.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+        if lines.is_empty() {
+            return Err(failed("it printed no line of JSON with `name`, `version` and `ms_median`".into()));
+        }
+        Ok(lines)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_folder_of_peers_is_refused_with_what_to_do() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let said = |python| Peers::find(folder.path(), python).map(|_| ()).expect_err("refused").to_string();
+        assert!(said(None).contains("bench.py"), "{}", said(None));
+        let peer = folder.path().join("peer");
+        std::fs::create_dir(&peer).expect("a folder");
+        let says = |script: &str| std::fs::write(peer.join("bench.py"), script).expect("written");
+        says("echo '{\"name\": \"peer\", \"version\": \"1\", \"ms_median\": 4}'; echo more");
+        assert!(said(None).contains("--python"), "{}", said(None));
+        let shell = Path::new("/bin/sh");
+        let peers = Peers::find(folder.path(), Some(shell)).expect("found");
+        let lines = peers.run(0, 1).expect("measured");
+        assert_eq!((lines.len(), lines[0].name.as_str(), lines[0].ms_median), (1, "peer", 4.0));
+        says("echo broken >&2; exit 1");
+        assert!(peers.run(0, 1).expect_err("it failed").to_string().contains("broken"));
+        says("echo nothing");
+        assert!(peers.run(0, 1).is_err());
+    }
+
+    #[test]
+    fn a_peer_has_the_least_and_the_middle_of_its_runs() {
+        let line = |name: &str, ms_median| Line { name: name.into(), version: "1".into(), ms_median };
+        let lines = [line("b", 9.0), line("a", 2.0), line("b", 7.0), line("a", 5.0), line("b", 8.0)];
+        let found: Vec<_> =
+            Peer::all(&lines).into_iter().map(|Peer { name, wall_ms, .. }| (name, wall_ms)).collect();
+        let expected = [("b", 7.0, 8.0), ("a", 2.0, 2.0)];
+        let expected = expected.map(|(name, min, median)| (name.to_owned(), Spread { min, median }));
+        assert_eq!(found, expected);
+    }
+}

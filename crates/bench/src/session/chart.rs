@@ -1,0 +1,140 @@
+//! The drags side by side, and the cases below them, as an SVG.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+use super::{BackendDrag, Quantiles, Report, Stages};
+use crate::cases;
+use crate::circle::Shown;
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Drawn = Result<(), Box<dyn std::error::Error>>;
+type Stage = (&'static str, RGBColor, fn(&Stages<f64>) -> f64);
+
+const STAGES: [Stage; 5] = [
+    ("wait", RGBColor(0xb0, 0xb0, 0xb0), |s| s.wait),
+    ("render", RGBColor(0x2f, 0x6d, 0xb5), |s| s.render),
+    ("encode", RGBColor(0xe0, 0x8a, 0x1e), |s| s.encode),
+    ("send", RGBColor(0x7a, 0x5c, 0xa8), |s| s.send),
+    ("decode", RGBColor(0x3a, 0x9a, 0x5c), |s| s.decode),
+];
+
+/// Pixels of the picture, and of them for the drags.
+const SIZE: (u32, u32) = (1100, 780);
+const DRAGS: u32 = 400;
+
+/// The frames of each drag of the report, in its order.
+pub(super) fn draw(shown: &[&[Shown]], report: &Report) -> Result<String, Box<dyn std::error::Error>> {
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        root.fill(&WHITE)?;
+        let Report { scene, width, height, .. } = report;
+        let title = format!("{scene}, {width} x {height} pixels: edit to decoded frame");
+        let (drags, below) = root.titled(&title, ("sans-serif", 18))?.split_vertically(DRAGS);
+        let slow = report.drags.iter().map(|drag| drag.edit_to_decoded.p95_ms);
+        let top = shown.iter().copied().flatten().map(total).chain(slow).fold(0.0, f64::max) * 1.1 + 1.0;
+        let areas = drags.split_evenly((1, shown.len().max(1)));
+        for ((area, shown), drag) in areas.iter().zip(shown).zip(&report.drags) {
+            one(area, shown, drag, top)?;
+        }
+        cases::draw(&below, &report.cases)?;
+        root.present()?;
+    }
+    Ok(svg)
+}
+
+fn total(shown: &Shown) -> f64 {
+    STAGES.iter().map(|(_, _, of)| of(&shown.stages)).sum()
+}
+
+/// A bar a frame, its stages stacked, and the quantiles of all updates as lines, up to `top` milliseconds.
+fn one(area: &Area, shown: &[Shown], drag: &BackendDrag, top: f64) -> Drawn {
+    let BackendDrag { backend, frames_per_second, edit_to_decoded, .. } = drag;
+    let Quantiles { p50_ms, p95_ms } = *edit_to_decoded;
+    let caption =
+        format!("{backend}: p50 {p50_ms:.0} ms, p95 {p95_ms:.0} ms, {frames_per_second:.0} frames/s");
+    let mut plot = ChartBuilder::on(area)
+        .caption(caption, ("sans-serif", 18))
+        .margin(12)
+        .x_label_area_size(36)
+        .y_label_area_size(56)
+        .build_cartesian_2d(0.0..shown.len().max(1) as f64, 0.0..top)?;
+    plot.configure_mesh().x_desc("frame of the drag").y_desc("ms").disable_x_mesh().draw()?;
+    for (index, (name, color, of)) in STAGES.iter().enumerate() {
+        let bar = |(frame, shown): (usize, &Shown)| {
+            let bottom: f64 = STAGES[..index].iter().map(|(_, _, of)| of(&shown.stages)).sum();
+            let x = frame as f64;
+            Rectangle::new([(x + 0.08, bottom), (x + 0.92, bottom + of(&shown.stages))], color.filled())
+        };
+        let key = *color;
+        plot.draw_series(shown.iter().enumerate().map(bar))?
+            .label(*name)
+            .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 12, y + 5)], key.filled()));
+    }
+    for level in [p50_ms, p95_ms] {
+        plot.draw_series(LineSeries::new([(0.0, level), (shown.len() as f64, level)], BLACK))?;
+    }
+    plot.configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .background_style(WHITE.mix(0.85))
+        .border_style(BLACK.mix(0.3))
+        .draw()?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drag(backend: &'static str) -> BackendDrag {
+        let none = Quantiles { p50_ms: 0.0, p95_ms: 0.0 };
+        BackendDrag {
+            backend,
+            frames: 1,
+            frames_per_second: 1.0,
+            edit_to_decoded: none,
+            stages: Stages { wait: none, render: none, encode: none, send: none, decode: none },
+            release_to_lossless_ms: 0.0,
+            frame_bytes_p50: 0,
+        }
+    }
+
+    /// The chart of drags of one frame each, which is nothing but a render of so many milliseconds.
+    fn chart(drags: &[(&'static str, f64)]) -> String {
+        let frame = |render| Shown { stages: Stages { render, ..Stages::default() }, bytes: 0 };
+        let shown: Vec<[Shown; 1]> = drags.iter().map(|(_, ms)| [frame(*ms)]).collect();
+        let report = Report {
+            scene: "ball".into(),
+            what: String::new(),
+            width: 64,
+            height: 36,
+            updates: 1,
+            drags: drags.iter().map(|(backend, _)| drag(backend)).collect(),
+            cases: Vec::new(),
+            peers: Vec::new(),
+        };
+        let shown: Vec<&[Shown]> = shown.iter().map(|shown| &shown[..]).collect();
+        draw(&shown, &report).expect("drawn")
+    }
+
+    /// Heights in pixels of the bars of renders, which are higher than the key's boxes and those of the cases' key.
+    fn heights(svg: &str) -> Vec<f64> {
+        let rects = svg.split("<rect ").filter(|rect| rect.contains("fill=\"#2F6DB5\""));
+        let height = |rect: &str| rect.split_once(" height=\"")?.1.split_once('"')?.0.parse().ok();
+        rects.filter_map(height).filter(|height| *height > 15.0).collect()
+    }
+
+    #[test]
+    fn bars_of_both_backends_are_as_high_as_their_times() {
+        let both = chart(&[("native", 25.0), ("wgpu", 100.0)]);
+        assert!(both.contains("native: p50") && both.contains("wgpu: p50"));
+        let [native, wgpu] = heights(&both)[..] else { panic!("{both}") };
+        // Half a pixel at each end of a bar.
+        let is_scaled = |low: f64, high: f64| (4.0 * low - high).abs() <= 4.0 + 1.0;
+        assert!(is_scaled(native, wgpu), "{native} {wgpu}");
+        // Alone, each has an axis of its own.
+        let [alone] = heights(&chart(&[("native", 25.0)]))[..] else { panic!("one bar") };
+        assert!(!is_scaled(alone, wgpu), "{alone} {wgpu}");
+    }
+}

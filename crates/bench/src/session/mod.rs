@@ -1,0 +1,207 @@
+//! How long it takes until an edit is on the screen, and where the time goes. Where the processor lights pictures, wgpu
+//! is measured beside it.
+
+mod chart;
+
+use std::path::Path;
+use std::time::Instant;
+
+use protocol::ClientMessage;
+use render::Backend;
+use serde::Serialize;
+
+use crate::cases::{self, Case};
+use crate::circle::{Drag, GESTURE, decode, drag_in_a_circle, ms, open_view, quantiles};
+pub use crate::circle::{Quantiles, Stages};
+use crate::dragged::{Circle, bend_where_all_is_straight};
+use crate::frame::{Progress, backends};
+use crate::peers::{FEWEST_FRAMES, Peer, Peers, RUNS};
+use crate::{BenchError, Client, Incoming, ServerProcess, Spread};
+
+/// What to measure.
+#[derive(Clone, Copy, Debug)]
+pub struct Options<'a> {
+    /// What the server loads: `demo:NAME` or a glTF file.
+    pub scene: &'a str,
+    /// What the report calls it.
+    pub name: &'a str,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Updates of the drag.
+    pub updates: u64,
+    /// Who draws shadows and lights; as the device is where nobody says.
+    pub backend: Option<Backend>,
+    /// Other renderers to run beside.
+    pub peers: Option<&'a Peers>,
+}
+
+/// What was measured.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Report {
+    /// The scene.
+    pub scene: String,
+    /// What was dragged.
+    pub what: String,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Updates sent in each drag, one an animation frame.
+    pub updates: u64,
+    /// The same drag, by the backend that is measured and then by wgpu where that is another: one after the other, each
+    /// by a server that is alone.
+    pub drags: Vec<BackendDrag>,
+    /// The same drag by the first of those in views of two sizes, alone and watched.
+    pub cases: Vec<Case>,
+    /// Other renderers; empty where that was not asked for.
+    pub peers: Vec<PeerFrames>,
+}
+
+/// How a drag came to the screen.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct BackendDrag {
+    /// Who drew shadows and lights.
+    pub backend: &'static str,
+    /// Frames decoded during the drag.
+    pub frames: usize,
+    /// Frames a second during the drag.
+    pub frames_per_second: f64,
+    /// From sending an update to having decoded the first frame that shows it or a later one.
+    pub edit_to_decoded: Quantiles,
+    /// Where the time of the newest update of each frame went.
+    pub stages: Stages<Quantiles>,
+    /// From letting go to having decoded the lossless picture.
+    pub release_to_lossless_ms: f64,
+    /// Bytes of a moving frame, the middle of all.
+    pub frame_bytes_p50: usize,
+}
+
+/// Frames of another renderer, of what it draws in a size of its own, each read back and neither encoded nor sent.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct PeerFrames {
+    /// The name that it gives.
+    pub name: String,
+    /// Of it.
+    pub version: String,
+    /// Milliseconds a frame: the least and the middle of the medians of its runs.
+    pub wall_ms: Spread,
+    /// The first drag's middle edit to decoded frame over the middle of those.
+    pub edit_to_decoded_over_it: f64,
+}
+
+/// Starts `program serve` on data of its own, drags a control point of the scene's first BendyLight in a circle, and
+/// measures; again by wgpu where that is another; then other renderers. Returns what was measured and the chart, an SVG.
+pub fn run(
+    program: &Path,
+    options: &Options,
+    progress: &dyn Fn(Progress),
+) -> Result<(Report, String), BenchError> {
+    let backends = backends(options.backend)?;
+    let of = backends.len() + 1 + RUNS * options.peers.map_or(0, Peers::count);
+    let mut done = 0;
+    let mut step = |what: String| {
+        progress(Progress { done, of, what });
+        done += 1;
+    };
+    let (mut what, mut measured, mut cases) = (String::new(), Vec::new(), Vec::new());
+    for (index, backend) in backends.into_iter().enumerate() {
+        step(format!("the drag by {}", backend.name()));
+        let data = tempfile::tempdir()?;
+        let more = ["--scene", options.scene, "--backend", backend.name()];
+        let server = ServerProcess::start(program, data.path(), &more)?;
+        server.wait_until_ready()?;
+        let made = bend_where_all_is_straight(&server)?;
+        let (circle, drag, report) = dragged(&server, options, backend)?;
+        measured.push((drag, report));
+        if index == 0 {
+            step("sizes and viewers".into());
+            cases = cases::measure(&server, options.updates)?;
+            what = circle.what(options.name) + if made { "; its first light, bent and alone" } else { "" };
+        }
+    }
+    let p50_ms = measured.first().map_or(0.0, |(_, report)| report.edit_to_decoded.p50_ms);
+    let peers = options.peers.map_or(Ok(Vec::new()), |peers| beside(peers, p50_ms, &mut step))?;
+    let (drags, reports): (Vec<Drag>, Vec<BackendDrag>) = measured.into_iter().unzip();
+    let report = Report {
+        scene: options.name.into(),
+        what,
+        width: options.width,
+        height: options.height,
+        updates: options.updates,
+        drags: reports,
+        cases,
+        peers,
+    };
+    let shown: Vec<_> = drags.iter().map(|drag| &*drag.shown).collect();
+    let chart = chart::draw(&shown, &report).map_err(|error| BenchError::Chart(error.to_string()))?;
+    Ok((report, chart))
+}
+
+/// The drag, until its lossless picture is there.
+fn dragged(
+    server: &ServerProcess,
+    options: &Options,
+    backend: Backend,
+) -> Result<(Circle, Drag, BackendDrag), BenchError> {
+    let mut client = Client::connect(&server.address, "main", "bench", None)?;
+    open_view(&mut client, [options.width, options.height])?;
+    let circle = Circle::of(&client)?;
+    let base_seq = client.welcome.seq;
+    let (mut drag, seconds) = drag_in_a_circle(&mut client, options.updates)?;
+    let released = Instant::now();
+    let gesture = GESTURE.into();
+    client.send(&ClientMessage::GestureCommit { gesture, op_id: "bench-commit".into() })?;
+    client.wait_for("the lossless picture", |incoming| match incoming {
+        Incoming::Frame(header, tiles) if header.flags.settle && header.log_seq > base_seq => {
+            Some(decode(&header, &tiles, &mut drag.picture))
+        }
+        _ => None,
+    })??;
+    let release_to_lossless_ms = ms(released.elapsed());
+    let report = BackendDrag::of(&drag, backend, seconds, release_to_lossless_ms);
+    Ok((circle, drag, report))
+}
+
+/// Each in turn, and all of them again.
+fn beside(peers: &Peers, p50_ms: f64, step: &mut impl FnMut(String)) -> Result<Vec<PeerFrames>, BenchError> {
+    let mut lines = Vec::new();
+    for _ in 0..RUNS {
+        for index in 0..peers.count() {
+            step("peers".into());
+            lines.extend(peers.run(index, FEWEST_FRAMES)?);
+        }
+    }
+    let frames = |Peer { name, version, wall_ms }| {
+        let edit_to_decoded_over_it = p50_ms / wall_ms.median;
+        PeerFrames { name, version, wall_ms, edit_to_decoded_over_it }
+    };
+    Ok(Peer::all(&lines).into_iter().map(frames).collect())
+}
+
+impl BackendDrag {
+    fn of(drag: &Drag, backend: Backend, seconds: f64, release_to_lossless_ms: f64) -> Self {
+        let stage =
+            |of: fn(&Stages<f64>) -> f64| quantiles(drag.shown.iter().map(|s| of(&s.stages)).collect());
+        let bytes = drag.frame_bytes();
+        Self {
+            backend: backend.name(),
+            frames: drag.shown.len(),
+            frames_per_second: drag.shown.len() as f64 / seconds,
+            edit_to_decoded: drag.edit_to_decoded(),
+            stages: Stages {
+                wait: stage(|s| s.wait),
+                render: stage(|s| s.render),
+                encode: stage(|s| s.encode),
+                send: stage(|s| s.send),
+                decode: stage(|s| s.decode),
+            },
+            release_to_lossless_ms,
+            frame_bytes_p50: bytes.get(bytes.len() / 2).copied().unwrap_or(0),
+        }
+    }
+}
