@@ -19,9 +19,12 @@ const STAGES: [Stage; 5] = [
     ("decode", RGBColor(0x3a, 0x9a, 0x5c), |s| s.decode),
 ];
 
-/// Pixels of the picture, and of them for the drags.
-const SIZE: (u32, u32) = (1100, 780);
+/// Pixels of the picture, and rows of them for the key of the stages and the drags.
+const SIZE: (u32, u32) = (1100, 800);
+const KEY: u32 = 26;
 const DRAGS: u32 = 400;
+/// Fewest pixels of a bar that has room beside it.
+const WIDE: f64 = 4.0;
 
 /// The frames of each drag of the report, in its order.
 pub(super) fn draw(shown: &[&[Shown]], report: &Report) -> Result<String, Box<dyn std::error::Error>> {
@@ -31,7 +34,9 @@ pub(super) fn draw(shown: &[&[Shown]], report: &Report) -> Result<String, Box<dy
         root.fill(&WHITE)?;
         let Report { scene, width, height, .. } = report;
         let title = format!("{scene}, {width} x {height} pixels: edit to decoded frame");
-        let (drags, below) = root.titled(&title, ("sans-serif", 18))?.split_vertically(DRAGS);
+        let (above, rest) = root.titled(&title, ("sans-serif", 18))?.split_vertically(KEY);
+        let (drags, below) = rest.split_vertically(DRAGS);
+        key(&above)?;
         let slow = report.drags.iter().map(|drag| drag.edit_to_decoded.p95_ms);
         let top = shown.iter().copied().flatten().map(total).chain(slow).fold(0.0, f64::max) * 1.1 + 1.0;
         let areas = drags.split_evenly((1, shown.len().max(1)));
@@ -48,38 +53,47 @@ fn total(shown: &Shown) -> f64 {
     STAGES.iter().map(|(_, _, of)| of(&shown.stages)).sum()
 }
 
+/// Which color is which stage. Within a plot it would hide bars.
+fn key(area: &Area) -> Drawn {
+    for ((name, color, _), x) in STAGES.iter().zip((68..).step_by(100)) {
+        area.draw(&Rectangle::new([(x, 8), (x + 12, 18)], color.filled()))?;
+        area.draw(&Text::new(*name, (x + 18, 6), ("sans-serif", 14)))?;
+    }
+    Ok(())
+}
+
 /// A bar a frame, its stages stacked, and the quantiles of all updates as lines, up to `top` milliseconds.
 fn one(area: &Area, shown: &[Shown], drag: &BackendDrag, top: f64) -> Drawn {
     let BackendDrag { backend, frames_per_second, edit_to_decoded, .. } = drag;
     let Quantiles { p50_ms, p95_ms } = *edit_to_decoded;
     let caption =
         format!("{backend}: p50 {p50_ms:.0} ms, p95 {p95_ms:.0} ms, {frames_per_second:.0} frames/s");
+    let frames = shown.len().max(1) as f64;
     let mut plot = ChartBuilder::on(area)
         .caption(caption, ("sans-serif", 18))
         .margin(12)
         .x_label_area_size(36)
         .y_label_area_size(56)
-        .build_cartesian_2d(0.0..shown.len().max(1) as f64, 0.0..top)?;
-    plot.configure_mesh().x_desc("frame of the drag").y_desc("ms").disable_x_mesh().draw()?;
-    for (index, (name, color, of)) in STAGES.iter().enumerate() {
+        .build_cartesian_2d(0.0..frames, 0.0..top)?;
+    plot.configure_mesh()
+        .disable_x_mesh()
+        .light_line_style(BLACK.mix(0.05))
+        .x_desc("frame of the drag")
+        .y_desc("ms")
+        .draw()?;
+    let is_wide = f64::from(plot.plotting_area().dim_in_pixel().0) >= WIDE * frames;
+    let beside = if is_wide { 0.08 } else { 0.0 };
+    for (index, (_, color, of)) in STAGES.iter().enumerate() {
         let bar = |(frame, shown): (usize, &Shown)| {
             let bottom: f64 = STAGES[..index].iter().map(|(_, _, of)| of(&shown.stages)).sum();
-            let x = frame as f64;
-            Rectangle::new([(x + 0.08, bottom), (x + 0.92, bottom + of(&shown.stages))], color.filled())
+            let (left, right) = (frame as f64 + beside, (frame + 1) as f64 - beside);
+            Rectangle::new([(left, bottom), (right, bottom + of(&shown.stages))], color.filled())
         };
-        let key = *color;
-        plot.draw_series(shown.iter().enumerate().map(bar))?
-            .label(*name)
-            .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 12, y + 5)], key.filled()));
+        plot.draw_series(shown.iter().enumerate().map(bar))?;
     }
     for level in [p50_ms, p95_ms] {
-        plot.draw_series(LineSeries::new([(0.0, level), (shown.len() as f64, level)], BLACK))?;
+        plot.draw_series(LineSeries::new([(0.0, level), (frames, level)], BLACK))?;
     }
-    plot.configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.3))
-        .draw()?;
     Ok(())
 }
 

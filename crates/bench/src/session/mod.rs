@@ -41,7 +41,7 @@ pub struct Options<'a> {
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Report {
-    /// The scene.
+    /// `demo:NAME`, or a file's name without its folder.
     pub scene: String,
     /// What was dragged.
     pub what: String,
@@ -51,8 +51,8 @@ pub struct Report {
     pub height: u32,
     /// Updates sent in each drag, one an animation frame.
     pub updates: u64,
-    /// The same drag, by the backend that is measured and then by wgpu where that is another: one after the other, each
-    /// by a server that is alone.
+    /// The same drag by the backend that is measured, and by wgpu where that is another: each by a server that is alone,
+    /// wgpu's first.
     pub drags: Vec<BackendDrag>,
     /// The same drag by the first of those in views of two sizes, alone and watched.
     pub cases: Vec<Case>,
@@ -86,7 +86,7 @@ pub struct BackendDrag {
 pub struct PeerFrames {
     /// The name that it gives.
     pub name: String,
-    /// Of it.
+    /// As it says, too.
     pub version: String,
     /// Milliseconds a frame: the least and the middle of the medians of its runs.
     pub wall_ms: Spread,
@@ -95,7 +95,7 @@ pub struct PeerFrames {
 }
 
 /// Starts `program serve` on data of its own, drags a control point of the scene's first BendyLight in a circle, and
-/// measures; again by wgpu where that is another; then other renderers. Returns what was measured and the chart, an SVG.
+/// measures; before it by wgpu where that is another; then other renderers. Returns what was measured and the chart, an SVG.
 pub fn run(
     program: &Path,
     options: &Options,
@@ -109,7 +109,9 @@ pub fn run(
         done += 1;
     };
     let (mut what, mut measured, mut cases) = (String::new(), Vec::new(), Vec::new());
-    for (index, backend) in backends.into_iter().enumerate() {
+    // The one that is measured last, and then its cases: no long while lies between the drags, in which a machine may
+    // become busy with something else, and both are the first of their server.
+    for (index, backend) in backends.into_iter().enumerate().rev() {
         step(format!("the drag by {}", backend.name()));
         let data = tempfile::tempdir()?;
         let more = ["--scene", options.scene, "--backend", backend.name()];
@@ -124,6 +126,7 @@ pub fn run(
             what = circle.what(options.name) + if made { "; its first light, bent and alone" } else { "" };
         }
     }
+    measured.reverse();
     let p50_ms = measured.first().map_or(0.0, |(_, report)| report.edit_to_decoded.p50_ms);
     let peers = options.peers.map_or(Ok(Vec::new()), |peers| beside(peers, p50_ms, &mut step))?;
     let (drags, reports): (Vec<Drag>, Vec<BackendDrag>) = measured.into_iter().unzip();

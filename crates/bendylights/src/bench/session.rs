@@ -16,8 +16,8 @@ use crate::render::open_lit;
 #[command(after_help = "\
 Drags a control point of the scene's first BendyLight in a circle, an update an animation frame. A scene without one has
 its first light bent for that, the light that `bendylights bench frame` draws, and the others taken away. Where the
-processor lights pictures (--backend) the same drag is measured by wgpu in the same run, by a server that starts when the
-first has stopped. Prints JSON:
+processor lights pictures (--backend) the same drag is measured by wgpu in the same run, directly before and by a server
+of its own that has stopped by then. On a machine that does other work meanwhile they do not compare. Prints JSON:
   what     what was dragged
   drags    one a backend, the one that is measured first:
     backend              who drew shadows and lights
