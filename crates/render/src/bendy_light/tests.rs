@@ -1,4 +1,7 @@
 //! Bent shadows against the walk of `walk.rs`, pixel by pixel, and what planted faults do to that.
+//!
+//! What a picture shows or a count comes to holds whoever draws. Pinned to the device is what is of its own passes:
+//! buffers that may be too small, wireframes, which it draws in any case, and the numbers in its shaders.
 
 use std::sync::{Arc, OnceLock};
 
@@ -14,7 +17,7 @@ use crate::{
 };
 
 /// Edges are never split.
-const UNSPLIT: ShadowSettings = ShadowSettings {
+pub(super) const UNSPLIT: ShadowSettings = ShadowSettings {
     resolution: 2048,
     edge_error_texels: None,
     filter: ShadowFilter::Bilinear,
@@ -92,13 +95,21 @@ pub(crate) fn position(view: &View, depth: &Picture, pixel: usize) -> DVec3 {
     view.camera.world_from_camera().transform_point3(ray * f64::from(depth.pixels[pixel][0]))
 }
 
+/// Who may draw shadows and lights.
+pub(crate) const BACKENDS: [Backend; 2] = [Backend::Wgpu, Backend::Native];
+
 /// A renderer on the device that all tests of this binary share, which draws all itself.
 ///
 /// BendyLights are drawn by their own way, straight ones too.
 pub(crate) fn renderer(scene: &Scene) -> Renderer {
-    static GPU: OnceLock<Arc<Gpu>> = OnceLock::new();
-    let gpu = GPU.get_or_init(|| {
-        let gpu = Gpu::open(MemoryBudget::default(), Some(Backend::Wgpu));
+    renderer_of(Backend::Wgpu, scene)
+}
+
+/// The same with shadows and lights drawn by `backend`.
+pub(crate) fn renderer_of(backend: Backend, scene: &Scene) -> Renderer {
+    static GPUS: [OnceLock<Arc<Gpu>>; 2] = [const { OnceLock::new() }; 2];
+    let gpu = GPUS[backend as usize].get_or_init(|| {
+        let gpu = Gpu::open(MemoryBudget::default(), Some(backend));
         Arc::new(gpu.expect("tests need a graphics driver"))
     });
     let mut renderer = Renderer::new(Arc::clone(gpu)).expect("the device works");
@@ -114,19 +125,20 @@ pub(crate) fn alone(light: &Light) -> Vec<LightInstance> {
     LightInstance::numbered([light.clone()]).expect("a light")
 }
 
-struct Setup {
-    tube: Tube<f64>,
+/// Floor and boxes under the light.
+pub(super) struct Setup {
+    pub tube: Tube<f64>,
     /// In tube space.
-    triangles: Vec<[DVec3; 3]>,
-    lights: Vec<LightInstance>,
-    renderer: Renderer,
+    pub triangles: Vec<[DVec3; 3]>,
+    pub lights: Vec<LightInstance>,
+    pub renderer: Renderer,
 }
 
 impl Setup {
-    fn new() -> Self {
+    pub fn new(backend: Backend) -> Self {
         let (scene, light) = (scene(), light());
         let tube = Tube::new(&light).expect("valid");
-        let renderer = renderer(&scene);
+        let renderer = renderer_of(backend, &scene);
         let posed = pose(scene);
         let corners = |primitive: &PosedPrimitive| {
             let first = primitive.first_vertex;
@@ -140,78 +152,99 @@ impl Setup {
         Self { tube, triangles, lights: alone(&light), renderer }
     }
 
-    fn picture(&mut self, aov: Aov) -> Picture {
+    pub fn picture(&mut self, aov: Aov) -> Picture {
         self.renderer.render(&view(aov), &self.lights).expect("drawn")
     }
 
-    /// What the walk says of pixels that lie two texels and more from any edge of the shadow: pixel and
-    /// whether it is lit. `w_sign` is 1, or -1 for a planted fault.
-    fn walked(&mut self, w_sign: f64) -> Vec<(usize, bool)> {
+    /// What is seen in the light, and its path: pixel, and t, v and w, w times `w_sign`, with all triangles but those in
+    /// whose plane it lies, for the receiver's own plane does not shade it.
+    pub fn seen(&mut self, w_sign: f64) -> Vec<Seen> {
         let depth = self.picture(Aov::Depth);
-        let texel = 2.0 / f64::from(ShadowSettings::default().resolution);
-        let mut found = Vec::new();
-        for pixel in 0..depth.pixels.len() {
+        let see = |pixel: usize| {
             let q = self.tube.placement.tube_from_world(position(&view(Aov::Depth), &depth, pixel));
-            let Some(root) = self.tube.nearest_root(q).filter(|_| depth.pixels[pixel][3] > 0.0) else {
-                continue;
-            };
-            // The receiver's own plane does not shade it.
+            let root = self.tube.nearest_root(q).filter(|_| depth.pixels[pixel][3] > 0.0)?;
             let plane_distance = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize().dot(q - a).abs();
-            let others: Vec<_> =
-                self.triangles.iter().copied().filter(|&t| plane_distance(t) > 1e-5).collect();
-            let t = root.segment as f64 + root.u;
+            let others = self.triangles.iter().copied().filter(|&t| plane_distance(t) > 1e-5).collect();
             let (v, w) = (root.v_len / root.radius, w_sign * root.w_len / root.radius);
-            let at = |dv: f64, dw: f64| walk::reaches(&self.tube, &others, t, v + dv * texel, w + dw * texel);
+            Some(Seen { pixel, path: [root.segment as f64 + root.u, v, w], others })
+        };
+        (0..depth.pixels.len()).filter_map(see).collect()
+    }
+
+    /// What the walk says of pixels that lie two texels and more from any edge of the shadow, on a map of `resolution`:
+    /// pixel and whether it is lit. `w_sign` is 1, or -1 for a planted fault.
+    pub fn walked(&mut self, w_sign: f64, resolution: u32) -> Vec<(usize, bool)> {
+        let texels = 2.0 * 2.0 / f64::from(resolution);
+        let seen = self.seen(w_sign);
+        let judged = |seen: &Seen| {
+            let at = |v: f64, w: f64| seen.is_lit(&self.tube, [v * texels, w * texels]);
             let lit = at(0.0, 0.0);
             let around = [
-                (-2.0, -2.0),
-                (-2.0, 2.0),
-                (2.0, -2.0),
-                (2.0, 2.0),
-                (-2.0, 0.0),
-                (2.0, 0.0),
-                (0.0, 2.0),
-                (0.0, -2.0),
+                (-1.0, -1.0),
+                (-1.0, 1.0),
+                (1.0, -1.0),
+                (1.0, 1.0),
+                (-1.0, 0.0),
+                (1.0, 0.0),
+                (0.0, 1.0),
+                (0.0, -1.0),
             ];
-            if around.iter().all(|&(dv, dw)| at(dv, dw) == lit) {
-                found.push((pixel, lit));
-            }
-        }
-        found
+            around.iter().all(|&(v, w)| at(v, w) == lit).then_some((seen.pixel, lit))
+        };
+        seen.iter().filter_map(judged).collect()
+    }
+}
+
+/// What a pixel sees in the light.
+pub(super) struct Seen {
+    pub pixel: usize,
+    path: [f64; 3],
+    /// What may shade it.
+    others: Vec<[DVec3; 3]>,
+}
+
+impl Seen {
+    /// Whether the walk reaches it along the path that lies `[dv, dw]` beside its own.
+    pub fn is_lit(&self, tube: &Tube<f64>, [dv, dw]: [f64; 2]) -> bool {
+        let [t, v, w] = self.path;
+        walk::reaches(tube, &self.others, t, v + dv, w + dw)
     }
 }
 
 /// Pixels where a visibility AOV differs from what the walk says.
-fn differing(walked: &[(usize, bool)], visibility: &Picture) -> usize {
+pub(super) fn differing(walked: &[(usize, bool)], visibility: &Picture) -> usize {
     walked.iter().filter(|(pixel, lit)| visibility.pixels[*pixel][0] != f32::from(u8::from(*lit))).count()
 }
 
 /// Every pixel agrees; a frame whose w has the wrong sign, and a map whose edges are not split, do not.
 #[test]
 fn bent_shadows_are_where_the_paths_say() {
-    let mut setup = Setup::new();
-    let walked = setup.walked(1.0);
+    // The device draws depths whoever draws shadows.
+    let [walked, mirrored] = [1.0, -1.0]
+        .map(|w_sign| Setup::new(Backend::Wgpu).walked(w_sign, ShadowSettings::default().resolution));
     let lit = walked.iter().filter(|(_, lit)| *lit).count();
     assert!(walked.len() >= 500 && lit > 100 && walked.len() - lit > 100, "{lit} of {} lit", walked.len());
-    let visibility = setup.picture(Aov::Visibility);
-    let wrong: Vec<_> = walked.iter().filter(|w| differing(&[**w], &visibility) > 0).collect();
-    assert!(
-        wrong.is_empty(),
-        "{} of {} differ: {:?}",
-        wrong.len(),
-        walked.len(),
-        &wrong[..wrong.len().min(9)]
-    );
+    for backend in BACKENDS {
+        let mut setup = Setup::new(backend);
+        let visibility = setup.picture(Aov::Visibility);
+        let wrong: Vec<_> = walked.iter().filter(|w| differing(&[**w], &visibility) > 0).collect();
+        assert!(
+            wrong.is_empty(),
+            "{backend:?}: {} of {} differ: {:?}",
+            wrong.len(),
+            walked.len(),
+            &wrong[..wrong.len().min(9)]
+        );
 
-    // Planted: a sign error in w.
-    let fault = differing(&setup.walked(-1.0), &visibility);
-    assert!(fault > walked.len() / 50, "a sign error in w changes only {fault} pixels");
+        // Planted: a sign error in w.
+        let fault = differing(&mirrored, &visibility);
+        assert!(fault > walked.len() / 50, "{backend:?}: a sign error in w changes only {fault} pixels");
 
-    // Planted: edges that are never split.
-    let mut unsplit = Setup::new();
-    unsplit.renderer.set_shadow_settings(UNSPLIT).expect("sound");
-    let fault = differing(&walked, &unsplit.picture(Aov::Visibility));
-    assert!(fault > 0, "unsplit edges went unseen");
+        // Planted: edges that are never split.
+        setup.renderer.set_shadow_settings(UNSPLIT).expect("sound");
+        let fault = differing(&walked, &setup.picture(Aov::Visibility));
+        assert!(fault > 0, "{backend:?}: unsplit edges went unseen");
+    }
 }
 
 /// Spotlights bent into 1 to 8 segments, by more and more; those that would fold are left out.
@@ -268,13 +301,16 @@ fn a_lone_plane_never_shadows_itself() {
         })
         .collect();
     assert!(lights.len() >= 30, "{}", lights.len());
-    let mut renderer = renderer(&scene);
-    for light in &lights {
-        let shadowed = self_shadowed(&mut renderer, light);
-        assert_eq!(shadowed, 0, "{:?}", light.points());
+    for backend in BACKENDS {
+        let mut renderer = renderer_of(backend, &scene);
+        for light in &lights {
+            let shadowed = self_shadowed(&mut renderer, light);
+            assert_eq!(shadowed, 0, "{backend:?}: {:?}", light.points());
+        }
+        renderer.set_shadow_settings(UNSPLIT).expect("sound");
+        let fault = self_shadowed(&mut renderer, &lights[lights.len() - 1]);
+        assert!(fault > 0, "{backend:?}: unsplit edges went unseen");
     }
-    renderer.set_shadow_settings(UNSPLIT).expect("sound");
-    assert!(self_shadowed(&mut renderer, &lights[lights.len() - 1]) > 0, "unsplit edges went unseen");
 }
 
 /// Coarse or fine, by every filter, a lone plane stays lit; what no map can be made of is refused.
@@ -282,16 +318,20 @@ fn a_lone_plane_never_shadows_itself() {
 fn every_setting_leaves_a_lone_plane_lit() {
     let mut scene = scene();
     scene.nodes.truncate(1);
-    let mut renderer = renderer(&scene);
     let light = &bent_spots()[1];
-    for filter in ShadowFilter::ALL {
-        for (resolution, edge_error_texels) in [(256, Some(0.4)), (2048, Some(0.1)), (2048, Some(2.0))] {
+    let maps = [(256, Some(0.4)), (2048, Some(0.1)), (2048, Some(2.0))];
+    for backend in BACKENDS {
+        let mut renderer = renderer_of(backend, &scene);
+        for (filter, (resolution, edge_error_texels)) in
+            ShadowFilter::ALL.into_iter().flat_map(|filter| maps.map(|map| (filter, map)))
+        {
             let settings =
                 ShadowSettings { resolution, edge_error_texels, filter, ..ShadowSettings::default() };
             renderer.set_shadow_settings(settings).expect("sound");
-            assert_eq!(self_shadowed(&mut renderer, light), 0, "{settings:?}");
+            assert_eq!(self_shadowed(&mut renderer, light), 0, "{backend:?}: {settings:?}");
         }
     }
+    let mut renderer = renderer(&scene);
     let default = ShadowSettings::default();
     for refused in [
         ShadowSettings { resolution: 4, ..default },
@@ -308,45 +348,51 @@ fn every_setting_leaves_a_lone_plane_lit() {
 /// Other settings make another picture of the same view, and the same ones none.
 #[test]
 fn settings_draw_anew() {
-    let mut setup = Setup::new();
-    let fine = setup.picture(Aov::Visibility);
-    let coarse = ShadowSettings { resolution: 64, ..ShadowSettings::default() };
-    setup.renderer.set_shadow_settings(coarse).expect("sound");
-    assert_ne!(setup.picture(Aov::Visibility), fine);
-    let drawn = setup.renderer.counts().shadow;
-    setup.renderer.set_shadow_settings(coarse).expect("sound");
-    setup.picture(Aov::Visibility);
-    assert_eq!(setup.renderer.counts().shadow, drawn);
-    setup.renderer.set_shadow_settings(ShadowSettings::default()).expect("sound");
-    assert_eq!(setup.picture(Aov::Visibility), fine);
+    for mut setup in BACKENDS.map(Setup::new) {
+        let fine = setup.picture(Aov::Visibility);
+        let coarse = ShadowSettings { resolution: 64, ..ShadowSettings::default() };
+        setup.renderer.set_shadow_settings(coarse).expect("sound");
+        assert_ne!(setup.picture(Aov::Visibility), fine);
+        let drawn = setup.renderer.counts().shadow;
+        setup.renderer.set_shadow_settings(coarse).expect("sound");
+        setup.picture(Aov::Visibility);
+        assert_eq!(setup.renderer.counts().shadow, drawn);
+        setup.renderer.set_shadow_settings(ShadowSettings::default()).expect("sound");
+        assert_eq!(setup.picture(Aov::Visibility), fine);
+    }
 }
 
 /// A frame drawn stage by stage is the frame, each of its stages runs once, and nothing that is kept is a stage.
 #[test]
 fn a_frame_by_stages_is_the_frame() {
-    let mut setup = Setup::new();
-    let view = view(Aov::Beauty);
-    let whole = setup.renderer.render_display(&view, &setup.lights).expect("drawn");
-    setup.renderer.invalidate();
-    let (by_stages, recording) = setup.renderer.record_display(&view, &setup.lights).expect("drawn");
-    assert_eq!(by_stages, whole);
-    // Few lights need no sums of their own, and the device lights what it has drawn.
-    let not_run = [Stage::Sum, Stage::Surfaces];
-    let expected = Stage::ALL.map(|stage| u64::from(!not_run.contains(&stage)));
-    assert_eq!(Stage::ALL.map(|stage| recording.runs(stage)), expected);
-    let is_timed = |stage: &Stage| (recording.cost(*stage).wall_ms > 0.0) != not_run.contains(stage);
-    assert!(Stage::ALL.iter().all(is_timed), "{recording:?}");
-    let (_, kept) = setup.renderer.record_display(&view, &setup.lights).expect("drawn");
-    let ran: Vec<_> = Stage::ALL.into_iter().filter(|stage| kept.runs(*stage) > 0).collect();
-    assert_eq!(ran, [Stage::Display, Stage::Readback]);
+    // Few lights need no sums of their own. The device lights what it has drawn; the processor draws what it clips at
+    // once, adds the fill where it shows the picture, and has that in memory.
+    let by_device = (vec![Stage::Sum, Stage::Surfaces], vec![Stage::Display, Stage::Readback]);
+    let not_by_processor = [Stage::Sum, Stage::Clip, Stage::Counts, Stage::Fill, Stage::Readback];
+    let by_processor = (not_by_processor.to_vec(), vec![Stage::Display]);
+    for (backend, (not_run, ever_again)) in BACKENDS.into_iter().zip([by_device, by_processor]) {
+        let mut setup = Setup::new(backend);
+        let view = view(Aov::Beauty);
+        let whole = setup.renderer.render_display(&view, &setup.lights).expect("drawn");
+        setup.renderer.invalidate();
+        let (by_stages, recording) = setup.renderer.record_display(&view, &setup.lights).expect("drawn");
+        assert!(by_stages == whole, "{backend:?}");
+        let expected = Stage::ALL.map(|stage| u64::from(!not_run.contains(&stage)));
+        assert_eq!(Stage::ALL.map(|stage| recording.runs(stage)), expected, "{backend:?}");
+        let is_timed = |stage: &Stage| (recording.cost(*stage).wall_ms > 0.0) != not_run.contains(stage);
+        assert!(Stage::ALL.iter().all(is_timed), "{backend:?}: {recording:?}");
+        let (_, kept) = setup.renderer.record_display(&view, &setup.lights).expect("drawn");
+        let ran: Vec<_> = Stage::ALL.into_iter().filter(|stage| kept.runs(*stage) > 0).collect();
+        assert_eq!(ran, ever_again, "{backend:?}");
+    }
 }
 
-/// A map that does not fit into its buffers is drawn again, and is the same.
+/// A map that does not fit into its buffers is drawn again, and is the same. Pinned: the processor's lists grow.
 #[test]
 fn room_grows_until_a_map_fits() {
-    let mut ample = Setup::new();
+    let mut ample = Setup::new(Backend::Wgpu);
     let expected = ample.picture(Aov::Visibility);
-    let mut cramped = Setup::new();
+    let mut cramped = Setup::new(Backend::Wgpu);
     cramped.renderer.bent_work().room = Room { work: 1, patches: 1, split_vertices: 3, masked_vertices: 0 };
     assert_eq!(cramped.picture(Aov::Visibility), expected);
     let room = cramped.renderer.bent_work().room;
@@ -355,7 +401,7 @@ fn room_grows_until_a_map_fits() {
     // For a screen whether it fitted is asked with the picture.
     let shown =
         |setup: &mut Setup| setup.renderer.render_display(&view(Aov::Beauty), &setup.lights).expect("drawn");
-    let mut cramped = Setup::new();
+    let mut cramped = Setup::new(Backend::Wgpu);
     cramped.renderer.bent_work().room = Room { work: 1, patches: 1, split_vertices: 3, masked_vertices: 0 };
     assert!(shown(&mut cramped) == shown(&mut ample));
     let again = cramped.renderer.counts();
@@ -378,17 +424,22 @@ fn what_no_texel_shows_is_not_split() {
     scene.nodes.truncate(1);
     scene.nodes[0].parent_from_local = across;
     let thin = light().with_points(|i, point| point.radius = [0.0, 0.0, 0.1, 0.2, 0.3][i]);
-    let mut renderer = renderer(&scene);
-    let before = renderer.bent_work().room;
-    renderer.render(&view(Aov::Visibility), &alone(&thin)).expect("drawn");
-    assert_eq!(renderer.bent_work().room, before);
+    let mut device = renderer(&scene);
+    let before = device.bent_work().room;
+    device.render(&view(Aov::Visibility), &alone(&thin)).expect("drawn");
+    assert_eq!(device.bent_work().room, before);
+    // The processor knows no room: no more than that has.
+    let mut processor = renderer_of(Backend::Native, &scene);
+    let (_, recording) = processor.record_display(&view(Aov::Beauty), &alone(&thin)).expect("drawn");
+    let drawn = recording.counters.triangles_drawn;
+    assert!((1..=u64::from(before.split_vertices / 3)).contains(&drawn), "{drawn} triangles");
 }
 
 /// A drawing of the map has at each (v, w) the t of what light meets first, and nothing where it meets nothing; one with
 /// w upside down does not.
 #[test]
 fn a_wireframe_shows_what_light_meets_first() {
-    let mut setup = Setup::new();
+    let mut setup = Setup::new(Backend::Wgpu);
     let drawn = setup.picture(Aov::Wireframe);
     let (width, height) = (drawn.width as usize, drawn.height as usize);
     let end = setup.tube.n as f64;

@@ -8,9 +8,9 @@ use light::parameters::{CONE_ANGLE, ROTATION, TRANSLATION};
 use scene::{Material, Mesh, Node, Primitive, Scene};
 
 use super::*;
-use crate::bendy_light::tests::{alone, cube, light, renderer, view};
+use crate::bendy_light::tests::{BACKENDS, alone, cube, light, renderer_of, view};
 use crate::clusters::{Clusters, TRIANGLES_A_LEAF};
-use crate::{Aov, Counters, Picture, Renderer};
+use crate::{Aov, Backend, Counters, Picture, Renderer};
 
 /// A ball with a seam and poles, seen counter-clockwise from outside.
 fn ball() -> Primitive {
@@ -69,8 +69,8 @@ fn shadows(renderer: &mut Renderer, light: &Light) -> Picture {
     renderer.render(&view(Aov::Visibility), &alone(light)).expect("drawn")
 }
 
-fn with(change: impl Fn(&mut Clusters)) -> Renderer {
-    let mut renderer = renderer(&scene());
+fn with(backend: Backend, change: impl Fn(&mut Clusters)) -> Renderer {
+    let mut renderer = renderer_of(backend, &scene());
     change(&mut renderer.gpu_scene().1.casters.clusters);
     renderer
 }
@@ -101,41 +101,51 @@ fn lights() -> Vec<Light> {
 }
 
 /// The backs of closed surfaces are left out, and every shadow stays to the bit, seen from outside and from inside of
-/// one.
+/// one, where all is dark.
 #[test]
 fn backs_of_closed_surfaces_show_nowhere() {
     let outside = view(Aov::Visibility);
     let mut inside = outside.clone();
     inside.camera.translation = AROUND_THE_EYE;
-    let mut culled = with(|_| ());
-    let shells: Vec<Shell> =
-        culled.gpu_scene().1.casters.clusters.leaves.iter().map(|leaf| leaf.shell).collect();
-    assert!(shells.iter().all(|&shell| shell == Shell::Closed), "{shells:?}");
-    let mut whole = with(all_of(Shell::Open));
-    // The planted fault: with fronts left out instead, light comes into what is closed.
-    let mut leaking = with(all_of(Shell::InsideOut));
-    for light in lights() {
-        let draw = |renderer: &mut Renderer, view| renderer.render(view, &alone(&light)).expect("drawn");
-        for view in [&outside, &inside] {
-            let expected = draw(&mut whole, view);
-            let shadowed = expected.pixels.iter().filter(|pixel| pixel[0] < 1.0).count();
-            assert!(shadowed > 1000, "{shadowed} pixels in shadow");
-            assert!(draw(&mut culled, view) == expected, "{light:?}");
+    for backend in BACKENDS {
+        let mut culled = with(backend, |_| ());
+        let shells: Vec<Shell> =
+            culled.gpu_scene().1.casters.clusters.leaves.iter().map(|leaf| leaf.shell).collect();
+        assert!(shells.iter().all(|&shell| shell == Shell::Closed), "{shells:?}");
+        let mut whole = with(backend, all_of(Shell::Open));
+        // The planted fault: with fronts left out instead, light comes into what is closed.
+        let mut leaking = with(backend, all_of(Shell::InsideOut));
+        for light in lights() {
+            let draw = |renderer: &mut Renderer, view| renderer.render(view, &alone(&light)).expect("drawn");
+            for view in [&outside, &inside] {
+                let expected = draw(&mut whole, view);
+                let shadowed = expected.pixels.iter().filter(|pixel| pixel[0] < 1.0).count();
+                assert!(shadowed > 1000, "{backend:?}: {shadowed} pixels in shadow");
+                assert!(draw(&mut culled, view) == expected, "{backend:?}: {light:?}");
+            }
+            assert_eq!(lit(&draw(&mut culled, &inside)), 0, "{backend:?}: within a ball, {light:?}");
+            let leaks = lit(&draw(&mut leaking, &inside));
+            assert!(leaks > 1000, "{backend:?}: the fault shows in {leaks} pixels only, {light:?}");
         }
-        let (found, expected) = (draw(&mut leaking, &inside), draw(&mut whole, &inside));
-        let leaks = found.pixels.iter().zip(&expected.pixels).filter(|(a, b)| a != b).count();
-        assert!(leaks > 1000, "the planted fault shows in {leaks} pixels only, {light:?}");
     }
+}
+
+/// How many pixels see light.
+fn lit(picture: &Picture) -> usize {
+    picture.pixels.iter().filter(|pixel| pixel[3] == 1.0 && pixel[0] > 0.0).count()
 }
 
 /// Half of what is near the light is drawn where all is closed.
 #[test]
 fn backs_are_not_drawn() {
-    let [fewer, all] = [with(|_| ()), with(all_of(Shell::Open))].map(|mut renderer| counters(&mut renderer));
-    assert_eq!(fewer.triangles_seen, all.triangles_seen);
-    let share = fewer.triangles_drawn as f64 / all.triangles_drawn as f64;
-    // Boxes and balls have as many fronts as backs, but for what is split and what is too thin to tell.
-    assert!((0.4..0.6).contains(&share), "{share} of {}", all.triangles_drawn);
+    for backend in BACKENDS {
+        let [fewer, all] = [with(backend, |_| ()), with(backend, all_of(Shell::Open))]
+            .map(|mut renderer| counters(&mut renderer));
+        assert_eq!(fewer.triangles_seen, all.triangles_seen);
+        let share = fewer.triangles_drawn as f64 / all.triangles_drawn as f64;
+        // Boxes and balls have as many fronts as backs, but for what is split and what is too thin to tell.
+        assert!((0.4..0.6).contains(&share), "{backend:?}: {share} of {}", all.triangles_drawn);
+    }
 }
 
 /// A light that begins inside of a closed surface meets its back.
@@ -149,18 +159,19 @@ fn light_from_within_meets_backs() {
         mesh: Some(around.meshes.len()),
     });
     around.meshes.push(Mesh { name: String::new(), primitives: vec![ball()] });
-    let mut renderer = renderer(&around);
-    let lit =
-        |picture: &Picture| picture.pixels.iter().filter(|pixel| pixel[3] == 1.0 && pixel[0] > 0.0).count();
-    assert_eq!(lit(&shadows(&mut renderer, &light())), 0, "all that light would reach lies behind the ball");
-    let clusters = &mut renderer.gpu_scene().1.casters.clusters;
-    // The planted fault: the ball is where the light is not.
-    for leaf in &mut clusters.leaves {
-        leaf.shell_bounds.center += DVec3::splat(100.0);
+    for backend in BACKENDS {
+        let mut renderer = renderer_of(backend, &around);
+        let leaks = lit(&shadows(&mut renderer, &light()));
+        assert_eq!(leaks, 0, "{backend:?}: all that light would reach lies behind the ball");
+        let clusters = &mut renderer.gpu_scene().1.casters.clusters;
+        // The planted fault: the ball is where the light is not.
+        for leaf in &mut clusters.leaves {
+            leaf.shell_bounds.center += DVec3::splat(100.0);
+        }
+        let moved = light().with(TRANSLATION, light().get(TRANSLATION) + DVec3::splat(1e-3));
+        let leaks = lit(&shadows(&mut renderer, &moved));
+        assert!(leaks > 200, "{backend:?}: {leaks}");
     }
-    let moved = light().with(TRANSLATION, light().get(TRANSLATION) + DVec3::splat(1e-3));
-    let leaks = lit(&shadows(&mut renderer, &moved));
-    assert!(leaks > 200, "{leaks}");
 }
 
 /// Triangles far from the light are not looked at.
@@ -177,9 +188,11 @@ fn what_lies_far_from_the_light_is_not_looked_at() {
         });
     }
     far.meshes.push(Mesh { name: String::new(), primitives: vec![ball()] });
-    let near = counters(&mut renderer(&scene()));
-    let both = counters(&mut renderer(&far));
-    // Leaves are cut elsewhere where there are more triangles, so a few may reach into the light that did not.
-    let most = near.triangles_seen + 20 * TRIANGLES_A_LEAF as u64;
-    assert!(near.triangles_seen > 0 && both.triangles_seen <= most, "{near:?}, then {both:?}");
+    for backend in BACKENDS {
+        let near = counters(&mut renderer_of(backend, &scene()));
+        let both = counters(&mut renderer_of(backend, &far));
+        // Leaves are cut elsewhere where there are more triangles, so a few may reach into the light that did not.
+        let most = near.triangles_seen + 20 * TRIANGLES_A_LEAF as u64;
+        assert!(near.triangles_seen > 0 && both.triangles_seen <= most, "{near:?}, then {both:?}");
+    }
 }
