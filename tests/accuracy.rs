@@ -1,4 +1,5 @@
-//! The GPU's pictures are what the reference says they should be: real scenes and the demo under a bent light.
+//! Pictures are what the reference says they should be, whoever draws shadows and lights: real scenes and the demo under a
+//! bent light.
 //!
 //! `BENDYLIGHTS_ACCURACY_SIZE=WIDTHxHEIGHT` compares pictures of another size, `BENDYLIGHTS_ACCURACY_PICTURES=DIR` keeps
 //! the differences as pictures.
@@ -9,10 +10,13 @@ use std::sync::Arc;
 use assets::Loaded;
 use bench::compare::{Comparison, Drawn, Expected, Subject};
 use glam::DVec3;
-use light::parameters::TRANSLATION;
-use light::{Light, Owner};
-use render::{Culling, Gpu, Renderer, ShadowSettings};
+use light::parameters::{SPECULAR, TRANSLATION};
+use light::{Light, LightInstance, Owner};
+use render::{Backend, Culling, Gpu, MemoryBudget, Renderer, ShadowSettings};
 use scene::View;
+
+/// Who may draw shadows and lights.
+const BACKENDS: [Backend; 2] = [Backend::Wgpu, Backend::Native];
 
 /// A scene's file, and control points and radii in the world of a light of three segments that bends strongly.
 struct Setting {
@@ -89,14 +93,27 @@ fn seen_by_its_camera(name: &str, loaded: Loaded, light: Light) -> Subject {
     Subject::new(name, loaded.scene, light, view)
 }
 
-fn compared(renderer: &mut Renderer, subject: &Subject) -> Comparison {
+fn renderers() -> [(Backend, Renderer); 2] {
+    BACKENDS.map(|backend| {
+        let gpu = Gpu::open(MemoryBudget::default(), Some(backend)).expect("a graphics driver");
+        (backend, Renderer::new(Arc::new(gpu)).expect("a renderer"))
+    })
+}
+
+/// Holds what each draws of `subject` to the bars of [`fault`]. The reference's picture takes longest, and is one.
+fn is_what_the_reference_says(renderers: &mut [(Backend, Renderer)], subject: &Subject) {
     let expected = Expected::new(subject, || {}).expect("the light is valid");
-    let (drawn, comparison) = compared_with(renderer, (subject, &expected), ShadowSettings::default());
-    if let Ok(folder) = std::env::var("BENDYLIGHTS_ACCURACY_PICTURES") {
-        let file = Path::new(&folder).join(format!("{}.png", subject.name.replace(':', "-")));
-        expected.panels(&drawn, &comparison).save(file).expect("the picture can be written");
+    for (backend, renderer) in renderers {
+        let (drawn, found) = compared_with(renderer, (subject, &expected), ShadowSettings::default());
+        if let Ok(folder) = std::env::var("BENDYLIGHTS_ACCURACY_PICTURES") {
+            let name = format!("{}-{}.png", subject.name.replace(':', "-"), backend.name());
+            let file = Path::new(&folder).join(name);
+            expected.panels(&drawn, &found).save(file).expect("the picture can be written");
+        }
+        let told = serde_json::to_string(&found).expect("plain data");
+        println!("{} by {}: {told}", subject.name, backend.name());
+        assert_eq!(fault(subject, &found), None, "{} by {}: {told}", subject.name, backend.name());
     }
-    comparison
 }
 
 fn compared_with(
@@ -145,17 +162,42 @@ fn pictures_of_the_demo_are_what_the_reference_says() {
 }
 
 fn are_what_the_reference_says(subjects: impl Iterator<Item = Subject>) {
-    let mut renderer = Renderer::new(Arc::new(Gpu::new().expect("a graphics driver"))).expect("a renderer");
-    for subject in subjects {
-        let found = compared(&mut renderer, &subject);
-        let told = format!("{}: {}", subject.name, serde_json::to_string(&found).expect("plain data"));
-        println!("{told}");
-        assert_eq!(fault(&subject, &found), None, "{told}");
+    let mut renderers = renderers();
+    subjects.for_each(|subject| is_what_the_reference_says(&mut renderers, &subject));
+}
+
+/// Planted: edges that are never split, and a highlight whose factor is dropped.
+#[test]
+fn curved_edges_left_straight_and_highlights_left_out_are_seen() {
+    let subject = demo();
+    let expected = Expected::new(&subject, || {}).expect("the light is valid");
+    let unsplit = ShadowSettings { edge_error_texels: None, ..ShadowSettings::default() };
+    let instances = |light: Light| LightInstance::numbered([light]).expect("a light");
+    let without = subject.light.clone().with(SPECULAR, 0.0);
+    for (backend, mut renderer) in renderers() {
+        let (_, found) = compared_with(&mut renderer, (&subject, &expected), unsplit);
+        println!("{backend:?} unsplit: {}", serde_json::to_string(&found).expect("plain data"));
+        assert!(fault(&subject, &found).is_some(), "{backend:?}: unsplit edges go unseen: {found:?}");
+        let drawn =
+            Drawn::under(&mut renderer, &subject, &instances(without.clone()), ShadowSettings::default());
+        let found = expected.compare(&drawn.expect("it can be drawn"));
+        assert_eq!(fault(&subject, &found), Some("another radiance"), "{backend:?}: {found:?}");
     }
 }
 
 /// What is not drawn changes no error: with each kind drawn all the same the comparison finds the same, to the last digit.
 fn are_the_same_with_nothing_left_out(subjects: impl Iterator<Item = Subject>) {
+    let mut renderers = renderers();
+    for subject in subjects {
+        let expected = Expected::new(&subject, || {}).expect("the light is valid");
+        for (backend, renderer) in &mut renderers {
+            println!("{} by {}", subject.name, backend.name());
+            is_the_same_with_nothing_left_out(renderer, (&subject, &expected));
+        }
+    }
+}
+
+fn is_the_same_with_nothing_left_out(renderer: &mut Renderer, (subject, expected): (&Subject, &Expected)) {
     let on = Culling::ALL;
     let controls = [
         ("clusters", Culling { clusters: false, ..on }),
@@ -164,27 +206,23 @@ fn are_the_same_with_nothing_left_out(subjects: impl Iterator<Item = Subject>) {
         ("pixels", Culling { pixels: false, ..on }),
         ("all", Culling::NONE),
     ];
-    let mut renderer = Renderer::new(Arc::new(Gpu::new().expect("a graphics driver"))).expect("a renderer");
-    for subject in subjects {
-        let told = |it: &Comparison| serde_json::to_string(it).expect("plain data");
-        let expected = Expected::new(&subject, || {}).expect("the light is valid");
-        let mut found = |settings| compared_with(&mut renderer, (&subject, &expected), settings).1;
-        let usual = found(ShadowSettings::default());
-        for (what, culling) in controls {
-            let settings = ShadowSettings { culling, ..ShadowSettings::default() };
-            let found = found(settings);
+    let told = |it: &Comparison| serde_json::to_string(it).expect("plain data");
+    let mut found = |settings| compared_with(renderer, (subject, expected), settings).1;
+    let usual = found(ShadowSettings::default());
+    for (what, culling) in controls {
+        let settings = ShadowSettings { culling, ..ShadowSettings::default() };
+        let found = found(settings);
 
-            println!("{} {what}: {}", subject.name, told(&found));
-            assert_eq!(fault(&subject, &found), None, "{} with {what}", subject.name);
-            // With floors in them maps are fitted to more: their texels are others, and edges are off within those.
-            if culling.sides {
-                assert_eq!(told(&found), told(&usual), "{} with {what}", subject.name);
-            }
+        println!("{} {what}: {}", subject.name, told(&found));
+        assert_eq!(fault(subject, &found), None, "{} with {what}", subject.name);
+        // With floors in them maps are fitted to more: their texels are others, and edges are off within those.
+        if culling.sides {
+            assert_eq!(told(&found), told(&usual), "{} with {what}", subject.name);
         }
-        // The planted fault: maps of other texels have other errors.
-        let coarse = ShadowSettings { resolution: 1500, ..ShadowSettings::default() };
-        assert_ne!(told(&found(coarse)), told(&usual), "{}", subject.name);
     }
+    // The planted fault: maps of other texels have other errors.
+    let coarse = ShadowSettings { resolution: 1500, ..ShadowSettings::default() };
+    assert_ne!(told(&found(coarse)), told(&usual), "{}", subject.name);
 }
 
 #[test]
@@ -204,14 +242,13 @@ fn what_is_left_out_of_shared_assets_changes_no_error() {
 #[ignore = "needs ../shared/assets"]
 fn nothing_pops_while_a_light_is_dragged_in_shared_assets() {
     let folder = scenes_folder();
-    let mut renderer = Renderer::new(Arc::new(Gpu::new().expect("a graphics driver"))).expect("a renderer");
+    let mut renderers = renderers();
     let still = subject(&folder, &SETTINGS[1]);
     for step in 1..=4 {
         let mut dragged = still.clone();
         let points = dragged.light.points_mut().expect("it is bent");
         points[3].position += DVec3::new(0.02, -0.01, 0.015) * f64::from(step);
-        let found = compared(&mut renderer, &dragged);
-        let told = serde_json::to_string(&found).expect("plain data");
-        assert_eq!(fault(&dragged, &found), None, "step {step}: {told}");
+        println!("step {step}");
+        is_what_the_reference_says(&mut renderers, &dragged);
     }
 }

@@ -56,3 +56,6 @@ pub(crate) fn reflected(surface: &Surface, to_light: Vec3s) -> Lobes {
         specular: fresnel * (distribution * visibility * cosine),
     }
 }
+
+#[cfg(test)]
+mod tests;

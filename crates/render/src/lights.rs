@@ -15,6 +15,8 @@ use crate::gpu_scene::GpuScene;
 use crate::linked::{KnownLinks, Linked};
 use crate::map_key::MapKey;
 use crate::memory::{Evictable, MemoryKind, Reservation};
+#[cfg(test)]
+use crate::native_slot::Fit;
 use crate::native_slot::{NativeSlot, NativeWork};
 use crate::pass_runs::Cause;
 use crate::passes::Passes;
@@ -179,6 +181,24 @@ impl ShadowMaps {
         }
         self.users.clear();
         self.see_who_needs_what();
+    }
+
+    /// See [`crate::Renderer::spoil_native_maps`].
+    #[cfg(test)]
+    pub fn spoil_native_maps(
+        &mut self,
+        mut fault: impl FnMut(&mut relight::DepthMap, &bendy_light::MapShape),
+    ) {
+        for kept in &self.maps {
+            let Some(mut slot) = kept.slot.take() else { continue };
+            if let LightSlot::Native(native) = &mut slot
+                && let Some((_, shown)) = &mut native.shown
+                && let Fit::Bent(Some(shape)) = &shown.fitted
+            {
+                fault(Arc::get_mut(&mut shown.map).expect("no picture is under way"), shape);
+            }
+            kept.slot.put(slot);
+        }
     }
 
     /// Drops every map.

@@ -114,6 +114,16 @@ impl Renderer {
         &mut self.shadow_maps.coarse
     }
 
+    /// Spoils what the processor has drawn of maps of BendyLights, for tests to plant faults in: the next picture shows it.
+    #[cfg(test)]
+    pub(crate) fn spoil_native_maps(
+        &mut self,
+        fault: impl FnMut(&mut relight::DepthMap, &crate::bendy_light::MapShape),
+    ) {
+        self.shadow_maps.spoil_native_maps(fault);
+        self.viewers.invalidate();
+    }
+
     /// The device and what is on it of the scene, for tests to plant faults in before the first picture.
     #[cfg(test)]
     pub(crate) fn gpu_scene(&mut self) -> (&Gpu, &mut GpuScene) {

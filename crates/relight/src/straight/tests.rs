@@ -1,5 +1,6 @@
 //! Straight lights against the light model in f64, and their maps against shadows whose outlines are known.
 
+mod faults;
 mod holes;
 mod places;
 mod shadows;

@@ -116,3 +116,6 @@ pub(crate) fn placed(
     });
     Bent::new(tube, Mat4::from_cols_array_2d(&tube_from_scene(tube, origin)), place)
 }
+
+#[cfg(test)]
+mod tests;

@@ -35,6 +35,12 @@ impl Board {
         [[low.x, low.y, -1.0], [high.x, low.y, -1.0], [high.x, high.y, -1.0], [low.x, high.y, -1.0]]
     }
 
+    /// The outline that it has on a map: its nearest edges of texels, for centres beyond those lie outside of it.
+    pub(super) fn on_map(&self) -> Self {
+        let half = SIDE as f32 / 2.0;
+        Self { low: (self.low * half).round() / half, high: (self.high * half).round() / half }
+    }
+
     /// How far within its shadow a place on the floor is, in world units there; `spread` is how much larger than the
     /// board the shadow is.
     pub(super) fn depth_in_shadow(&self, at: Vec2, spread: f32) -> f32 {
@@ -87,21 +93,32 @@ pub(super) fn floor(first: Vec2, step: f32) -> (Surface, [Vec2; LANES]) {
 /// Points of the floor that are judged, of them in shadow, and wrong. What lies within `margin` of the outline is not
 /// judged.
 #[derive(Debug, Default, PartialEq)]
-struct Judged {
+pub(super) struct Judged {
     all: usize,
     dark: usize,
-    wrong: usize,
+    pub wrong: usize,
 }
 
-fn judged<S: Shape>(shape: &S, map: &DepthMap, scene: &Scene, (spread, margin): (f32, f32)) -> Judged {
+fn judged<S: Shape>(shape: &S, map: &DepthMap, scene: &Scene, far: (f32, f32)) -> Judged {
+    judged_by((&BOARD, 1), shape, map, scene, far)
+}
+
+/// The same by the shadow of another board, at so many times as many points each way.
+pub(super) fn judged_by<S: Shape>(
+    (board, finer): (&Board, usize),
+    shape: &S,
+    map: &DepthMap,
+    scene: &Scene,
+    (spread, margin): (f32, f32),
+) -> Judged {
     let mut judged = Judged::default();
-    for row in 0..60 {
-        for group in 0..4 {
-            let first = Vec2::new(-0.9 + 0.45 * group as f32, -0.9 + 0.03 * row as f32);
-            let (surface, at) = floor(first, 0.028);
+    for row in 0..60 * finer {
+        for group in 0..4 * finer {
+            let first = Vec2::new(0.45 * group as f32, 0.03 * row as f32) / finer as f32 - 0.9;
+            let (surface, at) = floor(first, 0.028 / finer as f32);
             let sample = shape.sample(scene, Some(map), &surface, surface.exists);
             for lane in (0..LANES).filter(|lane| sample.inside.lane(*lane)) {
-                let depth = BOARD.depth_in_shadow(at[lane], spread);
+                let depth = board.depth_in_shadow(at[lane], spread);
                 if depth.abs() < margin {
                     continue;
                 }
@@ -183,7 +200,7 @@ fn an_omni_lights_shadow_of_a_board_has_the_boards_outline_from_the_source() {
 }
 
 /// Places of a directional light: (x, y, 1), and a depth from 0 at z = -3 to 1 at z = 1.
-fn sun_places() -> Mat4 {
+pub(super) fn sun_places() -> Mat4 {
     Mat4::from_cols_array_2d(&[
         [1.0, 0.0, 0.0, 0.0],
         [0.0, 1.0, 0.0, 0.0],
@@ -192,8 +209,7 @@ fn sun_places() -> Mat4 {
     ])
 }
 
-#[test]
-fn a_directional_lights_shadow_of_a_board_has_the_boards_outline() {
+pub(super) fn sun() -> Directional {
     let sun = CheckedLight::new(Light::directional()).expect("a light");
     let place = DirectionalMapPlace {
         fit: [0.0, 0.0, 1.0, 1.0],
@@ -202,7 +218,12 @@ fn a_directional_lights_shadow_of_a_board_has_the_boards_outline() {
         mesh_error: 0.0,
         filter: ShadowFilter::Bilinear,
     };
-    let sun = Directional::new(Mat4::IDENTITY, sun.light_filter().clone(), [0.0; 4], place);
+    Directional::new(Mat4::IDENTITY, sun.light_filter().clone(), [0.0; 4], place)
+}
+
+#[test]
+fn a_directional_lights_shadow_of_a_board_has_the_boards_outline() {
+    let sun = sun();
     let positions = BOARD.positions();
     let scene = scene(&positions, &[], 2);
     let judge =

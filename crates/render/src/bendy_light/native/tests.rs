@@ -1,0 +1,120 @@
+//! Faults planted in maps that the processor has drawn, each seen by a comparison with the walk of `walk.rs`, which knows
+//! no map. Culling the wrong way is planted in `near_slabs/tests.rs`, edges left unsplit in `../tests.rs`.
+
+use relight::DepthMap;
+
+use super::super::tests::{Seen, Setup, differing};
+use super::MapShape;
+use crate::{Aov, Backend, Picture, ShadowSettings};
+
+/// Texels along each side of a map of four bands.
+const RESOLUTION: u32 = 256;
+/// Of a map on which one texel turns round many pixels beside edges.
+const COARSE: u32 = 64;
+/// Rows of a map that one thread draws at once.
+const BAND: usize = 64;
+/// What a texel holds where nothing was drawn.
+const CLEARED: f32 = 1.0;
+
+fn setup(resolution: u32) -> Setup {
+    let mut setup = Setup::new(Backend::Native);
+    let shadows = ShadowSettings { resolution, straighten: false, ..ShadowSettings::default() };
+    setup.renderer.set_shadow_settings(shadows).expect("sound");
+    setup
+}
+
+/// The picture by a map that is spoiled, which afterwards is as it was.
+fn spoiled(setup: &mut Setup, fault: impl Fn(&mut DepthMap, &MapShape)) -> Picture {
+    let mut right = DepthMap::default();
+    setup.renderer.spoil_native_maps(|map, shape| {
+        right = map.clone();
+        fault(map, shape);
+    });
+    let picture = setup.picture(Aov::Visibility);
+    setup.renderer.spoil_native_maps(|map, _| *map = right.clone());
+    picture
+}
+
+/// Whether what a picture shows `near` edges is nearer to what the walk says than to the same on paths that lie a texel
+/// beside theirs, along v or along w. How many pixels differ grows with how far edges are displaced: they are by less than
+/// half a texel where those of no shift are fewest.
+fn lies_in_its_place(setup: &Setup, near: &[Seen], picture: &Picture, texel: [f64; 2]) -> bool {
+    let misfits = |v: f64, w: f64| {
+        let is_lit = |seen: &Seen| seen.is_lit(&setup.tube, [v * texel[0], w * texel[1]]);
+        near.iter().filter(|seen| is_lit(seen) != (picture.pixels[seen.pixel][0] >= 0.5)).count()
+    };
+    let here = misfits(0.0, 0.0);
+    let beside = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)].map(|(v, w)| misfits(v, w));
+    println!("{here} of {} differ, and a texel beside {beside:?}", near.len());
+    beside.iter().all(|beside| here < *beside)
+}
+
+#[test]
+fn a_map_shifted_by_one_texel_is_seen() {
+    let mut setup = setup(COARSE);
+    let right = setup.picture(Aov::Visibility);
+    let width = right.width as usize;
+    let shown = |pixel: usize| right.pixels.get(pixel).map(|pixel| pixel[0]);
+    let is_near = |seen: &Seen| {
+        let around = [1, width].map(|step| [seen.pixel.wrapping_sub(step), seen.pixel + step]);
+        around.as_flattened().iter().any(|other| shown(*other) != shown(seen.pixel))
+    };
+    let near: Vec<_> = setup.seen(1.0).into_iter().filter(is_near).collect();
+    let mut texel = [0.0; 2];
+    setup.renderer.spoil_native_maps(|map, shape| {
+        let [.., x, y] = shape.fits()[0];
+        texel = [x, y].map(|inverse_half| 2.0 / f64::from(inverse_half) / map.side() as f64);
+    });
+    assert!(near.len() > 200, "{} pixels near edges", near.len());
+    assert!(lies_in_its_place(&setup, &near, &right, texel));
+    let side = COARSE as usize;
+    for (what, by) in [("right", 1), ("left", side * side - 1), ("down", side), ("up", side * side - side)] {
+        let shifted = spoiled(&mut setup, |map, _| map.face_mut(0).rotate_right(by));
+        assert!(!lies_in_its_place(&setup, &near, &shifted, texel), "a texel {what} goes unseen");
+    }
+}
+
+/// Has at each w what the map has at -w.
+fn mirror(map: &mut DepthMap, shape: &MapShape) {
+    let side = map.side();
+    let [_, middle, _, inverse_half] = shape.fits()[0].map(f64::from);
+    let w_of = |row: usize| middle + (1.0 - 2.0 * (row as f64 + 0.5) / side as f64) / inverse_half;
+    let row_of = |w: f64| (1.0 - (w - middle) * inverse_half) * side as f64 / 2.0 - 0.5;
+    let before = map.face(0).to_vec();
+    for (row, texels) in map.face_mut(0).chunks_mut(side).enumerate() {
+        let other = row_of(-w_of(row)).round();
+        if (0.0..side as f64).contains(&other) {
+            texels.copy_from_slice(&before[other as usize * side..][..side]);
+        } else {
+            texels.fill(CLEARED);
+        }
+    }
+}
+
+#[test]
+fn a_lookup_with_the_wrong_sign_of_w_is_seen() {
+    let mut setup = setup(RESOLUTION);
+    let walked = setup.walked(1.0, RESOLUTION);
+    assert_eq!(differing(&walked, &setup.picture(Aov::Visibility)), 0);
+    let fault = differing(&walked, &spoiled(&mut setup, mirror));
+    assert!(fault > walked.len() / 50, "a sign error in w changes only {fault} pixels of {}", walked.len());
+}
+
+#[test]
+fn a_band_that_its_thread_skipped_is_seen() {
+    let mut setup = setup(RESOLUTION);
+    let walked = setup.walked(1.0, RESOLUTION);
+    assert_eq!(differing(&walked, &setup.picture(Aov::Visibility)), 0);
+    for band in 0..RESOLUTION as usize / BAND {
+        // Cleared and not drawn, or not even cleared.
+        for left in [CLEARED, 0.0] {
+            let skip = |map: &mut DepthMap, _: &MapShape| {
+                let rows = BAND * map.side();
+                map.face_mut(0)[band * rows..][..rows].fill(left);
+            };
+            let fault = differing(&walked, &spoiled(&mut setup, skip));
+            println!("{fault} of {}", walked.len());
+            assert!(fault > 0, "band {band} left at {left} goes unseen");
+        }
+    }
+}
