@@ -15,7 +15,8 @@ follow from the conditioning of each case:
   solver, frame, round-trip, joints, world      the model, in f64 and f32
   locate, map                                   the adapter's shaders against the model
   lone-plane, wall, shadow                      shadows against a walk along the light's paths in f64
-  finite                                        every AOV of every picture
+  finite                                        every AOV of every picture, and what a screen shows
+The pictures of the last four are lit by the adapter and by the processor.
 Prints JSON: for each, cases, comparisons and `worstShare`, the largest error as a share of its bound: 0 where things are
 right or wrong without a size, as lit or in shadow; `failure` is null where all held. A case that fails is made as simple as
 it can be and printed with its seed, and the exit code is not 0.

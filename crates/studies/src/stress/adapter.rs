@@ -1,4 +1,5 @@
-//! What the adapter finds against the model in f64: points located in a light, and mapped for its shadows.
+//! What the adapter finds against the model in f64: points located in a light, and mapped for its shadows. And pictures, lit
+//! by the processor and by the adapter.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -6,7 +7,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec4};
 use light::{Direction, LightInstance, Root, Tube};
 use proptest::prelude::*;
-use render::{Aov, Gpu, Picture, RenderError, Renderer, ShadowSettings, View};
+use render::{Aov, Backend, Gpu, MemoryBudget, Picture, RenderError, Renderer, ShadowSettings, View};
 use scene::Scene;
 
 use super::light::{Lights, lights, placement};
@@ -14,39 +15,70 @@ use super::place::{Bounds, bounds, eps, places, root_at, split};
 use super::runner::{Check, Tally};
 use super::solver::Case;
 
-/// The device, and a renderer that is kept because compiling for a new one takes longer than drawing.
+/// The device, and renderers that are kept because compiling for a new one takes longer than drawing.
 pub struct Adapter {
     pub gpu: Arc<Gpu>,
-    renderer: RefCell<Renderer>,
+    /// One for each who may draw shadows and lights.
+    renderers: [(Backend, RefCell<Renderer>); 2],
+}
+
+/// A view of a scene under lights.
+#[derive(Clone, Copy)]
+pub struct Shown<'a> {
+    pub scene: &'a Scene,
+    pub view: &'a View,
+    pub lights: &'a [LightInstance],
+    pub shadows: ShadowSettings,
 }
 
 impl Adapter {
     /// Opens the best device.
     pub fn open() -> Result<Self, RenderError> {
-        let gpu = Arc::new(Gpu::new()?);
-        let renderer = RefCell::new(Renderer::new(Arc::clone(&gpu))?);
-        Ok(Self { gpu, renderer })
+        let open = |backend| Gpu::open(MemoryBudget::default(), Some(backend)).map(Arc::new);
+        let renderer = |gpu: &Arc<Gpu>| Renderer::new(Arc::clone(gpu)).map(RefCell::new);
+        let (gpu, processor) = (open(Backend::Wgpu)?, open(Backend::Native)?);
+        // The processor first: a planted fault fails with what its pictures show.
+        let renderers = [(Backend::Native, renderer(&processor)?), (Backend::Wgpu, renderer(&gpu)?)];
+        Ok(Self { gpu, renderers })
     }
 
-    /// Pictures of one view, a quantity each.
-    pub fn pictures<const N: usize>(
+    /// Whether pictures, a quantity each, hold to `check`, whoever draws shadows and lights.
+    pub fn hold<const N: usize>(
         &self,
-        scene: &Scene,
-        view: &View,
-        lights: &[LightInstance],
-        shadows: ShadowSettings,
+        shown: Shown,
         aovs: [Aov; N],
-    ) -> Result<[Picture; N], String> {
-        let mut renderer = self.renderer.borrow_mut();
-        let why = |error: RenderError| format!("no picture can be made: {error}");
-        renderer.set_shadow_settings(shadows).map_err(why)?;
-        renderer.set_scene(&scene::pose(scene.clone())).map_err(why)?;
-        let mut pictures = Vec::with_capacity(N);
-        for aov in aovs {
-            pictures.push(renderer.render(&View { aov, ..view.clone() }, lights).map_err(why)?);
-        }
-        Ok(pictures.try_into().expect("a picture an AOV"))
+        mut check: impl FnMut([Picture; N]) -> Check,
+    ) -> Check {
+        self.by_each(shown, |renderer| {
+            let draw = |aov| renderer.render(&View { aov, ..shown.view.clone() }, shown.lights);
+            let pictures: Result<Vec<_>, _> = aovs.into_iter().map(draw).collect();
+            check(pictures.map_err(|error| no_picture(&error))?.try_into().expect("a picture an AOV"))
+        })
     }
+
+    /// The same of what a screen shows: RGBA of 8 bits a channel.
+    pub fn hold_on_a_screen(&self, shown: Shown, mut check: impl FnMut(&[[u8; 4]]) -> Check) -> Check {
+        self.by_each(shown, |renderer| {
+            let bytes =
+                renderer.render_display(shown.view, shown.lights).map_err(|error| no_picture(&error))?;
+            check(bytes.as_chunks().0)
+        })
+    }
+
+    fn by_each(&self, shown: Shown, mut check: impl FnMut(&mut Renderer) -> Check) -> Check {
+        let posed = scene::pose(shown.scene.clone());
+        for (backend, renderer) in &self.renderers {
+            let mut renderer = renderer.borrow_mut();
+            renderer.set_shadow_settings(shown.shadows).map_err(|error| no_picture(&error))?;
+            renderer.set_scene(&posed).map_err(|error| no_picture(&error))?;
+            check(&mut renderer).map_err(|why| format!("by the backend {}, {why}", backend.name()))?;
+        }
+        Ok(())
+    }
+}
+
+fn no_picture(error: &RenderError) -> String {
+    format!("no picture can be made: {error}")
 }
 
 /// Lights anywhere, and enough points to be worth a dispatch.

@@ -9,7 +9,7 @@ use render::{Aov, Picture, ShadowSettings, View};
 use scene::{Material, Scene};
 use serde::Serialize;
 
-use super::adapter::Adapter;
+use super::adapter::{Adapter, Shown};
 use super::light::{Lights, unit_cube};
 use super::runner::{Check, Tally};
 use super::scenes::{Shot, obstacle, shots, square};
@@ -83,7 +83,8 @@ const OF_A_LIGHT: [Aov; 4] = [Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility];
 /// By the adapter alone: the reference has no shadow maps.
 const OF_A_MAP: [Aov; 1] = [Aov::Wireframe];
 
-/// Holds for every AOV of the camera and of all lights, by the adapter and by the reference.
+/// Holds for every AOV of the camera and of all lights, and for what a screen shows, by the adapter, by the processor and by
+/// the reference.
 pub fn check(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
     let material = Material {
         roughness: case.roughness,
@@ -98,21 +99,34 @@ pub fn check(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
     let mesh_error = case.mesh_error;
     let shadows =
         ShadowSettings { resolution: 512, mesh_error, straighten: false, ..ShadowSettings::default() };
-    let mut pictures = adapter.pictures(&scene, &view, &lights, shadows, OF_THE_CAMERA)?;
-    if tally.planted {
-        pictures[0].pixels[0][1] = f32::NAN;
-    }
-    all_sound(&OF_THE_CAMERA, &pictures, tally)?;
+    let shown = Shown { scene: &scene, view: &view, lights: &lights, shadows };
+    let mut background = Vec::new();
+    adapter.hold(shown, OF_THE_CAMERA, |mut pictures| {
+        if tally.planted {
+            pictures[0].pixels[0][1] = f32::NAN;
+        }
+        background = pictures[0].pixels.iter().map(|pixel| pixel[3] == 0.0).collect();
+        all_sound(&OF_THE_CAMERA, &pictures, tally)
+    })?;
+    adapter.hold_on_a_screen(shown, |pixels| {
+        let is_sound = |(pixel, is_background): (&[u8; 4], &bool)| {
+            pixel[3] == 255 && (!is_background || *pixel == [0, 0, 0, 255])
+        };
+        let are_sound = pixels.len() == background.len() && pixels.iter().zip(&background).all(is_sound);
+        tally.holds(are_sound, || "a pixel on a screen is not opaque, or not black where nothing is".into())
+    })?;
     for light in 0..lights.len() {
         view.light = light;
-        let pictures = adapter.pictures(&scene, &view, &lights, shadows, OF_A_LIGHT)?;
-        all_sound(&OF_A_LIGHT, &pictures, tally)?;
-        if matches!(lights[light].light.rays(), Rays::Bent(_) | Rays::Cone(_)) {
+        let shown = Shown { scene: &scene, view: &view, lights: &lights, shadows };
+        let has_curve = matches!(lights[light].light.rays(), Rays::Bent(_) | Rays::Cone(_));
+        adapter.hold(shown, OF_A_LIGHT, |pictures| {
+            all_sound(&OF_A_LIGHT, &pictures, tally)?;
             let [_, places, ..] = &pictures;
             let is_round = places.pixels.iter().all(|pixel| pixel[0].hypot(pixel[1]) < 1.0 + 1e-5);
-            tally.holds(is_round, || format!("a place in light {light} is not in a circle"))?;
-            let pictures = adapter.pictures(&scene, &view, &lights, shadows, OF_A_MAP)?;
-            all_sound(&OF_A_MAP, &pictures, tally)?;
+            tally.holds(is_round || !has_curve, || format!("a place in light {light} is not in a circle"))
+        })?;
+        if has_curve {
+            adapter.hold(shown, OF_A_MAP, |pictures| all_sound(&OF_A_MAP, &pictures, tally))?;
         }
     }
     by_the_reference(&scene, &view, &lights, tally)

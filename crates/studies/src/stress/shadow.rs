@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use render::{Aov, Picture, ShadowSettings, View};
 use scene::Material;
 
-use super::adapter::Adapter;
+use super::adapter::{Adapter, Shown};
 use super::light::Lights;
 use super::runner::{Check, Tally};
 use super::scenes::{Facet, HEIGHT, Shot, WIDTH, YFOV, obstacle, shots, square, wall};
@@ -70,22 +70,23 @@ fn agrees_with_the_walk(shot: &Shot, planted: Option<Fault>, adapter: &Adapter, 
     let shadows = ShadowSettings { resolution: RESOLUTION, straighten: false, ..ShadowSettings::default() };
     let scene = shot.scene(&drawn, vec![Material { double_sided: true, ..Material::default() }]);
     let (view, aovs) = (shot.view(), [Aov::Depth, Aov::Normal, Aov::Visibility]);
-    let pictures = adapter.pictures(&scene, &view, &shot.lights(), shadows, aovs)?;
-
     let tube = Tube::new(&shot.light).expect("cases are valid");
     let in_tube = |p: [f32; 3]| {
         glam::Vec3::from(p).as_dvec3() * (shot.light.transform().scale / tube.placement.world_per_tube)
     };
     let triangles: Vec<[DVec3; 3]> = shot.facets.iter().map(|facet| facet.map(in_tube)).collect();
     let reach = triangles.iter().flatten().map(|p| p.length()).fold(1.0, f64::max);
-    let visibility = &pictures[2].pixels;
-    let pixels: Vec<usize> = (0..visibility.len()).filter(|&pixel| visibility[pixel][3] == 1.0).collect();
-    let odd = pixels.iter().find(|&&pixel| !(0.0..=1.0).contains(&visibility[pixel][0]));
-    tally.holds(odd.is_none(), || format!("the visibility of pixel {odd:?} is not from 0 to 1"))?;
-    for &pixel in pixels.iter().step_by(pixels.len().div_ceil(PIXELS).max(1)) {
-        pixel_agrees(&tube, &triangles, reach, (&view, &pictures, pixel), tally)?;
-    }
-    Ok(())
+    let shown = Shown { scene: &scene, view: &view, lights: &shot.lights(), shadows };
+    adapter.hold(shown, aovs, |pictures| {
+        let visibility = &pictures[2].pixels;
+        let pixels: Vec<usize> = (0..visibility.len()).filter(|&pixel| visibility[pixel][3] == 1.0).collect();
+        let odd = pixels.iter().find(|&&pixel| !(0.0..=1.0).contains(&visibility[pixel][0]));
+        tally.holds(odd.is_none(), || format!("the visibility of pixel {odd:?} is not from 0 to 1"))?;
+        for &pixel in pixels.iter().step_by(pixels.len().div_ceil(PIXELS).max(1)) {
+            pixel_agrees(&tube, &triangles, reach, (&view, &pictures, pixel), tally)?;
+        }
+        Ok(())
+    })
 }
 
 /// The same for one pixel of the pictures of depth, normal and visibility.
