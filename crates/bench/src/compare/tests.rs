@@ -1,11 +1,11 @@
 //! The comparison passes what is right and catches what is wrong.
 
-use std::sync::{Arc, LazyLock};
+use std::sync::{Arc, LazyLock, OnceLock};
 
 use glam::DVec3;
 use light::Light;
 use light::parameters::TRANSLATION;
-use render::{Gpu, Renderer, ShadowSettings};
+use render::{Backend, Gpu, MemoryBudget, Renderer, ShadowSettings};
 
 use super::{Comparison, Drawn, Expected, Subject, Verdict};
 use crate::shadow::scenes;
@@ -13,11 +13,19 @@ use crate::shadow::scenes;
 /// A still life under a bent light.
 static SUBJECT: LazyLock<Subject> = LazyLock::new(|| scenes::subjects(160, 90).swap_remove(1));
 static EXPECTED: LazyLock<Expected> = LazyLock::new(|| Expected::new(&SUBJECT, || {}).expect("valid"));
-static GPU: LazyLock<Arc<Gpu>> =
-    LazyLock::new(|| Arc::new(Gpu::new().expect("tests need a graphics driver")));
+
+/// Who may draw shadows and lights.
+const BACKENDS: [Backend; 2] = [Backend::Wgpu, Backend::Native];
 
 fn drawn(subject: &Subject) -> Drawn {
-    let mut renderer = Renderer::new(Arc::clone(&GPU)).expect("the device works");
+    drawn_by(BACKENDS[0], subject)
+}
+
+fn drawn_by(backend: Backend, subject: &Subject) -> Drawn {
+    static GPUS: [OnceLock<Arc<Gpu>>; 2] = [const { OnceLock::new() }; 2];
+    let open = || Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver");
+    let gpu = GPUS[backend as usize].get_or_init(|| Arc::new(open()));
+    let mut renderer = Renderer::new(Arc::clone(gpu)).expect("the device works");
     renderer.set_scene(&scene::pose(subject.scene.clone())).expect("fits");
     Drawn::new(&mut renderer, subject, ShadowSettings::default()).expect("drawn")
 }
@@ -37,12 +45,14 @@ fn passes(found: &Comparison) -> bool {
 
 #[test]
 fn a_right_picture_passes() {
-    let found = EXPECTED.compare(&drawn(&SUBJECT));
-    assert!(passes(&found), "{}", json(&found));
-    assert!(found.in_light > 1500 && found.displacement_pixels.count > 100, "{}", json(&found));
-    // An edge is known to a sixth of a pixel where a texel is much smaller.
-    assert!(found.displacement_pixels.p99 <= 0.5, "{}", json(&found));
-    assert!(found.verdicts.contains(&Verdict::Boundary) && found.coincident == 0, "{}", json(&found));
+    for backend in BACKENDS {
+        let found = EXPECTED.compare(&drawn_by(backend, &SUBJECT));
+        assert!(passes(&found), "{backend:?}: {}", json(&found));
+        assert!(found.in_light > 1500 && found.displacement_pixels.count > 100, "{}", json(&found));
+        // An edge is known to a sixth of a pixel where a texel is much smaller.
+        assert!(found.displacement_pixels.p99 <= 0.5, "{backend:?}: {}", json(&found));
+        assert!(found.verdicts.contains(&Verdict::Boundary) && found.coincident == 0, "{}", json(&found));
+    }
 }
 
 #[test]
@@ -64,8 +74,10 @@ fn a_light_from_another_place_is_seen() {
     let mut moved = SUBJECT.clone();
     let translation = moved.light.get(TRANSLATION) + DVec3::new(0.02, 0.0, 0.0);
     moved.light.set(TRANSLATION.to(translation));
-    let found = EXPECTED.compare(&drawn(&moved));
-    assert!(!passes(&found) && found.radiance_rmse > 1e-2, "{}", json(&found));
+    for backend in BACKENDS {
+        let found = EXPECTED.compare(&drawn_by(backend, &moved));
+        assert!(!passes(&found) && found.radiance_rmse > 1e-2, "{backend:?}: {}", json(&found));
+    }
 }
 
 #[test]
@@ -93,10 +105,13 @@ fn long_light(scenes: f64) -> Light {
 fn a_light_far_longer_than_the_scene_is_right() {
     for scenes in [100.0, 1e4, 1e6] {
         let subject = Subject { light: long_light(scenes), ..SUBJECT.clone() };
-        let found = Expected::new(&subject, || {}).expect("valid").compare(&drawn(&subject));
-        println!("{scenes:e} scenes long: {}", json(&found));
-        assert!(passes(&found), "{scenes:e}: {}", json(&found));
-        assert!(found.in_light > 1500 && found.displacement_pixels.count > 100, "{}", json(&found));
+        let expected = Expected::new(&subject, || {}).expect("valid");
+        for backend in BACKENDS {
+            let found = expected.compare(&drawn_by(backend, &subject));
+            println!("{scenes:e} scenes long, {backend:?}: {}", json(&found));
+            assert!(passes(&found), "{scenes:e}, {backend:?}: {}", json(&found));
+            assert!(found.in_light > 1500 && found.displacement_pixels.count > 100, "{}", json(&found));
+        }
     }
 }
 

@@ -157,6 +157,7 @@ fn check_errors(report: &Value, backends: &[&str]) {
 const OURS: [&str; 7] =
     ["bent", "bentHalfMap", "spot", "straightBendy", "bentNothingCulled", "bentIntensity", "bent3OneMoves"];
 
+/// Of the device, which is measured alone where it draws; the processor's stages are checked where it draws, below.
 #[test]
 fn an_edit_runs_the_stages_that_it_must_and_no_others() {
     let report = report(Backend::Wgpu);
