@@ -132,7 +132,8 @@ pub(super) fn steps(options: &Options) -> usize {
     RUNS * (1 + options.peers.map_or(0, Peers::count))
 }
 
-/// Ours frame by frame in turns, then each other renderer, and all of it again.
+/// Some frames in a row of each of ours, as in a drag and as other renderers draw them, then those of each other renderer, and all
+/// of it again.
 pub(super) fn measured(bench: &mut Bench, subject: &Subject) -> Result<Vec<Contestant>, BenchError> {
     let Options { repeats, peers, .. } = bench.options;
     let mut entries = entries(bench, subject)?;
@@ -140,9 +141,9 @@ pub(super) fn measured(bench: &mut Bench, subject: &Subject) -> Result<Vec<Conte
     let frames = repeats.div_ceil(RUNS);
     for round in 0..RUNS {
         bench.step("side by side: ours");
-        // The zeroth makes what the others keep.
-        for k in 0..=frames {
-            for Entry { ours, renderer, costs, .. } in &mut entries {
+        for Entry { ours, renderer, costs, .. } in &mut entries {
+            // The zeroth makes what the others keep.
+            for k in 0..=frames {
                 let frame = ours.frame(subject, round * (frames + 1) + k)?;
                 let cost = timed(renderer, &frame)?.1;
                 if k > 0 {

@@ -24,9 +24,10 @@ output:
               and of each stage drawn by itself; triangles, texels, pixels and bytes that it worked on
   errors      how far each backend's picture is from the reference, where no shadow's edge is near, in a picture a
               fourth as wide and high
-  sideBySide  in turns: the bent light, with half its map too, a spotlight, the spotlight as a BendyLight, the bent
-              light with all drawn that is left out else, an intensity edit, 64 bent lights of which one moves; where
-              the processor is measured, most of them by wgpu too (bentByWgpu ..); other renderers with --peers
+  sideBySide  some frames in a row of each, in turns: the bent light, with half its map too, a spotlight, the spotlight as
+              a BendyLight, the bent light with all drawn that is left out else, an intensity edit, 64 bent lights of
+              which one moves; where the processor is measured, most of them by wgpu too (bentByWgpu ..); other renderers
+              with --peers
   growth      with --growth, in scenes of its own: triangles in the tube and outside of it, 10 thousand to a million;
               lights, 1 to 64, one moved; segments, 1 to 16; pixels, 360p to 4K; each with its error against the
               reference, in a picture a fourth as wide and high, an eighth along pixels; by wgpu too (byWgpu) where the
