@@ -51,6 +51,12 @@ impl DepthMap {
         self.texels[face * length..][..length].chunks(self.stride()).map(|row| &row[..self.side])
     }
 
+    /// The same, to be changed.
+    pub fn rows_mut(&mut self, face: usize) -> impl Iterator<Item = &mut [f32]> {
+        let (side, stride) = (self.side, self.stride());
+        self.face_mut(face).chunks_mut(stride).map(move |row| &mut row[..side])
+    }
+
     /// A face's depths with the room behind rows, to be drawn to.
     pub(crate) fn face_mut(&mut self, face: usize) -> &mut [f32] {
         let length = self.side * self.stride();

@@ -1,6 +1,8 @@
 //! Scenes in, pictures out; and what is kept in between.
 
 mod native;
+#[cfg(test)]
+mod seams;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -100,46 +102,6 @@ impl Renderer {
             self.viewers = Viewers::default();
         }
         Ok(())
-    }
-
-    /// What bent shadow maps are made in, for tests to plant faults in.
-    #[cfg(test)]
-    pub(crate) fn bent_work(&mut self) -> &mut crate::bendy_light::BentWork {
-        &mut self.shadow_maps.bent_work
-    }
-
-    /// Casters of coarse maps, for tests to look at and to plant faults in.
-    #[cfg(test)]
-    pub(crate) fn coarse_casters(&mut self) -> &mut crate::coarse_casters::CoarseCasters {
-        &mut self.shadow_maps.coarse
-    }
-
-    /// Spoils what the processor has drawn of maps of BendyLights, for tests to plant faults in: the next picture shows it.
-    #[cfg(test)]
-    pub(crate) fn spoil_native_maps(
-        &mut self,
-        fault: impl FnMut(&mut relight::DepthMap, &crate::bendy_light::MapShape),
-    ) {
-        self.shadow_maps.spoil_native_maps(fault);
-        self.viewers.invalidate();
-    }
-
-    /// The device and what is on it of the scene, for tests to plant faults in before the first picture.
-    #[cfg(test)]
-    pub(crate) fn gpu_scene(&mut self) -> (&Gpu, &mut GpuScene) {
-        (&self.gpu, &mut self.scene)
-    }
-
-    /// What pictures of a view are drawn into, for tests to look at.
-    #[cfg(test)]
-    pub(crate) fn take_targets(&mut self, view: &View) -> Targets {
-        self.viewers.take(&self.gpu, &self.passes, view).expect("it is small")
-    }
-
-    /// Puts that back.
-    #[cfg(test)]
-    pub(crate) fn put_targets(&mut self, targets: Targets) {
-        self.viewers.put(&self.gpu, ViewSlot::default(), targets);
     }
 
     /// How often each pass has run.

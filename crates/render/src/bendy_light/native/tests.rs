@@ -69,9 +69,17 @@ fn a_map_shifted_by_one_texel_is_seen() {
     assert!(lies_in_its_place(&setup, &near, &right, texel));
     let side = COARSE as usize;
     for (what, by) in [("right", 1), ("left", side * side - 1), ("down", side), ("up", side * side - side)] {
-        let shifted = spoiled(&mut setup, |map, _| map.face_mut(0).rotate_right(by));
+        let shifted = spoiled(&mut setup, |map, _| change(map, |texels| texels.rotate_right(by)));
         assert!(!lies_in_its_place(&setup, &near, &shifted, texel), "a texel {what} goes unseen");
     }
+}
+
+/// Changes the depths of the first face, row after row from the top.
+fn change(map: &mut DepthMap, fault: impl FnOnce(&mut [f32])) {
+    let mut texels: Vec<f32> = map.rows(0).flatten().copied().collect();
+    fault(&mut texels);
+    let side = map.side();
+    map.rows_mut(0).zip(texels.chunks(side)).for_each(|(row, texels)| row.copy_from_slice(texels));
 }
 
 /// Has at each w what the map has at -w.
@@ -80,8 +88,8 @@ fn mirror(map: &mut DepthMap, shape: &MapShape) {
     let [_, middle, _, inverse_half] = shape.fits()[0].map(f64::from);
     let w_of = |row: usize| middle + (1.0 - 2.0 * (row as f64 + 0.5) / side as f64) / inverse_half;
     let row_of = |w: f64| (1.0 - (w - middle) * inverse_half) * side as f64 / 2.0 - 0.5;
-    let before = map.face(0).to_vec();
-    for (row, texels) in map.face_mut(0).chunks_mut(side).enumerate() {
+    let before: Vec<f32> = map.rows(0).flatten().copied().collect();
+    for (row, texels) in map.rows_mut(0).enumerate() {
         let other = row_of(-w_of(row)).round();
         if (0.0..side as f64).contains(&other) {
             texels.copy_from_slice(&before[other as usize * side..][..side]);
@@ -110,7 +118,7 @@ fn a_band_that_its_thread_skipped_is_seen() {
         for left in [CLEARED, 0.0] {
             let skip = |map: &mut DepthMap, _: &MapShape| {
                 let rows = BAND * map.side();
-                map.face_mut(0)[band * rows..][..rows].fill(left);
+                change(map, |texels| texels[band * rows..][..rows].fill(left));
             };
             let fault = differing(&walked, &spoiled(&mut setup, skip));
             println!("{fault} of {}", walked.len());
