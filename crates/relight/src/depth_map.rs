@@ -62,9 +62,4 @@ impl DepthMap {
         let length = self.side * self.stride();
         &mut self.texels[face * length..][..length]
     }
-
-    /// Of its texels.
-    pub fn bytes(&self) -> u64 {
-        size_of_val(self.texels.as_slice()) as u64
-    }
 }
