@@ -64,10 +64,11 @@ pub struct Report {
 
 /// Starts `program serve` on data of its own, drags in one session, and again while another session renders stills.
 pub fn run(program: &Path, options: &Options) -> Result<Report, BenchError> {
-    let data = tempfile::tempdir()?;
+    let folder = tempfile::tempdir()?;
+    // Made by the server, nobody else may look into it.
+    let data = folder.path().join("data");
     let backend = options.backend.map_or("auto", Backend::name);
-    let server =
-        ServerProcess::start(program, data.path(), &["--scene", "demo:vases", "--backend", backend])?;
+    let server = ServerProcess::start(program, &data, &["--scene", "demo:vases", "--backend", backend])?;
     server.wait_until_ready()?;
     created(&server.post("/sessions", br#"{"name": "stills", "scene": "demo:vases"}"#)?)?;
     let mut client = viewer(&server, options)?;

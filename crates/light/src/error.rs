@@ -127,9 +127,7 @@ pub enum LightError {
         point: usize,
     },
     /// Only a spotlight, or a light that is first given a cone, can be bent.
-    #[error(
-        "only a straight light with a cone can be bent, and this is none: move its control points, or add a spotlight"
-    )]
+    #[error("only a straight light can be made a BendyLight, and this one is bent: move its control points")]
     NotASpot,
     /// Only a BendyLight can be made straight.
     #[error("only a BendyLight can be made straight, and this light is straight already: leave it as it is")]

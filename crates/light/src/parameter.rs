@@ -527,7 +527,9 @@ impl Number {
         let unit = |x: f64| if self.unit.is_empty() { x.to_string() } else { format!("{x} {}", self.unit) };
         match (self.min, self.max) {
             (Included(min), Included(max)) => format!("it must lie from {min} to {}", unit(max)),
-            (Excluded(min), Excluded(max)) => format!("it must lie between {min} and {}", unit(max)),
+            (Excluded(min), Excluded(max)) => {
+                format!("it must be more than {min} and less than {}", unit(max))
+            }
             (Included(min), Excluded(max)) => format!("it must be {min} or more and less than {}", unit(max)),
             (Excluded(min), Included(max)) => format!("it must be more than {min} and at most {}", unit(max)),
             (Included(min), Unbounded) => format!("it must be {} or more", unit(min)),

@@ -154,7 +154,8 @@ impl Bench<'_> {
     fn errors(&mut self, subject: &Subject) -> Result<Vec<BackendError>, BenchError> {
         self.step("error against the reference");
         let View { width, height, .. } = subject.view;
-        let view = View { width: width / SMALLER, height: height / SMALLER, ..subject.view.clone() };
+        let [width, height] = [width, height].map(|side| (side / SMALLER).max(1));
+        let view = View { width, height, ..subject.view.clone() };
         let (scene, lights) = (&subject.posed.scene, [subject.bent.clone()]);
         let errors = error::of_sides(&mut self.sides, scene, &lights, &view)?;
         let of_side = |(side, error): (&Side, _)| BackendError { backend: side.backend(), error };

@@ -113,9 +113,11 @@ pub fn run(
     // become busy with something else, and both are the first of their server.
     for (index, backend) in backends.into_iter().enumerate().rev() {
         step(format!("the drag by {}", backend.name()));
-        let data = tempfile::tempdir()?;
+        let folder = tempfile::tempdir()?;
+        // Made by the server, nobody else may look into it.
+        let data = folder.path().join("data");
         let more = ["--scene", options.scene, "--backend", backend.name()];
-        let server = ServerProcess::start(program, data.path(), &more)?;
+        let server = ServerProcess::start(program, &data, &more)?;
         server.wait_until_ready()?;
         let made = bend_where_all_is_straight(&server)?;
         let (circle, drag, report) = dragged(&server, options, backend)?;

@@ -173,7 +173,7 @@ fn every_row_refuses_what_lies_outside_its_range() {
     let sentence = |light: Light| CheckedLight::new(light).expect_err("refused").to_string();
     assert_eq!(
         sentence(Light::spot().with(CONE_ANGLE, 90.0)),
-        "`coneAngle` is 90, but it must lie between 0 and 90 degrees: change it"
+        "`coneAngle` is 90, but it must be more than 0 and less than 90 degrees: change it"
     );
     assert_eq!(
         sentence(along_z(4).with(CONE_SOFTNESS, 1.5)),
