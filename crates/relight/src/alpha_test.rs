@@ -6,6 +6,24 @@
 )]
 
 #[cfg(test)]
+impl AlphaTest {
+    /// Of a picture of one texel, for tests to make theirs of.
+    pub(crate) const OF_ONE_TEXEL: Self = Self {
+        first_triangle: 0,
+        first_index: 0,
+        cutoff: 0.5,
+        factor: 1.0,
+        offset: 0,
+        width: 1,
+        height: 1,
+        levels: 1,
+        wrap_u: Wrap::Repeat,
+        wrap_v: Wrap::Repeat,
+        nearest: false,
+    };
+}
+
+#[cfg(test)]
 mod tests;
 
 use glam::{Vec2, Vec3};

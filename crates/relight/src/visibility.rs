@@ -130,9 +130,58 @@ pub(crate) fn decided(scene: &Scene, surface: &Surface, shares: Shares, grazes: 
     visibility
 }
 
+/// The sides of surfaces that light arrives at.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Facing {
+    /// Which of those asked for it meets from in front, with nothing of themselves in its way.
+    pub asked: Masks,
+    /// Whose triangles face the light too.
+    pub faces_light: Masks,
+    /// Unit normals of the planes that a map is compared with, scene space.
+    pub normal: Vec3s,
+}
+
+/// Those of `asked`, where `to_light` are unit vectors to where light comes from.
+#[inline(always)]
+pub(crate) fn facing(scene: &Scene, surface: &Surface, to_light: Vec3s, asked: Masks) -> Facing {
+    let zero = F32s::splat(0.0);
+    // Light that arrives from behind meets the surface's other side.
+    let asked = asked & F32s::dot(surface.normal, to_light).gt(zero);
+    let asked = asked & !in_their_own_way(scene, surface, to_light, asked);
+    // A facet that faces away lies behind the plane of the smooth surface.
+    let faces_light = F32s::dot(surface.geometric_normal, to_light).gt(zero);
+    let normal = F32s::select_vec(faces_light, surface.geometric_normal, surface.normal);
+    Facing { asked, faces_light, normal }
+}
+
+/// Middle and 1 / half size of what is drawn of each lane's face, given those of all faces.
+#[inline(always)]
+pub(crate) fn fit_of(fits: &[[f32; 4]], face: U32s) -> [F32s; 4] {
+    let [x, y, per_x, per_y] = fits[0];
+    let mut fit = [F32s::splat(x), F32s::splat(y), F32s::splat(per_x), F32s::splat(per_y)];
+    // Sixteen pixels that lie together mostly lie on one face.
+    for (other, [x, y, per_x, per_y]) in (1..).zip(&fits[1..]) {
+        let here = face.equals(U32s::splat(other));
+        if here.any() {
+            fit[0] = F32s::select(here, F32s::splat(*x), fit[0]);
+            fit[1] = F32s::select(here, F32s::splat(*y), fit[1]);
+            fit[2] = F32s::select(here, F32s::splat(*per_x), fit[2]);
+            fit[3] = F32s::select(here, F32s::splat(*per_y), fit[3]);
+        }
+    }
+    fit
+}
+
+/// A place on a face of `side` texels with that fit, y upwards, counted from the centre of the first texel.
+#[inline(always)]
+pub(crate) fn texel_at(fit: [F32s; 4], [x, y]: [F32s; 2], side: F32s) -> [F32s; 2] {
+    let half = F32s::splat(0.5);
+    [((x - fit[0]) * fit[2] * half + half) * side - half, (half - (y - fit[1]) * fit[3] * half) * side - half]
+}
+
 /// Which of `asked` are in the way of the light that comes along `arriving`, unit vectors towards it.
 #[inline(always)]
-pub(crate) fn in_their_own_way(scene: &Scene, surface: &Surface, arriving: Vec3s, asked: Masks) -> Masks {
+fn in_their_own_way(scene: &Scene, surface: &Surface, arriving: Vec3s, asked: Masks) -> Masks {
     let faces_away = F32s::dot(surface.geometric_normal, arriving).le(F32s::splat(0.0));
     let mut in_the_way = Masks::of(false);
     if !(asked & faces_away).any() {

@@ -12,10 +12,6 @@ pub enum Backend {
     Native,
 }
 
-/// Whether the processor draws where nobody says who is to and the graphics device is a processor too: not before it
-/// can.
-const NATIVE_ON_PROCESSORS: bool = true;
-
 impl Backend {
     /// What it is called on command lines and in reports.
     pub fn name(self) -> &'static str {
@@ -25,13 +21,10 @@ impl Backend {
         }
     }
 
-    /// Who draws with `adapter` where nobody says.
+    /// Who draws with `adapter` where nobody says: the processor where that is the graphics device too.
     pub(crate) fn of(adapter: &Adapter) -> Self {
         let is_processor = adapter.get_info().device_type == DeviceType::Cpu;
-        let native = (NATIVE_ON_PROCESSORS || std::env::var_os("BL_NATIVE").is_some())
-            && is_processor
-            && Self::Native.works_with(adapter);
-        if native { Self::Native } else { Self::Wgpu }
+        if is_processor && Self::Native.works_with(adapter) { Self::Native } else { Self::Wgpu }
     }
 
     /// Whether it can draw what `adapter` sees: GL gives no depths back.

@@ -4,19 +4,8 @@ use glam::{Vec2, Vec3};
 
 use super::{AlphaTest, AlphaTests, Wrap};
 
-const TEST: AlphaTest = AlphaTest {
-    first_triangle: 0,
-    first_index: 0,
-    cutoff: 0.5,
-    factor: 1.0,
-    offset: 0,
-    width: 4,
-    height: 4,
-    levels: 1,
-    wrap_u: Wrap::Edge,
-    wrap_v: Wrap::Edge,
-    nearest: false,
-};
+const TEST: AlphaTest =
+    AlphaTest { width: 4, height: 4, wrap_u: Wrap::Edge, wrap_v: Wrap::Edge, ..AlphaTest::OF_ONE_TEXEL };
 /// Alpha grows along u and v, by 10 and 40 a texel.
 const RAMP: [u8; 16] = [0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120, 130, 140, 150];
 /// Sums of four products in f32, each rounded a few times, and uv with a rounding of up to 8 texels.

@@ -1,10 +1,11 @@
 //! Where a receiver lies on the faces of a bent map: the twin of `bent_lookup.wgsl`. The front of a cube, +V, -V, +W and -W
 //! in that order, on which (V, W, R / slope) are as positions are on a straight cone; else one face, even in v and w.
 
-use light::{Lanes, Mask};
+use light::Lanes;
 
 use super::BentMapPlace;
 use crate::lanes::{F32s, Masks, U32s};
+use crate::visibility::{fit_of, texel_at};
 
 /// Two numbers a lane.
 pub(super) type Pair = [F32s; 2];
@@ -32,11 +33,11 @@ pub(super) fn map_texel(map: &BentMapPlace, side: f32, [v_len, w_len]: Pair, rad
     let radius = F32s::select(radius.gt(zero), radius, one);
     let resolution = F32s::splat(side);
     let Some(slope) = map.slope else {
-        let fit = in_lanes(map.fits[0]);
+        let fit = fit_of(&map.fits[..1], U32s::splat(0));
         let step = [F32s::splat(2.0) / (fit[2] * resolution), F32s::splat(-2.0) / (fit[3] * resolution)];
         return MapTexel {
             face: U32s::splat(0),
-            texel: texel(fit, [v_len / radius, w_len / radius], resolution),
+            texel: texel_at(fit, [v_len / radius, w_len / radius], resolution),
             right: [step[0], zero],
             down: [zero, step[1]],
             gain: one,
@@ -53,7 +54,7 @@ pub(super) fn map_texel(map: &BentMapPlace, side: f32, [v_len, w_len]: Pair, rad
     let ahead = F32s::select(front, depth, turned[0].abs());
     let face = face_of(front, along_v, turned[0].gt(zero));
     let xy = [F32s::select(front, v_len, turned[1]) / ahead, F32s::select(front, w_len, depth) / ahead];
-    let fit = fit_of(map, face);
+    let fit = fit_of(&map.fits, face);
     let step = [F32s::splat(2.0) / (fit[2] * resolution), F32s::splat(-2.0) / (fit[3] * resolution)];
     // On a side x = w / |v| and y = 1 / (slope |v|), or the same with v and w exchanged.
     let size = ahead / radius;
@@ -64,7 +65,7 @@ pub(super) fn map_texel(map: &BentMapPlace, side: f32, [v_len, w_len]: Pair, rad
     let span = F32s::splat(map.t_span);
     MapTexel {
         face,
-        texel: texel(fit, xy, resolution),
+        texel: texel_at(fit, xy, resolution),
         right: [
             F32s::select(front, step[0] / slope, side_right[0]),
             F32s::select(front, zero, side_right[1]),
@@ -83,39 +84,8 @@ fn turned_back(along_v: Masks, [a, b]: Pair) -> Pair {
 }
 
 #[inline(always)]
-fn in_lanes([a, b, c, d]: [f32; 4]) -> [F32s; 4] {
-    [F32s::splat(a), F32s::splat(b), F32s::splat(c), F32s::splat(d)]
-}
-
-#[inline(always)]
-fn texel(fit: [F32s; 4], [x, y]: Pair, resolution: F32s) -> Pair {
-    let half = F32s::splat(0.5);
-    [
-        ((x - fit[0]) * fit[2] * half + half) * resolution - half,
-        ((y - fit[1]) * fit[3] * F32s::splat(-0.5) + half) * resolution - half,
-    ]
-}
-
-#[inline(always)]
 fn face_of(front: Masks, along_v: Masks, positive: Masks) -> U32s {
     let on_v = U32s::select(positive, U32s::splat(1), U32s::splat(2));
     let on_w = U32s::select(positive, U32s::splat(3), U32s::splat(4));
     U32s::select(front, U32s::splat(0), U32s::select(along_v, on_v, on_w))
-}
-
-/// Middle and 1 / half size of what is drawn of a face.
-#[inline(always)]
-fn fit_of(map: &BentMapPlace, face: U32s) -> [F32s; 4] {
-    let mut fit = in_lanes(map.fits[0]);
-    for other in 1..5 {
-        let here = face.equals(U32s::splat(other as u32));
-        if here.any() {
-            let [x, y, inverse_width, inverse_height] = in_lanes(map.fits[other]);
-            fit[0] = F32s::select(here, x, fit[0]);
-            fit[1] = F32s::select(here, y, fit[1]);
-            fit[2] = F32s::select(here, inverse_width, fit[2]);
-            fit[3] = F32s::select(here, inverse_height, fit[3]);
-        }
-    }
-    fit
 }

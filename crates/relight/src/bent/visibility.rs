@@ -8,7 +8,7 @@ use crate::Scene;
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, U32s, Vec3s};
 use crate::surfaces::Surface;
-use crate::visibility::{LitTexels, Receiver, decided, filtered, gathered, in_their_own_way};
+use crate::visibility::{Facing, LitTexels, Receiver, decided, facing, filtered, gathered};
 
 /// Lengths along the light, in a texel's widths. From texel to texel the receiver's plane runs along the light so far: more
 /// than this, and what the map cannot tell the scene is asked; ...
@@ -158,9 +158,7 @@ impl Bent {
         let path = self.path(root, v, w);
         let arriving = self.world_vector(path.tangent);
         let arriving = arriving * (F32s::splat(-1.0) / F32s::length(arriving));
-        // Light that arrives from behind meets the surface's other side.
-        let mut asked = asked & F32s::dot(surface.normal, arriving).gt(zero);
-        asked = asked & !in_their_own_way(scene, surface, arriving, asked);
+        let Facing { asked, faces_light, normal } = facing(scene, surface, arriving, asked);
         if !asked.any() {
             return zero;
         }
@@ -171,9 +169,6 @@ impl Bent {
         let lifted = self.lifted((root, &path), lift, sigma);
         let on_map = map_texel(&self.map, map.side() as f32, lifted.vw_len, lifted.radius);
 
-        // A facet that faces away lies behind the plane of the smooth surface.
-        let faces_light = F32s::dot(surface.geometric_normal, arriving).gt(zero);
-        let normal = F32s::select_vec(faces_light, surface.geometric_normal, surface.normal);
         let normal = self.tube_vector(normal);
         let (receiver, width) = self.receiver(root, (&path, v, w), &lifted, &on_map, normal);
         let run = length2(receiver.step);

@@ -1,5 +1,4 @@
 //! Triangles with alpha tests: what has less alpha than the test asks for is a hole, and stores nothing.
-#![expect(clippy::cast_possible_wrap, reason = "places on a map are far below 2^31")]
 #![expect(
     clippy::inline_always,
     reason = "what is not inlined is compiled without the vectors that the caller has"
@@ -11,7 +10,7 @@ use super::clip::Polygon;
 use super::large::{Large, Plane};
 use super::project::Projection;
 use super::rule::Rule;
-use super::wide::{Floats, Ints, LANES};
+use super::wide::{Floats, LANES};
 use super::{BAND, Band, HoledTriangle};
 use crate::alpha_test::AlphaTests;
 
@@ -87,11 +86,7 @@ impl Holed {
             let mut done = 0;
             while done < run.count {
                 let Some(texels) = band.texels[at + done..].first_chunk_mut::<LANES>() else { return };
-                let along = band.count + Ints::splat(done as i32);
-                let covered = Ints::splat(run.count as i32 - 1) - along;
-                let along = along.floats();
-                let n = along.times_plus(Floats::splat(run.n_step), Floats::splat(run.n));
-                let d = along.times_plus(Floats::splat(run.d_step), Floats::splat(run.d));
+                let (covered, n, d) = run.sixteen(done, band.count);
                 let stored = rule.stored(covered, n, d, rule.in_row(row), Floats(*texels));
                 for (lane, texel) in texels.iter_mut().enumerate() {
                     // What something nearer hides needs no test.

@@ -146,6 +146,19 @@ impl Large {
     }
 }
 
+impl Run {
+    /// Which texels are covered of the sixteen from `done` texels after its first on, and N and D there.
+    #[inline(always)]
+    pub fn sixteen(&self, done: usize, count: Ints) -> (Ints, Floats, Floats) {
+        let along = count + Ints::splat(done as i32);
+        let covered = Ints::splat(self.count as i32 - 1) - along;
+        let along = along.floats();
+        let n = along.times_plus(Floats::splat(self.n_step), Floats::splat(self.n));
+        let d = along.times_plus(Floats::splat(self.d_step), Floats::splat(self.d));
+        (covered, n, d)
+    }
+}
+
 /// A plane where the edge functions of the second and the third corner are `one` and `two`.
 #[inline(always)]
 fn here(plane: &Plane, one: f64, two: f64) -> f64 {
@@ -164,11 +177,7 @@ pub(super) fn draw<R: Rule>(rule: R, large: &Large, band: &mut Band) {
         let mut done = 0;
         while done < run.count {
             let Some(texels) = band.texels[at + done..].first_chunk_mut::<LANES>() else { return };
-            let along = band.count + Ints::splat(done as i32);
-            let covered = Ints::splat(run.count as i32 - 1) - along;
-            let along = along.floats();
-            let n = along.times_plus(Floats::splat(run.n_step), Floats::splat(run.n));
-            let d = along.times_plus(Floats::splat(run.d_step), Floats::splat(run.d));
+            let (covered, n, d) = run.sixteen(done, band.count);
             *texels = rule.stored(covered, n, d, in_row, Floats(*texels)).0;
             done += LANES;
         }

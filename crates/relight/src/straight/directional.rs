@@ -4,12 +4,12 @@
 use glam::Mat4;
 use light::{Lanes, LightFilter, Mask};
 
-use super::{DEPTH_ROUNDING, GRAZING, LightFrame, Located, REACH, nothing};
+use super::{DEPTH_ROUNDING, GRAZING, LightFrame, Located, REACH, nothing, rise_of_facets};
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, U32s, Vec3s};
 use crate::shape::{Sample, Shape};
 use crate::surfaces::Surface;
-use crate::visibility::{LitTexels, Receiver, decided, filtered, gathered, in_their_own_way};
+use crate::visibility::{Facing, LitTexels, Receiver, decided, facing, filtered, fit_of, gathered, texel_at};
 use crate::{Scene, ShadowFilter};
 
 /// A directional light as it is drawn.
@@ -129,22 +129,17 @@ impl Directional {
         to_light: Vec3s,
         asked: Masks,
     ) -> F32s {
-        let (zero, one, half) = (F32s::splat(0.0), F32s::splat(1.0), F32s::splat(0.5));
-        // Light that arrives from behind meets the surface's other side.
-        let mut asked = asked & F32s::dot(surface.normal, to_light).gt(zero);
-        asked = asked & !in_their_own_way(scene, surface, to_light, asked);
+        let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
+        let Facing { asked, faces_light, normal } = facing(scene, surface, to_light, asked);
         if !asked.any() {
             return zero;
         }
-        // A facet that faces away lies behind the plane of the smooth surface.
-        let faces_light = F32s::dot(surface.geometric_normal, to_light).gt(zero);
-        let scene_normal = F32s::select_vec(faces_light, surface.geometric_normal, surface.normal);
         let start = surface.shadow_position();
         let at = self.frame.vector(start);
-        let normal = self.frame.vector(scene_normal);
+        let normal = self.frame.vector(normal);
         let cosine = normal.z.most(F32s::splat(1e-20));
         let place = &self.map;
-        let [middle_x, middle_y, per_x, per_y] = place.fit;
+        let [.., per_x, per_y] = place.fit;
         let (side, depth_scale) = (F32s::splat(map.side() as f32), F32s::splat(place.depth_scale));
         // In world units.
         let texels = [2.0 / (per_x * map.side() as f32), 2.0 / (per_y * map.side() as f32)];
@@ -154,19 +149,15 @@ impl Directional {
 
         // Nothing is higher than the map's depths reach.
         let run = (F32s::splat(REACH) * width).most(F32s::splat(1.5) * rise_length).least(one / depth_scale);
-        // A neighbouring facet that rises out of the plane by 0.25 rad is no occluder: a quarter of a texel's width,
-        // longer along the light where it grazes. Nor is the receiver's own caster, which strays along the normal;
-        // light grazes at a cosine of 0.1 at least. And positions are rounded, as are the map's depths, up to 1.
-        let facets = F32s::splat(0.25) * width / (cosine * cosine).most(F32s::splat(0.06));
+        // The receiver's own caster strays along the normal; light grazes at a cosine of 0.1 at least. And positions are
+        // rounded, as are the map's depths, up to 1.
+        let facets = rise_of_facets(width, cosine);
         let strayed = F32s::splat(place.mesh_error) / cosine.most(F32s::splat(0.1));
         let rounding = start.x.abs().most(start.y.abs()).most(start.z.abs()) * F32s::splat(1.0 / 2_097_152.0);
         let tolerance = (facets + strayed + rounding) * depth_scale + F32s::splat(DEPTH_ROUNDING);
         let most = run * depth_scale;
         let receiver = DirectionalReceiver {
-            texel: [
-                ((at.x - F32s::splat(middle_x)) * F32s::splat(0.5 * per_x) + half) * side - half,
-                (half - (at.y - F32s::splat(middle_y)) * F32s::splat(0.5 * per_y)) * side - half,
-            ],
+            texel: texel_at(fit_of(&[place.fit], U32s::splat(0)), [at.x, at.y], side),
             depth: (at.z - F32s::splat(place.bottom)) * depth_scale,
             step: [rise[0] * depth_scale, -rise[1] * depth_scale],
             most,

@@ -94,6 +94,34 @@ impl Located {
     }
 }
 
+/// A neighbouring facet that rises out of a plane by 0.25 rad is no occluder: a quarter of a texel's `width`, longer along the light
+/// where it grazes, `cosine` being that of its angle with the plane's normal, with either sign.
+#[inline(always)]
+fn rise_of_facets(width: F32s, cosine: F32s) -> F32s {
+    F32s::splat(0.25) * width / (cosine * cosine).most(F32s::splat(0.06))
+}
+
+/// The receiver's own caster may stray by `error` towards a source that is `height` over its plane and `way_length` away: moved so
+/// far along its normal, its plane has 1 / depth larger by the share `error / (height - error)`, at most by its own size; light
+/// grazes at a cosine of 0.1.
+#[inline(always)]
+fn strayed(height: F32s, way_length: F32s, error: f32) -> F32s {
+    let error = F32s::splat(error);
+    let plane_height = height.most(F32s::splat(0.1) * way_length);
+    let room = (plane_height - error).most(error);
+    F32s::select(room.gt(F32s::splat(0.0)), error / room, F32s::splat(0.0))
+}
+
+/// Seen edge on, a plane runs off to the source or to infinity within a texel: by which share of light's way it is followed, `reach`
+/// at most half of it, and farther to the texels around, but for the first tenth. `run` is how far it runs from one to the next, as
+/// a share too.
+#[inline(always)]
+fn followed(reach: F32s, run: F32s) -> F32s {
+    let around = F32s::splat(1.5) * run;
+    let to_texels_around = (around / (F32s::splat(1.0) + around)).least(F32s::splat(0.9));
+    reach.least(F32s::splat(0.5)).most(to_texels_around)
+}
+
 /// Nothing of a light that holds none of the surfaces.
 #[inline(always)]
 fn nothing() -> Sample {

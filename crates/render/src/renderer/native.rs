@@ -58,9 +58,10 @@ impl Renderer {
         Ok(bytes)
     }
 
-    /// [`Renderer::draw_sample`] of the beauty, or of how much of a light nothing is in the way of. Lights add up in their order in a sum of the sample's own, then the fill and
-    /// that are added to the samples before: so do layers of up to [`gpu_structs::TERMS`] lights on a screen, which one
-    /// sample is to the bit. Where there are more, sums of four add up there, and roundings differ.
+    /// [`Renderer::draw_sample`] of the beauty, or of how much of a light nothing is in the way of. Lights add up in their
+    /// order in a sum of the sample's own, then the fill and that are added to the samples before: so do layers of up to
+    /// [`gpu_structs::TERMS`] lights on a screen, which one sample is to the bit. Where there are more, sums of four add
+    /// up there, and roundings differ.
     ///
     /// Nothing of that depends on tiles, or on pauses.
     pub(super) fn draw_sample_natively(

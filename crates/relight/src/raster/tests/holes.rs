@@ -5,23 +5,11 @@ use glam::Mat3;
 use super::oracle::meet;
 use super::{Depths, PLAIN, Random, Triangle};
 use crate::Workers;
-use crate::alpha_test::{AlphaTest, AlphaTests, Wrap};
+use crate::alpha_test::{AlphaTest, AlphaTests};
 use crate::depth_map::stride;
 use crate::raster::{Face, Holed, HoledTriangle, Scratch, draw_face_with_holes, without_gaps};
 
-const TEST: AlphaTest = AlphaTest {
-    first_triangle: 0,
-    first_index: 0,
-    cutoff: 0.5,
-    factor: 1.0,
-    offset: 0,
-    width: 1,
-    height: 1,
-    levels: 1,
-    wrap_u: Wrap::Repeat,
-    wrap_v: Wrap::Repeat,
-    nearest: true,
-};
+const TEST: AlphaTest = AlphaTest { nearest: true, ..AlphaTest::OF_ONE_TEXEL };
 
 fn drawn(
     plain: &[Triangle],

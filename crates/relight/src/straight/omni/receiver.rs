@@ -2,13 +2,13 @@
 
 use light::{Lanes, Mask};
 
-use super::super::{DEPTH_ROUNDING, GRAZING, REACH};
+use super::super::{DEPTH_ROUNDING, GRAZING, REACH, followed, rise_of_facets, strayed};
 use super::Omni;
 use crate::Scene;
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, U32s, Vec3s};
 use crate::surfaces::Surface;
-use crate::visibility::{LitTexels, Receiver, decided, filtered, gathered, in_their_own_way};
+use crate::visibility::{Facing, LitTexels, Receiver, decided, facing, filtered, fit_of, gathered, texel_at};
 
 /// The faces that hold positions in light space.
 #[inline(always)]
@@ -87,22 +87,17 @@ impl Omni {
         to_light: Vec3s,
         asked: Masks,
     ) -> F32s {
-        let (zero, one, half) = (F32s::splat(0.0), F32s::splat(1.0), F32s::splat(0.5));
-        // Light that arrives from behind meets the surface's other side.
-        let mut asked = asked & F32s::dot(surface.normal, to_light).gt(zero);
-        asked = asked & !in_their_own_way(scene, surface, to_light, asked);
+        let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
+        let Facing { asked, faces_light, normal } = facing(scene, surface, to_light, asked);
         if !asked.any() {
             return zero;
         }
-        // A facet that faces away lies behind the plane of the smooth surface.
-        let faces_light = F32s::dot(surface.geometric_normal, to_light).gt(zero);
-        let scene_normal = F32s::select_vec(faces_light, surface.geometric_normal, surface.normal);
         let in_light = self.frame.position(surface.shadow_position());
         let face = face_of(in_light);
-        let fit = self.fit_of(face);
+        let fit = fit_of(&self.map.fits, face);
         let side = F32s::splat(map.side() as f32);
         let at = seen_on(face, in_light);
-        let normal = seen_on(face, self.frame.vector(scene_normal));
+        let normal = seen_on(face, self.frame.vector(normal));
         let ahead = at.z.most(F32s::splat(1e-30));
         let way_length = F32s::length(at);
         let near = F32s::splat(self.map.near);
@@ -117,31 +112,17 @@ impl Omni {
         let nearness = near / ahead;
         let step = [-(normal.x * slopes[0] * per_height), normal.y * slopes[1] * per_height];
 
-        // Seen edge on, the plane runs off to the source or to infinity within a texel: it is followed as far as the
-        // texels around go, but for the first tenth of light's way.
         let run = (step[0] * step[0] + step[1] * step[1]).sqrt() / nearness;
-        let around = F32s::splat(1.5) * run;
-        let tenth = F32s::splat(0.9);
-        let share =
-            (F32s::splat(REACH) * width / ahead).least(half).most((around / (one + around)).least(tenth));
+        let share = followed(F32s::splat(REACH) * width / ahead, run);
         let most = nearness / (one - share);
 
-        // A neighbouring facet that rises out of the plane by 0.25 rad is no occluder: a quarter of a texel's width,
-        // longer along the light where it grazes. Nor is the receiver's own caster, which strays along the normal. And
-        // what is stored, linear across a triangle, is off by some ulps of its largest value, 1.
-        let cosine = height / way_length;
-        let rise = F32s::splat(0.25) * width / (cosine * cosine).most(F32s::splat(0.06));
-        let error = F32s::splat(self.map.mesh_error);
-        let plane_height = height.most(F32s::splat(0.1) * way_length);
-        let room = (plane_height - error).most(error);
-        let strayed = F32s::select(room.gt(zero), error / room, zero);
+        // What is stored, linear across a triangle, is off by some ulps of its largest value, 1.
+        let rise = rise_of_facets(width, height / way_length);
+        let strayed = strayed(height, way_length, self.map.mesh_error);
         let tolerance = nearness * (rise / ahead + strayed) + F32s::splat(DEPTH_ROUNDING);
         let receiver = OmniReceiver {
             face,
-            texel: [
-                ((at.x / ahead - fit[0]) * fit[2] * half + half) * side - half,
-                (half - (at.y / ahead - fit[1]) * fit[3] * half) * side - half,
-            ],
+            texel: texel_at(fit, [at.x / ahead, at.y / ahead], side),
             nearness,
             step,
             least: nearness * (one - share),
@@ -154,25 +135,7 @@ impl Omni {
         // Beside the receiver a steep caster may be nearer than it is here: the scene is asked for twice the reach, and
         // as far as the plane runs in the texels around.
         let grazes = asked & (!faces_light | (run * ahead).gt(F32s::splat(GRAZING) * width));
-        let way = to_light * (way_length * (F32s::splat(3.0) * share).least(tenth));
+        let way = to_light * (way_length * (F32s::splat(3.0) * share).least(F32s::splat(0.9)));
         F32s::select(asked, decided(scene, surface, shares, grazes, way), zero)
-    }
-
-    /// Middle and 1 / half size of what is drawn of faces, as slopes.
-    #[inline(always)]
-    fn fit_of(&self, face: U32s) -> [F32s; 4] {
-        let [x, y, per_x, per_y] = self.map.fits[0];
-        let mut fit = [F32s::splat(x), F32s::splat(y), F32s::splat(per_x), F32s::splat(per_y)];
-        // Sixteen pixels that lie together mostly lie on one face.
-        for (other, [x, y, per_x, per_y]) in (1..).zip(&self.map.fits[1..]) {
-            let here = face.equals(U32s::splat(other));
-            if here.any() {
-                fit[0] = F32s::select(here, F32s::splat(*x), fit[0]);
-                fit[1] = F32s::select(here, F32s::splat(*y), fit[1]);
-                fit[2] = F32s::select(here, F32s::splat(*per_x), fit[2]);
-                fit[3] = F32s::select(here, F32s::splat(*per_y), fit[3]);
-            }
-        }
-        fit
     }
 }

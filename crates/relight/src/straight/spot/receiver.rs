@@ -2,13 +2,13 @@
 
 use light::{Lanes, Mask};
 
-use super::super::{DEPTH_ROUNDING, GRAZING, REACH};
+use super::super::{DEPTH_ROUNDING, GRAZING, REACH, followed, rise_of_facets, strayed};
 use super::Spot;
 use crate::Scene;
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, U32s, Vec3s};
 use crate::surfaces::Surface;
-use crate::visibility::{LitTexels, Receiver, decided, filtered, gathered, in_their_own_way};
+use crate::visibility::{Facing, LitTexels, Receiver, decided, facing, filtered, fit_of, gathered, texel_at};
 
 /// The faces that hold positions in light space.
 #[inline(always)]
@@ -103,22 +103,17 @@ impl Spot {
         to_light: Vec3s,
         asked: Masks,
     ) -> F32s {
-        let (zero, one, half) = (F32s::splat(0.0), F32s::splat(1.0), F32s::splat(0.5));
-        // Light that arrives from behind meets the surface's other side.
-        let mut asked = asked & F32s::dot(surface.normal, to_light).gt(zero);
-        asked = asked & !in_their_own_way(scene, surface, to_light, asked);
+        let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
+        let Facing { asked, faces_light, normal } = facing(scene, surface, to_light, asked);
         if !asked.any() {
             return zero;
         }
-        // A facet that faces away lies behind the plane of the smooth surface.
-        let faces_light = F32s::dot(surface.geometric_normal, to_light).gt(zero);
-        let normal = F32s::select_vec(faces_light, surface.geometric_normal, surface.normal);
         let in_light = self.frame.position(surface.shadow_position());
         let face = if map.faces() > 1 { face_of(in_light) } else { U32s::splat(0) };
         let position = on_face(face, in_light);
         let normal = on_face(face, self.frame.vector(normal));
         let depth = position.z.most(F32s::splat(1e-30));
-        let fit = self.fit_of(face);
+        let fit = fit_of(&self.map.fits, face);
         let side = F32s::splat(map.side() as f32);
 
         let slopes = [F32s::splat(2.0) / (fit[2] * side), F32s::splat(2.0) / (fit[3] * side)];
@@ -130,33 +125,16 @@ impl Spot {
         let per_distance = one / plane_distance;
         let step = [normal.x * per_distance * slopes[0], -(normal.y * per_distance * slopes[1])];
 
-        // A neighbouring facet that rises out of this plane by 0.25 rad is not an occluder: that many texels of depth,
-        // more where light grazes. And the map's depth, linear across a triangle, is off by some ulps of its largest
-        // value, 1.
-        let cosine = plane_distance / way_length;
-        let rise = F32s::splat(0.25) * texel_slope / (cosine * cosine).most(F32s::splat(0.06));
-        // The receiver's own caster may stray by e towards the light: with n.p = D < 0 the plane, moved so far along
-        // its normal, has 1 / depth larger by the share e / (|D| - e), at most by its own size; light grazes at a
-        // cosine of 0.1.
-        let error = F32s::splat(self.map.mesh_error);
-        let plane_height = (-plane_distance).most(F32s::splat(0.1) * way_length);
-        let room = (plane_height - error).most(error);
-        let strayed = F32s::select(room.gt(zero), error / room, zero);
+        // The map's depth, linear across a triangle, is off by some ulps of its largest value, 1.
+        let rise = rise_of_facets(texel_slope, plane_distance / way_length);
+        let strayed = strayed(-plane_distance, way_length, self.map.mesh_error);
         let tolerance = (rise + strayed) * stored_depth + F32s::splat(DEPTH_ROUNDING);
 
-        // Seen edge on, the plane runs off to the source or to infinity within a texel: it is followed to the texels
-        // around, but for the first tenth of light's way.
         let run = (step[0] * step[0] + step[1] * step[1]).sqrt() * depth;
-        let around = F32s::splat(1.5) * run;
-        let tenth = F32s::splat(0.9);
-        let most =
-            (F32s::splat(REACH) * texel_slope).least(half).most((around / (one + around)).least(tenth));
+        let most = followed(F32s::splat(REACH) * texel_slope, run);
         let receiver = SpotReceiver {
             face,
-            texel: [
-                ((position.x * inverse_depth - fit[0]) * fit[2] * half + half) * side - half,
-                (half - (position.y * inverse_depth - fit[1]) * fit[3] * half) * side - half,
-            ],
+            texel: texel_at(fit, [position.x * inverse_depth, position.y * inverse_depth], side),
             inverse_depth,
             step,
             tolerance,
@@ -169,25 +147,7 @@ impl Spot {
         // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach,
         // and as far as the plane runs in the texels around.
         let grazes = asked & (!faces_light | run.gt(F32s::splat(GRAZING) * texel_slope));
-        let way = to_light * (way_length * (F32s::splat(3.0) * most).least(tenth));
+        let way = to_light * (way_length * (F32s::splat(3.0) * most).least(F32s::splat(0.9)));
         F32s::select(asked, decided(scene, surface, shares, grazes, way), zero)
-    }
-
-    /// Middle and 1 / half size of what is drawn of faces, as slopes.
-    #[inline(always)]
-    fn fit_of(&self, face: U32s) -> [F32s; 4] {
-        let [x, y, per_x, per_y] = self.map.fits[0];
-        let mut fit = [F32s::splat(x), F32s::splat(y), F32s::splat(per_x), F32s::splat(per_y)];
-        // Sixteen pixels that lie together mostly lie on one face.
-        for (other, [x, y, per_x, per_y]) in (1..).zip(&self.map.fits[1..]) {
-            let here = face.equals(U32s::splat(other));
-            if here.any() {
-                fit[0] = F32s::select(here, F32s::splat(*x), fit[0]);
-                fit[1] = F32s::select(here, F32s::splat(*y), fit[1]);
-                fit[2] = F32s::select(here, F32s::splat(*per_x), fit[2]);
-                fit[3] = F32s::select(here, F32s::splat(*per_y), fit[3]);
-            }
-        }
-        fit
     }
 }

@@ -6,7 +6,7 @@ use super::super::{HoledCasters, HoledRun, StraightFace, StraightMap, StraightWo
 use super::shadows::{BOARD, Board, MARGIN, SIDE, SPOT_FACE, drawn, floor, scene, spot};
 use crate::lanes::LANES;
 use crate::shape::Shape;
-use crate::{AlphaTest, AlphaTests, DepthMap, Workers, Wrap};
+use crate::{AlphaTest, AlphaTests, DepthMap, Workers};
 
 #[test]
 fn light_comes_through_holes_and_nowhere_else() {
@@ -14,20 +14,7 @@ fn light_comes_through_holes_and_nowhere_else() {
     // Alpha falls along x from 1 to 0, and what has less than a half is a hole.
     let attributes: Vec<[f32; 9]> =
         positions.map(|[x, ..]| [0.0, 0.0, 1.0, 0.5, 0.5, 1.0, 1.0, 1.0, (0.2 - x) / 0.5]).into();
-    let test = AlphaTest {
-        first_triangle: 0,
-        first_index: 0,
-        cutoff: 0.5,
-        factor: 1.0,
-        offset: 0,
-        width: 1,
-        height: 1,
-        levels: 1,
-        wrap_u: Wrap::Repeat,
-        wrap_v: Wrap::Repeat,
-        nearest: false,
-    };
-    let tests = AlphaTests { tests: &[test], texels: &[255] };
+    let tests = AlphaTests { tests: &[AlphaTest::OF_ONE_TEXEL], texels: &[255] };
     let scene = scene(&positions, &attributes, 0);
     let run = |triangles| [HoledRun { triangles, test: 0 }];
     let map = |runs: &[HoledRun]| {
