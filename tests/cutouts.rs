@@ -1,4 +1,4 @@
-//! Alpha tests on the GPU against the reference: what passes stays the same with distance, and holes throw their
+//! Alpha tests on the GPU against the reference: foliage covers what it should, near and far, and holes throw their
 //! shadows.
 //!
 //! `BENDYLIGHTS_ACCURACY_SIZE=686x382` compares full pictures, `BENDYLIGHTS_ACCURACY_PICTURES=DIR` keeps the
@@ -10,13 +10,14 @@ use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
 use bench::compare::{Comparison, Drawn, Expected, Subject};
-use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2, Vec3, Vec4};
+use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3, Vec2, Vec3, Vec4};
 use light::parameters::{CONE_ANGLE, DECAY, RANGE, ROTATION, TRANSLATION};
 use light::{Decay, Light, LightInstance, Owner};
 use reference::Reference;
 use render::{Gpu, Renderer, ShadowSettings};
 use scene::{
     Aov, Camera, Image, Material, Mesh, Node, Primitive, Projection, Sampler, Scene, TextureRef, View,
+    ViewRay,
 };
 
 static GPU: LazyLock<Arc<Gpu>> = LazyLock::new(|| Arc::new(Gpu::new().expect("a graphics driver")));
@@ -44,9 +45,11 @@ fn spread(k: u32, step: f64) -> f64 {
     (0.5 + f64::from(k) * step).fract()
 }
 
+/// Of the picture of leaves.
+const SIDE: u32 = 128;
+
 /// Small leaves with soft edges, strewn over a repeating picture.
 fn foliage() -> Image {
-    const SIDE: u32 = 128;
     let leaf = |k: u32| [spread(k, 0.754_877_666), spread(k, 0.569_840_291), spread(k, 0.618_033_989)];
     let inside = |x: f64, y: f64| {
         let from = |k: u32| {
@@ -66,7 +69,7 @@ fn foliage() -> Image {
     Image { width: SIDE, height: SIDE, rgba8: (0..SIDE * SIDE).flat_map(texel).collect() }
 }
 
-/// `image` at a half of its size as often, by averages: what plain mip levels show.
+/// `image` at a half of its size as often, by averages: what mip levels show.
 fn averaged(image: &Image, times: u32) -> Image {
     (0..times).fold(image.clone(), |image, _| {
         let (width, height) = (image.width / 2, image.height / 2);
@@ -81,104 +84,272 @@ fn averaged(image: &Image, times: u32) -> Image {
     })
 }
 
-/// Pixels of a card in the nearest band; half as many in each of the others.
-const NEAREST_PIXELS: u32 = 32;
-const BANDS: u32 = 6;
-const FIELD: [u32; 2] = [8 * NEAREST_PIXELS, BANDS * NEAREST_PIXELS];
-const FIELD_YFOV: f64 = 0.4;
+/// What cards show.
+struct Leaves {
+    image: Image,
+    /// Of each side, from its corner; `None` where cards begin anywhere and the picture repeats.
+    used_texels: Option<f64>,
+    cutoff: f32,
+    /// The material's alpha.
+    factor: f32,
+    /// The least alpha of vertices.
+    vertices: f64,
+}
 
-/// Bands of cards, each twice as far away as the one below and full of cards of one size. Every card begins
-/// elsewhere in the picture, so that pixels meet all of it.
-fn field(image: Image, (cutoff, factor): (f32, f32)) -> Scene {
-    let focal = f64::from(FIELD[1]) / 2.0 / (FIELD_YFOV / 2.0).tan();
-    let mut cards = Primitive::default();
-    let mut count = 0;
-    for band in 0..BANDS {
-        let distance = 3.0 * f64::from(1 << band);
-        let world = |pixels: f64| pixels / focal * distance;
-        let size = f64::from(NEAREST_PIXELS >> band);
-        for k in 0..8 << (2 * band) {
-            let (column, row) = (k % (8 << band), k / (8 << band));
-            let left = f64::from(column) * size - f64::from(FIELD[0]) / 2.0;
-            let low = f64::from(band * NEAREST_PIXELS) + f64::from(row) * size - f64::from(FIELD[1]) / 2.0;
-            let start = Vec2::new(spread(count, 0.754_877_666) as f32, spread(count, 0.569_840_291) as f32);
-            let first = cards.positions.len() as u32;
-            for (x, y) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
-                let at = DVec3::new(world(left + x * size), world(low + y * size), -distance);
-                cards.positions.push(at.as_vec3());
-                cards.normals.push(Vec3::Z);
-                cards.uvs.push(start + Vec2::new(x as f32, -y as f32));
+impl Leaves {
+    /// Cards that show any part of a repeating picture.
+    fn strewn() -> Self {
+        Self { image: foliage(), used_texels: None, cutoff: 0.5, factor: 1.0, vertices: 1.0 }
+    }
+
+    /// Cards that show a quarter of a picture, the rest of which is solid; with factors, and alpha at their vertices.
+    fn of_atlas() -> Self {
+        let (leaves, used) = (foliage(), 2 * SIDE);
+        let texel = |k: u32| {
+            let (x, y) = (k % (2 * used), k / (2 * used));
+            if x.max(y) >= used {
+                return [60, 120, 40, 255];
             }
-            cards.indices.extend([0, 1, 2, 0, 2, 3].map(|corner| first + corner));
-            count += 1;
+            let at = 4 * (y % SIDE * SIDE + x % SIDE) as usize;
+            [0, 1, 2, 3].map(|channel| leaves.rgba8[at + channel])
+        };
+        let rgba8 = (0..4 * used * used).flat_map(texel).collect();
+        let image = Image { width: 2 * used, height: 2 * used, rgba8 };
+        Self { image, used_texels: Some(f64::from(used)), cutoff: 0.3, factor: 0.6, vertices: 0.8 }
+    }
+
+    fn material(&self) -> Material {
+        Material {
+            base_color: Vec4::new(1.0, 1.0, 1.0, self.factor),
+            base_color_texture: Some(TextureRef { image: 0, sampler: Sampler::default() }),
+            alpha_cutoff: Some(self.cutoff),
+            ..Material::default()
         }
     }
-    let material = Material {
-        base_color: Vec4::new(1.0, 1.0, 1.0, factor),
-        base_color_texture: Some(TextureRef { image: 0, sampler: Sampler::default() }),
-        alpha_cutoff: Some(cutoff),
-        ..Material::default()
-    };
+}
+
+/// Sides of the pictures that are compared, in pixels: of what is seen of leaves one sample a pixel tells
+/// `sqrt((1 - p) / (p n))` = 0.8 %, and less where neighbours see the same leaf.
+const PICTURE: u32 = 160;
+const YFOV: f64 = 0.02;
+const DISTANCE: f64 = 10.0;
+/// Of a card, in pixels where it is seen straight on, unless less is used of the picture.
+const CARD: f64 = 32.0;
+
+/// A wall of cards that leans back by `slant` degrees and fills the picture. So many texels lie side by side in a pixel,
+/// and down the slant more.
+fn wall(leaves: &Leaves, texels: f64, slant: f64) -> Scene {
+    let pixel = 2.0 * DISTANCE * (0.5 * YFOV).tan() / f64::from(PICTURE);
+    let shown = leaves.used_texels.unwrap_or(f64::INFINITY).min(CARD * texels);
+    let (side, up) =
+        (shown / texels * pixel, DVec3::new(0.0, slant.to_radians().cos(), -slant.to_radians().sin()));
+    // More than the picture, which is turned, and which what is farther away fills less of.
+    let half = 0.75 * f64::from(PICTURE) * pixel;
+    let (columns, rows) = ((half / side).ceil() as i32, (half / up.y / side).ceil() as i32);
+    let texture = f64::from(leaves.image.width);
+    let mut cards = Primitive::default();
+    for (count, (row, column)) in
+        (0_u32..).zip((-rows..rows).flat_map(|row| (-columns..columns).map(move |column| (row, column))))
+    {
+        let free = leaves.used_texels.map_or(texture, |used| used - shown);
+        let start = [0.754_877_666, 0.569_840_291].map(|step| spread(count, step) * free);
+        let alpha = 1.0 - (1.0 - leaves.vertices) * spread(count, 0.618_033_989);
+        let first = cards.positions.len() as u32;
+        for (x, y) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+            let across = DVec3::X * (f64::from(column) + x) * side;
+            let at = DVec3::new(0.0, 0.0, -DISTANCE) + across + up * (f64::from(row) + y) * side;
+            let uv =
+                [start[0] + x * shown, start[1] + (1.0 - y) * shown].map(|texel| (texel / texture) as f32);
+            cards.positions.push(at.as_vec3());
+            cards.normals.push(Vec3::Z);
+            cards.uvs.push(Vec2::from(uv));
+            cards.colors.push(Vec4::new(1.0, 1.0, 1.0, alpha as f32));
+        }
+        cards.indices.extend([0, 1, 2, 0, 2, 3].map(|corner| first + corner));
+    }
+    scene_of(leaves, vec![cards])
+}
+
+fn scene_of(leaves: &Leaves, primitives: Vec<Primitive>) -> Scene {
+    let name = String::new();
     Scene {
-        nodes: vec![Node {
-            name: String::new(),
-            parent: None,
-            parent_from_local: DAffine3::IDENTITY,
-            mesh: Some(0),
-        }],
-        meshes: vec![Mesh { name: String::new(), primitives: vec![cards] }],
-        materials: vec![material],
-        images: vec![image],
+        nodes: vec![Node { name, parent: None, parent_from_local: DAffine3::IDENTITY, mesh: Some(0) }],
+        meshes: vec![Mesh { name: String::new(), primitives }],
+        materials: vec![leaves.material()],
+        images: vec![leaves.image.clone()],
         ..Scene::default()
     }
 }
 
-/// The share of each band, the nearest first, in which `seen` says a pixel shows a card: 0 to 1.
-fn coverage(seen: impl Fn(u32, u32) -> f64) -> Vec<f64> {
-    let band = |band: u32| {
-        let rows = (BANDS - 1 - band) * NEAREST_PIXELS..(BANDS - band) * NEAREST_PIXELS;
-        let pixels = rows.flat_map(|y| (0..FIELD[0]).map(move |x| (x, y)));
-        pixels.map(|(x, y)| seen(x, y)).sum::<f64>() / f64::from(FIELD[0] * NEAREST_PIXELS)
-    };
-    (0..BANDS).map(band).collect()
+/// What is seen of a scene in views of one size, one below the other: the share of each pixel that something covers.
+struct Coverage {
+    width: usize,
+    pixels: Vec<f64>,
 }
 
-fn field_view() -> View {
-    let camera = camera([0.0; 3], [0.0, 0.0, -1.0], FIELD_YFOV);
-    View { aov: Aov::Depth, ..View::beauty(camera, FIELD) }
-}
-
-fn drawn_coverage(scene: &Scene) -> Vec<f64> {
-    let depth = renderer(scene).render(&field_view(), &[]).expect("it can be drawn");
-    coverage(|x, y| f64::from(depth.pixels[(y * FIELD[0] + x) as usize][3]))
-}
-
-/// As much is seen of foliage far away as the reference sees with 16 samples a pixel, within a tenth: that much a
-/// level may be off (`crates/render/src/coverage.rs`).
-#[test]
-fn foliage_keeps_its_coverage() {
-    for test in [(0.5, 1.0), (0.3, 0.6), (0.7, 0.9)] {
-        let scene = field(foliage(), test);
-        let reference = Reference::new(scene::pose(scene.clone()));
-        let view = field_view();
-        let expected = coverage(|x, y| {
-            let hit = |k: u32| {
-                let place = [k % 4, k / 4].map(|at| (f64::from(at) + 0.5) / 4.0);
-                let at = glam::DVec2::new(f64::from(x) + place[0], f64::from(y) + place[1]);
-                reference.surface(&view, at).is_some()
-            };
-            (0..16).filter(|k| hit(*k)).count() as f64 / 16.0
-        });
-        let off = |found: &[f64]| -> Vec<f64> {
-            found.iter().zip(&expected).map(|(found, expected)| found / expected - 1.0).collect()
+impl Coverage {
+    /// Of the GPU's pictures, by one sample a pixel.
+    fn drawn(scene: &Scene, views: &[View]) -> Self {
+        let mut renderer = renderer(scene);
+        let mut drawn = |view: &View| {
+            let depth = renderer.render(&View { aov: Aov::Depth, ..view.clone() }, &[]);
+            depth.expect("it can be drawn").pixels.into_iter().map(|pixel| f64::from(pixel[3]))
         };
-        let found = off(&drawn_coverage(&scene));
-        println!("cut-off {test:?}: expected {expected:.3?}, off by {found:.3?}");
-        assert!(found.iter().all(|off| off.abs() <= 0.1), "{found:.3?}");
-        // The planted fault: a picture of plain averages, as levels were before.
-        let plain = off(&drawn_coverage(&field(averaged(&foliage(), 4), test)));
-        println!("plain averages: off by {plain:.3?}");
-        assert!(plain.iter().all(|off| off.abs() > 0.2), "{plain:.3?}");
+        let pixels = views.iter().flat_map(|view| drawn(view).collect::<Vec<_>>()).collect();
+        Self { width: views[0].width as usize, pixels }
+    }
+
+    /// Of the scene with alpha at full size, by `grid` times `grid` samples a pixel.
+    fn cast(reference: &Reference, views: &[View], grid: u32) -> Self {
+        let seen = |view: &View, pixel: u32, k: u32| {
+            let place = |pixel: u32, k: u32| f64::from(pixel) + (f64::from(k) + 0.5) / f64::from(grid);
+            let at = DVec2::new(place(pixel % view.width, k % grid), place(pixel / view.width, k / grid));
+            let origin = reference.bvh.posed.origin_in_world;
+            reference.bvh.seen(&ViewRay::new(&view.camera, [view.width, view.height], at, origin)).is_some()
+        };
+        let share = |(view, pixel): &(&View, u32)| {
+            let count = (0..grid * grid).filter(|k| seen(view, *pixel, *k)).count();
+            count as f64 / f64::from(grid * grid)
+        };
+        let pixels: Vec<_> = views
+            .iter()
+            .flat_map(|view| (0..view.width * view.height).map(move |pixel| (view, pixel)))
+            .collect();
+        let threads = std::thread::available_parallelism().expect("they can be counted").get();
+        let pixels = std::thread::scope(|scope| {
+            let parts: Vec<_> = pixels
+                .chunks(pixels.len().div_ceil(threads))
+                .map(|part| scope.spawn(move || part.iter().map(share).collect::<Vec<_>>()))
+                .collect();
+            parts.into_iter().flat_map(|part| part.join().expect("it does not panic")).collect()
+        });
+        Self { width: views[0].width as usize, pixels }
+    }
+
+    /// The share of all pixels that is covered.
+    fn area(&self) -> f64 {
+        self.pixels.iter().sum::<f64>() / self.pixels.len() as f64
+    }
+
+    /// Root mean square of the differences in blocks of 8x8 pixels.
+    fn noise(&self, truth: &Self) -> f64 {
+        let blocks = |coverage: &Self| {
+            let across = coverage.width / 8;
+            let mut sums = vec![0.0; across * (coverage.pixels.len() / coverage.width / 8)];
+            for (k, share) in coverage.pixels.iter().enumerate() {
+                if let (x, y) = (k % coverage.width / 8, k / coverage.width / 8)
+                    && x < across
+                    && let Some(sum) = sums.get_mut(y * across + x)
+                {
+                    *sum += share / 64.0;
+                }
+            }
+            sums
+        };
+        let (own, others) = (blocks(self), blocks(truth));
+        let squares: f64 = own.iter().zip(&others).map(|(a, b)| (a - b).powi(2)).sum();
+        (squares / own.len() as f64).sqrt()
+    }
+
+    /// The share of pixels in which two pictures differ.
+    fn differences(&self, other: &Self) -> f64 {
+        let different = self.pixels.iter().zip(&other.pixels).filter(|(a, b)| a != b);
+        different.count() as f64 / self.pixels.len() as f64
+    }
+}
+
+/// The truth of 64 samples a pixel, and the reference's picture of one.
+fn truth(scene: &Scene, views: &[View]) -> (Coverage, Coverage) {
+    let reference = Reference::new(scene::pose(scene.clone()));
+    (Coverage::cast(&reference, views, 8), Coverage::cast(&reference, views, 1))
+}
+
+/// Why `drawn` is no picture of `truth`, as good as one sample a pixel can be; or nothing.
+///
+/// Areas are within 2 %, and blocks of 8x8 pixels at most 1.2 times as noisy as in the reference's picture.
+fn fault(drawn: &Coverage, (truth, one): &(Coverage, Coverage)) -> Option<&'static str> {
+    let area = drawn.area() / truth.area() - 1.0;
+    let noise = drawn.noise(truth) / one.noise(truth);
+    let different = drawn.differences(one);
+    println!(
+        "  {:.4} of the picture: off by {:+.2} % (one sample: {:+.2} %), {noise:.2} times the noise, \
+         {:.2} % of pixels are others",
+        truth.area(),
+        100.0 * area,
+        100.0 * (one.area() / truth.area() - 1.0),
+        100.0 * different,
+    );
+    let faults = [(area.abs() > 0.02, "area"), (noise > 1.2, "noise")];
+    faults.into_iter().find_map(|(wrong, what)| wrong.then_some(what))
+}
+
+/// Turned about its axis: rows of pixels along rows of cards would see the same texels again and again.
+fn wall_view() -> [View; 1] {
+    let camera = camera([0.0; 3], [0.0, 0.0, -1.0], YFOV);
+    [View::beauty(Camera { rotation: DQuat::from_rotation_z(0.3), ..camera }, [PICTURE; 2])]
+}
+
+/// Foliage covers what it should and is no noisier than one sample a pixel has to be, near and far, at any slant,
+/// whatever part of a picture cards show, and whatever alpha their vertices and materials have.
+#[test]
+fn foliage_covers_what_it_should() {
+    let views = wall_view();
+    let (mut found, mut unseen) = (Vec::new(), Vec::new());
+    for (name, leaves) in [("strewn", Leaves::strewn()), ("of an atlas", Leaves::of_atlas())] {
+        for (texels, slant) in [1.0, 4.0, 16.0, 64.0]
+            .into_iter()
+            .flat_map(|texels| [0.0, 60.0, 80.0].map(|slant| (texels, slant)))
+        {
+            println!("{name}, {texels} texels a pixel, {slant} degrees:");
+            let scene = wall(&leaves, texels, slant);
+            let truth = truth(&scene, &views);
+            found.push(fault(&Coverage::drawn(&scene, &views), &truth));
+            // The planted faults: mip levels, by the shorter way across a pixel and by the longer one. Averages of two
+            // texels are still leaves.
+            let longer = texels / f64::cos(slant.to_radians());
+            for level in [texels, longer].map(|texels| (texels.log2() as u32).min(SIDE.ilog2())) {
+                let images = vec![averaged(&leaves.image, level)];
+                let averaged = Coverage::drawn(&Scene { images, ..scene.clone() }, &views);
+                if level >= 2 && fault(&averaged, &truth).is_none() {
+                    unseen.push((name, texels, slant, level));
+                }
+            }
+        }
+    }
+    assert!(found.iter().all(Option::is_none), "{found:?}");
+    assert!(unseen.is_empty(), "faults go unseen: {unseen:?}");
+}
+
+/// The flowers of a vase, cards of somebody else's making: from the front and at slants, as large as a picture and small.
+#[test]
+#[ignore = "needs ../shared/assets"]
+fn flowers_of_shared_assets_cover_what_they_should() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/assets/gltf/khronos/GlassVaseFlowers.glb");
+    let mut scene = assets::load(Path::new(file)).expect("the scene is sound").scene;
+    let Scene { meshes, materials, .. } = &mut scene;
+    for mesh in meshes {
+        mesh.primitives.retain(|primitive| materials[primitive.material].alpha_cutoff.is_some());
+    }
+    let posed = scene::pose(scene.clone());
+    let (middle, reach) = (posed.origin_in_world, posed.half_extent.length());
+    let averaged =
+        Scene { images: scene.images.iter().map(|image| averaged(image, 6)).collect(), ..scene.clone() };
+    // As many pixels in all, of which the flowers have a tenth.
+    for (side, turns) in [(320, 1), (80, 16), (24, 178)] {
+        for degrees in [0.0_f64, 60.0, 80.0] {
+            let away = DVec3::new(degrees.to_radians().sin(), 0.2, degrees.to_radians().cos()).normalize();
+            let eye = middle + 20.0 * reach * away;
+            let camera = camera(eye.to_array(), middle.to_array(), 0.1);
+            let turned = |turn: u32| {
+                let rotation = camera.rotation * DQuat::from_rotation_z(0.3 + f64::from(turn));
+                View::beauty(Camera { rotation, ..camera.clone() }, [side; 2])
+            };
+            let views: Vec<_> = (0..turns).map(turned).collect();
+            println!("{side} pixels, {degrees} degrees:");
+            let truth = truth(&scene, &views);
+            assert_eq!(fault(&Coverage::drawn(&scene, &views), &truth), None);
+            assert!(fault(&Coverage::drawn(&averaged, &views), &truth).is_some());
+        }
     }
 }
 
@@ -223,8 +394,7 @@ fn spot() -> (Light, Light) {
 /// The shadows on the terrace, from above; and the leaves and the lantern as near as their pictures are large.
 /// Each with the largest error of radiance.
 ///
-/// The terrace has no picture. Those of the leaves are 8 bits of sRGB, level by level: at their 0.4 half a step is
-/// 1.2 % of the light.
+/// The terrace has no picture. The levels of the leaves' are 8 bits of sRGB: at their 0.4 half a step is 1.2 % of the light.
 fn cameras() -> [(&'static str, Camera, f64); 3] {
     [
         ("shadows", camera([0.85, 3.2, 1.0], [0.85, 0.0, -0.15], 0.3), 1e-3),
@@ -265,6 +435,8 @@ fn holes_throw_their_shadows() {
             let told = told(&subject, &found);
             println!("{told}");
             assert!(found.in_light > found.pixels / 4 && found.boundary > found.pixels / 200, "{told}");
+            // Both see the same holes, to the pixel.
+            assert!(found.silhouettes <= found.pixels / 10_000, "{told}");
             // Where leaves cross, a caster nearer than a texel is taken for the receiver.
             assert!(found.missed <= found.pixels / 10_000, "{told}");
             assert_eq!((found.false_shadow, found.not_finite), (0, 0), "{told}");
@@ -275,15 +447,19 @@ fn holes_throw_their_shadows() {
     }
 }
 
-/// What was drawn before: casters as if they had no holes.
+/// The planted fault: surfaces and casters as if they had no holes.
 #[test]
 fn solid_shadows_are_seen() {
     let mut solid = arbor();
     solid.materials.iter_mut().for_each(|material| material.alpha_cutoff = None);
-    let [(_, camera, _), ..] = cameras();
-    let subject = subject("solid", arbor(), key(), camera);
-    let found = compared(&subject, &solid, &key(), ShadowSettings::default());
-    assert!(found.false_shadow > found.pixels / 20, "{}", told(&subject, &found));
+    let [(_, shadows, _), (_, leaves, _), _] = cameras();
+    let found = |camera| {
+        let subject = subject("solid", arbor(), key(), camera);
+        compared(&subject, &solid, &key(), ShadowSettings::default())
+    };
+    let (shadows, leaves) = (found(shadows), found(leaves));
+    assert!(shadows.false_shadow > shadows.pixels / 20, "{shadows:?}");
+    assert!(leaves.silhouettes > leaves.pixels / 20, "{leaves:?}");
 }
 
 /// Two triangles that face up, `side` wide and at a height, over which the picture repeats.
@@ -301,10 +477,10 @@ fn square(side: f32, height: f32, repeats: f32, material: usize) -> Primitive {
 
 /// The share of the light that falls through a sheet of `image` onto a floor, by maps of `resolution` texels.
 fn share_of_light(image: Image, light: &Light, resolution: u32) -> f64 {
-    let mut scene = field(image, (0.5, 1.0));
-    scene.materials.push(Material::default());
     // Five or six texels of the picture lie in one of the map's 128.
-    scene.meshes[0].primitives = vec![square(3.0, 2.0, 6.7, 0), square(20.0, 0.0, 1.0, 1)];
+    let primitives = vec![square(3.0, 2.0, 6.7, 0), square(20.0, 0.0, 1.0, 1)];
+    let mut scene = scene_of(&Leaves { image, ..Leaves::strewn() }, primitives);
+    scene.materials.push(Material::default());
     let mut renderer = renderer(&scene);
     let shadows = ShadowSettings { resolution, straighten: false, ..ShadowSettings::default() };
     renderer.set_shadow_settings(shadows).expect("they are sound");
@@ -332,9 +508,10 @@ fn coarse_maps_keep_coverage() {
         let coarse = share_of_light(foliage(), &light, 128);
         // The planted fault: plain averages, at the size that those texels of the map see.
         let plain = share_of_light(averaged(&foliage(), 3), &light, 128);
-        println!("{fine:.3} of the light; {coarse:.3} by a coarse map, {plain:.3} by plain averages");
+        println!("{fine:.4} of the light; {coarse:.4} by a coarse map, {plain:.4} by plain averages");
         assert!((0.5..0.8).contains(&fine), "{fine}");
-        assert!((coarse / fine - 1.0).abs() <= 0.05, "{coarse} for {fine}");
+        // Some 8000 texels of the coarse map have an answer each: `sqrt((1 - p) / (p n))` = 0.9 %.
+        assert!((coarse / fine - 1.0).abs() <= 0.02, "{coarse} for {fine}");
         assert!((plain / fine - 1.0).abs() > 0.15, "{plain} for {fine}");
     }
 }

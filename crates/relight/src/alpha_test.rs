@@ -1,5 +1,4 @@
-//! Alpha tests: where triangles have holes. The twin of `alpha_test.wgsl`, with what samplers do done by hand: bilinear
-//! in a level, linear between levels.
+//! Alpha tests: where triangles have holes. The twin of `alpha_test.wgsl`: pictures are asked at full size, bilinearly.
 #![expect(
     clippy::inline_always,
     reason = "what is not inlined is compiled without the vectors that the caller has"
@@ -16,7 +15,6 @@ impl AlphaTest {
         offset: 0,
         width: 1,
         height: 1,
-        levels: 1,
         wrap_u: Wrap::Repeat,
         wrap_v: Wrap::Repeat,
         nearest: false,
@@ -51,20 +49,17 @@ pub struct AlphaTest {
     pub cutoff: f32,
     /// The material's share of what is compared; corners and texels have the others.
     pub factor: f32,
-    /// Of the finest level's first texel; the other levels follow, each half as wide and half as high, rounded down,
-    /// and at least 1.
+    /// Of the picture's first texel.
     pub offset: u32,
-    /// Texels of the finest level.
+    /// Texels along u.
     pub width: u32,
-    /// Texels of the finest level.
+    /// Texels along v.
     pub height: u32,
-    /// How many levels there are, 1 or more.
-    pub levels: u32,
     /// Along u.
     pub wrap_u: Wrap,
     /// Along v.
     pub wrap_v: Wrap,
-    /// Magnified texels are not blended.
+    /// Texels are not blended.
     pub nearest: bool,
 }
 
@@ -75,33 +70,6 @@ pub struct AlphaTests<'a> {
     pub tests: &'a [AlphaTest],
     /// Alpha of all pictures; 255 is 1.
     pub texels: &'a [u8],
-}
-
-/// A level of a picture.
-#[derive(Clone, Copy)]
-struct Level {
-    offset: usize,
-    width: usize,
-    height: usize,
-}
-
-impl AlphaTest {
-    #[inline(always)]
-    fn level(&self, level: u32) -> Level {
-        let mut found =
-            Level { offset: self.offset as usize, width: self.width as usize, height: self.height as usize };
-        for _ in 0..level {
-            found.offset += found.width * found.height;
-            found.width = (found.width / 2).max(1);
-            found.height = (found.height / 2).max(1);
-        }
-        found
-    }
-
-    #[inline(always)]
-    fn size(&self) -> Vec2 {
-        Vec2::new(self.width as f32, self.height as f32)
-    }
 }
 
 impl AlphaTests<'_> {
@@ -117,64 +85,43 @@ impl AlphaTests<'_> {
         test.first_index / 3 + (triangle - test.first_triangle)
     }
 
-    /// Whether light that meets a triangle at a point finds a hole there: in full detail, since light that passes has
-    /// no pixels. `corners` are (u, v, alpha), `weights` the corners' shares of the point.
+    /// Whether light that meets a triangle at a point finds a hole there. `corners` are (u, v, alpha), `weights` the corners'
+    /// shares of the point.
     pub fn has_hole(&self, triangle: u32, corners: [Vec3; 3], weights: Vec3) -> bool {
         let here = corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z;
-        self.is_hole(self.test_of(triangle), here, Vec2::ZERO, Vec2::ZERO)
+        self.is_hole(self.test_of(triangle), here)
     }
 
-    /// Whether there is a hole by a test where (u, v, alpha) are `here`. Uv changes by `dx` and `dy` to the next texels
-    /// of the map.
+    /// Whether there is a hole by a test where (u, v, alpha) are `here`.
     #[inline(always)]
-    pub fn is_hole(&self, test: usize, here: Vec3, dx: Vec2, dy: Vec2) -> bool {
+    pub fn is_hole(&self, test: usize, here: Vec3) -> bool {
         let test = &self.tests[test];
-        test.factor * here.z * self.texel_alpha(test, here.truncate(), dx, dy) < test.cutoff
+        test.factor * here.z * self.texel_alpha(test, here.truncate()) < test.cutoff
     }
 
-    /// The picture's alpha at `uv`, which changes by `dx` and `dy` to the next texels of the map.
-    ///
-    /// The level is that of the shorter way across what a texel of the map covers: by the longer one, as pictures have
-    /// it, a card that light grazes would lose its holes.
+    /// The picture's alpha at `uv`.
     #[inline(always)]
-    pub fn texel_alpha(&self, test: &AlphaTest, uv: Vec2, dx: Vec2, dy: Vec2) -> f32 {
-        let size = test.size();
-        // The standard library's roots and floors: others are calls to code without vectors, or as slow.
-        let longer = (dx * size).length_squared().max((dy * size).length_squared()).sqrt();
-        let area = (dx.x * dy.y - dx.y * dy.x).abs() * size.x * size.y;
-        let coarsest = (test.levels - 1) as f32;
-        let level = libm::log2f(area.max(1e-30) / longer.max(1e-30)).clamp(0.0, coarsest);
-        let fine = test.level(level as u32);
-        if level == 0.0 && test.nearest {
-            let at = uv * size;
-            let column = wrapped(at.x.floor(), fine.width, test.wrap_u);
-            return self.texel(fine, column, wrapped(at.y.floor(), fine.height, test.wrap_v));
+    pub fn texel_alpha(&self, test: &AlphaTest, uv: Vec2) -> f32 {
+        let at = uv * Vec2::new(test.width as f32, test.height as f32);
+        // The standard library's floors: others are calls to code without vectors, or as slow.
+        let column = |x: f32| wrapped(x, test.width as usize, test.wrap_u);
+        let row = |y: f32| wrapped(y, test.height as usize, test.wrap_v);
+        if test.nearest {
+            return self.texel(test, column(at.x.floor()), row(at.y.floor()));
         }
-        let alpha = self.bilinear(test, fine, uv);
-        let share = level.fract();
-        if share == 0.0 {
-            return alpha;
-        }
-        mix(alpha, self.bilinear(test, test.level(level as u32 + 1), uv), share)
-    }
-
-    #[inline(always)]
-    fn bilinear(&self, test: &AlphaTest, level: Level, uv: Vec2) -> f32 {
-        let at = uv * Vec2::new(level.width as f32, level.height as f32) - 0.5;
+        let at = at - 0.5;
         let first = Vec2::new(at.x.floor(), at.y.floor());
         let share = at - first;
-        let left = wrapped(first.x, level.width, test.wrap_u);
-        let right = wrapped(first.x + 1.0, level.width, test.wrap_u);
-        let upper = wrapped(first.y, level.height, test.wrap_v);
-        let lower = wrapped(first.y + 1.0, level.height, test.wrap_v);
-        let top = mix(self.texel(level, left, upper), self.texel(level, right, upper), share.x);
-        let bottom = mix(self.texel(level, left, lower), self.texel(level, right, lower), share.x);
+        let (left, right) = (column(first.x), column(first.x + 1.0));
+        let (upper, lower) = (row(first.y), row(first.y + 1.0));
+        let top = mix(self.texel(test, left, upper), self.texel(test, right, upper), share.x);
+        let bottom = mix(self.texel(test, left, lower), self.texel(test, right, lower), share.x);
         mix(top, bottom, share.y)
     }
 
     #[inline(always)]
-    fn texel(&self, level: Level, column: usize, row: usize) -> f32 {
-        f32::from(self.texels[level.offset + row * level.width + column]) / 255.0
+    fn texel(&self, test: &AlphaTest, column: usize, row: usize) -> f32 {
+        f32::from(self.texels[test.offset as usize + row * test.width as usize + column]) / 255.0
     }
 }
 

@@ -31,7 +31,6 @@ pub(crate) struct AlphaPicture {
     pub offset: u32,
     pub width: u32,
     pub height: u32,
-    pub levels: u32,
 }
 
 impl AlphaTests {
@@ -96,7 +95,7 @@ fn host_test(test: &gpu_structs::AlphaTest) -> relight::AlphaTest {
         _ => relight::Wrap::Edge,
     };
     let gpu_structs::AlphaTest { first_triangle, first_index, cutoff, factor, .. } = *test;
-    let gpu_structs::AlphaTest { offset, width, height, levels, .. } = *test;
+    let gpu_structs::AlphaTest { offset, width, height, .. } = *test;
     let (wrap_u, wrap_v, nearest) = (wrap(test.wrap_u), wrap(test.wrap_v), test.nearest != 0);
     relight::AlphaTest {
         first_triangle,
@@ -106,7 +105,6 @@ fn host_test(test: &gpu_structs::AlphaTest) -> relight::AlphaTest {
         offset,
         width,
         height,
-        levels,
         wrap_u,
         wrap_v,
         nearest,
@@ -120,14 +118,9 @@ pub(crate) fn alpha_test(
     material: &Material,
     picture: AlphaPicture,
 ) -> gpu_structs::AlphaTest {
-    let wrap = |wrap| match wrap {
-        Wrap::Repeat => 0,
-        Wrap::MirroredRepeat => 1,
-        Wrap::ClampToEdge => 2,
-    };
-    let Sampler { wrap_u, wrap_v, nearest } =
-        material.base_color_texture.map(|texture| texture.sampler).unwrap_or_default();
-    let AlphaPicture { offset, width, height, levels } = picture;
+    let sampler = material.base_color_texture.map(|texture| texture.sampler).unwrap_or_default();
+    let [wrap_u, wrap_v, nearest] = modes(sampler);
+    let AlphaPicture { offset, width, height } = picture;
     gpu_structs::AlphaTest {
         first_triangle: (draw.indices.start - first_masked) / 3,
         first_index: draw.indices.start,
@@ -136,9 +129,18 @@ pub(crate) fn alpha_test(
         offset,
         width,
         height,
-        levels,
-        wrap_u: wrap(wrap_u),
-        wrap_v: wrap(wrap_v),
-        nearest: u32::from(nearest),
+        wrap_u,
+        wrap_v,
+        nearest,
     }
+}
+
+/// Along u and along v, as `wrap.wgsl` numbers them, and whether magnified texels are not blended.
+pub(crate) fn modes(Sampler { wrap_u, wrap_v, nearest }: Sampler) -> [u32; 3] {
+    let wrap = |wrap| match wrap {
+        Wrap::Repeat => 0,
+        Wrap::MirroredRepeat => 1,
+        Wrap::ClampToEdge => 2,
+    };
+    [wrap(wrap_u), wrap(wrap_v), u32::from(nearest)]
 }

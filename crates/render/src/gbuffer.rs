@@ -25,8 +25,8 @@ pub(crate) const BYTES_A_PIXEL: u64 = 16 + 4 + 4;
 /// The pipelines, which outlive scenes and pictures.
 #[derive(Debug)]
 pub(crate) struct GbufferPass {
-    one_sided: RenderPipeline,
-    double_sided: RenderPipeline,
+    /// By whether materials have pictures, then by whether they have an alpha test, then by whether they have two sides.
+    pipelines: [[[RenderPipeline; 2]; 2]; 2],
     /// Group 1 of the lighting passes; see `surface.wgsl`.
     pub surface_layout: BindGroupLayout,
 }
@@ -116,7 +116,11 @@ impl GbufferPass {
     pub fn new(gpu: &Gpu, view_layout: &BindGroupLayout, material_layout: &BindGroupLayout) -> Self {
         let layout = gpu.pipeline_layout("gbuffer", &[view_layout, material_layout]);
         let module = gpu.module("gbuffer", shaders::GBUFFER);
-        let pipeline = |cull_mode| {
+        let pipeline = |is_textured: f64, is_tested: f64, cull_mode| {
+            let compilation_options = wgpu::PipelineCompilationOptions {
+                constants: &[("is_textured", is_textured), ("is_tested", is_tested)],
+                ..Default::default()
+            };
             gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some("gbuffer"),
                 layout: Some(&layout),
@@ -124,7 +128,7 @@ impl GbufferPass {
                     module: &module,
                     entry_point: Some("vs_gbuffer"),
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: &vertex_buffers(),
+                    buffers: &vertex_buffers()[..1],
                 },
                 primitive: wgpu::PrimitiveState { cull_mode, ..Default::default() },
                 depth_stencil: Some(nearer_wins()),
@@ -132,7 +136,7 @@ impl GbufferPass {
                 fragment: Some(wgpu::FragmentState {
                     module: &module,
                     entry_point: Some("fs_gbuffer"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    compilation_options,
                     targets: &[Some(FORMAT.into()), Some(OFFSET_FORMAT.into())],
                 }),
                 multiview_mask: None,
@@ -140,8 +144,11 @@ impl GbufferPass {
             })
         };
         Self {
-            one_sided: pipeline(Some(wgpu::Face::Back)),
-            double_sided: pipeline(None),
+            pipelines: [0.0, 1.0].map(|is_textured| {
+                [0.0, 1.0].map(|is_tested| {
+                    [Some(wgpu::Face::Back), None].map(|culled| pipeline(is_textured, is_tested, culled))
+                })
+            }),
             surface_layout: gpu.layout("surface", &[UINT_TEXTURE, RAW_TEXTURE, RAW_TEXTURE]),
         }
     }
@@ -178,10 +185,11 @@ impl GbufferPass {
         pass.set_viewport(left, top, width, height, 0.0, 1.0);
         pass.set_bind_group(0, view, &[]);
         pass.set_vertex_buffer(0, geometry.positions.slice(..));
-        pass.set_vertex_buffer(1, geometry.attributes.slice(..));
         pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
         for draw in draws {
-            pass.set_pipeline(if draw.double_sided { &self.double_sided } else { &self.one_sided });
+            let [textured, masked, double_sided] =
+                [draw.textured, draw.masked, draw.double_sided].map(usize::from);
+            pass.set_pipeline(&self.pipelines[textured][masked][double_sided]);
             pass.set_bind_group(1, &draw.material, &[]);
             pass.draw_indexed(draw.indices.clone(), 0, 0..1);
         }

@@ -91,6 +91,8 @@ gpu_struct! {
         roughness: f32,
         alpha_cutoff: f32,
         first_triangle: u32,
+        base_color_modes: [u32; 4],
+        metallic_roughness_modes: [u32; 4],
     }
 }
 
@@ -104,7 +106,6 @@ gpu_struct! {
         offset: u32,
         width: u32,
         height: u32,
-        levels: u32,
         wrap_u: u32,
         wrap_v: u32,
         nearest: u32,

@@ -28,7 +28,6 @@ mod clusters;
 mod coarse_casters;
 mod compile_pipelines;
 mod composite;
-mod coverage;
 mod device;
 mod directional;
 mod display;

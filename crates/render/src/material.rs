@@ -3,26 +3,27 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use scene::{Material, Sampler, Scene, TextureRef, Wrap};
+use scene::{Scene, TextureRef};
 use wgpu::util::{BufferInitDescriptor, DeviceExt, TextureDataOrder};
 use wgpu::{
     BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, TextureFormat, TextureView,
 };
 
-use crate::alpha_test::{AlphaPicture, AlphaTests, alpha_test};
+use crate::alpha_test::{AlphaPicture, AlphaTests, alpha_test, modes};
 use crate::geometry::Draw;
 use crate::mipmap::{Encoding, MipChain, mip_chain};
-use crate::pipeline::{COLOR_TEXTURE, FILTERING, UNIFORM};
+use crate::pipeline::{RAW_TEXTURE, UNIFORM};
 use crate::{Gpu, RenderError, gpu_structs};
 
 /// Group 1 of the passes that draw triangles; see `material.wgsl`.
-pub(crate) const BINDINGS: [BindingType; 5] = [UNIFORM, COLOR_TEXTURE, FILTERING, COLOR_TEXTURE, FILTERING];
+pub(crate) const BINDINGS: [BindingType; 3] = [UNIFORM, RAW_TEXTURE, RAW_TEXTURE];
 
 /// A run of triangles and what it is drawn with.
 #[derive(Clone, Debug)]
 pub(crate) struct MaterialDraw {
     pub indices: Range<u32>,
     pub material: BindGroup,
+    pub textured: bool,
     pub masked: bool,
     pub double_sided: bool,
 }
@@ -49,7 +50,7 @@ impl Materials {
             gpu,
             scene,
             uploaded: HashMap::new(),
-            samplers: HashMap::new(),
+            alpha: HashMap::new(),
             texels: Vec::new(),
             bytes: 0,
         };
@@ -57,6 +58,8 @@ impl Materials {
         let mut tests: Vec<gpu_structs::AlphaTest> = Vec::new();
         for draw in draws {
             let material = &scene.materials[draw.material];
+            let base = textures.get(material.base_color_texture, Encoding::Srgb)?;
+            let shine = textures.get(material.metallic_roughness_texture, Encoding::Linear)?;
             let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
                 label: Some("material"),
                 contents: bytemuck::bytes_of(&gpu_structs::Material {
@@ -65,31 +68,29 @@ impl Materials {
                     roughness: material.roughness,
                     alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
                     first_triangle: draw.indices.start / 3,
+                    base_color_modes: base.modes,
+                    metallic_roughness_modes: shine.modes,
                 }),
                 usage: BufferUsages::UNIFORM,
             });
-            let (base, base_sampler) =
-                textures.get(material.base_color_texture, Encoding::Srgb, texel_cutoff(material))?;
-            let (surface, surface_sampler) =
-                textures.get(material.metallic_roughness_texture, Encoding::Linear, None)?;
             let group = gpu.group(
                 "material",
                 layout,
                 &[
                     uniform.as_entire_binding(),
                     BindingResource::TextureView(&base.view),
-                    BindingResource::Sampler(&base_sampler),
-                    BindingResource::TextureView(&surface.view),
-                    BindingResource::Sampler(&surface_sampler),
+                    BindingResource::TextureView(&shine.view),
                 ],
             );
-            if let Some(picture) = base.alpha {
+            if material.alpha_cutoff.is_some() {
+                let picture = textures.alpha(material.base_color_texture);
                 let first_masked = tests.first().map_or(draw.indices.start, |test| test.first_index);
                 tests.push(alpha_test(draw, first_masked, material, picture));
             }
             material_draws.push(MaterialDraw {
                 indices: draw.indices.clone(),
                 material: group,
+                textured: material.base_color_texture.or(material.metallic_roughness_texture).is_some(),
                 masked: material.alpha_cutoff.is_some(),
                 double_sided: material.double_sided,
             });
@@ -100,74 +101,67 @@ impl Materials {
     }
 }
 
-/// The alpha below which a texel of `material` is a hole where its vertices' alpha is 1. Where it is not from 0 to 1,
-/// all texels pass or none.
-fn texel_cutoff(material: &Material) -> Option<f32> {
-    Some(material.alpha_cutoff? / material.base_color.w)
-}
-
-/// What has been uploaded so far; each picture once an encoding and cut-off.
+/// What has been uploaded so far.
 struct Textures<'a> {
     gpu: &'a Gpu,
     scene: &'a Scene,
-    /// By image, encoding and the bits of the cut-off.
-    uploaded: HashMap<(Option<usize>, Encoding, Option<u32>), Uploaded>,
-    samplers: HashMap<Sampler, wgpu::Sampler>,
-    /// The alpha of what has a cut-off, each picture's levels one after the other.
+    /// By image and encoding: the picture, and how many levels it has.
+    uploaded: HashMap<(Option<usize>, Encoding), (TextureView, u32)>,
+    /// By image: where its alpha lies among the texels.
+    alpha: HashMap<Option<usize>, AlphaPicture>,
+    /// The alpha of what is tested.
     texels: Vec<u8>,
     /// Of all textures.
     bytes: u64,
 }
 
 /// A picture on the GPU.
-#[derive(Clone, Debug)]
 struct Uploaded {
     view: TextureView,
-    /// Where it lies among the alpha, if it has a cut-off.
-    alpha: Option<AlphaPicture>,
+    /// See `texture.wgsl`.
+    modes: [u32; 4],
 }
 
 impl Textures<'_> {
-    /// The picture and sampler of `texture`, or a white texel. With a `cutoff`, mip levels keep the share of the
-    /// picture that passes it.
-    fn get(
-        &mut self,
-        texture: Option<TextureRef>,
-        encoding: Encoding,
-        cutoff: Option<f32>,
-    ) -> Result<(Uploaded, wgpu::Sampler), RenderError> {
-        let key = (texture.map(|t| t.image), encoding, cutoff.map(f32::to_bits));
-        let uploaded = if let Some(uploaded) = self.uploaded.get(&key) {
+    /// Width, height and pixels of `texture`, or a white texel.
+    fn image(&self, texture: Option<TextureRef>) -> (u32, u32, &[u8]) {
+        texture.map_or((1, 1, &[255; 4]), |texture| {
+            let image = &self.scene.images[texture.image];
+            (image.width, image.height, &image.rgba8)
+        })
+    }
+
+    fn get(&mut self, texture: Option<TextureRef>, encoding: Encoding) -> Result<Uploaded, RenderError> {
+        let key = (texture.map(|texture| texture.image), encoding);
+        let (view, levels) = if let Some(uploaded) = self.uploaded.get(&key) {
             uploaded.clone()
         } else {
-            let (width, height, rgba8) = key.0.map_or((1, 1, &[255; 4][..]), |index| {
-                let image = &self.scene.images[index];
-                (image.width, image.height, &image.rgba8)
-            });
-            let chain = mip_chain(width, height, rgba8, encoding, cutoff);
-            let alpha = cutoff.map(|_| {
-                let offset = self.texels.len() as u32;
-                self.texels.extend(chain.rgba8.iter().skip(3).step_by(4));
-                AlphaPicture { offset, width, height, levels: chain.levels }
-            });
-            let uploaded = Uploaded { view: upload(self.gpu, width, height, &chain, encoding)?, alpha };
+            let (width, height, rgba8) = self.image(texture);
+            let chain = mip_chain(width, height, rgba8, encoding);
+            let uploaded = (upload(self.gpu, width, height, &chain)?, chain.levels);
             self.bytes += chain.rgba8.len() as u64;
             self.uploaded.insert(key, uploaded.clone());
             uploaded
         };
-        let sampler = texture.map(|t| t.sampler).unwrap_or_default();
-        let sampler = self.samplers.entry(sampler).or_insert_with(|| create_sampler(self.gpu, sampler));
-        Ok((uploaded, sampler.clone()))
+        let [wrap_u, wrap_v, nearest] = modes(texture.map(|texture| texture.sampler).unwrap_or_default());
+        Ok(Uploaded { view, modes: [wrap_u, wrap_v, nearest, if texture.is_some() { levels } else { 0 }] })
+    }
+
+    fn alpha(&mut self, texture: Option<TextureRef>) -> AlphaPicture {
+        let key = texture.map(|texture| texture.image);
+        if let Some(picture) = self.alpha.get(&key) {
+            return *picture;
+        }
+        let (width, height, rgba8) = self.image(texture);
+        let alpha: Vec<u8> = rgba8.iter().skip(3).step_by(4).copied().collect();
+        let picture = AlphaPicture { offset: self.texels.len() as u32, width, height };
+        self.texels.extend(alpha);
+        self.alpha.insert(key, picture);
+        picture
     }
 }
 
-fn upload(
-    gpu: &Gpu,
-    width: u32,
-    height: u32,
-    chain: &MipChain,
-    encoding: Encoding,
-) -> Result<TextureView, RenderError> {
+fn upload(gpu: &Gpu, width: u32, height: u32, chain: &MipChain) -> Result<TextureView, RenderError> {
     let limit = gpu.device.limits().max_texture_dimension_2d;
     let size = width.max(height);
     if size > limit {
@@ -182,10 +176,7 @@ fn upload(
             mip_level_count: chain.levels,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: match encoding {
-                Encoding::Srgb => TextureFormat::Rgba8UnormSrgb,
-                Encoding::Linear => TextureFormat::Rgba8Unorm,
-            },
+            format: TextureFormat::Rgba8Unorm,
             usage: wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         },
@@ -193,21 +184,4 @@ fn upload(
         &chain.rgba8,
     );
     Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
-}
-
-fn create_sampler(gpu: &Gpu, sampler: Sampler) -> wgpu::Sampler {
-    let address_mode = |wrap| match wrap {
-        Wrap::Repeat => wgpu::AddressMode::Repeat,
-        Wrap::MirroredRepeat => wgpu::AddressMode::MirrorRepeat,
-        Wrap::ClampToEdge => wgpu::AddressMode::ClampToEdge,
-    };
-    gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-        label: Some("material"),
-        address_mode_u: address_mode(sampler.wrap_u),
-        address_mode_v: address_mode(sampler.wrap_v),
-        mag_filter: if sampler.nearest { wgpu::FilterMode::Nearest } else { wgpu::FilterMode::Linear },
-        min_filter: wgpu::FilterMode::Linear,
-        mipmap_filter: wgpu::MipmapFilterMode::Linear,
-        ..Default::default()
-    })
 }

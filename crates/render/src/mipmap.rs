@@ -1,7 +1,4 @@
-//! Mip levels by area averaging, in linear light where the picture is sRGB; the alpha of cut-outs keeps its
-//! coverage.
-
-use crate::coverage;
+//! Mip levels by area averaging, in linear light where the picture is sRGB.
 
 /// How the bytes of a picture are to be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -21,18 +18,7 @@ pub(crate) struct MipChain {
 }
 
 /// The mip levels of an RGBA8 picture, down to one pixel.
-///
-/// With a `cutoff`, alpha is scaled level by level so that as much of the picture has at least that as at full
-/// size (see `coverage.rs`); where all of it has or nothing, as with a cut-off of 0 or past 1, averages do. The
-/// chain ends before the first level that no scale does that for: look-ups then take single texels of a finer
-/// level, and what they pass is right on average.
-pub(crate) fn mip_chain(
-    width: u32,
-    height: u32,
-    rgba8: &[u8],
-    encoding: Encoding,
-    cutoff: Option<f32>,
-) -> MipChain {
+pub(crate) fn mip_chain(width: u32, height: u32, rgba8: &[u8], encoding: Encoding) -> MipChain {
     let decode = decoding_table(encoding);
     let mut chain = MipChain { rgba8: rgba8.to_vec(), levels: 1 };
     let (mut width, mut height) = (width as usize, height as usize);
@@ -40,22 +26,15 @@ pub(crate) fn mip_chain(
         .chunks_exact(4)
         .map(|p| std::array::from_fn(|c| if c == 3 { p[3] as f32 / 255.0 } else { decode[p[c] as usize] }))
         .collect();
-    let alpha = |level: &[[f32; 4]]| level.iter().map(|pixel| pixel[3]).collect::<Vec<_>>();
-    let kept = cutoff.map(|cutoff| (cutoff, coverage::share(&alpha(&level), width, height, cutoff)));
     while width > 1 || height > 1 {
         (level, width, height) = halved(&level, width, height);
-        let scale = match kept {
-            None => Some(1.0),
-            Some((cutoff, share)) => coverage::scale(&alpha(&level), width, height, cutoff, share),
-        };
-        let Some(scale) = scale else { break };
         for pixel in &level {
             let [r, g, b, a] = *pixel;
             chain.rgba8.extend([
                 encode(r, encoding),
                 encode(g, encoding),
                 encode(b, encoding),
-                coverage::scaled(a, scale),
+                encode(a, Encoding::Linear),
             ]);
         }
         chain.levels += 1;
@@ -127,7 +106,7 @@ mod tests {
     use super::*;
 
     fn plain(width: u32, height: u32, rgba8: &[u8], encoding: Encoding) -> Vec<u8> {
-        let chain = mip_chain(width, height, rgba8, encoding, None);
+        let chain = mip_chain(width, height, rgba8, encoding);
         assert_eq!(chain.levels, width.max(height).ilog2() + 1);
         chain.rgba8
     }
@@ -158,66 +137,6 @@ mod tests {
             let picture = [200, 3, 77, 128].repeat(width * height);
             let chain = plain(width as u32, height as u32, &picture, Encoding::Srgb);
             assert!(chain.chunks_exact(4).all(|p| p == [200, 3, 77, 128]));
-        }
-    }
-
-    /// Blades of grass: thin where nothing holds them together.
-    fn blades(side: u32) -> Vec<u8> {
-        let texel = |k: u32| {
-            let (x, y) = (k % side, k / side);
-            let across = (x * 7 + (x * x) % 5 + y / 9) % 11;
-            [40, 90, 30, if across < 2 && y > side / 8 { 255 } else { 0 }]
-        };
-        (0..side * side).flat_map(texel).collect()
-    }
-
-    /// The share of each level that passes.
-    fn shares(chain: &MipChain, side: usize, cutoff: f32) -> Vec<f64> {
-        let mut rest = &chain.rgba8[..];
-        (0..chain.levels)
-            .map(|level| {
-                let side = side >> level;
-                let (pixels, after) = rest.split_at(4 * side * side);
-                rest = after;
-                let alpha: Vec<f32> = pixels.chunks_exact(4).map(|p| f32::from(p[3]) / 255.0).collect();
-                coverage::share(&alpha, side, side, cutoff)
-            })
-            .collect()
-    }
-
-    #[test]
-    fn cut_outs_keep_their_coverage() {
-        let picture = blades(128);
-        for cutoff in [0.1, 0.5, 0.7] {
-            let chain = mip_chain(128, 128, &picture, Encoding::Srgb, Some(cutoff));
-            let found = shares(&chain, 128, cutoff);
-            // Down to 8 texels a side at least.
-            assert!(found.len() >= 5, "{cutoff}: {found:?}");
-            assert!(found.iter().all(|share| (share / found[0] - 1.0).abs() <= 0.1), "{cutoff}: {found:?}");
-        }
-        // The planted fault: averages alone lose all blades.
-        let plain = mip_chain(128, 128, &picture, Encoding::Srgb, None);
-        let found = shares(&plain, 128, 0.5);
-        assert!(found[3] < 0.1 * found[0], "{found:?}");
-    }
-
-    #[test]
-    fn coverage_has_limits() {
-        // A checker's averages are all alike: they pass everywhere or nowhere, and so there are none.
-        let checker = |k: u32| [0, 0, 0, if (k % 16 + k / 16).is_multiple_of(2) { 255 } else { 0 }];
-        let checker: Vec<u8> = (0..256).flat_map(checker).collect();
-        assert_eq!(mip_chain(16, 16, &checker, Encoding::Srgb, Some(0.5)).levels, 1);
-        // All or nothing passes: averages do as well.
-        let picture = blades(64);
-        let solid: Vec<u8> =
-            picture.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2], 200 + p[3] / 5]).collect();
-        let faint: Vec<u8> = picture.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2], p[3] / 5]).collect();
-        let uniform = [9, 9, 9, 128].repeat(64 * 64);
-        for (picture, cutoff) in
-            [(&solid, 0.5), (&faint, 0.5), (&uniform, 0.5), (&uniform, 0.6), (&picture, 0.0)]
-        {
-            let kept = mip_chain(64, 64, picture, Encoding::Srgb, Some(cutoff));
-            assert_eq!(kept.rgba8, mip_chain(64, 64, picture, Encoding::Srgb, None).rgba8);
         }
     }
 }

@@ -4,7 +4,7 @@
     reason = "what is not inlined is compiled without the vectors that the caller has"
 )]
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use super::clip::Polygon;
 use super::large::{Large, Plane};
@@ -13,9 +13,6 @@ use super::rule::Rule;
 use super::wide::{Floats, LANES};
 use super::{BAND, Band, HoledTriangle};
 use crate::alpha_test::AlphaTests;
-
-/// Neighbours of a texel may lie beyond where w is infinite. For uv there, D is at least this share of the texel's.
-const LEAST_SHARE: f64 = 1e-3;
 
 /// A triangle.
 #[derive(Debug)]
@@ -103,16 +100,6 @@ impl Holed {
     #[inline(always)]
     fn is_hole(&self, tests: AlphaTests, column: usize, row: usize) -> bool {
         let (d, over_w) = self.large.at(&self.over_w, column, row);
-        let here = [(over_w[0] / d) as f32, (over_w[1] / d) as f32, (over_w[2] / d) as f32];
-        let uv = Vec2::new(here[0], here[1]);
-        let [dx, dy] = [self.uv(column + 1, row, d) - uv, self.uv(column, row + 1, d) - uv];
-        tests.is_hole(self.test, Vec3::from(here), dx, dy)
-    }
-    /// Uv at a texel next to one with this D.
-    #[inline(always)]
-    fn uv(&self, column: usize, row: usize, d_beside: f64) -> Vec2 {
-        let (d, [u, v, _]) = self.large.at(&self.over_w, column, row);
-        let d = d.max(LEAST_SHARE * d_beside);
-        Vec2::new((u / d) as f32, (v / d) as f32)
+        tests.is_hole(self.test, Vec3::from(over_w.map(|x| (x / d) as f32)))
     }
 }

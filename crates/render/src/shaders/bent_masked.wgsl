@@ -21,7 +21,7 @@ struct MaskedFragment {
     @location(2) alpha: f32,
     @location(3) @interpolate(flat, either) cutoff: f32,
     // See `AlphaPicture`.
-    @location(4) @interpolate(flat, either) place: vec4u,
+    @location(4) @interpolate(flat, either) place: vec3u,
     @location(5) @interpolate(flat, either) modes: vec3u,
 }
 
@@ -62,9 +62,7 @@ fn vs_bent_masked(
 
 @fragment
 fn fs_bent_masked(in: MaskedFragment) -> @builtin(frag_depth) f32 {
-    let dx = dpdx(in.uv);
-    let dy = dpdy(in.uv);
-    if in.alpha * texel_alpha(AlphaPicture(in.place, in.modes), in.uv, dx, dy) < in.cutoff {
+    if in.alpha * texel_alpha(AlphaPicture(in.place, in.modes), in.uv) < in.cutoff {
         discard;
     }
     return face_depth(in.t, in.position.y);

@@ -6,14 +6,13 @@
 // The position is not stored: surface.wgsl cuts the pixel's ray with the plane of its triangle, which is more
 // exact than any depth buffer and gives the geometric normal as well.
 
-struct Varyings {
-    @builtin(position) clip: vec4f,
-    @location(0) uv: vec2f,
-}
+// What materials have, in pipelines of their own: pictures, and an alpha test.
+override is_textured: bool;
+override is_tested: bool;
 
 @vertex
-fn vs_gbuffer(@location(0) position: vec3f, @location(2) uv: vec2f) -> Varyings {
-    return Varyings(view.clip_from_scene * vec4f(position, 1.0), uv);
+fn vs_gbuffer(@location(0) position: vec3f) -> @builtin(position) vec4f {
+    return view.clip_from_scene * vec4f(position, 1.0);
 }
 
 struct Seen {
@@ -25,9 +24,12 @@ struct Seen {
 }
 
 // What a triangle's vertices say of a point of it. Interpolated here and not by the rasteriser, which does so from the
-// corner of its target: tiles would differ in the last bits. uv is left to that, since mip levels come with it.
+// corner of its target: tiles would differ in the last bits.
 struct Interpolated {
     normal: vec3f,
+    uv: vec2f,
+    // The same on the triangle's plane: outside of the triangle it goes on.
+    plane_uv: vec2f,
     color: vec4f,
     // How far along the shading normal shadows are looked for, so that facets do not shadow each other where light
     // grazes: sum b_i |(p_i - P) . (n_i - m)| with m = sum b_i n_i. After Hanika, "Hacking the Shadow Terminator" (Ray
@@ -40,48 +42,69 @@ fn color_of(vertex: u32) -> vec4f {
     return vec4f(attributes[first], attributes[first + 1u], attributes[first + 2u], attributes[first + 3u]);
 }
 
+fn uv_of(vertex: u32) -> vec2f {
+    let first = ATTRIBUTES * vertex + 3u;
+    return vec2f(attributes[first], attributes[first + 1u]);
+}
+
 fn interpolated(triangle: u32, position: vec3f) -> Interpolated {
     let vertices = vec3u(indices[3u * triangle], indices[3u * triangle + 1u], indices[3u * triangle + 2u]);
     let corners = corners_of(triangle);
-    let inside = max(weights_at(corners, position), vec3f(0.0));
+    let on_plane = weights_at(corners, position);
+    let inside = max(on_plane, vec3f(0.0));
     // A triangle that is too small to tell is all one.
-    let weights = select(vec3f(1.0 / 3.0), inside, any(inside > vec3f(0.0)));
+    let sum = inside.x + inside.y + inside.z;
+    let weights = select(vec3f(1.0 / 3.0), inside / max(sum, 1e-37), sum > 0.0);
     let n_a = normal_of(vertices.x);
     let n_b = normal_of(vertices.y);
     let n_c = normal_of(vertices.z);
     let normal = mat3x3f(n_a, n_b, n_c) * weights;
+    let uvs = mat3x2f(uv_of(vertices.x), uv_of(vertices.y), uv_of(vertices.z));
     let color = mat3x4f(color_of(vertices.x), color_of(vertices.y), color_of(vertices.z)) * weights;
     let bulges = vec3f(
         dot(corners.a - position, n_a - normal),
         dot(corners.b - position, n_b - normal),
         dot(corners.c - position, n_c - normal),
     );
-    return Interpolated(normal, color, dot(weights, abs(bulges)));
+    return Interpolated(normal, uvs * weights, uvs * on_plane, color, dot(weights, abs(bulges)));
 }
 
 @fragment
 fn fs_gbuffer(
-    in: Varyings,
+    @builtin(position) clip: vec4f,
     @builtin(front_facing) front_facing: bool,
     @builtin(primitive_index) primitive: u32,
 ) -> Seen {
     let triangle = material.first_triangle + primitive;
-    let ray = ray_through(vec2u(in.clip.xy));
-    let depth = depth_on(planes[triangle], ray, in.clip.z);
-    let position = ray.origin + depth * ray.direction;
-    let here = interpolated(triangle, position);
-    let base = material.base_color * here.color * textureSample(base_color_texture, base_color_sampler, in.uv);
-    let surface = textureSample(metallic_roughness_texture, metallic_roughness_sampler, in.uv);
-    if base.a < material.alpha_cutoff {
+    let ray = ray_through(vec2u(clip.xy));
+    let depth = depth_on(planes[triangle], ray, clip.z);
+    let here = interpolated(triangle, ray.origin + depth * ray.direction);
+    let uv_dx = dpdx(here.plane_uv);
+    let uv_dy = dpdy(here.plane_uv);
+    let factors = material.base_color * here.color;
+    var is_there = true;
+    if is_tested {
+        let alpha = alpha_at(base_color_texture, material.base_color_modes, here.uv);
+        is_there = factors.a * alpha >= material.alpha_cutoff;
+    }
+    if !is_there {
         discard;
+    }
+    var texel = vec4f(1.0);
+    var shine = vec4f(1.0);
+    if is_textured {
+        let modes = material.base_color_modes;
+        let shine_modes = material.metallic_roughness_modes;
+        texel = picture_at(base_color_texture, modes, here.uv, uv_dx, uv_dy, true, is_there);
+        shine = picture_at(metallic_roughness_texture, shine_modes, here.uv, uv_dx, uv_dy, false, is_there);
     }
     // Vertex normals that cancel leave nothing to interpolate: the face's own normal then.
     let has_normal = dot(here.normal, here.normal) > 1e-12;
     let side = select(-1.0, 1.0, front_facing);
     let normal = normalize(select(planes[triangle].xyz, here.normal, has_normal)) * side;
-    let metallic = saturate(material.metallic * surface.b);
-    let roughness = saturate(material.roughness * surface.g);
-    let factors = material_to_bits(saturate(base.rgb), metallic, roughness);
-    let packed = vec4u(unit_to_bits(normal), triangle + 1u, factors);
-    return Seen(packed, here.terminator_offset, z_at(depth, in.clip.z));
+    let base_color = saturate(factors.rgb * texel.rgb);
+    let metallic = saturate(material.metallic * shine.b);
+    let roughness = saturate(material.roughness * shine.g);
+    let packed = vec4u(unit_to_bits(normal), triangle + 1u, material_to_bits(base_color, metallic, roughness));
+    return Seen(packed, here.terminator_offset, z_at(depth, clip.z));
 }

@@ -42,14 +42,13 @@ fn is_in_its_own_way(surface: Surface, arriving: vec3f) -> bool {
     return met;
 }
 
-// Whether a triangle with an alpha test has a hole at a point: in full detail, since light that passes has no pixels.
+// Whether a triangle with an alpha test has a hole at a point.
 fn has_hole(triangle: u32, weights: vec3f) -> bool {
     let test = alpha_tests[test_of(triangle - alpha_tests[0].first_index / 3u)];
     let first = 3u * triangle;
     let corners = mat3x3f(uv_alpha(indices[first]), uv_alpha(indices[first + 1u]), uv_alpha(indices[first + 2u]));
     let here = corners * weights;
-    let texel = texel_alpha(picture_of(test), here.xy, vec2f(0.0), vec2f(0.0));
-    return test.factor * here.z * texel < test.cutoff;
+    return test.factor * here.z * texel_alpha(picture_of(test), here.xy) < test.cutoff;
 }
 
 // Whether no point of a segment lies within `slack` of a node's box, by axes that may part the two: those of the box, and

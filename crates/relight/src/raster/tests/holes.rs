@@ -77,33 +77,6 @@ fn holes_are_where_perspective_puts_them() {
 }
 
 #[test]
-fn far_off_the_picture_is_taken_from_coarser_levels() {
-    // Levels of 64, 32, 16 and so on texels a side, solid from the third on.
-    let levels = 7;
-    let mut texels = Vec::new();
-    for level in 0..levels {
-        let width = 64 >> level;
-        texels.extend(vec![if level >= 2 { 255 } else { 0 }; width * width]);
-    }
-    let test = AlphaTest { width: 64, height: 64, levels: levels as u32, ..TEST };
-    let tests = AlphaTests { tests: &[test], texels: &texels };
-    let side = 64;
-    let all = [[-1.0, 1.0, 1.0, 0.5], [3.0, 1.0, 1.0, 0.5], [-1.0, -3.0, 1.0, 0.5]];
-    let solid = |across: f32, down: f32| {
-        // So many texels of the picture to one of the map.
-        let uv_alpha = [[0.0, 0.0, 1.0], [2.0 * across, 0.0, 1.0], [0.0, 2.0 * down, 1.0]];
-        let texels = drawn(&[], &[HoledTriangle { corners: all, uv_alpha, test: 0 }], tests, PLAIN, side);
-        let covered = texels.iter().filter(|depth| **depth < 1.0).count();
-        assert!(covered == 0 || covered == side * side, "{across}, {down}");
-        covered > 0
-    };
-    // Half of the second level and half of the third is what the test asks for: 2^1.5 texels.
-    assert_eq!([1.0, 2.7, 2.9, 8.0].map(|many| solid(many, many)), [false, false, true, true]);
-    // By the shorter way.
-    assert_eq!([solid(2.7, 30.0), solid(30.0, 2.7), solid(2.9, 30.0)], [false, false, true]);
-}
-
-#[test]
 fn a_solid_picture_makes_no_difference_and_an_empty_one_all() {
     let mut random = Random(77);
     let side = 200;
