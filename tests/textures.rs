@@ -109,8 +109,8 @@ fn textured_surfaces_have_their_radiance() {
         println!("{name}: {found:.2e}");
         assert!(found <= ERROR, "{name}: {found:.2e}");
     }
-    // The planted faults: uv in steps of 1/256 of a texel, as samplers may have it, of which the mean is half a step; and
-    // bytes off by one, which is as much as decoding by a cubic polynomial makes of some.
+    // The planted faults: uv half a step of 1/256 of a texel beside its place, as samplers that cut the rest off have it on
+    // average; and bytes off by one, which is about what decoding by a cubic polynomial makes of dark ones.
     let scene = wall(picture(0), blended, Vec2::ZERO);
     let stepped = error(&scene, &wall(picture(0), blended, Vec2::splat(0.5 / 256.0 / SIDE as f32)));
     let rgba8 = picture(0).rgba8.into_iter().map(|byte| byte ^ 1).collect();
