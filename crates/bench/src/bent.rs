@@ -19,7 +19,7 @@ pub(crate) fn bent_and_spot(light: &Light, reach: Reach) -> Result<(Light, Light
         return Ok((light.clone(), straighten(light)?));
     }
     let length = light.get(TRANSLATION).distance(reach.middle).max(0.5 * reach.half_extent.length());
-    let spot = with_cone(light, CONE_ANGLE, Some(reach.middle), length);
+    let spot = with_cone(light, CONE_ANGLE, Some(reach.middle), length)?;
     Ok((bent(&spot, SEGMENTS, length)?, spot))
 }
 

@@ -61,7 +61,10 @@ impl Bending {
             Owner::Directional => {
                 (bvh.posed.half_extent.length() / libm::sin(cone_degrees.to_radians())).max(1.0)
             }
-            _ => axis_reach(&light::with_cone(light, cone_degrees, toward, 1.0), bvh),
+            // A light that is refused reaches nowhere.
+            _ => {
+                light::with_cone(light, cone_degrees, toward, 1.0).map_or(1.0, |spot| axis_reach(&spot, bvh))
+            }
         };
         Self { range: Some(self.range.unwrap_or_else(reach)), toward, ..self }
     }
@@ -73,7 +76,7 @@ impl Bending {
         }
         let reach = self.range.unwrap_or_else(|| light.transform().scale);
         let cone_angle = self.cone_angle.unwrap_or(BENT_CONE_ANGLE);
-        light::bend_to(&light::with_cone(light, cone_angle, self.toward, reach), self.segments, reach)
+        light::bend_to(&light::with_cone(light, cone_angle, self.toward, reach)?, self.segments, reach)
     }
 }
 

@@ -4,8 +4,8 @@ use glam::{DMat3, DQuat, DVec3};
 
 use crate::build::{MAX_SEGMENTS, check_values};
 use crate::parameters::{
-    COLOR, CONE_ANGLE, CONE_SOFTNESS, CROSS_SECTION, DECAY, END_MODE, HEIGHT, INTENSITY, RANGE, ROTATION,
-    SCALE, SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH, TRANSLATION, UP, WIDTH,
+    COLOR, CONE_ANGLE, CONE_SOFTNESS, CROSS_SECTION, CUT_OFF, DECAY, END_MODE, FAR_EDGE, HEIGHT, INTENSITY,
+    RANGE, ROTATION, SCALE, SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH, TRANSLATION, UP, WIDTH,
 };
 use crate::{ControlPoint, CrossSection, Decay, EndMode, Light, LightError, Setting, Shape, Tube, Value};
 
@@ -50,25 +50,50 @@ pub fn bend_to(spot: &Light, segments: usize, reach: f64) -> Result<Light, Light
 /// An omni light is turned to shine at `toward`, in the world. A directional one keeps its direction, and shines from so far
 /// before `toward` as its control points are to reach: `reach` world units. Where it has a window it shines along the
 /// window's axis, and the window is the outline there. Parameters that both shapes have keep their values, and within the
-/// cone light does not fall off. Without `toward` both shine along their own -Z from where they stand.
-pub fn with_cone(light: &Light, cone_angle: f64, toward: Option<DVec3>, reach: f64) -> Light {
+/// cone light does not fall off. The range of an omni light, a sphere, becomes a cut-off, which is one too; a spotlight's is
+/// a plane. Where a cut-off fades past the range that is refused. Without `toward` both shine along their own -Z from where
+/// they stand.
+pub fn with_cone(
+    light: &Light,
+    cone_angle: f64,
+    toward: Option<DVec3>,
+    reach: f64,
+) -> Result<Light, LightError> {
     if !matches!(light.shape(), Shape::Omni | Shape::Directional) {
-        return light.clone();
+        return Ok(light.clone());
     }
     let mut spot = Light::new(Shape::Spot).with(DECAY, Decay::None);
     for (parameter, value) in light.values() {
         spot.set(Setting { parameter, value: value.clone() });
     }
+    if *light.shape() == Shape::Omni
+        && let Some(range) = light.get(RANGE)
+    {
+        spot = ending_at(&spot, range)?;
+    }
     let spot = spot.with(CONE_ANGLE, cone_angle).with(CONE_SOFTNESS, 0.0);
-    let Some(toward) = toward else { return spot };
+    let Some(toward) = toward else { return Ok(spot) };
     if *light.shape() == Shape::Directional {
-        return through_window(spot, light, toward, reach);
+        return Ok(through_window(spot, light, toward, reach));
     }
     let way = toward - light.get(TRANSLATION);
     // The largest part apart, so that no length leaves the range of numbers.
     let way = (way / way.abs().max_element()).try_normalize();
     let turned = |way: DVec3| spot.clone().with(ROTATION, DQuat::from_mat3(&looking_along(way, DVec3::Y)));
-    way.map_or_else(|| spot.clone(), turned)
+    Ok(way.map_or_else(|| spot.clone(), turned))
+}
+
+/// The spotlight `spot`, whose light ends at a distance of `range` from its source in place of the plane there.
+fn ending_at(spot: &Light, range: f64) -> Result<Light, LightError> {
+    let spot = spot.clone().with(RANGE, None);
+    let Some(cut_off) = spot.get(CUT_OFF).filter(|cut_off| *cut_off < range) else {
+        return Ok(spot.with(CUT_OFF, Some(range)).with(FAR_EDGE, 0.0));
+    };
+    // Nothing is left of it there.
+    if cut_off + spot.get(FAR_EDGE) <= range {
+        return Ok(spot);
+    }
+    Err(LightError::RangeInFarEdge { range, cut_off })
 }
 
 /// The spotlight `spot` in place of the directional `light`, from `reach` world units before `toward`, or before the place

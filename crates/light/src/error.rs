@@ -140,6 +140,17 @@ pub enum LightError {
     /// An omni light is to shine at where it stands.
     #[error("`toward` is where the light stands, which is no direction to shine along: choose another place")]
     NowhereToShine,
+    /// An omni light whose range cuts off what fades past its cut-off: a BendyLight has one end.
+    #[error(
+        "the light ends at its `range` of {range} while it still fades, from its `cutOff` of {cut_off} over its \
+         `farEdge`; a BendyLight fades or ends, and not both: make the range larger or the edge shorter"
+    )]
+    RangeInFarEdge {
+        /// World units.
+        range: f64,
+        /// World units.
+        cut_off: f64,
+    },
     /// A spotlight cannot be divided into this many segments.
     #[error("a light is bent into 1 to {limit} segments, not {count}: choose another number")]
     SegmentCount {

@@ -2,10 +2,12 @@
 
 use glam::{DQuat, DVec3};
 use light::parameters::{
-    COLOR, CONE_ANGLE, DECAY, DECAY_START, END_MODE, HEIGHT, INTENSITY, RANGE, ROTATION, UP, WIDTH,
+    COLOR, CONE_ANGLE, CUT_OFF, CUT_ON, DECAY, DECAY_START, END_MODE, FAR_EDGE, HEIGHT, INTENSITY, NEAR_EDGE,
+    RANGE, ROTATION, TRANSLATION, UP, WIDTH,
 };
 use light::{
-    CheckedLight, Decay, EndMode, Light, LightError, Transform, Tube, bend, bend_to, straighten, with_cone,
+    CheckedLight, Decay, EndMode, Light, LightError, Omni, Transform, Tube, bend, bend_to, straighten,
+    with_cone,
 };
 
 use crate::support::profile;
@@ -79,7 +81,7 @@ fn profile_falls_from_one_to_zero() {
 fn a_cone_takes_nothing_from_what_lies_in_it() {
     let sun = Light::directional().with(INTENSITY, 3.0).with(WIDTH, Some(1.0)).with(HEIGHT, Some(0.5));
     let toward = DVec3::new(0.0, 0.0, -2.0);
-    let bent = bend_to(&with_cone(&sun, 10.0, Some(toward), 20.0), 3, 20.0).expect("valid");
+    let bent = bend_to(&with_cone(&sun, 10.0, Some(toward), 20.0).expect("valid"), 3, 20.0).expect("valid");
     let tube = Tube::<f64>::new(&bent).expect("valid");
     let lit = |x: f64, y: f64| {
         let q = tube.placement.tube_from_world(DVec3::new(x, y, toward.z));
@@ -96,7 +98,8 @@ fn a_cone_takes_nothing_from_what_lies_in_it() {
 
     let bulb = Light::omni().with(INTENSITY, 9.0).with(DECAY, Decay::None);
     for toward in [DVec3::X * 4.0, DVec3::X * 1e300] {
-        let bent = bend_to(&with_cone(&bulb, 45.0, Some(toward), 4.0), 3, 4.0).expect("valid");
+        let bent =
+            bend_to(&with_cone(&bulb, 45.0, Some(toward), 4.0).expect("valid"), 3, 4.0).expect("valid");
         let tube = Tube::<f64>::new(&bent).expect("valid");
         let lit = |angle: f64| {
             let point = DVec3::new(angle.to_radians().cos(), angle.to_radians().sin(), 0.0) * 3.0;
@@ -106,6 +109,57 @@ fn a_cone_takes_nothing_from_what_lies_in_it() {
         assert!([0.0, 20.0, 44.9].into_iter().all(|angle| (lit(angle) - 9.0).abs() < 1e-12));
         assert_eq!(lit(45.1), 0.0);
     }
+}
+
+/// Within its cone a bent omni light shines as it did, whatever its range, its cuts and its decay: ends are spheres, not
+/// planes.
+#[test]
+fn a_bent_omni_light_ends_where_it_ended() {
+    let (source, toward) = (DVec3::new(0.3, -0.7, 2.0), DVec3::new(1.0, 0.4, -1.0));
+    let plain = Light::omni().with(TRANSLATION, source).with(INTENSITY, 7.0).with(DECAY, Decay::None);
+    let lights = [
+        plain.clone().with(RANGE, Some(3.0)),
+        plain.clone().with(RANGE, Some(3.0)).with(DECAY, Decay::InverseSquare),
+        plain.clone().with(CUT_ON, Some(1.5)).with(NEAR_EDGE, 0.6),
+        plain.clone().with(CUT_OFF, Some(2.0)).with(FAR_EDGE, 0.9),
+        plain.clone().with(CUT_OFF, Some(2.0)).with(FAR_EDGE, 0.9).with(RANGE, Some(2.9)),
+        plain.clone().with(CUT_OFF, Some(3.5)).with(FAR_EDGE, 0.9).with(RANGE, Some(3.1)),
+        plain.clone().with(CUT_ON, Some(0.5)).with(DECAY, Decay::Linear).with(DECAY_START, 1.2),
+    ];
+    let planar = bend(&Light::spot().with(TRANSLATION, source).with(RANGE, Some(3.0)), 3).expect("valid");
+    for light in &lights {
+        let omni = Omni::new(light).expect("valid");
+        let spot = with_cone(light, 40.0, Some(toward), 3.0).expect("it has one end");
+        let bent = Tube::new(&bend_to(&spot, 3, 3.0).expect("valid")).expect("valid");
+        let at = |tube: &Tube<f64>, point: DVec3| {
+            let root = tube.nearest_root(tube.placement.tube_from_world(point));
+            root.map_or(DVec3::ZERO, |root| tube.irradiance(&root))
+        };
+        let axis = (toward - source).normalize();
+        let (right, up) = axis.any_orthonormal_pair();
+        let (mut lit, mut dark) = (0, 0);
+        for k in 0..900 {
+            let (angle, slope) = (f64::from(k) * 2.4, 0.83 * (f64::from(k % 30) / 30.0));
+            let way = (axis + (right * angle.cos() + up * angle.sin()) * slope).normalize();
+            let s = 0.05 + 4.2 * f64::from(k / 30) / 30.0;
+            let expected = omni.locate(way * s).map_or(DVec3::ZERO, |place| omni.irradiance(&place));
+            let found = at(&bent, source + way * s);
+            assert!(
+                (found - expected).length() <= 1e-9 * (1.0 + expected.length()),
+                "{s}: {found} {expected}"
+            );
+            (lit, dark) = (lit + usize::from(expected.x > 0.0), dark + usize::from(expected.x == 0.0));
+        }
+        assert!(lit > 100 && dark > 50, "{lit} lit, {dark} dark");
+    }
+    // The planted fault: a plane at the range, as a spotlight has.
+    let beyond = source + (DVec3::NEG_Z + DVec3::X * 0.4).normalize() * 3.1;
+    let omni = Omni::new(&lights[0]).expect("valid");
+    assert!(Tube::new(&planar).expect("valid").locate(beyond).point.is_some());
+    assert!(omni.locate(beyond - source).is_none());
+    let fading = plain.with(CUT_OFF, Some(2.0)).with(FAR_EDGE, 0.9).with(RANGE, Some(2.5));
+    let refused = with_cone(&fading, 40.0, Some(toward), 3.0);
+    assert_eq!(refused, Err(LightError::RangeInFarEdge { range: 2.5, cut_off: 2.0 }));
 }
 
 #[test]
