@@ -1,7 +1,7 @@
 //! The tube cut across into pieces that turn little, for whoever maps surfaces into it (shadow maps, bent
 //! rays).
 
-use crate::{Curve, EndMode, Tube};
+use crate::{Curve, EndMode, Tube, TubeBox};
 
 /// A piece of one segment.
 #[derive(Clone, Copy, Debug)]
@@ -15,13 +15,19 @@ pub struct Slab {
 }
 
 /// Largest turn of the tangent in a slab. With it, a point of the tube's slab lies between the slab's two end
-/// planes, and the inner side of the slab's box stays this side of the evolute: half the turn adds `1 - cos
-/// 7.5 degrees` = 0.9 % of the bend's radius to R.
+/// planes.
 const MAX_TURN_COS: f64 = 0.965_925_826_289_068_3;
 /// Largest ratio of the speeds at a slab's ends: the parameter is then nearly even over the slab.
 const MAX_SPEED_RATIO: f64 = 1.4;
 /// Slabs of one segment, at most `2^MAX_HALVINGS`; only a cusp asks for more.
 const MAX_HALVINGS: usize = 6;
+/// Halvings of a slab beyond those, so that its box stays this side of the evolute: half the turn adds `1 - cos` of it to
+/// `R kappa`, a quarter as much each time.
+const MAX_TIGHT_HALVINGS: usize = 4;
+/// Of what is left between the rim and the evolute, the box may have this share.
+const TIGHT: f64 = 0.75;
+/// Places of a slab where the evolute is looked for.
+const PLACES: u32 = 4;
 
 /// Cuts a light's tube into slabs in ascending t. An extended light is cut at `t_max`; otherwise that has no
 /// effect.
@@ -33,7 +39,7 @@ pub fn slabs(tube: &Tube<f64>, t_max: f64, overlap: f64) -> Vec<Slab> {
         let curve = &segment.curve;
         let end = if i < tube.n { 1.0 } else { t_max - tube.n as f64 };
         if end > 0.0 {
-            halve(curve, (0.0, end), MAX_HALVINGS, &mut |start, end| {
+            halve(curve, (0.0, end), MAX_HALVINGS + MAX_TIGHT_HALVINGS, &mut |start, end| {
                 let (first, last) = (
                     i == 0 && start == 0.0,
                     tube.end_mode() == EndMode::Cut && i + 1 == tube.n && end == 1.0,
@@ -51,17 +57,36 @@ pub fn slabs(tube: &Tube<f64>, t_max: f64, overlap: f64) -> Vec<Slab> {
     out
 }
 
-/// Halves a range of a segment until it turns little and runs evenly.
+/// Halves a range of a segment until it turns little, runs evenly, and has a box within which each point is nearest to the curve
+/// in one place.
 fn halve(curve: &Curve<f64>, range: (f64, f64), depth: usize, emit: &mut impl FnMut(f64, f64)) {
     let (start, end) = range;
     let (d0, d1) = (curve.d(start), curve.d(end));
     let (slow, fast) = (d0.length().min(d1.length()), d0.length().max(d1.length()));
     let turns = curve.u_hat(start).dot(curve.u_hat(end)) < MAX_TURN_COS;
-    if depth > 0 && (turns || fast > MAX_SPEED_RATIO * slow) {
+    let is_uneven = depth > MAX_TIGHT_HALVINGS && (turns || fast > MAX_SPEED_RATIO * slow);
+    if depth > 0 && (is_uneven || !turns && reaches_evolute(&curve.piece(start, end))) {
         let middle = f64::midpoint(start, end);
         halve(curve, (start, middle), depth - 1, emit);
         halve(curve, (middle, end), depth - 1, emit);
     } else {
         emit(start, end);
     }
+}
+
+/// Whether the box of a piece reaches farther into its bend than the tube, by more than [`TIGHT`] of the way to the evolute:
+/// past that, points are nearest to the curve elsewhere.
+fn reaches_evolute(piece: &Curve<f64>) -> bool {
+    let TubeBox { center, axes, half } = &piece.bounds;
+    let places = (0..=PLACES).map(|k| f64::from(k) / f64::from(PLACES));
+    places.into_iter().any(|u| {
+        let u_hat = piece.u_hat(u);
+        // kappa N, towards the centre of the bend.
+        let bend = piece.u_hat_derivative(u, u_hat) / (2.0 * piece.d(u).length());
+        let inward = bend.dot(axes[1]);
+        let side = center.dot(axes[1]) + half[1].copysign(inward) - piece.position(u).dot(axes[1]);
+        // The box's side lies `side / (N . axis)` along N.
+        let r_kappa = piece.radius(u).max(0.0) * bend.length();
+        inward != 0.0 && side * bend.length_squared() / inward > r_kappa + TIGHT * (1.0 - r_kappa)
+    })
 }

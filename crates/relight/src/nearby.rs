@@ -41,11 +41,11 @@ pub(crate) fn is_in_its_own_way(scene: &Scene, surface: &Met, arriving: Vec3) ->
     height <= 0.0 || weights_at(scene.corners(surface.triangle), through).min_element() >= 0.0
 }
 
-/// Whether a triangle other than the surface's own lies between where its shadow is looked for and `way` from there.
-pub(crate) fn is_met(scene: &Scene, surface: &Met, way: Vec3) -> bool {
-    let start = surface.shadow_position();
+/// Whether a triangle lies between `start` and `start + way`, and is there: another than `own`, and none that starts within the
+/// rounding of a surface so far from the viewer.
+pub(crate) fn is_met(scene: &Scene, (start, way): (Vec3, Vec3), own: Option<u32>, depth: f32) -> bool {
     let end = start + way;
-    let slack = rounding(start) + surface.depth * (1.0 / 2_097_152.0);
+    let slack = rounding(start) + depth * (1.0 / 2_097_152.0);
     let segment = (start + 0.5 * way, 0.5 * way, slack + rounding(end));
     let mut index = 0;
     while let Some(node) = scene.hierarchy.nodes.get(index) {
@@ -54,7 +54,7 @@ pub(crate) fn is_met(scene: &Scene, surface: &Met, way: Vec3) -> bool {
         if is_leaf && !passed_by {
             let of_leaf = node.next as usize..(node.next + node.triangle_count) as usize;
             for &triangle in &scene.hierarchy.triangles[of_leaf] {
-                if triangle != surface.triangle && lies_between(scene, triangle, (start, way), slack) {
+                if Some(triangle) != own && lies_between(scene, triangle, (start, way), slack) {
                     return true;
                 }
             }

@@ -56,6 +56,17 @@ pub(crate) fn gathered(map: &DepthMap, face: U32s, corner: [F32s; 2]) -> [F32s; 
     found
 }
 
+/// Which of the four texels from a corner on lie beyond a map of `side` texels, row after row. Nothing throws shadows there:
+/// maps are fitted to what does, and floors and walls that they are not fitted to are drawn up to the border.
+#[inline(always)]
+pub(crate) fn beyond_map(corner: [F32s; 2], side: usize) -> [Masks; 4] {
+    let (zero, one, side) = (F32s::splat(0.0), F32s::splat(1.0), F32s::splat(side as f32));
+    let (next_x, next_y) = (corner[0] + one, corner[1] + one);
+    let (left, right) = (corner[0].lt(zero) | corner[0].ge(side), next_x.lt(zero) | next_x.ge(side));
+    let (top, bottom) = (corner[1].lt(zero) | corner[1].ge(side), next_y.lt(zero) | next_y.ge(side));
+    [left | top, right | top, left | bottom, right | bottom]
+}
+
 /// A texel; 0 where a place that means nothing lies beyond all of them.
 #[inline(always)]
 fn texel(texels: &[f32], at: u32) -> f32 {
@@ -111,23 +122,42 @@ pub(crate) fn filtered<R: Receiver>(receiver: &R, map: &DepthMap, filter: Shadow
     Shares { told: sum.told / ninth, left: sum.left / ninth }
 }
 
-/// Share of the light that reaches the surface, given both shares of [`filtered`]. Where light grazes and the texels around
-/// do not all let it through, the scene tells of `way`, its last piece reversed, and the map of what came before.
+/// Where the scene is to tell of what is near, and the map of the rest: where light grazes and the texels around do not all let
+/// it through.
 #[inline(always)]
-pub(crate) fn decided(scene: &Scene, surface: &Surface, shares: Shares, grazes: Masks, way: Vec3s) -> F32s {
-    let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
-    let asked = grazes & shares.told.lt(one) & shares.left.gt(zero);
-    if !asked.any() {
+pub(crate) fn asks_scene(shares: Shares, grazes: Masks) -> Masks {
+    grazes & shares.told.lt(F32s::splat(1.0)) & shares.left.gt(F32s::splat(0.0))
+}
+
+/// Share of the light that reaches the surface, given both shares of [`filtered`]. Of lanes that ask the scene `is_blocked` says
+/// whether something lies on the last piece of light's way.
+#[inline(always)]
+pub(crate) fn decided(shares: Shares, asks: Masks, is_blocked: impl Fn(usize) -> bool) -> F32s {
+    if !asks.any() {
         return shares.told;
     }
     let mut visibility = shares.told;
     for i in 0..LANES {
-        if asked.lane(i) {
-            let is_blocked = nearby::is_met(scene, &surface.met(i), way.lane(i));
-            visibility.0[i] = if is_blocked { 0.0 } else { shares.left.0[i] };
+        if asks.lane(i) {
+            visibility.0[i] = if is_blocked(i) { 0.0 } else { shares.left.0[i] };
         }
     }
     visibility
+}
+
+/// The same where the last piece of light's way, reversed, is the straight `way`.
+#[inline(always)]
+pub(crate) fn decided_along(
+    scene: &Scene,
+    surface: &Surface,
+    shares: Shares,
+    grazes: Masks,
+    way: Vec3s,
+) -> F32s {
+    decided(shares, asks_scene(shares, grazes), |i| {
+        let met = surface.met(i);
+        nearby::is_met(scene, (met.shadow_position(), way.lane(i)), Some(met.triangle), met.depth)
+    })
 }
 
 /// The sides of surfaces that light arrives at.
@@ -204,7 +234,7 @@ impl Surface {
     }
 
     /// One lane's, which exists.
-    fn met(&self, lane: usize) -> Met {
+    pub(crate) fn met(&self, lane: usize) -> Met {
         Met {
             position: self.position.lane(lane),
             normal: self.normal.lane(lane),

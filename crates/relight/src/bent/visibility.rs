@@ -7,18 +7,26 @@ use super::{Bent, BentMapPlace};
 use crate::Scene;
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, U32s, Vec3s};
+use crate::nearby::{self, Met};
 use crate::surfaces::Surface;
-use crate::visibility::{Facing, LitTexels, Receiver, decided, facing, filtered, gathered};
+use crate::visibility::{Facing, LitTexels, Receiver, asks_scene, decided, facing, filtered, gathered};
 
 /// Lengths along the light, in a texel's widths. From texel to texel the receiver's plane runs along the light so far: more
 /// than this, and what the map cannot tell the scene is asked; ...
 const GRAZING: f32 = 1.0;
 /// ... the map is believed as if it were this at most; ...
 const STEEP: f32 = 4.0;
+/// ... casters stray from the surface as if it were this at most; ...
+const STEEP_CASTER: f32 = 32.0;
 /// ... and seen edge on it runs so far.
-const STEEPEST: f32 = 32.0;
-/// The farthest of the texels around is a step and a half away, where the plane may lie so much earlier.
-const REACH: f32 = 1.5 * STEEPEST;
+const STEEPEST: f32 = 4096.0;
+/// What is nearer than that, ...
+const REACH: f32 = 48.0;
+/// ... or than the plane runs to the farthest of the texels around, so many steps away, is left to the scene.
+const STEPS_AROUND: f32 = 1.5;
+/// Pieces in which a path is followed, each as long as all that are nearer to the surface: a chord strays by less the nearer it
+/// is.
+const PIECES: usize = 12;
 
 /// A receiver's place on the map, and what its own plane looks like there.
 struct BentReceiver {
@@ -173,14 +181,15 @@ impl Bent {
         let (receiver, width) = self.receiver(root, (&path, v, w), &lifted, &on_map, normal);
         let run = length2(receiver.step);
         let shares = filtered(&receiver, map, self.map.filter);
-
-        // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach, along
-        // the chord of the path, whose tangent turns with the centre's.
+        // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach.
         let grazes = asked & (!faces_light | run.gt(F32s::splat(GRAZING) * width));
         let back = (F32s::splat(2.0) * receiver.reach + run) / on_map.gain;
-        let way = path.u_hat_derivative * (F32s::splat(0.5) * sigma * back * back) - path.tangent * back;
-        let way = self.world_vector(way) * world_per_tube;
-        let visibility = decided(scene, surface, shares, grazes, way);
+        let t = F32s::splat(root.segment as f32) + root.u + lifted.dt;
+        let radii = F32s::select(lifted.radius.gt(zero), lifted.radius, F32s::splat(1.0));
+        let (v, w) = (lifted.vw_len[0] / radii, lifted.vw_len[1] / radii);
+        let visibility = decided(shares, asks_scene(shares, grazes), |i| {
+            self.is_met_on_path(scene, &surface.met(i), [t, v, w, back].map(|x| x.0[i]))
+        });
         F32s::select(asked, visibility, zero)
     }
 
@@ -201,8 +210,9 @@ impl Bent {
         let speed = F32s::length(path.tangent).least(map_speed(place, path, v, w)).most(F32s::splat(1e-20));
         let footprint = texel_width(place, on_map, (lifted.radius, path)) / speed;
         // Seen edge on, the plane runs off along the light within a texel: the way it leans.
-        let edge_on = length2(leaning) * speed * F32s::splat(1.0 / STEEPEST);
-        let facing = (-F32s::dot(normal, path.tangent)).most(edge_on);
+        let edge_on = length2(leaning) * speed;
+        let facing = (-F32s::dot(normal, path.tangent)).most(edge_on * F32s::splat(1.0 / STEEPEST));
+        let caster_facing = facing.most(edge_on * F32s::splat(1.0 / STEEP_CASTER));
         let run = lifted.radius / facing;
         let step = [
             run * dot2(leaning, on_map.right) * on_map.gain,
@@ -211,7 +221,8 @@ impl Bent {
         // The depth is rounded to some ulps of the largest. And the receiver's own caster may stray by e towards the light: a
         // plane moved so far along its normal is met e / (n . T) earlier.
         let width = footprint * on_map.gain;
-        let rounding = F32s::splat(place.t_last / 4_194_304.0) + F32s::splat(place.mesh_error) / facing;
+        let rounding =
+            F32s::splat(place.t_last / 4_194_304.0) + F32s::splat(place.mesh_error) / caster_facing;
         let tolerance = F32s::splat(place.tolerance_texels)
             * (width + length2(step).least(F32s::splat(STEEP) * width))
             + rounding * on_map.gain;
@@ -221,10 +232,56 @@ impl Bent {
             depth: t * on_map.gain,
             step,
             tolerance,
-            reach: tolerance.most(F32s::splat(REACH) * width),
+            reach: tolerance
+                .most((F32s::splat(REACH) * width).most(F32s::splat(STEPS_AROUND) * length2(step))),
             far: on_map.far,
         };
         (receiver, width)
+    }
+}
+
+impl Bent {
+    /// The points of the paths of constant (v, w) at `t`, in tube space.
+    #[inline(always)]
+    fn path_points(&self, t: F32s, v: F32s, w: F32s) -> Vec3s {
+        let mut points = Vec3s::splat([0.0; 3]);
+        let last = self.tube.segments.len() - 1;
+        for (i, segment) in self.tube.segments.iter().enumerate() {
+            let (first, curve) = (F32s::splat(i as f32), &segment.curve);
+            let here = t.ge(first) & (t.lt(first + F32s::splat(1.0)) | Masks::of(i == last));
+            if here.any() {
+                let u = t - first;
+                let (v_hat, w_hat) = self.tube.cross_section(curve, curve.u_hat(u));
+                let radius = curve.radius(u);
+                let point = curve.position(u) + v_hat * (v * radius) + w_hat * (w * radius);
+                points = F32s::select_vec(here, point, points);
+            }
+        }
+        points
+    }
+
+    /// Whether something lies on the path of constant (v, w) that ends at a surface, at `t`, from `back` before there.
+    fn is_met_on_path(&self, scene: &Scene, surface: &Met, [t, v, w, back]: [f32; 4]) -> bool {
+        // A piece's far end a lane, and the path's end in the next.
+        let mut ends = F32s::splat(t);
+        for piece in 0..PIECES {
+            let share = 1.0 / (1 << (PIECES - 1 - piece)) as f32;
+            ends.0[piece] = (t - back * share).max(0.0);
+        }
+        let points = self.path_points(ends, F32s::splat(v), F32s::splat(w));
+        let from_end = points - Vec3s::splat(points.lane(PIECES).to_array());
+        let ways = self.world_vector(from_end) * F32s::splat(self.world_per_tube);
+        let end = surface.shadow_position();
+        // Light that bends may have come through the surface's own triangle before.
+        let (mut before, mut own) = (end, Some(surface.triangle));
+        for piece in 0..PIECES {
+            let here = end + ways.lane(piece);
+            if nearby::is_met(scene, (before, here - before), own, surface.depth) {
+                return true;
+            }
+            (before, own) = (here, None);
+        }
+        false
     }
 }
 

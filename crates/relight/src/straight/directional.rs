@@ -9,7 +9,9 @@ use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, U32s, Vec3s};
 use crate::shape::{Sample, Shape};
 use crate::surfaces::Surface;
-use crate::visibility::{Facing, LitTexels, Receiver, decided, facing, filtered, fit_of, gathered, texel_at};
+use crate::visibility::{
+    Facing, LitTexels, Receiver, beyond_map, decided_along, facing, filtered, fit_of, gathered, texel_at,
+};
 use crate::{Scene, ShadowFilter};
 
 /// A directional light as it is drawn.
@@ -106,12 +108,13 @@ impl Receiver for DirectionalReceiver {
         let corner = right * (first[0] - self.texel[0]) + down * (first[1] - self.texel[1]);
         let rises = [corner, corner + right, corner + down, corner + (right + down)];
         let stored = gathered(map, U32s::splat(0), first);
-        let mut lit = LitTexels { told: [Masks::of(false); 4], left: [Masks::of(false); 4] };
+        let beyond = beyond_map(first, map.side());
+        let mut lit = LitTexels { told: beyond, left: beyond };
         for k in 0..4 {
             // Nothing is below 0, which is what the map holds where there is nothing.
             let plane = (self.depth + rises[k].within(-self.most, self.most)).most(F32s::splat(0.0));
-            lit.told[k] = stored[k].le(plane + self.tolerance);
-            lit.left[k] = stored[k].le(plane + self.reach);
+            lit.told[k] = lit.told[k] | stored[k].le(plane + self.tolerance);
+            lit.left[k] = lit.left[k] | stored[k].le(plane + self.reach);
         }
         lit
     }
@@ -170,6 +173,6 @@ impl Directional {
         // as far as the plane rises in the texels around.
         let grazes = asked & (!faces_light | rise_length.gt(F32s::splat(GRAZING) * width));
         let way = to_light * (F32s::splat(3.0) * run);
-        F32s::select(asked, decided(scene, surface, shares, grazes, way), zero)
+        F32s::select(asked, decided_along(scene, surface, shares, grazes, way), zero)
     }
 }

@@ -67,12 +67,15 @@ fn texel_width(texel: MapTexel, radius: f32, across: mat2x3f, tangent: vec3f) ->
 
 // Lengths along the light, in a texel's widths. From texel to texel the receiver's plane runs along the light so far:
 // more than GRAZING, and what the map cannot tell the scene is asked; the map is believed as if it were STEEP at most;
-// and seen edge on it runs STEEPEST.
+// casters stray from the surface as if it were STEEP_CASTER at most; and seen edge on it runs STEEPEST.
 const GRAZING = 1.0;
 const STEEP = 4.0;
-const STEEPEST = 32.0;
-// The farthest of the texels around is a step and a half away, where the plane may lie so much earlier.
-const REACH = 1.5 * STEEPEST;
+const STEEP_CASTER = 32.0;
+const STEEPEST = 4096.0;
+// What is nearer than that, or than the plane runs to the farthest of the texels around, a step and a half away, is left to
+// the scene.
+const REACH = 48.0;
+const STEPS_AROUND = 1.5;
 
 // Where a point beside a root's lies in the tube, or past its rim.
 struct Lifted {
@@ -137,22 +140,60 @@ fn bent_visibility(root: Root, vw: vec2f, surface: Surface) -> f32 {
     receiver.depth = (t - light.map_t_base) * on_map.gain;
     receiver.far = on_map.far;
     // Seen edge on, the plane runs off along the light within a texel: the way it leans.
-    let facing = max(-dot(normal, tangent), length(leaning) * speed / STEEPEST);
+    let edge_on = length(leaning) * speed;
+    let facing = max(-dot(normal, tangent), edge_on / STEEPEST);
     let step_t = radius / facing * vec2f(dot(leaning, on_map.right), dot(leaning, on_map.down));
     receiver.step = step_t * on_map.gain + vec2f(0.0, (t - light.map_t_base) * on_map.gain_down);
     // The depth is rounded to some ulps of the largest. And the receiver's own caster may stray by e towards the light: a
     // plane moved so far along its normal is met e / (n . T) earlier.
     let width = footprint * on_map.gain;
     receiver.tolerance = light.shadow_tolerance_texels * (width + min(length(receiver.step), STEEP * width))
-        + (0x1p-22 * light.map_t_last + light.mesh_error / facing) * on_map.gain;
-    receiver.reach = max(receiver.tolerance, REACH * width);
+        + (0x1p-22 * light.map_t_last + light.mesh_error / max(facing, edge_on / STEEP_CASTER)) * on_map.gain;
+    let run = length(receiver.step);
+    receiver.reach = max(receiver.tolerance, max(REACH * width, STEPS_AROUND * run));
 
-    // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach, along
-    // the chord of the path, whose tangent turns with the centre's.
-    let grazes = !faces_light || length(receiver.step) > GRAZING * width;
-    let back = (2.0 * receiver.reach + length(receiver.step)) / on_map.gain;
-    let way = u_hat_derivative(root) * (0.5 * sigma * back * back) - tangent * back;
-    return decided(surface, filtered(receiver), grazes, light.world_from_tube * way * light.world_per_tube);
+    // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach.
+    let shares = filtered(receiver);
+    let asks = asks_scene(shares, !faces_light || run > GRAZING * width);
+    let back = (2.0 * receiver.reach + run) / on_map.gain;
+    let vw_there = lifted.vw_len / select(1.0, radius, radius > 0.0);
+    return decided(shares, asks, is_met_on_path(surface, t, vw_there, select(0.0, back, asks)));
+}
+
+// The point of the path of constant (v, w) at `t`, in tube space.
+fn path_point(t: f32, vw: vec2f) -> vec3f {
+    let last = segment_count() - select(1u, 0u, EXTENDED);
+    let i = min(u32(t), last);
+    let c = segment_at(i).curve;
+    let u = t - f32(i);
+    let across = cross_section(c, curve_u_hat(c, u), FRAME_UP, light.up);
+    return c.b0 + (c.d0 * 2.0 + c.a * u) * u + across * (vw * curve_radius(c, u));
+}
+
+// Pieces in which the path is followed, each as long as all that are nearer to the surface: a chord strays by less the nearer
+// it is.
+const PIECES = 12u;
+
+// Whether something lies on the path of constant (v, w) that ends at a surface, at `t`, from `back` before there. Follows it
+// nowhere where `back` is 0.
+fn is_met_on_path(surface: Surface, t: f32, vw: vec2f, back: f32) -> bool {
+    let end_in_tube = path_point(t, vw);
+    let end = shadow_position(surface);
+    let pieces = select(0u, PIECES, back > 0.0);
+    var before = end;
+    var share = exp2(1.0 - f32(PIECES));
+    // Light that bends may have come through the surface's own triangle before.
+    var own = surface.triangle;
+    var met = false;
+    for (var piece = 0u; piece < pieces && !met; piece++) {
+        let way = path_point(max(t - back * share, 0.0), vw) - end_in_tube;
+        let here = end + light.world_from_tube * way * light.world_per_tube;
+        met = is_met(before, here - before, own, surface.depth);
+        before = here;
+        own = NONE;
+        share *= 2.0;
+    }
+    return met;
 }
 
 // Which of the four texels from `corner` on let the light through, in the order of textureGather.

@@ -62,10 +62,14 @@ fn is_beside(node: HierarchyNode, middle: vec3f, half: vec3f, slack: f32) -> boo
     return any(abs(between) > box_half + reach) || any(abs(cross(half, between)) > across);
 }
 
-// Whether a triangle other than the surface's own lies between `start` and `start + way`, and is there.
-fn is_met(surface: Surface, start: vec3f, way: vec3f) -> bool {
+// No triangle's index.
+const NONE = 0xffffffffu;
+
+// Whether a triangle lies between `start` and `start + way`, and is there: another than `own`, and none that starts within the
+// rounding of a surface so far from the viewer.
+fn is_met(start: vec3f, way: vec3f, own: u32, depth: f32) -> bool {
     let end_point = start + way;
-    let slack = rounding(start) + 0x1p-21 * surface.depth;
+    let slack = rounding(start) + 0x1p-21 * depth;
     let room = slack + rounding(end_point);
     // The bound, not a branch: a group of pixels with no way to go leaves at once on a software driver.
     let end = select(0u, arrayLength(&hierarchy), any(way != vec3f(0.0)));
@@ -82,7 +86,7 @@ fn is_met(surface: Surface, start: vec3f, way: vec3f) -> bool {
             let plane = planes[triangle];
             let start_height = dot(plane.xyz, start) - plane.w;
             let end_height = dot(plane.xyz, end_point) - plane.w;
-            if triangle != surface.triangle && abs(start_height) > slack && start_height * end_height < 0.0 {
+            if triangle != own && abs(start_height) > slack && start_height * end_height < 0.0 {
                 let at = start + way * (start_height / (start_height - end_height));
                 let weights = weights_at(corners_of(triangle), at);
                 var is_there = all(weights >= vec3f(-1e-6)) && throws_shadow(triangle);

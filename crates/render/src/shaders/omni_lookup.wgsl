@@ -119,7 +119,7 @@ fn shadow_visibility(surface: Surface, to_light: vec3f) -> f32 {
     // Beside the receiver a steep caster may be nearer than it is here: the scene is asked for twice the reach, and as far
     // as the plane runs in the texels around.
     let way = to_light * (way_length * min(3.0 * share, 0.9));
-    return decided(surface, filtered(receiver), !faces_light || run * ahead > GRAZING * width, way);
+    return decided_along(surface, filtered(receiver), !faces_light || run * ahead > GRAZING * width, way);
 }
 
 // Which of the four texels from `first` on let the light through, in the order of textureGather.
@@ -131,8 +131,9 @@ fn lit_texels(receiver: Receiver, first: vec2f) -> mat2x4f {
     let resolution = vec2f(textureDimensions(shadow_map));
     let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / resolution, receiver.face);
     let excess = stored - plane;
+    let beyond = beyond_map(first, resolution);
     return mat2x4f(
-        select(vec4f(0.0), vec4f(1.0), excess <= vec4f(receiver.tolerance)),
-        select(vec4f(0.0), vec4f(1.0), excess <= vec4f(receiver.reach)),
+        select(vec4f(0.0), vec4f(1.0), beyond | (excess <= vec4f(receiver.tolerance))),
+        select(vec4f(0.0), vec4f(1.0), beyond | (excess <= vec4f(receiver.reach))),
     );
 }

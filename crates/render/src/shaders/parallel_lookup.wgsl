@@ -78,7 +78,7 @@ fn shadow_visibility(surface: Surface, to_light: vec3f) -> f32 {
     // Beside the receiver a steep caster may be higher than it is here: the scene is asked for twice the reach, and as far
     // as the plane rises in the texels around.
     let grazes = !faces_light || length(rise) > GRAZING * width;
-    return decided(surface, filtered(receiver), grazes, to_light * (3.0 * run));
+    return decided_along(surface, filtered(receiver), grazes, to_light * (3.0 * run));
 }
 
 // Which of the four texels from `first` on let the light through, in the order of textureGather.
@@ -89,8 +89,9 @@ fn lit_texels(receiver: Receiver, first: vec2f) -> mat2x4f {
     let plane = max(receiver.depth + clamp(rises, vec4f(-receiver.most), vec4f(receiver.most)), vec4f(0.0));
     let resolution = vec2f(textureDimensions(shadow_map));
     let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / resolution, 0);
+    let beyond = beyond_map(first, resolution);
     return mat2x4f(
-        select(vec4f(0.0), vec4f(1.0), stored <= plane + receiver.tolerance),
-        select(vec4f(0.0), vec4f(1.0), stored <= plane + receiver.reach),
+        select(vec4f(0.0), vec4f(1.0), beyond | (stored <= plane + receiver.tolerance)),
+        select(vec4f(0.0), vec4f(1.0), beyond | (stored <= plane + receiver.reach)),
     );
 }

@@ -16,6 +16,14 @@ fn filter_blend(blend: vec2f) -> vec2f {
     return select(blend, round(blend), SHADOW_FILTER == FILTER_NEAREST);
 }
 
+// Which of the four texels from `first` on lie beyond a map of so many texels, in the order of textureGather. Nothing throws
+// shadows there: maps are fitted to what does, and floors and walls that they are not fitted to are drawn up to the border.
+fn beyond_map(first: vec2f, resolution: vec2f) -> vec4<bool> {
+    let columns = first.x + vec4f(0.0, 1.0, 1.0, 0.0);
+    let rows = first.y + vec4f(1.0, 1.0, 0.0, 0.0);
+    return (min(columns, rows) < vec4f(0.0)) | (columns >= vec4f(resolution.x)) | (rows >= vec4f(resolution.y));
+}
+
 // Sum over four texels, in the order of textureGather, weighted by column and row: 1 to the last bit where all are lit.
 fn weighted(lit: vec4f, columns: vec2f, rows: vec2f) -> f32 {
     return dot(rows, vec2f(dot(columns, lit.wz), dot(columns, lit.xy)));
@@ -42,10 +50,20 @@ fn filtered(receiver: Receiver) -> vec2f {
     return weighted_both(near, vec2f(1.0 - blend.x, blend.x), vec2f(1.0 - blend.y, blend.y));
 }
 
-// Share of the light that reaches the surface, given both shares of `filtered`. Where light grazes and the texels around
-// do not all let it through, the scene tells of `way`, its last piece reversed, and the map of what came before.
-fn decided(surface: Surface, shares: vec2f, grazes: bool, way: vec3f) -> f32 {
-    let asked = grazes && shares.x < 1.0 && shares.y > 0.0;
-    let is_blocked = is_met(surface, shadow_position(surface), select(vec3f(0.0), way, asked));
-    return select(shares.x, select(shares.y, 0.0, is_blocked), asked);
+// Whether the scene is to tell of what is near, and the map of the rest, given both shares of `filtered`: where light grazes
+// and the texels around do not all let it through.
+fn asks_scene(shares: vec2f, grazes: bool) -> bool {
+    return grazes && shares.x < 1.0 && shares.y > 0.0;
+}
+
+// Share of the light that reaches the surface.
+fn decided(shares: vec2f, asks: bool, is_blocked: bool) -> f32 {
+    return select(shares.x, select(shares.y, 0.0, is_blocked), asks);
+}
+
+// The same where the last piece of light's way, reversed, is the straight `way`.
+fn decided_along(surface: Surface, shares: vec2f, grazes: bool, way: vec3f) -> f32 {
+    let asks = asks_scene(shares, grazes);
+    let asked_way = select(vec3f(0.0), way, asks);
+    return decided(shares, asks, is_met(shadow_position(surface), asked_way, surface.triangle, surface.depth));
 }

@@ -95,7 +95,7 @@ fn shadow_visibility(surface: Surface, to_light: vec3f) -> f32 {
     // as far as the plane runs in the texels around.
     let grazes = !faces_light || run > GRAZING * texel_slope;
     let way = to_light * (length(position) * min(3.0 * receiver.most, 0.9));
-    return decided(surface, filtered(receiver), grazes, way);
+    return decided_along(surface, filtered(receiver), grazes, way);
 }
 
 // Which of the four texels from `first` on let the light through, in the order of textureGather.
@@ -107,10 +107,7 @@ fn lit_texels(receiver: Receiver, first: vec2f) -> mat2x4f {
     let expected = clamp(plane_at, vec4f(bounds.x), vec4f(bounds.y)) * spot.shadow_near;
     let resolution = vec2f(textureDimensions(shadow_map));
     let stored = textureGather(0, shadow_map, shadow_sampler, (first + 1.0) / resolution, receiver.face);
-    // Nothing throws shadows beyond the map, but floors that it is not fitted to are drawn up to its border.
-    let columns = first.x + vec4f(0.0, 1.0, 1.0, 0.0);
-    let rows = first.y + vec4f(1.0, 1.0, 0.0, 0.0);
-    let beyond = (min(columns, rows) < vec4f(0.0)) | (columns >= vec4f(resolution.x)) | (rows >= vec4f(resolution.y));
+    let beyond = beyond_map(first, resolution);
     return mat2x4f(
         select(vec4f(0.0), vec4f(1.0), beyond | (stored <= expected + receiver.tolerance)),
         select(vec4f(0.0), vec4f(1.0), beyond | (stored <= expected + receiver.reach)),

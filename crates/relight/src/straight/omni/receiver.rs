@@ -8,7 +8,9 @@ use crate::Scene;
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, U32s, Vec3s};
 use crate::surfaces::Surface;
-use crate::visibility::{Facing, LitTexels, Receiver, decided, facing, filtered, fit_of, gathered, texel_at};
+use crate::visibility::{
+    Facing, LitTexels, Receiver, beyond_map, decided_along, facing, filtered, fit_of, gathered, texel_at,
+};
 
 /// The faces that hold positions in light space.
 #[inline(always)]
@@ -65,11 +67,12 @@ impl Receiver for OmniReceiver {
         let corner = self.nearness + (right * (first[0] - self.texel[0]) + down * (first[1] - self.texel[1]));
         let planes = [corner, corner + right, corner + down, corner + (right + down)];
         let stored = gathered(map, self.face, first);
-        let mut lit = LitTexels { told: [Masks::of(false); 4], left: [Masks::of(false); 4] };
+        let beyond = beyond_map(first, map.side());
+        let mut lit = LitTexels { told: beyond, left: beyond };
         for k in 0..4 {
             let excess = stored[k] - planes[k].within(self.least, self.most);
-            lit.told[k] = excess.le(self.tolerance);
-            lit.left[k] = excess.le(self.reach);
+            lit.told[k] = lit.told[k] | excess.le(self.tolerance);
+            lit.left[k] = lit.left[k] | excess.le(self.reach);
         }
         lit
     }
@@ -136,6 +139,6 @@ impl Omni {
         // as far as the plane runs in the texels around.
         let grazes = asked & (!faces_light | (run * ahead).gt(F32s::splat(GRAZING) * width));
         let way = to_light * (way_length * (F32s::splat(3.0) * share).least(F32s::splat(0.9)));
-        F32s::select(asked, decided(scene, surface, shares, grazes, way), zero)
+        F32s::select(asked, decided_along(scene, surface, shares, grazes, way), zero)
     }
 }

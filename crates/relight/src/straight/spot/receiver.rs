@@ -8,7 +8,9 @@ use crate::Scene;
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, U32s, Vec3s};
 use crate::surfaces::Surface;
-use crate::visibility::{Facing, LitTexels, Receiver, decided, facing, filtered, fit_of, gathered, texel_at};
+use crate::visibility::{
+    Facing, LitTexels, Receiver, beyond_map, decided_along, facing, filtered, fit_of, gathered, texel_at,
+};
 
 /// The faces that hold positions in light space.
 #[inline(always)]
@@ -61,23 +63,11 @@ impl Receiver for SpotReceiver {
 
     #[inline(always)]
     fn lit_texels(&self, map: &DepthMap, first: [F32s; 2]) -> LitTexels {
-        let (zero, one, side) = (F32s::splat(0.0), F32s::splat(1.0), F32s::splat(map.side() as f32));
         let [dx, dy] = self.step;
         let start = self.inverse_depth + (dx * (first[0] - self.texel[0]) + dy * (first[1] - self.texel[1]));
         let planes = [start, start + dx, start + dy, start + (dx + dy)];
         let stored = gathered(map, self.face, first);
-        // Nothing throws shadows beyond the map, but floors that it is not fitted to are drawn up to its border.
-        let (right, bottom) = (first[0] + one, first[1] + one);
-        let left_beyond = first[0].lt(zero) | first[0].ge(side);
-        let right_beyond = right.lt(zero) | right.ge(side);
-        let top_beyond = first[1].lt(zero) | first[1].ge(side);
-        let bottom_beyond = bottom.lt(zero) | bottom.ge(side);
-        let beyond = [
-            left_beyond | top_beyond,
-            right_beyond | top_beyond,
-            left_beyond | bottom_beyond,
-            right_beyond | bottom_beyond,
-        ];
+        let beyond = beyond_map(first, map.side());
         let mut lit = LitTexels { told: beyond, left: beyond };
         for k in 0..4 {
             let expected = planes[k].within(self.bounds[0], self.bounds[1]) * self.near;
@@ -148,6 +138,6 @@ impl Spot {
         // and as far as the plane runs in the texels around.
         let grazes = asked & (!faces_light | run.gt(F32s::splat(GRAZING) * texel_slope));
         let way = to_light * (way_length * (F32s::splat(3.0) * most).least(F32s::splat(0.9)));
-        F32s::select(asked, decided(scene, surface, shares, grazes, way), zero)
+        F32s::select(asked, decided_along(scene, surface, shares, grazes, way), zero)
     }
 }
