@@ -19,8 +19,10 @@ mod peers;
 mod process;
 pub mod session;
 pub mod shadow;
+mod solids;
 mod spread;
 pub mod stills;
+pub mod sweep;
 
 pub use cases::Case;
 pub use client::{Client, Incoming, Known, Tiles};

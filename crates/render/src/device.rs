@@ -29,6 +29,9 @@ pub struct Gpu {
     driver: String,
     /// Why the device is gone, once it is.
     lost: Arc<Mutex<Option<String>>>,
+    /// A text of shaders, and what it is replaced by.
+    #[cfg(feature = "planted-faults")]
+    fault: Option<[&'static str; 2]>,
 }
 
 impl Gpu {
@@ -76,7 +79,38 @@ impl Gpu {
         let driver = format!("{} {}", info.driver, info.driver_info).trim().to_owned();
         let stages = StageRecorder::default();
         let workers = OnceLock::new();
-        Ok(Self { device, queue, memory, stages, backend, workers, adapter_name, advice, driver, lost })
+        Ok(Self {
+            device,
+            queue,
+            memory,
+            stages,
+            backend,
+            workers,
+            adapter_name,
+            advice,
+            driver,
+            lost,
+            #[cfg(feature = "planted-faults")]
+            fault: None,
+        })
+    }
+
+    /// The same device with a fault in its shaders, for tests that have to see it: each `text` in WGSL is replaced. What has
+    /// been compiled before keeps it.
+    #[cfg(feature = "planted-faults")]
+    #[must_use]
+    pub fn with_fault(mut self, text: &'static str, replacement: &'static str) -> Self {
+        self.fault = Some([text, replacement]);
+        self
+    }
+
+    /// WGSL with the fault that is planted.
+    #[cfg(feature = "planted-faults")]
+    pub(crate) fn faulty<'a>(&self, wgsl: &'a str) -> std::borrow::Cow<'a, str> {
+        match self.fault {
+            Some([text, replacement]) if wgsl.contains(text) => wgsl.replace(text, replacement).into(),
+            _ => wgsl.into(),
+        }
     }
 
     /// Name of the driver's device, and of the interface and the driver's version that it is used by.

@@ -94,6 +94,8 @@ impl Gpu {
     }
 
     pub(crate) fn module(&self, label: &str, wgsl: &str) -> ShaderModule {
+        #[cfg(feature = "planted-faults")]
+        let wgsl = &*self.faulty(wgsl);
         self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(label),
             source: wgpu::ShaderSource::Wgsl(wgsl.into()),

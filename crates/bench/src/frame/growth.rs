@@ -14,7 +14,8 @@ use super::side::timed;
 use super::subject::{Frame, crowd, instance, moved};
 use crate::BenchError;
 use crate::bent::bent;
-use crate::shadow::scenes::{Part, ball, floor, place, scene_of, view};
+use crate::shadow::scenes::{Part, floor, place, scene_of, view};
+use crate::solids::ball;
 
 /// Balls along each side of the square that they lie in.
 const SIDE: u32 = 5;

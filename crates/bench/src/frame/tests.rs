@@ -6,7 +6,8 @@ use light::parameters::{CONE_ANGLE, INTENSITY, TRANSLATION};
 use serde_json::Value;
 
 use super::*;
-use crate::shadow::scenes::{Part, ball, floor, place, scene_of, view};
+use crate::shadow::scenes::{Part, floor, place, scene_of, view};
+use crate::solids::ball;
 
 /// A ball on a floor under a spotlight from above.
 fn subject() -> Subject {

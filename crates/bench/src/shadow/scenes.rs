@@ -6,6 +6,7 @@ use light::parameters::TRANSLATION;
 use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene, View};
 
 use crate::compare::Subject;
+use crate::solids::{ball, block};
 
 /// All of them, `width` x `height` pixels.
 pub(crate) fn subjects(width: u32, height: u32) -> Vec<Subject> {
@@ -127,42 +128,4 @@ pub(crate) fn scene_of(parts: Vec<Part>) -> Scene {
         scene.nodes.push(Node { name: String::new(), parent: None, parent_from_local, mesh: Some(mesh) });
     }
     scene
-}
-
-/// A box from -1 to 1.
-fn block() -> Primitive {
-    let corner = |k: u32| Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32) * 2.0 - 1.0;
-    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let mut made = Primitive::default();
-    for face in faces {
-        let [a, b, c, d] = face.map(corner);
-        let first = made.positions.len() as u32;
-        made.positions.extend([a, b, c, d]);
-        made.normals.extend([(b - a).cross(c - a).normalize(); 4]);
-        made.indices.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
-    }
-    made
-}
-
-/// A ball of radius 1, of so many rings from pole to pole and twice as many sectors: four times the square of that in
-/// triangles.
-pub(crate) fn ball(rings: u32) -> Primitive {
-    let sectors = 2 * rings;
-    let mut made = Primitive::default();
-    for ring in 0..=rings {
-        let (sin, cos) = (f64::from(ring) / f64::from(rings) * std::f64::consts::PI).sin_cos();
-        for sector in 0..=sectors {
-            let (z, x) = (f64::from(sector) / f64::from(sectors) * std::f64::consts::TAU).sin_cos();
-            made.positions.push(DVec3::new(sin * x, cos, -sin * z).as_vec3());
-        }
-    }
-    made.normals.clone_from(&made.positions);
-    for ring in 0..rings {
-        for sector in 0..sectors {
-            let a = ring * (sectors + 1) + sector;
-            let b = a + sectors + 1;
-            made.indices.extend([a, b, a + 1, a + 1, b, b + 1]);
-        }
-    }
-    made
 }

@@ -5,6 +5,7 @@ mod frame;
 mod log;
 mod session;
 mod shadow;
+mod sweep;
 
 use std::path::{Path, PathBuf};
 
@@ -30,6 +31,9 @@ enum Question {
     Session(session::Args),
     /// What do bent shadows cost, and how wrong are they? Run time against error of resolution, splitting and filter
     Shadow(shadow::Args),
+    /// Are pictures right at first sight? Random lights of each shape over scenes on floors, in rooms and under roofs, both
+    /// backends held to the reference
+    Sweep(sweep::Args),
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
@@ -39,6 +43,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         Question::Log(args) => log::run(args),
         Question::Session(args) => session::run(args),
         Question::Shadow(args) => shadow::run(args),
+        Question::Sweep(args) => sweep::run(args),
     }
 }
 

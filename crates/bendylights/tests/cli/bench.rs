@@ -1,4 +1,4 @@
-//! `bendylights bench drag`, `bench log` and `bench session`, with few samples.
+//! `bendylights bench drag`, `bench log`, `bench session` and `bench sweep`, with few samples.
 
 use serde_json::Value;
 
@@ -52,6 +52,25 @@ fn the_log_is_measured() {
     let opening = report["opening"].as_array().expect("lengths");
     let records: Vec<_> = opening.iter().filter_map(|at| at["records"].as_u64()).collect();
     assert_eq!(records, [2, 4, 11, 31]);
+}
+
+/// Both backends draw each pose of the shapes that are asked for, and the same seed makes the same poses.
+#[test]
+fn random_lights_are_swept_over() {
+    let args = ["bench", "sweep", "--poses", "2", "--shape", "spot", "--shape", "omni", "--size", "48x32"];
+    let report = measured(&args);
+    let rows = report["rows"].as_array().expect("rows");
+    let of: Vec<_> = rows.iter().map(|row| [&row["shape"], &row["backend"]].map(|x| x.as_str())).collect();
+    let named = |shape, backend| [Some(shape), Some(backend)];
+    assert_eq!(
+        of,
+        [named("omni", "wgpu"), named("omni", "native"), named("spot", "wgpu"), named("spot", "native")]
+    );
+    for row in rows {
+        assert_eq!((&row["poses"], &row["wrong"]), (&2.into(), &0.into()), "{row}");
+        assert!(row["calm"].as_u64().is_some_and(|calm| calm > 100), "{row}");
+    }
+    assert_eq!(measured(&args)["rows"][0]["calm"], rows[0]["calm"]);
 }
 
 /// What is wrong with the drags that a report has of `backends`, whose servers said who draws.

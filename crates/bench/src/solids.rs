@@ -1,0 +1,79 @@
+//! Meshes that measured scenes are made of.
+
+use glam::{DVec3, Vec3};
+use scene::Primitive;
+
+/// Two triangles that face up, from -1 to 1 along x and z.
+pub(crate) fn square() -> Primitive {
+    let corners = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
+    Primitive {
+        positions: corners.map(|[x, z]| Vec3::new(x, 0.0, z)).to_vec(),
+        normals: vec![Vec3::Y; 4],
+        indices: vec![0, 1, 2, 0, 2, 3],
+        ..Primitive::default()
+    }
+}
+
+/// A box from -1 to 1.
+pub(crate) fn block() -> Primitive {
+    let corner = |k: u32| Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32) * 2.0 - 1.0;
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let mut made = Primitive::default();
+    for face in faces {
+        let [a, b, c, d] = face.map(corner);
+        let first = made.positions.len() as u32;
+        made.positions.extend([a, b, c, d]);
+        made.normals.extend([(b - a).cross(c - a).normalize(); 4]);
+        made.indices.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
+    }
+    made
+}
+
+/// A ball of radius 1, of so many rings from pole to pole and twice as many sectors: four times the square of that in
+/// triangles.
+pub(crate) fn ball(rings: u32) -> Primitive {
+    let sectors = 2 * rings;
+    let mut made = Primitive::default();
+    for ring in 0..=rings {
+        let (sin, cos) = (f64::from(ring) / f64::from(rings) * std::f64::consts::PI).sin_cos();
+        for sector in 0..=sectors {
+            let (z, x) = (f64::from(sector) / f64::from(sectors) * std::f64::consts::TAU).sin_cos();
+            made.positions.push(DVec3::new(sin * x, cos, -sin * z).as_vec3());
+        }
+    }
+    made.normals.clone_from(&made.positions);
+    for ring in 0..rings {
+        for sector in 0..sectors {
+            let a = ring * (sectors + 1) + sector;
+            let b = a + sectors + 1;
+            made.indices.extend([a, b, a + 1, a + 1, b, b + 1]);
+        }
+    }
+    made
+}
+
+/// A closed vase with a narrow neck, smooth all around, of so many rings and twice as many sectors: 1 high at most 0.5 in
+/// radius, on y = 0.
+pub(crate) fn vase(rings: u32) -> Primitive {
+    let mut made = ball(rings);
+    // Radius over the height from 0 to 1, and its slope.
+    let wave = |y: f64| 0.28 + 0.16 * (2.0 * std::f64::consts::PI * y).sin();
+    let slope = |y: f64| 0.32 * std::f64::consts::PI * (2.0 * std::f64::consts::PI * y).cos();
+    for (position, normal) in made.positions.iter_mut().zip(&mut made.normals) {
+        let on_ball = position.as_dvec3();
+        let around = DVec3::new(on_ball.x, 0.0, on_ball.z);
+        // The poles are the middles of flat ends: a tenth of the rings lies on each.
+        let polar = on_ball.y.clamp(-1.0, 1.0).acos() / std::f64::consts::PI;
+        let y = (1.1 - 1.2 * polar).clamp(0.0, 1.0);
+        let end_share = (polar.min(1.0 - polar) * 12.0).min(1.0);
+        let out = around.normalize_or_zero();
+        *position = (out * (wave(y) * end_share) + DVec3::Y * y).as_vec3();
+        *normal = if end_share < 1.0 {
+            DVec3::Y * on_ball.y.signum()
+        } else {
+            (out - DVec3::Y * slope(y)).normalize()
+        }
+        .as_vec3();
+    }
+    made
+}

@@ -1,0 +1,63 @@
+//! Run time against error, a dot a pose.
+
+use plotters::prelude::*;
+
+use super::{Report, SHAPES};
+
+const COLORS: [RGBColor; 2] = [RGBColor(0xd0, 0x6a, 0x1e), RGBColor(0x2f, 0x6d, 0xb5)];
+const WRONG: RGBColor = RGBColor(0xd0, 0x00, 0x30);
+/// Errors below count as this: where all of a picture is dark they are 0.
+const LEAST_ERROR: f64 = 1e-6;
+
+/// A panel a shape: how long each pose's picture took, and how far its radiance is off; red rings are around those with wrong
+/// pixels.
+pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>> {
+    let mut svg = String::new();
+    {
+        let area = SVGBackend::with_string(&mut svg, (900, 640)).into_drawing_area();
+        area.fill(&WHITE)?;
+        let (width, height) = (report.width, report.height);
+        let title =
+            format!("random lights over random scenes, {width}x{height}: run time against error of radiance");
+        let area = area.titled(&title, ("sans-serif", 20))?;
+        for (panel, (shape, _)) in area.split_evenly((2, 2)).iter().zip(SHAPES) {
+            let mut plot = ChartBuilder::on(panel)
+                .caption(shape, ("sans-serif", 17))
+                .margin(10)
+                .x_label_area_size(34)
+                .y_label_area_size(58)
+                .build_cartesian_2d((1.0..2e3).log_scale(), (LEAST_ERROR..1e-2).log_scale())?;
+            plot.configure_mesh()
+                .x_desc("ms of the picture")
+                .y_desc("relative RMSE")
+                .y_label_formatter(&|error| format!("{error:.0e}"))
+                .draw()?;
+            let poses: Vec<_> = report.poses.iter().filter(|pose| pose.shape == shape).collect();
+            let rows = report.rows.iter().filter(|row| row.shape == shape);
+            for ((index, row), color) in rows.enumerate().zip(COLORS) {
+                let at = |index: usize, pose: &super::Pose| {
+                    let drawn = &pose.by[index];
+                    (drawn.frame_ms, drawn.radiance_rmse.max(LEAST_ERROR))
+                };
+                let label = format!(
+                    "{}: {} pixels wrong of {:.0} thousand",
+                    row.backend,
+                    row.wrong,
+                    row.calm as f64 / 1e3
+                );
+                plot.draw_series(poses.iter().map(|pose| Circle::new(at(index, pose), 2, color.filled())))?
+                    .label(label)
+                    .legend(move |(x, y)| Circle::new((x + 6, y), 4, color.filled()));
+                let wrong = poses.iter().filter(|pose| pose.by[index].wrong > 0);
+                plot.draw_series(wrong.map(|pose| Circle::new(at(index, pose), 5, WRONG.stroke_width(2))))?;
+            }
+            plot.configure_series_labels()
+                .position(SeriesLabelPosition::UpperRight)
+                .background_style(WHITE.mix(0.85))
+                .border_style(BLACK.mix(0.3))
+                .draw()?;
+        }
+        area.present()?;
+    }
+    Ok(svg)
+}

@@ -1,0 +1,103 @@
+//! Pixels whose shadow the reference is sure of: nothing that it says of them changes nearby.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use reference::{Reference, Source, Surface};
+use scene::View;
+
+/// Texels within which the reference has to say the same. A filter of two by two texels reaches half of one to each side, and
+/// what is drawn of an edge may be another half off.
+const CALM_TEXELS: f64 = 1.5;
+/// Directions in which that is asked, at that distance and at half of it.
+const DIRECTIONS: u32 = 12;
+/// A rasteriser snaps corners to 1/256 pixel: within so much of a pixel it may see another surface.
+const SNAPPED: f64 = 0.02;
+/// Normals are packed to 2 x 16 bits: where light is as nearly square to one, the picture may have it on the other side.
+const PACKED: f64 = 1.0 / 16384.0;
+
+/// A pixel that is judged.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Calm {
+    pub pixel: usize,
+    /// `None` outside of the light.
+    pub is_lit: Option<bool>,
+    pub surface: Surface,
+}
+
+/// Pixels of a view that see a surface, and those of them that are calm.
+#[derive(Clone, Debug)]
+pub(super) struct Judged {
+    pub surfaces: usize,
+    pub calm: Vec<Calm>,
+}
+
+/// Judges all pixels of a view under a light whose shadow map has texels of `texel` world units across the light at a
+/// surface, at most.
+pub(super) fn judge(
+    reference: &Reference,
+    source: &Source,
+    view: &View,
+    texel: impl Fn(&Surface) -> f64 + Sync,
+) -> Judged {
+    let (width, height) = (view.width as usize, view.height as usize);
+    let pixels = (0..width * height).into_par_iter().filter_map(|pixel| {
+        let centre = DVec2::new((pixel % width) as f64, (pixel / width) as f64) + 0.5;
+        let surface = reference.surface(view, centre)?;
+        let is_calm = is_one_surface(reference, view, centre, &surface)
+            && is_alone(reference, &surface)
+            && is_calm(reference, source, &surface, texel(&surface));
+        Some(is_calm.then(|| Calm { pixel, is_lit: is_lit(reference, source, &surface), surface }))
+    });
+    let pixels: Vec<Option<Calm>> = pixels.collect();
+    Judged { surfaces: pixels.len(), calm: pixels.into_iter().flatten().collect() }
+}
+
+/// Whether light arrives; `None` outside of it.
+fn is_lit(reference: &Reference, source: &Source, surface: &Surface) -> Option<bool> {
+    reference.sample(source, surface).map(|sample| sample.visible)
+}
+
+/// Whether a rasteriser sees the same triangle there, whatever it rounds.
+fn is_one_surface(reference: &Reference, view: &View, centre: DVec2, surface: &Surface) -> bool {
+    [(SNAPPED, 0.0), (-SNAPPED, 0.0), (0.0, SNAPPED), (0.0, -SNAPPED)].into_iter().all(|(x, y)| {
+        reference
+            .surface(view, centre + DVec2::new(x, y))
+            .is_some_and(|beside| beside.triangle == surface.triangle)
+    })
+}
+
+/// Whether no other surface lies in the same place, nearer than f32 can tell: a few ulps of positions of the scene's size and
+/// of the way to the viewer, over the cosine between that and the surface.
+fn is_alone(reference: &Reference, surface: &Surface) -> bool {
+    let cosine = surface.geometric_normal.dot(surface.to_eye).abs().max(1e-3);
+    let size = reference.bvh.posed.half_extent.length() + surface.depth;
+    let rounding = 2_f64.powi(-20) * size / cosine;
+    let is_other = |triangle: usize| triangle != surface.triangle;
+    let around = [-rounding, rounding];
+    reference.bvh.first_hit(surface.position, -surface.to_eye, around, |hit| is_other(hit.triangle)).is_none()
+}
+
+/// Whether the reference says the same of the surface's plane all around, as far as a map's texels reach on it: a step
+/// across the light is longer on the plane where light grazes.
+fn is_calm(reference: &Reference, source: &Source, surface: &Surface, texel: f64) -> bool {
+    let here = reference.sample(source, surface);
+    let towards = here.map_or(surface.geometric_normal, |sample| sample.along_path);
+    if surface.normal.dot(towards).abs() < PACKED || surface.geometric_normal.dot(towards).abs() < PACKED {
+        return false;
+    }
+    let is_lit_here = here.is_some_and(|sample| sample.visible);
+    let (x, y) = towards.any_orthonormal_pair();
+    let cosine = surface.geometric_normal.dot(towards);
+    let steps = (0..2 * DIRECTIONS).map(|k| {
+        let (sin, cos) = (f64::from(k) / f64::from(DIRECTIONS) * std::f64::consts::TAU).sin_cos();
+        let far = if k < DIRECTIONS { CALM_TEXELS } else { 0.5 * CALM_TEXELS };
+        let across = (x * cos + y * sin) * (far * texel);
+        across - towards * (surface.geometric_normal.dot(across) / cosine)
+    });
+    let is_same = |step: DVec3| {
+        let mut beside = *surface;
+        beside.seen.position += step;
+        is_lit(reference, source, &beside).unwrap_or(false) == is_lit_here
+    };
+    steps.into_iter().all(is_same)
+}

@@ -1,0 +1,132 @@
+//! Random lights of each shape over a stage, turned about themselves.
+
+use fastrand::Rng;
+use glam::{DQuat, DVec3};
+use light::parameters::{
+    CONE_ANGLE, END_MODE, FRAME, HEIGHT, INTENSITY, RANGE, ROTATION, TRANSLATION, UP, WIDTH,
+};
+use light::{CheckedLight, EndMode, Frame, Light, Owner, Tube};
+
+use super::stage::{Stage, direction};
+
+/// Suns stand at least so high, in degrees, and at most so high.
+const ELEVATION: [f64; 2] = [15.0, 89.0];
+/// The largest `R kappa` of bent lights; one in two has just one of these, or is no wider than it is long.
+const TIGHT: [f64; 4] = [0.9, 0.97, 0.99, 0.999];
+/// Sources lie so far from all surfaces, as a share of the scene's half diagonal: a map begins a thousandth of the way to the
+/// scene's far end before its source, which is twice that at most, and what is nearer throws no shadow.
+const CLEARANCE: f64 = 2e-3;
+/// Radii of a tube that cannot fold, whatever its curve.
+const THIN: f64 = 1e-9;
+
+/// A random light of a shape.
+pub(super) fn random(shape: Owner, stage: &Stage, rng: &mut Rng) -> Light {
+    match shape {
+        Owner::Directional => sun(stage, rng),
+        Owner::Omni => Light::omni()
+            .with(TRANSLATION, place(stage, rng))
+            .with(ROTATION, turned(direction(rng), rng))
+            .with(RANGE, (rng.u8(..4) == 0).then(|| stage.unit * (1.0 + 3.0 * rng.f64())))
+            .with(INTENSITY, 4.0),
+        Owner::Spot => {
+            let source = place(stage, rng);
+            Light::spot()
+                .with(TRANSLATION, source)
+                .with(ROTATION, turned(aim(stage, rng) - source, rng))
+                .with(CONE_ANGLE, 5.0 + 80.0 * rng.f64())
+                .with(RANGE, (rng.u8(..4) == 0).then(|| stage.unit * (1.0 + 4.0 * rng.f64())))
+                .with(INTENSITY, 4.0)
+        }
+        // Points and cameras are no lights.
+        Owner::Bendy | Owner::Point | Owner::Camera => loop {
+            let light = bent(stage, rng);
+            if CheckedLight::new(light.clone()).is_ok() {
+                return light;
+            }
+        },
+    }
+}
+
+/// A rotation whose -Z is `towards`, turned about that by any angle.
+fn turned(towards: DVec3, rng: &mut Rng) -> DQuat {
+    let about = DQuat::from_rotation_z(rng.f64() * std::f64::consts::TAU);
+    DQuat::from_rotation_arc(DVec3::NEG_Z, towards.normalize_or(DVec3::NEG_Y)) * about
+}
+
+fn sun(stage: &Stage, rng: &mut Rng) -> Light {
+    let [low, high] = ELEVATION;
+    let (up, across) = (low + (high - low) * rng.f64()).to_radians().sin_cos();
+    let (sin, cos) = (rng.f64() * std::f64::consts::TAU).sin_cos();
+    let to_light = DVec3::new(across * cos, up, across * sin);
+    let window = |rng: &mut Rng| (rng.u8(..4) == 0).then(|| stage.unit * (0.6 + 2.0 * rng.f64()));
+    Light::directional()
+        .with(TRANSLATION, stage.ground)
+        .with(ROTATION, turned(-to_light, rng))
+        .with(WIDTH, window(rng))
+        .with(HEIGHT, window(rng))
+}
+
+/// A place for a source: at each scale of height over the floor as often, from a hundredth of the highest, and clear of
+/// surfaces.
+fn place(stage: &Stage, rng: &mut Rng) -> DVec3 {
+    let aside = |rng: &mut Rng| stage.lights_half * (2.0 * rng.f64() - 1.0);
+    loop {
+        let height = stage.lights_height * 0.01_f64.powf(rng.f64());
+        let place = stage.ground + DVec3::new(aside(rng), height, aside(rng));
+        if stage.is_clear(place, CLEARANCE) {
+            return place;
+        }
+    }
+}
+
+/// A place among the things.
+fn aim(stage: &Stage, rng: &mut Rng) -> DVec3 {
+    let aside = |rng: &mut Rng| 0.8 * stage.unit * (2.0 * rng.f64() - 1.0);
+    stage.ground + DVec3::new(aside(rng), 0.5 * stage.unit * rng.f64(), aside(rng))
+}
+
+/// A light that sets out somewhere and comes down among the things, bowed to two sides, in a tube of any width that does
+/// not fold.
+fn bent(stage: &Stage, rng: &mut Rng) -> Light {
+    let source = loop {
+        let source = place(stage, rng);
+        if (source - stage.ground).y > 0.3 * stage.unit {
+            break source;
+        }
+    };
+    let way = (aim(stage, rng) - source) * (1.1 + 0.6 * rng.f64());
+    let length = way.length();
+    let (aside, over) = (direction(rng) * length, direction(rng) * length);
+    let (bow, sway) = (0.5 * rng.f64(), 0.25 * rng.f64());
+    let segments = rng.usize(1..=6);
+    let at = |share: f64| {
+        let angle = std::f64::consts::PI * share;
+        way * share + aside * (bow * angle.sin()) + over * (sway * (2.0 * angle).sin())
+    };
+    let points: Vec<DVec3> = (0..segments + 2).map(|k| at(k as f64 / (segments + 1) as f64)).collect();
+    let (first, last) = (0.3 * rng.f64() * f64::from(rng.u8(..2)), 0.3 + 0.7 * rng.f64());
+    let shares: Vec<f64> = (0..points.len())
+        .map(|k| {
+            let share = k as f64 / (points.len() - 1) as f64;
+            (first + (last - first) * share) * (0.8 + 0.4 * rng.f64())
+        })
+        .collect();
+    let (frame, end_mode) = (
+        if rng.u8(..4) == 0 { Frame::Up } else { Frame::RotationMinimizing },
+        if rng.bool() { EndMode::Cut } else { EndMode::Extend },
+    );
+    let up = direction(rng);
+    let with = |width: f64| {
+        Light::bendy(points.clone(), shares.iter().map(|share| share * width).collect())
+            .with(TRANSLATION, source)
+            .with(UP, up)
+            .with(FRAME, frame)
+            .with(END_MODE, end_mode)
+    };
+    // `R kappa` is proportional to the radii.
+    let thin = Tube::new(&with(THIN)).map_or(0.0, |tube| tube.r_kappa_max().into_iter().fold(0.0, f64::max));
+    let most = if rng.bool() { TIGHT[rng.usize(..TIGHT.len())] } else { 0.2 + 0.7 * rng.f64() };
+    let widest = if thin > 0.0 { most * THIN / thin } else { f64::INFINITY };
+    // No wider than long: what opens further is a lamp.
+    with(widest.min(length))
+}

@@ -1,0 +1,270 @@
+//! Scenes that a sweep looks at: things on floors of every size, between walls, in rooms and under roofs, and scenes from
+//! files.
+
+use std::sync::Arc;
+
+use fastrand::Rng;
+use glam::{DAffine3, DMat3, DQuat, DVec3};
+use reference::Reference;
+use scene::{Camera, Fill, Material, Mesh, Node, Primitive, Projection, Scene, framing_camera};
+
+use crate::solids::{ball, block, square, vase};
+
+/// The ground that things stand on, and what is around them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Setting {
+    /// Things reach past the floor on all sides.
+    SmallFloor,
+    /// The floor ends where the things do.
+    EqualFloor,
+    /// The floor is several times as wide as the things.
+    WideFloor,
+    /// A wide floor with walls along two of its sides.
+    Walls,
+    /// A floor, a ceiling and three walls.
+    Room,
+    /// A roof on posts over a wide floor.
+    Roof,
+}
+
+impl Setting {
+    pub const ALL: [Self; 6] =
+        [Self::SmallFloor, Self::EqualFloor, Self::WideFloor, Self::Walls, Self::Room, Self::Roof];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SmallFloor => "smallFloor",
+            Self::EqualFloor => "equalFloor",
+            Self::WideFloor => "wideFloor",
+            Self::Walls => "walls",
+            Self::Room => "room",
+            Self::Roof => "roof",
+        }
+    }
+}
+
+/// A scene with a camera, and where lights may stand in it. Lengths in world units.
+#[derive(Debug)]
+pub(super) struct Stage {
+    pub name: String,
+    pub reference: Reference,
+    pub camera: Camera,
+    /// Middle of the things, on the floor; world position.
+    pub ground: DVec3,
+    /// Radius within which the things lie.
+    pub unit: f64,
+    /// Half the width of the box over `ground` in which lights stand, and its height.
+    pub lights_half: f64,
+    pub lights_height: f64,
+    /// Radius of a ball around all that casts shadows a shadow map has to be fitted to: without a floor that lies in a
+    /// side of the scene's bounds.
+    pub casters_radius: f64,
+}
+
+/// A mesh and its placement.
+type Part = (Primitive, DAffine3);
+
+impl Stage {
+    /// Random things in a setting, seen by a random camera.
+    pub fn random(setting: Setting, rng: &mut Rng) -> Self {
+        let things = things(rng);
+        let (min, max) = bounds(&things);
+        let is_thick = rng.u8(..3) == 0;
+        let floor = |half_x: f64, half_z: f64, middle: DVec3| {
+            if is_thick {
+                (block(), at([half_x, 0.05, half_z], middle - DVec3::Y * 0.05))
+            } else {
+                (square(), at([half_x, 1.0, half_z], middle))
+            }
+        };
+        let wide = 3.0 + 7.0 * rng.f64();
+        let middle = (min + max) / 2.0 * DVec3::new(1.0, 0.0, 1.0);
+        let size = (max - min) / 2.0;
+        let wall = |[x, y, z]: [f64; 3], half: [f64; 3]| (block(), at(half, DVec3::new(x, y, z)));
+        let around: Vec<Part> = match setting {
+            Setting::SmallFloor => vec![floor(0.5 * size.x, 0.5 * size.z, middle)],
+            Setting::EqualFloor => vec![floor(size.x, size.z, middle)],
+            Setting::WideFloor => vec![floor(wide, wide, DVec3::ZERO)],
+            Setting::Walls => vec![
+                floor(2.5, 2.5, DVec3::ZERO),
+                wall([-2.45, 1.0, 0.0], [0.05, 1.0, 2.5]),
+                wall([0.0, 0.8, -2.45], [2.5, 0.8, 0.05]),
+            ],
+            Setting::Room => vec![
+                floor(2.0, 2.0, DVec3::ZERO),
+                wall([-2.05, 1.1, 0.0], [0.05, 1.1, 2.0]),
+                wall([2.05, 1.1, 0.0], [0.05, 1.1, 2.0]),
+                wall([0.0, 1.1, -2.05], [2.0, 1.1, 0.05]),
+                wall([0.0, 2.25, 0.0], [2.0, 0.05, 2.0]),
+            ],
+            Setting::Roof => {
+                let post = |x: f64, z: f64| wall([x, 0.9, z], [0.05, 0.9, 0.05]);
+                vec![
+                    floor(wide, wide, DVec3::ZERO),
+                    post(-1.2, -1.2),
+                    post(1.2, -1.2),
+                    post(-1.2, 1.2),
+                    post(1.2, 1.2),
+                    wall([0.0, 1.85, 0.0], [1.4, 0.05, 1.4]),
+                ]
+            }
+        };
+        let is_flat =
+            matches!(setting, Setting::SmallFloor | Setting::EqualFloor | Setting::WideFloor) && !is_thick;
+        // From 0.03 to 30 world units, and up to a hundred times that from the world's origin.
+        let unit = 10_f64.powf(rng.f64() * 3.0 - 1.5);
+        let ground = if rng.bool() { direction(rng) * (100.0 * unit * rng.f64()) } else { DVec3::ZERO };
+        let world = DAffine3::from_scale_rotation_translation(DVec3::splat(unit), DQuat::IDENTITY, ground);
+        let parts = things.into_iter().chain(around).map(|(mesh, place)| (mesh, world * place));
+        let scene = scene_of(parts.collect());
+        let eye = eye(setting, rng);
+        let target = DVec3::new(0.4 * (rng.f64() - 0.5), 0.1 + 0.5 * rng.f64(), 0.4 * (rng.f64() - 0.5));
+        let camera = camera(ground + eye * unit, ground + target * unit, 0.6 + 0.4 * rng.f64());
+        let reference = Reference::new(scene::pose(scene));
+        let whole = reference.bvh.posed.half_extent.length();
+        let is_room = setting == Setting::Room;
+        Self {
+            name: format!("{}{}", setting.name(), if is_thick { "Thick" } else { "" }),
+            casters_radius: if is_flat { whole.min(unit * (max - min).length() / 2.0) } else { whole },
+            reference,
+            camera,
+            ground,
+            unit,
+            lights_half: unit * if is_room { 1.8 } else { 2.2 },
+            lights_height: unit * if is_room { 2.0 } else { 4.0 },
+        }
+    }
+
+    /// A scene of a file, seen by its first camera or the one that frames it.
+    pub fn of_file(name: &str, scene: Scene, cameras: &[Camera], aspect_ratio: f64) -> Self {
+        let fill = Fill { sky: DVec3::ZERO, ground: DVec3::ZERO };
+        let posed = scene::pose(Scene { fill, ..scene });
+        let first = cameras.first().cloned();
+        let camera = first.unwrap_or_else(|| framing_camera(&posed.reach(), aspect_ratio));
+        let (half, middle) = (posed.half_extent, posed.origin_in_world);
+        Self {
+            name: name.into(),
+            reference: Reference::new(Arc::clone(&posed)),
+            camera,
+            ground: middle - DVec3::Y * half.y,
+            unit: 0.4 * half.length(),
+            lights_half: 0.9 * half.x.min(half.z),
+            lights_height: 1.9 * half.y,
+            casters_radius: half.length(),
+        }
+    }
+}
+
+impl Stage {
+    /// Whether no surface is nearer to a world position than a share of the scene's half diagonal, in any of 26 directions.
+    pub fn is_clear(&self, position: DVec3, share: f64) -> bool {
+        let posed = &self.reference.bvh.posed;
+        let reach = share * posed.half_extent.length();
+        let from = position - posed.origin_in_world;
+        let steps =
+            (0..27).map(|k| DVec3::new(f64::from(k % 3), f64::from(k / 3 % 3), f64::from(k / 9)) - 1.0);
+        steps.filter(|step| *step != DVec3::ZERO).all(|step| {
+            let way = step.normalize() * reach;
+            self.reference.bvh.first_hit(from, way, [0.0, 1.0], |_| true).is_none()
+        })
+    }
+}
+
+/// Three to seven things on the floor or over it, within a unit of the origin.
+fn things(rng: &mut Rng) -> Vec<Part> {
+    let count = rng.usize(3..=7);
+    (0..count)
+        .map(|_| {
+            let size = 0.12 + 0.3 * rng.f64();
+            let (sin, cos) = (rng.f64() * std::f64::consts::TAU).sin_cos();
+            let out = 0.7 * rng.f64().sqrt();
+            let over = if rng.bool() { 0.0 } else { 0.6 * rng.f64() };
+            let place = DVec3::new(out * cos, over, out * sin);
+            let turned = DQuat::from_rotation_y(rng.f64() * 6.0);
+            let lying = |scale: DVec3, rotation: DQuat, middle: DVec3| {
+                DAffine3::from_scale_rotation_translation(scale, rotation, middle)
+            };
+            match rng.u8(..5) {
+                0 => (ball(24), lying(DVec3::splat(size), turned, place + DVec3::Y * size)),
+                1 => {
+                    let half = size * DVec3::new(1.0, 0.3 + rng.f64(), 0.3 + rng.f64());
+                    (block(), lying(half, turned, place + DVec3::Y * half.y))
+                }
+                2 => {
+                    let half = DVec3::new(0.03, 0.2 + 0.4 * rng.f64(), 0.03);
+                    (block(), lying(half, turned, place + DVec3::Y * half.y))
+                }
+                3 => {
+                    let half = DVec3::new(0.35, 0.012, 0.25);
+                    let leaning = DQuat::from_axis_angle(direction(rng), rng.f64() * 1.5);
+                    // Clear of the floor, however it leans.
+                    (block(), lying(half, leaning, place + DVec3::Y * 0.45))
+                }
+                _ => (vase(30), lying(DVec3::splat(size), turned, place)),
+            }
+        })
+        .collect()
+}
+
+/// A unit vector, all directions alike.
+pub(super) fn direction(rng: &mut Rng) -> DVec3 {
+    loop {
+        let v = DVec3::new(rng.f64(), rng.f64(), rng.f64()) * 2.0 - 1.0;
+        if (0.01..=1.0).contains(&v.length_squared()) {
+            return v.normalize();
+        }
+    }
+}
+
+fn eye(setting: Setting, rng: &mut Rng) -> DVec3 {
+    let (from, to) = match setting {
+        Setting::Walls => (10.0, 80.0),
+        Setting::Room => (65.0, 115.0),
+        _ => (0.0, 360.0),
+    };
+    let around: f64 = (from + (to - from) * rng.f64()).to_radians();
+    let low = if setting == Setting::Roof { 5.0 } else { 10.0 };
+    let high = if matches!(setting, Setting::Room | Setting::Roof) { 25.0 } else { 60.0 };
+    let up = (low + (high - low) * rng.f64()).to_radians();
+    let distance = 2.4 + 1.4 * rng.f64();
+    DVec3::new(around.cos() * up.cos(), up.sin(), around.sin() * up.cos()) * distance + DVec3::Y * 0.2
+}
+
+fn camera(eye: DVec3, target: DVec3, yfov: f64) -> Camera {
+    let back = (eye - target).normalize();
+    let right = DVec3::Y.cross(back).normalize();
+    Camera {
+        name: String::new(),
+        translation: eye,
+        rotation: DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back)),
+        projection: Projection::Perspective {
+            yfov,
+            aspect_ratio: None,
+            znear: 0.02 * eye.distance(target),
+            zfar: None,
+        },
+    }
+}
+
+fn at(half: [f64; 3], middle: DVec3) -> DAffine3 {
+    DAffine3::from_scale_rotation_translation(DVec3::from_array(half), DQuat::IDENTITY, middle)
+}
+
+fn bounds(parts: &[Part]) -> (DVec3, DVec3) {
+    let positions = parts.iter().flat_map(|(mesh, place)| {
+        mesh.positions.iter().map(|position| place.transform_point3(position.as_dvec3()))
+    });
+    positions.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p)))
+}
+
+fn scene_of(parts: Vec<Part>) -> Scene {
+    let material =
+        Material { base_color: glam::Vec4::new(0.7, 0.7, 0.7, 1.0), metallic: 0.0, ..Material::default() };
+    let fill = Fill { sky: DVec3::ZERO, ground: DVec3::ZERO };
+    let mut scene = Scene { materials: vec![material], fill, ..Scene::default() };
+    for (mesh, (primitive, parent_from_local)) in parts.into_iter().enumerate() {
+        scene.meshes.push(Mesh { name: String::new(), primitives: vec![primitive] });
+        scene.nodes.push(Node { name: String::new(), parent: None, parent_from_local, mesh: Some(mesh) });
+    }
+    scene
+}

@@ -1,0 +1,93 @@
+//! `bendylights bench sweep`: whether pictures are right at first sight.
+
+use std::path::PathBuf;
+
+use ::bench::sweep;
+use cli::{Output, Size, answer};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::name_of;
+use crate::error::Error;
+use crate::render::open_scene;
+
+#[derive(clap::Args)]
+#[command(after_help = "\
+Puts random lights of each shape, turned about themselves, over things on floors that are smaller than they, as large and
+wider, between walls, in rooms and under roofs. Draws each pose by wgpu and by the processor and holds both to the
+reference. A pixel is judged where the reference says the same of all within 1.5 texels of a shadow map. Prints JSON, for
+each shape and backend:
+  poses, failed        how many; in those that failed less than half of what is seen is calm enough to be judged
+  calm, wrong          pixels judged, and those whose shadow is another
+  posesWrong, worst    poses with a wrong pixel, and the most in one
+  radianceRmseP50      relative error of radiance over the other pixels, half of poses; radianceRmseMax the worst
+  frameMsP50           milliseconds of a picture whose light is new, half of poses
+and each pose that is not right.
+
+Examples:
+  bendylights bench sweep -o sweep.svg
+  bendylights bench sweep --shape omni --pose 17 --pictures wrong
+  bendylights bench sweep --scene room.glb --scene street.glb")]
+pub struct Args {
+    /// Poses of each shape
+    #[arg(long, default_value_t = 200, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
+    poses: u32,
+    /// The same seed makes the same poses
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Width and height of the pictures in pixels
+    #[arg(long, default_value = "96x64", value_name = "WxH")]
+    size: Size,
+    /// Texels along each side of shadow maps
+    #[arg(long, default_value_t = 2048, value_name = "TEXELS", value_parser = clap::value_parser!(u32).range(16..=8192))]
+    shadow_resolution: u32,
+    /// Only lights of this shape; may be given more than once
+    #[arg(long, value_name = "SHAPE", value_parser = sweep::SHAPES.map(|(name, _)| name))]
+    shape: Vec<String>,
+    /// Only the pose of this number
+    #[arg(long, value_name = "NUMBER")]
+    pose: Option<usize>,
+    /// A scene to sweep over besides the random ones; may be given more than once
+    #[arg(long, value_name = "SCENE")]
+    scene: Vec<String>,
+    /// Chart to write: run time against error, pose by pose
+    #[arg(short, value_name = "OUT.svg")]
+    output: Option<PathBuf>,
+    /// Folder for a picture of each pose that is not right
+    #[arg(long, value_name = "DIR")]
+    pictures: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> Result<(), Error> {
+    cli::without_window_system();
+    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
+    cli::make_folder(args.pictures.as_deref())?;
+    let file = |scene: &String| {
+        let loaded = open_scene(scene)?;
+        Ok(sweep::SceneFile { name: name_of(scene), scene: loaded.scene, cameras: loaded.contents.cameras })
+    };
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
+    let bar = ProgressBar::new(0).with_style(style);
+    let options = sweep::Options {
+        poses: args.poses as usize,
+        seed: args.seed,
+        resolution: args.shadow_resolution,
+        size: [args.size.width, args.size.height],
+        shapes: (sweep::SHAPES.into_iter().map(|(name, _)| name))
+            .filter(|name| args.shape.is_empty() || args.shape.iter().any(|shape| shape == name))
+            .collect(),
+        scenes: args.scene.iter().map(file).collect::<Result<_, Error>>()?,
+        only: args.pose,
+        pictures: args.pictures.clone(),
+    };
+    let result = sweep::run(&options, |progress| {
+        bar.set_length(progress.of as u64);
+        bar.set_position(progress.done as u64);
+        bar.set_message(format!("{} pixels wrong", progress.wrong));
+    });
+    bar.finish_and_clear();
+    let (report, chart) = result.map_err(Error::Bench)?;
+    if let Some(output) = output {
+        output.write(chart.as_bytes())?;
+    }
+    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+}

@@ -1,0 +1,96 @@
+//! Pictures are right at first sight, by a sample of what `bendylights bench sweep` draws: random lights of each shape, turned
+//! about themselves, over floors of every size, between walls, in rooms and under roofs.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use bench::sweep::{BACKENDS, Options, Report, SHAPES, SceneFile, sweep};
+use render::{Gpu, MemoryBudget, Renderer};
+
+/// Two of each setting.
+const POSES: usize = 12;
+
+fn options(shapes: &[&'static str]) -> Options {
+    Options {
+        poses: POSES,
+        seed: 1,
+        size: [96, 64],
+        resolution: 2048,
+        shapes: shapes.to_vec(),
+        scenes: Vec::new(),
+        only: None,
+        pictures: std::env::var_os("BENDYLIGHTS_SWEEP_PICTURES").map(Into::into),
+    }
+}
+
+fn renderer(gpu: Gpu) -> Renderer {
+    Renderer::new(Arc::new(gpu)).expect("a renderer")
+}
+
+fn gpu(backend: render::Backend) -> Gpu {
+    Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver")
+}
+
+fn found(options: &Options) -> Report {
+    let mut renderers = BACKENDS.map(|backend| renderer(gpu(backend)));
+    sweep(&mut renderers, "", options, |_| {}).expect("all poses can be drawn")
+}
+
+/// Holds rows to what the README says.
+fn are_right(report: &Report) {
+    for row in &report.rows {
+        println!("{}", serde_json::to_string(row).expect("plain data"));
+        let what = format!("{} by {}: {:?}", row.shape, row.backend, report.faults);
+        assert_eq!(row.failed, 0, "{what}");
+        // What lies in bent light is looked up between texels of a map of curves: one pixel of 100,000 may be wrong.
+        let allowed = if row.shape == "bendy" { row.calm.div_ceil(100_000) } else { 0 };
+        assert!(row.wrong <= allowed, "{what}");
+        // Normals are packed to 2^-15: where light grazes, a cosine of 0.03 is off by a thousandth with them.
+        assert!(row.radiance_rmse_max <= 1e-3, "{what}");
+        assert!(row.calm > 1000 * row.poses, "{what}");
+    }
+}
+
+#[test]
+fn lights_of_all_shapes_are_right_wherever_they_stand() {
+    are_right(&found(&options(&SHAPES.map(|(name, _)| name))));
+}
+
+/// Over two scenes of other makers.
+#[test]
+#[ignore = "needs ../shared/assets"]
+fn lights_of_all_shapes_are_right_over_shared_assets() {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/assets/scenes"));
+    let scenes = ["bench.glb", "vases_bowl.glb"].map(|name| {
+        let loaded = assets::load(&folder.join(name)).expect("the scene is there and sound");
+        SceneFile { name: name.into(), scene: loaded.scene, cameras: loaded.contents.cameras }
+    });
+    // Every seventh and eighth pose is over one of them.
+    let names = scenes.each_ref().map(|scene| scene.name.clone());
+    let options = Options { poses: 32, scenes: scenes.into(), ..options(&SHAPES.map(|(name, _)| name)) };
+    let report = found(&options);
+    assert!(report.poses.iter().filter(|pose| names.contains(&pose.stage)).count() >= 4 * 8);
+    are_right(&report);
+}
+
+/// The planted faults: a look-up beyond a map that is clamped to its border, and the depth of what a slab ends with a step
+/// off. Each in a pose of the sweep that shows it.
+#[test]
+fn faults_of_maps_are_seen() {
+    const CLAMPED: [&str; 2] =
+        ["let beyond = beyond_map(first, resolution);", "let beyond = vec4<bool>(false);"];
+    const SHORT: [&str; 2] = ["c.t_start + c.t_span * u)", "c.t_start + c.t_span * min(u, 0.98))"];
+    let faults =
+        [("directional", 20, CLAMPED), ("omni", 56, CLAMPED), ("bendy", 58, SHORT), ("bendy", 45, SHORT)];
+    for (shape, pose, [text, replacement]) in faults {
+        let options = Options { only: Some(pose), ..options(&[shape]) };
+        let wrong = |gpu: Gpu| {
+            let report = sweep(&mut [renderer(gpu)], "", &options, |_| {}).expect("it can be drawn");
+            report.rows[0].wrong
+        };
+        let found = wrong(gpu(BACKENDS[0]).with_fault(text, replacement));
+        println!("{shape} with {replacement}: {found} wrong");
+        assert!(found > 10, "{shape} with {replacement}: {found} wrong");
+        assert_eq!(wrong(gpu(BACKENDS[0])), 0, "{shape}");
+    }
+}
