@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use scene::{Material, Sampler, Wrap};
+use scene::{Material, Wrap};
 use wgpu::{Buffer, BufferUsages};
 
 use crate::geometry::{Draw, upload};
@@ -119,7 +119,11 @@ pub(crate) fn alpha_test(
     picture: AlphaPicture,
 ) -> gpu_structs::AlphaTest {
     let sampler = material.base_color_texture.map(|texture| texture.sampler).unwrap_or_default();
-    let [wrap_u, wrap_v, nearest] = modes(sampler);
+    let wrap = |wrap| match wrap {
+        Wrap::Repeat => 0,
+        Wrap::MirroredRepeat => 1,
+        Wrap::ClampToEdge => 2,
+    };
     let AlphaPicture { offset, width, height } = picture;
     gpu_structs::AlphaTest {
         first_triangle: (draw.indices.start - first_masked) / 3,
@@ -129,18 +133,8 @@ pub(crate) fn alpha_test(
         offset,
         width,
         height,
-        wrap_u,
-        wrap_v,
-        nearest,
+        wrap_u: wrap(sampler.wrap_u),
+        wrap_v: wrap(sampler.wrap_v),
+        nearest: u32::from(sampler.nearest),
     }
-}
-
-/// Along u and along v, as `wrap.wgsl` numbers them, and whether magnified texels are not blended.
-pub(crate) fn modes(Sampler { wrap_u, wrap_v, nearest }: Sampler) -> [u32; 3] {
-    let wrap = |wrap| match wrap {
-        Wrap::Repeat => 0,
-        Wrap::MirroredRepeat => 1,
-        Wrap::ClampToEdge => 2,
-    };
-    [wrap(wrap_u), wrap(wrap_v), u32::from(nearest)]
 }

@@ -56,7 +56,7 @@ impl Gpu {
         }
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("render"),
-            required_features: FEATURES,
+            required_features: FEATURES | (adapter.features() & Features::TEXTURE_FORMAT_16BIT_NORM),
             required_limits: limits(&adapter.limits()),
             // What is dropped is to go back to the system, not to a pool of blocks of 256 MiB.
             memory_hints: wgpu::MemoryHints::MemoryUsage,

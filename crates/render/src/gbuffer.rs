@@ -25,8 +25,8 @@ pub(crate) const BYTES_A_PIXEL: u64 = 16 + 4 + 4;
 /// The pipelines, which outlive scenes and pictures.
 #[derive(Debug)]
 pub(crate) struct GbufferPass {
-    /// By whether materials have pictures, then by whether they have an alpha test, then by whether they have two sides.
-    pipelines: [[[RenderPipeline; 2]; 2]; 2],
+    /// By whether materials have a picture of colour, one of how they shine, an alpha test, and two sides.
+    pipelines: [[[[RenderPipeline; 2]; 2]; 2]; 2],
     /// Group 1 of the lighting passes; see `surface.wgsl`.
     pub surface_layout: BindGroupLayout,
 }
@@ -116,9 +116,9 @@ impl GbufferPass {
     pub fn new(gpu: &Gpu, view_layout: &BindGroupLayout, material_layout: &BindGroupLayout) -> Self {
         let layout = gpu.pipeline_layout("gbuffer", &[view_layout, material_layout]);
         let module = gpu.module("gbuffer", shaders::GBUFFER);
-        let pipeline = |is_textured: f64, is_tested: f64, cull_mode| {
+        let pipeline = |[is_colored, is_shiny, is_tested]: [f64; 3], cull_mode| {
             let compilation_options = wgpu::PipelineCompilationOptions {
-                constants: &[("is_textured", is_textured), ("is_tested", is_tested)],
+                constants: &[("is_colored", is_colored), ("is_shiny", is_shiny), ("is_tested", is_tested)],
                 ..Default::default()
             };
             gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -144,9 +144,12 @@ impl GbufferPass {
             })
         };
         Self {
-            pipelines: [0.0, 1.0].map(|is_textured| {
-                [0.0, 1.0].map(|is_tested| {
-                    [Some(wgpu::Face::Back), None].map(|culled| pipeline(is_textured, is_tested, culled))
+            pipelines: [0.0, 1.0].map(|is_colored| {
+                [0.0, 1.0].map(|is_shiny| {
+                    [0.0, 1.0].map(|is_tested| {
+                        [Some(wgpu::Face::Back), None]
+                            .map(|culled| pipeline([is_colored, is_shiny, is_tested], culled))
+                    })
                 })
             }),
             surface_layout: gpu.layout("surface", &[UINT_TEXTURE, RAW_TEXTURE, RAW_TEXTURE]),
@@ -187,9 +190,9 @@ impl GbufferPass {
         pass.set_vertex_buffer(0, geometry.positions.slice(..));
         pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
         for draw in draws {
-            let [textured, masked, double_sided] =
-                [draw.textured, draw.masked, draw.double_sided].map(usize::from);
-            pass.set_pipeline(&self.pipelines[textured][masked][double_sided]);
+            let [colored, shiny] = draw.pictures.map(usize::from);
+            let [masked, double_sided] = [draw.masked, draw.double_sided].map(usize::from);
+            pass.set_pipeline(&self.pipelines[colored][shiny][masked][double_sided]);
             pass.set_bind_group(1, &draw.material, &[]);
             pass.draw_indexed(draw.indices.clone(), 0, 0..1);
         }

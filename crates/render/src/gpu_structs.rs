@@ -91,8 +91,6 @@ gpu_struct! {
         roughness: f32,
         alpha_cutoff: f32,
         first_triangle: u32,
-        base_color_modes: [u32; 4],
-        metallic_roughness_modes: [u32; 4],
     }
 }
 

@@ -3,27 +3,29 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use scene::{Scene, TextureRef};
+use scene::{Sampler, Scene, TextureRef, Wrap};
 use wgpu::util::{BufferInitDescriptor, DeviceExt, TextureDataOrder};
 use wgpu::{
-    BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, TextureFormat, TextureView,
+    BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, Features, TextureFormat,
+    TextureView,
 };
 
-use crate::alpha_test::{AlphaPicture, AlphaTests, alpha_test, modes};
+use crate::alpha_test::{AlphaPicture, AlphaTests, alpha_test};
 use crate::geometry::Draw;
 use crate::mipmap::{Encoding, MipChain, mip_chain};
-use crate::pipeline::{RAW_TEXTURE, UNIFORM};
+use crate::pipeline::{COLOR_TEXTURE, FILTERING, UNIFORM};
 use crate::{Gpu, RenderError, gpu_structs};
 
 /// Group 1 of the passes that draw triangles; see `material.wgsl`.
-pub(crate) const BINDINGS: [BindingType; 3] = [UNIFORM, RAW_TEXTURE, RAW_TEXTURE];
+pub(crate) const BINDINGS: [BindingType; 5] = [UNIFORM, COLOR_TEXTURE, FILTERING, COLOR_TEXTURE, FILTERING];
 
 /// A run of triangles and what it is drawn with.
 #[derive(Clone, Debug)]
 pub(crate) struct MaterialDraw {
     pub indices: Range<u32>,
     pub material: BindGroup,
-    pub textured: bool,
+    /// Whether it has a picture of its colour, and one of metallic and roughness.
+    pub pictures: [bool; 2],
     pub masked: bool,
     pub double_sided: bool,
 }
@@ -50,6 +52,7 @@ impl Materials {
             gpu,
             scene,
             uploaded: HashMap::new(),
+            samplers: HashMap::new(),
             alpha: HashMap::new(),
             texels: Vec::new(),
             bytes: 0,
@@ -58,8 +61,9 @@ impl Materials {
         let mut tests: Vec<gpu_structs::AlphaTest> = Vec::new();
         for draw in draws {
             let material = &scene.materials[draw.material];
-            let base = textures.get(material.base_color_texture, Encoding::Srgb)?;
-            let shine = textures.get(material.metallic_roughness_texture, Encoding::Linear)?;
+            let (base, base_sampler) = textures.get(material.base_color_texture, Encoding::Srgb)?;
+            let (shine, shine_sampler) =
+                textures.get(material.metallic_roughness_texture, Encoding::Linear)?;
             let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
                 label: Some("material"),
                 contents: bytemuck::bytes_of(&gpu_structs::Material {
@@ -68,8 +72,6 @@ impl Materials {
                     roughness: material.roughness,
                     alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
                     first_triangle: draw.indices.start / 3,
-                    base_color_modes: base.modes,
-                    metallic_roughness_modes: shine.modes,
                 }),
                 usage: BufferUsages::UNIFORM,
             });
@@ -78,8 +80,10 @@ impl Materials {
                 layout,
                 &[
                     uniform.as_entire_binding(),
-                    BindingResource::TextureView(&base.view),
-                    BindingResource::TextureView(&shine.view),
+                    BindingResource::TextureView(&base),
+                    BindingResource::Sampler(&base_sampler),
+                    BindingResource::TextureView(&shine),
+                    BindingResource::Sampler(&shine_sampler),
                 ],
             );
             if material.alpha_cutoff.is_some() {
@@ -90,7 +94,8 @@ impl Materials {
             material_draws.push(MaterialDraw {
                 indices: draw.indices.clone(),
                 material: group,
-                textured: material.base_color_texture.or(material.metallic_roughness_texture).is_some(),
+                pictures: [material.base_color_texture, material.metallic_roughness_texture]
+                    .map(|texture| texture.is_some()),
                 masked: material.alpha_cutoff.is_some(),
                 double_sided: material.double_sided,
             });
@@ -105,21 +110,15 @@ impl Materials {
 struct Textures<'a> {
     gpu: &'a Gpu,
     scene: &'a Scene,
-    /// By image and encoding: the picture, and how many levels it has.
-    uploaded: HashMap<(Option<usize>, Encoding), (TextureView, u32)>,
+    /// By image and encoding.
+    uploaded: HashMap<(Option<usize>, Encoding), TextureView>,
+    samplers: HashMap<Sampler, wgpu::Sampler>,
     /// By image: where its alpha lies among the texels.
     alpha: HashMap<Option<usize>, AlphaPicture>,
     /// The alpha of what is tested.
     texels: Vec<u8>,
     /// Of all textures.
     bytes: u64,
-}
-
-/// A picture on the GPU.
-struct Uploaded {
-    view: TextureView,
-    /// See `texture.wgsl`.
-    modes: [u32; 4],
 }
 
 impl Textures<'_> {
@@ -131,20 +130,26 @@ impl Textures<'_> {
         })
     }
 
-    fn get(&mut self, texture: Option<TextureRef>, encoding: Encoding) -> Result<Uploaded, RenderError> {
+    /// The picture and sampler of `texture`.
+    fn get(
+        &mut self,
+        texture: Option<TextureRef>,
+        encoding: Encoding,
+    ) -> Result<(TextureView, wgpu::Sampler), RenderError> {
         let key = (texture.map(|texture| texture.image), encoding);
-        let (view, levels) = if let Some(uploaded) = self.uploaded.get(&key) {
-            uploaded.clone()
+        let view = if let Some(view) = self.uploaded.get(&key) {
+            view.clone()
         } else {
             let (width, height, rgba8) = self.image(texture);
-            let chain = mip_chain(width, height, rgba8, encoding);
-            let uploaded = (upload(self.gpu, width, height, &chain)?, chain.levels);
-            self.bytes += chain.rgba8.len() as u64;
-            self.uploaded.insert(key, uploaded.clone());
-            uploaded
+            let chain = mip_chain((width, height), rgba8, encoding, format(self.gpu, encoding));
+            let view = upload(self.gpu, width, height, &chain)?;
+            self.bytes += chain.bytes.len() as u64;
+            self.uploaded.insert(key, view.clone());
+            view
         };
-        let [wrap_u, wrap_v, nearest] = modes(texture.map(|texture| texture.sampler).unwrap_or_default());
-        Ok(Uploaded { view, modes: [wrap_u, wrap_v, nearest, if texture.is_some() { levels } else { 0 }] })
+        let sampler = texture.map(|texture| texture.sampler).unwrap_or_default();
+        let sampler = self.samplers.entry(sampler).or_insert_with(|| create_sampler(self.gpu, sampler));
+        Ok((view, sampler.clone()))
     }
 
     fn alpha(&mut self, texture: Option<TextureRef>) -> AlphaPicture {
@@ -158,6 +163,18 @@ impl Textures<'_> {
         self.texels.extend(alpha);
         self.alpha.insert(key, picture);
         picture
+    }
+}
+
+/// Colours are decoded once and stored linear: samplers decode sRGB by approximations, and 16 bits round by a fortieth of
+/// the least step of sRGB at most. A device without such has halves, which round by 1/2048 of a colour at most.
+fn format(gpu: &Gpu, encoding: Encoding) -> TextureFormat {
+    match encoding {
+        Encoding::Linear => TextureFormat::Rgba8Unorm,
+        Encoding::Srgb if gpu.device.features().contains(Features::TEXTURE_FORMAT_16BIT_NORM) => {
+            TextureFormat::Rgba16Unorm
+        }
+        Encoding::Srgb => TextureFormat::Rgba16Float,
     }
 }
 
@@ -176,12 +193,29 @@ fn upload(gpu: &Gpu, width: u32, height: u32, chain: &MipChain) -> Result<Textur
             mip_level_count: chain.levels,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: TextureFormat::Rgba8Unorm,
+            format: chain.format,
             usage: wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         },
         TextureDataOrder::MipMajor,
-        &chain.rgba8,
+        &chain.bytes,
     );
     Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
+}
+
+fn create_sampler(gpu: &Gpu, sampler: Sampler) -> wgpu::Sampler {
+    let address_mode = |wrap| match wrap {
+        Wrap::Repeat => wgpu::AddressMode::Repeat,
+        Wrap::MirroredRepeat => wgpu::AddressMode::MirrorRepeat,
+        Wrap::ClampToEdge => wgpu::AddressMode::ClampToEdge,
+    };
+    gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("material"),
+        address_mode_u: address_mode(sampler.wrap_u),
+        address_mode_v: address_mode(sampler.wrap_v),
+        mag_filter: if sampler.nearest { wgpu::FilterMode::Nearest } else { wgpu::FilterMode::Linear },
+        min_filter: wgpu::FilterMode::Linear,
+        mipmap_filter: wgpu::MipmapFilterMode::Linear,
+        ..Default::default()
+    })
 }

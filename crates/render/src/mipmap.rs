@@ -1,5 +1,8 @@
 //! Mip levels by area averaging, in linear light where the picture is sRGB.
 
+use half::f16;
+use wgpu::TextureFormat;
+
 /// How the bytes of a picture are to be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Encoding {
@@ -9,37 +12,48 @@ pub(crate) enum Encoding {
     Linear,
 }
 
-/// Mip levels of an RGBA8 picture.
+/// A picture and its mip levels as textures have them.
 #[derive(Debug)]
 pub(crate) struct MipChain {
     /// One level after the other, from the full size down.
-    pub rgba8: Vec<u8>,
+    pub bytes: Vec<u8>,
+    pub format: TextureFormat,
     pub levels: u32,
 }
 
-/// The mip levels of an RGBA8 picture, down to one pixel.
-pub(crate) fn mip_chain(width: u32, height: u32, rgba8: &[u8], encoding: Encoding) -> MipChain {
+/// The mip levels of an RGBA8 picture, down to one pixel, all of them linear; each is rounded once.
+pub(crate) fn mip_chain(
+    (width, height): (u32, u32),
+    rgba8: &[u8],
+    encoding: Encoding,
+    format: TextureFormat,
+) -> MipChain {
     let decode = decoding_table(encoding);
-    let mut chain = MipChain { rgba8: rgba8.to_vec(), levels: 1 };
     let (mut width, mut height) = (width as usize, height as usize);
     let mut level: Vec<[f32; 4]> = rgba8
         .chunks_exact(4)
         .map(|p| std::array::from_fn(|c| if c == 3 { p[3] as f32 / 255.0 } else { decode[p[c] as usize] }))
         .collect();
+    let mut chain = MipChain { bytes: stored(&level, format), format, levels: 1 };
     while width > 1 || height > 1 {
         (level, width, height) = halved(&level, width, height);
-        for pixel in &level {
-            let [r, g, b, a] = *pixel;
-            chain.rgba8.extend([
-                encode(r, encoding),
-                encode(g, encoding),
-                encode(b, encoding),
-                encode(a, Encoding::Linear),
-            ]);
-        }
+        chain.bytes.extend(stored(&level, format));
         chain.levels += 1;
     }
     chain
+}
+
+/// The bytes of a level.
+fn stored(level: &[[f32; 4]], format: TextureFormat) -> Vec<u8> {
+    let channels = level.as_flattened().iter();
+    match format {
+        TextureFormat::Rgba8Unorm => channels.map(|c| (c * 255.0 + 0.5) as u8).collect(),
+        TextureFormat::Rgba16Unorm => {
+            channels.flat_map(|c| ((c * 65535.0 + 0.5) as u16).to_ne_bytes()).collect()
+        }
+        TextureFormat::Rgba16Float => channels.flat_map(|c| f16::from_f32(*c).to_ne_bytes()).collect(),
+        _ => unreachable!("no texture is stored as {format:?}"),
+    }
 }
 
 /// The next level: half the size, rounded down, at least 1.
@@ -92,33 +106,29 @@ fn decoding_table(encoding: Encoding) -> [f32; 256] {
     })
 }
 
-fn encode(c: f32, encoding: Encoding) -> u8 {
-    let encoded = match encoding {
-        Encoding::Linear => c,
-        Encoding::Srgb if c <= 0.003_130_8 => 12.92 * c,
-        Encoding::Srgb => 1.055 * c.powf(1.0 / 2.4) - 0.055,
-    };
-    (encoded * 255.0 + 0.5) as u8
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn plain(width: u32, height: u32, rgba8: &[u8], encoding: Encoding) -> Vec<u8> {
-        let chain = mip_chain(width, height, rgba8, encoding);
+    fn bytes(width: u32, height: u32, rgba8: &[u8]) -> Vec<u8> {
+        let chain = mip_chain((width, height), rgba8, Encoding::Linear, TextureFormat::Rgba8Unorm);
         assert_eq!(chain.levels, width.max(height).ilog2() + 1);
-        chain.rgba8
+        chain.bytes
+    }
+
+    fn colours(width: u32, height: u32, rgba8: &[u8]) -> Vec<u16> {
+        let chain = mip_chain((width, height), rgba8, Encoding::Srgb, TextureFormat::Rgba16Unorm);
+        chain.bytes.chunks_exact(2).map(|c| u16::from_ne_bytes([c[0], c[1]])).collect()
     }
 
     #[test]
     fn odd_sizes_share_the_middle_texel() {
         // Three texels into one: a third each.
-        assert_eq!(plain(3, 1, &[[30; 4], [60; 4], [90; 4]].concat(), Encoding::Linear)[12..], [60; 4]);
+        assert_eq!(bytes(3, 1, &[[30; 4], [60; 4], [90; 4]].concat())[12..], [60; 4]);
         // Five into two: 2.5 texels each, the middle one in both: (10 + 20 + 30 / 2) / 2.5 and (30 / 2 + 40 +
         // 50) / 2.5.
         let row: Vec<u8> = [10, 20, 30, 40, 50].into_iter().flat_map(|v| [v; 4]).collect();
-        let chain = plain(5, 1, &row, Encoding::Linear);
+        let chain = bytes(5, 1, &row);
         assert_eq!(chain[20..28], [18, 18, 18, 18, 42, 42, 42, 42]);
         assert_eq!(chain.len(), 4 * (5 + 2 + 1));
     }
@@ -126,17 +136,34 @@ mod tests {
     #[test]
     fn colours_average_in_linear_light() {
         let checker = [[0, 0, 0, 255], [255, 255, 255, 255], [255, 255, 255, 255], [0, 0, 0, 255]].concat();
-        // Half the light is 188 in sRGB; averaging the bytes, the fault, would give 128.
-        assert_eq!(plain(2, 2, &checker, Encoding::Srgb)[16..], [188, 188, 188, 255]);
-        assert_eq!(plain(2, 2, &checker, Encoding::Linear)[16..], [128, 128, 128, 255]);
+        // Averaging what is encoded, the fault, would give 0.214 of the light.
+        assert_eq!(colours(2, 2, &checker)[16..], [32768, 32768, 32768, 65535]);
+        assert_eq!(bytes(2, 2, &checker)[16..], [128, 128, 128, 255]);
     }
 
     #[test]
     fn a_plain_colour_stays() {
+        // By sRGB's formula in f64.
+        let stored = [37852, 60, 4864, 32896];
         for (width, height) in [(1, 1), (7, 3), (16, 16), (1, 9)] {
             let picture = [200, 3, 77, 128].repeat(width * height);
-            let chain = plain(width as u32, height as u32, &picture, Encoding::Srgb);
-            assert!(chain.chunks_exact(4).all(|p| p == [200, 3, 77, 128]));
+            let chain = colours(width as u32, height as u32, &picture);
+            assert!(chain.chunks_exact(4).all(|p| p == stored), "{:?}", &chain[..4]);
+        }
+    }
+
+    /// Of halves, which have 11 bits, too.
+    #[test]
+    fn formats_hold_colours_to_their_steps() {
+        let picture: Vec<u8> = (0..=255).flat_map(|byte| [byte; 4]).collect();
+        let halves = mip_chain((256, 1), &picture, Encoding::Srgb, TextureFormat::Rgba16Float).bytes;
+        let shorts = colours(256, 1, &picture);
+        for (byte, linear) in decoding_table(Encoding::Srgb).into_iter().enumerate() {
+            let half = f16::from_ne_bytes([halves[8 * byte], halves[8 * byte + 1]]).to_f32();
+            let short = f32::from(shorts[4 * byte]) / 65535.0;
+            assert!((half - linear).abs() <= linear / 2048.0, "{half} for {linear}");
+            assert!((short - linear).abs() <= 0.51 / 65535.0, "{short} for {linear}");
+            assert_eq!(usize::from(shorts[4 * byte + 3]), 257 * byte);
         }
     }
 }

@@ -13,6 +13,8 @@ use crate::shadow_settings::MapSize;
 pub(crate) const UNIFORM: BindingType = buffer(BufferBindingType::Uniform);
 /// A read-only storage buffer.
 pub(crate) const STORAGE: BindingType = buffer(BufferBindingType::Storage { read_only: true });
+/// A texture that is filtered.
+pub(crate) const COLOR_TEXTURE: BindingType = texture(TextureSampleType::Float { filterable: true });
 /// A texture that is only loaded or gathered. Depth is bound so as well: the GL backend cannot load depth
 /// textures.
 pub(crate) const RAW_TEXTURE: BindingType = texture(TextureSampleType::Float { filterable: false });
@@ -24,6 +26,8 @@ pub(crate) const RAW_TEXTURE_LAYERS: BindingType = BindingType::Texture {
 };
 /// A texture of integers.
 pub(crate) const UINT_TEXTURE: BindingType = texture(TextureSampleType::Uint);
+/// A sampler that blends.
+pub(crate) const FILTERING: BindingType = BindingType::Sampler(SamplerBindingType::Filtering);
 /// A sampler that does not.
 pub(crate) const NON_FILTERING: BindingType = BindingType::Sampler(SamplerBindingType::NonFiltering);
 

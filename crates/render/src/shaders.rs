@@ -8,7 +8,7 @@ macro_rules! wgsl {
 
 /// Fills the G-buffer.
 pub(crate) const GBUFFER: &str =
-    concat!("enable primitive_index;\n", wgsl!("view", "encoding", "material", "wrap", "texture", "gbuffer"));
+    concat!("enable primitive_index;\n", wgsl!("view", "encoding", "material", "gbuffer"));
 /// Adds the fill light.
 pub(crate) const FILL: &str = wgsl!("view", "encoding", "surface", "fullscreen", "fill");
 /// Shows quantities of the surface.
@@ -16,7 +16,7 @@ pub(crate) const INSPECT: &str = wgsl!("view", "encoding", "surface", "fullscree
 /// Draws opaque shadow casters.
 pub(crate) const SHADOW: &str = wgsl!("shadow");
 /// Draws shadow casters with an alpha test.
-pub(crate) const SHADOW_MASKED: &str = wgsl!("shadow", "material", "wrap", "texture", "shadow_masked");
+pub(crate) const SHADOW_MASKED: &str = wgsl!("shadow", "material", "shadow_masked");
 /// Which triangles count for a light with links.
 pub(crate) const LINKS: &str = wgsl!("links");
 /// The same for one without.
@@ -30,7 +30,6 @@ pub(crate) const SPOT: &str = wgsl!(
     "brdf",
     "filter",
     "lighting",
-    "wrap",
     "alpha_test",
     "nearby",
     "shadow_filter",
@@ -47,7 +46,6 @@ pub(crate) const OMNI: &str = wgsl!(
     "brdf",
     "filter",
     "lighting",
-    "wrap",
     "alpha_test",
     "nearby",
     "shadow_filter",
@@ -63,7 +61,6 @@ pub(crate) const DIRECTIONAL: &str = wgsl!(
     "brdf",
     "filter",
     "lighting",
-    "wrap",
     "alpha_test",
     "nearby",
     "shadow_filter",
@@ -79,7 +76,6 @@ pub(crate) const BENDY: &str = wgsl!(
     "brdf",
     "filter",
     "lighting",
-    "wrap",
     "alpha_test",
     "nearby",
     "shadow_filter",
@@ -112,7 +108,7 @@ pub(crate) const BENT_MAP_NEXT: &str = wgsl!("curve", "frame", "solve", "bent_ma
 /// Draws mapped triangles.
 pub(crate) const BENT_SHADOW: &str = wgsl!("bent_shadow");
 /// Draws mapped triangles with an alpha test.
-pub(crate) const BENT_MASKED: &str = wgsl!("bent_shadow", "wrap", "alpha_test", "bent_masked");
+pub(crate) const BENT_MASKED: &str = wgsl!("bent_shadow", "alpha_test", "bent_masked");
 /// Draws mapped triangles with their edges.
 pub(crate) const WIREFRAME: &str = wgsl!("wireframe");
 /// Tone-maps for a screen.

@@ -1,5 +1,5 @@
 // Alpha tests of all materials from one table, for triangles of any material in one draw. Pictures are asked at full size,
-// bilinearly. Follows wrap.wgsl. Whoever asks brings
+// bilinearly. Whoever asks brings
 //   alpha_tests   array<AlphaTest>
 //   alpha_texels  array<u32>: eight bits a texel, four to a word, the lowest bits first
 //   attributes    array<f32>: nine a vertex: normal, uv, colour
@@ -61,6 +61,15 @@ fn uv_alpha(vertex: u32) -> vec3f {
 
 fn alpha_texel(index: u32) -> f32 {
     return f32((alpha_texels[index / 4u] >> (8u * (index % 4u))) & 0xffu) / 255.0;
+}
+
+// Texels that indices along one axis stand for: 0 repeats, 1 mirrors, 2 goes on with the edge. In floats, which are exact
+// here: dividing integers is slow.
+fn wrapped(x: vec2f, size: f32, wrap: u32) -> vec2u {
+    let period = select(size, 2.0 * size, wrap == 1u);
+    let inside = x - period * floor((x + 0.5) / period);
+    let repeated = select(inside, min(inside, period - 1.0 - inside), wrap == 1u);
+    return vec2u(clamp(select(repeated, x, wrap == 2u), vec2f(0.0), vec2f(size - 1.0)));
 }
 
 // The picture's alpha at `uv`.

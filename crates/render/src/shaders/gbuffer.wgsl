@@ -6,8 +6,9 @@
 // The position is not stored: surface.wgsl cuts the pixel's ray with the plane of its triangle, which is more
 // exact than any depth buffer and gives the geometric normal as well.
 
-// What materials have, in pipelines of their own: pictures, and an alpha test.
-override is_textured: bool;
+// What materials have, in pipelines of their own: a picture of colour, one of metallic and roughness, and an alpha test.
+override is_colored: bool;
+override is_shiny: bool;
 override is_tested: bool;
 
 @vertex
@@ -84,7 +85,8 @@ fn fs_gbuffer(
     let factors = material.base_color * here.color;
     var is_there = true;
     if is_tested {
-        let alpha = alpha_at(base_color_texture, material.base_color_modes, here.uv);
+        // At full size, whatever a pixel covers: then many pixels pass as often as points of the picture do.
+        let alpha = textureSampleLevel(base_color_texture, base_color_sampler, here.uv, 0.0).a;
         is_there = factors.a * alpha >= material.alpha_cutoff;
     }
     if !is_there {
@@ -92,11 +94,11 @@ fn fs_gbuffer(
     }
     var texel = vec4f(1.0);
     var shine = vec4f(1.0);
-    if is_textured {
-        let modes = material.base_color_modes;
-        let shine_modes = material.metallic_roughness_modes;
-        texel = picture_at(base_color_texture, modes, here.uv, uv_dx, uv_dy, true, is_there);
-        shine = picture_at(metallic_roughness_texture, shine_modes, here.uv, uv_dx, uv_dy, false, is_there);
+    if is_colored & is_there {
+        texel = textureSampleGrad(base_color_texture, base_color_sampler, here.uv, uv_dx, uv_dy);
+    }
+    if is_shiny & is_there {
+        shine = textureSampleGrad(metallic_roughness_texture, metallic_roughness_sampler, here.uv, uv_dx, uv_dy);
     }
     // Vertex normals that cancel leave nothing to interpolate: the face's own normal then.
     let has_normal = dot(here.normal, here.normal) > 1e-12;

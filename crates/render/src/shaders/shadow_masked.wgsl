@@ -17,7 +17,7 @@ fn vs_masked(
 
 @fragment
 fn fs_masked(in: MaskedVaryings) {
-    let texel = alpha_at(base_color_texture, material.base_color_modes, in.uv);
+    let texel = textureSampleLevel(base_color_texture, base_color_sampler, in.uv, 0.0).a;
     if material.base_color.a * in.alpha * texel < material.alpha_cutoff {
         discard;
     }
