@@ -223,8 +223,8 @@ fn pictures_of_a_light_without_shadows_keep_nothing_more() {
 /// What lies in buffers lies in memory too where the processor draws lights, is counted, and goes with the scene.
 #[test]
 fn arrays_of_scenes_are_counted_where_the_processor_draws() {
-    // Two white texels.
-    const TEXTURES: u64 = 2 * 4;
+    // Two white texels: a color of four times 16 bits, and data of four times 8.
+    const TEXTURES: u64 = 8 + 4;
     let mut scene = tables();
     scene.nodes[1].name = "table".into();
     let scene = scene::pose(scene);
