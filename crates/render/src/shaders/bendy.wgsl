@@ -177,7 +177,6 @@ const PIECES = 12u;
 // Whether something lies on the path of constant (v, w) that ends at a surface, at `t`, from `back` before there. Follows it
 // nowhere where `back` is 0.
 fn is_met_on_path(surface: Surface, t: f32, vw: vec2f, back: f32) -> bool {
-    let end_in_tube = path_point(t, vw);
     let end = shadow_position(surface);
     let pieces = select(0u, PIECES, back > 0.0);
     var before = end;
@@ -186,7 +185,8 @@ fn is_met_on_path(surface: Surface, t: f32, vw: vec2f, back: f32) -> bool {
     var own = surface.triangle;
     var met = false;
     for (var piece = 0u; piece < pieces && !met; piece++) {
-        let way = path_point(max(t - back * share, 0.0), vw) - end_in_tube;
+        // The path's end in here and not before: few pixels follow it.
+        let way = path_point(max(t - back * share, 0.0), vw) - path_point(t, vw);
         let here = end + light.world_from_tube * way * light.world_per_tube;
         met = is_met(before, here - before, own, surface.depth);
         before = here;
