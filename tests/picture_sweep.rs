@@ -16,6 +16,7 @@ fn options(shapes: &[&'static str]) -> Options {
         seed: 1,
         size: [96, 64],
         resolution: 2048,
+        contacts: false,
         shapes: shapes.to_vec(),
         scenes: Vec::new(),
         only: None,

@@ -13,6 +13,9 @@ use crate::{Aov, Backend, MemoryBudget, RenderError, driver};
 
 /// What every pass relies on: lights add up in f32, and a pixel knows its triangle.
 const FEATURES: Features = Features::FLOAT32_BLENDABLE.union(Features::PRIMITIVE_INDEX);
+/// What is used where the device has it: colours of 16 bits as they are decoded, and branches that a software driver takes only
+/// where some pixel of those drawn together does.
+const WANTED: Features = Features::TEXTURE_FORMAT_16BIT_NORM.union(Features::SUBGROUP);
 
 /// An open graphics device. Share one in an `Arc`: opening it and compiling for it is slow.
 #[derive(Debug)]
@@ -56,7 +59,7 @@ impl Gpu {
         }
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("render"),
-            required_features: FEATURES | (adapter.features() & Features::TEXTURE_FORMAT_16BIT_NORM),
+            required_features: FEATURES | (adapter.features() & WANTED),
             required_limits: limits(&adapter.limits()),
             // What is dropped is to go back to the system, not to a pool of blocks of 256 MiB.
             memory_hints: wgpu::MemoryHints::MemoryUsage,
@@ -126,6 +129,11 @@ impl Gpu {
     /// Name and version of the driver, as it says them.
     pub fn driver(&self) -> &str {
         &self.driver
+    }
+
+    /// Whether pixels that are drawn together can be asked at once.
+    pub(crate) fn has_subgroups(&self) -> bool {
+        self.device.features().contains(Features::SUBGROUP)
     }
 
     /// Who draws shadows and lights of the beauty.

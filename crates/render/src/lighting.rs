@@ -8,8 +8,7 @@ use wgpu::{
     RenderPass, RenderPipeline, ShaderModule, TextureFormat,
 };
 
-use crate::linked::with_links;
-use crate::{Aov, Gpu};
+use crate::{Aov, Gpu, shaders};
 
 /// Radiance and every AOV: raw values, added up in f32.
 pub(crate) const FORMAT: TextureFormat = TextureFormat::Rgba32Float;
@@ -81,7 +80,7 @@ impl LightingPass {
     /// where it is not `linked`.
     pub fn of_light(gpu: &Gpu, label: &str, wgsl: &str, linked: bool, groups: [&BindGroupLayout; 4]) -> Self {
         let count = if linked { 4 } else { 3 };
-        Self::new(gpu, label, &with_links(linked, wgsl), &groups[..count])
+        Self::new(gpu, label, &shaders::lighting_pass(wgsl, linked, gpu.has_subgroups()), &groups[..count])
     }
 
     /// Adds `aov` within `pixels`, `[x, y, width, height]`. `groups` are what the pass binds after view and

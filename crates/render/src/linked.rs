@@ -14,7 +14,7 @@ use crate::gpu_scene::GpuScene;
 use crate::material::MaterialDraw;
 use crate::memory::{MemoryKind, Reservation};
 use crate::pipeline::UINT_TEXTURE;
-use crate::{Gpu, RenderError, gpu_structs, shaders};
+use crate::{Gpu, RenderError, gpu_structs};
 
 /// Group 3 of the lighting passes of lights that have links; see `links.wgsl`.
 pub(crate) const BINDINGS: [BindingType; 1] = [UINT_TEXTURE];
@@ -53,11 +53,6 @@ struct LinkedCasters {
 /// What links leave of scenes, by the scene's revision and the links, for as long as somebody has it.
 #[derive(Debug, Default)]
 pub(crate) struct KnownLinks(Vec<((u64, Pair), Weak<Linked>)>);
-
-/// `wgsl`, which calls `is_lit` and `throws_shadow`, for lights with links or for others.
-pub(crate) fn with_links(linked: bool, wgsl: &str) -> String {
-    format!("{}{wgsl}", if linked { shaders::LINKS } else { shaders::NO_LINKS })
-}
 
 impl KnownLinks {
     /// What the links of `light` leave of `scene`; `None` where it has none.

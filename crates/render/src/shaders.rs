@@ -18,9 +18,13 @@ pub(crate) const SHADOW: &str = wgsl!("shadow");
 /// Draws shadow casters with an alpha test.
 pub(crate) const SHADOW_MASKED: &str = wgsl!("shadow", "material", "shadow_masked");
 /// Which triangles count for a light with links.
-pub(crate) const LINKS: &str = wgsl!("links");
+const LINKS: &str = wgsl!("links");
 /// The same for one without.
-pub(crate) const NO_LINKS: &str = wgsl!("no_links");
+const NO_LINKS: &str = wgsl!("no_links");
+/// What holds for pixels that are drawn together.
+const SUBGROUPS: &str = wgsl!("subgroups");
+/// The same for devices that cannot say.
+const NO_SUBGROUPS: &str = wgsl!("no_subgroups");
 /// Adds a spotlight.
 pub(crate) const SPOT: &str = wgsl!(
     "view",
@@ -122,6 +126,13 @@ pub(crate) const SUM: &str = wgsl!("encoding", "fullscreen", "terms", "sum");
 mod branches;
 #[cfg(test)]
 mod compiled;
+/// The whole of a lighting pass, for lights with links or for others, and for devices with subgroups or for others.
+pub(crate) fn lighting_pass(wgsl: &str, linked: bool, has_subgroups: bool) -> String {
+    let links = if linked { LINKS } else { NO_LINKS };
+    let subgroups = if has_subgroups { SUBGROUPS } else { NO_SUBGROUPS };
+    format!("{links}{subgroups}{wgsl}")
+}
+
 #[cfg(test)]
 mod twins;
 
@@ -148,9 +159,10 @@ mod tests {
     fn every_module_is_valid() {
         let modules = modules();
         assert!(modules.len() >= 7);
+        let capabilities = Capabilities::PRIMITIVE_INDEX | Capabilities::SUBGROUP;
         for (name, module) in &modules {
             assert!(!module.entry_points.is_empty(), "{name} has no entry point");
-            Validator::new(ValidationFlags::all(), Capabilities::PRIMITIVE_INDEX)
+            Validator::new(ValidationFlags::all(), capabilities)
                 .validate(module)
                 .unwrap_or_else(|e| panic!("{name}: {e:?}"));
         }

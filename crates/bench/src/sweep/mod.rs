@@ -5,6 +5,7 @@
 //! measure knows the map.
 
 mod chart;
+mod close;
 mod judge;
 mod picture;
 mod pose;
@@ -24,6 +25,7 @@ use scene::{Aov, Camera, Scene, View};
 use serde::Serialize;
 
 use crate::BenchError;
+use judge::Judged;
 use stage::{Setting, Stage};
 
 /// Backends that are compared, in the order of reports.
@@ -46,6 +48,10 @@ const LEAST_CALM: f64 = 0.5;
 const LEAST_IN_LIGHT: f64 = 0.3;
 const LATTICE: u32 = 4;
 const TRIES: usize = 60;
+/// The share of poses that are looked at from close by.
+const CLOSE: f64 = 0.5;
+/// Times the distance of those from which one looks where less than enough is calm.
+const FARTHER: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 
 /// A scene of a file to sweep over besides the random ones.
 #[derive(Clone, Debug)]
@@ -73,6 +79,9 @@ pub struct Options {
     pub scenes: Vec<SceneFile>,
     /// Texels along each side of shadow maps.
     pub resolution: u32,
+    /// Sheets among the things, and half of the poses looked at from where pixels are as wide as texels, where surfaces meet at
+    /// a shadow.
+    pub contacts: bool,
     /// Only the pose of that number, of each shape.
     pub only: Option<usize>,
     /// Folder, there already, for a picture of each pose with a wrong pixel.
@@ -151,6 +160,8 @@ pub struct Pose {
     pub pose: usize,
     /// What it is over.
     pub stage: String,
+    /// Whether pixels are about as wide as texels, where surfaces meet at a shadow.
+    pub is_close: bool,
     /// Pixels that see a surface.
     pub surfaces: usize,
     /// Of those, judged.
@@ -258,17 +269,27 @@ fn posed(
     let kind = number % (Setting::ALL.len() + files.len());
     let stage = match Setting::ALL.get(kind) {
         Some(setting) => {
-            made = Stage::random(*setting, rng);
+            made = Stage::random(*setting, options.contacts, rng);
             &made
         }
         None => &files[kind - Setting::ALL.len()],
     };
-    let view = View { samples: 1, ..View::beauty(stage.camera.clone(), options.size) };
-    let light = seen(shape, stage, &view, rng);
+    let whole = View { samples: 1, ..View::beauty(stage.camera.clone(), options.size) };
+    let light = seen(shape, stage, &whole, rng);
     let lights = LightInstance::numbered([light.clone()])?;
     let source = Source::new(&lights[0].light);
     let texel = |surface: &Surface| texel(&source, &light, stage, surface, options.resolution);
-    let judged = judge::judge(&stage.reference, &source, &view, texel);
+    let is_close = options.contacts && rng.f64() < CLOSE;
+    let corner = is_close.then(|| close::find(&stage.reference, &source, &whole, texel, rng)).flatten();
+    let judged = |camera: Camera| {
+        let view = View { camera, ..whole.clone() };
+        let judged = judge::judge(&stage.reference, &source, &view, texel);
+        (view, judged)
+    };
+    let (view, judged) = match corner {
+        Some(corner) => far_enough(|times| judged(corner.camera(times))),
+        None => judged(stage.camera.clone()),
+    };
     let linked = [LinkedSource::new(&stage.reference.bvh.posed, &lights[0].light)];
     let radiance = |surface: &Surface| stage.reference.radiance(&linked, 0.0, surface);
     let expected: Vec<DVec3> = judged.calm.iter().map(|calm| radiance(&calm.surface)).collect();
@@ -308,6 +329,7 @@ fn posed(
         shape: name,
         pose: number,
         stage: stage.name.clone(),
+        is_close: corner.is_some(),
         surfaces: judged.surfaces,
         calm: judged.calm.len(),
         r_kappa,
@@ -326,6 +348,19 @@ fn posed(
         picture::panels(options.size, &reference, &judged, &shown).save(file)?;
     }
     Ok(pose)
+}
+
+/// The first look from farther and farther of which enough is calm, or the farthest.
+fn far_enough(look: impl Fn(f64) -> (View, Judged)) -> (View, Judged) {
+    let [first, farther @ ..] = FARTHER;
+    let mut found = look(first);
+    for times in farther {
+        if judge::calm_share(found.1.calm.len(), found.1.surfaces) >= LEAST_CALM {
+            break;
+        }
+        found = look(times);
+    }
+    found
 }
 
 /// A random light of a shape that holds enough of what is seen for its shadows to be judged, or the last that was tried.
@@ -397,7 +432,7 @@ fn row(poses: &[&Pose], index: usize) -> Row {
 
 impl Pose {
     fn has_failed(&self) -> bool {
-        (self.calm as f64) < LEAST_CALM * self.surfaces as f64
+        judge::calm_share(self.calm, self.surfaces) < LEAST_CALM
     }
 
     fn is_right(&self) -> bool {

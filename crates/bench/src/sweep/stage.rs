@@ -65,9 +65,9 @@ pub(super) struct Stage {
 type Part = (Primitive, DAffine3);
 
 impl Stage {
-    /// Random things in a setting, seen by a random camera.
-    pub fn random(setting: Setting, rng: &mut Rng) -> Self {
-        let things = things(rng);
+    /// Random things in a setting, sheets too where it `has_sheets`, seen by a random camera.
+    pub fn random(setting: Setting, has_sheets: bool, rng: &mut Rng) -> Self {
+        let things = things(has_sheets, rng);
         let (min, max) = bounds(&things);
         let is_thick = rng.u8(..3) == 0;
         let floor = |half_x: f64, half_z: f64, middle: DVec3| {
@@ -109,8 +109,9 @@ impl Stage {
                 ]
             }
         };
-        let is_flat =
-            matches!(setting, Setting::SmallFloor | Setting::EqualFloor | Setting::WideFloor) && !is_thick;
+        let is_side = matches!(setting, Setting::SmallFloor | Setting::EqualFloor | Setting::WideFloor)
+            && !is_thick
+            && min.y >= 0.0;
         // From 0.03 to 30 world units, and up to a hundred times that from the world's origin.
         let unit = 10_f64.powf(rng.f64() * 3.0 - 1.5);
         let ground = if rng.bool() { direction(rng) * (100.0 * unit * rng.f64()) } else { DVec3::ZERO };
@@ -125,7 +126,7 @@ impl Stage {
         let is_room = setting == Setting::Room;
         Self {
             name: format!("{}{}", setting.name(), if is_thick { "Thick" } else { "" }),
-            casters_radius: if is_flat { whole.min(unit * (max - min).length() / 2.0) } else { whole },
+            casters_radius: if is_side { whole.min(unit * (max - min).length() / 2.0) } else { whole },
             reference,
             camera,
             ground,
@@ -171,7 +172,7 @@ impl Stage {
 }
 
 /// Three to seven things on the floor or over it, within a unit of the origin.
-fn things(rng: &mut Rng) -> Vec<Part> {
+fn things(has_sheets: bool, rng: &mut Rng) -> Vec<Part> {
     let count = rng.usize(3..=7);
     (0..count)
         .map(|_| {
@@ -184,7 +185,7 @@ fn things(rng: &mut Rng) -> Vec<Part> {
             let lying = |scale: DVec3, rotation: DQuat, middle: DVec3| {
                 DAffine3::from_scale_rotation_translation(scale, rotation, middle)
             };
-            match rng.u8(..5) {
+            match rng.u8(..if has_sheets { 6 } else { 5 }) {
                 0 => (ball(24), lying(DVec3::splat(size), turned, place + DVec3::Y * size)),
                 1 => {
                     let half = size * DVec3::new(1.0, 0.3 + rng.f64(), 0.3 + rng.f64());
@@ -200,7 +201,18 @@ fn things(rng: &mut Rng) -> Vec<Part> {
                     // Clear of the floor, however it leans.
                     (block(), lying(half, leaning, place + DVec3::Y * 0.45))
                 }
-                _ => (vase(30), lying(DVec3::splat(size), turned, place)),
+                4 => (vase(30), lying(DVec3::splat(size), turned, place)),
+                _ => {
+                    // A sheet that stands nearly upright, through the floor or clear of it: nothing hides what leaks at its
+                    // foot.
+                    let half = DVec3::new(0.4, 1.0, 0.1 + 0.3 * rng.f64());
+                    let upright =
+                        DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2 + 0.6 * (rng.f64() - 0.5));
+                    let up = (turned * upright * DVec3::Z).y.abs() * half.z;
+                    let over = if rng.bool() { 0.05 * rng.f64() + 0.02 } else { -0.05 * up };
+                    let foot = DVec3::new(place.x, up + over, place.z);
+                    (square(), lying(half, turned * upright, foot))
+                }
             }
         })
         .collect()
@@ -230,7 +242,8 @@ fn eye(setting: Setting, rng: &mut Rng) -> DVec3 {
     DVec3::new(around.cos() * up.cos(), up.sin(), around.sin() * up.cos()) * distance + DVec3::Y * 0.2
 }
 
-fn camera(eye: DVec3, target: DVec3, yfov: f64) -> Camera {
+/// One that looks from a world position to another.
+pub(super) fn camera(eye: DVec3, target: DVec3, yfov: f64) -> Camera {
     let back = (eye - target).normalize();
     let right = DVec3::Y.cross(back).normalize();
     Camera {
@@ -258,8 +271,12 @@ fn bounds(parts: &[Part]) -> (DVec3, DVec3) {
 }
 
 fn scene_of(parts: Vec<Part>) -> Scene {
-    let material =
-        Material { base_color: glam::Vec4::new(0.7, 0.7, 0.7, 1.0), metallic: 0.0, ..Material::default() };
+    let material = Material {
+        base_color: glam::Vec4::new(0.7, 0.7, 0.7, 1.0),
+        metallic: 0.0,
+        double_sided: true,
+        ..Material::default()
+    };
     let fill = Fill { sky: DVec3::ZERO, ground: DVec3::ZERO };
     let mut scene = Scene { materials: vec![material], fill, ..Scene::default() };
     for (mesh, (primitive, parent_from_local)) in parts.into_iter().enumerate() {

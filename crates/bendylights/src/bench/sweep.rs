@@ -26,6 +26,7 @@ and each pose that is not right.
 Examples:
   bendylights bench sweep -o sweep.svg
   bendylights bench sweep --shape omni --pose 17 --pictures wrong
+  bendylights bench sweep --contacts --shape bendy --pictures wrong
   bendylights bench sweep --scene room.glb --scene street.glb")]
 pub struct Args {
     /// Poses of each shape
@@ -40,6 +41,10 @@ pub struct Args {
     /// Texels along each side of shadow maps
     #[arg(long, default_value_t = 2048, value_name = "TEXELS", value_parser = clap::value_parser!(u32).range(16..=8192))]
     shadow_resolution: u32,
+    /// Put sheets among the things, and look at half of the poses from close by, where surfaces meet at a shadow: pixels are
+    /// as wide as texels there
+    #[arg(long)]
+    contacts: bool,
     /// Only lights of this shape; may be given more than once
     #[arg(long, value_name = "SHAPE", value_parser = sweep::SHAPES.map(|(name, _)| name))]
     shape: Vec<String>,
@@ -71,6 +76,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         poses: args.poses as usize,
         seed: args.seed,
         resolution: args.shadow_resolution,
+        contacts: args.contacts,
         size: [args.size.width, args.size.height],
         shapes: (sweep::SHAPES.into_iter().map(|(name, _)| name))
             .filter(|name| args.shape.is_empty() || args.shape.iter().any(|shape| shape == name))

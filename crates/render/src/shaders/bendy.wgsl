@@ -157,7 +157,11 @@ fn bent_visibility(root: Root, vw: vec2f, surface: Surface) -> f32 {
     let asks = asks_scene(shares, !faces_light || run > GRAZING * width);
     let back = (2.0 * receiver.reach + run) / on_map.gain;
     let vw_there = lifted.vw_len / select(1.0, radius, radius > 0.0);
-    return decided(shares, asks, is_met_on_path(surface, t, vw_there, select(0.0, back, asks)));
+    var met = false;
+    if any_in_subgroup(asks) {
+        met = is_met_on_path(surface, t, vw_there, select(0.0, back, asks));
+    }
+    return decided(shares, asks, met);
 }
 
 // The point of the path of constant (v, w) at `t`, in tube space.
@@ -178,20 +182,21 @@ const PIECES = 12u;
 // nowhere where `back` is 0.
 fn is_met_on_path(surface: Surface, t: f32, vw: vec2f, back: f32) -> bool {
     let end = shadow_position(surface);
-    let pieces = select(0u, PIECES, back > 0.0);
+    let turns = select(0u, PIECES + 1u, back > 0.0);
+    var end_on_path = vec3f(0.0);
     var before = end;
-    var share = exp2(1.0 - f32(PIECES));
     // Light that bends may have come through the surface's own triangle before.
     var own = surface.triangle;
     var met = false;
-    for (var piece = 0u; piece < pieces && !met; piece++) {
-        // The path's end in here and not before: few pixels follow it.
-        let way = path_point(max(t - back * share, 0.0), vw) - path_point(t, vw);
-        let here = end + light.world_from_tube * way * light.world_per_tube;
+    for (var turn = 0u; turn < turns && !met; turn++) {
+        // At first the path's own end.
+        let share = select(exp2(f32(turn) - f32(PIECES)), 0.0, turn == 0u);
+        let point = path_point(max(t - back * share, 0.0), vw);
+        end_on_path = select(end_on_path, point, turn == 0u);
+        let here = end + light.world_from_tube * (point - end_on_path) * light.world_per_tube;
         met = is_met(before, here - before, own, surface.depth);
         before = here;
-        own = NONE;
-        share *= 2.0;
+        own = select(NONE, own, turn == 0u);
     }
     return met;
 }

@@ -3,11 +3,10 @@
 use super::{
     BENDY, BENT_MAP_CLIP, BENT_MAP_NEXT, BENT_MAP_SPLIT, BENT_MAP_TRIANGLES, BENT_MAP_VERTICES, BENT_MASKED,
     BENT_SHADOW, COMPOSITE, DISPLAY, FILL, GBUFFER, INCREASING_ROOTS, INSPECT, LOCATE, SHADOW, SHADOW_MASKED,
-    SUM, WIREFRAME,
+    SUM, WIREFRAME, lighting_pass,
 };
 use crate::bendy_light::Baked;
 use crate::composite::TermsOf;
-use crate::linked::with_links;
 use crate::straight::BakedStraight;
 
 /// Every module by name, those of bent lights as several lights have them compiled.
@@ -30,16 +29,19 @@ pub(super) fn all() -> Vec<(&'static str, String)> {
         ("display", DISPLAY),
     ];
     let baked = Baked::samples().into_iter();
-    let both = |wgsl: String| [false, true].map(|linked| with_links(linked, &wgsl));
+    let each = |wgsl: String| {
+        [(false, false), (false, true), (true, false), (true, true)]
+            .map(|(linked, has_subgroups)| lighting_pass(&wgsl, linked, has_subgroups))
+    };
     let baked = baked.flat_map(|b| {
-        let bendy = both(b.into_wgsl(BENDY)).map(|wgsl| ("bendy", wgsl));
+        let bendy = each(b.into_wgsl(BENDY)).map(|wgsl| ("bendy", wgsl));
         bendy.into_iter().chain([("locate", b.into_wgsl(LOCATE))])
     });
     let summed = [("composite", COMPOSITE), ("sum", SUM)];
     let summed =
         summed.into_iter().flat_map(|(name, wgsl)| TermsOf::ALL.map(|of| (name, of.into_wgsl(wgsl))));
     let straight = BakedStraight::all().map(BakedStraight::wgsl);
-    let straight = straight.flat_map(|(name, wgsl)| both(wgsl).map(|wgsl| (name, wgsl)));
+    let straight = straight.flat_map(|(name, wgsl)| each(wgsl).map(|wgsl| (name, wgsl)));
     fixed
         .map(|(name, wgsl)| (name, wgsl.to_owned()))
         .into_iter()

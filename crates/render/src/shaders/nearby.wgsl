@@ -1,6 +1,6 @@
 // The last piece of light's way to a surface, followed through the scene itself. A shadow map cannot tell a caster from
 // its receiver where both lie within its tolerance, and where light grazes that is long. Follows surface.wgsl,
-// alpha_test.wgsl, and links.wgsl or no_links.wgsl.
+// alpha_test.wgsl, links.wgsl or no_links.wgsl, and subgroups.wgsl or no_subgroups.wgsl.
 
 // Depth first. Of a node that is passed by, the next to look at is `next`; of others it is the following one.
 struct HierarchyNode {
@@ -33,11 +33,11 @@ fn is_in_its_own_way(surface: Surface, arriving: vec3f) -> bool {
     let facing = dot(surface.geometric_normal, arriving);
     let height = surface.terminator_offset * dot(surface.normal, surface.geometric_normal);
     let through = shadow_position(surface) + arriving * (height / max(-facing, 1e-30));
-    // A loop of one turn or none, not a branch: a software driver would do it for every pixel.
-    let end = select(0u, 1u, facing <= 0.0 && throws_shadow(surface.triangle));
+    let from_behind = facing <= 0.0 && throws_shadow(surface.triangle);
     var met = false;
-    for (var turn = 0u; turn < end; turn++) {
-        met = height <= 0.0 || all(weights_at(corners_of(surface.triangle), through) >= vec3f(0.0));
+    if any_in_subgroup(from_behind) {
+        let is_within = all(weights_at(corners_of(surface.triangle), through) >= vec3f(0.0));
+        met = from_behind && (height <= 0.0 || is_within);
     }
     return met;
 }

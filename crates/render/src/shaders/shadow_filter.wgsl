@@ -65,5 +65,9 @@ fn decided(shares: vec2f, asks: bool, is_blocked: bool) -> f32 {
 fn decided_along(surface: Surface, shares: vec2f, grazes: bool, way: vec3f) -> f32 {
     let asks = asks_scene(shares, grazes);
     let asked_way = select(vec3f(0.0), way, asks);
-    return decided(shares, asks, is_met(shadow_position(surface), asked_way, surface.triangle, surface.depth));
+    var met = false;
+    if any_in_subgroup(asks) {
+        met = is_met(shadow_position(surface), asked_way, surface.triangle, surface.depth);
+    }
+    return decided(shares, asks, met);
 }

@@ -1,0 +1,5 @@
+// Pixels by themselves.
+
+fn any_in_subgroup(here: bool) -> bool {
+    return here;
+}
