@@ -122,10 +122,6 @@ pub(crate) const COMPOSITE: &str = wgsl!("encoding", "fullscreen", "display", "t
 /// Adds up what lights alone add.
 pub(crate) const SUM: &str = wgsl!("encoding", "fullscreen", "terms", "sum");
 
-#[cfg(test)]
-mod branches;
-#[cfg(test)]
-mod compiled;
 /// The whole of a lighting pass, for lights with links or for others, and for devices with subgroups or for others.
 pub(crate) fn lighting_pass(wgsl: &str, linked: bool, has_subgroups: bool) -> String {
     let links = if linked { LINKS } else { NO_LINKS };
@@ -133,6 +129,10 @@ pub(crate) fn lighting_pass(wgsl: &str, linked: bool, has_subgroups: bool) -> St
     format!("{links}{subgroups}{wgsl}")
 }
 
+#[cfg(test)]
+mod branches;
+#[cfg(test)]
+mod compiled;
 #[cfg(test)]
 mod twins;
 
