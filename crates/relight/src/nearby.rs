@@ -41,6 +41,19 @@ pub(crate) fn is_in_its_own_way(scene: &Scene, surface: &Met, arriving: Vec3) ->
     height <= 0.0 || weights_at(scene.corners(surface.triangle), through).min_element() >= 0.0
 }
 
+/// Whether light that was at `there` just before it arrives in front of the surface came through the surface's own triangle, as
+/// only light that bends may.
+pub(crate) fn is_behind_its_own(scene: &Scene, surface: &Met, there: Vec3) -> bool {
+    let height = surface.geometric_normal.dot(there - surface.position);
+    if height >= -(rounding(there) + surface.depth * (1.0 / 2_097_152.0))
+        || !scene.links.throws_shadow(surface.triangle)
+    {
+        return false;
+    }
+    let weights = weights_at(scene.corners(surface.triangle), there);
+    weights.min_element() >= 0.0 && !scene.has_hole(surface.triangle, weights)
+}
+
 /// Whether a triangle lies between `start` and `start + way`, and is there: another than `own`, and none that starts within the
 /// rounding of a surface so far from the viewer.
 pub(crate) fn is_met(scene: &Scene, (start, way): (Vec3, Vec3), own: Option<u32>, depth: f32) -> bool {

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use reference::{Reference, Source, Surface};
+use reference::{LightSample, Reference, Source, Surface};
 use scene::View;
 
 /// Texels within which the reference has to say the same. A filter of two by two texels reaches half of one to each side, and
@@ -10,7 +10,9 @@ use scene::View;
 const CALM_TEXELS: f64 = 1.5;
 /// Directions in which that is asked, at that distance, and half of them at half of it: a shadow that ends in a tip is seen
 /// between them where it opens by 15 degrees.
-const DIRECTIONS: u32 = 24;
+const RINGS: [(u32, f64); 2] = [(24, 1.0), (12, 0.5)];
+/// The same of a pixel that is wrong: a tip is seen that opens by a degree.
+const CLOSE_RINGS: [(u32, f64); 5] = [(360, 1.0), (180, 0.8), (180, 0.6), (90, 0.4), (90, 0.2)];
 /// A rasteriser snaps corners to 1/256 pixel: within so much of a pixel it may see another surface.
 const SNAPPED: f64 = 0.02;
 /// Normals are packed to 2 x 16 bits: where light is as nearly square to one, the picture may have it on the other side.
@@ -51,11 +53,16 @@ pub(super) fn judge(
         let surface = reference.surface(view, centre)?;
         let is_calm = is_one_surface(reference, view, centre, &surface)
             && is_alone(reference, &surface)
-            && is_calm(reference, source, &surface, texel(&surface));
+            && is_calm(reference, source, &surface, texel(&surface), &RINGS);
         Some(is_calm.then(|| Calm { pixel, is_lit: is_lit(reference, source, &surface), surface }))
     });
     let pixels: Vec<Option<Calm>> = pixels.collect();
     Judged { surfaces: pixels.len(), calm: pixels.into_iter().flatten().collect() }
+}
+
+/// Whether a pixel stays calm where it is asked of far more places: to be asked of those that are wrong.
+pub(super) fn is_surely_calm(reference: &Reference, source: &Source, calm: &Calm, texel: f64) -> bool {
+    is_calm(reference, source, &calm.surface, texel, &CLOSE_RINGS)
 }
 
 /// Whether light arrives; `None` outside of it.
@@ -85,20 +92,30 @@ fn is_alone(reference: &Reference, surface: &Surface) -> bool {
 
 /// Whether the reference says the same of the surface's plane all around, as far as a map's texels reach on it: a step
 /// across the light is longer on the plane where light grazes.
-fn is_calm(reference: &Reference, source: &Source, surface: &Surface, texel: f64) -> bool {
+fn is_calm(
+    reference: &Reference,
+    source: &Source,
+    surface: &Surface,
+    texel: f64,
+    rings: &[(u32, f64)],
+) -> bool {
     let here = reference.sample(source, surface);
     let towards = here.map_or(surface.geometric_normal, |sample| sample.along_path);
     if surface.normal.dot(towards).abs() < PACKED || surface.geometric_normal.dot(towards).abs() < PACKED {
         return false;
     }
+    // What faces the path that light arrives along, but not where it shades from, is dark with a shadow and without.
+    let is_dark = |sample: LightSample| surface.normal.dot(sample.place.direction) <= 0.0;
+    if surface.normal.dot(towards) > 0.0 && here.is_some_and(is_dark) {
+        return false;
+    }
     let is_lit_here = here.is_some_and(|sample| sample.visible);
     let (x, y) = towards.any_orthonormal_pair();
     let cosine = surface.geometric_normal.dot(towards);
-    let around = (0..DIRECTIONS).map(|k| (k, CALM_TEXELS));
-    let nearer = (0..DIRECTIONS).step_by(2).map(|k| (k, 0.5 * CALM_TEXELS));
-    let steps = around.chain(nearer).map(|(k, far)| {
-        let (sin, cos) = (f64::from(k) / f64::from(DIRECTIONS) * std::f64::consts::TAU).sin_cos();
-        let across = (x * cos + y * sin) * (far * texel);
+    let places = rings.iter().flat_map(|&(count, far)| (0..count).map(move |k| (k, count, far)));
+    let mut steps = places.map(|(k, count, far)| {
+        let (sin, cos) = (f64::from(k) / f64::from(count) * std::f64::consts::TAU).sin_cos();
+        let across = (x * cos + y * sin) * (far * CALM_TEXELS * texel);
         across - towards * (surface.geometric_normal.dot(across) / cosine)
     });
     let is_same = |step: DVec3| {
@@ -106,5 +123,5 @@ fn is_calm(reference: &Reference, source: &Source, surface: &Surface, texel: f64
         beside.seen.position += step;
         is_lit(reference, source, &beside).unwrap_or(false) == is_lit_here
     };
-    steps.into_iter().all(is_same)
+    steps.all(is_same)
 }

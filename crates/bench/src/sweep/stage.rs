@@ -65,9 +65,9 @@ pub(super) struct Stage {
 type Part = (Primitive, DAffine3);
 
 impl Stage {
-    /// Random things in a setting, sheets too where it `has_sheets`, seen by a random camera.
-    pub fn random(setting: Setting, has_sheets: bool, rng: &mut Rng) -> Self {
-        let things = things(has_sheets, rng);
+    /// Random things in a setting, seen by a random camera.
+    pub fn random(setting: Setting, rng: &mut Rng) -> Self {
+        let things = things(rng);
         let (min, max) = bounds(&things);
         let is_thick = rng.u8(..3) == 0;
         let floor = |half_x: f64, half_z: f64, middle: DVec3| {
@@ -172,7 +172,7 @@ impl Stage {
 }
 
 /// Three to seven things on the floor or over it, within a unit of the origin.
-fn things(has_sheets: bool, rng: &mut Rng) -> Vec<Part> {
+fn things(rng: &mut Rng) -> Vec<Part> {
     let count = rng.usize(3..=7);
     (0..count)
         .map(|_| {
@@ -185,7 +185,7 @@ fn things(has_sheets: bool, rng: &mut Rng) -> Vec<Part> {
             let lying = |scale: DVec3, rotation: DQuat, middle: DVec3| {
                 DAffine3::from_scale_rotation_translation(scale, rotation, middle)
             };
-            match rng.u8(..if has_sheets { 6 } else { 5 }) {
+            match rng.u8(..6) {
                 0 => (ball(24), lying(DVec3::splat(size), turned, place + DVec3::Y * size)),
                 1 => {
                     let half = size * DVec3::new(1.0, 0.3 + rng.f64(), 0.3 + rng.f64());

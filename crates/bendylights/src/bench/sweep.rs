@@ -13,7 +13,8 @@ use crate::render::open_scene;
 #[derive(clap::Args)]
 #[command(after_help = "\
 Puts random lights of each shape, turned about themselves, over things on floors that are smaller than they, as large and
-wider, between walls, in rooms and under roofs. Draws each pose by wgpu and by the processor and holds both to the
+wider, between walls, in rooms and under roofs. Half of the poses are looked at from close by, where surfaces meet at a
+shadow and pixels are as wide as the texels of its map. Draws each pose by wgpu and by the processor and holds both to the
 reference. A pixel is judged where the reference says the same of all within 1.5 texels of a shadow map. Prints JSON, for
 each shape and backend:
   poses, failed        how many; in those that failed less than half of what is seen is calm enough to be judged
@@ -26,7 +27,6 @@ and each pose that is not right.
 Examples:
   bendylights bench sweep -o sweep.svg
   bendylights bench sweep --shape omni --pose 17 --pictures wrong
-  bendylights bench sweep --contacts --shape bendy --pictures wrong
   bendylights bench sweep --scene room.glb --scene street.glb")]
 pub struct Args {
     /// Poses of each shape
@@ -41,10 +41,6 @@ pub struct Args {
     /// Texels along each side of shadow maps
     #[arg(long, default_value_t = 2048, value_name = "TEXELS", value_parser = clap::value_parser!(u32).range(16..=8192))]
     shadow_resolution: u32,
-    /// Put sheets among the things, and look at half of the poses from close by, where surfaces meet at a shadow: pixels are
-    /// as wide as texels there
-    #[arg(long)]
-    contacts: bool,
     /// Only lights of this shape; may be given more than once
     #[arg(long, value_name = "SHAPE", value_parser = sweep::SHAPES.map(|(name, _)| name))]
     shape: Vec<String>,
@@ -76,7 +72,6 @@ pub fn run(args: &Args) -> Result<(), Error> {
         poses: args.poses as usize,
         seed: args.seed,
         resolution: args.shadow_resolution,
-        contacts: args.contacts,
         size: [args.size.width, args.size.height],
         shapes: (sweep::SHAPES.into_iter().map(|(name, _)| name))
             .filter(|name| args.shape.is_empty() || args.shape.iter().any(|shape| shape == name))

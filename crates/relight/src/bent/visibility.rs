@@ -14,19 +14,25 @@ use crate::visibility::{Facing, LitTexels, Receiver, asks_scene, decided, facing
 /// Lengths along the light, in a texel's widths. From texel to texel the receiver's plane runs along the light so far: more
 /// than this, and what the map cannot tell the scene is asked; ...
 const GRAZING: f32 = 1.0;
+/// ... more than this, and the scene is asked whatever the map tells; ...
+const EDGE_ON: f32 = 256.0;
 /// ... the map is believed as if it were this at most; ...
 const STEEP: f32 = 4.0;
 /// ... casters stray from the surface as if it were this at most; ...
 const STEEP_CASTER: f32 = 32.0;
 /// ... and seen edge on it runs so far.
 const STEEPEST: f32 = 4096.0;
-/// What is nearer than that, ...
+/// What is nearer than that, where light grazes ...
 const REACH: f32 = 48.0;
+/// ... and else, ...
+const NEAR_REACH: f32 = 8.0;
 /// ... or than the plane runs to the farthest of the texels around, so many steps away, is left to the scene.
 const STEPS_AROUND: f32 = 1.5;
-/// Pieces in which a path is followed, each as long as all that are nearer to the surface: a chord strays by less the nearer it
-/// is.
-const PIECES: usize = 12;
+/// A path is followed in pieces, each as long as all that are nearer to the surface: a chord strays by less the nearer it is. The
+/// first has so many widths of a texel at most, from which its chord strays by some hundredths of one, ...
+const FIRST_PIECE: f32 = 16.0;
+/// ... or there are as many as this.
+const MOST_PIECES: usize = 12;
 
 /// A receiver's place on the map, and what its own plane looks like there.
 struct BentReceiver {
@@ -178,22 +184,31 @@ impl Bent {
         let on_map = map_texel(&self.map, map.side() as f32, lifted.vw_len, lifted.radius);
 
         let normal = self.tube_vector(normal);
-        let (receiver, width) = self.receiver(root, (&path, v, w), &lifted, &on_map, normal);
+        let plane = (normal, faces_light);
+        let (receiver, width, grazes) = self.receiver(root, (&path, v, w), &lifted, &on_map, plane);
         let run = length2(receiver.step);
         let shares = filtered(&receiver, map, self.map.filter);
+        let is_untold = asks_scene(shares, grazes) | shares.told.lt(shares.left);
+        let is_edge_on = run.gt(F32s::splat(EDGE_ON) * width) & shares.left.gt(zero);
+        let asks = asked & (is_untold | is_edge_on);
         // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach.
-        let grazes = asked & (!faces_light | run.gt(F32s::splat(GRAZING) * width));
-        let back = (F32s::splat(2.0) * receiver.reach + run) / on_map.gain;
+        let two = F32s::splat(2.0);
+        let back = F32s::select(is_untold, two * receiver.reach + run, two * F32s::splat(REACH) * width);
+        let back = back / on_map.gain;
         let t = F32s::splat(root.segment as f32) + root.u + lifted.dt;
         let radii = F32s::select(lifted.radius.gt(zero), lifted.radius, F32s::splat(1.0));
         let (v, w) = (lifted.vw_len[0] / radii, lifted.vw_len[1] / radii);
-        let visibility = decided(shares, asks_scene(shares, grazes), |i| {
-            self.is_met_on_path(scene, &surface.met(i), [t, v, w, back].map(|x| x.0[i]))
+        let visibility = decided(shares, asks, |i| {
+            let first = FIRST_PIECE * width.0[i] / on_map.gain.0[i];
+            let [t, v, w, back] = [t, v, w, back].map(|x| x.0[i]);
+            let reaches = |pieces: &usize| first * (1_u32 << (pieces - 1)) as f32 >= back;
+            let pieces = (1..MOST_PIECES).find(reaches).unwrap_or(MOST_PIECES);
+            self.is_met_on_path(scene, &surface.met(i), ([t, v, w], back, pieces), faces_light.lane(i))
         });
         F32s::select(asked, visibility, zero)
     }
 
-    /// The receiver with its plane's `normal` in tube space, and a texel's width as a depth.
+    /// The receiver with its plane's `normal` in tube space, a texel's width as a depth, and where light grazes.
     #[inline(always)]
     fn receiver(
         &self,
@@ -201,8 +216,8 @@ impl Bent {
         (path, v, w): (&Path, F32s, F32s),
         lifted: &Lifted,
         on_map: &MapTexel,
-        normal: Vec3s,
-    ) -> (BentReceiver, F32s) {
+        (normal, faces_light): (Vec3s, Masks),
+    ) -> (BentReceiver, F32s, Masks) {
         let place = &self.map;
         let t = F32s::splat(root.segment as f32) + root.u + lifted.dt - F32s::splat(place.t_base);
         let leaning = [F32s::dot(normal, path.v_hat), F32s::dot(normal, path.w_hat)];
@@ -213,18 +228,20 @@ impl Bent {
         let edge_on = length2(leaning) * speed;
         let facing = (-F32s::dot(normal, path.tangent)).most(edge_on * F32s::splat(1.0 / STEEPEST));
         let caster_facing = facing.most(edge_on * F32s::splat(1.0 / STEEP_CASTER));
-        let run = lifted.radius / facing;
+        let rise = lifted.radius / facing;
         let step = [
-            run * dot2(leaning, on_map.right) * on_map.gain,
-            run * dot2(leaning, on_map.down) * on_map.gain + t * on_map.gain_down,
+            rise * dot2(leaning, on_map.right) * on_map.gain,
+            rise * dot2(leaning, on_map.down) * on_map.gain + t * on_map.gain_down,
         ];
         // The depth is rounded to some ulps of the largest. And the receiver's own caster may stray by e towards the light: a
         // plane moved so far along its normal is met e / (n . T) earlier.
         let width = footprint * on_map.gain;
+        let run = length2(step);
+        let grazes = !faces_light | run.gt(F32s::splat(GRAZING) * width);
+        let near = F32s::select(grazes, F32s::splat(REACH), F32s::splat(NEAR_REACH)) * width;
         let rounding =
             F32s::splat(place.t_last / 4_194_304.0) + F32s::splat(place.mesh_error) / caster_facing;
-        let tolerance = F32s::splat(place.tolerance_texels)
-            * (width + length2(step).least(F32s::splat(STEEP) * width))
+        let tolerance = F32s::splat(place.tolerance_texels) * (width + run.least(F32s::splat(STEEP) * width))
             + rounding * on_map.gain;
         let receiver = BentReceiver {
             face: on_map.face,
@@ -232,11 +249,10 @@ impl Bent {
             depth: t * on_map.gain,
             step,
             tolerance,
-            reach: tolerance
-                .most((F32s::splat(REACH) * width).most(F32s::splat(STEPS_AROUND) * length2(step))),
+            reach: tolerance.most(near.most(F32s::splat(STEPS_AROUND) * run)),
             far: on_map.far,
         };
-        (receiver, width)
+        (receiver, width, grazes)
     }
 }
 
@@ -260,21 +276,31 @@ impl Bent {
         points
     }
 
-    /// Whether something lies on the path of constant (v, w) that ends at a surface, at `t`, from `back` before there.
-    fn is_met_on_path(&self, scene: &Scene, surface: &Met, [t, v, w, back]: [f32; 4]) -> bool {
+    /// Whether something lies on the path of constant (v, w) that ends at a surface, at `t`, from `back` before there, in so many
+    /// pieces.
+    fn is_met_on_path(
+        &self,
+        scene: &Scene,
+        surface: &Met,
+        ([t, v, w], back, pieces): ([f32; 3], f32, usize),
+        faces_light: bool,
+    ) -> bool {
         // A piece's far end a lane, and the path's end in the next.
         let mut ends = F32s::splat(t);
-        for piece in 0..PIECES {
-            let share = 1.0 / (1 << (PIECES - 1 - piece)) as f32;
+        for piece in 0..pieces {
+            let share = 1.0 / (1 << (pieces - 1 - piece)) as f32;
             ends.0[piece] = (t - back * share).max(0.0);
         }
         let points = self.path_points(ends, F32s::splat(v), F32s::splat(w));
-        let from_end = points - Vec3s::splat(points.lane(PIECES).to_array());
+        let from_end = points - Vec3s::splat(points.lane(pieces).to_array());
         let ways = self.world_vector(from_end) * F32s::splat(self.world_per_tube);
         let end = surface.shadow_position();
         // Light that bends may have come through the surface's own triangle before.
+        if faces_light && nearby::is_behind_its_own(scene, surface, end + ways.lane(0)) {
+            return true;
+        }
         let (mut before, mut own) = (end, Some(surface.triangle));
-        for piece in 0..PIECES {
+        for piece in 0..pieces {
             let here = end + ways.lane(piece);
             if nearby::is_met(scene, (before, here - before), own, surface.depth) {
                 return true;

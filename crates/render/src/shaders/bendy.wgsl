@@ -66,15 +66,18 @@ fn texel_width(texel: MapTexel, radius: f32, across: mat2x3f, tangent: vec3f) ->
 }
 
 // Lengths along the light, in a texel's widths. From texel to texel the receiver's plane runs along the light so far:
-// more than GRAZING, and what the map cannot tell the scene is asked; the map is believed as if it were STEEP at most;
-// casters stray from the surface as if it were STEEP_CASTER at most; and seen edge on it runs STEEPEST.
+// more than GRAZING, and what the map cannot tell the scene is asked; more than EDGE_ON, and the scene is asked whatever the
+// map tells; the map is believed as if it were STEEP at most; casters stray from the surface as if it were STEEP_CASTER at
+// most; and seen edge on it runs STEEPEST.
 const GRAZING = 1.0;
+const EDGE_ON = 256.0;
 const STEEP = 4.0;
 const STEEP_CASTER = 32.0;
 const STEEPEST = 4096.0;
-// What is nearer than that, or than the plane runs to the farthest of the texels around, a step and a half away, is left to
-// the scene.
+// What is nearer than that, where light grazes and else, or than the plane runs to the farthest of the texels around, a step
+// and a half away, is left to the scene.
 const REACH = 48.0;
+const NEAR_REACH = 8.0;
 const STEPS_AROUND = 1.5;
 
 // Where a point beside a root's lies in the tube, or past its rim.
@@ -150,16 +153,19 @@ fn bent_visibility(root: Root, vw: vec2f, surface: Surface) -> f32 {
     receiver.tolerance = light.shadow_tolerance_texels * (width + min(length(receiver.step), STEEP * width))
         + (0x1p-22 * light.map_t_last + light.mesh_error / max(facing, edge_on / STEEP_CASTER)) * on_map.gain;
     let run = length(receiver.step);
-    receiver.reach = max(receiver.tolerance, max(REACH * width, STEPS_AROUND * run));
+    let grazes = !faces_light || run > GRAZING * width;
+    receiver.reach = max(receiver.tolerance, max(select(NEAR_REACH, REACH, grazes) * width, STEPS_AROUND * run));
 
     // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach.
     let shares = filtered(receiver);
-    let asks = asks_scene(shares, !faces_light || run > GRAZING * width);
-    let back = (2.0 * receiver.reach + run) / on_map.gain;
+    let is_untold = asks_scene(shares, grazes) || shares.x < shares.y;
+    let asks = is_untold || run > EDGE_ON * width && shares.y > 0.0;
+    let back = select(2.0 * REACH * width, 2.0 * receiver.reach + run, is_untold) / on_map.gain;
     let vw_there = lifted.vw_len / select(1.0, radius, radius > 0.0);
     var met = false;
     if any_in_subgroup(asks) {
-        met = is_met_on_path(surface, t, vw_there, select(0.0, back, asks));
+        let pieces = clamp(ceil(log2(back * on_map.gain / (FIRST_PIECE * width))) + 1.0, 1.0, MOST_PIECES);
+        met = is_met_on_path(surface, faces_light, vec3f(t, vw_there), select(0.0, back, asks), pieces);
     }
     return decided(shares, asks, met);
 }
@@ -175,14 +181,16 @@ fn path_point(t: f32, vw: vec2f) -> vec3f {
 }
 
 // Pieces in which the path is followed, each as long as all that are nearer to the surface: a chord strays by less the nearer
-// it is.
-const PIECES = 12u;
+// it is. The first has so many widths of a texel at most, from which its chord strays by some hundredths of one, or there are
+// as many as that.
+const FIRST_PIECE = 16.0;
+const MOST_PIECES = 12.0;
 
-// Whether something lies on the path of constant (v, w) that ends at a surface, at `t`, from `back` before there. Follows it
-// nowhere where `back` is 0.
-fn is_met_on_path(surface: Surface, t: f32, vw: vec2f, back: f32) -> bool {
+// Whether something lies on the path of constant (v, w) that ends at a surface, at (t, v, w), from `back` before there on.
+// Follows it nowhere where that is 0.
+fn is_met_on_path(surface: Surface, faces_light: bool, place: vec3f, back: f32, pieces: f32) -> bool {
     let end = shadow_position(surface);
-    let turns = select(0u, PIECES + 1u, back > 0.0);
+    let turns = select(0u, u32(pieces) + 1u, back > 0.0);
     var end_on_path = vec3f(0.0);
     var before = end;
     // Light that bends may have come through the surface's own triangle before.
@@ -190,11 +198,12 @@ fn is_met_on_path(surface: Surface, t: f32, vw: vec2f, back: f32) -> bool {
     var met = false;
     for (var turn = 0u; turn < turns && !met; turn++) {
         // At first the path's own end.
-        let share = select(exp2(f32(turn) - f32(PIECES)), 0.0, turn == 0u);
-        let point = path_point(max(t - back * share, 0.0), vw);
+        let share = select(exp2(f32(turn) - pieces), 0.0, turn == 0u);
+        let point = path_point(max(place.x - back * share, 0.0), place.yz);
         end_on_path = select(end_on_path, point, turn == 0u);
         let here = end + light.world_from_tube * (point - end_on_path) * light.world_per_tube;
-        met = is_met(before, here - before, own, surface.depth);
+        met = is_met(before, here - before, own, surface.depth)
+            || turn == 1u && faces_light && is_behind_its_own(surface, here);
         before = here;
         own = select(NONE, own, turn == 0u);
     }

@@ -51,6 +51,19 @@ fn has_hole(triangle: u32, weights: vec3f) -> bool {
     return test.factor * here.z * texel_alpha(picture_of(test), here.xy) < test.cutoff;
 }
 
+// Whether light that was at `there` just before it arrives in front of the surface came through the surface's own triangle, as
+// only light that bends may.
+fn is_behind_its_own(surface: Surface, there: vec3f) -> bool {
+    let height = dot(surface.geometric_normal, there - surface.position);
+    let is_behind = height < -(rounding(there) + 0x1p-21 * surface.depth) && throws_shadow(surface.triangle);
+    let weights = weights_at(corners_of(surface.triangle), there);
+    var came_through = is_behind && all(weights >= vec3f(0.0));
+    if came_through && surface.triangle >= alpha_tests[0].first_index / 3u {
+        came_through = !has_hole(surface.triangle, weights);
+    }
+    return came_through;
+}
+
 // Whether no point of a segment lies within `slack` of a node's box, by axes that may part the two: those of the box, and
 // what is square to one of them and to the segment (Ericson, Real-Time Collision Detection, 5.3.3). The segment is `middle`
 // plus up to once `half` either way.
