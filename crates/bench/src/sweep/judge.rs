@@ -8,8 +8,8 @@ use scene::View;
 /// Texels within which the reference has to say the same. A filter of two by two texels reaches half of one to each side, and
 /// what is drawn of an edge may be another half off.
 const CALM_TEXELS: f64 = 1.5;
-/// Directions in which that is asked, at that distance, and half of them at half of it: a shadow that ends in a tip is seen
-/// between them where it opens by 15 degrees.
+/// In how many directions that is asked, and at what share of that distance: a shadow that ends in a tip is seen between them
+/// where it opens by 15 degrees.
 const RINGS: [(u32, f64); 2] = [(24, 1.0), (12, 0.5)];
 /// The same of a pixel that is wrong: a tip is seen that opens by a degree.
 const CLOSE_RINGS: [(u32, f64); 5] = [(360, 1.0), (180, 0.8), (180, 0.6), (90, 0.4), (90, 0.2)];
