@@ -6,6 +6,8 @@
 //! Layers add up in one order, whatever is kept and whatever was edited: four by four where they are more than eight, and those
 //! sums four by four again while they are.
 
+use std::task::Poll;
+
 use glam::DVec3;
 use light::{CheckedLight, Digest, LightId, LightInstance};
 use scene::MapScale;
@@ -17,6 +19,7 @@ use crate::gpu_structs::{LARGE, TERMS};
 use crate::lights::{ReadyLight, ShadowMaps, pixels_of};
 use crate::memory::{Evictable, MemoryKind};
 use crate::pass_runs::{Cause, Pass, PassRuns};
+use crate::renderer::{Pause, Piece};
 use crate::tile::Tile;
 use crate::{Gpu, RenderError};
 
@@ -62,6 +65,9 @@ pub(crate) trait LayerPainter {
 
     /// Sums as they are.
     fn terms_of_sums(&self, sums: &[Self::Sum]) -> Self::Terms;
+
+    /// Waits for all that has been drawn.
+    fn finish(&mut self) -> Result<(), RenderError>;
 }
 
 /// The layers of a view whose G-buffer stays the same, and their sums, in what they are held in.
@@ -103,6 +109,17 @@ pub(crate) struct Work<'a> {
     pub shadow_map: MapScale,
     pub shadow_maps: &'a mut ShadowMaps,
     pub ran: &'a mut PassRuns,
+    /// Says after each piece whether the picture pauses; `None` where it never does.
+    pub pause: Option<Pause<'a>>,
+}
+
+impl Work<'_> {
+    /// Whether the picture pauses after a piece, which is waited for.
+    fn pauses(&mut self, painter: &mut impl LayerPainter, piece: Piece) -> Result<bool, RenderError> {
+        let Some(pause) = self.pause else { return Ok(false) };
+        painter.finish()?;
+        Ok(pause(piece))
+    }
 }
 
 /// Whether layers of so many lights and their sums take at most half of the budget of bytes.
@@ -188,12 +205,12 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
     }
 
     /// Brings the layers of `lights` up to date, and adds them up to few terms: what a picture is besides its fill. `None` where no
-    /// light adds anything.
+    /// light adds anything. Pending where the picture pauses: what has been drawn is kept, and called again this goes on.
     pub fn draw<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
         (work, painter): (&mut Work, &mut P),
         lights: &[LightInstance],
-    ) -> Result<Option<P::Terms>, RenderError> {
+    ) -> Result<Poll<Option<P::Terms>>, RenderError> {
         // Others shine all the same; `light::Reach` tells who asks.
         let is_there = |light: &&LightInstance| {
             !light.light.light_filter().is_dark() && work.scene.posed.reach().check(&light.light).is_ok()
@@ -207,8 +224,10 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
             }
         }
         if lights.len() <= TERMS {
-            let terms = self.terms_of_lights((work, painter), &lights)?;
-            return Ok((!terms.is_empty()).then(|| painter.terms_of_layers(&terms)));
+            let Poll::Ready(terms) = self.terms_of_lights((work, painter), &lights)? else {
+                return Ok(Poll::Pending);
+            };
+            return Ok(Poll::Ready((!terms.is_empty()).then(|| painter.terms_of_layers(&terms))));
         }
         let mut of: Vec<Vec<&LightInstance>> = lights.chunks(GROUP).map(<[_]>::to_vec).collect();
         let mut sums = Vec::new();
@@ -216,7 +235,9 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
             let sum = if let Some(sum) = self.held_sum(0, index, group, work.shadow_map) {
                 sum
             } else {
-                let terms = self.terms_of_lights((work, painter), group)?;
+                let Poll::Ready(terms) = self.terms_of_lights((work, painter), group)? else {
+                    return Ok(Poll::Pending);
+                };
                 let terms = painter.terms_of_layers(&terms);
                 self.draw_sum((work, painter), (0, index, group), &terms)?
             };
@@ -238,38 +259,49 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
             }
             sums = next;
         }
-        Ok(Some(painter.terms_of_sums(&sums)))
+        Ok(Poll::Ready(Some(painter.terms_of_sums(&sums))))
     }
 
-    /// The layers of some lights with their weights, drawn where they are not held.
+    /// The layers of some lights with their weights, drawn where they are not held. Pending where the picture pauses.
     fn terms_of_lights<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
         (work, painter): (&mut Work, &mut P),
         lights: &[&LightInstance],
-    ) -> Result<Vec<Term<Layer>>, RenderError> {
+    ) -> Result<Poll<Vec<Term<Layer>>>, RenderError> {
         let mut terms = Vec::with_capacity(lights.len());
         for light in lights {
             let held = self.held(light, work.shadow_map);
-            let layer = if held.is_some() { held } else { self.draw_layer((work, painter), light)? };
+            let layer = if held.is_some() {
+                held
+            } else {
+                match self.draw_layer((work, painter), light)? {
+                    Poll::Ready(layer) if !work.pauses(painter, Piece::Pixels)? => layer,
+                    _ => return Ok(Poll::Pending),
+                }
+            };
             let Some(layer) = layer else { continue };
             let [diffuse, specular] = factors(&light.light);
             terms.push(Term { layer, diffuse, specular });
         }
-        Ok(terms)
+        Ok(Poll::Ready(terms))
     }
 
-    /// `None` where the light reaches nothing that is seen.
+    /// `None` where the light reaches nothing that is seen; pending where the picture pauses, with the light's map drawn.
     fn draw_layer<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
         (work, painter): (&mut Work, &mut P),
         light: &LightInstance,
-    ) -> Result<Option<Layer>, RenderError> {
-        let Work { gpu, raster, size, shadow_map, shadow_maps, ran, .. } = work;
-        let ready = painter.ready(shadow_maps, raster, (light, *shadow_map))?;
-        let Some(ready) = ready else { return Ok(None) };
+    ) -> Result<Poll<Option<Layer>>, RenderError> {
+        let ready = painter.ready(work.shadow_maps, work.raster, (light, work.shadow_map))?;
+        let Some(ready) = ready else { return Ok(Poll::Ready(None)) };
         if let Some(cause) = ready.shadow_drawn {
-            ran.note(Pass::ShadowMap, Some(light.id), cause);
+            work.ran.note(Pass::ShadowMap, Some(light.id), cause);
+            // A map that passes is drawn again after a pause.
+            if ready.passing.is_none() && work.pauses(painter, Piece::ShadowMap)? {
+                return Ok(Poll::Pending);
+            }
         }
+        let Work { gpu, size, ran, .. } = work;
         ran.note(Pass::Layer, Some(light.id), self.cause(light));
         let bytes = bytes(*size, P::LAYER_BYTES_A_PIXEL);
         let over = self.take(light);
@@ -280,7 +312,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         let layer = painter.draw_layer(&ready, pixels, over)?;
         gpu.stages.count(|counters| counters.scissor_pixels += u64::from(pixels[2]) * u64::from(pixels[3]));
         self.keep((gpu, bytes), (light, ready.shadow_map), layer.clone());
-        Ok(Some(layer))
+        Ok(Poll::Ready(Some(layer)))
     }
 
     fn held_sum(

@@ -100,4 +100,9 @@ impl LayerPainter for NativeLayers<'_> {
     fn terms_of_sums(&self, sums: &[Arc<Sum>]) -> NativeTerms {
         NativeTerms::Sums(sums.to_vec())
     }
+
+    fn finish(&mut self) -> Result<(), RenderError> {
+        // The processor has drawn it when it returns.
+        Ok(())
+    }
 }

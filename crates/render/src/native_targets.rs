@@ -1,6 +1,7 @@
 //! What the processor lights of a view or a tile, and what that adds up to.
 
 use std::sync::Arc;
+use std::task::Poll;
 
 use light::{CheckedLight, LightInstance};
 use relight::{Camera, Exposure, Fill, Gbuffer, Layer, Sum, Surfaces, Terms};
@@ -80,22 +81,25 @@ impl NativeTargets {
         self.layers.invalidate();
     }
 
-    /// What a screen shows of layers of `lights`, which are brought up to date, and of so much of the fill.
+    /// What a screen shows of layers of `lights`, which are brought up to date, and of so much of the fill. Pending where the
+    /// picture pauses.
     pub fn draw_layers(
         &mut self,
         passes: &Passes,
         work: &mut Work,
         lights: &[LightInstance],
         (fill_factor, exposure): (f32, Exposure),
-    ) -> Result<Vec<u8>, RenderError> {
+    ) -> Result<Poll<Vec<u8>>, RenderError> {
         let (gpu, scene, surfaces) = (work.gpu, work.scene, seen(self.surfaces.as_ref()));
         let mut painter = NativeLayers { gpu, passes, scene, surfaces };
-        let terms = self.layers.draw((work, &mut painter), lights)?;
+        let Poll::Ready(terms) = self.layers.draw((work, &mut painter), lights)? else {
+            return Ok(Poll::Pending);
+        };
         let terms = terms.unwrap_or(NativeTerms::Layers(Vec::new()));
         let shown = (fill_factor, exposure);
         let bytes = terms.with(|terms| relight::display(gpu.workers(), surfaces, terms, shown));
         gpu.stages.ended(Stage::Display);
-        Ok(bytes)
+        Ok(Poll::Ready(bytes))
     }
 
     /// No light has added anything to the sample that begins.

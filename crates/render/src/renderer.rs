@@ -1,5 +1,6 @@
 //! Scenes in, pictures out; and what is kept in between.
 
+mod layered;
 mod native;
 #[cfg(test)]
 mod seams;
@@ -7,22 +8,18 @@ mod seams;
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::DVec2;
 use light::{CheckedLight, LightInstance};
-use scene::{MapScale, PosedScene, Scene};
+use scene::{PosedScene, Scene};
 use wgpu::Buffer;
 
 use crate::camera::{Raster, sample_offset};
 use crate::gpu_scene::GpuScene;
-use crate::layers::{self, Work};
 use crate::lights::ShadowMaps;
-use crate::native_layers::NativeLayers;
 use crate::pass_runs::{Cause, Pass, PassCounts, PassRun, PassRuns};
 use crate::passes::Passes;
 use crate::stages::{Recording, Stage};
 use crate::targets::{Lit, Targets, Viewers};
 use crate::tile::Tile;
-use crate::wgpu_layers::WgpuLayers;
 use crate::wgpu_maps::WgpuMaps;
 use crate::{Aov, Backend, Gpu, Picture, RenderError, ShadowSettings, View, ViewSlot, gpu_structs, readback};
 
@@ -140,90 +137,6 @@ impl Renderer {
         Ok(Picture { width: view.width, height: view.height, pixels })
     }
 
-    /// The beauty of `view` under `lights` as a screen shows it, whatever `view.aov` says: exposed, tone-mapped, sRGB,
-    /// RGBA, 8 bits a channel, rows from the top.
-    ///
-    /// With one sample a pixel what each light alone adds is kept: an edit of a factor of all of a light's radiance draws nothing
-    /// but the sum, and another edit the light that it is of. Where layers of all lights and their sums took more than half of the
-    /// [`crate::MemoryBudget`] lights are added to the picture one after the other, as in [`Self::render`].
-    pub fn render_display(&mut self, view: &View, lights: &[LightInstance]) -> Result<Vec<u8>, RenderError> {
-        let size = [view.width, view.height];
-        let (budget, count) = (self.gpu.memory.budget(), lights.len());
-        let fit = match self.gpu.backend() {
-            Backend::Wgpu => layers::fit::<WgpuLayers>(budget, size, count),
-            Backend::Native => layers::fit::<NativeLayers>(budget, size, count),
-        };
-        if view.samples > 1 || !fit {
-            return self.with_whole(view, Aov::Beauty, lights, |renderer, gpu, targets| {
-                renderer.read_display(gpu, targets, (targets.size, view.exposure))
-            });
-        }
-        let drawing = Drawing::new(&View { aov: Aov::Beauty, ..view.clone() }, lights)?;
-        self.attempt(view.slot, |renderer, gpu| {
-            gpu.memory.begin_picture();
-            let mut targets = renderer.viewers.take(gpu, &renderer.passes, &drawing.view)?;
-            if gpu.backend() == Backend::Native {
-                let bytes = renderer.draw_natively(gpu, &mut targets, &drawing)?;
-                renderer.viewers.put(gpu, view.slot, targets);
-                return Ok(bytes);
-            }
-            let bytes = loop {
-                renderer.shadow_maps.bent_work.put_off();
-                renderer.draw_layered(gpu, &mut targets, &drawing)?;
-                let bytes = read_shown(gpu, targets.lit(gpu, &renderer.passes), size)?;
-                // The device is waited for once a picture. A map without room is rare, and then all is drawn again.
-                if renderer.shadow_maps.bent_work.fitted(gpu)? {
-                    break bytes;
-                }
-                renderer.shadow_maps.invalidate();
-                targets.invalidate();
-            };
-            renderer.viewers.put(gpu, view.slot, targets);
-            Ok(bytes)
-        })
-    }
-
-    /// Draws what `drawing` shows for a screen, by layers of its lights.
-    fn draw_layered(
-        &mut self,
-        gpu: &Gpu,
-        targets: &mut Targets,
-        drawing: &Drawing,
-    ) -> Result<(), RenderError> {
-        let Drawing { view, raster, .. } = drawing;
-        let lights = &self.as_drawn(view.aov, &drawing.lights);
-        let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
-        let Self { passes, scene, shadow_maps, ran, view_uniform, .. } = self;
-        let (passes, scene) = (&**passes, &*scene);
-        shadow_maps.begin(view.slot, lights, scene.revision);
-        // What comes from no light knows no shadow map.
-        let of_fill = View { shadow_map: MapScale::Full, ..view.clone() };
-        targets.begin(scene.revision, &of_fill, tile, &[]);
-        let uniform = raster.uniform(DVec2::ZERO, 1.0, view.fill, scene.posed.origin_in_world, [0, 0])?;
-        gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
-        let mut encoder = gpu.encoder();
-        if targets.samples_drawn == 0 {
-            let onto = (raster, tile);
-            let drawn = targets.draw_gbuffer(&mut encoder, passes, scene, onto, DVec2::ZERO);
-            if let Some(cause) = drawn {
-                ran.note(Pass::Gbuffer, None, cause);
-            }
-            gpu.end_stage(&mut encoder, Stage::Gbuffer)?;
-            let onto = (view.aov, tile);
-            targets.draw_lighting(gpu, &mut encoder, (passes, scene), onto, (true, true), &[])?;
-            ran.note(Pass::Lighting, None, drawn.unwrap_or(Cause::NotKept));
-            targets.samples_drawn = 1;
-        }
-        let (shadow_map, size) = (view.shadow_map, targets.size);
-        let mut work = Work { gpu, scene, raster, size, shadow_map, shadow_maps, ran };
-        let terms = targets.draw_layers(&mut encoder, passes, &mut work, lights)?;
-        targets.draw_display(gpu, &mut encoder, passes, (terms.as_ref(), view.exposure));
-        gpu.end_stage(&mut encoder, Stage::Display)?;
-        gpu.queue.submit([encoder.finish()]);
-        self.ran.note(Pass::Display, None, Cause::NotKept);
-        Ok(())
-    }
-
     /// The same picture drawn stage by stage, each submitted and waited for: together they take longer than
     /// [`Self::render_display`] does. What other threads draw meanwhile on the same device is waited for too. Pipelines
     /// that were not used before are compiled in the stage that needs them: draw the picture once before.
@@ -304,7 +217,7 @@ impl Renderer {
         targets: &mut Targets,
         drawing: &Drawing,
         tile: Tile,
-        mut pause: Option<&mut dyn FnMut(Piece) -> bool>,
+        pause: Option<Pause>,
     ) -> Result<bool, RenderError> {
         if gpu.backend_of(drawing.view.aov) == Backend::Native {
             return self.draw_sample_natively(gpu, targets, drawing, tile, pause);
@@ -361,7 +274,7 @@ impl Renderer {
             let (drawn, passing) = (ready.shadow_drawn.is_some(), ready.passing.is_some());
             if drawn
                 && !passing
-                && let Some(pause) = pause.as_deref_mut()
+                && let Some(pause) = pause
             {
                 // The map is kept, and so the light can wait.
                 gpu.finish(&mut encoder)?;
@@ -386,7 +299,7 @@ impl Renderer {
                 batch.clear();
                 base = false;
                 targets.lights_drawn = Some(index + 1 - wanted.start);
-                if index + 1 < wanted.end && pause.as_deref_mut().is_some_and(|pause| pause(Piece::Pixels)) {
+                if index + 1 < wanted.end && pause.is_some_and(|pause| pause(Piece::Pixels)) {
                     return Ok(false);
                 }
             }
@@ -459,6 +372,9 @@ pub(crate) struct Drawing {
     /// Samples a pixel that it takes.
     pub samples: u32,
 }
+
+/// Says after a piece of work whether the picture pauses.
+pub(crate) type Pause<'a> = &'a dyn Fn(Piece) -> bool;
 
 /// What has been drawn and waited for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! What pictures are drawn into, and what it holds: a viewer's whole picture, or one tile of a larger one.
 
 use std::sync::OnceLock;
+use std::task::Poll;
 
 use glam::DVec2;
 use light::{Digest, LightId, LightInstance};
@@ -303,14 +304,15 @@ impl Targets {
         passes.display.draw(gpu, encoder, (&lit.exposed, terms, exposure), &lit.display_view);
     }
 
-    /// Brings what each of `lights` alone adds up to date: the terms of what they add together, `None` where that is nothing.
+    /// Brings what each of `lights` alone adds up to date: the terms of what they add together, `None` where that is nothing. Pending
+    /// where the picture pauses.
     pub fn draw_layers(
         &mut self,
         encoder: &mut CommandEncoder,
         passes: &Passes,
         work: &mut Work,
         lights: &[LightInstance],
-    ) -> Result<Option<Terms>, RenderError> {
+    ) -> Result<Poll<Option<Terms>>, RenderError> {
         let (gpu, scene, size, surface) = (work.gpu, work.scene, self.size, &self.gbuffer.surface);
         let mut painter = WgpuLayers { gpu, passes, scene, surface, size, encoder };
         self.layers.draw((work, &mut painter), lights)

@@ -1,5 +1,6 @@
 //! Pictures that are drawn in tiles, a piece of work at a time, so that others can come between.
 
+use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 use light::LightInstance;
@@ -162,20 +163,20 @@ impl Renderer {
         work.fit(gpu, self, (drawing.view.aov, tile))?;
         let Some(targets) = &mut work.targets else { return Ok(false) };
 
-        let (mut since, longest) = (Instant::now(), &mut work.longest);
-        let mut pause = |piece| {
-            let took = since.elapsed();
-            since = Instant::now();
+        let (since, longest) = (Cell::new(Instant::now()), Cell::new(work.longest));
+        let pause = |piece| {
+            let took = since.replace(Instant::now()).elapsed();
             if piece == Piece::Pixels {
-                *longest = took.max(*longest);
+                longest.set(took.max(longest.get()));
             }
             over()
         };
         let sampled = targets.samples_drawn;
-        let done = self.draw_sample(gpu, targets, drawing, tile, Some(&mut pause))?;
+        let done = self.draw_sample(gpu, targets, drawing, tile, Some(&pause))?;
         if targets.samples_drawn != sampled || done {
             pause(Piece::Pixels);
         }
+        work.longest = longest.get();
         work.begun = u64::from(targets.samples_drawn) * u64::from(tile.width) * u64::from(tile.height);
         if !done {
             return Ok(false);

@@ -92,4 +92,8 @@ impl LayerPainter for WgpuLayers<'_> {
     fn terms_of_sums(&self, sums: &[TextureView]) -> Terms {
         self.passes.composite.sums(self.gpu, sums)
     }
+
+    fn finish(&mut self) -> Result<(), RenderError> {
+        self.gpu.finish(self.encoder)
+    }
 }

@@ -1,9 +1,11 @@
 //! Pictures of the beauty, and of visibility, by the processor: the device draws what pixels see, and nothing else.
 
+use std::task::Poll;
+
 use glam::DVec2;
 use light::LightInstance;
 
-use super::{Drawing, Piece, Renderer};
+use super::{Drawing, Pause, Piece, Renderer};
 use crate::camera::sample_offset;
 use crate::layers::Work;
 use crate::native_map::NativeMaps;
@@ -14,14 +16,16 @@ use crate::tile::Tile;
 use crate::{Aov, Gpu, RenderError, display, gpu_structs};
 
 impl Renderer {
-    /// Has what the pixels of `tile` see at the sample with that offset and weight in memory. Returns the camera's rays.
+    /// Has what the pixels of `tile` see at the sample with that offset and weight in memory. Returns the camera's rays; pending
+    /// where the picture pauses once the device has drawn what they see.
     fn see(
         &mut self,
         gpu: &Gpu,
         targets: &mut Targets,
         (drawing, tile): (&Drawing, Tile),
         (offset, weight): (DVec2, f32),
-    ) -> Result<gpu_structs::View, RenderError> {
+        pause: Option<Pause>,
+    ) -> Result<Poll<gpu_structs::View>, RenderError> {
         let Drawing { view, raster, .. } = drawing;
         let Self { passes, scene, ran, view_uniform, .. } = self;
         let origin = scene.posed.origin_in_world;
@@ -32,29 +36,46 @@ impl Renderer {
             ran.note(Pass::Gbuffer, None, cause);
             gpu.end_stage(&mut encoder, Stage::Gbuffer)?;
             gpu.queue.submit([encoder.finish()]);
+            if let Some(pause) = pause {
+                gpu.wait()?;
+                if pause(Piece::Pixels) {
+                    return Ok(Poll::Pending);
+                }
+            }
         }
         targets.see(gpu, scene, (&uniform, [tile.width, tile.height]))?;
-        Ok(uniform)
+        Ok(Poll::Ready(uniform))
     }
 
-    /// What `drawing` shows for a screen, by layers of its lights.
+    /// What `drawing` shows for a screen, by layers of its lights; pending where it pauses.
     pub(super) fn draw_natively(
         &mut self,
         gpu: &Gpu,
         targets: &mut Targets,
         drawing: &Drawing,
-    ) -> Result<Vec<u8>, RenderError> {
+        pause: Option<Pause>,
+    ) -> Result<Poll<Vec<u8>>, RenderError> {
         let Drawing { view, raster, .. } = drawing;
         let lights = self.as_drawn(view.aov, &drawing.lights);
         let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
         self.shadow_maps.begin(view.slot, &lights, self.scene.revision);
-        let uniform = self.see(gpu, targets, (drawing, tile), (DVec2::ZERO, 1.0))?;
+        let sees = targets.native.sees();
+        let seen = self.see(gpu, targets, (drawing, tile), (DVec2::ZERO, 1.0), pause)?;
+        let Poll::Ready(uniform) = seen else { return Ok(Poll::Pending) };
+        if let Some(pause) = pause
+            && !sees
+            && pause(Piece::Pixels)
+        {
+            return Ok(Poll::Pending);
+        }
         let Self { passes, scene, shadow_maps, ran, .. } = self;
         let (shadow_map, size) = (view.shadow_map, targets.size);
-        let mut work = Work { gpu, scene, raster, size, shadow_map, shadow_maps, ran };
+        let mut work = Work { gpu, scene, raster, size, shadow_map, shadow_maps, ran, pause };
         let shown = (uniform.fill_factor, display::exposure_of(view.exposure));
         let bytes = targets.native.draw_layers(passes, &mut work, &lights, shown)?;
-        ran.note(Pass::Display, None, Cause::NotKept);
+        if bytes.is_ready() {
+            ran.note(Pass::Display, None, Cause::NotKept);
+        }
         Ok(bytes)
     }
 
@@ -70,7 +91,7 @@ impl Renderer {
         targets: &mut Targets,
         drawing: &Drawing,
         tile: Tile,
-        mut pause: Option<&mut dyn FnMut(Piece) -> bool>,
+        pause: Option<Pause>,
     ) -> Result<bool, RenderError> {
         let Drawing { view, raster, samples, .. } = drawing;
         let lights = self.as_drawn(view.aov, &drawing.lights);
@@ -82,7 +103,8 @@ impl Renderer {
         }
         let weight = 1.0 / *samples as f32;
         let at = (sample_offset(sample, *samples), weight);
-        let uniform = self.see(gpu, targets, (drawing, tile), at)?;
+        let seen = self.see(gpu, targets, (drawing, tile), at, pause)?;
+        let Poll::Ready(uniform) = seen else { return Ok(false) };
         if view.aov == Aov::Visibility {
             self.show_visibility(gpu, targets, (drawing, tile), &lights[view.light])?;
             targets.samples_drawn = *samples;
@@ -93,7 +115,7 @@ impl Renderer {
         if targets.lights_drawn.is_none() {
             targets.native.begin_sample(gpu);
         }
-        let mut paused = |piece| pause.as_deref_mut().is_some_and(|pause| pause(piece));
+        let paused = |piece| pause.is_some_and(|pause| pause(piece));
         for (index, light) in lights.iter().enumerate().skip(targets.lights_drawn.unwrap_or(0)) {
             if light.light.light_filter().is_dark() {
                 continue;

@@ -2,6 +2,7 @@
 //! which has seen nothing else.
 
 use std::sync::Arc;
+use std::task::Poll;
 use std::time::Duration;
 
 use glam::{DVec3, Vec4};
@@ -62,6 +63,43 @@ fn added_up(renderer: &mut Renderer, lights: &[LightInstance]) -> Vec<u8> {
 fn farthest(a: &[u8], b: &[u8]) -> u8 {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap()
+}
+
+/// Turns of no time, a piece each, with a picture of another view between each two of them.
+fn in_turns(renderer: &mut Renderer, lights: &[LightInstance]) -> (Vec<u8>, usize) {
+    let other = View { slot: ViewSlot(8), width: 40, ..camera() };
+    let mut turns = 1;
+    loop {
+        match renderer.display_some(&camera(), lights, Duration::ZERO).unwrap() {
+            Poll::Ready(bytes) => return (bytes, turns),
+            Poll::Pending => turns += 1,
+        }
+        assert!(turns < 1_000, "it never ends");
+        renderer.render_display(&other, lights).unwrap();
+    }
+}
+
+/// A picture that others come between is the same, and nothing of it is drawn twice.
+#[test]
+fn a_picture_in_turns_is_the_picture() {
+    for backend in BACKENDS {
+        for count in [1, 4, 9, 42] {
+            let lights = instances(&lights(count));
+            let (mut whole, mut turned) = (renderer_of(backend, &tables()), renderer_of(backend, &tables()));
+            let drawn = whole.render_display(&camera(), &lights).unwrap();
+            let (bytes, turns) = in_turns(&mut turned, &lights);
+            assert_eq!(bytes, drawn, "{count} lights, {backend:?}");
+            // The G-buffer, then each light's map and its layer; those that light straight over a pixel have no map apart.
+            assert!(turns > count, "{turns} turns for {count} lights, {backend:?}");
+            let (of_whole, of_turned) = (whole.counts(), turned.counts());
+            assert_eq!(of_turned.shadow, of_whole.shadow, "maps, {backend:?}");
+            assert_eq!(of_turned.layers, 2 * of_whole.layers, "layers of two views, {backend:?}");
+            // The planted fault: a picture of the first turn alone lacks lights.
+            let (mut begun, later) = (renderer_of(backend, &tables()), &lights[..count - 1]);
+            assert!(begun.display_some(&camera(), &lights, Duration::ZERO).unwrap().is_pending());
+            assert_ne!(begun.render_display(&camera(), later).unwrap(), drawn);
+        }
+    }
 }
 
 /// Layers, groups of them, and groups of groups add up to the picture, but for what is rounded in another order: a byte may

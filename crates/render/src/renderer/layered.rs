@@ -1,0 +1,146 @@
+//! Pictures for a screen that are added up of what each light alone adds, which is kept: as a whole, or in turns.
+
+use std::task::Poll;
+use std::time::{Duration, Instant};
+
+use glam::DVec2;
+use light::LightInstance;
+use scene::MapScale;
+
+use super::{Drawing, Pause, Piece, Renderer, read_shown};
+use crate::layers::{self, Work};
+use crate::native_layers::NativeLayers;
+use crate::pass_runs::{Cause, Pass};
+use crate::stages::Stage;
+use crate::targets::Targets;
+use crate::tile::Tile;
+use crate::wgpu_layers::WgpuLayers;
+use crate::{Aov, Backend, Gpu, RenderError, View};
+
+impl Renderer {
+    /// Whether [`Self::render_display`] keeps what each light alone adds to a picture: one with a sample a pixel, if layers of
+    /// so many lights and their sums take at most half of the [`crate::MemoryBudget`].
+    pub fn keeps_layers(&self, view: &View, light_count: usize) -> bool {
+        let (budget, size) = (self.gpu.memory.budget(), [view.width, view.height]);
+        let fit = match self.gpu.backend() {
+            Backend::Wgpu => layers::fit::<WgpuLayers>(budget, size, light_count),
+            Backend::Native => layers::fit::<NativeLayers>(budget, size, light_count),
+        };
+        view.samples <= 1 && fit
+    }
+
+    /// The beauty of `view` under `lights` as a screen shows it, whatever `view.aov` says: exposed, tone-mapped, sRGB,
+    /// RGBA, 8 bits a channel, rows from the top.
+    ///
+    /// Where [`Self::keeps_layers`], an edit of a factor of all of a light's radiance draws nothing but the sum, and another edit
+    /// the light that it is of. Else lights are added to the picture one after the other, as in [`Self::render`].
+    pub fn render_display(&mut self, view: &View, lights: &[LightInstance]) -> Result<Vec<u8>, RenderError> {
+        let bytes = self.draw_display(view, lights, None)?;
+        let Poll::Ready(bytes) = bytes else { unreachable!("nothing pauses it") };
+        Ok(bytes)
+    }
+
+    /// Works on [`Self::render_display`] for about `aim`, or a little longer: until a piece of work is done, which may be the
+    /// G-buffer, a shadow map, or a light over the whole picture. Pending where something is left: asked again for the same
+    /// it goes on, and draws again only what was evicted meanwhile.
+    pub fn display_some(
+        &mut self,
+        view: &View,
+        lights: &[LightInstance],
+        aim: Duration,
+    ) -> Result<Poll<Vec<u8>>, RenderError> {
+        let until = Instant::now().checked_add(aim);
+        let is_over = |_| until.is_some_and(|until| Instant::now() >= until);
+        self.draw_display(view, lights, Some(&is_over))
+    }
+
+    fn draw_display(
+        &mut self,
+        view: &View,
+        lights: &[LightInstance],
+        pause: Option<Pause>,
+    ) -> Result<Poll<Vec<u8>>, RenderError> {
+        if !self.keeps_layers(view, lights.len()) {
+            let whole = self.with_whole(view, Aov::Beauty, lights, |renderer, gpu, targets| {
+                renderer.read_display(gpu, targets, (targets.size, view.exposure))
+            });
+            return whole.map(Poll::Ready);
+        }
+        let drawing = Drawing::new(&View { aov: Aov::Beauty, ..view.clone() }, lights)?;
+        self.attempt(view.slot, |renderer, gpu| {
+            gpu.memory.begin_picture();
+            let mut targets = renderer.viewers.take(gpu, &renderer.passes, &drawing.view)?;
+            let bytes = match gpu.backend() {
+                Backend::Native => renderer.draw_natively(gpu, &mut targets, &drawing, pause)?,
+                Backend::Wgpu => loop {
+                    // A picture in turns waits for each piece, and so can ask at once whether a map fits.
+                    if pause.is_none() {
+                        renderer.shadow_maps.bent_work.put_off();
+                    }
+                    if renderer.draw_layered(gpu, &mut targets, &drawing, pause)?.is_pending() {
+                        break Poll::Pending;
+                    }
+                    let bytes = read_shown(gpu, targets.lit(gpu, &renderer.passes), targets.size)?;
+                    // The device is waited for once a picture. A map without room is rare, and then all is drawn again.
+                    if renderer.shadow_maps.bent_work.fitted(gpu)? {
+                        break Poll::Ready(bytes);
+                    }
+                    renderer.shadow_maps.invalidate();
+                    targets.invalidate();
+                },
+            };
+            renderer.viewers.put(gpu, view.slot, targets);
+            Ok(bytes)
+        })
+    }
+
+    /// Draws what `drawing` shows for a screen, by layers of its lights; pending where it pauses.
+    fn draw_layered(
+        &mut self,
+        gpu: &Gpu,
+        targets: &mut Targets,
+        drawing: &Drawing,
+        pause: Option<Pause>,
+    ) -> Result<Poll<()>, RenderError> {
+        let Drawing { view, raster, .. } = drawing;
+        let lights = &self.as_drawn(view.aov, &drawing.lights);
+        let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
+        let Self { passes, scene, shadow_maps, ran, view_uniform, .. } = self;
+        let (passes, scene) = (&**passes, &*scene);
+        shadow_maps.begin(view.slot, lights, scene.revision);
+        // What comes from no light knows no shadow map.
+        let of_fill = View { shadow_map: MapScale::Full, ..view.clone() };
+        targets.begin(scene.revision, &of_fill, tile, &[]);
+        let uniform = raster.uniform(DVec2::ZERO, 1.0, view.fill, scene.posed.origin_in_world, [0, 0])?;
+        gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
+        let mut encoder = gpu.encoder();
+        if targets.samples_drawn == 0 {
+            let onto = (raster, tile);
+            let drawn = targets.draw_gbuffer(&mut encoder, passes, scene, onto, DVec2::ZERO);
+            if let Some(cause) = drawn {
+                ran.note(Pass::Gbuffer, None, cause);
+            }
+            gpu.end_stage(&mut encoder, Stage::Gbuffer)?;
+            let onto = (view.aov, tile);
+            targets.draw_lighting(gpu, &mut encoder, (passes, scene), onto, (true, true), &[])?;
+            ran.note(Pass::Lighting, None, drawn.unwrap_or(Cause::NotKept));
+            targets.samples_drawn = 1;
+            if let Some(pause) = pause {
+                gpu.finish(&mut encoder)?;
+                if pause(Piece::Pixels) {
+                    return Ok(Poll::Pending);
+                }
+            }
+        }
+        let (shadow_map, size) = (view.shadow_map, targets.size);
+        let mut work = Work { gpu, scene, raster, size, shadow_map, shadow_maps, ran, pause };
+        let Poll::Ready(terms) = targets.draw_layers(&mut encoder, passes, &mut work, lights)? else {
+            return Ok(Poll::Pending);
+        };
+        targets.draw_display(gpu, &mut encoder, passes, (terms.as_ref(), view.exposure));
+        gpu.end_stage(&mut encoder, Stage::Display)?;
+        gpu.queue.submit([encoder.finish()]);
+        self.ran.note(Pass::Display, None, Cause::NotKept);
+        Ok(Poll::Ready(()))
+    }
+}
