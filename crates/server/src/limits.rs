@@ -120,7 +120,16 @@ pub const HAND_FOR: Duration = Duration::from_secs(1);
 pub const MOVING_FOR: Duration = Duration::from_millis(300);
 /// How long a picture at rest is worked on at once, at least: what beginning takes is to be a small part of it.
 pub const TURN_AT_LEAST: Duration = Duration::from_millis(5);
-/// The same at most: so long may something that begins to move have to wait.
+/// The same at most while something moves, and of each turn of moving pictures of several clients.
+pub const TURN_WHILE_MOVING: Duration = Duration::from_millis(10);
+/// How long after its last picture a client counts as one of several that draw: then no moving picture is drawn in one go.
+pub const SHARED_FOR: Duration = Duration::from_secs(10);
+/// Pixels above which a moving picture of one of several clients is drawn in tiles: more take longer than a turn even for one light.
+pub const LARGE_PICTURE_PIXELS: u32 = 1_500_000;
+/// Turns after which a moving picture is drawn to its end, however long that takes: what is kept of it from turn to turn may have been
+/// evicted each time.
+pub const MAX_MOVING_TURNS: u32 = 1_000;
+/// The same at rest: so long may something that begins to move have to wait.
 pub const TURN_AT_MOST: Duration = Duration::from_millis(50);
 /// How long the end of a server waits for the last lines of its trace.
 pub const TRACE_ENDS_WITHIN: Duration = Duration::from_secs(1);

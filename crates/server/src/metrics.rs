@@ -22,8 +22,6 @@ pub struct Metrics {
     pub frames_sent: Family<CodecLabel, Counter>,
     /// Their bytes.
     pub frame_bytes_sent: Counter,
-    /// Windows cleared because nothing was acknowledged.
-    pub window_stalls: Counter,
     /// Requests for records, by what became of them.
     pub edits: Family<OutcomeLabel, Counter>,
     /// Transactions of the store.
@@ -86,7 +84,6 @@ impl Metrics {
             frames_encoded: Family::default(),
             frames_sent: Family::default(),
             frame_bytes_sent: Counter::default(),
-            window_stalls: Counter::default(),
             edits: Family::default(),
             commit_seconds: seconds(),
             render_seconds: seconds(),
@@ -118,8 +115,6 @@ impl Metrics {
             "Bytes of frames given to sockets",
             self.frame_bytes_sent.clone(),
         );
-        let stalls = "Windows cleared because nothing was acknowledged";
-        registry.register("window_stalls", stalls, self.window_stalls.clone());
         registry.register("edits", "Requests for records, by outcome", self.edits.clone());
         registry.register("commit_seconds", "Transactions of the store", self.commit_seconds.clone());
         registry.register("render_seconds", "Renders for views", self.render_seconds.clone());

@@ -15,4 +15,4 @@ pub use error::StreamError;
 pub use frame::{Codec, Flags, FrameHeader, HEADER_BYTES, Tile};
 pub use pace::{Content, Next, Pace, Quality, SETTLE_AFTER};
 pub use tiles::{changed, cut, png_bands, whole};
-pub use window::{AckWindow, STALL_AFTER, WINDOW};
+pub use window::{AckWindow, WINDOW};

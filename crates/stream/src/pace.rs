@@ -48,8 +48,6 @@ pub struct Pace {
     window: AckWindow,
     /// The revision and quality of the latest frame; `None` where the client has to start anew.
     latest: Option<(u64, Quality)>,
-    /// The revision at which frames were last given up.
-    stalled_at: Option<u64>,
 }
 
 impl Pace {
@@ -58,58 +56,44 @@ impl Pace {
         Self::default()
     }
 
-    /// What the client needs. Gives up what is on its way to a client that has stalled.
-    pub fn next(&mut self, content: Content, now: Instant) -> Next {
-        // Each content is sent anew at most once: a link too slow for it would have it sent for ever.
-        let left_alone = self.stalled_at == Some(content.revision)
-            && self.latest == Some((content.revision, Quality::Settled));
-        if self.window.stalled(now) && !left_alone {
-            self.window.clear();
-            self.latest = None;
-            self.stalled_at = Some(content.revision);
-        }
-        let stalls_at = self.window.stalls_at().filter(|_| !left_alone);
-        let wait_until = |time: Option<Instant>| time.map_or(Next::Nothing, Next::WaitUntil);
+    /// What the client needs: nothing while it acknowledges nothing of what is on its way.
+    pub fn next(&self, content: Content, now: Instant) -> Next {
         let still_at = content.changed_at + SETTLE_AFTER;
         match self.latest {
-            _ if !self.window.is_open() => wait_until(stalls_at),
-            Some((revision, Quality::Settled)) if revision == content.revision => wait_until(stalls_at),
+            _ if !self.window.is_open() => Next::Nothing,
+            Some((revision, Quality::Settled)) if revision == content.revision => Next::Nothing,
             Some((revision, Quality::Moving)) if revision == content.revision => {
                 if still_at <= now {
                     Next::Settle
                 } else {
-                    Next::WaitUntil(stalls_at.map_or(still_at, |time| time.min(still_at)))
+                    Next::WaitUntil(still_at)
                 }
             }
             _ => Next::Moving,
         }
     }
 
-    /// The client has nothing any more that a frame could go onto: its next one is a key frame.
+    /// The client has nothing any more that a frame could go onto, and shows nothing of what is on its way: its next frame is a
+    /// key frame.
     pub fn start_anew(&mut self) {
+        self.window.clear();
         self.latest = None;
     }
 
-    /// Whether the client's next frame is a key frame: its first, the first after it has stalled, and that of
-    /// [`Self::start_anew`].
+    /// Whether the client's next frame is a key frame: its first, and that of [`Self::start_anew`].
     pub fn owes_key(&self) -> bool {
         self.latest.is_none()
     }
 
-    /// How many frames are on their way.
-    pub fn under_way(&self) -> usize {
-        self.window.under_way()
+    /// How many more frames may be on their way.
+    pub fn room(&self) -> usize {
+        self.window.room()
     }
 
     /// A frame of that revision was sent, as [`Pace::next`] asked for.
     pub fn sent(&mut self, frame: u64, revision: u64, quality: Quality, now: Instant) {
         self.window.sent(frame, now);
         self.latest = Some((revision, quality));
-    }
-
-    /// The client has taken a part of a frame that is sent in several: it has not stalled.
-    pub fn went_on(&mut self, now: Instant) {
-        self.window.went_on(now);
     }
 
     /// The client has shown a frame. Returns how long after sending, or `None` where the frame is not on its

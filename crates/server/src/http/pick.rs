@@ -17,6 +17,7 @@ use crate::renderer::{Output, Place, Request, Urgency};
 use crate::request::valid_camera;
 use crate::room::{Message, Snapshot};
 use crate::state::AppState;
+use crate::turns::Payer;
 
 /// The point in the middle of the camera's picture, which is the only pixel of one: its depth tells where.
 pub async fn pick(
@@ -38,6 +39,7 @@ pub async fn pick(
         view,
         session,
         viewer,
+        payer: Payer::program(&name),
         lights: Vec::new(),
         output: Output::File(PictureFormat::Exr),
         urgency: Urgency::Still,

@@ -23,6 +23,7 @@ use crate::renderer::{Lease, Output, Place, Request, Urgency};
 use crate::room::{Message, Snapshot};
 use crate::scenes::Decoded;
 use crate::state::AppState;
+use crate::turns::Payer;
 
 /// The header that tells what a picture lacks.
 const NOTE: HeaderName = HeaderName::from_static("x-bendylights-note");
@@ -48,7 +49,8 @@ pub async fn render(State(state): State<Arc<AppState>>, SessionName(name): Sessi
         RenderFormat::Exr => PictureFormat::Exr,
     };
     let leases = (session, state.backend.renders.lease());
-    let request = request(&asked, picture_format, (&document, &scene), leases)?;
+    let payer = Payer::program(&session_name);
+    let request = request(&asked, picture_format, (&document, &scene), (leases, payer))?;
     let (view, lights, asked_at) = (request.view.clone(), request.lights.clone(), Instant::now());
     let drawn = state.backend.renders.draw(request).await;
     // Of a server that stops, the renderer's end is no fault.
@@ -98,7 +100,7 @@ fn request(
     asked: &RenderRequest,
     format: PictureFormat,
     (document, scene): (&Document, &Decoded),
-    (session, viewer): (Arc<Lease>, Arc<Lease>),
+    ((session, viewer), payer): ((Arc<Lease>, Arc<Lease>), Payer),
 ) -> Result<Request, ServerError> {
     let light = asked.light.as_deref().map_or(Ok(0), |wanted| choose_light(document, wanted))?;
     let camera = match &asked.camera {
@@ -110,6 +112,7 @@ fn request(
         view: asked.view(camera, light, RenderLimits::HTTP, viewer.slot()),
         session,
         viewer,
+        payer,
         lights: document.instances(),
         output: Output::File(format),
         urgency: Urgency::Still,

@@ -13,6 +13,7 @@ use tokio::sync::{mpsc, oneshot, watch};
 use crate::ServerError;
 use crate::limits::RENDER_QUEUE;
 use crate::metrics::Metrics;
+use crate::turns::Payer;
 
 mod schedule;
 mod thread;
@@ -68,6 +69,8 @@ pub struct Request {
     pub session: Arc<Lease>,
     /// Who sees it; the slot of `view` is this one's.
     pub viewer: Arc<Lease>,
+    /// Who is charged for it.
+    pub payer: Payer,
     /// Geometry and materials.
     pub scene: Arc<PosedScene>,
     /// From where, how large, of what.
@@ -78,7 +81,7 @@ pub struct Request {
     pub output: Output,
     /// How soon it is wanted.
     pub urgency: Urgency,
-    /// Where it waits: of those that are as urgent the one that has waited longest is first.
+    /// Where it waits: of those of a client that are as urgent the one that has waited longest is first.
     pub place: Place,
 }
 
@@ -158,6 +161,8 @@ type Answer = oneshot::Sender<Result<Drawn, RenderError>>;
 #[derive(Debug)]
 enum Job {
     Draw(Box<Request>, Answer),
+    /// Somebody has had so much time of the processor for pictures besides.
+    Charge(Payer, Duration),
     /// Somebody is gone, or nothing will be drawn any more.
     Wake,
 }
@@ -198,6 +203,11 @@ impl Renders {
         let (done, drawn) = oneshot::channel();
         self.jobs.send(Job::Draw(Box::new(request), done)).await.map_err(|_| ServerError::Fault)?;
         Ok(drawn.await.map_err(|_| ServerError::Fault)??)
+    }
+
+    /// Charges who sees a picture for what it took of one core after it was drawn. Where the queue is full it is for nothing.
+    pub fn charge(&self, payer: &Payer, took: Duration) {
+        let _ = self.jobs.try_send(Job::Charge(payer.clone(), took));
     }
 
     /// For a new session, view or still.

@@ -1,7 +1,10 @@
 //! The render thread: all that it holds, and its loop.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Weak};
+use std::task::Poll;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use render::{Backend, Gpu, MemoryBudget, PassRun, Pixels, RenderError, Renderer, TiledPicture};
@@ -12,8 +15,9 @@ use tokio::time::timeout;
 
 use super::schedule::{Schedule, Turn, Urgency, Waiting};
 use super::{Answer, Drawn, Job, Lease, Output, Readiness, Request};
-use crate::limits::RENDER_QUEUE;
+use crate::limits::{LARGE_PICTURE_PIXELS, MAX_MOVING_TURNS, RENDER_QUEUE, SHARED_FOR};
 use crate::metrics::Metrics;
+use crate::turns::{Charges, Payer};
 
 /// A request on its way.
 #[derive(Debug)]
@@ -32,6 +36,8 @@ struct Task {
     turns: u32,
     /// What there is of it, where it is drawn in tiles.
     picture: Option<TiledPicture>,
+    /// Whether it is drawn by layers of its lights, where that is decided; else in tiles.
+    by_layers: Option<bool>,
 }
 
 /// All that the render thread holds.
@@ -49,6 +55,12 @@ pub(super) struct RenderLoop {
     ended: Arc<AtomicBool>,
     waiting: Vec<Task>,
     schedule: Schedule,
+    /// What each client has been charged for drawing.
+    charges: Charges,
+    /// Who drew moving pictures lately, and when.
+    movers: BTreeMap<Payer, Instant>,
+    /// What a core is of all of them.
+    core_share: f64,
     metrics: Arc<Metrics>,
     /// Waits for jobs and for time.
     clock: Runtime,
@@ -77,6 +89,7 @@ impl Task {
             passes: Vec::new(),
             turns: 0,
             picture: None,
+            by_layers: None,
         }
     }
 }
@@ -99,6 +112,9 @@ impl RenderLoop {
             ended,
             waiting: Vec::new(),
             schedule: Schedule::new(),
+            charges: Charges::default(),
+            movers: BTreeMap::new(),
+            core_share: 1.0 / thread::available_parallelism().map_or(1.0, |cores| cores.get() as f64),
             metrics,
             clock: clock.expect("a runtime that only tells the time asks nothing of the system"),
         })
@@ -127,7 +143,11 @@ impl RenderLoop {
             let waiting: Vec<Waiting> = self
                 .waiting
                 .iter()
-                .map(|task| Waiting { urgency: task.request.urgency, touched: task.touched })
+                .map(|task| Waiting {
+                    urgency: task.request.urgency,
+                    charged: self.charges.of(&task.request.payer),
+                    touched: task.touched,
+                })
                 .collect();
             let goes_on = match self.schedule.next(Instant::now(), &waiting) {
                 Turn::Draw(index, turn) => {
@@ -163,6 +183,8 @@ impl RenderLoop {
     fn take(&mut self, job: Job) {
         match job {
             Job::Draw(request, done) => self.waiting.push(Task::new(*request, done)),
+            // The renderer draws with all cores.
+            Job::Charge(payer, took) => self.charges.charge(&payer, took.as_secs_f64() * self.core_share),
             // Who is gone is seen before each turn.
             Job::Wake => {}
         }
@@ -197,12 +219,18 @@ impl RenderLoop {
         }
         let began = Instant::now();
         let started = *task.started.get_or_insert(began);
+        let moves = matches!(task.request.urgency, Urgency::Moving | Urgency::Watched);
+        if moves {
+            self.movers.insert(task.request.payer.clone(), began);
+            self.movers.retain(|_, drew| began.saturating_duration_since(*drew) < SHARED_FOR);
+        }
         let result = self.draw_or_reopen(&mut task, turn);
         let (ended, urgency) = (Instant::now(), task.request.urgency);
-        self.schedule.note(urgency, began, ended);
         task.touched = ended;
         task.took += ended - began;
         task.turns += 1;
+        self.charges.charge(&task.request.payer, (ended - began).as_secs_f64());
+        self.schedule.note(urgency, [began, ended], matches!(result, Ok(Some(_))).then_some(task.took));
         if urgency == Urgency::Still {
             self.metrics.still_turns.inc();
         }
@@ -235,33 +263,47 @@ impl RenderLoop {
 
     /// A turn of drawing; the picture where it is finished.
     fn draw(&mut self, task: &mut Task, turn: Duration) -> Result<Option<Pixels>, RenderError> {
-        let Task { request, picture, passes, .. } = task;
+        let is_shared = self.movers.len() > 1;
+        let Task { request, picture, passes, drew_map, by_layers, turns, .. } = task;
         let renderer = self.scene_renderer(request)?;
         let Request { view, lights, output, urgency, .. } = &*request;
-        if matches!(urgency, Urgency::Moving | Urgency::Watched) {
-            // As a whole: what is kept of the one before makes it quick, and it is late already.
+        let maps = renderer.counts().shadow;
+        let moves = matches!(urgency, Urgency::Moving | Urgency::Watched);
+        let is_large =
+            view.width * view.height > LARGE_PICTURE_PIXELS || !renderer.keeps_layers(view, lights.len());
+        let by_layers = *by_layers.get_or_insert(moves && !(is_shared && is_large));
+        let pixels = if by_layers {
+            // Late already where it is the only one: then as a whole.
+            let is_whole = !is_shared || *turns >= MAX_MOVING_TURNS;
+            let drawn = if is_whole {
+                Poll::Ready(renderer.render_display(view, lights)?)
+            } else {
+                renderer.display_some(view, lights, turn)?
+            };
             let (width, height) = (view.width, view.height);
-            let maps = renderer.counts().shadow;
-            let bytes = renderer.render_display(view, lights)?;
-            task.drew_map = renderer.counts().shadow > maps;
-            renderer.runs().iter().for_each(|run| run.add_to(passes));
-            return Ok(Some(Pixels::Display { width, height, bytes }));
-        }
-        let mut begun = match (picture.take(), output) {
-            (Some(begun), _) => begun,
-            (None, Output::Display) => TiledPicture::for_screen(view, lights)?,
-            (None, Output::File(format)) => TiledPicture::for_file(view, lights, *format)?,
+            match drawn {
+                Poll::Ready(bytes) => Some(Pixels::Display { width, height, bytes }),
+                Poll::Pending => None,
+            }
+        } else {
+            let mut begun = match (picture.take(), output) {
+                (Some(begun), _) => begun,
+                (None, Output::Display) => TiledPicture::for_screen(view, lights)?,
+                (None, Output::File(format)) => TiledPicture::for_file(view, lights, *format)?,
+            };
+            if renderer.draw_some(&mut begun, turn)? {
+                Some(begun.into_pixels())
+            } else {
+                *picture = Some(begun);
+                None
+            }
         };
-        let is_finished = renderer.draw_some(&mut begun, turn)?;
         renderer.runs().iter().for_each(|run| run.add_to(passes));
-        if !is_finished {
-            *picture = Some(begun);
-            return Ok(None);
-        }
-        if *urgency == Urgency::Still {
+        *drew_map |= renderer.counts().shadow > maps;
+        if pixels.is_some() && *urgency == Urgency::Still {
             renderer.rest(view.slot);
         }
-        Ok(Some(begun.into_pixels()))
+        Ok(pixels)
     }
 
     /// The renderer of a request's scene.

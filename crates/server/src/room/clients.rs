@@ -50,12 +50,12 @@ impl Room {
         self.last_client += 1;
         let id = self.last_client;
         tracing::debug!("client {id} of session {}: {principal}", self.name);
+        self.views.insert(id, &principal.actor.id);
         self.clients.insert(
             id,
             Client { principal, selection: None, solves: Solves::default(), line: VecDeque::new() },
         );
         self.outboxes.insert(id, outbox);
-        self.views.insert(id);
         self.backend.metrics.clients.inc();
         let welcome = self.welcome(id, state);
         self.outboxes.send(id, &ServerMessage::Welcome(Box::new(welcome)));

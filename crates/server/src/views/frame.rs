@@ -16,6 +16,7 @@ use crate::outboxes::ClientId;
 use crate::picture_stats::{micros, on_the_wire};
 use crate::renderer::Request;
 use crate::trace::PictureTrace;
+use crate::turns::Payer;
 
 /// Samples a pixel of the picture of a still view: smooth edges for four times the work.
 const SETTLE_SAMPLES: u32 = 4;
@@ -192,13 +193,20 @@ pub async fn draw_picture(
 
 /// Encodes a picture, of a moving one only what differs from `base`, which has as many pixels; the next one may be drawn
 /// meanwhile.
-pub async fn encode_picture(backend: Backend, drawing: Drawing, base: Option<Arc<Frame>>) -> StepResult {
+/// `payer` is charged.
+pub async fn encode_picture(
+    backend: Backend,
+    drawing: Drawing,
+    base: Option<Arc<Frame>>,
+    payer: Payer,
+) -> StepResult {
     let quality = drawing.stamp.quality;
     let started = Instant::now();
     let encoded = spawn_blocking(move || encode(drawing, base.as_deref(), started));
     let frame = encoded.await.map_err(|_| ServerError::Fault)??;
     backend.metrics.frames_encoded.get_or_create(&codec(quality).into()).inc();
     backend.metrics.encode_seconds.observe(frame.encode.as_secs_f64());
+    backend.renders.charge(&payer, frame.encode);
     Ok(Step::Encoded(frame))
 }
 

@@ -22,6 +22,7 @@ use crate::ServerError;
 use crate::backend::Backend;
 use crate::outboxes::{ClientId, Outboxes};
 use crate::renderer::Lease;
+use crate::turns::Payer;
 use frame::{Frame, Shown, StepResult};
 pub use settings::ViewSettings;
 use view::{Source, View};
@@ -55,6 +56,8 @@ pub struct Live<'a> {
 
 /// A client, as views know it.
 struct Viewer {
+    /// Who is charged for the pictures of its own view.
+    payer: Payer,
     source: Source,
     /// Whose view it is shown, and how large, as it was last sent.
     configured: Option<(ClientId, [u32; 2])>,
@@ -90,10 +93,22 @@ struct Sending {
 }
 
 impl Viewer {
-    fn new(source: Source, pace: Pace) -> Self {
+    fn new(payer: Payer, source: Source, pace: Pace) -> Self {
         let (configured, shows, sending, acted_at) = (None, None, None, None);
         let (frame, whole_frame, stats, latest_picture) = (0, 0, false, 0);
-        Self { source, configured, pace, frame, whole_frame, stats, latest_picture, shows, sending, acted_at }
+        Self {
+            payer,
+            source,
+            configured,
+            pace,
+            frame,
+            whole_frame,
+            stats,
+            latest_picture,
+            shows,
+            sending,
+            acted_at,
+        }
     }
 }
 
@@ -104,10 +119,10 @@ impl Views {
         Self { viewers, content_revision: 0, pictures, made: 0, name, session, backend }
     }
 
-    /// A client comes. It looks at nothing yet.
-    pub fn insert(&mut self, id: ClientId) {
+    /// A client comes, an actor of that id. It looks at nothing yet.
+    pub fn insert(&mut self, id: ClientId, actor_id: &str) {
         let (source, pace) = (Source::Nothing, Pace::new());
-        self.viewers.insert(id, Viewer::new(source, pace));
+        self.viewers.insert(id, Viewer::new(Payer::new(&self.name, actor_id), source, pace));
     }
 
     /// A client goes. Who looked at its view goes on from there.

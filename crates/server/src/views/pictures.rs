@@ -7,7 +7,7 @@ use axum::body::Bytes;
 use axum::extract::ws::Message as SocketMessage;
 use protocol::ServerMessage;
 use render::{RenderError, View as RenderView};
-use stream::{Content, Next, Quality, WINDOW};
+use stream::{Content, Next, Quality};
 use tokio::task::{Id, JoinError};
 
 use super::detail::Detail;
@@ -126,7 +126,8 @@ impl Views {
         want.retain(|id| self.next_of(*id, content, now, outboxes) == Next::Moving);
         let base = base.filter(|base| want.iter().all(|id| self.has_base_of(*id, Some(base.stamp.shown()))));
         let (quality, revision) = (drawing.stamp.quality, drawing.stamp.content.revision);
-        let task = self.pictures.spawn(encode_picture(self.backend.clone(), drawing, base));
+        let Some(payer) = self.viewers.get(&owner).map(|viewer| viewer.payer.clone()) else { return };
+        let task = self.pictures.spawn(encode_picture(self.backend.clone(), drawing, base, payer));
         if let Some(view) = self.own_view(owner) {
             view.encoding = Some(UnderWay { quality, revision, place: None, task });
         }
@@ -136,7 +137,7 @@ impl Views {
     fn has_room_for_more(&self, id: ClientId, owner: ClientId) -> bool {
         let source = self.viewers.get(&owner).map(|viewer| &viewer.source);
         let pending = if let Some(Source::Own(view)) = source { view.in_encoding() } else { 0 };
-        self.viewers.get(&id).is_some_and(|viewer| viewer.pace.under_way() + pending < WINDOW)
+        self.viewers.get(&id).is_some_and(|viewer| viewer.pace.room() > pending)
     }
 
     /// Whether somebody who sees the view of `owner` edits, or moves it.
@@ -197,9 +198,6 @@ impl Views {
             messages.push(SocketMessage::Text(text(&ServerMessage::Stats(Box::new(stats)))));
         }
         outboxes.send_frame(id, messages);
-        if sending.sent > 0 {
-            viewer.pace.went_on(now);
-        }
         (sending.sent, sending.sent_at) = (to, now);
         let is_left = to < count;
         if !is_left {
@@ -217,18 +215,13 @@ impl Views {
     }
 
     /// What a client needs of its view.
-    fn next_of(&mut self, id: ClientId, content: Content, now: Instant, outboxes: &Outboxes) -> Next {
-        let Some(viewer) = self.viewers.get_mut(&id) else { return Next::Nothing };
+    fn next_of(&self, id: ClientId, content: Content, now: Instant, outboxes: &Outboxes) -> Next {
+        let Some(viewer) = self.viewers.get(&id) else { return Next::Nothing };
         if !outboxes.takes_frame(id) {
             // The socket has stalled. What it is sent when it goes on is what there is then.
             return Next::WaitUntil(now + STALLED_CHECK_EVERY);
         }
-        let owed_key = viewer.pace.owes_key();
-        let next = viewer.pace.next(content, now);
-        if viewer.pace.owes_key() && !owed_key {
-            self.backend.metrics.window_stalls.inc();
-        }
-        next
+        viewer.pace.next(content, now)
     }
 
     /// Starts a picture of a view, unless one is under way or cannot be made.
@@ -240,7 +233,9 @@ impl Views {
             Quality::Moving => Urgency::Watched,
             Quality::Settled => Urgency::Settling,
         };
-        let Some(view) = self.viewers.get_mut(&owner).and_then(|viewer| viewer.source.own()) else { return };
+        let Some(viewer) = self.viewers.get_mut(&owner) else { return };
+        let payer = viewer.payer.clone();
+        let Some(view) = viewer.source.own() else { return };
         if view.has_asked_for(quality) {
             return;
         }
@@ -255,6 +250,7 @@ impl Views {
         let request = Request {
             session,
             viewer: Arc::clone(&view.lease),
+            payer,
             scene: Arc::clone(live.scene),
             view: RenderView {
                 samples: samples(quality),

@@ -1,0 +1,126 @@
+//! One client that draws beside another that draws all it can.
+
+use super::*;
+
+/// A client with so many views that move.
+#[derive(Clone, Copy, Debug)]
+struct Client {
+    views: usize,
+    /// What a picture takes, and how long after it each view asks for the next.
+    picture: Duration,
+    pause: Duration,
+}
+
+/// How a fault plays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Fault {
+    None,
+    /// Nobody is charged: what has waited longest is next.
+    NoCharge,
+    /// A picture is drawn to its end.
+    NoYield,
+    /// A picture is charged, whatever it took.
+    CostByPictureCount,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct View {
+    client: usize,
+    asks_at: Instant,
+    /// What is left of the picture under way.
+    left: Duration,
+}
+
+/// When the first client's pictures ended in so many seconds beside the others.
+fn play(clients: &[Client], seconds: u64, fault: Fault) -> Vec<Duration> {
+    let (mut schedule, mut charges) = (Schedule::new(), Charges::default());
+    let payers: Vec<Payer> =
+        (0..clients.len()).map(|k| Payer::new(&format!("session {k}").into(), &k.to_string())).collect();
+    let start = Instant::now();
+    let views = clients.iter().enumerate().flat_map(|(client, of)| {
+        let view = View { client, asks_at: start, left: of.picture };
+        std::iter::repeat_n(view, of.views)
+    });
+    let (mut views, mut now, mut ended) = (views.collect::<Vec<View>>(), start, Vec::new());
+    while now < start + Duration::from_secs(seconds) {
+        let asking: Vec<usize> = (0..views.len()).filter(|&view| views[view].asks_at <= now).collect();
+        let waiting: Vec<Waiting> = asking
+            .iter()
+            .map(|&view| Waiting {
+                urgency: Urgency::Moving,
+                charged: charges.of(&payers[views[view].client]),
+                touched: views[view].asks_at,
+            })
+            .collect();
+        match schedule.next(now, &waiting) {
+            Turn::Draw(index, turn) => {
+                let view = &mut views[asking[index]];
+                let Client { picture, pause, .. } = clients[view.client];
+                let takes = if fault == Fault::NoYield { view.left } else { view.left.min(turn) };
+                let began = now;
+                now += takes;
+                view.left -= takes;
+                let is_finished = view.left == Duration::ZERO;
+                schedule.note(Urgency::Moving, [began, now], is_finished.then_some(picture));
+                match fault {
+                    Fault::NoCharge => {}
+                    Fault::CostByPictureCount if !is_finished => {}
+                    Fault::CostByPictureCount => charges.charge(&payers[view.client], 1.0),
+                    Fault::None | Fault::NoYield => {
+                        charges.charge(&payers[view.client], takes.as_secs_f64());
+                    }
+                }
+                // What is under way is asked for until it is finished.
+                view.asks_at = now;
+                if is_finished {
+                    (view.left, view.asks_at) = (picture, now + pause);
+                    if view.client == 0 {
+                        ended.push(now - start);
+                    }
+                }
+            }
+            Turn::Wait(time) => now += time,
+            Turn::Idle => now = views.iter().map(|view| view.asks_at).min().expect("a view"),
+        }
+    }
+    ended
+}
+
+/// Whether a client has at least 45 % of its pictures, and no gap over four times its usual.
+fn holds(victim: Client, other: Client, fault: Fault) -> Result<(), String> {
+    let alone = play(&[victim], 20, Fault::None);
+    let beside = play(&[victim, other], 20, fault);
+    let share = beside.len() as f64 / alone.len() as f64;
+    if share < 0.45 {
+        return Err(format!("{:.0} % of its pictures", 100.0 * share));
+    }
+    let usual = victim.picture + victim.pause;
+    let gaps = beside.windows(2).map(|pair| pair[1] - pair[0]);
+    let longest = gaps.max().unwrap_or(Duration::MAX);
+    if longest > 4 * usual { Err(format!("a gap of {longest:?}, {usual:?} is usual")) } else { Ok(()) }
+}
+
+const OTHERS: [(usize, u64); 4] = [(1, 1_000), (8, 400), (255, 40), (24, 5)];
+
+#[test]
+fn one_client_does_not_stop_another() {
+    for (own, pause) in [(8, 12), (25, 15), (60, 15)] {
+        let victim = Client { views: 1, picture: MS(own), pause: MS(pause) };
+        for (views, picture) in OTHERS {
+            let other = Client { views, picture: MS(picture), pause: MS(0) };
+            assert_eq!(holds(victim, other, Fault::None), Ok(()), "{victim:?} beside {other:?}");
+        }
+    }
+}
+
+#[test]
+fn what_stops_another_is_seen() {
+    let victim = Client { views: 1, picture: MS(25), pause: MS(15) };
+    let beside = |fault| {
+        let others = OTHERS.map(|(views, picture)| Client { views, picture: MS(picture), pause: MS(0) });
+        others.iter().filter(|other| holds(victim, **other, fault).is_err()).count()
+    };
+    for fault in [Fault::NoCharge, Fault::NoYield, Fault::CostByPictureCount] {
+        assert!(beside(fault) > 0, "{fault:?} is not seen");
+    }
+}

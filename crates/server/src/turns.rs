@@ -1,0 +1,169 @@
+//! Turns by client: who goes next where several want the same thing, the renderer or a thread that solves.
+//!
+//! What is handed out is time, charged as it was measured. Next is who has been charged least: first among sessions, so that
+//! many clients of one session take no more than the few of another, then among the actors of a session. An actor counts once
+//! however many sockets and sessions it has. Knows no clock.
+
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Accounts that are kept at least before those that make no difference are dropped.
+const ACCOUNTS: usize = 256;
+
+/// Who is charged for work: an actor in a session.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Payer {
+    /// The session's name.
+    session: Arc<str>,
+    /// The actor's id; `None` of a program that gives none.
+    actor: Option<Arc<str>>,
+}
+
+/// Seconds that each session and each actor has been charged.
+///
+/// This is start-time fair queueing (Goyal, Vin, Cheng, 1996) with equal weights: who has asked for nothing for a while saves
+/// nothing up, and starts where those are who have been served lately.
+#[derive(Clone, Debug, Default)]
+pub struct Charges {
+    sessions: Accounts,
+    actors: Accounts,
+}
+
+/// Of one kind.
+#[derive(Clone, Debug, Default)]
+struct Accounts {
+    seconds: BTreeMap<Arc<str>, f64>,
+    /// What who was served last had been charged before.
+    start: f64,
+}
+
+/// How much a payer has been charged: less goes first. The larger of its session's and its own, then its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Charged(f64, f64);
+
+impl Payer {
+    /// The actor of that id in a session.
+    pub fn new(session: &Arc<str>, actor: &str) -> Self {
+        Self { session: Arc::clone(session), actor: Some(actor.into()) }
+    }
+
+    /// Programs that give no actor, in a session.
+    pub fn program(session: &str) -> Self {
+        Self { session: session.into(), actor: None }
+    }
+}
+
+impl Charged {
+    /// Less goes first.
+    pub fn order(&self, other: &Self) -> Ordering {
+        self.0.total_cmp(&other.0).then(self.1.total_cmp(&other.1))
+    }
+}
+
+impl Charges {
+    /// What a payer that asks now has been charged.
+    pub fn of(&self, payer: &Payer) -> Charged {
+        let session = self.sessions.of(&payer.session);
+        let actor = payer.actor.as_deref().map_or(session, |actor| self.actors.of(actor));
+        Charged(session.max(actor), actor)
+    }
+
+    /// Charges a payer for a turn that took so many seconds.
+    pub fn charge(&mut self, payer: &Payer, seconds: f64) {
+        self.sessions.charge(&payer.session, seconds);
+        if let Some(actor) = &payer.actor {
+            self.actors.charge(actor, seconds);
+        }
+    }
+}
+
+impl Accounts {
+    fn of(&self, name: &str) -> f64 {
+        self.seconds.get(name).copied().unwrap_or_default().max(self.start)
+    }
+
+    fn charge(&mut self, name: &Arc<str>, seconds: f64) {
+        let before = self.of(name);
+        self.start = before;
+        self.seconds.insert(Arc::clone(name), before + seconds);
+        if self.seconds.len() > ACCOUNTS {
+            self.seconds.retain(|_, charged| *charged > before);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn payer(session: &str, actor: &str) -> Payer {
+        Payer::new(&session.into(), actor)
+    }
+
+    /// The turns that each of `payers` gets of `turns`, each of so many seconds, where all want one always.
+    fn shares(payers: &[(Payer, f64)], turns: usize) -> Vec<f64> {
+        let mut charges = Charges::default();
+        let mut had = vec![0.0; payers.len()];
+        for _ in 0..turns {
+            let least = |a: &usize, b: &usize| {
+                let of = |index: &usize| charges.of(&payers[*index].0);
+                of(a).order(&of(b))
+            };
+            let next = (0..payers.len()).min_by(least).expect("somebody");
+            charges.charge(&payers[next].0, payers[next].1);
+            had[next] += payers[next].1;
+        }
+        let total: f64 = had.iter().sum();
+        had.iter().map(|had| had / total).collect()
+    }
+
+    #[test]
+    fn one_client_has_half_beside_another_with_any_number_of_sockets() {
+        let victim = (payer("shot", "ada"), 0.02);
+        for seconds in [0.001, 0.01, 0.4] {
+            // Of one actor in one session, of many actors in one, of one actor in many.
+            let same = vec![(payer("other", "bob"), seconds); 8];
+            let actors: Vec<_> = (0..8).map(|k| (payer("other", &k.to_string()), seconds)).collect();
+            let sessions: Vec<_> = (0..8).map(|k| (payer(&k.to_string(), "bob"), seconds)).collect();
+            for others in [same, actors, sessions] {
+                let share = shares(&[vec![victim.clone()], others].concat(), 10_000)[0];
+                assert!((share - 0.5).abs() < 0.03, "{share} beside turns of {seconds} s");
+            }
+        }
+    }
+
+    #[test]
+    fn within_a_session_actors_have_the_same() {
+        let of = |actor: &str| (payer("shot", actor), 0.01);
+        let had = shares(&[of("ada"), of("bob"), of("bob"), of("bob")], 1_000);
+        assert!((had[0] - 0.5).abs() < 0.01, "{had:?}");
+    }
+
+    /// The planted fault: an account that starts at nothing has the other wait for as long as it was away.
+    #[test]
+    fn who_was_away_has_saved_nothing() {
+        let (ada, bob) = (payer("shot", "ada"), payer("other", "bob"));
+        let mut charges = Charges::default();
+        (0..1_000).for_each(|_| charges.charge(&ada, 0.01));
+        let mut turns = 0;
+        while charges.of(&bob).order(&charges.of(&ada)).is_le() {
+            charges.charge(&bob, 0.01);
+            turns += 1;
+        }
+        assert!((1..=3).contains(&turns), "{turns} turns before the other goes on");
+        charges.sessions.start = 0.0;
+        charges.actors.start = 0.0;
+        let late = payer("late", "eve");
+        assert!(charges.of(&late).order(&charges.of(&ada)).is_lt() && charges.of(&late) == Charged(0.0, 0.0));
+    }
+
+    #[test]
+    fn accounts_are_bounded() {
+        let mut charges = Charges::default();
+        for k in 0..10_000 {
+            charges.charge(&payer(&k.to_string(), &k.to_string()), 0.01);
+        }
+        assert!(charges.sessions.seconds.len() <= ACCOUNTS + 1);
+    }
+}
