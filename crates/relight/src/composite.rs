@@ -8,7 +8,7 @@ use crate::layer::{Layer, Light, Onto, draw_light};
 use crate::screen::{BLACK, BYTES_A_PIXEL, Exposure, shown};
 use crate::simd::{self, Work};
 use crate::surfaces::{Block, SIDE};
-use crate::{Scene, Surfaces, Workers};
+use crate::{Cancelled, Scene, Surfaces, Workers};
 
 /// Blocks that a thread adds up at once.
 const BLOCKS_A_TURN: usize = 256;
@@ -90,7 +90,7 @@ pub fn add_light(
     light: (&Light, Option<&DepthMap>),
     (pixels, factors): ([u32; 4], [[f32; 3]; 2]),
     Sum(into): &mut Sum,
-) -> u64 {
+) -> Result<u64, Cancelled> {
     draw_light(workers, surfaces, scene, light, pixels, Onto::Sum(into, factors))
 }
 

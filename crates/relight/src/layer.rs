@@ -1,7 +1,6 @@
 //! What one light alone adds to what pixels see.
 
-use light::{Lanes, LightFilter, Mask};
-use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::brdf::reflected;
 use crate::depth_map::DepthMap;
@@ -9,7 +8,8 @@ use crate::lanes::{F32s, LANES, Masks, Vec3s};
 use crate::shape::{Sample, Shape};
 use crate::simd::{self, Work};
 use crate::surfaces::{Block, SIDE, Surface};
-use crate::{Bent, Directional, Omni, Scene, Spot, Surfaces, Workers};
+use crate::{Bent, Cancelled, Directional, Omni, Scene, Spot, Surfaces, Workers};
+use light::{Lanes, LightFilter, Mask};
 
 /// Blocks that a thread takes at once: a quarter of a millisecond or so.
 const BLOCKS_A_TURN: usize = 64;
@@ -88,7 +88,7 @@ pub fn draw_layer(
     (light, map): (&Light, Option<&DepthMap>),
     pixels: [u32; 4],
     Layer(texels): &mut Layer,
-) -> u64 {
+) -> Result<u64, Cancelled> {
     texels.resize(surfaces.blocks.len(), Texel::NOTHING);
     draw_light(workers, surfaces, scene, (light, map), pixels, Onto::Layer(texels))
 }
@@ -101,9 +101,9 @@ pub fn visibility_of(
     scene: &Scene,
     light: (&Light, Option<&DepthMap>),
     pixels: [u32; 4],
-) -> Vec<[f32; 4]> {
+) -> Result<Vec<[f32; 4]>, Cancelled> {
     let mut texels = vec![Texel::NOTHING; surfaces.blocks.len()];
-    draw_light(workers, surfaces, scene, light, pixels, Onto::Visibility(&mut texels));
+    draw_light(workers, surfaces, scene, light, pixels, Onto::Visibility(&mut texels))?;
     let [width, height] = surfaces.size().map(|side| side as usize);
     let mut picture = vec![[0.0; 4]; width * height];
     for (block, texel) in surfaces.blocks.iter().zip(&texels) {
@@ -115,7 +115,7 @@ pub fn visibility_of(
             }
         }
     }
-    picture
+    Ok(picture)
 }
 
 /// Draws `light` as [`draw_layer`] does onto as many blocks as there are.
@@ -126,7 +126,7 @@ pub(crate) fn draw_light(
     (light, map): (&Light, Option<&DepthMap>),
     pixels: [u32; 4],
     onto: Onto,
-) -> u64 {
+) -> Result<u64, Cancelled> {
     match light {
         Light::Bent(bent) => draw(workers, surfaces, scene, (&**bent, map), pixels, onto),
         Light::Spot(spot) => draw(workers, surfaces, scene, (&**spot, map), pixels, onto),
@@ -142,30 +142,34 @@ fn draw<S: Shape>(
     (shape, map): (&S, Option<&DepthMap>),
     pixels: [u32; 4],
     onto: Onto,
-) -> u64 {
+) -> Result<u64, Cancelled> {
     let of = if matches!(onto, Onto::Visibility(_)) { Quantity::Visibility } else { Quantity::Reflected };
+    let looked_at = AtomicU64::new(0);
     let turn = |blocks: &[Block], texels: &mut [Texel]| {
-        simd::run(Turn { shape, surfaces, scene, map, pixels, of, blocks, texels })
+        let pixels = simd::run(Turn { shape, surfaces, scene, map, pixels, of, blocks, texels });
+        looked_at.fetch_add(pixels, Ordering::Relaxed);
     };
-    workers.run(|| match onto {
+    // Some turns cost twenty times as much as others.
+    match onto {
         Onto::Layer(texels) | Onto::Visibility(texels) => {
-            let turns = texels.par_chunks_mut(BLOCKS_A_TURN).zip(surfaces.blocks.par_chunks(BLOCKS_A_TURN));
-            // Some turns cost twenty times as much as others.
-            let turns = turns.with_max_len(1);
-            turns.map(|(texels, blocks)| turn(blocks, texels)).sum()
+            let turns = texels.chunks_mut(BLOCKS_A_TURN).zip(surfaces.blocks.chunks(BLOCKS_A_TURN));
+            workers.each(turns, |(texels, blocks)| {
+                turn(blocks, texels);
+                true
+            })?;
         }
         Onto::Sum(sums, factors) => {
-            let turns = sums.par_chunks_mut(ADDED_A_TURN).zip(surfaces.blocks.par_chunks(ADDED_A_TURN));
-            let drawn = turns.map(|(sums, blocks)| {
+            let turns = sums.chunks_mut(ADDED_A_TURN).zip(surfaces.blocks.chunks(ADDED_A_TURN));
+            workers.each(turns, |(sums, blocks)| {
                 let mut texels = [Texel::NOTHING; ADDED_A_TURN];
                 let texels = &mut texels[..blocks.len()];
-                let looked_at = turn(blocks, texels);
+                turn(blocks, texels);
                 simd::run(Added { texels, factors, sums });
-                looked_at
-            });
-            drawn.sum()
+                true
+            })?;
         }
-    })
+    }
+    Ok(looked_at.into_inner())
 }
 
 struct Added<'a> {

@@ -46,4 +46,4 @@ pub use straight::{
     StraightFace, StraightMap, StraightWork,
 };
 pub use surfaces::{Camera, Fill, Gbuffer, Surfaces};
-pub use workers::Workers;
+pub use workers::{Cancelled, Workers, Yielding};

@@ -24,9 +24,9 @@ use glam::Mat3;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use crate::Workers;
 use crate::alpha_test::AlphaTests;
 use crate::depth_map::stride;
+use crate::{Cancelled, Workers};
 use holed::HoledPiece;
 use project::Projection;
 use rule::{Bent, Orthographic, Perspective, Rule};
@@ -35,6 +35,10 @@ use wide::{COUNT, Ints};
 
 /// Rows that one thread draws at once. Of a map 2048 texels wide they take half a megabyte, which stays next to the core.
 const BAND: usize = 64;
+/// Texels of bounding boxes after which a thread looks whether it has to give way: some tens of microseconds.
+const LOOK_AFTER: usize = 1 << 16;
+/// What small triangles count as between two looks.
+const SMALL_A_LOOK: usize = 1 << 10;
 /// Triangles that one thread sets up at once.
 const PIECE: usize = 2048;
 /// Most texels a side: corners in 1/256 of a texel are exact in f32 as far as the guard band, which is twice as wide.
@@ -113,7 +117,7 @@ fn draw_face<Chunk: AsRef<[Triangle]> + Sync>(
 ) {
     let none = Holed::<&[HoledTriangle]> { chunks: &[], tests: AlphaTests::default() };
     let mut with_gaps = vec![0.0; side * stride(side)];
-    draw_face_with_holes(face, chunks, &none, workers, scratch, &mut with_gaps, side);
+    draw_face_with_holes(face, chunks, &none, workers, scratch, &mut with_gaps, side).expect("not cancelled");
     texels.copy_from_slice(&without_gaps(&with_gaps, side));
 }
 
@@ -132,7 +136,7 @@ pub fn draw_face_with_holes<Chunk: AsRef<[Triangle]> + Sync, HoledChunk: AsRef<[
     scratch: &mut Scratch,
     texels: &mut [f32],
     side: usize,
-) {
+) -> Result<(), Cancelled> {
     assert!(side <= MOST_SIDE && texels.len() == side * stride(side), "a face of {side} texels a side");
     let Scratch { pieces, holed: holed_pieces, rows } = scratch;
     let slices: Vec<&[Triangle]> = chunks.iter().flat_map(|chunk| chunk.as_ref().chunks(PIECE)).collect();
@@ -150,18 +154,18 @@ pub fn draw_face_with_holes<Chunk: AsRef<[Triangle]> + Sync, HoledChunk: AsRef<[
     workers.run(|| {
         pieces.par_iter_mut().zip(slices.into_par_iter()).for_each(set_up);
         holed_pieces.par_iter_mut().zip(holed_slices.into_par_iter()).for_each(set_up_holed);
-        let seen = Seen { pieces, holed: holed_pieces, tests: holed.tests };
-        match face.depths {
-            Depths::Bent { row: [first, each], depth_per_value } => {
-                let in_row = |row: usize| (first + each * (row as f32 + 0.5)) / depth_per_value;
-                rows.clear();
-                rows.extend((0..side).map(in_row));
-                draw_bands(Bent { rows }, seen, texels, side);
-            }
-            Depths::Perspective { .. } => draw_bands(Perspective, seen, texels, side),
-            Depths::Orthographic => draw_bands(Orthographic, seen, texels, side),
-        }
     });
+    let seen = Seen { pieces, holed: holed_pieces, tests: holed.tests };
+    match face.depths {
+        Depths::Bent { row: [first, each], depth_per_value } => {
+            let in_row = |row: usize| (first + each * (row as f32 + 0.5)) / depth_per_value;
+            rows.clear();
+            rows.extend((0..side).map(in_row));
+            draw_bands(workers, Bent { rows }, seen, texels, side)
+        }
+        Depths::Perspective { .. } => draw_bands(workers, Perspective, seen, texels, side),
+        Depths::Orthographic => draw_bands(workers, Orthographic, seen, texels, side),
+    }
 }
 
 /// Everything that is drawn, set up.
@@ -172,13 +176,27 @@ struct Seen<'a> {
     tests: AlphaTests<'a>,
 }
 
-/// Draws all bands of a face.
-fn draw_bands<R: Rule>(rule: R, seen: Seen, texels: &mut [f32], side: usize) {
-    // Some bands cost much more than others: each thread takes what is next when it has done one.
-    let bands = texels.par_chunks_mut((BAND * stride(side)).max(1)).enumerate().with_max_len(1);
-    bands.for_each(|(index, texels)| {
-        Arch::new().dispatch(DrawBand { rule, seen, index, texels, stride: stride(side) });
-    });
+/// Draws all bands of a face. Some cost much more than others, and one may take long.
+fn draw_bands<R: Rule>(
+    workers: &Workers,
+    rule: R,
+    seen: Seen,
+    texels: &mut [f32],
+    side: usize,
+) -> Result<(), Cancelled> {
+    let bands = texels.chunks_mut((BAND * stride(side)).max(1)).enumerate();
+    let bands = bands.map(|(index, texels)| BandWork { index, texels, next: None });
+    workers.each(bands, |work| {
+        Arch::new().dispatch(DrawBand { rule, seen, work, stride: stride(side), workers })
+    })
+}
+
+/// A band, and how far it is drawn.
+struct BandWork<'a> {
+    index: usize,
+    texels: &'a mut [f32],
+    /// The piece that is next, those with holes behind the others, and the triangle in it; `None` before it is cleared.
+    next: Option<(usize, usize)>,
 }
 
 /// Rows of a face while they are drawn.
@@ -193,35 +211,74 @@ struct Band<'a> {
     count: Ints,
 }
 
-/// Clears a band and draws it.
-struct DrawBand<'a, R> {
+/// Goes on with a band. False where it has to give way.
+struct DrawBand<'a, 'b, R> {
     rule: R,
     seen: Seen<'a>,
-    index: usize,
-    texels: &'a mut [f32],
+    work: &'a mut BandWork<'b>,
     stride: usize,
+    workers: &'a Workers,
 }
 
-impl<R: Rule> WithSimd for DrawBand<'_, R> {
-    type Output = ();
+impl<R: Rule> WithSimd for DrawBand<'_, '_, R> {
+    type Output = bool;
 
     #[expect(clippy::inline_always, reason = "pulp compiles it for the vectors that it found")]
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
-        let Self { rule, seen, index, texels, stride } = self;
-        texels.fill(R::CLEARED);
+    fn with_simd<S: Simd>(self, _simd: S) -> bool {
+        let Self { rule, seen, work: BandWork { index, texels, next }, stride, workers } = self;
+        let index = *index;
+        let (mut piece, mut triangle) = next.unwrap_or_else(|| {
+            texels.fill(R::CLEARED);
+            (0, 0)
+        });
         let (first, height) = (index * BAND, texels.len() / stride);
         let mut band = Band { first, end: first + height, stride, texels, count: black_box(COUNT) };
-        for piece in seen.pieces {
-            for &triangle in &piece.large_in[index] {
-                large::draw(rule, &piece.large[triangle as usize], &mut band);
+        let mut looked_at = 0;
+        while piece < seen.pieces.len() + seen.holed.len() {
+            if let Some(of_piece) = seen.pieces.get(piece) {
+                let (large, small) = (&of_piece.large_in[index], &of_piece.small_in[index]);
+                while triangle < large.len() {
+                    let of_large = &of_piece.large[large[triangle] as usize];
+                    large::draw(rule, of_large, &mut band);
+                    triangle += 1;
+                    looked_at += of_large.texels_in(&band);
+                    if looked_at > LOOK_AFTER {
+                        looked_at = 0;
+                        if workers.is_due() {
+                            *next = Some((piece, triangle));
+                            return false;
+                        }
+                    }
+                }
+                while triangle < large.len() + small.len() {
+                    let from = triangle - large.len();
+                    let some = &small[from..small.len().min(from + SMALL_A_LOOK)];
+                    for of_small in some {
+                        small::draw(rule, of_small, &mut band);
+                    }
+                    triangle += some.len();
+                    if workers.is_due() {
+                        *next = Some((piece, triangle));
+                        return false;
+                    }
+                }
+            } else {
+                let holed = &seen.holed[piece - seen.pieces.len()];
+                while triangle < holed.count_in(index) {
+                    looked_at += holed.draw(rule, seen.tests, (index, triangle), &mut band);
+                    triangle += 1;
+                    if looked_at > LOOK_AFTER {
+                        looked_at = 0;
+                        if workers.is_due() {
+                            *next = Some((piece, triangle));
+                            return false;
+                        }
+                    }
+                }
             }
-            for triangle in &piece.small_in[index] {
-                small::draw(rule, triangle, &mut band);
-            }
+            (piece, triangle) = (piece + 1, 0);
         }
-        for piece in seen.holed {
-            piece.draw(rule, seen.tests, index, &mut band);
-        }
+        true
     }
 }

@@ -1,13 +1,69 @@
-//! The threads that relight: one a core, and no more, whoever asks.
+//! The threads that relight: one a core, and no more, whoever asks. Work on many items gives way to others where that is due.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// A pool of threads. Whoever gives it work waits until it is done.
 #[derive(Debug)]
-pub struct Workers(ThreadPool);
+pub struct Workers {
+    pool: ThreadPool,
+    yielding: Yielding,
+}
+
+/// When work that may take long gives way to others, and how; by default never.
+#[derive(Clone, Default)]
+pub struct Yielding(Option<Arc<Calls>>);
+
+/// What is asked at a yield point.
+struct Calls {
+    is_due: Box<dyn Fn() -> bool + Send + Sync>,
+    give_way: Box<dyn Fn() -> bool + Send + Sync>,
+}
+
+/// The work was cancelled where it gave way: what it has made is of no use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cancelled;
+
+/// What is left of the items.
+struct Queue<I, T> {
+    new: I,
+    /// Those that are begun.
+    begun: Vec<T>,
+}
+
+impl Yielding {
+    /// `is_due` says, on any thread and at once, whether others are to come next; then `give_way` is called on the thread that
+    /// asked for the work, and returns when it may go on: false where it is cancelled.
+    pub fn new(
+        is_due: impl Fn() -> bool + Send + Sync + 'static,
+        give_way: impl Fn() -> bool + Send + Sync + 'static,
+    ) -> Self {
+        Self(Some(Arc::new(Calls { is_due: Box::new(is_due), give_way: Box::new(give_way) })))
+    }
+
+    /// Whether others are to come next.
+    pub fn is_due(&self) -> bool {
+        self.0.as_deref().is_some_and(|calls| (calls.is_due)())
+    }
+
+    /// Lets others come next where that is due.
+    pub fn point(&self) -> Result<(), Cancelled> {
+        match self.0.as_deref() {
+            Some(calls) if (calls.is_due)() && !(calls.give_way)() => Err(Cancelled),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl std::fmt::Debug for Yielding {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(if self.0.is_some() { "Yielding" } else { "Yielding(never)" })
+    }
+}
 
 impl Workers {
-    /// One a core.
+    /// One a core, which never give way.
     pub fn new() -> Self {
         Self::of(0)
     }
@@ -16,22 +72,117 @@ impl Workers {
     pub fn of(count: usize) -> Self {
         let name = |index| format!("relight {index}");
         let pool = ThreadPoolBuilder::new().num_threads(count).thread_name(name).build();
-        Self(pool.expect("a program that cannot start threads cannot draw"))
+        let pool = pool.expect("a program that cannot start threads cannot draw");
+        Self { pool, yielding: Yielding::default() }
+    }
+
+    /// The same, with work that gives way.
+    #[must_use]
+    pub fn yielding(self, yielding: Yielding) -> Self {
+        Self { yielding, ..self }
     }
 
     /// How many there are.
     pub fn count(&self) -> usize {
-        self.0.current_num_threads()
+        self.pool.current_num_threads()
     }
 
     /// Runs `work` in the pool, where rayon's iterators use its threads.
     pub fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        self.0.install(work)
+        self.pool.install(work)
     }
+
+    /// Has `work` done with each item, in any order, each thread with what is next when it has done one. Between items, and
+    /// where `work` returns false since [`Self::is_due`] and there is more of its item, others have their turn.
+    pub(crate) fn each<T: Send>(
+        &self,
+        items: impl ExactSizeIterator<Item = T> + Send,
+        work: impl Fn(&mut T) -> bool + Sync,
+    ) -> Result<(), Cancelled> {
+        let queue = Mutex::new(Queue { new: items, begun: Vec::new() });
+        loop {
+            let unfinished = Mutex::new(Vec::new());
+            self.pool.broadcast(|_| {
+                while let Some(mut item) = lock(&queue).next() {
+                    if !work(&mut item) {
+                        lock(&unfinished).push(item);
+                    }
+                    if self.is_due() {
+                        break;
+                    }
+                }
+            });
+            let mut left = lock(&queue);
+            left.begun.append(&mut lock(&unfinished));
+            if left.begun.is_empty() && left.new.len() == 0 {
+                return Ok(());
+            }
+            drop(left);
+            self.yielding.point()?;
+        }
+    }
+
+    /// Whether work is to give way.
+    pub(crate) fn is_due(&self) -> bool {
+        self.yielding.is_due()
+    }
+}
+
+impl<T, I: Iterator<Item = T>> Queue<I, T> {
+    fn next(&mut self) -> Option<T> {
+        self.begun.pop().or_else(|| self.new.next())
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Default for Workers {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use super::*;
+
+    /// Counts how often work gives way, always due, and cancels it the time of that number.
+    fn counting(cancelled_at: usize) -> (Yielding, Arc<AtomicUsize>) {
+        let count = Arc::new(AtomicUsize::new(0));
+        let counted = Arc::clone(&count);
+        let give_way = move || counted.fetch_add(1, Ordering::Relaxed) + 1 != cancelled_at;
+        (Yielding::new(|| true, give_way), count)
+    }
+
+    #[test]
+    fn each_item_is_finished_once_however_often_it_gives_way() {
+        let (yielding, count) = counting(usize::MAX);
+        for workers in [Workers::of(2), Workers::of(2).yielding(yielding)] {
+            let done: Vec<AtomicUsize> = (0..100).map(|_| AtomicUsize::new(0)).collect();
+            // Every third takes three times.
+            let items: Vec<(usize, usize)> = (0..100).map(|k| (k, if k % 3 == 0 { 3 } else { 1 })).collect();
+            let ended = workers.each(items.into_iter(), |(index, left)| {
+                *left -= 1;
+                if *left == 0 {
+                    done[*index].fetch_add(1, Ordering::Relaxed);
+                }
+                *left == 0
+            });
+            assert_eq!(ended, Ok(()));
+            assert!(done.iter().all(|done| done.load(Ordering::Relaxed) == 1));
+        }
+        assert!(count.load(Ordering::Relaxed) >= 160 / 2, "{count:?}");
+    }
+
+    #[test]
+    fn cancelled_work_ends() {
+        let (yielding, count) = counting(3);
+        let workers = Workers::of(2).yielding(yielding);
+        let ended = workers.each(0..1_000, |_| true);
+        assert_eq!((ended, count.load(Ordering::Relaxed)), (Err(Cancelled), 3));
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use relight::Workers;
+use relight::{Workers, Yielding};
 use wgpu::{
     Adapter, Backends, CommandEncoder, CommandEncoderDescriptor, Device, DeviceType, ErrorFilter, Features,
     Limits, PollType, Queue,
@@ -25,6 +25,8 @@ pub struct Gpu {
     pub(crate) memory: MemoryBudget,
     pub(crate) stages: StageRecorder,
     backend: Backend,
+    /// When work that may take long gives way to others.
+    yielding: Yielding,
     /// Made when the processor first draws something.
     workers: OnceLock<Workers>,
     adapter_name: String,
@@ -88,6 +90,7 @@ impl Gpu {
             memory,
             stages,
             backend,
+            yielding: Yielding::default(),
             workers,
             adapter_name,
             advice,
@@ -114,6 +117,18 @@ impl Gpu {
             Some([text, replacement]) if wgsl.contains(text) => wgsl.replace(text, replacement).into(),
             _ => wgsl.into(),
         }
+    }
+
+    /// The same device with work that gives way to others in the middle of a piece that takes long: those others are not to draw
+    /// with the same [`crate::Renderer`]. A picture that is cancelled there is a [`RenderError::Cancelled`].
+    #[must_use]
+    pub fn with_yielding(self, yielding: Yielding) -> Self {
+        Self { yielding, ..self }
+    }
+
+    /// Gives way to others where that is due.
+    pub(crate) fn yield_point(&self) -> Result<(), RenderError> {
+        Ok(self.yielding.point()?)
     }
 
     /// Name of the driver's device, and of the interface and the driver's version that it is used by.
@@ -153,7 +168,7 @@ impl Gpu {
 
     /// The threads that draw where the processor does.
     pub(crate) fn workers(&self) -> &Workers {
-        self.workers.get_or_init(Workers::new)
+        self.workers.get_or_init(|| Workers::new().yielding(self.yielding.clone()))
     }
 
     /// The account of what is kept.

@@ -50,7 +50,16 @@ pub enum RenderError {
     /// A picture that its file format cannot hold.
     #[error("the picture cannot be encoded ({0}): make it smaller")]
     Encode(String),
+    /// Whoever asked for the picture has gone.
+    #[error("the picture was cancelled: ask for it again")]
+    Cancelled,
     /// A light with numbers outside their domains.
     #[error(transparent)]
     Light(#[from] light::LightError),
+}
+
+impl From<relight::Cancelled> for RenderError {
+    fn from(_: relight::Cancelled) -> Self {
+        Self::Cancelled
+    }
 }

@@ -3,14 +3,15 @@
 use glam::{DAffine3, DVec2};
 use scene::Projection;
 use wgpu::{
-    BindGroup, BindGroupLayout, BindingResource, Buffer, CommandEncoder, RenderPipeline, Texture,
+    BindGroup, BindGroupLayout, BindingResource, Buffer, CommandEncoder, RenderPass, RenderPipeline, Texture,
     TextureFormat, TextureView, TextureViewDescriptor,
 };
 
 use crate::gpu_scene::GpuScene;
+use crate::material::MaterialDraw;
 use crate::pass_runs::Cause;
 use crate::pipeline::{
-    DEPTH_FORMAT, RAW_TEXTURE, UINT_TEXTURE, cleared_depth, color_attachment, nearer_wins, vertex_buffers,
+    DEPTH_FORMAT, RAW_TEXTURE, UINT_TEXTURE, color_attachment, depth_attachment, nearer_wins, vertex_buffers,
 };
 use crate::readback::read_together;
 use crate::tile::Tile;
@@ -167,34 +168,70 @@ impl GbufferPass {
     }
 
     /// Draws what the pixels of `tile` see of a picture of `size`. All of the picture is mapped as it would be
-    /// without tiles, and what lies outside of this one is cut off: so tiles hold the same.
+    /// without tiles, and what lies outside of this one is cut off: so tiles hold the same. Where very much lies in one place it
+    /// is drawn in parts, and others come between.
     pub fn draw(
         &self,
+        gpu: &Gpu,
         encoder: &mut CommandEncoder,
         into: &Gbuffer,
         (size, tile): ([u32; 2], Tile),
         scene: &GpuScene,
-    ) {
-        let GpuScene { view, geometry, draws, .. } = scene;
+    ) -> Result<(), RenderError> {
+        let parts = scene.parts(u64::from(tile.width) * u64::from(tile.height));
+        let most_indices = if parts == 1 { u32::MAX } else { 3 * (scene.triangle_count / parts).max(1) };
+        let mut left = most_indices;
+        let mut pass = self.begin(encoder, into, (size, tile), scene, true);
+        for draw in &scene.draws {
+            self.bind(&mut pass, draw);
+            let mut indices = draw.indices.clone();
+            while !indices.is_empty() {
+                let end = indices.end.min(indices.start.saturating_add(left));
+                pass.draw_indexed(indices.start..end, 0, 0..1);
+                left -= end - indices.start;
+                indices.start = end;
+                if left == 0 {
+                    drop(pass);
+                    gpu.finish(encoder)?;
+                    gpu.yield_point()?;
+                    pass = self.begin(encoder, into, (size, tile), scene, false);
+                    self.bind(&mut pass, draw);
+                    left = most_indices;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Begins to draw, from nothing where it `clears`.
+    fn begin<'e>(
+        &self,
+        encoder: &'e mut CommandEncoder,
+        into: &Gbuffer,
+        (size, tile): ([u32; 2], Tile),
+        scene: &GpuScene,
+        clears: bool,
+    ) -> RenderPass<'e> {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("gbuffer"),
             color_attachments: &[&into.packed, &into.offset]
-                .map(|target| Some(color_attachment(target, true))),
-            depth_stencil_attachment: Some(cleared_depth(&into.depth)),
+                .map(|target| Some(color_attachment(target, clears))),
+            depth_stencil_attachment: Some(depth_attachment(&into.depth, clears)),
             ..Default::default()
         });
         let [left, top, width, height] =
             [-f64::from(tile.x), -f64::from(tile.y), size[0].into(), size[1].into()].map(|x| x as f32);
         pass.set_viewport(left, top, width, height, 0.0, 1.0);
-        pass.set_bind_group(0, view, &[]);
-        pass.set_vertex_buffer(0, geometry.positions.slice(..));
-        pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
-        for draw in draws {
-            let [colored, shiny] = draw.pictures.map(usize::from);
-            let [masked, double_sided] = [draw.masked, draw.double_sided].map(usize::from);
-            pass.set_pipeline(&self.pipelines[colored][shiny][masked][double_sided]);
-            pass.set_bind_group(1, &draw.material, &[]);
-            pass.draw_indexed(draw.indices.clone(), 0, 0..1);
-        }
+        pass.set_bind_group(0, &scene.view, &[]);
+        pass.set_vertex_buffer(0, scene.geometry.positions.slice(..));
+        pass.set_index_buffer(scene.geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass
+    }
+
+    fn bind(&self, pass: &mut RenderPass, draw: &MaterialDraw) {
+        let [colored, shiny] = draw.pictures.map(usize::from);
+        let [masked, double_sided] = [draw.masked, draw.double_sided].map(usize::from);
+        pass.set_pipeline(&self.pipelines[colored][shiny][masked][double_sided]);
+        pass.set_bind_group(1, &draw.material, &[]);
     }
 }

@@ -39,6 +39,9 @@ pub(crate) struct GpuScene {
     _memory: Reservation,
 }
 
+/// Fragments that the device is given at once, so that others can come between: a software driver takes some tenths of a second.
+const FRAGMENTS_AT_ONCE: f64 = 32e6;
+
 /// The layouts of the bind groups that a scene fills.
 #[derive(Debug)]
 pub(crate) struct SceneGroupLayouts {
@@ -49,6 +52,12 @@ pub(crate) struct SceneGroupLayouts {
 }
 
 impl GpuScene {
+    /// In how many parts its triangles are drawn onto so many pixels, or pixels are asked what is near to them: one but for scenes
+    /// of which very much lies in one place.
+    pub fn parts(&self, pixels: u64) -> u32 {
+        (self.posed.depth_complexity() * pixels as f64 / FRAGMENTS_AT_ONCE).ceil().clamp(1.0, 65_536.0) as u32
+    }
+
     /// The draws that have an alpha test.
     pub fn masked(&self) -> &[MaterialDraw] {
         &self.draws[self.draws.partition_point(|draw| !draw.masked)..]
@@ -75,11 +84,13 @@ impl GpuScene {
         mesh_error: f64,
     ) -> Result<Self, RenderError> {
         let (scene, mut vertices) = (&posed.scene, Vertices::new(posed)?);
+        gpu.yield_point()?;
         let opaque =
             vertices.draws.iter().rfind(|draw| scene.materials[draw.material].alpha_cutoff.is_none());
         let opaque_indices = opaque.map_or(0, |draw| draw.indices.end);
         let Materials { draws, alpha_tests, texture_bytes } =
             Materials::new(gpu, &group_layouts.material, scene, &vertices.draws)?;
+        gpu.yield_point()?;
         let no_tests;
         let tests = if let Some(tests) = &alpha_tests {
             tests
@@ -88,8 +99,10 @@ impl GpuScene {
             &no_tests
         };
         let casters = Casters::new(gpu, (&vertices, opaque_indices as usize), mesh_error)?;
+        gpu.yield_point()?;
         let (triangle_count, runs) = (vertices.planes.len() as u32, std::mem::take(&mut vertices.runs));
         let geometry = Geometry::new(gpu, vertices)?;
+        gpu.yield_point()?;
         let Geometry { positions, attributes, indices, planes, hierarchy, hierarchy_triangles, .. } =
             &geometry;
         let view_resources = [view_uniform, planes, positions, indices, attributes]

@@ -83,7 +83,7 @@ pub use error::RenderError;
 pub use memory::{MemoryBudget, MemoryKind};
 pub use pass_runs::{Cause, Pass, PassCounts, PassRun};
 pub use picture::{Picture, PictureFormat, Pixels};
-pub use relight::ShadowFilter;
+pub use relight::{ShadowFilter, Yielding};
 pub use renderer::Renderer;
 pub use scene::{Aov, MapScale, View, ViewSlot};
 pub use shadow_settings::{Culling, ShadowSettings};

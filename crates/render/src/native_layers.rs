@@ -81,7 +81,7 @@ impl LayerPainter for NativeLayers<'_> {
         let NativeLight { light: shape, map } = &light.light;
         let scene = arrays(self.scene, light.linked.as_deref());
         let workers = self.gpu.workers();
-        draw_layer(workers, self.surfaces, &scene, (shape, map.as_deref()), pixels, &mut layer);
+        draw_layer(workers, self.surfaces, &scene, (shape, map.as_deref()), pixels, &mut layer)?;
         self.gpu.stages.ended(Stage::Light);
         Ok(Arc::new(layer))
     }

@@ -95,7 +95,7 @@ pub(crate) fn draw_map(
         tests: casting.alpha_tests.map_or_else(AlphaTests::default, |tests| tests.host()),
     };
     let casters = (&host.positions[..], &seen.blocks[..], &host.indices[..]);
-    work.draw(gpu.workers(), &map, casters, &holed, into);
+    work.draw(gpu.workers(), &map, casters, &holed, into)?;
     gpu.stages.ended(Stage::Draw);
     gpu.stages.count(|counters| {
         counters.triangles_seen += seen.triangles;

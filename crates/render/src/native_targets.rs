@@ -113,15 +113,16 @@ impl NativeTargets {
         (gpu, scene): (&Gpu, &GpuScene),
         light: &CheckedLight,
         (ready, tile): (&ReadyLight<NativeLight>, Tile),
-    ) {
+    ) -> Result<(), RenderError> {
         let surfaces = seen(self.surfaces.as_ref());
         let NativeLight { light: shape, map } = &ready.light;
         let scene = arrays(scene, ready.linked.as_deref());
         let pixels = tile.cut(ready.pixels);
         let drawn = (pixels, factors(light));
-        relight::add_light(gpu.workers(), surfaces, &scene, (shape, map.as_deref()), drawn, &mut self.added);
+        relight::add_light(gpu.workers(), surfaces, &scene, (shape, map.as_deref()), drawn, &mut self.added)?;
         gpu.stages.ended(Stage::Light);
         gpu.stages.count(|counters| counters.scissor_pixels += u64::from(pixels[2]) * u64::from(pixels[3]));
+        Ok(())
     }
 
     /// Has how much of `ready` nothing is in the way of where else radiance is. It reaches pixels of the picture, of which this is
@@ -130,19 +131,20 @@ impl NativeTargets {
         &mut self,
         (gpu, scene): (&Gpu, &GpuScene),
         (ready, tile): (Option<&ReadyLight<NativeLight>>, Tile),
-    ) {
+    ) -> Result<(), RenderError> {
         let surfaces = seen(self.surfaces.as_ref());
         let [width, height] = surfaces.size().map(|side| side as usize);
         let Some(ready) = ready else {
             self.radiance = vec![[0.0; 4]; width * height];
-            return;
+            return Ok(());
         };
         let NativeLight { light, map } = &ready.light;
         let scene = arrays(scene, ready.linked.as_deref());
         let pixels = tile.cut(ready.pixels);
         self.radiance =
-            relight::visibility_of(gpu.workers(), surfaces, &scene, (light, map.as_deref()), pixels);
+            relight::visibility_of(gpu.workers(), surfaces, &scene, (light, map.as_deref()), pixels)?;
         gpu.stages.ended(Stage::Light);
+        Ok(())
     }
 
     /// Adds the sample with its weight, and so much of the fill, to those before it; to nothing if it is the `first`.

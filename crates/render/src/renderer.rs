@@ -248,7 +248,7 @@ impl Renderer {
         let mut base = targets.lights_drawn.is_none();
         if base {
             let onto = (raster, tile);
-            if let Some(cause) = targets.draw_gbuffer(&mut encoder, passes, scene, onto, offset) {
+            if let Some(cause) = targets.draw_gbuffer(gpu, &mut encoder, (passes, scene), onto, offset)? {
                 ran.note(Pass::Gbuffer, None, cause);
                 gpu.end_stage(&mut encoder, Stage::Gbuffer)?;
             }
@@ -345,9 +345,17 @@ impl Renderer {
         let gpu = Arc::clone(&self.gpu);
         self.ran.runs.clear();
         let result = gpu.checked(|| work(self, &gpu));
-        if result.is_err() {
-            self.viewers.forget(slot);
-            self.shadow_maps.clear();
+        match &result {
+            Ok(_) => {}
+            Err(RenderError::Cancelled) => {
+                // What was half done was taken out for it, and is gone.
+                self.viewers.forget(slot);
+                self.shadow_maps.bent_work.forget();
+            }
+            Err(_) => {
+                self.viewers.forget(slot);
+                self.shadow_maps.clear();
+            }
         }
         result
     }

@@ -3,15 +3,16 @@
 use std::ops::Range;
 
 use glam::DVec3;
-use wgpu::{BindGroupLayout, Buffer, CommandEncoder, RenderPipeline};
+use wgpu::{BindGroup, BindGroupLayout, Buffer, CommandEncoder, RenderPass, RenderPipeline, TextureView};
 
 use crate::casters::Casting;
 use crate::geometry::Geometry;
+use crate::gpu_scene::GpuScene;
 use crate::in_view::in_view;
-use crate::pipeline::{MapTarget, UNIFORM, cleared_depth, nearer_wins, vertex_buffers};
+use crate::pipeline::{MapTarget, UNIFORM, depth_attachment, nearer_wins, vertex_buffers};
 use crate::shadow_settings::{Culling, MapSize};
 use crate::shells::Shell;
-use crate::{Gpu, gpu_structs, shaders};
+use crate::{Gpu, RenderError, gpu_structs, shaders};
 
 /// The pipelines, which outlive scenes and lights.
 #[derive(Debug)]
@@ -82,7 +83,8 @@ impl ShadowPass {
     }
 
     /// Draws what casts of a scene's geometry into each layer by its view; those without one are empty. Returns how many
-    /// opaque triangles were looked at.
+    /// opaque triangles were looked at. Of a scene of which very much lies in one place a layer is drawn in parts, and others come
+    /// between.
     ///
     /// Light begins at `source`, in scene space, or outside of the scene.
     pub fn draw(
@@ -91,52 +93,118 @@ impl ShadowPass {
         encoder: &mut CommandEncoder,
         into: &ShadowMap,
         (views, source, culling): (&[Option<gpu_structs::ShadowView>], Option<DVec3>, Culling),
-        scene: (&Geometry, &Casting),
-    ) -> u64 {
+        (scene, casting): (&GpuScene, &Casting),
+    ) -> Result<u64, RenderError> {
         let mut triangles = 0;
+        let parts = scene.parts(u64::from(into.target.size.side).pow(2));
         for ((layer, (uniform, group)), view) in into.target.layers.iter().zip(&into.views).zip(views) {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("shadow"),
-                depth_stencil_attachment: Some(cleared_depth(layer)),
-                ..Default::default()
-            });
-            if let Some(view) = view {
-                gpu.queue.write_buffer(uniform, 0, bytemuck::bytes_of(view));
-                pass.set_bind_group(0, group, &[]);
-                let seen = in_view(scene.1.casters, &view.clip_from_scene, source, culling);
-                triangles += seen.iter().map(|(indices, _)| indices.len() as u64 / 3).sum::<u64>();
-                self.draw_casters(&mut pass, scene, &seen);
+            let Some(view) = view else {
+                drop(begin(encoder, layer, group, true));
+                continue;
+            };
+            gpu.queue.write_buffer(uniform, 0, bytemuck::bytes_of(view));
+            let seen = in_view(casting.casters, &view.clip_from_scene, source, culling);
+            triangles += seen.iter().map(|(indices, _)| indices.len() as u64 / 3).sum::<u64>();
+            let runs = self.runs(&scene.geometry, casting, &seen);
+            let all: u32 = runs.iter().map(|run| run.indices.end - run.indices.start).sum();
+            let most_indices = if parts == 1 { u32::MAX } else { 3 * (all / 3 / parts).max(1) };
+            let mut left = most_indices;
+            let mut pass = begin(encoder, layer, group, true);
+            let mut bound = None;
+            for run in &runs {
+                if bound.is_none_or(|bound| run.binds_other_than(bound)) {
+                    run.bind(&mut pass);
+                }
+                bound = Some(run);
+                let mut indices = run.indices.clone();
+                while !indices.is_empty() {
+                    let end = indices.end.min(indices.start.saturating_add(left));
+                    pass.draw_indexed(indices.start..end, 0, 0..1);
+                    left -= end - indices.start;
+                    indices.start = end;
+                    if left == 0 {
+                        drop(pass);
+                        gpu.finish(encoder)?;
+                        gpu.yield_point()?;
+                        pass = begin(encoder, layer, group, false);
+                        run.bind(&mut pass);
+                        left = most_indices;
+                    }
+                }
             }
         }
-        triangles
+        Ok(triangles)
     }
 
-    fn draw_casters(
-        &self,
-        pass: &mut wgpu::RenderPass,
-        (geometry, casting): (&Geometry, &Casting),
+    /// What is drawn of casters, in order.
+    fn runs<'a>(
+        &'a self,
+        geometry: &'a Geometry,
+        casting: &Casting<'a>,
         seen: &[(Range<u32>, Shell)],
-    ) {
-        let Casting { casters, masked, .. } = casting;
-        if !seen.is_empty() {
-            pass.set_vertex_buffer(0, casters.positions.slice(..));
-            pass.set_index_buffer(casters.indices.slice(..), wgpu::IndexFormat::Uint32);
+    ) -> Vec<Run<'a>> {
+        let Casting { casters, masked, .. } = *casting;
+        let opaque = Shell::ALL.into_iter().flat_map(|shell| {
+            let of_shell = seen.iter().filter(move |(_, own)| *own == shell);
+            of_shell.map(move |(indices, _)| Run {
+                pipeline: &self.opaque[shell as usize],
+                material: None,
+                vertices: [Some(&casters.positions), None],
+                index_buffer: &casters.indices,
+                indices: indices.clone(),
+            })
+        });
+        let masked = masked.iter().map(|draw| Run {
+            pipeline: &self.masked,
+            material: Some(&draw.material),
+            vertices: [Some(&geometry.positions), Some(&geometry.attributes)],
+            index_buffer: &geometry.indices,
+            indices: draw.indices.clone(),
+        });
+        opaque.chain(masked).collect()
+    }
+}
+
+/// Triangles that are drawn in the same way.
+struct Run<'a> {
+    pipeline: &'a RenderPipeline,
+    /// Of those with an alpha test.
+    material: Option<&'a BindGroup>,
+    vertices: [Option<&'a Buffer>; 2],
+    index_buffer: &'a Buffer,
+    indices: Range<u32>,
+}
+
+impl Run<'_> {
+    /// Whether it binds something else.
+    fn binds_other_than(&self, other: &Self) -> bool {
+        self.material.is_some() || !std::ptr::eq(self.pipeline, other.pipeline)
+    }
+
+    fn bind(&self, pass: &mut RenderPass) {
+        pass.set_pipeline(self.pipeline);
+        for (slot, buffer) in (0..).zip(self.vertices.iter().flatten()) {
+            pass.set_vertex_buffer(slot, buffer.slice(..));
         }
-        for shell in Shell::ALL {
-            pass.set_pipeline(&self.opaque[shell as usize]);
-            for (indices, _) in seen.iter().filter(|(_, own)| *own == shell) {
-                pass.draw_indexed(indices.clone(), 0, 0..1);
-            }
-        }
-        if !masked.is_empty() {
-            pass.set_pipeline(&self.masked);
-            pass.set_vertex_buffer(0, geometry.positions.slice(..));
-            pass.set_vertex_buffer(1, geometry.attributes.slice(..));
-            pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
-        }
-        for draw in *masked {
-            pass.set_bind_group(1, &draw.material, &[]);
-            pass.draw_indexed(draw.indices.clone(), 0, 0..1);
+        pass.set_index_buffer(self.index_buffer.slice(..), wgpu::IndexFormat::Uint32);
+        if let Some(material) = self.material {
+            pass.set_bind_group(1, material, &[]);
         }
     }
+}
+
+/// Begins to draw onto a layer, from nothing where it `clears`.
+fn begin<'e>(
+    encoder: &'e mut CommandEncoder,
+    layer: &TextureView,
+    group: &BindGroup,
+    clears: bool,
+) -> RenderPass<'e> {
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("shadow"),
+        depth_stencil_attachment: Some(depth_attachment(layer, clears)),
+        ..Default::default()
+    });
+    pass.set_bind_group(0, group, &[]);
+    pass
 }

@@ -289,11 +289,11 @@ impl StraightPass {
         let group = gpu.group("straight light", &self.group_layouts[2], &resources);
         if drawn {
             let casting = casting(gpu, scene, linked, shadows.mesh_error)?;
-            let what = (&scene.geometry, &casting);
+            let what = (scene, &casting);
             let source = light.source_in_world().map(|source| source - scene.posed.origin_in_world);
             let views = placed.views().shadow_views();
             let views = (&views[..], source, shadows.culling);
-            let triangles = self.shadow.draw(gpu, encoder, &slot.map, views, what);
+            let triangles = self.shadow.draw(gpu, encoder, &slot.map, views, what)?;
             gpu.end_stage(encoder, Stage::Draw)?;
             let MapSize { side, layers } = slot.map.target.size;
             gpu.stages.count(|counters| {

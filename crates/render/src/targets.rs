@@ -202,12 +202,12 @@ impl Targets {
     /// Fills the G-buffer, unless it shows just this. Returns why it had to.
     pub fn draw_gbuffer(
         &mut self,
+        gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        passes: &Passes,
-        scene: &GpuScene,
+        (passes, scene): (&Passes, &GpuScene),
         (raster, tile): (&Raster, Tile),
         sample_offset: DVec2,
-    ) -> Option<Cause> {
+    ) -> Result<Option<Cause>, RenderError> {
         let size = [raster.width, raster.height];
         let key = GbufferKey {
             revision: scene.revision,
@@ -218,14 +218,16 @@ impl Targets {
             sample_offset,
         };
         let cause = match self.gbuffer_key {
-            Some(before) if before == key => return None,
+            Some(before) if before == key => return Ok(None),
             before => key.cause_after(before.as_ref()),
         };
-        passes.gbuffer.draw(encoder, &self.gbuffer, (size, tile), scene);
+        // Until all of it is drawn it shows nothing.
+        self.gbuffer_key = None;
+        passes.gbuffer.draw(gpu, encoder, &self.gbuffer, (size, tile), scene)?;
         self.layers.invalidate();
         self.native.invalidate();
         self.gbuffer_key = Some(key);
-        Some(cause)
+        Ok(Some(cause))
     }
 
     /// Draws everything anew when it is next asked for.
@@ -245,25 +247,32 @@ impl Targets {
         (base, clear): (bool, bool),
         lights: &[ReadyLight<WgpuLight>],
     ) -> Result<(), RenderError> {
-        if !gpu.stages.is_on() {
-            self.draw_lights(gpu, encoder, what, onto, (base, clear), lights);
+        let (_, scene) = what;
+        let drawn: Vec<_> = lights.iter().map(|light| (light, onto.1.cut(light.pixels))).collect();
+        if !gpu.stages.is_on() && drawn.iter().all(|(_, pixels)| scene.parts(area(*pixels)) == 1) {
+            self.draw_lights(gpu, encoder, what, onto, (base, clear), &drawn);
             return Ok(());
         }
         if base {
             self.draw_lights(gpu, encoder, what, onto, (base, clear), &[]);
             gpu.end_stage(encoder, Stage::Fill)?;
         }
-        for light in lights {
-            self.draw_lights(gpu, encoder, what, onto, (false, false), std::slice::from_ref(light));
+        for (light, pixels) in drawn {
+            for (part, is_last) in in_parts(pixels, scene.parts(area(pixels))) {
+                self.draw_lights(gpu, encoder, what, onto, (false, false), &[(light, part)]);
+                if !is_last {
+                    gpu.finish(encoder)?;
+                    gpu.yield_point()?;
+                }
+            }
             gpu.end_stage(encoder, Stage::Light)?;
-            let [_, _, width, height] = onto.1.cut(light.pixels);
-            gpu.stages.count(|counters| counters.scissor_pixels += u64::from(width) * u64::from(height));
+            gpu.stages.count(|counters| counters.scissor_pixels += area(pixels));
         }
         Ok(())
     }
 
     /// Adds to the radiance, or to nothing if it is the picture's beginning: what of one sample of `aov` comes from
-    /// no light where `base`, and what comes from `lights`. They reach pixels of the picture, of which this is `tile`.
+    /// no light where `base`, and what comes from `lights`, each within those pixels of the `tile`.
     fn draw_lights(
         &self,
         gpu: &Gpu,
@@ -271,7 +280,7 @@ impl Targets {
         (passes, scene): (&Passes, &GpuScene),
         (aov, tile): (Aov, Tile),
         (base, clear): (bool, bool),
-        lights: &[ReadyLight<WgpuLight>],
+        lights: &[(&ReadyLight<WgpuLight>, [u32; 4])],
     ) {
         let radiance = &self.lit(gpu, passes).radiance_view;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -287,8 +296,8 @@ impl Targets {
             Aov::Depth | Aov::Normal if base => passes.inspect.draw(gpu, &mut pass, aov, &[], everywhere),
             _ => {}
         }
-        for light in lights {
-            light.lighting(gpu, passes).draw(gpu, &mut pass, aov, &light.groups(), tile.cut(light.pixels));
+        for (light, pixels) in lights {
+            light.lighting(gpu, passes).draw(gpu, &mut pass, aov, &light.groups(), *pixels);
         }
     }
 
@@ -336,6 +345,23 @@ impl Targets {
         self.native.see(surfaces);
         Ok(())
     }
+}
+
+/// Of `[x, y, width, height]`.
+pub(crate) fn area([_, _, width, height]: [u32; 4]) -> u64 {
+    u64::from(width) * u64::from(height)
+}
+
+/// Cuts `[x, y, width, height]` into so many bands of rows, as far as there are rows; each with whether it is the last.
+pub(crate) fn in_parts(
+    [x, y, width, height]: [u32; 4],
+    parts: u32,
+) -> impl Iterator<Item = ([u32; 4], bool)> {
+    let rows = height.div_ceil(parts).max(1);
+    (0..height.div_ceil(rows).max(1)).map(move |part| {
+        let first = part * rows;
+        ([x, y + first, width, rows.min(height - first)], first + rows >= height)
+    })
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ use crate::lights::{ReadyLight, ShadowMaps};
 use crate::passes::Passes;
 use crate::pipeline::color_attachment;
 use crate::stages::Stage;
+use crate::targets::{area, in_parts};
 use crate::wgpu_maps::{WgpuLight, WgpuMaps};
 use crate::{Gpu, RenderError, composite, lighting};
 
@@ -61,15 +62,23 @@ impl LayerPainter for WgpuLayers<'_> {
         over: Option<TextureView>,
     ) -> Result<TextureView, RenderError> {
         let layer = over.unwrap_or_else(|| self.texture(lighting::LAYER_FORMAT));
-        let mut pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("layer"),
-            color_attachments: &[Some(color_attachment(&layer, true))],
-            ..Default::default()
-        });
-        pass.set_bind_group(0, &self.scene.view, &[]);
-        pass.set_bind_group(1, self.surface, &[]);
-        light.lighting(self.gpu, self.passes).draw_layer(self.gpu, &mut pass, &light.groups(), pixels);
-        drop(pass);
+        let parts = self.scene.parts(area(pixels));
+        for (part, is_last) in in_parts(pixels, parts) {
+            let clears = part[1] == pixels[1];
+            let mut pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("layer"),
+                color_attachments: &[Some(color_attachment(&layer, clears))],
+                ..Default::default()
+            });
+            pass.set_bind_group(0, &self.scene.view, &[]);
+            pass.set_bind_group(1, self.surface, &[]);
+            light.lighting(self.gpu, self.passes).draw_layer(self.gpu, &mut pass, &light.groups(), part);
+            drop(pass);
+            if !is_last {
+                self.gpu.finish(self.encoder)?;
+                self.gpu.yield_point()?;
+            }
+        }
         self.gpu.end_stage(self.encoder, Stage::Light)?;
         // A map that passes is to be gone before the next one comes.
         if light.passing.is_some() {

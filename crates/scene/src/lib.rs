@@ -4,6 +4,7 @@
 //! the promises stated on each field; [`Scene::check`] verifies them all and is called once by every importer.
 
 mod camera;
+mod depth_complexity;
 mod node_tree;
 mod pose;
 mod scene;

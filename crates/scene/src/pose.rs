@@ -27,6 +27,7 @@ pub struct PosedScene {
     pub positions: Vec<DVec3>,
     /// Made when somebody asks.
     nodes: OnceLock<NodeTree>,
+    pub(crate) depth_complexity: OnceLock<f64>,
 }
 
 /// A primitive at its place in the world.
@@ -61,6 +62,7 @@ pub fn pose(scene: impl Into<Arc<Scene>>) -> Arc<PosedScene> {
         primitives,
         positions,
         nodes: OnceLock::new(),
+        depth_complexity: OnceLock::new(),
     })
 }
 

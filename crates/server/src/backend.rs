@@ -12,6 +12,7 @@ use crate::renderer::Renders;
 use crate::scenes::Scenes;
 use crate::storage::Storage;
 use crate::trace::Trace;
+use crate::views::MovingPixels;
 
 /// One of each; clones share them.
 #[derive(Clone, Debug)]
@@ -22,6 +23,8 @@ pub struct Backend {
     pub scenes: Arc<Scenes>,
     /// The renderer.
     pub renders: Renders,
+    /// What of views moves, by actor.
+    pub moving_pixels: Arc<MovingPixels>,
     /// A permit for each probe whose rays are followed.
     pub probes: Arc<Semaphore>,
     /// A permit for each drag that is solved beside its session.

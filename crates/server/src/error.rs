@@ -11,7 +11,7 @@ use render::RenderError;
 use store::StoreError;
 use thiserror::Error;
 
-use crate::limits::{BODY_RESTS_AT_MOST, HELLO_WITHIN};
+use crate::limits::{BODY_RESTS_AT_MOST, HELLO_WITHIN, MAX_MOVING_PIXELS};
 
 /// Why the server does not start, or why a request is refused.
 #[derive(Debug, Error)]
@@ -101,6 +101,12 @@ pub enum ServerError {
     /// What the session refuses.
     #[error(transparent)]
     Refused(#[from] Refusal),
+    /// Views that are drawn smaller while they move. Said, and nothing is refused.
+    #[error(
+        "your views have more than {MAX_MOVING_PIXELS} pixels that move at once, so they are drawn smaller until they rest: \
+         close one, or make it smaller"
+    )]
+    ViewsMoveTooMuch,
     /// Something that does not exist.
     #[error("there is no {what} `{name}`: {remedy}")]
     NotFound {
@@ -193,7 +199,7 @@ impl ServerError {
             Self::MethodNotAllowed { .. } => ErrorCode::MethodNotAllowed,
             Self::NotJson(_) => ErrorCode::UnsupportedMediaType,
             Self::TooLarge { .. } => ErrorCode::TooLarge,
-            Self::TooMany { .. } => ErrorCode::TooMany,
+            Self::TooMany { .. } | Self::ViewsMoveTooMuch => ErrorCode::TooMany,
             Self::Stalled => ErrorCode::Stalled,
             Self::WarmingUp => ErrorCode::WarmingUp,
             Self::NotReady(_) => ErrorCode::NotReady,

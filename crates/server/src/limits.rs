@@ -54,6 +54,9 @@ pub const MAX_VIEW_SIDE: u32 = protocol::RenderLimits::HTTP.max_side;
 /// session 4.
 pub const MAX_VIEW_PIXELS: u32 = 1 << 23;
 
+/// Pixels of all views of an actor that move at once, one of 3840 x 2160 or as many smaller ones; past that they are drawn smaller.
+pub const MAX_MOVING_PIXELS: u64 = 3840 * 2160;
+
 /// Messages that wait for a session's task; senders wait past that.
 pub const ROOM_QUEUE: usize = 1_024;
 /// A client's messages that wait for one of its drags to be solved. With more the session takes no messages until it is.

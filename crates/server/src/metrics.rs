@@ -28,6 +28,8 @@ pub struct Metrics {
     pub commit_seconds: Histogram,
     /// Renders for views.
     pub render_seconds: Histogram,
+    /// Turns of the renderer: each a part of a picture, or all of it.
+    pub render_turn_seconds: Histogram,
     /// Encodings for views.
     pub encode_seconds: Histogram,
     /// Clients that have said hello.
@@ -87,6 +89,7 @@ impl Metrics {
             edits: Family::default(),
             commit_seconds: seconds(),
             render_seconds: seconds(),
+            render_turn_seconds: seconds(),
             encode_seconds: seconds(),
             clients: Gauge::default(),
             rooms: Gauge::default(),
@@ -118,6 +121,8 @@ impl Metrics {
         registry.register("edits", "Requests for records, by outcome", self.edits.clone());
         registry.register("commit_seconds", "Transactions of the store", self.commit_seconds.clone());
         registry.register("render_seconds", "Renders for views", self.render_seconds.clone());
+        let turns = "Turns of the renderer, each a part of a picture or all of it";
+        registry.register("render_turn_seconds", turns, self.render_turn_seconds.clone());
         registry.register("encode_seconds", "Encodings for views", self.encode_seconds.clone());
         registry.register("clients", "Clients that have said hello", self.clients.clone());
         registry.register("rooms", "Sessions that are open", self.rooms.clone());

@@ -20,6 +20,10 @@ use crate::storage::Storage;
 
 /// How a demo scene is named.
 pub const DEMO: &str = "demo:";
+/// Primitives past which a scene's notes say so: each is a draw of its own.
+const MANY_PRIMITIVES: usize = 10_000;
+/// Triangles over one another past which they say so ([`PosedScene::depth_complexity`]); scenes that people model have some dozens.
+const DEEP: f64 = 1_000.0;
 /// Digits of its hash that tell a scene without a name from others.
 const DIGITS_OF_UNNAMED: usize = 8;
 
@@ -145,7 +149,8 @@ impl Decoded {
     fn of(bytes: &[u8]) -> Result<Self, ServerError> {
         let Loaded { scene, contents, name, notes } = assets::load_bytes(bytes)?.lit();
         let (posed, contents) = (scene::pose(scene), Arc::new(contents));
-        Ok(Self { posed, contents, notes: notes.into(), own_name: name, bvh: Arc::default() })
+        let notes = notes.into_iter().chain(costs(&posed)).collect();
+        Ok(Self { posed, contents, notes, own_name: name, bvh: Arc::default() })
     }
 
     /// The scene ready for rays: built when it is first asked for, once for all who have the scene, and off the tasks that
@@ -157,6 +162,21 @@ impl Decoded {
         };
         self.bvh.get_or_try_init(build).await.map(Arc::clone)
     }
+}
+
+/// What makes pictures of a scene take long, a sentence each.
+fn costs(posed: &PosedScene) -> impl Iterator<Item = String> + use<> {
+    let (count, depth) = (posed.primitives.len(), posed.depth_complexity());
+    let primitives = (count > MANY_PRIMITIVES).then(|| {
+        format!(
+            "the scene has {count} primitives, so its pictures take long: join those that share a material"
+        )
+    });
+    let depth = (depth > DEEP).then(|| {
+        let sheets = depth.round();
+        format!("in one place of the scene {sheets} triangles lie over one another, so its pictures take long: leave out what is hidden")
+    });
+    primitives.into_iter().chain(depth)
 }
 
 fn read_all(mut file: File) -> io::Result<Vec<u8>> {

@@ -103,6 +103,7 @@ impl Server {
             scenes: Arc::new(Scenes::new(storage.clone(), Arc::clone(&metrics))),
             storage,
             renders,
+            moving_pixels: Arc::default(),
             probes: Arc::new(Semaphore::new(MAX_PROBES)),
             solves: Arc::new(Semaphore::new(MAX_SOLVES)),
             metrics,

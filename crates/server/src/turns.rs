@@ -48,6 +48,11 @@ impl Payer {
         Self { session: Arc::clone(session), actor: Some(actor.into()) }
     }
 
+    /// The actor's id, where it gives one.
+    pub fn actor_id(&self) -> Option<&Arc<str>> {
+        self.actor.as_ref()
+    }
+
     /// Programs that give no actor, in a session.
     pub fn program(session: &str) -> Self {
         Self { session: session.into(), actor: None }

@@ -12,11 +12,11 @@ use super::casters::{BentMap, Casters};
 use super::slab::{Mapped, SlabLanes};
 use super::split::{Drawn, Patch, ToClip, split};
 use super::triangles::{Listed, Vertex};
-use crate::Workers;
 use crate::depth_map::DepthMap;
 use crate::lanes::{LANES, U32s, Vec3s};
 use crate::raster::{Depths, Face, Holed, Scratch, draw_face_with_holes};
 use crate::simd::{self, Work};
+use crate::{Cancelled, Workers};
 
 /// Vertices of a block of casters.
 const BLOCK: usize = 64;
@@ -75,7 +75,7 @@ impl BentWork {
     }
 
     /// Cuts what reaches over several slabs, and splits what is not straight. Returns how many triangles were looked at for it.
-    pub fn split(&mut self, workers: &Workers, map: &BentMap, casters: &Casters) -> u64 {
+    pub fn split(&mut self, workers: &Workers, map: &BentMap, casters: &Casters) -> Result<u64, Cancelled> {
         let mut to_clip: Vec<ToClip> =
             self.listed.iter().flat_map(|listed| &listed.to_clip).copied().collect();
         let mut patches: Vec<Patch> =
@@ -88,23 +88,29 @@ impl BentWork {
         let turns = clip_turns + patches.len().div_ceil(SPLIT_A_TURN);
         let Self { slabs, split: into, .. } = self;
         into.resize_with(turns, Drawn::default);
-        workers.run(|| {
-            let (of_clipped, of_patches) = into.split_at_mut(clip_turns);
-            let clipped =
-                of_clipped.par_iter_mut().zip(to_clip.par_chunks(SPLIT_A_TURN)).map(|turn| (turn, &[][..]));
-            let split_only = of_patches.par_iter_mut().zip(patches.par_chunks(SPLIT_A_TURN));
-            let split_only = split_only.map(|(into, patches)| ((into, &[][..]), patches));
-            clipped.chain(split_only).for_each(|((into, to_clip), patches)| {
-                into.whole.clear();
-                into.holed.clear();
-                simd::run(Split { map, slabs, casters, to_clip, patches, into });
-            });
-        });
-        count as u64
+        let (of_clipped, of_patches) = into.split_at_mut(clip_turns);
+        let clipped =
+            of_clipped.iter_mut().zip(to_clip.chunks(SPLIT_A_TURN)).map(|(into, some)| (into, some, &[][..]));
+        let split_only = of_patches.iter_mut().zip(patches.chunks(SPLIT_A_TURN));
+        let split_only = split_only.map(|(into, patches)| (into, &[][..], patches));
+        let turns: Vec<(&mut Drawn, &[ToClip], &[Patch])> = clipped.chain(split_only).collect();
+        workers.each(turns.into_iter(), |(into, to_clip, patches)| {
+            into.whole.clear();
+            into.holed.clear();
+            simd::run(Split { map, slabs, casters, to_clip, patches, into });
+            true
+        })?;
+        Ok(count as u64)
     }
 
     /// Draws what was mapped onto each face. Returns how many triangles that were.
-    pub fn draw(&mut self, workers: &Workers, map: &BentMap, casters: &Casters, into: &mut DepthMap) -> u64 {
+    pub fn draw(
+        &mut self,
+        workers: &Workers,
+        map: &BentMap,
+        casters: &Casters,
+        into: &mut DepthMap,
+    ) -> Result<u64, Cancelled> {
         let Self { listed, split, scratch, .. } = self;
         let whole = listed.iter().map(|listed| listed.whole.as_slice());
         let whole: Vec<_> = whole.chain(split.iter().map(|drawn| drawn.whole.as_slice())).collect();
@@ -115,11 +121,11 @@ impl BentWork {
             let drawn = Face { clip_from_place: face.clip_from_mapped, depths };
             let (whole, chunks) = if face.casts { (&whole[..], &holed[..]) } else { (&[][..], &[][..]) };
             let holed = Holed { chunks, tests: casters.alpha_tests };
-            draw_face_with_holes(&drawn, whole, &holed, workers, scratch, into.face_mut(index), side);
+            draw_face_with_holes(&drawn, whole, &holed, workers, scratch, into.face_mut(index), side)?;
         }
         let count = |drawn: &Drawn| drawn.whole.len() + drawn.holed.len();
         let split = split.iter().map(count).sum::<usize>();
-        (listed.iter().map(|listed| listed.whole.len()).sum::<usize>() + split) as u64
+        Ok((listed.iter().map(|listed| listed.whole.len()).sum::<usize>() + split) as u64)
     }
 }
 

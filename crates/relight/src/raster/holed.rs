@@ -63,12 +63,23 @@ impl HoledPiece {
         }
     }
 
-    /// Draws what of them is in a band, the one of this number.
+    /// How many of them are in the band of that number.
+    pub fn count_in(&self, band: usize) -> usize {
+        self.in_bands[band].len()
+    }
+
+    /// Draws one of those. Returns the texels of its bounding box.
     #[inline(always)]
-    pub fn draw<R: Rule>(&self, rule: R, tests: AlphaTests, index: usize, band: &mut Band) {
-        for &triangle in &self.in_bands[index] {
-            self.triangles[triangle as usize].draw(rule, tests, band);
-        }
+    pub fn draw<R: Rule>(
+        &self,
+        rule: R,
+        tests: AlphaTests,
+        (index, triangle): (usize, usize),
+        band: &mut Band,
+    ) -> usize {
+        let holed = &self.triangles[self.in_bands[index][triangle] as usize];
+        holed.draw(rule, tests, band);
+        holed.large.texels_in(band)
     }
 }
 

@@ -103,6 +103,13 @@ impl Large {
         Some((large, others.map(plane)))
     }
 
+    /// Texels of its bounding box in a band.
+    pub fn texels_in(&self, band: &Band) -> usize {
+        let first = (self.rows[0] as usize).max(band.first);
+        let end = (self.rows[1] as usize + 1).min(band.end);
+        end.saturating_sub(first) * ((self.columns[1] - self.columns[0]) as usize + LANES)
+    }
+
     /// Planes at the centre of a texel: D, and three others.
     #[inline(always)]
     pub fn at(&self, others: &[Plane; 3], column: usize, row: usize) -> (f64, [f64; 3]) {

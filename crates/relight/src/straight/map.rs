@@ -5,10 +5,10 @@ use rayon::prelude::*;
 
 use super::casters::{HoledCasters, StraightFace, StraightMap};
 use super::holed;
-use crate::Workers;
 use crate::depth_map::DepthMap;
 use crate::raster::{Depths, Face, Holed, HoledTriangle, Scratch, Triangle, draw_face_with_holes};
 use crate::simd::{self, Work};
+use crate::{Cancelled, Workers};
 
 /// Vertices of a block of casters.
 const BLOCK: usize = 64;
@@ -38,7 +38,7 @@ impl StraightWork {
         (positions, blocks, indices): (&[[f32; 3]], &[u32], &[u32]),
         holed: &HoledCasters,
         into: &mut DepthMap,
-    ) {
+    ) -> Result<(), Cancelled> {
         self.map_vertices(workers, map, (positions, blocks));
         let side = into.side();
         let depths = map.near.map_or(Depths::Orthographic, |near| Depths::Perspective { near });
@@ -62,8 +62,9 @@ impl StraightWork {
             holed::list(workers, (map, face), holed, listed_holed);
             let drawn = Face { clip_from_place: face.clip_from_place, depths };
             let with_holes = Holed { chunks: listed_holed, tests: holed.tests };
-            draw_face_with_holes(&drawn, listed, &with_holes, workers, scratch, texels, side);
+            draw_face_with_holes(&drawn, listed, &with_holes, workers, scratch, texels, side)?;
         }
+        Ok(())
     }
 
     /// Finds the place of each vertex near the light.

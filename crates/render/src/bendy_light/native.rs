@@ -72,9 +72,9 @@ pub(crate) fn draw_map(
     gpu.stages.ended(Stage::Vertices);
     work.map_triangles(workers, &drawn, &casters);
     gpu.stages.ended(Stage::Triangles);
-    let split = work.split(workers, &drawn, &casters);
+    let split = work.split(workers, &drawn, &casters)?;
     gpu.stages.ended(Stage::Split);
-    let triangles = work.draw(workers, &drawn, &casters, into);
+    let triangles = work.draw(workers, &drawn, &casters, into)?;
     gpu.stages.ended(Stage::Draw);
     gpu.stages.count(|counters| {
         counters.triangles_seen += u64::from(near.triangles);

@@ -116,7 +116,7 @@ impl Renderer {
         let mut encoder = gpu.encoder();
         if targets.samples_drawn == 0 {
             let onto = (raster, tile);
-            let drawn = targets.draw_gbuffer(&mut encoder, passes, scene, onto, DVec2::ZERO);
+            let drawn = targets.draw_gbuffer(gpu, &mut encoder, (passes, scene), onto, DVec2::ZERO)?;
             if let Some(cause) = drawn {
                 ran.note(Pass::Gbuffer, None, cause);
             }

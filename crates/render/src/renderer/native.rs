@@ -32,7 +32,8 @@ impl Renderer {
         let uniform = raster.uniform(offset, weight, view.fill, origin, [tile.x, tile.y])?;
         gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
         let mut encoder = gpu.encoder();
-        if let Some(cause) = targets.draw_gbuffer(&mut encoder, passes, scene, (raster, tile), offset) {
+        let onto = (raster, tile);
+        if let Some(cause) = targets.draw_gbuffer(gpu, &mut encoder, (passes, scene), onto, offset)? {
             ran.note(Pass::Gbuffer, None, cause);
             gpu.end_stage(&mut encoder, Stage::Gbuffer)?;
             gpu.queue.submit([encoder.finish()]);
@@ -135,7 +136,7 @@ impl Renderer {
                     return Ok(false);
                 }
             }
-            targets.native.add_light((gpu, scene), &light.light, (&ready, tile));
+            targets.native.add_light((gpu, scene), &light.light, (&ready, tile))?;
             // A map that passes is to be gone before the next one comes.
             drop(ready);
             targets.lights_drawn = Some(index + 1);
@@ -164,7 +165,7 @@ impl Renderer {
         if let Some(cause) = ready.as_ref().and_then(|ready| ready.shadow_drawn) {
             ran.note(Pass::ShadowMap, Some(light.id), cause);
         }
-        targets.native.show_visibility((gpu, scene), (ready.as_ref(), tile));
+        targets.native.show_visibility((gpu, scene), (ready.as_ref(), tile))?;
         ran.note(Pass::Lighting, None, Cause::NotKept);
         Ok(())
     }

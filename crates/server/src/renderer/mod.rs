@@ -17,6 +17,7 @@ use crate::turns::Payer;
 
 mod schedule;
 mod thread;
+mod worker;
 
 pub use schedule::Urgency;
 use thread::RenderLoop;

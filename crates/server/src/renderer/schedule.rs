@@ -24,6 +24,13 @@ pub enum Urgency {
     Still,
 }
 
+impl Urgency {
+    /// Whether something moves in the picture.
+    pub fn moves(self) -> bool {
+        matches!(self, Self::Moving | Self::Watched)
+    }
+}
+
 /// A picture that waits.
 #[derive(Clone, Copy, Debug)]
 pub struct Waiting {
@@ -119,7 +126,7 @@ impl Schedule {
         if urgency == Urgency::Moving {
             self.hand_moved = Some(ended);
         }
-        if matches!(urgency, Urgency::Moving | Urgency::Watched) {
+        if urgency.moves() {
             self.moved = Some(ended);
             if let Some(picture) = finished {
                 self.moving_takes = (3 * self.moving_takes + picture) / 4;

@@ -3,41 +3,38 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Weak};
-use std::task::Poll;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use render::{Backend, Gpu, MemoryBudget, PassRun, Pixels, RenderError, Renderer, TiledPicture};
+use render::{Backend, Gpu, MemoryBudget, RenderError, Renderer};
 use scene::PosedScene;
 use tokio::runtime::{self, Runtime};
 use tokio::sync::mpsc;
 use tokio::time::timeout;
 
 use super::schedule::{Schedule, Turn, Urgency, Waiting};
-use super::{Answer, Drawn, Job, Lease, Output, Readiness, Request};
-use crate::limits::{LARGE_PICTURE_PIXELS, MAX_MOVING_TURNS, RENDER_QUEUE, SHARED_FOR};
+use super::worker::{Course, Drawing, Report, TurnEnd, Worker};
+use super::{Answer, Drawn, Job, Lease, Readiness, Request};
+use crate::limits::{RENDER_QUEUE, SHARED_FOR};
 use crate::metrics::Metrics;
 use crate::turns::{Charges, Payer};
 
 /// A request on its way.
 #[derive(Debug)]
 struct Task {
-    request: Request,
+    id: u64,
+    request: Arc<Request>,
     done: Answer,
     started: Option<Instant>,
     took: Duration,
     /// When it was last worked on, or since when it waits.
     touched: Instant,
-    /// Whether a shadow map was drawn for it.
-    drew_map: bool,
-    /// Which passes it has come to.
-    passes: Vec<PassRun>,
     /// How often it was worked on.
     turns: u32,
-    /// What there is of it, where it is drawn in tiles.
-    picture: Option<TiledPicture>,
-    /// Whether it is drawn by layers of its lights, where that is decided; else in tiles.
-    by_layers: Option<bool>,
+    /// Whether the device was lost with it.
+    was_lost: bool,
+    /// What there is of it; `None` before it is begun, and while its worker has it.
+    drawing: Option<Box<Drawing>>,
 }
 
 /// All that the render thread holds.
@@ -49,11 +46,13 @@ pub(super) struct RenderLoop {
     /// Who draws shadows and lights; as the device is where nobody says.
     backend: Option<Backend>,
     /// The one that drew last at the end.
-    scenes: Vec<SceneRenderer>,
+    workers: Vec<Worker>,
+    turn_end: TurnEnd,
     inbox: mpsc::Receiver<Job>,
     /// Nothing is to be drawn any more.
     ended: Arc<AtomicBool>,
     waiting: Vec<Task>,
+    last_task: u64,
     schedule: Schedule,
     /// What each client has been charged for drawing.
     charges: Charges,
@@ -66,34 +65,6 @@ pub(super) struct RenderLoop {
     clock: Runtime,
 }
 
-/// A scene on the device, for all sessions that show it.
-struct SceneRenderer {
-    scene: Arc<PosedScene>,
-    renderer: Renderer,
-    /// The sessions that showed it; without them it goes.
-    sessions: Vec<Weak<Lease>>,
-    /// Whose views and stills it drew.
-    viewers: Vec<(u64, Weak<Lease>)>,
-}
-
-impl Task {
-    fn new(request: Request, done: Answer) -> Self {
-        let (started, touched) = (None, request.place.since);
-        Self {
-            request,
-            done,
-            started,
-            took: Duration::ZERO,
-            touched,
-            drew_map: false,
-            passes: Vec::new(),
-            turns: 0,
-            picture: None,
-            by_layers: None,
-        }
-    }
-}
-
 impl RenderLoop {
     /// Opens the device.
     pub fn open(
@@ -103,14 +74,17 @@ impl RenderLoop {
     ) -> Result<Self, RenderError> {
         let memory = metrics.render_memory().clone();
         let clock = runtime::Builder::new_current_thread().enable_time().build();
+        let turn_end = TurnEnd::new();
         Ok(Self {
-            base: open(&memory, backend)?,
+            base: open(&memory, backend, &turn_end)?,
             memory,
             backend,
-            scenes: Vec::new(),
+            workers: Vec::new(),
+            turn_end,
             inbox,
             ended,
             waiting: Vec::new(),
+            last_task: 0,
             schedule: Schedule::new(),
             charges: Charges::default(),
             movers: BTreeMap::new(),
@@ -151,8 +125,7 @@ impl RenderLoop {
                 .collect();
             let goes_on = match self.schedule.next(Instant::now(), &waiting) {
                 Turn::Draw(index, turn) => {
-                    let task = self.waiting.remove(index);
-                    self.work_on(task, turn);
+                    self.work_on(index, turn);
                     true
                 }
                 Turn::Wait(time) => self.listen(time),
@@ -182,7 +155,20 @@ impl RenderLoop {
 
     fn take(&mut self, job: Job) {
         match job {
-            Job::Draw(request, done) => self.waiting.push(Task::new(*request, done)),
+            Job::Draw(request, done) => {
+                self.last_task += 1;
+                self.waiting.push(Task {
+                    id: self.last_task,
+                    touched: request.place.since,
+                    request: request.into(),
+                    done,
+                    started: None,
+                    took: Duration::ZERO,
+                    turns: 0,
+                    was_lost: false,
+                    drawing: None,
+                });
+            }
             // The renderer draws with all cores.
             Job::Charge(payer, took) => self.charges.charge(&payer, took.as_secs_f64() * self.core_share),
             // Who is gone is seen before each turn.
@@ -193,163 +179,181 @@ impl RenderLoop {
     /// Frees what was kept for those who are gone.
     fn clear_up(&mut self) {
         self.waiting.retain(|task| !task.done.is_closed());
-        for SceneRenderer { renderer, sessions, viewers, .. } in &mut self.scenes {
-            sessions.retain(|session| session.strong_count() > 0);
-            viewers.retain(|(number, viewer)| {
-                let is_there = viewer.strong_count() > 0;
-                if !is_there {
-                    renderer.forget(render::ViewSlot(*number));
-                }
-                is_there
-            });
+        let before = self.workers.len();
+        for worker in &mut self.workers {
+            if worker.paused.is_some_and(|id| self.waiting.iter().all(|task| task.id != id)) {
+                worker.cancel();
+            }
+            worker.sessions.retain(|session| session.strong_count() > 0);
+            if worker.paused.is_some() {
+                continue;
+            }
+            let gone = worker.viewers.extract_if(.., |(_, viewer)| viewer.strong_count() == 0);
+            for (number, _) in gone.collect::<Vec<_>>() {
+                worker.forget(render::ViewSlot(number));
+            }
         }
-        let before = self.scenes.len();
-        self.scenes.retain(|held| !held.sessions.is_empty());
-        if self.scenes.len() < before {
+        self.workers.retain(|worker| !worker.sessions.is_empty());
+        if self.workers.len() < before {
             self.base.collect();
         }
         let stills = self.waiting.iter().filter(|task| task.request.urgency == Urgency::Still);
         self.metrics.least_still_turns.set(stills.map(|task| i64::from(task.turns)).min().unwrap_or(0));
     }
 
-    /// Gives a picture its turn, and hands it over where it is finished. One that was given up is not begun.
-    fn work_on(&mut self, mut task: Task, turn: Duration) {
+    /// Gives a picture its turn, and hands it over where it is finished. One that was given up is not begun. Where its scene's
+    /// worker is in the middle of another, that one goes on.
+    fn work_on(&mut self, index: usize, turn: Duration) {
+        let task = &self.waiting[index];
         if task.started.is_none() && !task.request.place.take() {
+            self.waiting.swap_remove(index);
             return;
         }
         let began = Instant::now();
-        let started = *task.started.get_or_insert(began);
-        let moves = matches!(task.request.urgency, Urgency::Moving | Urgency::Watched);
-        if moves {
-            self.movers.insert(task.request.payer.clone(), began);
+        let mut worker = match self.worker(&Arc::clone(&task.request)) {
+            Ok(worker) => worker,
+            Err(error) => {
+                drop(self.waiting.swap_remove(index).done.send(Err(error)));
+                return;
+            }
+        };
+        let of_it = |task: &Task| Some(task.id) == worker.paused;
+        let index = self.waiting.iter().position(of_it).unwrap_or(index);
+        if self.waiting[index].request.urgency.moves() {
+            self.movers.insert(self.waiting[index].request.payer.clone(), began);
             self.movers.retain(|_, drew| began.saturating_duration_since(*drew) < SHARED_FOR);
         }
-        let result = self.draw_or_reopen(&mut task, turn);
-        let (ended, urgency) = (Instant::now(), task.request.urgency);
+        let is_shared = self.movers.len() > 1;
+        let task = &mut self.waiting[index];
+        task.started.get_or_insert(began);
+        let drawing = worker.paused.is_none().then(|| match task.drawing.take() {
+            Some(mut drawing) => {
+                drawing.course = drawing.course.after(task.turns, is_shared);
+                drawing
+            }
+            None => Box::new(Drawing {
+                course: Course::of(&task.request, is_shared, &self.base),
+                request: Arc::clone(&task.request),
+                picture: None,
+                passes: Vec::new(),
+                drew_map: false,
+            }),
+        });
+        let is_new = worker.viewers.len() == 1 && task.turns == 0;
+        let report = worker.draw(drawing, turn, &self.turn_end);
+        let ended = Instant::now();
         task.touched = ended;
         task.took += ended - began;
         task.turns += 1;
+        let (urgency, took) = (task.request.urgency, task.took);
+        let is_finished = matches!(report, Report::Ended(_, Ok(Some(_))));
         self.charges.charge(&task.request.payer, (ended - began).as_secs_f64());
-        self.schedule.note(urgency, [began, ended], matches!(result, Ok(Some(_))).then_some(task.took));
+        self.schedule.note(urgency, [began, ended], is_finished.then_some(took));
+        self.metrics.render_turn_seconds.observe((ended - began).as_secs_f64());
         if urgency == Urgency::Still {
             self.metrics.still_turns.inc();
         }
-        let (took, drew_map) = (task.took, task.drew_map);
-        match result {
-            Ok(None) => self.waiting.push(task),
-            Ok(Some(pixels)) => {
-                let drawn = Drawn { pixels, started, took, drew_map, passes: task.passes };
-                drop(task.done.send(Ok(drawn)));
+        worker.paused = matches!(report, Report::Paused).then_some(task.id);
+        match report {
+            Report::Paused => self.workers.push(worker),
+            Report::Ended(drawing, Ok(None)) => {
+                task.drawing = Some(drawing);
+                self.workers.push(worker);
             }
-            Err(error) => drop(task.done.send(Err(error))),
+            Report::Ended(drawing, Ok(Some(pixels))) => {
+                self.workers.push(worker);
+                let task = self.waiting.swap_remove(index);
+                let started = task.started.unwrap_or(began);
+                let Drawing { passes, drew_map, .. } = *drawing;
+                drop(task.done.send(Ok(Drawn { pixels, started, took, drew_map, passes })));
+            }
+            Report::Ended(_, Err(RenderError::DeviceLost(why))) if !task.was_lost => {
+                task.was_lost = true;
+                drop(worker);
+                self.reopen(&why);
+            }
+            Report::Ended(_, Err(error)) => {
+                // Where the scene itself could not be taken over, who asks next has it tried again.
+                self.workers.push(worker);
+                drop(self.waiting.swap_remove(index).done.send(Err(error)));
+            }
+            // The answer's other end sees that there will be none.
+            Report::Lost => drop(self.waiting.swap_remove(index)),
+        }
+        if is_new {
+            self.drop_scenes_over_budget();
         }
     }
 
-    fn draw_or_reopen(&mut self, task: &mut Task, turn: Duration) -> Result<Option<Pixels>, RenderError> {
-        let result = self.draw(task, turn);
-        if let Err(RenderError::DeviceLost(why)) = &result {
-            tracing::error!("the graphics device was lost ({why}) and is opened again");
-            // What was on it is gone: pictures under way begin again.
-            self.scenes.clear();
-            task.picture = None;
-            for other in &mut self.waiting {
-                other.picture = None;
-            }
-            self.base = open(&self.memory, self.backend)?;
-            return self.draw(task, turn);
+    /// Lets go of scenes while all of the budget is taken, the longest unused first, but for the one that drew last.
+    fn drop_scenes_over_budget(&mut self) {
+        while self.memory.total() > self.memory.budget()
+            && let Some(rests) = self.workers.iter().position(|worker| worker.paused.is_none())
+            && rests + 1 < self.workers.len()
+        {
+            self.workers.remove(rests);
         }
-        result
+        self.base.collect();
     }
 
-    /// A turn of drawing; the picture where it is finished.
-    fn draw(&mut self, task: &mut Task, turn: Duration) -> Result<Option<Pixels>, RenderError> {
-        let is_shared = self.movers.len() > 1;
-        let Task { request, picture, passes, drew_map, by_layers, turns, .. } = task;
-        let renderer = self.scene_renderer(request)?;
-        let Request { view, lights, output, urgency, .. } = &*request;
-        let maps = renderer.counts().shadow;
-        let moves = matches!(urgency, Urgency::Moving | Urgency::Watched);
-        let is_large =
-            view.width * view.height > LARGE_PICTURE_PIXELS || !renderer.keeps_layers(view, lights.len());
-        let by_layers = *by_layers.get_or_insert(moves && !(is_shared && is_large));
-        let pixels = if by_layers {
-            // Late already where it is the only one: then as a whole.
-            let is_whole = !is_shared || *turns >= MAX_MOVING_TURNS;
-            let drawn = if is_whole {
-                Poll::Ready(renderer.render_display(view, lights)?)
-            } else {
-                renderer.display_some(view, lights, turn)?
-            };
-            let (width, height) = (view.width, view.height);
-            match drawn {
-                Poll::Ready(bytes) => Some(Pixels::Display { width, height, bytes }),
-                Poll::Pending => None,
-            }
-        } else {
-            let mut begun = match (picture.take(), output) {
-                (Some(begun), _) => begun,
-                (None, Output::Display) => TiledPicture::for_screen(view, lights)?,
-                (None, Output::File(format)) => TiledPicture::for_file(view, lights, *format)?,
-            };
-            if renderer.draw_some(&mut begun, turn)? {
-                Some(begun.into_pixels())
-            } else {
-                *picture = Some(begun);
-                None
-            }
-        };
-        renderer.runs().iter().for_each(|run| run.add_to(passes));
-        *drew_map |= renderer.counts().shadow > maps;
-        if pixels.is_some() && *urgency == Urgency::Still {
-            renderer.rest(view.slot);
+    /// Opens the device again. What was on it is gone: pictures under way begin again.
+    fn reopen(&mut self, why: &str) {
+        tracing::error!("the graphics device was lost ({why}) and is opened again");
+        self.workers.clear();
+        for task in &mut self.waiting {
+            task.drawing = None;
         }
-        Ok(pixels)
+        match open(&self.memory, self.backend, &self.turn_end) {
+            Ok(base) => self.base = base,
+            Err(error) => {
+                for task in self.waiting.drain(..) {
+                    drop(task.done.send(Err(error.clone())));
+                }
+            }
+        }
     }
 
-    /// The renderer of a request's scene.
-    fn scene_renderer(&mut self, request: &Request) -> Result<&mut Renderer, RenderError> {
+    /// Takes out the worker of a request's scene.
+    fn worker(&mut self, request: &Request) -> Result<Worker, RenderError> {
         let Request { session, viewer, scene, .. } = request;
-        let known = self.scenes.iter().position(|held| Arc::ptr_eq(&held.scene, scene));
-        let mut held =
-            if let Some(index) = known { self.scenes.remove(index) } else { self.open_scene(scene)? };
+        let known = self.workers.iter().position(|worker| Arc::ptr_eq(&worker.scene, scene));
+        let mut worker =
+            if let Some(index) = known { self.workers.remove(index) } else { self.open_scene(scene)? };
         let is_listed =
             |listed: &Weak<Lease>, lease: &Arc<Lease>| std::ptr::eq(listed.as_ptr(), &raw const **lease);
-        if !held.sessions.iter().any(|known| is_listed(known, session)) {
-            held.sessions.push(Arc::downgrade(session));
+        if !worker.sessions.iter().any(|known| is_listed(known, session)) {
+            worker.sessions.push(Arc::downgrade(session));
         }
-        if !held.viewers.iter().any(|(_, known)| is_listed(known, viewer)) {
+        if !worker.viewers.iter().any(|(_, known)| is_listed(known, viewer)) {
             // A view shows one scene: what was kept of another one for it goes.
-            for SceneRenderer { renderer, viewers, .. } in &mut self.scenes {
-                viewers.retain(|(number, _)| *number != viewer.number);
-                renderer.forget(viewer.slot());
+            for other in &mut self.workers {
+                other.viewers.retain(|(number, _)| *number != viewer.number);
+                other.forget(viewer.slot());
             }
-            held.viewers.push((viewer.number, Arc::downgrade(viewer)));
+            worker.viewers.push((viewer.number, Arc::downgrade(viewer)));
         }
-        self.scenes.push(held);
-        Ok(&mut self.scenes.last_mut().expect("one was pushed").renderer)
+        Ok(worker)
     }
 
-    /// Puts a scene on the device. Scenes that nobody looks at go where more than half of the budget is taken, and others, the
-    /// longest unused first, where all of it is.
-    fn open_scene(&mut self, scene: &Arc<PosedScene>) -> Result<SceneRenderer, RenderError> {
-        while self.memory.total() > self.memory.budget() / 2
-            && let Some(idle) = self.scenes.iter().position(|held| held.viewers.is_empty())
+    /// A worker for a scene. Scenes that nobody looks at go where more than half of the budget is taken.
+    fn open_scene(&mut self, scene: &Arc<PosedScene>) -> Result<Worker, RenderError> {
+        let half = self.memory.budget() / 2;
+        while self.memory.total() > half
+            && let Some(idle) = self.workers.iter().position(|worker| worker.viewers.is_empty())
         {
-            self.scenes.remove(idle);
+            self.workers.remove(idle);
         }
         self.base.collect();
-        let mut renderer = self.base.with_same_pipelines()?;
-        renderer.set_scene(scene)?;
-        while self.memory.total() > self.memory.budget() && !self.scenes.is_empty() {
-            self.scenes.remove(0);
-        }
-        self.base.collect();
-        Ok(SceneRenderer { scene: Arc::clone(scene), renderer, sessions: Vec::new(), viewers: Vec::new() })
+        Ok(Worker::start(scene, self.base.with_same_pipelines()?))
     }
 }
 
-fn open(memory: &MemoryBudget, backend: Option<Backend>) -> Result<Renderer, RenderError> {
-    let gpu = Gpu::open(memory.clone(), backend)?;
+fn open(
+    memory: &MemoryBudget,
+    backend: Option<Backend>,
+    turn_end: &TurnEnd,
+) -> Result<Renderer, RenderError> {
+    let gpu = Gpu::open(memory.clone(), backend)?.with_yielding(turn_end.yielding());
     tracing::info!("rendering with {}, shadows and lights by {}", gpu.adapter_name(), gpu.backend().name());
     if let Some(advice) = gpu.advice() {
         tracing::warn!("{advice}");

@@ -10,6 +10,7 @@ use stream::{Codec, Content, Flags, FrameHeader, HEADER_BYTES, MOVING_QUALITY, Q
 use tokio::task::spawn_blocking;
 
 use super::detail::{Detail, Made};
+use super::moving_pixels::Shortened;
 use crate::ServerError;
 use crate::backend::Backend;
 use crate::outboxes::ClientId;
@@ -55,6 +56,8 @@ pub struct Stamp {
     pub detail: Detail,
     /// Of its view, in pixels.
     pub view_size: [u32; 2],
+    /// Beside what its detail makes of that.
+    pub shortened: Shortened,
 }
 
 /// A picture of a view, told from all others of it.
@@ -63,17 +66,19 @@ pub struct Shown {
     revision: u64,
     quality: Quality,
     detail: Detail,
+    size: [u32; 2],
 }
 
 impl Stamp {
     /// Which picture it is.
     pub fn shown(&self) -> Shown {
-        Shown { revision: self.content.revision, quality: self.quality, detail: self.detail }
+        let Self { content, quality, detail, .. } = *self;
+        Shown { revision: content.revision, quality, detail, size: self.size() }
     }
 
     /// Width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
-        self.detail.resolution.of(self.view_size)
+        self.shortened.size(self.detail.resolution.of(self.view_size))
     }
 }
 

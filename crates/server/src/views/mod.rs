@@ -5,6 +5,7 @@
 
 mod detail;
 mod frame;
+mod moving_pixels;
 mod pictures;
 mod settings;
 mod view;
@@ -24,6 +25,7 @@ use crate::outboxes::{ClientId, Outboxes};
 use crate::renderer::Lease;
 use crate::turns::Payer;
 use frame::{Frame, Shown, StepResult};
+pub use moving_pixels::MovingPixels;
 pub use settings::ViewSettings;
 use view::{Source, View};
 
@@ -219,7 +221,7 @@ impl Views {
     pub fn resize(&mut self, id: ClientId, size: [u32; 2]) {
         let content = self.new_content();
         if let Some(view) = self.own_view(id).filter(|view| view.size != size) {
-            view.size = size;
+            (view.size, view.is_told_smaller) = (size, false);
             view.touch(content);
         }
     }

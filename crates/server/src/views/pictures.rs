@@ -12,6 +12,7 @@ use tokio::task::{Id, JoinError};
 
 use super::detail::Detail;
 use super::frame::{Frame, Shown, Stamp, Step, StepResult, codec, draw_picture, encode_picture, samples};
+use super::moving_pixels::Shortened;
 use super::view::{Source, UnderWay};
 use super::{Live, Sending, Viewer, Views, now};
 use crate::ServerError;
@@ -246,7 +247,15 @@ impl Views {
             Quality::Moving => view.moving.detail(),
             Quality::Settled => Detail::FULL,
         };
-        let stamp = Stamp { content, quality, log_seq, live_revision, camera_revision, detail, view_size };
+        let actor_id = payer.actor_id().filter(|_| quality == Quality::Moving);
+        let shortened = actor_id.map_or(Shortened::NOT, |actor_id| {
+            let size = detail.resolution.of(view_size);
+            self.backend.moving_pixels.note(actor_id, view.lease.slot(), size, Instant::now())
+        });
+        let is_news = shortened != Shortened::NOT && !view.is_told_smaller;
+        view.is_told_smaller |= is_news;
+        let stamp =
+            Stamp { content, quality, log_seq, live_revision, camera_revision, detail, view_size, shortened };
         let request = Request {
             session,
             viewer: Arc::clone(&view.lease),
@@ -278,6 +287,11 @@ impl Views {
         let task = self.pictures.spawn(draw_picture(self.backend.clone(), request, stamp, whose));
         view.drawing = Some(UnderWay { quality, revision: content.revision, place: Some(place), task });
         // Said once, to all who see it.
+        if is_news {
+            for id in self.watchers_of(owner) {
+                outboxes.warn(id, &ServerError::ViewsMoveTooMuch);
+            }
+        }
         for why in news.into_iter().flatten() {
             let error = ServerError::from(RenderError::from(why));
             for id in self.watchers_of(owner) {

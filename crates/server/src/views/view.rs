@@ -47,6 +47,8 @@ pub struct View {
     pub failed: Option<u64>,
     /// The lights that its latest lossless picture lacks.
     pub left_out: Vec<OutOfReach>,
+    /// Whether who sees it has been told that its moving pictures are smaller than they would be.
+    pub is_told_smaller: bool,
     /// Keeps what the renderer has of it.
     pub lease: Arc<Lease>,
 }
@@ -85,7 +87,7 @@ impl View {
         lease: Arc<Lease>,
     ) -> Self {
         let (latest, drawing, drawn, encoding) = (None, None, None, None);
-        let (waits_since, failed, left_out) = (None, None, Vec::new());
+        let (waits_since, failed, left_out, is_told_smaller) = (None, None, Vec::new(), false);
         let moving = DetailChoice::new(interaction);
         Self {
             camera,
@@ -101,6 +103,7 @@ impl View {
             waits_since,
             failed,
             left_out,
+            is_told_smaller,
             lease,
         }
     }

@@ -1,0 +1,277 @@
+//! A scene on the device, on a thread of its own, which draws when it has the turn: so a piece of work that takes long can rest in
+//! its middle while another scene's is drawn. Only one thread draws at a time.
+
+use std::cell::RefCell;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Weak};
+use std::task::Poll;
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use render::{PassRun, Pixels, RenderError, Renderer, TiledPicture, ViewSlot, Yielding};
+use scene::PosedScene;
+
+use super::{Lease, Output, Request, Urgency};
+use crate::limits::{LARGE_PICTURE_PIXELS, MAX_MOVING_TURNS};
+
+/// When the turn under way is over, for all threads that draw. No turn is under way at first, and so it never is.
+#[derive(Clone, Debug)]
+pub(super) struct TurnEnd {
+    start: Instant,
+    /// Nanoseconds after `start`.
+    at: Arc<AtomicU64>,
+}
+
+/// How a turn of a picture is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Course {
+    /// By layers of its lights, to its end.
+    Whole,
+    /// By layers of its lights, until the turn is over.
+    Layers,
+    /// Tile by tile, until the turn is over.
+    Tiles,
+}
+
+impl Course {
+    /// That of a picture that is begun, while others draw moving ones where it `is_shared`.
+    pub fn of(request: &Request, is_shared: bool, renderer: &Renderer) -> Self {
+        let Request { view, lights, urgency, .. } = request;
+        let is_large = view.width * view.height > LARGE_PICTURE_PIXELS;
+        match (urgency.moves(), is_shared) {
+            (false, _) => Self::Tiles,
+            // It is late already, and what is kept of the one before makes it quick.
+            (true, false) => Self::Whole,
+            (true, true) if is_large || !renderer.keeps_layers(view, lights.len()) => Self::Tiles,
+            (true, true) => Self::Layers,
+        }
+    }
+
+    /// That of its next turn, after so many.
+    pub fn after(self, turns: u32, is_shared: bool) -> Self {
+        match self {
+            Self::Layers if !is_shared || turns >= MAX_MOVING_TURNS => Self::Whole,
+            course => course,
+        }
+    }
+}
+
+/// What there is of a picture, and what its latest turn came to.
+#[derive(Debug)]
+pub(super) struct Drawing {
+    pub request: Arc<Request>,
+    pub course: Course,
+    /// Where it is drawn in tiles.
+    pub picture: Option<TiledPicture>,
+    /// Which passes it has come to.
+    pub passes: Vec<PassRun>,
+    /// Whether a shadow map was drawn for it.
+    pub drew_map: bool,
+}
+
+/// What a worker is told.
+enum Order {
+    /// To draw for about so long.
+    Draw(Box<Drawing>, Duration),
+    /// To go on in the middle of what it draws; false to give that up.
+    GoOn(bool),
+    /// To drop what is kept for a viewer.
+    Forget(ViewSlot),
+}
+
+/// What a worker says when it gives the turn back.
+pub(super) enum Report {
+    /// It rests in the middle of a piece.
+    Paused,
+    /// The turn is over: the pixels where the picture is finished.
+    Ended(Box<Drawing>, Result<Option<Pixels>, RenderError>),
+    /// The thread has ended, and what it held is gone.
+    Lost,
+}
+
+/// A scene on the device, for all sessions that show it.
+pub(super) struct Worker {
+    pub scene: Arc<PosedScene>,
+    /// The sessions that showed it; without them it goes.
+    pub sessions: Vec<Weak<Lease>>,
+    /// Whose views and stills it drew.
+    pub viewers: Vec<(u64, Weak<Lease>)>,
+    /// The task in the middle of which it rests.
+    pub paused: Option<u64>,
+    orders: Sender<Order>,
+    reports: Receiver<Report>,
+    thread: Option<JoinHandle<()>>,
+}
+
+thread_local! {
+    /// On a worker's thread: how it gives the turn back in the middle of a piece, and gets it again.
+    static BATON: RefCell<Option<Baton>> = const { RefCell::new(None) };
+}
+
+struct Baton {
+    orders: Receiver<Order>,
+    reports: Sender<Report>,
+}
+
+/// Says on its end that a worker's thread has ended, whatever ended it.
+struct LastWord(Sender<Report>);
+
+impl Drop for LastWord {
+    fn drop(&mut self) {
+        // Nobody is told where the renderer's loop has ended before.
+        let _ = self.0.send(Report::Lost);
+    }
+}
+
+impl TurnEnd {
+    pub fn new() -> Self {
+        Self { start: Instant::now(), at: Arc::new(AtomicU64::new(u64::MAX)) }
+    }
+
+    /// The turn that begins is over after so long.
+    fn set(&self, turn: Duration) {
+        let at = self.start.elapsed().saturating_add(turn);
+        self.at.store(u64::try_from(at.as_nanos()).unwrap_or(u64::MAX), Ordering::Relaxed);
+    }
+
+    fn is_over(&self) -> bool {
+        self.start.elapsed().as_nanos() >= u128::from(self.at.load(Ordering::Relaxed))
+    }
+
+    /// What devices are opened with whose renderers are workers'.
+    pub fn yielding(&self) -> Yielding {
+        let end = self.clone();
+        Yielding::new(move || end.is_over(), give_way)
+    }
+}
+
+/// Gives the turn back until it comes again. False where what is drawn is given up.
+fn give_way() -> bool {
+    BATON.with_borrow(|baton| {
+        // Whoever draws on another thread has no turns.
+        let Some(Baton { orders, reports }) = baton else { return true };
+        let is_heard = reports.send(Report::Paused).is_ok();
+        is_heard && matches!(orders.recv(), Ok(Order::GoOn(true)))
+    })
+}
+
+impl Worker {
+    /// A thread for `renderer`, which takes over the scene when it first draws.
+    pub fn start(scene: &Arc<PosedScene>, renderer: Renderer) -> Self {
+        let (orders, inbox) = channel();
+        let (outbox, reports) = channel();
+        let posed = Arc::clone(scene);
+        let thread = thread::spawn(move || {
+            let _last_word = LastWord(outbox.clone());
+            BATON.set(Some(Baton { orders: inbox, reports: outbox.clone() }));
+            draw_in_turns(renderer, &posed, &outbox);
+        });
+        Self {
+            scene: Arc::clone(scene),
+            sessions: Vec::new(),
+            viewers: Vec::new(),
+            paused: None,
+            orders,
+            reports,
+            thread: Some(thread),
+        }
+    }
+
+    /// Draws for about `turn`, or goes on with what it is in the middle of; waits until the turn is given back.
+    pub fn draw(&mut self, drawing: Option<Box<Drawing>>, turn: Duration, end: &TurnEnd) -> Report {
+        end.set(turn);
+        let order = drawing.map_or(Order::GoOn(true), |drawing| Order::Draw(drawing, turn));
+        // One that has ended has said so.
+        let _ = self.orders.send(order);
+        self.reports.recv().unwrap_or(Report::Lost)
+    }
+
+    /// Gives up what it is in the middle of.
+    pub fn cancel(&mut self) {
+        if self.paused.take().is_some() {
+            let _ = self.orders.send(Order::GoOn(false));
+            let _ = self.reports.recv();
+        }
+    }
+
+    /// Drops what is kept for a viewer; in the middle of a piece, once that is over.
+    pub fn forget(&self, slot: ViewSlot) {
+        if self.paused.is_none() {
+            let _ = self.orders.send(Order::Forget(slot));
+        }
+    }
+}
+
+impl Drop for Worker {
+    /// What it holds is gone when this returns.
+    fn drop(&mut self) {
+        self.cancel();
+        let (nobody, _) = channel();
+        self.orders = nobody;
+        if let Some(thread) = self.thread.take()
+            && thread.join().is_err()
+        {
+            tracing::error!("a thread that draws had panicked");
+        }
+    }
+}
+
+/// What a worker's thread does.
+fn draw_in_turns(mut renderer: Renderer, scene: &Arc<PosedScene>, reports: &Sender<Report>) {
+    let next = || BATON.with_borrow(|baton| baton.as_ref()?.orders.recv().ok());
+    let mut is_there = false;
+    while let Some(order) = next() {
+        match order {
+            Order::Draw(mut drawing, turn) => {
+                let opened = if is_there { Ok(()) } else { renderer.set_scene(scene) };
+                is_there |= opened.is_ok();
+                let drawn = opened.and_then(|()| draw(&mut renderer, &mut drawing, turn));
+                if reports.send(Report::Ended(drawing, drawn)).is_err() {
+                    return;
+                }
+            }
+            Order::Forget(slot) => renderer.forget(slot),
+            Order::GoOn(_) => {}
+        }
+    }
+}
+
+/// A turn of drawing; the picture where it is finished.
+fn draw(
+    renderer: &mut Renderer,
+    drawing: &mut Drawing,
+    turn: Duration,
+) -> Result<Option<Pixels>, RenderError> {
+    let Drawing { request, course, picture, passes, drew_map } = drawing;
+    let Request { view, lights, output, urgency, .. } = &**request;
+    let maps = renderer.counts().shadow;
+    let (width, height) = (view.width, view.height);
+    let display = |bytes| Pixels::Display { width, height, bytes };
+    let pixels = match course {
+        Course::Whole => Some(display(renderer.render_display(view, lights)?)),
+        Course::Layers => match renderer.display_some(view, lights, turn)? {
+            Poll::Ready(bytes) => Some(display(bytes)),
+            Poll::Pending => None,
+        },
+        Course::Tiles => {
+            let mut begun = match (picture.take(), output) {
+                (Some(begun), _) => begun,
+                (None, Output::Display) => TiledPicture::for_screen(view, lights)?,
+                (None, Output::File(format)) => TiledPicture::for_file(view, lights, *format)?,
+            };
+            if renderer.draw_some(&mut begun, turn)? {
+                Some(begun.into_pixels())
+            } else {
+                *picture = Some(begun);
+                None
+            }
+        }
+    };
+    renderer.runs().iter().for_each(|run| run.add_to(passes));
+    *drew_map |= renderer.counts().shadow > maps;
+    if pixels.is_some() && *urgency == Urgency::Still {
+        renderer.rest(view.slot);
+    }
+    Ok(pixels)
+}
