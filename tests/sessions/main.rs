@@ -10,6 +10,7 @@ mod hand;
 mod history;
 mod http;
 mod load;
+mod neighbours;
 mod opening;
 mod picture;
 #[path = "../program.rs"]

@@ -2,12 +2,11 @@
 //! time, four by four, and no background.
 
 use light::{Lanes, Mask};
-use rayon::prelude::*;
 
 use crate::encoding::unit_from_bits;
 use crate::lanes::{F32s, LANES, Masks, U32s, Vec3s};
 use crate::simd::{self, Work};
-use crate::{Scene, Workers};
+use crate::{Cancelled, Scene, Workers};
 
 /// Pixels along each side of a block.
 pub(crate) const SIDE: usize = 4;
@@ -105,12 +104,19 @@ pub(crate) struct Surface {
 
 impl Surfaces {
     /// Those of a G-buffer of `scene`.
-    pub fn new(workers: &Workers, scene: &Scene, (camera, fill): (Camera, Fill), gbuffer: &Gbuffer) -> Self {
+    pub fn new(
+        workers: &Workers,
+        scene: &Scene,
+        (camera, fill): (Camera, Fill),
+        gbuffer: &Gbuffer,
+    ) -> Result<Self, Cancelled> {
         let height_in_blocks = (gbuffer.size[1] as usize).div_ceil(SIDE);
-        let rows: Vec<_> = workers.run(|| {
-            let row = |row| simd::run(RowOfBlocks { scene, camera: &camera, fill: &fill, gbuffer, row });
-            (0..height_in_blocks).into_par_iter().map(row).collect()
-        });
+        let mut rows = Vec::new();
+        rows.resize_with(height_in_blocks, Default::default);
+        workers.each(rows.iter_mut().enumerate(), |(row, into)| {
+            **into = simd::run(RowOfBlocks { scene, camera: &camera, fill: &fill, gbuffer, row: *row });
+            true
+        })?;
         let count = rows.iter().map(|(blocks, _)| blocks.len()).sum();
         let (blocks, fill) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut surfaces = Self { size: gbuffer.size, camera, blocks, fill, rows: vec![0] };
@@ -119,7 +125,7 @@ impl Surfaces {
             surfaces.fill.extend(fill);
             surfaces.rows.push(surfaces.blocks.len());
         }
-        surfaces
+        Ok(surfaces)
     }
 
     /// Width and height in pixels.

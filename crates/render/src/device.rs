@@ -25,6 +25,8 @@ pub struct Gpu {
     pub(crate) memory: MemoryBudget,
     pub(crate) stages: StageRecorder,
     backend: Backend,
+    /// Whether the device is the processor itself, by a software driver.
+    is_processor: bool,
     /// When work that may take long gives way to others.
     yielding: Yielding,
     /// Made when the processor first draws something.
@@ -90,6 +92,7 @@ impl Gpu {
             memory,
             stages,
             backend,
+            is_processor: info.device_type == DeviceType::Cpu,
             yielding: Yielding::default(),
             workers,
             adapter_name,
@@ -149,6 +152,11 @@ impl Gpu {
     /// Whether pixels that are drawn together can be asked at once.
     pub(crate) fn has_subgroups(&self) -> bool {
         self.device.features().contains(Features::SUBGROUP)
+    }
+
+    /// Whether the device is the processor itself, by a software driver.
+    pub(crate) fn is_processor(&self) -> bool {
+        self.is_processor
     }
 
     /// Who draws shadows and lights of the beauty.

@@ -20,6 +20,11 @@ use crate::{Gpu, RenderError, readback, shaders};
 const FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 const OFFSET_FORMAT: TextureFormat = TextureFormat::R32Float;
 
+/// Pixels that a software driver is given at once: it takes some 10 ms for them.
+const BAND_PIXELS: u32 = 1 << 18;
+/// Rows of a band are a multiple of it: pixels that share a texture's level of detail are never parted.
+const BAND_STEP: u32 = 16;
+
 /// Bytes a pixel of a G-buffer: what is packed, the offset and the depth.
 pub(crate) const BYTES_A_PIXEL: u64 = 16 + 4 + 4;
 
@@ -168,8 +173,8 @@ impl GbufferPass {
     }
 
     /// Draws what the pixels of `tile` see of a picture of `size`. All of the picture is mapped as it would be
-    /// without tiles, and what lies outside of this one is cut off: so tiles hold the same. Where very much lies in one place it
-    /// is drawn in parts, and others come between.
+    /// without tiles, and what lies outside of this one is cut off: so tiles hold the same. By a software driver it is drawn in bands
+    /// of rows, and where very much lies in one place in parts of the triangles, and others come between.
     pub fn draw(
         &self,
         gpu: &Gpu,
@@ -178,10 +183,36 @@ impl GbufferPass {
         (size, tile): ([u32; 2], Tile),
         scene: &GpuScene,
     ) -> Result<(), RenderError> {
-        let parts = scene.parts(u64::from(tile.width) * u64::from(tile.height));
+        // Each band asks for work that grows with the triangles, a triangle as much as a pixel about.
+        let least_pixels = BAND_PIXELS.max(scene.triangle_count);
+        let rows = (least_pixels / tile.width.max(1)).next_multiple_of(BAND_STEP).max(BAND_STEP);
+        let rows = if gpu.is_processor() { rows.min(tile.height) } else { tile.height };
+        for first in (0..tile.height).step_by(rows as usize) {
+            let band = [first, rows.min(tile.height - first)];
+            let is_whole = band[1] == tile.height;
+            self.draw_band(gpu, encoder, into, (size, tile, band), scene)?;
+            if !is_whole {
+                gpu.finish(encoder)?;
+                gpu.yield_point()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Draws so many rows of a tile, from the first on. What was there is cleared with the first.
+    fn draw_band(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut CommandEncoder,
+        into: &Gbuffer,
+        (size, tile, band): ([u32; 2], Tile, [u32; 2]),
+        scene: &GpuScene,
+    ) -> Result<(), RenderError> {
+        let parts = scene.parts(u64::from(tile.width) * u64::from(band[1]));
         let most_indices = if parts == 1 { u32::MAX } else { 3 * (scene.triangle_count / parts).max(1) };
         let mut left = most_indices;
-        let mut pass = self.begin(encoder, into, (size, tile), scene, true);
+        let onto = (size, tile, band);
+        let mut pass = self.begin(encoder, into, onto, scene, band[0] == 0);
         for draw in &scene.draws {
             self.bind(&mut pass, draw);
             let mut indices = draw.indices.clone();
@@ -194,7 +225,7 @@ impl GbufferPass {
                     drop(pass);
                     gpu.finish(encoder)?;
                     gpu.yield_point()?;
-                    pass = self.begin(encoder, into, (size, tile), scene, false);
+                    pass = self.begin(encoder, into, onto, scene, false);
                     self.bind(&mut pass, draw);
                     left = most_indices;
                 }
@@ -208,7 +239,7 @@ impl GbufferPass {
         &self,
         encoder: &'e mut CommandEncoder,
         into: &Gbuffer,
-        (size, tile): ([u32; 2], Tile),
+        (size, tile, [first, rows]): ([u32; 2], Tile, [u32; 2]),
         scene: &GpuScene,
         clears: bool,
     ) -> RenderPass<'e> {
@@ -222,6 +253,7 @@ impl GbufferPass {
         let [left, top, width, height] =
             [-f64::from(tile.x), -f64::from(tile.y), size[0].into(), size[1].into()].map(|x| x as f32);
         pass.set_viewport(left, top, width, height, 0.0, 1.0);
+        pass.set_scissor_rect(0, first, tile.width, rows);
         pass.set_bind_group(0, &scene.view, &[]);
         pass.set_vertex_buffer(0, scene.geometry.positions.slice(..));
         pass.set_index_buffer(scene.geometry.indices.slice(..), wgpu::IndexFormat::Uint32);

@@ -1,5 +1,6 @@
 //! A scene on the GPU.
 
+use std::ops::Deref;
 use std::sync::Arc;
 
 use scene::PosedScene;
@@ -13,34 +14,45 @@ use crate::material::{MaterialDraw, Materials};
 use crate::memory::{MemoryKind, Reservation};
 use crate::{Gpu, RenderError, gpu_structs};
 
+/// A scene on the device, for any number of renderers. Clones are of the same scene.
+#[derive(Clone, Debug)]
+pub struct SceneOnDevice(Arc<Uploaded>);
+
 /// What is made once a scene.
 #[derive(Debug)]
-pub(crate) struct GpuScene {
-    /// Which scene of its renderer: whatever was made from another one is stale.
-    pub revision: u64,
+pub(crate) struct Uploaded {
     pub posed: Arc<PosedScene>,
     pub geometry: Geometry,
     /// How many of the scene's own triangles there are.
     pub triangle_count: u32,
     /// How many of their indices have no alpha test; those come first.
     pub opaque_indices: u32,
-    /// What casts shadows.
-    pub casters: Casters,
     pub draws: Vec<MaterialDraw>,
     /// Which triangles are of which node.
     pub runs: Vec<Run>,
     /// Those of `draws` that have one; none where no draw has.
     pub alpha_tests: Option<AlphaTests>,
-    /// Group 0 of the passes that have a camera; see `view.wgsl`.
-    pub view: BindGroup,
+    /// What is bound in their place where there are none.
+    no_tests: Option<AlphaTests>,
     /// Group 2 of the fill's pass; see `fill.wgsl`.
     pub fill: BindGroup,
+    /// What casts shadows, straying from the surface by so much at most.
+    casters: (f64, Arc<Casters>),
     /// Counts its buffers and textures, and what of them is in memory too.
     _memory: Reservation,
 }
 
-/// Fragments that the device is given at once, so that others can come between: a software driver takes some tenths of a second.
-const FRAGMENTS_AT_ONCE: f64 = 32e6;
+/// A scene as one renderer has it.
+#[derive(Debug)]
+pub(crate) struct GpuScene {
+    /// Which scene of its renderer: whatever was made from another one is stale.
+    pub revision: u64,
+    /// What casts shadows.
+    pub casters: Arc<Casters>,
+    /// Group 0 of the passes that have a camera, that of this renderer; see `view.wgsl`.
+    pub view: BindGroup,
+    uploaded: SceneOnDevice,
+}
 
 /// The layouts of the bind groups that a scene fills.
 #[derive(Debug)]
@@ -50,6 +62,17 @@ pub(crate) struct SceneGroupLayouts {
     pub fill: BindGroupLayout,
     pub links: BindGroupLayout,
 }
+
+impl Deref for GpuScene {
+    type Target = Uploaded;
+
+    fn deref(&self) -> &Uploaded {
+        &self.uploaded.0
+    }
+}
+
+/// Fragments that the device is given at once, so that others can come between: a software driver takes some tenths of a second.
+const FRAGMENTS_AT_ONCE: f64 = 32e6;
 
 impl GpuScene {
     /// In how many parts its triangles are drawn onto so many pixels, or pixels are asked what is near to them: one but for scenes
@@ -73,14 +96,46 @@ impl GpuScene {
         Casters::new(gpu, (&Vertices::new(&self.posed)?, self.opaque_indices as usize), mesh_error)
     }
 
-    /// Uploads a scene. `view_uniform` will hold the camera of each picture; casters may stray
+    /// A scene that is on the device, for a renderer whose `view_uniform` will hold the camera of each picture. Casters may stray
     /// from the surface by `mesh_error`, in world units.
     pub fn new(
         gpu: &Gpu,
         group_layouts: &SceneGroupLayouts,
         view_uniform: &Buffer,
-        posed: &Arc<PosedScene>,
+        uploaded: SceneOnDevice,
         revision: u64,
+        mesh_error: f64,
+    ) -> Result<Self, RenderError> {
+        let Uploaded { geometry, alpha_tests, no_tests, .. } = &*uploaded.0;
+        let Geometry { positions, attributes, indices, planes, hierarchy, hierarchy_triangles, .. } =
+            geometry;
+        let tests = alpha_tests.as_ref().or(no_tests.as_ref()).expect("one of them is there");
+        let view_resources = [view_uniform, planes, positions, indices, attributes]
+            .into_iter()
+            .chain([hierarchy, hierarchy_triangles, &tests.tests, &tests.texels])
+            .map(Buffer::as_entire_binding)
+            .collect::<Vec<_>>();
+        let view = gpu.group("view", &group_layouts.view, &view_resources);
+        let casters = Arc::clone(&uploaded.0.casters.1);
+        let mut scene = Self { revision, casters, view, uploaded };
+        if scene.uploaded.0.casters.0 != mesh_error {
+            scene.casters = scene.casters_within(gpu, mesh_error)?.into();
+        }
+        Ok(scene)
+    }
+
+    /// What of it other renderers can share.
+    pub fn on_device(&self) -> &SceneOnDevice {
+        &self.uploaded
+    }
+}
+
+impl SceneOnDevice {
+    /// Uploads a scene; casters may stray from the surface by `mesh_error`, in world units.
+    pub(crate) fn upload(
+        gpu: &Gpu,
+        group_layouts: &SceneGroupLayouts,
+        posed: &Arc<PosedScene>,
         mesh_error: f64,
     ) -> Result<Self, RenderError> {
         let (scene, mut vertices) = (&posed.scene, Vertices::new(posed)?);
@@ -91,26 +146,12 @@ impl GpuScene {
         let Materials { draws, alpha_tests, texture_bytes } =
             Materials::new(gpu, &group_layouts.material, scene, &vertices.draws)?;
         gpu.yield_point()?;
-        let no_tests;
-        let tests = if let Some(tests) = &alpha_tests {
-            tests
-        } else {
-            no_tests = AlphaTests::none(gpu)?;
-            &no_tests
-        };
+        let no_tests = if alpha_tests.is_none() { Some(AlphaTests::none(gpu)?) } else { None };
         let casters = Casters::new(gpu, (&vertices, opaque_indices as usize), mesh_error)?;
         gpu.yield_point()?;
         let (triangle_count, runs) = (vertices.planes.len() as u32, std::mem::take(&mut vertices.runs));
         let geometry = Geometry::new(gpu, vertices)?;
         gpu.yield_point()?;
-        let Geometry { positions, attributes, indices, planes, hierarchy, hierarchy_triangles, .. } =
-            &geometry;
-        let view_resources = [view_uniform, planes, positions, indices, attributes]
-            .into_iter()
-            .chain([hierarchy, hierarchy_triangles, &tests.tests, &tests.texels])
-            .map(Buffer::as_entire_binding)
-            .collect::<Vec<_>>();
-        let view = gpu.group("view", &group_layouts.view, &view_resources);
         let fill_uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
             label: Some("fill"),
             contents: bytemuck::bytes_of(&gpu_structs::Fill {
@@ -124,19 +165,18 @@ impl GpuScene {
             + geometry.bytes()
             + casters.bytes()
             + alpha_tests.as_ref().map_or(0, AlphaTests::bytes);
-        Ok(Self {
-            revision,
+        Ok(Self(Arc::new(Uploaded {
             posed: Arc::clone(posed),
             geometry,
             triangle_count,
             opaque_indices,
-            casters,
             draws,
             runs,
             alpha_tests,
-            view,
+            no_tests,
             fill: gpu.group("fill", &group_layouts.fill, &[fill_uniform.as_entire_binding()]),
+            casters: (mesh_error, casters.into()),
             _memory: gpu.memory.reserve(MemoryKind::Scenes, bytes),
-        })
+        })))
     }
 }

@@ -80,6 +80,7 @@ pub use backend::Backend;
 pub use bendy_light::{increasing_roots, locate, map_points};
 pub use device::Gpu;
 pub use error::RenderError;
+pub use gpu_scene::SceneOnDevice;
 pub use memory::{MemoryBudget, MemoryKind};
 pub use pass_runs::{Cause, Pass, PassCounts, PassRun};
 pub use picture::{Picture, PictureFormat, Pixels};

@@ -31,12 +31,17 @@ pub(crate) struct NativeTargets {
 }
 
 /// What the pixels of a G-buffer see that was drawn with `view`.
-pub(crate) fn surfaces(gpu: &Gpu, scene: &GpuScene, view: &gpu_structs::View, gbuffer: &Gbuffer) -> Surfaces {
+pub(crate) fn surfaces(
+    gpu: &Gpu,
+    scene: &GpuScene,
+    view: &gpu_structs::View,
+    gbuffer: &Gbuffer,
+) -> Result<Surfaces, RenderError> {
     let fill = &scene.posed.scene.fill;
     let fill = Fill { sky: fill.sky.as_vec3().to_array(), ground: fill.ground.as_vec3().to_array() };
-    let surfaces = Surfaces::new(gpu.workers(), &arrays(scene, None), (camera(view), fill), gbuffer);
+    let surfaces = Surfaces::new(gpu.workers(), &arrays(scene, None), (camera(view), fill), gbuffer)?;
     gpu.stages.ended(Stage::Surfaces);
-    surfaces
+    Ok(surfaces)
 }
 
 fn camera(view: &gpu_structs::View) -> Camera {

@@ -13,7 +13,7 @@ use scene::{PosedScene, Scene};
 use wgpu::Buffer;
 
 use crate::camera::{Raster, sample_offset};
-use crate::gpu_scene::GpuScene;
+use crate::gpu_scene::{GpuScene, SceneOnDevice};
 use crate::lights::ShadowMaps;
 use crate::pass_runs::{Cause, Pass, PassCounts, PassRun, PassRuns};
 use crate::passes::Passes;
@@ -57,14 +57,9 @@ impl Renderer {
     fn with(gpu: Arc<Gpu>, passes: Arc<Passes>) -> Result<Self, RenderError> {
         let (view_uniform, scene) = gpu.checked(|| {
             let view_uniform = gpu.uniform_buffer::<gpu_structs::View>("view");
-            let scene = GpuScene::new(
-                &gpu,
-                &passes.group_layouts,
-                &view_uniform,
-                &scene::pose(Scene::default()),
-                0,
-                0.0,
-            )?;
+            let (layouts, empty) = (&passes.group_layouts, scene::pose(Scene::default()));
+            let uploaded = SceneOnDevice::upload(&gpu, layouts, &empty, 0.0)?;
+            let scene = GpuScene::new(&gpu, layouts, &view_uniform, uploaded, 0, 0.0)?;
             Ok((view_uniform, scene))
         })?;
         let (viewers, shadow_maps, ran) = (Viewers::default(), ShadowMaps::new(), PassRuns::default());
@@ -74,18 +69,25 @@ impl Renderer {
     /// Takes over another scene: its geometry, materials and fill; its cameras and lights are not used. On an error the
     /// scene before stays.
     pub fn set_scene(&mut self, scene: &Arc<PosedScene>) -> Result<(), RenderError> {
+        let mesh_error = self.shadow_maps.shadows().mesh_error;
+        let layouts = &self.passes.group_layouts;
+        let uploaded = self.gpu.checked(|| SceneOnDevice::upload(&self.gpu, layouts, scene, mesh_error))?;
+        self.share_scene(uploaded)
+    }
+
+    /// Takes over a scene that another renderer of this device has taken over, without another copy of it.
+    pub fn share_scene(&mut self, uploaded: SceneOnDevice) -> Result<(), RenderError> {
         let (revision, mesh_error) = (self.scene.revision + 1, self.shadow_maps.shadows().mesh_error);
+        let layouts = &self.passes.group_layouts;
         self.scene = self.gpu.checked(|| {
-            GpuScene::new(
-                &self.gpu,
-                &self.passes.group_layouts,
-                &self.view_uniform,
-                scene,
-                revision,
-                mesh_error,
-            )
+            GpuScene::new(&self.gpu, layouts, &self.view_uniform, uploaded, revision, mesh_error)
         })?;
         Ok(())
+    }
+
+    /// The scene that it has taken over, for [`Self::share_scene`].
+    pub fn scene_on_device(&self) -> SceneOnDevice {
+        self.scene.on_device().clone()
     }
 
     /// Makes shadow maps by other settings from the next picture on. On an error the settings before stay.
@@ -93,7 +95,7 @@ impl Renderer {
         shadows.check(self.gpu.device.limits().max_texture_dimension_2d)?;
         if shadows.mesh_error != self.shadow_maps.shadows().mesh_error {
             let simplify = || self.scene.casters_within(&self.gpu, shadows.mesh_error);
-            self.scene.casters = self.gpu.checked(simplify)?;
+            self.scene.casters = self.gpu.checked(simplify)?.into();
         }
         if self.shadow_maps.set_shadows(shadows) {
             self.viewers = Viewers::default();

@@ -341,7 +341,7 @@ impl Targets {
         let row = self.size[0] as usize;
         let GbufferTexels { packed, offset, depth, .. } = self.gbuffer_texels(gpu)?;
         let gbuffer = relight::Gbuffer { size, row, packed, z: depth, terminator_offset: offset };
-        let surfaces = native_targets::surfaces(gpu, scene, view, &gbuffer);
+        let surfaces = native_targets::surfaces(gpu, scene, view, &gbuffer)?;
         self.native.see(surfaces);
         Ok(())
     }

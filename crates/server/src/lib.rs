@@ -5,6 +5,7 @@
 
 mod access;
 mod backend;
+mod background;
 mod connections;
 mod data_folder;
 mod error;

@@ -9,10 +9,10 @@ use light::{LightId, LightInstance};
 use protocol::{ProbeCamera, Probed, RenderLimits};
 use reference::{LightState, Reference};
 use scene::{Camera, View};
-use tokio::task::spawn_blocking;
 
 use crate::ServerError;
 use crate::backend::Backend;
+use crate::background;
 use crate::request::valid_camera;
 use crate::scenes::Decoded;
 
@@ -51,7 +51,7 @@ pub async fn probe(backend: &Backend, probe: Probe) -> Result<Probed, ServerErro
     let size = RenderLimits::HTTP.check_size(probe.size)?;
     let bvh = probe.scene.bvh().await?;
     let permit = Arc::clone(&backend.probes).acquire_owned().await.map_err(|_| ServerError::Fault)?;
-    let found = spawn_blocking(move || {
+    let found = background::run(move || {
         let _permit = permit;
         let reference = Reference::for_points(bvh);
         let viewport = Viewport { camera: probe.camera.clone(), size };
@@ -63,5 +63,5 @@ pub async fn probe(backend: &Backend, probe: Probe) -> Result<Probed, ServerErro
             shows.then(centre).flatten().map(Into::into)
         }))
     });
-    found.await.map_err(|_| ServerError::Fault)?
+    found.await?
 }

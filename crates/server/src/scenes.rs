@@ -11,9 +11,9 @@ use raycast::Bvh;
 use scene::PosedScene;
 use store::Store;
 use tokio::sync::{OnceCell, Semaphore};
-use tokio::task::spawn_blocking;
 
 use crate::ServerError;
+use crate::background;
 use crate::limits::MAX_SCENES_KEPT;
 use crate::metrics::Metrics;
 use crate::storage::Storage;
@@ -75,12 +75,12 @@ impl Scenes {
     pub async fn add(&self, file: File, name: Option<String>) -> Result<Asset, ServerError> {
         let turn = self.decoding.acquire().await.map_err(|_| ServerError::Fault)?;
         let folder = self.storage.folder().to_owned();
-        let decoded = spawn_blocking(move || {
+        let decoded = background::run(move || {
             let bytes = read_all(file).map_err(|reason| ServerError::Data { path: folder, reason })?;
             let decoded = Decoded::of(&bytes)?;
             Ok::<_, ServerError>((bytes, decoded))
         });
-        let (bytes, decoded) = decoded.await.map_err(|_| ServerError::Fault)??;
+        let (bytes, decoded) = decoded.await??;
         self.metrics.scenes_decoded.inc();
         drop(turn);
         let asset = self.storage.put_asset(bytes).await?;
@@ -110,8 +110,8 @@ impl Scenes {
             return Ok(scene);
         }
         let storage = self.storage.clone();
-        let decoded = spawn_blocking(move || decode(&storage.open().map_err(ServerError::Unread)?, &asset));
-        let decoded = decoded.await.map_err(|_| ServerError::Fault)??;
+        let decoded =
+            background::run(move || decode(&storage.open().map_err(ServerError::Unread)?, &asset)).await??;
         self.metrics.scenes_decoded.inc();
         self.keep(asset, &decoded);
         Ok(decoded)
@@ -158,7 +158,7 @@ impl Decoded {
     pub async fn bvh(&self) -> Result<Arc<Bvh>, ServerError> {
         let build = || async {
             let posed = Arc::clone(&self.posed);
-            spawn_blocking(move || Arc::new(Bvh::new(posed))).await.map_err(|_| ServerError::Fault)
+            background::run(move || Arc::new(Bvh::new(posed))).await
         };
         self.bvh.get_or_try_init(build).await.map(Arc::clone)
     }

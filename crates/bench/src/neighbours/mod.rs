@@ -9,7 +9,7 @@ mod judge;
 mod memory;
 mod other;
 mod row;
-mod scenes;
+pub mod scenes;
 mod setup;
 mod slow_link;
 mod usage;

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 /// A triangle in front of everything, so many times in one place; another `name` makes another file.
-pub(super) fn triangles(count: u32, name: &str) -> Vec<u8> {
+pub fn triangles(count: u32, name: &str) -> Vec<u8> {
     let indices: Vec<u8> = (0..count).flat_map(|_| [0_u32, 1, 2]).flat_map(u32::to_le_bytes).collect();
     let accessor = json!({"bufferView": 1, "componentType": 5125, "count": 3 * count, "type": "SCALAR"});
     let primitive = json!({"attributes": {"POSITION": 0}, "indices": 1});
@@ -11,7 +11,7 @@ pub(super) fn triangles(count: u32, name: &str) -> Vec<u8> {
 }
 
 /// So many primitives of one triangle, in one place.
-pub(super) fn primitives(count: usize, name: &str) -> Vec<u8> {
+pub fn primitives(count: usize, name: &str) -> Vec<u8> {
     let primitive = json!({"attributes": {"POSITION": 0}});
     glb(name, &vec![primitive; count], None)
 }

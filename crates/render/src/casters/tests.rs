@@ -115,7 +115,7 @@ fn plant(renderer: &mut Renderer, told: f64, made: f64) {
         renderer.set_shadow_settings(settings(mesh_error)).expect("sound");
     }
     let (gpu, scene) = renderer.gpu_scene();
-    scene.casters = scene.casters_within(gpu, made).expect("made");
+    scene.casters = scene.casters_within(gpu, made).expect("made").into();
 }
 
 /// How many points of the floor in the light are lit or dark, and how many are wrong though the way of their

@@ -12,11 +12,11 @@ use protocol::{
 };
 use render::{PictureFormat, RenderError};
 use scene::{Camera, framing_camera};
-use tokio::task::spawn_blocking;
 
 use super::answer::Answer;
 use super::read::{SessionName, read_query};
 use crate::ServerError;
+use crate::background;
 use crate::limits::MAX_STILLS;
 use crate::picture_stats::{micros, on_the_wire};
 use crate::renderer::{Lease, Output, Place, Request, Urgency};
@@ -69,13 +69,13 @@ pub async fn render(State(state): State<Arc<AppState>>, SessionName(name): Sessi
         left_out: 0,
     });
     // Compressing takes seconds, in which the renderer can draw for others.
-    let file = spawn_blocking(move || {
+    let file = background::run(move || {
         let began = Instant::now();
         let file = drawn.pixels.into_file(&view, &lights, picture_format)?;
         trace.encoded(began.elapsed());
         Ok::<_, RenderError>(file)
     });
-    let file = file.await.map_err(|_| ServerError::Fault)??;
+    let file = file.await??;
     let kind = match format {
         RenderFormat::Png => "image/png",
         RenderFormat::Exr => "image/x-exr",

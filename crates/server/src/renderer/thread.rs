@@ -13,9 +13,9 @@ use tokio::sync::mpsc;
 use tokio::time::timeout;
 
 use super::schedule::{Schedule, Turn, Urgency, Waiting};
-use super::worker::{Course, Drawing, Report, TurnEnd, Worker};
+use super::worker::{Course, Drawing, Report, SharedScene, TurnEnd, Worker};
 use super::{Answer, Drawn, Job, Lease, Readiness, Request};
-use crate::limits::{RENDER_QUEUE, SHARED_FOR};
+use crate::limits::{RENDER_QUEUE, SHARED_FOR, TURN_AT_MOST};
 use crate::metrics::Metrics;
 use crate::turns::{Charges, Payer};
 
@@ -184,7 +184,6 @@ impl RenderLoop {
             if worker.paused.is_some_and(|id| self.waiting.iter().all(|task| task.id != id)) {
                 worker.cancel();
             }
-            worker.sessions.retain(|session| session.strong_count() > 0);
             if worker.paused.is_some() {
                 continue;
             }
@@ -193,7 +192,7 @@ impl RenderLoop {
                 worker.forget(render::ViewSlot(number));
             }
         }
-        self.workers.retain(|worker| !worker.sessions.is_empty());
+        self.workers.retain(|worker| worker.session.strong_count() > 0);
         if self.workers.len() < before {
             self.base.collect();
         }
@@ -252,6 +251,11 @@ impl RenderLoop {
         self.metrics.render_turn_seconds.observe((ended - began).as_secs_f64());
         if urgency == Urgency::Still {
             self.metrics.still_turns.inc();
+        }
+        if ended - began > TURN_AT_MOST {
+            let render::View { width, height, .. } = task.request.view;
+            let took = (ended - began).as_millis();
+            tracing::debug!("a turn took {took} ms: {urgency:?}, {width}x{height}, turn {}", task.turns);
         }
         worker.paused = matches!(report, Report::Paused).then_some(task.id);
         match report {
@@ -313,20 +317,19 @@ impl RenderLoop {
         }
     }
 
-    /// Takes out the worker of a request's scene.
+    /// Takes out the worker of a request's session and scene.
     fn worker(&mut self, request: &Request) -> Result<Worker, RenderError> {
         let Request { session, viewer, scene, .. } = request;
-        let known = self.workers.iter().position(|worker| Arc::ptr_eq(&worker.scene, scene));
-        let mut worker =
-            if let Some(index) = known { self.workers.remove(index) } else { self.open_scene(scene)? };
+        let known = self.workers.iter().position(|worker| worker.is_for(session, scene));
+        let mut worker = match known {
+            Some(index) => self.workers.remove(index),
+            None => self.open_scene(session, scene)?,
+        };
         let is_listed =
             |listed: &Weak<Lease>, lease: &Arc<Lease>| std::ptr::eq(listed.as_ptr(), &raw const **lease);
-        if !worker.sessions.iter().any(|known| is_listed(known, session)) {
-            worker.sessions.push(Arc::downgrade(session));
-        }
         if !worker.viewers.iter().any(|(_, known)| is_listed(known, viewer)) {
             // A view shows one scene: what was kept of another one for it goes.
-            for other in &mut self.workers {
+            for other in self.workers.iter_mut().filter(|other| other.paused.is_none()) {
                 other.viewers.retain(|(number, _)| *number != viewer.number);
                 other.forget(viewer.slot());
             }
@@ -335,8 +338,8 @@ impl RenderLoop {
         Ok(worker)
     }
 
-    /// A worker for a scene. Scenes that nobody looks at go where more than half of the budget is taken.
-    fn open_scene(&mut self, scene: &Arc<PosedScene>) -> Result<Worker, RenderError> {
+    /// A worker for a session and a scene. Scenes that nobody looks at go where more than half of the budget is taken.
+    fn open_scene(&mut self, session: &Arc<Lease>, scene: &Arc<PosedScene>) -> Result<Worker, RenderError> {
         let half = self.memory.budget() / 2;
         while self.memory.total() > half
             && let Some(idle) = self.workers.iter().position(|worker| worker.viewers.is_empty())
@@ -344,7 +347,9 @@ impl RenderLoop {
             self.workers.remove(idle);
         }
         self.base.collect();
-        Ok(Worker::start(scene, self.base.with_same_pipelines()?))
+        let known = self.workers.iter().find(|worker| Arc::ptr_eq(&worker.scene, scene));
+        let shared = known.map_or_else(SharedScene::default, |worker| Arc::clone(&worker.shared));
+        Ok(Worker::start(session, (scene, shared), self.base.with_same_pipelines()?))
     }
 }
 

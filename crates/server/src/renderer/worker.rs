@@ -1,15 +1,15 @@
-//! A scene on the device, on a thread of its own, which draws when it has the turn: so a piece of work that takes long can rest in
-//! its middle while another scene's is drawn. Only one thread draws at a time.
+//! What a session shows of a scene, on a thread of its own, which draws when it has the turn: so a piece of work that takes long
+//! can rest in its middle while another session's is drawn. Only one thread draws at a time.
 
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Weak};
+use std::sync::{Arc, OnceLock, Weak};
 use std::task::Poll;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use render::{PassRun, Pixels, RenderError, Renderer, TiledPicture, ViewSlot, Yielding};
+use render::{PassRun, Pixels, RenderError, Renderer, SceneOnDevice, TiledPicture, ViewSlot, Yielding};
 use scene::PosedScene;
 
 use super::{Lease, Output, Request, Urgency};
@@ -90,11 +90,15 @@ pub(super) enum Report {
     Lost,
 }
 
-/// A scene on the device, for all sessions that show it.
+/// A scene on the device as sessions share it; empty before one of them has taken it over.
+pub(super) type SharedScene = Arc<OnceLock<SceneOnDevice>>;
+
+/// What a session shows of a scene: its maps, and what its views are drawn into.
 pub(super) struct Worker {
     pub scene: Arc<PosedScene>,
-    /// The sessions that showed it; without them it goes.
-    pub sessions: Vec<Weak<Lease>>,
+    pub shared: SharedScene,
+    /// The session that it is for, without which it goes.
+    pub session: Weak<Lease>,
     /// Whose views and stills it drew.
     pub viewers: Vec<(u64, Weak<Lease>)>,
     /// The task in the middle of which it rests.
@@ -158,24 +162,34 @@ fn give_way() -> bool {
 
 impl Worker {
     /// A thread for `renderer`, which takes over the scene when it first draws.
-    pub fn start(scene: &Arc<PosedScene>, renderer: Renderer) -> Self {
+    pub fn start(
+        session: &Arc<Lease>,
+        (scene, shared): (&Arc<PosedScene>, SharedScene),
+        renderer: Renderer,
+    ) -> Self {
         let (orders, inbox) = channel();
         let (outbox, reports) = channel();
-        let posed = Arc::clone(scene);
+        let (posed, uploaded) = (Arc::clone(scene), Arc::clone(&shared));
         let thread = thread::spawn(move || {
             let _last_word = LastWord(outbox.clone());
             BATON.set(Some(Baton { orders: inbox, reports: outbox.clone() }));
-            draw_in_turns(renderer, &posed, &outbox);
+            draw_in_turns(renderer, (&posed, &uploaded), &outbox);
         });
         Self {
             scene: Arc::clone(scene),
-            sessions: Vec::new(),
+            shared,
+            session: Arc::downgrade(session),
             viewers: Vec::new(),
             paused: None,
             orders,
             reports,
             thread: Some(thread),
         }
+    }
+
+    /// Whether it is for this session and scene.
+    pub fn is_for(&self, session: &Arc<Lease>, scene: &Arc<PosedScene>) -> bool {
+        std::ptr::eq(self.session.as_ptr(), Arc::as_ptr(session)) && Arc::ptr_eq(&self.scene, scene)
     }
 
     /// Draws for about `turn`, or goes on with what it is in the middle of; waits until the turn is given back.
@@ -218,13 +232,13 @@ impl Drop for Worker {
 }
 
 /// What a worker's thread does.
-fn draw_in_turns(mut renderer: Renderer, scene: &Arc<PosedScene>, reports: &Sender<Report>) {
+fn draw_in_turns(mut renderer: Renderer, scene: (&Arc<PosedScene>, &SharedScene), reports: &Sender<Report>) {
     let next = || BATON.with_borrow(|baton| baton.as_ref()?.orders.recv().ok());
     let mut is_there = false;
     while let Some(order) = next() {
         match order {
             Order::Draw(mut drawing, turn) => {
-                let opened = if is_there { Ok(()) } else { renderer.set_scene(scene) };
+                let opened = if is_there { Ok(()) } else { take_over(&mut renderer, scene) };
                 is_there |= opened.is_ok();
                 let drawn = opened.and_then(|()| draw(&mut renderer, &mut drawing, turn));
                 if reports.send(Report::Ended(drawing, drawn)).is_err() {
@@ -235,6 +249,20 @@ fn draw_in_turns(mut renderer: Renderer, scene: &Arc<PosedScene>, reports: &Send
             Order::GoOn(_) => {}
         }
     }
+}
+
+/// Takes over a scene, from another session where one has done so.
+fn take_over(
+    renderer: &mut Renderer,
+    (scene, shared): (&Arc<PosedScene>, &SharedScene),
+) -> Result<(), RenderError> {
+    if let Some(uploaded) = shared.get() {
+        return renderer.share_scene(uploaded.clone());
+    }
+    renderer.set_scene(scene)?;
+    // Where two have done it at once, one copy goes with its session.
+    shared.get_or_init(|| renderer.scene_on_device());
+    Ok(())
 }
 
 /// A turn of drawing; the picture where it is finished.

@@ -13,6 +13,7 @@ use super::detail::{Detail, Made};
 use super::moving_pixels::Shortened;
 use crate::ServerError;
 use crate::backend::Backend;
+use crate::background;
 use crate::outboxes::ClientId;
 use crate::picture_stats::{micros, on_the_wire};
 use crate::renderer::Request;
@@ -207,8 +208,12 @@ pub async fn encode_picture(
 ) -> StepResult {
     let quality = drawing.stamp.quality;
     let started = Instant::now();
-    let encoded = spawn_blocking(move || encode(drawing, base.as_deref(), started));
-    let frame = encoded.await.map_err(|_| ServerError::Fault)??;
+    let work = move || encode(drawing, base.as_deref(), started);
+    let frame = match quality {
+        Quality::Moving => spawn_blocking(work).await.map_err(|_| ServerError::Fault)??,
+        // Without loss it takes several times as long, and nobody's hand waits for it.
+        Quality::Settled => background::run(work).await??,
+    };
     backend.metrics.frames_encoded.get_or_create(&codec(quality).into()).inc();
     backend.metrics.encode_seconds.observe(frame.encode.as_secs_f64());
     backend.renders.charge(&payer, frame.encode);

@@ -29,7 +29,8 @@ fn drawn(
         &mut Scratch::default(),
         &mut texels,
         side,
-    );
+    )
+    .expect("not cancelled");
     without_gaps(&texels, side)
 }
 

@@ -22,7 +22,9 @@ fn light_comes_through_holes_and_nowhere_else() {
         let map = StraightMap { place_from_scene: Mat4::IDENTITY, near: Some(0.1), faces: &[face] };
         let mut into = DepthMap::new(SIDE, 1);
         let holed = HoledCasters { scene: &scene, runs, tests };
-        StraightWork::default().draw(&Workers::of(2), &map, (&[], &[], &[]), &holed, &mut into);
+        StraightWork::default()
+            .draw(&Workers::of(2), &map, (&[], &[], &[]), &holed, &mut into)
+            .expect("not cancelled");
         into
     };
     // Left of the middle the board is there: x up to -0.05, and its shadow twice as far.

@@ -147,7 +147,7 @@ pub(super) fn drawn(
     let holed = HoledCasters { scene: &scene, runs: &[], tests: AlphaTests::default() };
     let mut into = DepthMap::new(SIDE, 1 + others);
     let casters = (&positions[..], &[0][..], &INDICES[..]);
-    StraightWork::default().draw(&Workers::of(2), &map, casters, &holed, &mut into);
+    StraightWork::default().draw(&Workers::of(2), &map, casters, &holed, &mut into).expect("not cancelled");
     into
 }
 

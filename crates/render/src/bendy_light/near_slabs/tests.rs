@@ -1,6 +1,7 @@
 //! What is left out of a map is nothing that shows in it.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3};
 use light::Light;
@@ -71,7 +72,7 @@ fn shadows(renderer: &mut Renderer, light: &Light) -> Picture {
 
 fn with(backend: Backend, change: impl Fn(&mut Clusters)) -> Renderer {
     let mut renderer = renderer_of(backend, &scene());
-    change(&mut renderer.gpu_scene().1.casters.clusters);
+    change(&mut Arc::make_mut(&mut renderer.gpu_scene().1.casters).clusters);
     renderer
 }
 
@@ -163,7 +164,7 @@ fn light_from_within_meets_backs() {
         let mut renderer = renderer_of(backend, &around);
         let leaks = lit(&shadows(&mut renderer, &light()));
         assert_eq!(leaks, 0, "{backend:?}: all that light would reach lies behind the ball");
-        let clusters = &mut renderer.gpu_scene().1.casters.clusters;
+        let clusters = &mut Arc::make_mut(&mut renderer.gpu_scene().1.casters).clusters;
         // The planted fault: the ball is where the light is not.
         for leaf in &mut clusters.leaves {
             leaf.shell_bounds.center += DVec3::splat(100.0);

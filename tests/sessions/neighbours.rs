@@ -1,0 +1,125 @@
+//! What one client loses to another, in counts. `bendylights bench neighbours` has the figures.
+
+use std::io::Write;
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+
+use bench::Incoming;
+use bench::neighbours::scenes;
+use protocol::{ClientMessage, ErrorCode, ServerMessage};
+use stream::FrameHeader;
+
+use crate::support::{Mirror, Server, move_point, moved};
+
+/// A still of another session whose scene takes minutes to draw, asked for by a connection that is not read.
+fn heavy_still(server: &Server, name: &str, scene: &[u8]) -> TcpStream {
+    let uploaded = server.process.post(&format!("/assets?name={name}"), scene).expect("answered");
+    let answer: serde_json::Value = serde_json::from_str(&uploaded.text()).expect("JSON");
+    let notes = answer["notes"].to_string();
+    assert!(notes.contains("take long"), "what it costs is named: {notes}");
+    let session = format!(r#"{{"name": "{name}", "scene": {}}}"#, answer["asset"]);
+    assert_eq!(server.process.post("/sessions", session.as_bytes()).expect("answered").status, 201);
+    let host = &server.process.address.host;
+    let mut stream = TcpStream::connect(host).expect("connected");
+    let token = &server.process.address.token;
+    let request = format!(
+        "GET /sessions/{name}/render?size=64x36 HTTP/1.1\r\nHost: {host}\r\nAuthorization: Bearer {token}\r\n\r\n"
+    );
+    stream.write_all(request.as_bytes()).expect("sent");
+    stream
+}
+
+fn metric(server: &Server, name: &str) -> f64 {
+    server.process.metric(&format!("bendylights_{name}"), "").expect("counted")
+}
+
+fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
+    let until = Instant::now() + Duration::from_mins(1);
+    while !is_so() {
+        assert!(Instant::now() < until, "{what} never came");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// A still that the device or the processor would draw for a minute in one piece rests in its middle while others draw, and ends
+/// with who asked for it.
+///
+/// Rules: HTTP-8, FRAME-14
+#[test]
+fn a_scene_that_takes_long_leaves_others_their_turns_and_ends_with_who_asked() {
+    let server = Server::start();
+    let mut ada = server.connect("ada");
+    ada.open_view();
+    let (light, start) = (ada.light(), ada.point(2));
+    let still = heavy_still(&server, "sheets", &scenes::triangles(64_000, "sheets"));
+    wait_until("the still's first turn", || metric(&server, "still_turns_total") > 0.0);
+    for step in 0..10 {
+        let by = if step % 2 == 0 { 0.1 } else { -0.1 };
+        let seq = ada.edited(move_point(light, 2, moved(start, [0.0, by, 0.0]))).seq().expect("committed");
+        ada.receive_until("a frame", |incoming| match incoming {
+            Incoming::Frame(header, _) if header.log_seq == seq => Some(()),
+            _ => None,
+        });
+    }
+    // It is still drawn: all of that came in between.
+    let turns = metric(&server, "still_turns_total");
+    wait_until("another turn of the still", || metric(&server, "still_turns_total") > turns);
+    assert!(metric(&server, "least_still_turns") > 0.0);
+    drop(still);
+    wait_until("the end of the still", || metric(&server, "least_still_turns") == 0.0);
+    let ended = metric(&server, "still_turns_total");
+    std::thread::sleep(Duration::from_millis(500));
+    assert_eq!(metric(&server, "still_turns_total"), ended, "nobody waits for it any more");
+}
+
+/// The latest moving frame of each while all move their cameras, and the codes of what they are told besides.
+fn moving_frames(mirrors: &mut [Mirror], rounds: u32) -> (Vec<FrameHeader>, Vec<ErrorCode>) {
+    let (mut latest, mut told) = (Vec::new(), Vec::new());
+    for round in 1..=rounds {
+        for mirror in mirrors.iter_mut() {
+            let mut camera = mirror.client.welcome.camera.clone();
+            camera.translation = moved(camera.translation, [0.001 * f64::from(round), 0.0, 0.0]);
+            mirror.send(&ClientMessage::SetCamera { camera, camera_revision: 1 + round });
+        }
+        latest.clear();
+        for mirror in mirrors.iter_mut() {
+            latest.push(mirror.receive_until("a frame", |incoming| match incoming {
+                Incoming::Frame(header, _) if header.camera_revision == 1 + round => Some(*header),
+                Incoming::Message(message) => {
+                    if let ServerMessage::Error { code, fatal: false, .. } = &**message {
+                        told.push(*code);
+                    }
+                    None
+                }
+                Incoming::Frame(..) => None,
+            }));
+        }
+    }
+    (latest, told)
+}
+
+/// Rules: FRAME-15
+#[test]
+fn the_views_of_an_actor_move_so_many_pixels_at_most() {
+    let server = Server::start();
+    let size = [2400, 1500];
+    let open = |actor: &str| {
+        let mut mirror = server.connect(actor);
+        mirror.open_view_of(size, None);
+        mirror
+    };
+    // Of one actor three take more than 3840 x 2160; those of three actors are as large as they are.
+    let mut own: Vec<Mirror> = (0..3).map(|_| open("ada")).collect();
+    let (frames, told) = moving_frames(&mut own, 3);
+    let pixels = |frames: &[FrameHeader]| -> u64 {
+        frames.iter().map(|header| u64::from(header.width) * u64::from(header.height)).sum()
+    };
+    assert!(pixels(&frames) <= 3840 * 2160, "{frames:?}");
+    assert!(frames.iter().all(|header| [header.view_width, header.view_height].map(u32::from) == size));
+    assert!(!told.is_empty() && told.len() <= 3, "each is told once: {told:?}");
+    assert!(told.iter().all(|code| *code == ErrorCode::TooMany), "{told:?}");
+    drop(own);
+    let mut others: Vec<Mirror> = ["ben", "cyd", "dan"].map(open).into();
+    let (frames, told) = moving_frames(&mut others, 2);
+    assert!(pixels(&frames) == 3 * 2400 * 1500 && told.is_empty(), "{frames:?} {told:?}");
+}
