@@ -10,6 +10,7 @@ use tokio_util::task::TaskTracker;
 use crate::metrics::Metrics;
 use crate::renderer::Renders;
 use crate::scenes::Scenes;
+use crate::solver::Solver;
 use crate::storage::Storage;
 use crate::trace::Trace;
 
@@ -24,8 +25,8 @@ pub struct Backend {
     pub renders: Renders,
     /// A permit for each probe whose rays are followed.
     pub probes: Arc<Semaphore>,
-    /// A permit for each drag that is solved beside its session.
-    pub solves: Arc<Semaphore>,
+    /// Threads that solve drags.
+    pub solver: Solver,
     /// What is counted.
     pub metrics: Arc<Metrics>,
     /// What is told of each picture.
