@@ -72,6 +72,8 @@ codes! {
     NothingToUndo = "nothingToUndo", 400;
     /// No undo to take back.
     NothingToRedo = "nothingToRedo", 400;
+    /// Others changed what the drag depends on each time that it was solved.
+    KeepsChanging = "keepsChanging", 400;
     /// No such drag of the sender's.
     NoGesture = "noGesture", 400;
     /// The drag was never updated.
@@ -145,6 +147,7 @@ impl ErrorCode {
             Self::Fault,
             Self::TooMany,
             Self::TooLarge,
+            Self::KeepsChanging,
             Self::Draining,
         ];
         of_the_moment.contains(&self)
@@ -178,7 +181,9 @@ impl From<&EditError> for ErrorCode {
             EditError::OutOfReach(_) => Self::InvalidLight,
             EditError::InvalidCamera(_) => Self::InvalidCamera,
             EditError::UnknownAsset(_) => Self::UnknownAsset,
-            EditError::TooMany { .. } | EditError::TooLong { .. } => Self::TooMany,
+            EditError::TooMany { .. } | EditError::TooManyChosen { .. } | EditError::TooLong { .. } => {
+                Self::TooMany
+            }
             EditError::Conflict(_) => Self::Conflict,
         }
     }

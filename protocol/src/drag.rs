@@ -105,6 +105,8 @@ pub enum DragLimit {
     SourceInside,
     /// What is pinned would not stay: see `pin`.
     Pin,
+    /// To bring it nearer takes too much work: choose fewer control points, or remove pins.
+    TooMuchWork,
 }
 
 /// [`Refusal`] in JSON.
@@ -230,6 +232,7 @@ impl TryFrom<DragOutcome> for Outcome {
                 DragLimit::TubeEdge => Limit::TubeEdge,
                 DragLimit::NoDescent => Limit::NoDescent,
                 DragLimit::SourceInside => Limit::SourceInside,
+                DragLimit::TooMuchWork => Limit::TooMuchWork,
                 DragLimit::Pin => {
                     Limit::Pin(wire.pin.ok_or("a drag that a pin limits names the pin")? as usize)
                 }
@@ -328,6 +331,7 @@ impl From<Limit> for DragLimit {
             Limit::TubeEdge => Self::TubeEdge,
             Limit::NoDescent => Self::NoDescent,
             Limit::SourceInside => Self::SourceInside,
+            Limit::TooMuchWork => Self::TooMuchWork,
             Limit::Pin(_) => Self::Pin,
         }
     }

@@ -1,15 +1,19 @@
 //! A drag that takes long to solve, and what goes on meanwhile.
 
+use std::io::Write as _;
+use std::net::TcpStream;
 use std::process::Command as Program;
 use std::thread;
+use std::time::Duration;
 
+use bench::Address;
 use protocol::{
-    Action, ClientMessage, Command, DragKind, DragRadii, EditResults, GestureStatus, Outcome, Record, Scope,
-    ServerMessage, parse_body,
+    Action, ClientMessage, Command, DragKind, DragRadii, EditResults, ErrorCode, GestureStatus, Record,
+    Scope, ServerMessage, parse_body,
 };
 use serde_json::{Value, json};
 
-use crate::support::{Mirror, Server, committed, rename, state_of};
+use crate::support::{Mirror, Server, committed, rejected, rename, state_of};
 
 const SIZE: [u32; 2] = [640, 360];
 /// More edits of others than a session acknowledges that waits for a drag: the one that came before it, and the one that waited with it.
@@ -197,13 +201,14 @@ fn a_programs_edits_stay_in_order_around_a_drag() {
     assert_eq!(ben.name(), "last");
 }
 
-/// Nobody holds the light: what others change of it has the drag solved again, but not for ever.
+/// Nobody holds the light: what others change of it has the drag solved again, but not for ever, and they wait for none of it. Once
+/// they are done the same operation is carried out.
 ///
-/// Rules: GEST-8
+/// Rules: GEST-8, GEST-9, REC-4
 #[test]
-fn a_drag_is_carried_out_though_others_change_the_light() {
+fn a_drag_is_refused_where_others_keep_changing_the_light() {
     let (_server, mut ada, mut ben, drag) = two_and_a_slow_drag();
-    let op_id = ada.edit(drag);
+    let op_id = ada.edit(drag.clone());
     let light = ben.light();
     let (count, outcome) = thread::scope(|scope| {
         let waiting = scope.spawn(|| ada.result(&op_id));
@@ -215,13 +220,104 @@ fn a_drag_is_carried_out_though_others_change_the_light() {
         (count, waiting.join().expect("an outcome"))
     });
     assert!(count >= MANY, "{count} edits");
-    assert!(matches!(outcome, Outcome::Committed { rebased: true, .. }), "{outcome:?}");
+    assert_eq!(rejected(&outcome).code, ErrorCode::KeepsChanging, "{outcome:?}");
+    ada.send(&ClientMessage::Edit { op_id: op_id.clone(), base_seq: ada.seq, command: drag });
+    committed(&ada.result(&op_id));
     // Nothing of what Ben did is undone by it.
     ben.catch_up(ada.seq);
     assert!(ben.name().starts_with("name "));
     let op_id = ada.op_id();
     ada.send(&ClientMessage::Undo { op_id: op_id.clone(), scope: Scope::Mine });
     assert!(ada.result(&op_id).seq().is_some());
+}
+
+/// Solves that go on or wait.
+fn under_way(server: &Server) -> f64 {
+    server.process.metric("bendylights_solves_under_way", "").expect("metrics")
+}
+
+/// Waits until a solve goes on.
+fn until_one_is_under_way(server: &Server) {
+    while under_way(server) == 0.0 {
+        thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// How many edits of `mirror` are acknowledged until nothing is solved.
+fn edits_until_none_is_under_way(server: &Server, mirror: &mut Mirror) -> usize {
+    let mut count = 0;
+    while under_way(server) > 0.0 {
+        committed(&mirror.edited(rename_camera(mirror, &format!("seen {count} times"))));
+        count += 1;
+    }
+    count
+}
+
+/// What nobody waits for ends, whichever way it is given up: after a few edits of another, where the drag takes many.
+///
+/// Rules: GEST-10
+#[test]
+fn what_nobody_waits_for_is_not_solved() {
+    let (server, mut ada, mut ben, drag) = two_and_a_slow_drag();
+    begin(&mut ada);
+    send_update(&mut ada, 1, drag.clone());
+    let (whole, _) = edits_during(&mut ben, || state_of(&mut ada, |state| state.update == 1));
+    // The same drag would be known.
+    let mut drag = drag;
+    if let Command::DragFeature { to, .. } = &mut drag {
+        to[0] -= 1.0;
+    }
+    send_update(&mut ada, 2, drag.clone());
+    until_one_is_under_way(&server);
+    ada.send(&ClientMessage::GestureCancel { gesture: "drag".into() });
+    state_of(&mut ada, |state| !matches!(state.status, GestureStatus::Held { .. }));
+    let cancelled = edits_until_none_is_under_way(&server, &mut ben);
+    // With something else behind the update, which is carried out all the same.
+    begin(&mut ada);
+    send_update(&mut ada, 1, drag.clone());
+    let light = ada.light();
+    ada.edit(rename(light, "on leaving"));
+    ping(&mut ada);
+    until_one_is_under_way(&server);
+    drop(ada);
+    let left = edits_until_none_is_under_way(&server, &mut ben);
+    let ended = |path: &str, body: Value| {
+        let Address { host, token } = &server.process.address;
+        let mut stream = TcpStream::connect(host).expect("connected");
+        let body = body.to_string();
+        let head = format!(
+            "POST {path} HTTP/1.1\r\nHost: {host}\r\nAuthorization: Bearer {token}\r\n\
+             Content-Type: application/json\r\nContent-Length: {}\r\n\r\n",
+            body.len()
+        );
+        stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(body.as_bytes())).expect("sent");
+        until_one_is_under_way(&server);
+    };
+    ended("/sessions/main/edits", json!({"edits": [{"command": drag}, {"command": drag}]}));
+    let edited = edits_until_none_is_under_way(&server, &mut ben);
+    let Command::DragFeature { points, size, from, to, .. } = drag else { unreachable!("it is a drag") };
+    let asked = json!({"light": 0, "kind": "shadow", "points": points, "radii": "solve", "size": size,
+        "from": from, "to": to});
+    ended("/sessions/main/drags", json!(vec![asked; 20]));
+    let asked = edits_until_none_is_under_way(&server, &mut ben);
+    println!("{whole} edits in a drag; given up {cancelled}, {left}, {edited}, {asked}");
+    let most = cancelled.max(left).max(edited).max(asked);
+    assert!(4 * most < whole, "{most} of {whole}");
+    let results = server.process.get("/sessions/main/log").expect("answered").text();
+    assert!(results.contains("on leaving"));
+}
+
+/// Who fills the line behind a drag waits alone.
+///
+/// Rules: GEST-8
+#[test]
+fn a_full_line_stops_nobody_else() {
+    let (_server, mut ada, mut ben, drag) = two_and_a_slow_drag();
+    let (light, first) = (ada.light(), ada.edit(drag));
+    let last = (0..200).map(|n| ada.edit(rename(light, &format!("name {n}")))).last().expect("an edit");
+    let (count, _) =
+        edits_during(&mut ben, || (committed(&ada.result(&first)), committed(&ada.result(&last))));
+    assert!(count >= MANY, "{count} edits");
 }
 
 /// Rules: GEST-7
@@ -286,7 +382,7 @@ fn updates_that_wait_are_outrun_by_later_ones() {
     committed(&ada.result("commit"));
 }
 
-/// More than a line holds: the session takes no more until the drag is solved.
+/// More than a line holds: its client is not read until the drag is solved.
 ///
 /// Rules: GEST-8
 #[test]

@@ -168,6 +168,14 @@ pub enum EditError {
     /// A scene that is not at hand.
     #[error("the scene {0} is not here: add its file to the assets first")]
     UnknownAsset(AssetHash),
+    /// Too much was chosen for a drag.
+    #[error("at most {limit} {what} can be chosen for a drag: choose fewer")]
+    TooManyChosen {
+        /// Of what.
+        what: &'static str,
+        /// How many may be.
+        limit: usize,
+    },
     /// The document would hold too much.
     #[error("a document holds at most {limit} {what}: remove some first")]
     TooMany {

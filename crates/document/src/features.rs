@@ -1,12 +1,15 @@
 //! Drags of features solved in a scene, and what a document makes of the answer.
 
-use drag::{Drag, Landing, Limit, Refusal, SOLVER, Status};
+use drag::{Drag, Landing, Limit, Refusal, SOLVER, Status, Work};
 use light::parameters::{ROTATION, TRANSLATION};
-use light::{Light, LightId, MAX_NAME_BYTES, MAX_SEGMENTS};
+use light::{Light, LightId, MAX_NAME_BYTES};
 use raycast::Bvh;
 
 use crate::points::moved_points;
 use crate::{Change, Document, DragOutcome, EditError, FeatureDrag, PlacedLight};
+
+/// Control points that can be chosen for a drag. With more hardly any drag lands within the bound of its work.
+pub const MAX_CHOSEN_POINTS: usize = 128;
 
 /// A drag of a feature, solved.
 #[derive(Clone, Debug)]
@@ -17,12 +20,24 @@ pub struct SolvedDrag {
     light: Light,
 }
 
-/// Solves a drag of the light `id` as `document` has it, in its scene. It may take some hundredths of a second.
+/// Solves a drag of the light `id` as `document` has it, in its scene. It takes some hundredths of a second, and some seconds at
+/// most.
 pub fn solve_drag(
     document: &Document,
     id: LightId,
     asked: &FeatureDrag,
     bvh: &Bvh,
+) -> Result<SolvedDrag, EditError> {
+    solve_drag_within(document, id, asked, bvh, &Work::new(&|_| true))
+}
+
+/// The same with its steps counted by `work`. Where it is given up what comes of it means nothing.
+pub fn solve_drag_within(
+    document: &Document,
+    id: LightId,
+    asked: &FeatureDrag,
+    bvh: &Bvh,
+    work: &Work,
 ) -> Result<SolvedDrag, EditError> {
     let placed = document.lights.get(&id).ok_or(EditError::NoLight(id))?;
     let FeatureDrag { feature, points, radii, view, from, to, source_outside } = asked.clone();
@@ -30,16 +45,15 @@ pub fn solve_drag(
     if view.camera.name.len() > MAX_NAME_BYTES {
         return Err(EditError::TooLong { field: "name", limit: MAX_NAME_BYTES });
     }
-    // No light has more, and the record keeps what came.
-    if points.as_ref().is_some_and(|points| points.len() > MAX_SEGMENTS + 2) {
-        return Err(EditError::TooMany { what: "control points", limit: MAX_SEGMENTS + 2 });
+    if points.as_ref().is_some_and(|points| points.len() > MAX_CHOSEN_POINTS) {
+        return Err(EditError::TooManyChosen { what: "control points", limit: MAX_CHOSEN_POINTS });
     }
     if view.size.contains(&0) || !(from.is_finite() && to.is_finite()) {
         return Err(EditError::NoPicture);
     }
     let (ids, pins): (Vec<_>, Vec<_>) = document.pins_of(id).map(|(id, pin)| (id, pin.clone())).unzip();
     let drag = Drag { feature, points, radii, from, to, pins, source_outside };
-    let landing = drag::drag(bvh, &view, &placed.light, &drag);
+    let landing = drag::drag_within(bvh, &view, &placed.light, &drag, work);
     let name = |pin: usize| ids.get(pin).map_or(pin, |id| id.0 as usize);
     let status = match landing.status {
         Status::Limited(Limit::Pin(pin)) => Status::Limited(Limit::Pin(name(pin))),

@@ -27,7 +27,7 @@ pub use document::{
     SceneRef,
 };
 pub use feature_drag::{DragOutcome, FeatureDrag};
-pub use features::{SolvedDrag, solve_drag};
+pub use features::{MAX_CHOSEN_POINTS, SolvedDrag, solve_drag, solve_drag_within};
 pub use hash::{DocumentHash, was_in_format_2};
 pub use naming::deed;
 pub use parameters::{Target, parameters};

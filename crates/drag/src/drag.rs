@@ -16,17 +16,27 @@ use crate::request::{Drag, Feature, Landing, Limit, Refusal, Status, Viewport};
 use crate::sight::Sight;
 use crate::solve::solve;
 use crate::step::{At, Solution};
+use crate::work::Work;
 
 /// Pixels within which a feature lies under the cursor. A surface is turned to the light or is not: where it is they are 0.
 const UNDER_THE_CURSOR_PX: f64 = 0.5;
+
+/// Steps of a control point of a light that is checked.
+const STEPS_OF_CHECK: u64 = 1_000;
 
 /// How near two places on a way lie that are the same, as a share of their distance from the source or the cursor.
 const SAME_PLACE: f64 = 1e-6;
 
 /// Drags a feature of `light` from one point of a picture to another.
 pub fn drag(bvh: &Bvh, view: &Viewport, light: &CheckedLight, drag: &Drag) -> Landing {
+    drag_within(bvh, view, light, drag, &Work::new(&|_| true))
+}
+
+/// The same with its steps counted by `work`. Where it is given up the landing means nothing.
+pub fn drag_within(bvh: &Bvh, view: &Viewport, light: &CheckedLight, drag: &Drag, work: &Work) -> Landing {
     let origin = bvh.posed.origin_in_world;
-    let seen = |pixel: DVec2| bvh.seen(&ViewRay::new(&view.camera, view.size, pixel, origin));
+    let spend = |boxes| work.spend_on_rays(boxes);
+    let seen = |pixel: DVec2| bvh.seen_counted(&ViewRay::new(&view.camera, view.size, pixel, origin), spend);
     let (from, to) = (seen(drag.from), seen(drag.to));
     let mut landing = Landing {
         status: Status::Refused(Refusal::NothingAtStart),
@@ -38,8 +48,9 @@ pub fn drag(bvh: &Bvh, view: &Viewport, light: &CheckedLight, drag: &Drag) -> La
         to_world: to.map(|seen| seen.position + origin),
         pivot_world: None,
     };
-    let occlusion = Occlusion::new(bvh, light);
+    let occlusion = Occlusion::new(bvh, light, work);
     match begin(&occlusion, bvh, light, drag, from, to) {
+        _ if work.is_over() => end_unmoved(&mut landing, drag),
         Err(refusal) => landing.status = Status::Refused(refusal),
         Ok((goal, taken, near)) => {
             landing.pivot_world = taken.pivot.map(|pivot| pivot + origin);
@@ -51,7 +62,7 @@ pub fn drag(bvh: &Bvh, view: &Viewport, light: &CheckedLight, drag: &Drag) -> La
 
 /// What is asked for, or why it cannot be.
 fn begin<'a>(
-    occlusion: &Occlusion,
+    occlusion: &Occlusion<'a>,
     bvh: &Bvh,
     light: &'a CheckedLight,
     drag: &Drag,
@@ -63,7 +74,7 @@ fn begin<'a>(
     }
     let from = from.ok_or(Refusal::NothingAtStart)?;
     let to = to.ok_or(Refusal::NothingAtEnd)?;
-    let placed = Placed::new(light.rays(), bvh.posed.origin_in_world, from.position);
+    let placed = Placed::new(light.rays(), bvh.posed.origin_in_world, from.position, occlusion.work);
     let place = placed.locate(from.position, None).ok_or(Refusal::OutsideTheLight)?;
     if placed.out2(&place) > 1.0 || place.from_ends < 0.0 || !occlusion.lights(from.node) {
         return Err(Refusal::OutsideTheLight);
@@ -126,37 +137,58 @@ fn land(
     near: &Near,
     landing: &mut Landing,
 ) {
-    if goal.has_no_weight(near) {
-        landing.status = Status::Refused(Refusal::NoWeight);
-        return;
-    }
+    let work = occlusion.work;
     let sight = Sight { occlusion, source_outside: drag.source_outside };
-    let Some(first) = solve(&mut goal, near, &sight) else {
-        landing.status = Status::Refused(Refusal::OutsideTheLight);
-        return;
-    };
     let end = End { bvh, view, drag, occlusion, taken };
-    end.judge(&goal, &first, landing);
-    if landing.status == Status::Landed || goal.pins.is_empty() {
+    let has_no_weight = goal.has_no_weight(near);
+    let first = if has_no_weight { None } else { solve(&mut goal, near, &sight) };
+    let unjudged = landing.clone();
+    match &first {
+        _ if work.is_over() => {}
+        _ if has_no_weight => landing.status = Status::Refused(Refusal::NoWeight),
+        None => landing.status = Status::Refused(Refusal::OutsideTheLight),
+        Some(first) => end.judge(&goal, first, landing),
+    }
+    if work.is_over() {
+        *landing = end.cut_short(&goal, first.as_ref(), &sight, unjudged);
         return;
     }
-    // Where pins close the way to the cursor there may be another light.
+    let Some(first) = first else { return };
+    if !matches!(landing.status, Status::Limited(_)) || goal.pins.is_empty() {
+        return;
+    }
+    let first_landing = landing.clone();
+    elsewhere(&goal, &first, near, &sight, &end, landing);
+    if work.is_over() {
+        // What was found first holds.
+        *landing = Landing { status: Status::Limited(Limit::TooMuchWork), ..first_landing };
+    }
+}
+
+/// Another light that lands, where pins close the way to the cursor; or which pin keeps the light from it.
+fn elsewhere(goal: &Goal, first: &Solution, near: &Near, sight: &Sight, end: &End, landing: &mut Landing) {
     let lands = |found: &Solution| {
         let mut landing = landing.clone();
-        end.judge(&goal, found, &mut landing);
+        end.judge(goal, found, &mut landing);
         (landing.status == Status::Landed).then_some(landing)
     };
-    let Some(free) = solve_with(&goal, near, &sight, |_| false).filter(|free| lands(free).is_some()) else {
+    let Some(free) = solve_with(goal, near, sight, |_| false).filter(|free| lands(free).is_some()) else {
         return;
     };
-    let found = others(&goal, near, &sight, [&first.at.x, &free.at.x]).find_map(|other| lands(&other));
+    let found = others(goal, near, sight, [&first.at.x, &free.at.x]).find_map(|other| lands(&other));
     if let Some(found) = found {
         *landing = found;
     } else if !matches!(landing.status, Status::Limited(Limit::Pin(_)))
-        && let Some(limit) = sight.unheld(&goal, &free.at.x)
+        && let Some(limit) = sight.unheld(goal, &free.at.x)
     {
         landing.status = Status::Limited(limit);
     }
+}
+
+/// Says of a drag whose work is over that it leaves the light as it was.
+fn end_unmoved(landing: &mut Landing, drag: &Drag) {
+    landing.status = Status::Limited(Limit::TooMuchWork);
+    landing.residual_px = drag.from.distance(drag.to);
 }
 
 /// The end of a drag, at which what was found is looked at.
@@ -169,10 +201,37 @@ struct End<'a> {
 }
 
 impl End<'_> {
+    /// The landing of a drag whose work is over: with the light that was found until then, where that is known to hold and to have
+    /// the feature nearer to the cursor than it was; else with the light as it was.
+    fn cut_short(&self, goal: &Goal, found: Option<&Solution>, sight: &Sight, unjudged: Landing) -> Landing {
+        let work = self.occlusion.work;
+        let mut unmoved = unjudged.clone();
+        end_unmoved(&mut unmoved, self.drag);
+        work.allow_judging();
+        let goal = goal.gliding(1.0);
+        let holds = |found: &&Solution| {
+            let At { x, evaluation } = &found.at;
+            let at_end = goal.evaluate(x, 1.0, &evaluation.near);
+            let is_allowed = at_end.is_some_and(|evaluation| At { x: x.clone(), evaluation }.is_allowed());
+            is_allowed && sight.unheld(&goal, x).is_none()
+        };
+        let Some(found) = found.filter(holds) else { return unmoved };
+        let mut moved = unjudged;
+        self.judge(&goal, found, &mut moved);
+        if work.is_over() || moved.residual_px >= unmoved.residual_px {
+            return unmoved;
+        }
+        if moved.status != Status::Landed {
+            moved.status = Status::Limited(Limit::TooMuchWork);
+        }
+        moved
+    }
+
     /// Says what came of it.
     fn judge(&self, goal: &Goal, found: &Solution, landing: &mut Landing) {
         let Self { bvh, view, drag, occlusion, taken } = self;
         let Solution { at: At { x, evaluation }, held_by, iterations } = found;
+        goal.work().spend(STEPS_OF_CHECK * goal.start.light().points().len() as u64);
         landing.iterations += iterations;
         let Ok(moved) = CheckedLight::new(goal.moves.light(goal.start.light(), x)) else {
             landing.status = Status::Limited(Limit::Fold);

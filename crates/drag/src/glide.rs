@@ -12,6 +12,7 @@ use crate::quadratic::{Counting, Hold};
 use crate::reach::{APART, PLACES};
 use crate::request::{Limit, Radii};
 use crate::step::{At, Solution, back, length_between, trace_of};
+use crate::work::Work;
 
 /// Halvings between the last place on a straight way that can be had and the wall.
 const TO_THE_WALL: usize = 20;
@@ -57,7 +58,8 @@ pub fn glide(light: &CheckedLight, point: usize, to: DVec3, radii: Radii) -> Opt
     let unit = points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
     let moves = Moves::Points { points: vec![point], radii, unit };
     let asked = Asked::Position { point, to };
-    let placed = Placed::new(light.rays(), DVec3::ZERO, DVec3::ZERO);
+    let work = Work::new(&|_| true);
+    let placed = Placed::new(light.rays(), DVec3::ZERO, DVec3::ZERO, &work);
     let goal = Goal::new(asked, (light, moves), placed, Vec::new());
     let near = vec![[0.0; 2]];
     // Where nothing is in the way it is there, to the last bit.

@@ -13,6 +13,7 @@ use crate::pins::{Cut, Pinned};
 use crate::place::{Place, Placed};
 use crate::quadratic::{Hold, Linear, Pulls};
 use crate::request::{Feature, Limit, Radii};
+use crate::work::Work;
 
 /// How far out of the light the feature may be where it sets out, so that it may go through the air between two surfaces.
 const ON_THE_WAY: f64 = 3.0;
@@ -23,6 +24,11 @@ pub(crate) const DIFFERENCE: f64 = 1e-6;
 /// Pins with which differences are taken to one side, and below which step.
 const MANY_PINS: usize = 16;
 const ONE_SIDED: f64 = 1e-5;
+
+/// Steps of a control point: of a tube that is made anew, where radii follow besides, and of a tube that is only placed anew.
+const STEPS_OF_POINT: u64 = 400;
+const STEPS_OF_FOLLOWING: u64 = 400;
+const STEPS_OF_COPY: u64 = 40;
 
 /// A drag: what is asked of a light, and what must stay.
 #[derive(Clone, Debug)]
@@ -186,7 +192,7 @@ impl<'a> Goal<'a> {
             Asked::Feature(taken) => taken,
             Asked::Position { point, to } => return self.evaluate_position(x, share, near, (*point, *to)),
         };
-        let rays = self.moves.rays(self.start, x)?;
+        let rays = self.rays(x)?;
         let placed = self.placed.with(&rays);
         let mut bounds = self.shape_bounds(&rays, x);
         let mut followed = Near::with_capacity(near.len());
@@ -207,6 +213,22 @@ impl<'a> Goal<'a> {
         is_finite.then(|| Evaluation { residual, rows: Rc::clone(&self.rows), bounds, near: followed })
     }
 
+    /// How points are found in the light with `x`; `None` where it cannot be evaluated.
+    pub fn rays(&self, x: &[f64]) -> Option<Rays> {
+        let points = self.start.light().points().len() as u64;
+        let of_a_point = match &self.moves {
+            Moves::Points { radii: Radii::Follow, .. } => STEPS_OF_POINT + STEPS_OF_FOLLOWING,
+            Moves::Points { .. } => STEPS_OF_POINT,
+            Moves::Rigid { .. } | Moves::Turn => STEPS_OF_COPY,
+        };
+        self.work().spend(of_a_point * points).then(|| self.moves.rays(self.start, x))?
+    }
+
+    /// What it costs.
+    pub fn work(&self) -> &'a Work<'a> {
+        self.placed.work
+    }
+
     /// The same for a control point: no more of the tube is made than what may fold by it.
     fn evaluate_position(
         &self,
@@ -215,6 +237,10 @@ impl<'a> Goal<'a> {
         near: &Near,
         (point, to): (usize, DVec3),
     ) -> Option<Evaluation> {
+        let points = self.start.light().points().len() as u64;
+        if !self.work().spend(STEPS_OF_FOLLOWING * points) {
+            return None;
+        }
         let moved = self.moves.points(self.start.light(), x);
         let touched = point.saturating_sub(2)..(point + 1).min(self.folds.len());
         let folds = folds_of_segments(&moved, touched.clone()).ok()?;
@@ -235,7 +261,7 @@ impl<'a> Goal<'a> {
     /// Where the followed places are in the light with `x`, the feature's at the end of its way: those that count, or where
     /// they were.
     pub fn near_at_end(&self, x: &[f64], near: &Near) -> Near {
-        let Some(rays) = self.moves.rays(self.start, x) else { return near.clone() };
+        let Some(rays) = self.rays(x) else { return near.clone() };
         let placed = self.placed.with(&rays);
         let t = |point: Option<DVec3>, was: f64| {
             point.and_then(|point| placed.locate(point, None)).map_or(was, |place| place.t)
@@ -311,11 +337,14 @@ impl<'a> Goal<'a> {
 
     /// What is linear about `x`, by central differences over `step` each way: with 1e-6 to some 1e-10 of what it is, which
     /// Newton's method makes up for. With many pins, which are what takes long, to the side ahead alone: to some 1e-6.
-    pub fn linear(&self, x: &[f64], share: f64, at: &Evaluation, step: f64) -> Linear {
+    pub fn linear(&self, x: &[f64], share: f64, at: &Evaluation, step: f64) -> Linear<'a> {
         let (count, rows, limits) = (x.len(), at.residual.len(), at.bounds.len());
         let (mut jacobian, mut slopes) = (Matrix::zero(rows, count), Matrix::zero(limits, count));
         let mut beside = x.to_vec();
         for k in 0..count {
+            if !self.work().spend((rows + limits) as u64) {
+                break;
+            }
             let mut side = |by: f64| {
                 beside[k] = x[k] + by;
                 let found = self.evaluate(&beside, share, &at.near);
@@ -340,7 +369,7 @@ impl<'a> Goal<'a> {
             }
         }
         let give = at.bounds.iter().map(|bound| bound.give).collect();
-        Linear::new(jacobian, slopes, Rc::clone(&at.rows), give)
+        Linear::new((jacobian, slopes), Rc::clone(&at.rows), give, self.work())
     }
 }
 

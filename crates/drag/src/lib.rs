@@ -10,6 +10,9 @@
 //! Of all that fulfils them the smallest change is taken, by
 //! [sequential quadratic programming](https://en.wikipedia.org/wiki/Sequential_quadratic_programming) along the way from where the
 //! drag began to where the cursor is.
+//!
+//! What a drag costs is counted in steps ([`Work`]) and bounded. No clock is read, so that past the bound too the same drag gives
+//! the same bits on every machine.
 
 mod bound;
 mod direct;
@@ -30,12 +33,14 @@ mod sight;
 mod solve;
 mod start;
 mod step;
+mod work;
 
-pub use drag::drag;
+pub use drag::{drag, drag_within};
 pub use glide::{Glided, glide};
 pub use lies::highlight_near;
 pub use request::{Drag, Feature, Landing, Limit, Pin, PinKind, Radii, Refusal, Status, Viewport};
+pub use work::{MOST_STEPS, STEPS_BETWEEN_QUESTIONS, Work};
 
 /// What solves drags of features: its name and its version, which grows with every change after which a drag may give another
 /// light.
-pub const SOLVER: (&str, u32) = ("flow", 3);
+pub const SOLVER: (&str, u32) = ("flow", 4);

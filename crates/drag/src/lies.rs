@@ -10,6 +10,7 @@ use scene::{ViewRay, pixel_of};
 use crate::goal::Taken;
 use crate::place::{Place, Placed};
 use crate::request::{Feature, Viewport};
+use crate::work::Work;
 
 /// The angle within which a surface is turned to the light, radians: 0.1 degrees.
 const TURNED: f64 = 0.1 * std::f64::consts::PI / 180.0;
@@ -26,7 +27,8 @@ const BESIDE_PX: f64 = 0.25;
 pub fn highlight_near(bvh: &Bvh, view: &Viewport, light: &CheckedLight, pixel: DVec2) -> Option<DVec2> {
     let origin = bvh.posed.origin_in_world;
     let seen = bvh.seen(&ViewRay::new(&view.camera, view.size, pixel, origin))?;
-    let placed = Placed::new(light.rays(), origin, seen.position);
+    let work = Work::new(&|_| true);
+    let placed = Placed::new(light.rays(), origin, seen.position, &work);
     let place = placed.locate(seen.position, None)?;
     let directions = [place.to_light, seen.mirrored()];
     let near_t = place.t;
@@ -82,6 +84,7 @@ impl Lies<'_> {
     /// Positions of all surfaces that the way of a place across the light meets past `after`.
     fn met_by(&self, place: &Place, across: DVec2, after: f64) -> Vec<DVec3> {
         let met = RefCell::new(Vec::new());
+        let spend = |boxes| self.placed.work.spend_on_rays(boxes);
         let size = self.bvh.posed.half_extent.length();
         // Whatever throws shadows: they fall on everything.
         let is_solid =
@@ -94,7 +97,7 @@ impl Lies<'_> {
                 // As far past the end as the scene reaches, where the light goes on.
                 let reach = 4.0 * (size + self.placed.source().length());
                 let t_end = tube.n as f64 + if tube.segments.len() > tube.n { reach / speed } else { 0.0 };
-                self.bvh.first_bent_hit(&path, t_end, |hit| {
+                self.bvh.first_bent_hit_counted(&path, t_end, spend, |hit| {
                     if hit.t > after && is_solid(hit.triangle, hit.weights) {
                         met.borrow_mut().push(hit.position);
                     }
@@ -109,7 +112,7 @@ impl Lies<'_> {
                 let t_of =
                     |distance: f64| self.placed.locate(from + way * distance, None).map(|place| place.t);
                 let near = if matches!(rays, Rays::Parallel(_)) { -far } else { 0.0 };
-                self.bvh.first_hit(from, way, [near, far], |hit| {
+                self.bvh.first_hit_counted(from, way, [near, far], spend, |hit| {
                     if t_of(hit.distance).is_some_and(|t| t > after) && is_solid(hit.triangle, hit.weights) {
                         met.borrow_mut().push(from + way * hit.distance);
                     }
@@ -160,7 +163,8 @@ impl Lies<'_> {
 
     fn seen(&self, pixel: DVec2) -> Option<Seen> {
         let Viewport { camera, size } = self.view;
-        self.bvh.seen(&ViewRay::new(camera, *size, pixel, self.placed.origin))
+        let spend = |boxes| self.placed.work.spend_on_rays(boxes);
+        self.bvh.seen_counted(&ViewRay::new(camera, *size, pixel, self.placed.origin), spend)
     }
 
     fn pixel(&self, position: DVec3) -> Option<DVec2> {

@@ -1,4 +1,6 @@
-//! Dense linear algebra in a few dimensions.
+//! Dense linear algebra. What takes more than one row of a matrix counts its steps, and comes to nothing where there are none left.
+
+use crate::work::Work;
 
 /// What is left of a row that follows from others, as a share of the largest row: differences have an error of 1e-10.
 const DEPENDENT: f64 = 1e-8;
@@ -45,9 +47,12 @@ impl Matrix {
     }
 
     /// `A B^T`.
-    pub fn times_transposed(&self, other: &Self) -> Self {
+    pub fn times_transposed(&self, other: &Self, work: &Work) -> Self {
         let mut product = Self::zero(self.rows, other.rows);
         for i in 0..self.rows {
+            if !work.spend((other.rows * self.columns) as u64) {
+                break;
+            }
             for j in 0..other.rows {
                 *product.at(i, j) = dot(self.row(i), other.row(j));
             }
@@ -65,7 +70,7 @@ pub(crate) fn length(a: &[f64]) -> f64 {
 }
 
 /// Which rows, as many as are independent, the others follow from: each next one the row that those before leave most of.
-pub(crate) fn independent(matrix: &Matrix, among: &[usize]) -> Vec<usize> {
+pub(crate) fn independent(matrix: &Matrix, among: &[usize], work: &Work) -> Vec<usize> {
     let mut left: Vec<Vec<f64>> = among.iter().map(|row| matrix.row(*row).to_vec()).collect();
     let mut chosen = Vec::new();
     let mut first = 0.0;
@@ -73,7 +78,7 @@ pub(crate) fn independent(matrix: &Matrix, among: &[usize]) -> Vec<usize> {
         let sizes = left.iter().map(|row| dot(row, row)).enumerate();
         let Some((next, size)) = sizes.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
         first = f64::max(first, size);
-        if size <= DEPENDENT * DEPENDENT * first {
+        if size <= DEPENDENT * DEPENDENT * first || !work.spend((3 * among.len() * matrix.columns) as u64) {
             break;
         }
         chosen.push(among[next]);
@@ -88,10 +93,13 @@ pub(crate) fn independent(matrix: &Matrix, among: &[usize]) -> Vec<usize> {
 }
 
 /// The lower triangle `L` of a symmetric positive matrix `L L^T`, by Cholesky's method.
-pub(crate) fn triangle(matrix: &Matrix) -> Matrix {
+pub(crate) fn triangle(matrix: &Matrix, work: &Work) -> Matrix {
     let n = matrix.rows;
     let mut lower = Matrix::zero(n, n);
     for row in 0..n {
+        if !work.spend((row * row / 2 + row) as u64) {
+            break;
+        }
         for column in 0..=row {
             let known = dot(&lower.row(row)[..column], &lower.row(column)[..column]);
             let left = matrix.row(row)[column] - known;
@@ -123,10 +131,13 @@ pub(crate) fn backward(lower: &Matrix, x: &[f64]) -> Vec<f64> {
 }
 
 /// The solution of a symmetric positive system, by elimination with pivots from the diagonal.
-pub(crate) fn solved(mut matrix: Matrix, mut right: Vec<f64>) -> Vec<f64> {
+pub(crate) fn solved(mut matrix: Matrix, mut right: Vec<f64>, work: &Work) -> Vec<f64> {
     let n = right.len();
     let mut order: Vec<usize> = (0..n).collect();
     for step in 0..n {
+        if !work.spend(2 * ((n - step) * (n - step)) as u64) {
+            break;
+        }
         let pivot = (step..n)
             .max_by(|&a, &b| {
                 let (a, b) = (order[a], order[b]);

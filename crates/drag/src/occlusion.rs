@@ -6,6 +6,7 @@ use light::{CheckedLight, Rays};
 use raycast::{Bvh, CONTACT, Linked, Seen, rounding};
 
 use crate::place::{Place, Placed};
+use crate::work::Work;
 
 /// The cosine below which a surface is turned away from light for certain: pictures go by the path's tangent, which is not quite
 /// the direction that light arrives from.
@@ -17,6 +18,8 @@ pub(crate) struct Occlusion<'a> {
     linked: Linked,
     /// Whether anything shadows it.
     shadow_enable: bool,
+    /// What following light costs.
+    pub work: &'a Work<'a>,
 }
 
 /// The first that light meets on its way.
@@ -39,9 +42,9 @@ pub(crate) struct Contact {
 }
 
 impl<'a> Occlusion<'a> {
-    pub fn new(bvh: &'a Bvh, light: &CheckedLight) -> Self {
+    pub fn new(bvh: &'a Bvh, light: &CheckedLight, work: &'a Work<'a>) -> Self {
         let shadow_enable = light.light().get(SHADOW_ENABLE);
-        Self { bvh, linked: Linked::new(&bvh.posed, light), shadow_enable }
+        Self { bvh, linked: Linked::new(&bvh.posed, light), shadow_enable, work }
     }
 
     /// Whether the light shows on a node.
@@ -99,9 +102,10 @@ impl<'a> Occlusion<'a> {
         let stops = |triangle: usize, weights: DVec3| {
             is_caster(self.bvh.triangles[triangle].node) && self.bvh.stops(&self.linked, triangle, weights)
         };
+        let spend = |boxes| self.work.spend_on_rays(boxes);
         if let Rays::Bent(tube) = placed.rays {
             let path = self.bvh.path(tube, across.x, across.y);
-            let hit = self.bvh.first_bent_hit(&path, place.t, |hit| {
+            let hit = self.bvh.first_bent_hit_counted(&path, place.t, spend, |hit| {
                 hit.position.distance(point) > contact.within && stops(hit.triangle, hit.weights)
             })?;
             let node = self.bvh.triangles[hit.triangle].node;
@@ -109,9 +113,10 @@ impl<'a> Occlusion<'a> {
         }
         let (from, to) = placed.straight_way(place, across, point, 2.0 * self.bvh.posed.half_extent.length());
         let (way, length) = (to - from, to.distance(from));
-        let hit = self.bvh.first_hit(from, way, [0.0, 1.0 - contact.within / length], |hit| {
-            Some(hit.triangle) != contact.triangle && stops(hit.triangle, hit.weights)
-        })?;
+        let hit =
+            self.bvh.first_hit_counted(from, way, [0.0, 1.0 - contact.within / length], spend, |hit| {
+                Some(hit.triangle) != contact.triangle && stops(hit.triangle, hit.weights)
+            })?;
         let node = self.bvh.triangles[hit.triangle].node;
         Some(Caster { position: from + way * hit.distance, t: place.t - length * (1.0 - hit.distance), node })
     }

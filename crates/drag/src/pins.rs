@@ -71,7 +71,8 @@ impl Pinned {
             return None;
         }
         let contact = Contact { within: CONTACT * posed.half_extent.length(), triangle: None };
-        let surface = bvh.nearest(point, contact.within, |_| true);
+        let spend = |boxes| occlusion.work.spend_on_rays(boxes);
+        let surface = bvh.nearest_counted(point, contact.within, spend, |_| true);
         let towards = |normal: DVec3| if normal.dot(place.along_path) < 0.0 { -normal } else { normal };
         let (normals, offset) = surface.map_or(([place.along_path; 2], 0.0), |surface| {
             let (smooth, offset) = bvh.smooth(surface.triangle, surface.weights, surface.position);

@@ -3,6 +3,13 @@
 use glam::{DVec2, DVec3};
 use light::{Rays, Root, Tube};
 
+use crate::work::Work;
+
+/// Steps of finding a place: one that is followed in a tube, one in any other light, and one that is looked for in a segment.
+const STEPS_OF_PLACE: u64 = 300;
+const STEPS_OF_STRAIGHT_PLACE: u64 = 60;
+const STEPS_OF_ROOT: u64 = 50;
+
 /// Where a point lies in a light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
@@ -51,18 +58,20 @@ pub(crate) struct Placed<'a> {
     pub origin: DVec3,
     /// Of an omni light.
     pub chart: Chart,
+    /// What finding places costs.
+    pub work: &'a Work<'a>,
 }
 
 impl<'a> Placed<'a> {
     /// `rays` in a scene, and what an omni light is measured by: the direction to `about`.
-    pub fn new(rays: &'a Rays, origin: DVec3, about: DVec3) -> Self {
+    pub fn new(rays: &'a Rays, origin: DVec3, about: DVec3, work: &'a Work<'a>) -> Self {
         let ahead = match rays {
             Rays::Omni(omni) => {
                 omni.rotation.transpose() * (about - (omni.translation - origin)).normalize_or(DVec3::Z)
             }
             _ => DVec3::Z,
         };
-        Self { rays, origin, chart: Chart::about(ahead) }
+        Self { rays, origin, chart: Chart::about(ahead), work }
     }
 
     /// The same with another light of that shape.
@@ -73,6 +82,15 @@ impl<'a> Placed<'a> {
     /// Where the source is, in scene space; of a directional light any point of its axis.
     pub fn source(&self) -> DVec3 {
         self.translation() - self.origin
+    }
+
+    /// Steps to find a place: one that is followed, or one that is looked for in every segment.
+    fn steps_of_place(&self, is_followed: bool) -> u64 {
+        match self.rays {
+            Rays::Bent(tube) if !is_followed => STEPS_OF_ROOT * tube.segments.len() as u64,
+            Rays::Bent(_) => STEPS_OF_PLACE,
+            Rays::Cone(_) | Rays::Omni(_) | Rays::Parallel(_) => STEPS_OF_STRAIGHT_PLACE,
+        }
     }
 
     fn translation(&self) -> DVec3 {
@@ -87,6 +105,9 @@ impl<'a> Placed<'a> {
     /// Where a point in scene space lies, in the light or beside it; of a tube the place that is followed from `near`, or that
     /// counts where there is none. `None` where it lies nowhere: behind a source, outside a tube that nothing is followed in.
     pub fn locate(&self, point: DVec3, near: Option<f64>) -> Option<Place> {
+        if !self.work.spend(self.steps_of_place(near.is_some())) {
+            return None;
+        }
         let way = point - self.source();
         match self.rays {
             Rays::Bent(tube) => {
@@ -125,6 +146,9 @@ impl<'a> Placed<'a> {
     /// The same, with the largest component of the irradiance there on a surface square to the light, without shadows; 0 outside
     /// the light.
     pub fn locate_lit(&self, point: DVec3, near: f64) -> Option<(Place, f64)> {
+        if !self.work.spend(self.steps_of_place(true)) {
+            return None;
+        }
         let way = point - self.source();
         let irradiance = match self.rays {
             Rays::Bent(tube) => {

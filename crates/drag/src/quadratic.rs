@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use crate::matrix::{Matrix, backward, dot, forward, independent, solved, triangle};
+use crate::work::Work;
 
 /// The least `mu` beside limits, as a share of the trace of `J J^T`. What it leaves of a residual goes in further steps.
 const SOFT_BESIDE_LIMITS: f64 = 1e-7;
@@ -19,7 +20,7 @@ const ROUNDED: f64 = 1e-14;
 
 /// What is linear about a place `x`: residuals `residual + jacobian dx`, and limits that are to stay 0 or more, `limits +
 /// slopes dx`. The values are given beside it, since they may be of a place nearby.
-pub(crate) struct Linear {
+pub(crate) struct Linear<'a> {
     pub jacobian: Matrix,
     pub slopes: Matrix,
     /// How firmly each residual is held.
@@ -30,22 +31,35 @@ pub(crate) struct Linear {
     fixed: Vec<usize>,
     /// `I + sum a a^T / give` over the soft rows: what the size of a change is measured by where these count. `None` of none.
     metric: Option<Matrix>,
+    work: &'a Work<'a>,
 }
 
-impl Linear {
-    pub fn new(jacobian: Matrix, slopes: Matrix, rows: Rc<[Hold]>, give: Vec<f64>) -> Self {
+impl<'a> Linear<'a> {
+    pub fn new(
+        (jacobian, slopes): (Matrix, Matrix),
+        rows: Rc<[Hold]>,
+        give: Vec<f64>,
+        work: &'a Work<'a>,
+    ) -> Self {
         let fixed: Vec<usize> = (0..rows.len()).filter(|row| rows[*row] == Hold::Fixed).collect();
         let is_few = fixed.len() <= jacobian.columns;
-        let fixed = if is_few { fixed } else { independent(&jacobian, &fixed) };
+        let fixed = if is_few { fixed } else { independent(&jacobian, &fixed, work) };
         let mut metric = None;
         for (row, hold) in rows.iter().enumerate() {
-            if let Hold::Soft(give) = hold {
+            if let Hold::Soft(give) = hold
+                && work.spend(square(jacobian.columns))
+            {
                 let metric = metric.get_or_insert_with(|| identity(jacobian.columns));
                 add_square(metric, jacobian.row(row), *give);
             }
         }
-        Self { jacobian, slopes, rows, give, fixed, metric }
+        Self { jacobian, slopes, rows, give, fixed, metric, work }
     }
+}
+
+/// Steps of what goes over all of a square matrix.
+fn square(columns: usize) -> u64 {
+    (columns * columns) as u64
 }
 
 fn identity(count: usize) -> Matrix {
@@ -105,7 +119,7 @@ pub(crate) enum Counting {
 /// never let go. What is soft has a `mu` of its own, limits too, which then are springs on one side. That changes what `|y|^2`
 /// is measured by, and adds no rows: however much is pinned, there are as many unknowns.
 pub(crate) fn smallest(x: &[f64], linear: &Linear, values: Values, mu: f64) -> (Vec<f64>, Pulls) {
-    let Linear { jacobian, slopes, rows, give, .. } = linear;
+    let Linear { jacobian, slopes, rows, give, work, .. } = linear;
     let Values { residual, limits, counting } = values;
     let wanted: Vec<f64> = jacobian.times(x).iter().zip(residual).map(|(a, b)| a - b).collect();
     let floor: Vec<f64> = slopes.times(x).iter().zip(limits).map(|(a, b)| a - b).collect();
@@ -120,6 +134,10 @@ pub(crate) fn smallest(x: &[f64], linear: &Linear, values: Values, mu: f64) -> (
     let mut best: Option<(Vec<f64>, Pulls)> = None;
     let most = 4 * limits.len().min(4 * jacobian.columns) + 4;
     for turn in 0..most {
+        let compared = (jacobian.columns + active.len()) * limits.len();
+        if !work.spend(compared as u64) {
+            break;
+        }
         let (y, of_rows, pulls) = step.with_active(&active);
         // A limit that holds the light back where it wants to go is let go of.
         let wrong = active.iter().enumerate().filter(|(k, _)| pulls[*k] < 0.0);
@@ -161,7 +179,7 @@ pub(crate) struct Pulls {
 
 /// What a step is made of.
 struct Step<'a> {
-    linear: &'a Linear,
+    linear: &'a Linear<'a>,
     /// What rows and limits are to be at `y`.
     wanted: Vec<f64>,
     floor: Vec<f64>,
@@ -177,7 +195,7 @@ impl Step<'_> {
     /// With `M = L L^T` for what is soft and `y0 = M^-1 pull`, `|y|^2` and the soft rows are `|L^T (y - y0)|^2`, and so only firm
     /// rows are left, as `L^-1 a` of what they were.
     fn with_active(&self, active: &[usize]) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
-        let Linear { jacobian, slopes, rows, give, fixed, metric } = self.linear;
+        let Linear { jacobian, slopes, rows, give, fixed, metric, work } = self.linear;
         let is_spring = |limit: &&usize| give[**limit] > 0.0;
         let are_soft = self.counting == Counting::All && metric.is_some();
         // Where nothing is soft M is I.
@@ -186,10 +204,13 @@ impl Step<'_> {
             let mut metric = metric.clone().filter(|_| are_soft).unwrap_or_else(unsoft);
             let mut pull = self.pull.clone();
             for &limit in active.iter().filter(is_spring) {
+                if !work.spend(square(jacobian.columns)) {
+                    break;
+                }
                 add_square(&mut metric, slopes.row(limit), give[limit]);
                 add_scaled(&mut pull, slopes.row(limit), self.floor[limit] / give[limit]);
             }
-            let lower = triangle(&metric);
+            let lower = triangle(&metric, work);
             let rest = backward(&lower, &forward(&lower, &pull));
             (lower, rest)
         });
@@ -212,7 +233,9 @@ impl Step<'_> {
                 Row::Asked(row) | Row::Fixed(row) => (jacobian.row(row), self.wanted[row]),
                 Row::Limit(limit) => (slopes.row(limit), self.floor[limit]),
             };
-            if let Some((lower, rest)) = &soft {
+            if let Some((lower, rest)) = &soft
+                && work.spend(square(jacobian.columns))
+            {
                 all.row_mut(k).copy_from_slice(&forward(lower, a));
                 right.push(wanted - dot(a, rest));
             } else {
@@ -222,9 +245,9 @@ impl Step<'_> {
             let is_asked = matches!(row, Row::Asked(_));
             softness.push(if is_asked { asking } else { ROUNDED * dot(a, a) + LEAST });
         }
-        let mut normal = all.times_transposed(&all);
+        let mut normal = all.times_transposed(&all, work);
         softness.iter().enumerate().for_each(|(k, mu)| *normal.at(k, k) += mu);
-        let weights = solved(normal, right);
+        let weights = solved(normal, right, work);
         let mut y = all.transposed_times(&weights);
         if let Some((lower, rest)) = &soft {
             y = backward(lower, &y);
@@ -278,11 +301,13 @@ mod tests {
     fn pinned(residual: f64, limits: &[(f64, [f64; 2])], pins: &[(Hold, [f64; 2])]) -> Vec<f64> {
         let mut rows: Vec<&[f64]> = vec![&[1.0, 1.0]];
         rows.extend(pins.iter().map(|(_, row)| &row[..]));
+        let slopes = matrix(&limits.iter().map(|(_, slope)| &slope[..]).collect::<Vec<_>>(), 2);
+        let work = Work::new(&|_| true);
         let linear = Linear::new(
-            matrix(&rows, 2),
-            matrix(&limits.iter().map(|(_, slope)| &slope[..]).collect::<Vec<_>>(), 2),
+            (matrix(&rows, 2), slopes),
             std::iter::once(Hold::Asked).chain(pins.iter().map(|(hold, _)| *hold)).collect(),
             vec![0.0; limits.len()],
+            &work,
         );
         let residual: Vec<f64> = (0..rows.len()).map(|row| if row == 0 { residual } else { 0.0 }).collect();
         let limits: Vec<f64> = limits.iter().map(|(value, _)| *value).collect();

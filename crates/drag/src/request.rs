@@ -131,6 +131,8 @@ pub enum Limit {
     SourceInside,
     /// What is pinned would not stay, by the pin's index.
     Pin(usize),
+    /// Finding a nearer light takes more steps than a drag may take ([`crate::MOST_STEPS`]).
+    TooMuchWork,
 }
 
 /// Why nothing can be moved.

@@ -60,7 +60,7 @@ impl Sight<'_> {
         is_looked_at: impl Fn(&Pinned) -> bool,
     ) -> Vec<&'g Pinned> {
         let looked_at = goal.pins.iter().filter(|pin| is_looked_at(pin));
-        if let Some(rays) = goal.moves.rays(goal.start, x) {
+        if let Some(rays) = goal.rays(x) {
             let placed = goal.placed.with(&rays);
             looked_at.filter(|pin| self.holds(&placed, pin) != Some(true)).collect()
         } else {
@@ -140,7 +140,8 @@ impl Sight<'_> {
         let size = bvh.posed.half_extent.length();
         // As much farther as the source has to stay off.
         let reach = 1.0 + FROM_SURFACE * size / way.length().max(f64::MIN_POSITIVE);
-        let hit = bvh.first_hit(from, way, [0.0, reach], |hit| {
+        let spend = |boxes| self.occlusion.work.spend_on_rays(boxes);
+        let hit = bvh.first_hit_counted(from, way, [0.0, reach], spend, |hit| {
             bvh.is_solid(&bvh.triangles[hit.triangle], hit.weights)
         })?;
         let normal = bvh.triangles[hit.triangle].normal().normalize();
@@ -154,6 +155,6 @@ impl Sight<'_> {
 
 /// What is so in the light with `x`, as it is placed in the scene.
 fn in_light<T>(goal: &Goal, x: &[f64], what: impl Fn(&Placed) -> Option<T>) -> Option<T> {
-    let rays = goal.moves.rays(goal.start, x)?;
+    let rays = goal.rays(x)?;
     what(&goal.placed.with(&rays))
 }

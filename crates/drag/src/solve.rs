@@ -15,7 +15,7 @@ const ON_A_STRAIGHT_WAY: usize = 32;
 /// beginning cannot be evaluated.
 ///
 /// What light meets has no slope. So the drag is solved without it, and where the light that was found breaks what has to hold
-/// the edge that it crossed is a further limit.
+/// the edge that it crossed is a further limit. Where its work is over it is what was found until then, which may break anything.
 pub(crate) fn solve(goal: &mut Goal, near: &Near, sight: &Sight) -> Option<Solution> {
     let mut found = solve_within(goal, near)?;
     while goal.cuts.len() < MOST_CUTS[0] {
@@ -25,12 +25,16 @@ pub(crate) fn solve(goal: &mut Goal, near: &Near, sight: &Sight) -> Option<Solut
             break;
         }
         goal.cuts.extend(cuts);
-        let iterations = found.iterations;
-        found = solve_within(goal, near)?;
-        found.iterations += iterations;
+        let Some(next) = solve_within(goal, near) else {
+            return goal.work().is_over().then_some(found);
+        };
+        found = Solution { iterations: found.iterations + next.iterations, ..next };
     }
     found.at = allowed(&goal.gliding(1.0), found.at);
     let unheld = sight.unheld(goal, &found.at.x);
+    if goal.work().is_over() {
+        return Some(found);
+    }
     if unheld.is_some() || !found.at.is_allowed() {
         found.held_by = unheld.or(found.held_by);
         found.at = on_the_way(goal, near, sight, &found.at.x)?;

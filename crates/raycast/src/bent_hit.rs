@@ -21,6 +21,10 @@ pub struct BentHit {
 /// Length of u below which a path that touches a plane without crossing it is taken to miss it.
 const GRAZING: f64 = 1e-9;
 
+/// Steps that a segment takes to be cut into chords, and a chord to be looked at, as one takes a box.
+const STEPS_OF_SEGMENT: u64 = 10;
+const STEPS_OF_CHORD: u64 = 10;
+
 impl Bvh {
     /// The first triangle from the source on that the path meets before `t_end` and that `accept` takes,
     /// both sides alike: what shadows all that comes later.
@@ -33,7 +37,18 @@ impl Bvh {
         t_end: f64,
         accept: impl Fn(&BentHit) -> bool,
     ) -> Option<BentHit> {
-        self.first_bent_hit_in(path, t_end, &self.hierarchy.bounds()?, accept)
+        self.first_bent_hit_counted(path, t_end, |_| true, accept)
+    }
+
+    /// The same by steps that are counted, as of [`Self::first_hit_counted`]: segments and chords besides boxes and triangles.
+    pub fn first_bent_hit_counted(
+        &self,
+        path: &BentPath,
+        t_end: f64,
+        spend: impl Fn(u64) -> bool,
+        accept: impl Fn(&BentHit) -> bool,
+    ) -> Option<BentHit> {
+        self.first_bent_hit_in(path, t_end, &self.hierarchy.bounds()?, (&spend, &accept))
     }
 
     /// The same, of what lies in `bounds`.
@@ -42,11 +57,17 @@ impl Bvh {
         path: &BentPath,
         t_end: f64,
         bounds: &Bounds,
-        accept: impl Fn(&BentHit) -> bool,
+        (spend, accept): (&impl Fn(u64) -> bool, &impl Fn(&BentHit) -> bool),
     ) -> Option<BentHit> {
+        if !spend(STEPS_OF_SEGMENT * path.tube.segments.len() as u64) {
+            return None;
+        }
         let mut best = None;
         path.for_each_chord(t_end, bounds, |chord| {
-            best = self.first_on_chord(path, chord, &accept, false);
+            if !spend(STEPS_OF_CHORD) {
+                return true;
+            }
+            best = self.first_on_chord(path, chord, (spend, accept), false);
             best.is_some()
         });
         best
@@ -57,7 +78,7 @@ impl Bvh {
         let Some(bounds) = self.hierarchy.bounds() else { return false };
         let mut blocked = false;
         path.for_each_chord(t_end, &bounds, |chord| {
-            blocked = self.first_on_chord(path, chord, &accept, true).is_some();
+            blocked = self.first_on_chord(path, chord, (&|_| true, &accept), true).is_some();
             blocked
         });
         blocked
@@ -67,7 +88,7 @@ impl Bvh {
         &self,
         path: &BentPath,
         chord: &Chord,
-        accept: &impl Fn(&BentHit) -> bool,
+        (spend, accept): (&impl Fn(u64) -> bool, &impl Fn(&BentHit) -> bool),
         any: bool,
     ) -> Option<BentHit> {
         let [from, to] = chord.ends;
@@ -75,7 +96,7 @@ impl Bvh {
         let line = Thick { from, to, radius: chord.error() };
         let mut best: Option<BentHit> = None;
         let mut limit = 1.0;
-        self.hierarchy.along(line, |triangle| {
+        self.hierarchy.along(line, spend, |triangle| {
             if any && best.is_some() {
                 return -1.0;
             }

@@ -268,10 +268,14 @@ mod tests {
             let (v, w) = (f64::from(k % 8) / 8.0 - 0.4, f64::from(k / 8) / 8.0 - 0.4);
             bvh.path(tube, v, w).for_each_chord(1.0, bounds, |chord| {
                 let [from, to] = chord.ends;
-                bvh.hierarchy.along(Thick { from, to, radius: chord.error() }, |_| {
-                    asked += 1;
-                    1.0
-                });
+                bvh.hierarchy.along(
+                    Thick { from, to, radius: chord.error() },
+                    |_| true,
+                    |_| {
+                        asked += 1;
+                        1.0
+                    },
+                );
                 false
             });
         }
@@ -310,7 +314,7 @@ mod tests {
             for k in 0..64 {
                 let path = bvh.path(&tube, f64::from(k % 8) / 4.5 - 0.7, f64::from(k / 8) / 4.5 - 0.7);
                 let first = |bounds: &Bounds| {
-                    bvh.first_bent_hit_in(&path, 1.0, bounds, |_| true)
+                    bvh.first_bent_hit_in(&path, 1.0, bounds, (&|_| true, &|_: &_| true))
                         .map(|hit| (hit.triangle, hit.position))
                 };
                 let (cut, whole) = (first(&bvh.hierarchy.bounds().expect("a box")), first(&Bounds::ENDLESS));

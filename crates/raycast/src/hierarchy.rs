@@ -9,6 +9,7 @@ use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
+use obvhs::bvh2::node::Bvh2Node;
 use obvhs::{Boundable, BvhBuildParams};
 
 use crate::{Bounds, Triangle};
@@ -27,6 +28,11 @@ pub(crate) struct Thick {
     pub from: DVec3,
     pub to: DVec3,
     pub radius: f64,
+}
+
+/// Steps that a node takes: one for its boxes, six for each of its triangles.
+fn steps_of(node: &Bvh2Node) -> u64 {
+    1 + if node.is_leaf() { 6 * u64::from(node.prim_count) } else { 0 }
 }
 
 struct Bounded(Aabb);
@@ -60,13 +66,22 @@ impl Hierarchy {
     }
 
     /// Calls `meet` with every triangle whose box comes as near to `point` as `meet` returned last, `within` at
-    /// first.
-    pub fn near(&self, point: DVec3, within: f64, mut meet: impl FnMut(usize) -> f64) {
+    /// first; ends where `spend` refuses the steps that come next.
+    pub fn near(
+        &self,
+        point: DVec3,
+        within: f64,
+        spend: impl Fn(u64) -> bool,
+        mut meet: impl FnMut(usize) -> f64,
+    ) {
         let Self(bvh) = self;
         let mut within = within;
         let mut stack: Vec<u32> = if bvh.nodes.is_empty() { Vec::new() } else { vec![0] };
         while let Some(index) = stack.pop() {
             let node = &bvh.nodes[index as usize];
+            if !spend(steps_of(node)) {
+                return;
+            }
             let Aabb { min, max } = node.aabb();
             if point.clamp(min.as_dvec3(), max.as_dvec3()).distance(point) > within {
                 continue;
@@ -83,8 +98,8 @@ impl Hierarchy {
     }
 
     /// Calls `meet` with every triangle whose box the line may touch before the share of its way that `meet`
-    /// returned last: nearer boxes first.
-    pub fn along(&self, line: Thick, mut meet: impl FnMut(usize) -> f64) {
+    /// returned last: nearer boxes first. Ends where `spend` refuses the steps that come next.
+    pub fn along(&self, line: Thick, spend: impl Fn(u64) -> bool, mut meet: impl FnMut(usize) -> f64) {
         let Self(bvh) = self;
         let Some(root) = bvh.nodes.first() else { return };
         let line = Slabs::new(line);
@@ -96,6 +111,9 @@ impl Hierarchy {
                 continue;
             }
             let node = &bvh.nodes[index as usize];
+            if !spend(steps_of(node)) {
+                return;
+            }
             let first = node.first_index as usize;
             if node.is_leaf() {
                 for &triangle in &bvh.primitive_indices[first..first + node.prim_count as usize] {

@@ -24,8 +24,19 @@ impl Bvh {
         within: f64,
         accept: impl Fn(&SurfacePoint) -> bool,
     ) -> Option<SurfacePoint> {
+        self.nearest_counted(point, within, |_| true, accept)
+    }
+
+    /// The same by steps that are counted, as of [`Self::first_hit_counted`].
+    pub fn nearest_counted(
+        &self,
+        point: DVec3,
+        within: f64,
+        spend: impl Fn(u64) -> bool,
+        accept: impl Fn(&SurfacePoint) -> bool,
+    ) -> Option<SurfacePoint> {
         let mut best: Option<(f64, SurfacePoint)> = None;
-        self.hierarchy.near(point, within, |index| {
+        self.hierarchy.near(point, within, spend, |index| {
             let triangle = &self.triangles[index];
             if let Some(weights) = triangle.nearest_weights(point) {
                 let found = SurfacePoint { triangle: index, position: triangle.at(weights), weights };

@@ -52,7 +52,12 @@ impl Bvh {
     /// The first surface on a ray of a camera. Back faces are seen where the material is double-sided; holes of an alpha-tested
     /// one are not there. `None` where there is only background.
     pub fn seen(&self, ray: &ViewRay) -> Option<Seen> {
-        let hit = self.first_hit(ray.origin, ray.direction, ray.range, |hit| {
+        self.seen_counted(ray, |_| true)
+    }
+
+    /// The same by steps that are counted, as of [`Self::first_hit_counted`].
+    pub fn seen_counted(&self, ray: &ViewRay, spend: impl Fn(u64) -> bool) -> Option<Seen> {
+        let hit = self.first_hit_counted(ray.origin, ray.direction, ray.range, spend, |hit| {
             let triangle = &self.triangles[hit.triangle];
             let front = triangle.normal().dot(ray.direction) < 0.0;
             (front || self.material(triangle).double_sided) && self.is_solid(triangle, hit.weights)

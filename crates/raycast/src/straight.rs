@@ -27,7 +27,20 @@ impl Bvh {
         &self,
         origin: DVec3,
         direction: DVec3,
+        range: [f64; 2],
+        accept: impl Fn(&Hit) -> bool,
+    ) -> Option<Hit> {
+        self.first_hit_counted(origin, direction, range, |_| true, accept)
+    }
+
+    /// The same by steps that are counted: `spend` is asked before some are taken, boxes and triangles that the ray comes near
+    /// to. Where it refuses, the search ends and what it gives means nothing.
+    pub fn first_hit_counted(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
         [near, far]: [f64; 2],
+        spend: impl Fn(u64) -> bool,
         accept: impl Fn(&Hit) -> bool,
     ) -> Option<Hit> {
         let reach = self.hierarchy.reach(origin) / direction.length();
@@ -38,7 +51,7 @@ impl Bvh {
         let at = |distance: f64| origin + direction * distance;
         let line = Thick { from: at(near), to: at(far), radius: 0.0 };
         let mut best: Option<Hit> = None;
-        self.hierarchy.along(line, |index| {
+        self.hierarchy.along(line, spend, |index| {
             if let Some(hit) = meet(&self.triangles[index], index, origin, direction)
                 && (near..=far).contains(&hit.distance)
                 && best.is_none_or(|best| (hit.distance, index) < (best.distance, best.triangle))

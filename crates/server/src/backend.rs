@@ -10,6 +10,7 @@ use tokio_util::task::TaskTracker;
 use crate::metrics::Metrics;
 use crate::renderer::Renders;
 use crate::scenes::Scenes;
+use crate::solver::Solver;
 use crate::storage::Storage;
 use crate::trace::Trace;
 use crate::views::MovingPixels;
@@ -27,8 +28,8 @@ pub struct Backend {
     pub moving_pixels: Arc<MovingPixels>,
     /// A permit for each probe whose rays are followed.
     pub probes: Arc<Semaphore>,
-    /// A permit for each drag that is solved beside its session.
-    pub solves: Arc<Semaphore>,
+    /// Threads that solve drags.
+    pub solver: Solver,
     /// What is counted.
     pub metrics: Arc<Metrics>,
     /// What is told of each picture.

@@ -167,6 +167,11 @@ pub enum ServerError {
     /// The server is asked to stop.
     #[error("the server is stopping: try again in a moment")]
     Draining,
+    /// Others changed what a drag depends on each time that it was solved.
+    #[error(
+        "the light, its pins or the scene changed {0} times while this was solved: try again when others are done"
+    )]
+    KeepsChanging(u32),
     /// A task of the server is gone.
     #[error("the server has a fault of its own: try again, and send its log to its makers")]
     Fault,
@@ -200,6 +205,7 @@ impl ServerError {
             Self::NotJson(_) => ErrorCode::UnsupportedMediaType,
             Self::TooLarge { .. } => ErrorCode::TooLarge,
             Self::TooMany { .. } | Self::ViewsMoveTooMuch => ErrorCode::TooMany,
+            Self::KeepsChanging(_) => ErrorCode::KeepsChanging,
             Self::Stalled => ErrorCode::Stalled,
             Self::WarmingUp => ErrorCode::WarmingUp,
             Self::NotReady(_) => ErrorCode::NotReady,

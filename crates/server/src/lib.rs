@@ -23,6 +23,7 @@ mod room;
 mod scenes;
 mod server;
 mod socket;
+mod solver;
 mod state;
 mod storage;
 mod trace;

@@ -14,12 +14,12 @@ pub const MAX_REQUESTS: usize = 64;
 pub const MAX_STILLS: usize = 8;
 /// Probes of pixels whose rays are followed at once, a millisecond or so each; others wait.
 pub const MAX_PROBES: usize = 4;
-/// Drags of features that sessions solve at once; others wait. Most take milliseconds, and are not to wait behind the few that
-/// take seconds.
-pub const MAX_SOLVES: usize = 16;
-/// How often a drag is solved beside its session for one step while others change what it depends on. After that the session
-/// waits for it.
-pub const SOLVES_BESIDE: u32 = 3;
+/// Drags of features that are solved or wait for it, each with a thread: one for each socket and each HTTP request.
+pub const MAX_SOLVES: usize = MAX_SOCKETS + MAX_REQUESTS;
+/// Counted steps up to which a solve is short, and goes before those that are long: some 20 ms, which most take.
+pub const SHORT_SOLVE_STEPS: u64 = 20_000_000;
+/// How often a drag is solved for one step while others change what it depends on. After that it is refused.
+pub const MAX_SOLVE_TRIES: u32 = 4;
 /// Scenes that are being sent to the server; each may take hundreds of megabytes of its disk.
 pub const MAX_UPLOADS: usize = 32;
 /// Sessions that are open at once; the others rest in the store.
@@ -59,7 +59,8 @@ pub const MAX_MOVING_PIXELS: u64 = 3840 * 2160;
 
 /// Messages that wait for a session's task; senders wait past that.
 pub const ROOM_QUEUE: usize = 1_024;
-/// A client's messages that wait for one of its drags to be solved. With more the session takes no messages until it is.
+/// A client's messages by which it edits that are not carried out yet; most of them wait for one of its drags to be solved. With
+/// more its socket is not read.
 pub const MAX_LINE: usize = 64;
 /// Messages that a session's task carries out before it commits their edits together, and as many edits of programs'
 /// requests.

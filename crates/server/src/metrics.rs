@@ -42,6 +42,8 @@ pub struct Metrics {
     pub still_turns: Counter,
     /// How often the one under way was that was so least often.
     pub least_still_turns: Gauge,
+    /// Drags of features that are solved or wait for it.
+    pub solves_under_way: Gauge,
     /// Bytes that the renderer keeps, by kind; read from its budget when they are asked for.
     render_bytes: Family<MemoryLabel, Gauge>,
     render_memory: MemoryBudget,
@@ -96,6 +98,7 @@ impl Metrics {
             scenes_decoded: Counter::default(),
             still_turns: Counter::default(),
             least_still_turns: Gauge::default(),
+            solves_under_way: Gauge::default(),
             render_bytes: Family::default(),
             render_memory,
         };
@@ -135,6 +138,8 @@ impl Metrics {
         let least =
             "How often the picture for HTTP was worked on that was so least often, of those under way";
         registry.register("least_still_turns", least, self.least_still_turns.clone());
+        let solves = "Drags of features that are solved or wait for it";
+        registry.register("solves_under_way", solves, self.solves_under_way.clone());
         registry.register("render_bytes", "Bytes that the renderer keeps", self.render_bytes.clone());
         let budget: Gauge = Gauge::default();
         budget.set(bytes(self.render_memory.budget()));

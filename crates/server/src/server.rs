@@ -1,8 +1,10 @@
 //! Starting, serving, stopping.
 
 use std::fs::File;
+use std::num::NonZero;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::thread::available_parallelism;
 use std::time::Instant;
 
 use render::MemoryBudget;
@@ -16,13 +18,13 @@ use tokio_util::task::TaskTracker;
 use crate::access::{Hosts, PublicUrl, Token};
 use crate::backend::Backend;
 use crate::limits::{
-    DRAIN_WITHIN, MAX_PROBES, MAX_RENDER_BYTES, MAX_REQUESTS, MAX_SOCKETS, MAX_SOLVES, MAX_STILLS,
-    MAX_UPLOADS,
+    DRAIN_WITHIN, MAX_PROBES, MAX_RENDER_BYTES, MAX_REQUESTS, MAX_SOCKETS, MAX_STILLS, MAX_UPLOADS,
 };
 use crate::metrics::Metrics;
 use crate::renderer::{RenderThread, Renders};
 use crate::room::Rooms;
 use crate::scenes::Scenes;
+use crate::solver::Solver;
 use crate::state::AppState;
 use crate::storage::Storage;
 use crate::trace::{Trace, TraceThread};
@@ -99,13 +101,14 @@ impl Server {
         let (_trace_thread, _render_thread) = (self.trace_thread, self.render_thread);
         let address = listener.local_addr().map_err(ServerError::Listen)?;
         let storage = Storage::start(&data, store, Arc::clone(&metrics));
+        let cores = available_parallelism().map_or(1, NonZero::get);
         let backend = Backend {
             scenes: Arc::new(Scenes::new(storage.clone(), Arc::clone(&metrics))),
             storage,
             renders,
             moving_pixels: Arc::default(),
             probes: Arc::new(Semaphore::new(MAX_PROBES)),
-            solves: Arc::new(Semaphore::new(MAX_SOLVES)),
+            solver: Solver::new(cores, metrics.solves_under_way.clone()),
             metrics,
             trace,
             draining: CancellationToken::new(),

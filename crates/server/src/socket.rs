@@ -6,14 +6,15 @@ use axum::extract::ws::{Message as SocketMessage, WebSocket};
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, Stream, StreamExt};
 use protocol::{ClientMessage, PROTOCOL};
-use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot, watch};
 use tokio::time::{Instant, interval_at, sleep, timeout};
 
 use crate::ServerError;
 use crate::access::Principal;
 use crate::connections::Connection;
 use crate::limits::{
-    CLOSE_WITHIN, HELLO_WITHIN, MAX_MESSAGE_BYTES, MAX_SOCKETS, MAX_STRANGERS, PING_EVERY, SILENT_AT_MOST,
+    CLOSE_WITHIN, HELLO_WITHIN, MAX_LINE, MAX_MESSAGE_BYTES, MAX_SOCKETS, MAX_STRANGERS, PING_EVERY,
+    SILENT_AT_MOST,
 };
 use crate::outbox::{Backlog, Outbox, OutboxReceiver, outbox};
 use crate::outboxes::ClientId;
@@ -123,6 +124,7 @@ async fn read(
     (room, client): (&RoomHandle, ClientId),
     state: &AppState,
 ) {
+    let places = Arc::new(Semaphore::new(MAX_LINE));
     while backlog.wait_for(Backlog::takes_more).await.is_ok()
         && let Some(message) = next(messages).await
     {
@@ -130,7 +132,9 @@ async fn read(
             Ok(message) => client_request(message, &state.backend.scenes).await,
             Err(error) => ClientRequest::Invalid(error),
         };
-        if room.send(Message::Client { client, request }).await.is_err() {
+        // What edits waits here for what this client sent before, so that nobody else does.
+        let place = if request.edits() { Arc::clone(&places).acquire_owned().await.ok() } else { None };
+        if room.send(Message::Client { client, request, place }).await.is_err() {
             return;
         }
     }

@@ -10,5 +10,6 @@ mod error;
 pub mod solver;
 pub mod stress;
 mod timing;
+pub mod work;
 
 pub use error::StudyError;

@@ -6,7 +6,7 @@ mod commands;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use commands::{direction, drags, solver, stress};
+use commands::{direction, drags, solver, stress, work};
 
 /// Studies of the light model: what its decisions rest on, measured again, and what breaks it.
 #[derive(Parser)]
@@ -26,6 +26,8 @@ enum Study {
     Solver(solver::Args),
     /// Does anything break, for any light and scene? Random and unkind cases against bounds, for as long as you like
     Stress(stress::Args),
+    /// What do drags cost? Counted steps and seconds, and a search for the most expensive one
+    Work(work::Args),
 }
 
 const EXAMPLES: &str = "\
@@ -43,6 +45,7 @@ fn main() -> ExitCode {
         Study::Drags(args) => drags::run(&args),
         Study::Solver(args) => solver::run(&args),
         Study::Stress(args) => stress::run(&args),
+        Study::Work(args) => work::run(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

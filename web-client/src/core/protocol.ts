@@ -215,6 +215,7 @@ export type Change =
  * - `stale`: The control points have been renumbered since.
  * - `nothingToUndo`: No step to take back.
  * - `nothingToRedo`: No undo to take back.
+ * - `keepsChanging`: Others changed what the drag depends on each time that it was solved.
  * - `noGesture`: No such drag of the sender's.
  * - `emptyGesture`: The drag was never updated.
  * - `otherLight`: The drag's command is not of its light.
@@ -256,6 +257,7 @@ export type ErrorCode =
   | "stale"
   | "nothingToUndo"
   | "nothingToRedo"
+  | "keepsChanging"
   | "noGesture"
   | "emptyGesture"
   | "otherLight"
@@ -297,8 +299,9 @@ export type GestureEnd = "committed" | "cancelled" | "expired" | "rejected";
  * - `noDescent`: No small change brings the feature nearer.
  * - `sourceInside`: The source would go through a surface.
  * - `pin`: What is pinned would not stay: see `pin`.
+ * - `tooMuchWork`: To bring it nearer takes too much work: choose fewer control points, or remove pins.
  */
-export type DragLimit = "fold" | "radius" | "tubeEdge" | "noDescent" | "sourceInside" | "pin";
+export type DragLimit = "fold" | "radius" | "tubeEdge" | "noDescent" | "sourceInside" | "pin" | "tooMuchWork";
 /**
  * `Status` in JSON.
  *

@@ -109,6 +109,7 @@ const LIMITS: { [L in DragLimit]: string } = {
   noDescent: "nothing small brings it nearer",
   sourceInside: "the source would go through a surface",
   pin: "a pin holds it",
+  tooMuchWork: "too much work; choose fewer control points or remove pins",
 };
 
 /** What is said of a drag that has not landed, or whose shadow is another's too; `null` where all is well. */

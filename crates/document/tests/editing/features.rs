@@ -3,7 +3,8 @@
 use std::sync::{Arc, LazyLock};
 
 use document::{
-    Change, Command, Context, Document, EditError, Edited, FeatureDrag, LightPin, edited, solve_drag,
+    Change, Command, Context, Document, EditError, Edited, FeatureDrag, LightPin, MAX_CHOSEN_POINTS, edited,
+    solve_drag,
 };
 use drag::{Feature, Limit, Pin, PinKind, Radii, Refusal, SOLVER, Status, Viewport};
 use glam::{DQuat, DVec2, DVec3};
@@ -139,8 +140,11 @@ fn what_cannot_be_dragged_is_refused_and_says_why() {
     let long = scene::Camera { name: "x".repeat(10_000), ..DEMO.view.camera.clone() };
     let named = FeatureDrag { view: Viewport { camera: long, ..DEMO.view.clone() }, ..shadow(None, 9.0) };
     assert!(matches!(refused(&named), EditError::TooLong { field: "name", .. }));
-    let listed = shadow(Some(vec![1; 100_000]), 9.0);
-    assert!(matches!(refused(&listed), EditError::TooMany { what: "control points", .. }));
+    let listed = |count| shadow(Some(vec![1; count]), 9.0);
+    let too_many = refused(&listed(MAX_CHOSEN_POINTS + 1));
+    assert_eq!(too_many, EditError::TooManyChosen { what: "control points", limit: MAX_CHOSEN_POINTS });
+    assert!(too_many.to_string().starts_with("at most 128 control points can be chosen"), "{too_many}");
+    assert!(!matches!(dragged(&before, &listed(MAX_CHOSEN_POINTS)), Err(EditError::TooManyChosen { .. })));
     assert!(refused(&off).to_string().contains("begin on one"), "{}", refused(&off));
 
     // Without a scene at hand nothing is known, and nothing moves.

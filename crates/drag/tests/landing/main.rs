@@ -1,5 +1,6 @@
 //! Drags on scenes: what says that it landed did, by ways that share nothing with the solver.
 
+mod bounded;
 mod continuity;
 mod gliding;
 mod highlights;

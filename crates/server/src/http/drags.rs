@@ -1,18 +1,18 @@
 //! `POST /sessions/S/drags`: where drags of features would lead, without an edit.
 
+use std::cell::RefCell;
 use std::sync::Arc;
 use std::time::Instant;
 
 use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::HeaderMap;
-use document::{Document, EditError};
-use drag::{Viewport, drag};
+use document::{Document, EditError, MAX_CHOSEN_POINTS, MAX_PINS};
+use drag::{Viewport, Work, drag_within};
 use light::{CheckedLight, LightId};
 use protocol::RenderLimits;
 use protocol::drag_file::{Drag, Dragged, NameOrIndex};
 use raycast::Bvh;
-use tokio::task::spawn_blocking;
 
 use super::answer::{Answer, json};
 use super::read::{SessionName, read_json};
@@ -21,7 +21,9 @@ use crate::ServerError;
 use crate::limits::MAX_DRAGS;
 use crate::room::{Message, Snapshot};
 use crate::scenes::Decoded;
+use crate::solver::Turn;
 use crate::state::AppState;
+use crate::turns::Payer;
 
 /// A drag with what its names mean in the document.
 struct Question {
@@ -49,21 +51,20 @@ pub async fn answer(
     let bvh = scene.bvh().await?;
     let mut answers = Vec::with_capacity(questions.len());
     for question in questions {
-        // One at a time, so that others come in between.
-        let turn = Arc::clone(&state.backend.probes).acquire_owned().await.map_err(|_| ServerError::Fault)?;
+        // Where the request's connection ends this future is dropped, and what is being solved is given up.
         let bvh = Arc::clone(&bvh);
-        let answer = spawn_blocking(move || {
-            let _turn = turn;
-            dragged(&bvh, &question)
-        });
-        answers.push(answer.await.map_err(|_| ServerError::Fault)?);
+        let solve = move |turn: &mut Turn| dragged(&bvh, &question, turn);
+        answers.push(state.backend.solver.run(Payer::program(&name), solve).await?);
     }
     Ok(json(&answers))
 }
 
-fn dragged(bvh: &Bvh, question: &Question) -> Dragged {
+fn dragged(bvh: &Bvh, question: &Question, turn: &mut Turn) -> Dragged {
     let began = Instant::now();
-    let landing = drag(bvh, &question.view, &question.light, &question.drag);
+    let turn = RefCell::new(turn);
+    let goes_on = |steps| turn.borrow_mut().goes_on(steps);
+    let work = Work::new(&goes_on);
+    let landing = drag_within(bvh, &question.view, &question.light, &question.drag, &work);
     let name = |node: usize| bvh.posed.scene.nodes[node].name.clone();
     Dragged::new(&landing, &question.pins, name, began.elapsed().as_secs_f64())
 }
@@ -74,6 +75,13 @@ fn question(asked: &Drag, document: &Document, scene: &Decoded) -> Result<Questi
     let size = RenderLimits::HTTP.check_size(asked.size)?;
     if size.contains(&0) {
         return Err(edit::Refusal::from(EditError::NoPicture).into());
+    }
+    let chosen = asked.points.as_ref().map_or(0, Vec::len);
+    let pinned = asked.pins.as_ref().map_or(0, Vec::len);
+    for (what, count, limit) in [("control points", chosen, MAX_CHOSEN_POINTS), ("pins", pinned, MAX_PINS)] {
+        if count > limit {
+            return Err(edit::Refusal::from(EditError::TooManyChosen { what, limit }).into());
+        }
     }
     let light_of = |wanted: &NameOrIndex| light_named(document, wanted);
     let id = light_of(&asked.light)?;

@@ -14,6 +14,7 @@ use protocol::{Edit, Edits, NewSession, SceneNodes, SessionEntry, SessionList, S
 use serde::Deserialize;
 use store::{SessionRow, Store};
 use tokio::task::spawn_blocking;
+use tokio_util::sync::CancellationToken;
 
 use super::answer::{Answer, created, json};
 use super::read::{SessionName, read_json, read_query};
@@ -115,7 +116,10 @@ pub async fn edit(
         steps.push(parse_edit(edit, &state.backend.scenes).await?);
     }
     let room = state.rooms.find(&name).await?;
-    let results = room.request(|reply| Message::Edit { principal, steps, reply }).await?;
+    // Where the connection ends this future is dropped.
+    let gone = CancellationToken::new();
+    let _waits = gone.clone().drop_guard();
+    let results = room.request(|reply| Message::Edit { principal, steps, reply, gone }).await?;
     Ok(json(&results))
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use edit::Request;
 use protocol::{
     Document, GestureState, GestureStatus, Presence, Resync, ServerMessage, Settings, State, Welcome,
 };
@@ -15,6 +16,7 @@ use crate::access::Principal;
 use crate::limits::{MAX_CLIENTS, MAX_TAIL, MAX_VIEW_SIDE};
 use crate::outbox::Outbox;
 use crate::outboxes::ClientId;
+use crate::request::ClientRequest;
 
 /// One connection.
 pub(super) struct Client {
@@ -31,6 +33,30 @@ impl Client {
     /// Whether what waits can go on.
     pub fn is_released(&self) -> bool {
         !(self.line.is_empty() || self.solves.are_under_way())
+    }
+
+    /// Leaves out updates in its line of gestures that end with its connection: all that it has not committed there.
+    pub fn give_up_uncommitted(&mut self) {
+        let committed = |gesture: &String| {
+            self.line.iter().any(|message| match message {
+                Message::Client { request: ClientRequest::Step(step), .. } => {
+                    matches!(&step.request, Ok(Request::Commit(id)) if id == gesture)
+                }
+                _ => false,
+            })
+        };
+        let is_left_out = |message: &Message| match message {
+            Message::Client { request: ClientRequest::UpdateGesture { gesture, .. }, .. } => {
+                !committed(gesture)
+            }
+            _ => false,
+        };
+        let left_out: Vec<bool> = self.line.iter().map(is_left_out).collect();
+        if left_out.first() == Some(&true) {
+            self.solves.stop_waiting();
+        }
+        let mut left_out = left_out.into_iter();
+        self.line.retain(|_| !left_out.next().unwrap_or_default());
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::task::Poll;
 
 use protocol::ServerMessage;
-use tokio::sync::mpsc;
+use tokio::sync::{OwnedSemaphorePermit, mpsc};
 
 use super::Room;
 use super::message::{Message, Snapshot};
@@ -35,17 +35,16 @@ impl Room {
     pub(super) async fn tick(&mut self, first: Option<Message>, inbox: &mut mpsc::Receiver<Message>) {
         self.note_use();
         let (mut now, mut behind) = self.released();
-        let room_for =
-            if self.is_held_up() { 0 } else { (MAX_TICK - 1).saturating_sub(now.len() + behind.len()) };
+        let room_for = (MAX_TICK - 1).saturating_sub(now.len() + behind.len());
         let waiting = std::iter::from_fn(|| inbox.try_recv().ok());
         let messages: Vec<Message> = first.into_iter().chain(waiting.take(room_for)).collect();
         // Who comes, or wants to see the session, sees what is committed.
         let mut afterwards = Vec::new();
         for message in messages {
             match message {
-                Message::Edit { principal, steps, reply } => {
+                Message::Edit { principal, steps, reply, gone } => {
                     tracing::debug!("{} steps in session {} by {principal}", steps.len(), self.name);
-                    self.batches.push_back(Batch::new(principal, steps, reply));
+                    self.batches.push_back(Batch::new(principal, steps, (reply, gone)));
                 }
                 Message::Client { .. } | Message::Leave(_) => behind.push(message),
                 Message::Join(_) | Message::Snapshot(_) | Message::Drain => afterwards.push(message),
@@ -58,7 +57,9 @@ impl Room {
         for message in now {
             let Some(message) = self.next_in_line(message) else { continue };
             match message {
-                Message::Client { client, request } => self.handle(client, request, &mut tick).await,
+                Message::Client { client, request, place } => {
+                    self.handle(client, request, place, &mut tick).await;
+                }
                 Message::Leave(client) => self.leave(client, &mut tick),
                 Message::Edit { .. } | Message::Join(_) | Message::Snapshot(_) | Message::Drain => {}
             }
@@ -83,7 +84,7 @@ impl Room {
     async fn earlier_outcomes(&self, messages: &[Message]) -> EarlierOutcomes {
         let share = self.share_of_batch();
         let of_clients = messages.iter().filter_map(|message| match message {
-            Message::Client { client, request: ClientRequest::Step(step) } => {
+            Message::Client { client, request: ClientRequest::Step(step), .. } => {
                 Some((&self.clients.get(client)?.principal, step))
             }
             _ => None,
@@ -111,6 +112,7 @@ impl Room {
                 self.batches.push_back(batch);
                 continue;
             }
+            batch.give_up_solves();
             // One of each in any case, so that none waits for the end of another.
             for taken in 0..batch.next_steps(share).len() {
                 if taken > 0 && tick.is_full() {
@@ -118,8 +120,8 @@ impl Room {
                 }
                 // Only once it can be carried out is it taken.
                 let Some(step) = batch.steps.as_slice().first() else { break };
-                let solution =
-                    self.solution_of_step(step, &batch.principal.actor, &mut batch.solves, tick).await;
+                let asker = (&batch.principal.actor, Some(&batch.gone));
+                let solution = self.solution_of_step(step, asker, &mut batch.solves, tick);
                 let Poll::Ready(found) = solution else { break };
                 let Some(step) = batch.steps.next() else { break };
                 batch.answers.push(self.take_step(step, found, &batch.principal, tick).await);
@@ -128,15 +130,21 @@ impl Room {
         }
     }
 
-    async fn handle(&mut self, client: ClientId, request: ClientRequest, tick: &mut Tick) {
+    async fn handle(
+        &mut self,
+        client: ClientId,
+        request: ClientRequest,
+        place: Option<OwnedSemaphorePermit>,
+        tick: &mut Tick,
+    ) {
         // One that was let go may have sent more before it knew.
         let Some(sender) = self.clients.get_mut(&client) else { return };
         let (principal, mut solves) = (sender.principal.clone(), std::mem::take(&mut sender.solves));
-        let solution = self.solution_of(&request, &principal.actor, &mut solves, tick).await;
+        let solution = self.solution_of(&request, &principal.actor, &mut solves, tick);
         if let Some(sender) = self.clients.get_mut(&client) {
             sender.solves = solves;
         }
-        let Poll::Ready(found) = solution else { return self.wait_in_line(client, request) };
+        let Poll::Ready(found) = solution else { return self.wait_in_line(client, request, place) };
         let holder = (client, &principal.actor);
         if request.is_of_a_hand() {
             self.views.note_hand(client);

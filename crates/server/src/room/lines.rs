@@ -5,12 +5,13 @@
 //! waits as a whole, a client's messages in its line; nobody else does, nor what the client sends besides. Once the solve has
 //! ended the step is carried out with what came of it, if the document still is what that was found for.
 
-use std::sync::Arc;
 use std::task::Poll;
 
 use document::Command;
 use edit::{Actor, Request};
+use tokio::sync::OwnedSemaphorePermit;
 use tokio::task::{Id, JoinError};
+use tokio_util::sync::CancellationToken;
 
 use super::Room;
 use super::clients::Client;
@@ -18,13 +19,14 @@ use super::message::Message;
 use super::solving::{Found, Solved, Solves, solve};
 use super::tick::Tick;
 use crate::ServerError;
-use crate::limits::{MAX_LINE, MAX_TICK};
+use crate::limits::{MAX_SOLVE_TRIES, MAX_TICK};
 use crate::outboxes::ClientId;
 use crate::request::{ClientRequest, Step, needs_scene};
+use crate::turns::Payer;
 
 impl Room {
     /// The solution of a client's request; as [`Self::solution`].
-    pub(super) async fn solution_of(
+    pub(super) fn solution_of(
         &mut self,
         request: &ClientRequest,
         actor: &Actor,
@@ -32,21 +34,21 @@ impl Room {
         tick: &Tick,
     ) -> Poll<Found> {
         match request {
-            ClientRequest::Step(step) => self.solution_of_step(step, actor, solves, tick).await,
+            ClientRequest::Step(step) => self.solution_of_step(step, (actor, None), solves, tick),
             ClientRequest::UpdateGesture { gesture, command: Ok(command), .. }
                 if self.gesture_of(gesture, actor).is_some() =>
             {
-                self.solution(command, solves).await
+                self.solution(command, (actor, None), solves)
             }
             _ => Poll::Ready(None),
         }
     }
 
     /// The solution of a step; as [`Self::solution`].
-    pub(super) async fn solution_of_step(
+    pub(super) fn solution_of_step(
         &mut self,
         step: &Step,
-        actor: &Actor,
+        (actor, gone): (&Actor, Option<&CancellationToken>),
         solves: &mut Solves,
         tick: &Tick,
     ) -> Poll<Found> {
@@ -66,14 +68,19 @@ impl Room {
             Request::Undo(_) | Request::Redo(_) => None,
         };
         match command {
-            Some(command) => self.solution(command, solves).await,
+            Some(command) => self.solution(command, (actor, gone), solves),
             None => Poll::Ready(None),
         }
     }
 
     /// The solution of a command that needs one. Where that is not known it is solved beside the session's task, and pending
-    /// until that has ended. Where others keep changing what it depends on, it is solved here in the end, and they wait.
-    pub(super) async fn solution(&mut self, command: &Command, solves: &mut Solves) -> Poll<Found> {
+    /// until that has ended or the actor is `gone`. Where others keep changing what it depends on, it is refused.
+    pub(super) fn solution(
+        &mut self,
+        command: &Command,
+        (actor, gone): (&Actor, Option<&CancellationToken>),
+        solves: &mut Solves,
+    ) -> Poll<Found> {
         if !needs_scene(command) {
             return Poll::Ready(None);
         }
@@ -81,20 +88,20 @@ impl Room {
         if let Some(found) = solves.found(command, document) {
             return Poll::Ready(Some(found));
         }
-        let (command, document, scene) = (command.clone(), document.clone(), self.scene.decoded.clone());
-        if solves.may_begin() {
-            let turns = Arc::clone(&self.backend.solves);
-            solves.begin(self.solving.spawn(async move {
-                let turn = turns.acquire_owned().await.map_err(|_| ServerError::Fault)?;
-                solve(command, document, scene, Some(turn)).await
-            }));
-            return Poll::Pending;
+        if !solves.may_begin() {
+            solves.stop_waiting();
+            return Poll::Ready(Some(Err(ServerError::KeepsChanging(MAX_SOLVE_TRIES))));
         }
-        let solved = solve(command, document, scene, None).await;
-        let found = solved.as_ref().map_or(Err(ServerError::Fault), Solved::answer);
-        solves.end(solved.ok());
-        solves.stop_waiting();
-        Poll::Ready(Some(found))
+        let (command, document, scene) = (command.clone(), document.clone(), self.scene.decoded.clone());
+        let (solver, payer) = (self.backend.solver.clone(), Payer::new(&self.name, &actor.id));
+        let gone = gone.cloned().unwrap_or_default();
+        solves.begin(self.solving.spawn(async move {
+            tokio::select! {
+                solved = solve(command, document, scene, (&solver, payer)) => solved,
+                () = gone.cancelled() => Err(ServerError::Fault),
+            }
+        }));
+        Poll::Pending
     }
 
     /// Keeps what a solve has come to for whoever waits for it, who goes on in the next tick.
@@ -104,11 +111,7 @@ impl Room {
         let mut all = of_clients.chain(self.batches.iter_mut().map(|batch| &mut batch.solves));
         // Who waited may have given it up.
         let Some(solves) = all.find(|solves| solves.wait_for(task)) else { return };
-        let solved = match ended {
-            Ok((_, solved)) => solved.map_err(|error| error.to_string()),
-            Err(fault) => Err(fault.to_string()),
-        };
-        solves.end(solved.inspect_err(|why| tracing::error!("a command was not solved: {why}")).ok());
+        solves.end(ended.map_or(Err(ServerError::Fault), |(_, solved)| solved));
     }
 
     /// Gives back a client's message that can be carried out now. One that edits waits while others of that client do.
@@ -116,6 +119,9 @@ impl Room {
         let Some(client) = message.editor().and_then(|id| self.clients.get_mut(&id)) else {
             return Some(message);
         };
+        if matches!(message, Message::Leave(_)) {
+            client.give_up_uncommitted();
+        }
         while let Some(last) = client.line.back()
             && message.outruns(last)
         {
@@ -136,9 +142,14 @@ impl Room {
     }
 
     /// A client's message that waits for a solve, and which others of that client now wait for.
-    pub(super) fn wait_in_line(&mut self, id: ClientId, request: ClientRequest) {
+    pub(super) fn wait_in_line(
+        &mut self,
+        id: ClientId,
+        request: ClientRequest,
+        place: Option<OwnedSemaphorePermit>,
+    ) {
         if let Some(client) = self.clients.get_mut(&id) {
-            client.line.push_front(Message::Client { client: id, request });
+            client.line.push_front(Message::Client { client: id, request, place });
         }
     }
 
@@ -159,11 +170,6 @@ impl Room {
     pub(super) fn can_go_on(&self) -> bool {
         self.batches.iter().any(|batch| !batch.solves.are_under_way())
             || self.clients.values().any(Client::is_released)
-    }
-
-    /// Whether a client's line is as long as it may be: then no more messages are taken until it goes on.
-    pub(super) fn is_held_up(&self) -> bool {
-        self.clients.values().any(|client| client.line.len() >= MAX_LINE)
     }
 
     /// Whether there is anything to do but what messages may ask for.

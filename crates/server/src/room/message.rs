@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use document::{Command, Document};
 use protocol::EditResults;
-use tokio::sync::{mpsc, oneshot, watch};
+use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot, watch};
+use tokio_util::sync::CancellationToken;
 
 use crate::ServerError;
 use crate::access::Principal;
@@ -28,6 +29,8 @@ pub enum Message {
         client: ClientId,
         /// What.
         request: ClientRequest,
+        /// Its place among the client's messages by which it edits, until it is carried out.
+        place: Option<OwnedSemaphorePermit>,
     },
     /// A client is gone.
     Leave(ClientId),
@@ -39,6 +42,8 @@ pub enum Message {
         steps: Vec<Step>,
         /// One result a step.
         reply: Reply<EditResults>,
+        /// Cancelled when nobody waits for them any more.
+        gone: CancellationToken,
     },
     /// A program wants to see the session.
     Snapshot(Reply<Snapshot>),
@@ -50,7 +55,7 @@ impl Message {
     /// The client that edits by it, or goes: those are carried out in the order in which they come.
     pub(super) fn editor(&self) -> Option<ClientId> {
         match self {
-            Self::Client { client, request } => request.edits().then_some(*client),
+            Self::Client { client, request, .. } => request.edits().then_some(*client),
             Self::Leave(client) => Some(*client),
             Self::Join(_) | Self::Edit { .. } | Self::Snapshot(_) | Self::Drain => None,
         }

@@ -176,7 +176,7 @@ impl Room {
             let wake = self.do_what_is_due(rooms);
             let can_go_on = self.can_go_on();
             tokio::select! {
-                message = inbox.recv(), if more_may_come && !can_go_on && !self.is_held_up() => match message {
+                message = inbox.recv(), if more_may_come && !can_go_on => match message {
                     Some(message) => self.tick(Some(message), inbox).await,
                     None => more_may_come = false,
                 },

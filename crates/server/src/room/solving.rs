@@ -1,13 +1,17 @@
 //! What only the scene can say of a command, worked out on threads that may take their time: where the drag of a feature leads,
 //! and how far a light reaches that is bent.
 
-use document::{Command, Document, EditError, SolvedDrag, resolved, solve_drag};
-use tokio::sync::OwnedSemaphorePermit;
-use tokio::task::{AbortHandle, Id, spawn_blocking};
+use std::cell::RefCell;
+
+use document::{Command, Document, EditError, SolvedDrag, resolved, solve_drag_within};
+use drag::Work;
+use tokio::task::{AbortHandle, Id};
 
 use crate::ServerError;
-use crate::limits::SOLVES_BESIDE;
+use crate::limits::MAX_SOLVE_TRIES;
 use crate::scenes::Decoded;
+use crate::solver::{Solver, Turn};
+use crate::turns::Payer;
 
 /// What the scene says of a command.
 #[derive(Clone)]
@@ -33,6 +37,8 @@ pub(super) struct Solves {
     under_way: Option<AbortHandle>,
     /// What was solved last, so that a commit need not solve again what the last update did.
     last: Option<Box<Solved>>,
+    /// Why the latest could not be solved, until the step that waited for it is told.
+    failed: Option<ServerError>,
     /// How many were begun for the step that is next.
     begun: u32,
 }
@@ -77,14 +83,18 @@ impl Solves {
 
     /// What was found of the command last, if it would lead to the same from `document`.
     pub fn found(&mut self, command: &Command, document: &Document) -> Found {
+        if let Some(error) = self.failed.take() {
+            self.begun = 0;
+            return Some(Err(error));
+        }
         let last = self.last.as_deref().filter(|last| last.answers(command, document))?;
         self.begun = 0;
         Some(last.answer())
     }
 
-    /// Whether the step that is next may be solved beside the session once more.
+    /// Whether the step that is next may be solved once more.
     pub fn may_begin(&self) -> bool {
-        self.begun < SOLVES_BESIDE
+        self.begun < MAX_SOLVE_TRIES
     }
 
     /// Waits for a solve from now on.
@@ -98,42 +108,43 @@ impl Solves {
         self.under_way.as_ref().is_some_and(|under_way| under_way.id() == task)
     }
 
-    /// Keeps what the solve that was waited for has come to. Where it failed the session itself solves next: there it fails
-    /// again, or leads somewhere.
-    pub fn end(&mut self, solved: Option<Solved>) {
+    /// Keeps what the solve that was waited for has come to.
+    pub fn end(&mut self, solved: Result<Solved, ServerError>) {
         self.under_way = None;
         match solved {
-            Some(solved) => self.last = Some(Box::new(solved)),
-            None => self.begun = SOLVES_BESIDE,
+            Ok(solved) => self.last = Some(Box::new(solved)),
+            Err(error) => self.failed = Some(error),
         }
     }
 
     /// Waits for none any more, and what comes of one under way is of no use. The next step is another.
     pub fn stop_waiting(&mut self) {
-        self.begun = 0;
+        (self.begun, self.failed) = (0, None);
         if let Some(task) = self.under_way.take() {
             task.abort();
         }
     }
 }
 
-/// Solves a command that needs it, on a thread that may take its time.
+/// Solves a command that needs it, on a thread of its own and in turns with others.
 pub(super) async fn solve(
     command: Command,
     document: Document,
     scene: Decoded,
-    turn: Option<OwnedSemaphorePermit>,
+    (solver, payer): (&Solver, Payer),
 ) -> Result<Solved, ServerError> {
     let bvh = scene.bvh().await?;
-    let solving = spawn_blocking(move || {
-        let _turn = turn;
+    let solve = move |turn: &mut Turn| {
+        let turn = RefCell::new(turn);
+        let goes_on = |steps| turn.borrow_mut().goes_on(steps);
         let result = match &command {
             Command::DragFeature { light, drag } => {
-                solve_drag(&document, *light, drag, &bvh).map(Solution::Drag)
+                let work = Work::new(&goes_on);
+                solve_drag_within(&document, *light, drag, &bvh, &work).map(Solution::Drag)
             }
             other => Ok(Solution::Bend(resolved(other.clone(), &document, &bvh))),
         };
         Solved { command, document, result }
-    });
-    solving.await.map_err(|_| ServerError::Fault)
+    };
+    solver.run(payer, solve).await
 }

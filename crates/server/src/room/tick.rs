@@ -7,6 +7,7 @@ use std::vec;
 use edit::{Actor, Record};
 use protocol::{EditResult, EditResults, GestureState, Outcome, ServerMessage};
 use store::{Rejection, StoreError};
+use tokio_util::sync::CancellationToken;
 
 use super::OpenScene;
 use super::message::Reply;
@@ -62,6 +63,8 @@ pub(super) struct Batch {
     /// Of what in it needs them.
     pub solves: Solves,
     pub reply: Reply<EditResults>,
+    /// Cancelled when nobody waits for the answer any more.
+    pub gone: CancellationToken,
 }
 
 /// An operation: its actor and that one's name for it.
@@ -104,10 +107,21 @@ impl Tick {
 
 impl Batch {
     /// None of it is done yet.
-    pub fn new(principal: Principal, steps: Vec<Step>, reply: Reply<EditResults>) -> Self {
+    pub fn new(
+        principal: Principal,
+        steps: Vec<Step>,
+        (reply, gone): (Reply<EditResults>, CancellationToken),
+    ) -> Self {
         let (done, answers) = (Vec::with_capacity(steps.len()), Vec::new());
         let solves = Solves::default();
-        Self { principal, steps: steps.into_iter(), done, answers, solves, reply }
+        Self { principal, steps: steps.into_iter(), done, answers, solves, reply, gone }
+    }
+
+    /// Leaves out what is left from a step on that has to be solved, where nobody waits for the answer any more.
+    pub fn give_up_solves(&mut self) {
+        if self.gone.is_cancelled() && self.steps.as_slice().first().is_some_and(Step::needs_scene) {
+            self.steps = Vec::new().into_iter();
+        }
     }
 
     /// The steps that a tick with room for `share` can come to: up to the next that waits to be solved then.

@@ -4,3 +4,4 @@ pub mod direction;
 pub mod drags;
 pub mod solver;
 pub mod stress;
+pub mod work;

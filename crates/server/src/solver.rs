@@ -1,0 +1,341 @@
+//! Threads that solve drags, in turns by client.
+//!
+//! Each solve has a thread of its own; as many go on at once as there are cores, the others wait. Every few milliseconds of counted
+//! work a solve charges whoever asked for it (`crate::turns`), and lets another go on in its place where that is of somebody who has
+//! been charged less. Solves that have taken little go before those that have taken long, which go on with the lowest priority of
+//! the operating system, so that pictures hardly notice them. One that nobody waits for any more ends at its next question.
+
+use std::cmp::Ordering as Order;
+use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, Thread};
+use std::time::Instant;
+
+use prometheus_client::metrics::gauge::Gauge;
+use tokio::sync::oneshot;
+
+use crate::ServerError;
+use crate::limits::{MAX_SOLVES, SHORT_SOLVE_STEPS};
+use crate::turns::{Charges, Payer};
+
+/// Threads that solve. Clones share them.
+#[derive(Clone)]
+pub struct Solver {
+    turns: Arc<Mutex<Turns>>,
+    /// Solves that wait or go on.
+    under_way: Gauge,
+}
+
+impl fmt::Debug for Solver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Solver({} under way)", self.under_way.get())
+    }
+}
+
+/// Who goes on.
+struct Turns {
+    charges: Charges,
+    waiting: Vec<Waiting>,
+    /// How many short ones go on, and how many long ones. Those may be slow to give way, since all else goes before them.
+    going_on: [usize; 2],
+    /// How many of each may go on; long ones where no short one takes the place.
+    most: usize,
+    /// Those that wait or go on.
+    all: usize,
+    next_number: u64,
+}
+
+/// A solve that waits.
+struct Waiting {
+    number: u64,
+    payer: Payer,
+    is_long: bool,
+    thread: Thread,
+}
+
+impl Turns {
+    /// Whether there is a place for one more.
+    fn has_room(&self, is_long: bool) -> bool {
+        let [short, long] = self.going_on;
+        if is_long { short + long < self.most } else { short < self.most }
+    }
+
+    /// Of the solves that wait the one that is next, by its index: a short one, of who has been charged least, the oldest.
+    fn next(&self) -> Option<usize> {
+        let order = |a: &usize, b: &usize| {
+            let (a, b) = (&self.waiting[*a], &self.waiting[*b]);
+            self.order((a.is_long, &a.payer), (b.is_long, &b.payer)).then(a.number.cmp(&b.number))
+        };
+        (0..self.waiting.len()).min_by(order)
+    }
+
+    fn order(&self, a: (bool, &Payer), b: (bool, &Payer)) -> Order {
+        a.0.cmp(&b.0).then_with(|| self.charges.of(a.1).order(&self.charges.of(b.1)))
+    }
+
+    /// Lets those that wait go on, as far as there is room.
+    fn let_go_on(&mut self) {
+        while let Some(next) = self.next()
+            && self.has_room(self.waiting[next].is_long)
+        {
+            let Waiting { is_long, thread, .. } = self.waiting.remove(next);
+            self.going_on[usize::from(is_long)] += 1;
+            thread.unpark();
+        }
+    }
+}
+
+/// The turn of a solve on its thread.
+pub struct Turn {
+    turns: Arc<Mutex<Turns>>,
+    under_way: Gauge,
+    payer: Payer,
+    number: u64,
+    is_long: bool,
+    /// Since when it goes on and has not been charged; `None` while it waits.
+    since: Option<Instant>,
+    is_given_up: Arc<AtomicBool>,
+}
+
+/// Whoever waits for a solve, who gives it up by being dropped.
+struct Asker {
+    is_given_up: Arc<AtomicBool>,
+    thread: Thread,
+}
+
+impl Drop for Asker {
+    fn drop(&mut self) {
+        self.is_given_up.store(true, Ordering::Release);
+        self.thread.unpark();
+    }
+}
+
+impl Solver {
+    /// None go on. `most` may at once; `under_way` counts those that wait or go on.
+    pub fn new(most: usize, under_way: Gauge) -> Self {
+        let (charges, waiting) = (Charges::default(), Vec::new());
+        let turns = Turns { charges, waiting, going_on: [0; 2], most, all: 0, next_number: 0 };
+        Self { turns: Arc::new(Mutex::new(turns)), under_way }
+    }
+
+    /// Runs `solve` on a thread of its own, once it is its turn. Whoever drops the future gives it up: then
+    /// [`Turn::goes_on`] says so within some milliseconds.
+    pub async fn run<T: Send + 'static>(
+        &self,
+        payer: Payer,
+        solve: impl FnOnce(&mut Turn) -> T + Send + 'static,
+    ) -> Result<T, ServerError> {
+        let mut turn = self.turn(payer)?;
+        let is_given_up = Arc::clone(&turn.is_given_up);
+        let (done, answer) = oneshot::channel();
+        let run = move || {
+            if turn.wait() {
+                let solved = solve(&mut turn);
+                drop(turn);
+                // Where nobody waits any more the answer is of no use.
+                let _ = done.send(solved);
+            }
+        };
+        let thread = thread::Builder::new().name("solve".into()).spawn(run).map_err(|error| {
+            tracing::error!("no thread could be started to solve a drag: {error}");
+            ServerError::Fault
+        })?;
+        let _asker = Asker { is_given_up, thread: thread.thread().clone() };
+        answer.await.map_err(|_| ServerError::Fault)
+    }
+
+    /// A solve that waits for its turn.
+    fn turn(&self, payer: Payer) -> Result<Turn, ServerError> {
+        let mut turns = lock(&self.turns);
+        if turns.all >= MAX_SOLVES {
+            return Err(ServerError::TooMany { what: "drags that are solved", limit: MAX_SOLVES });
+        }
+        turns.all += 1;
+        turns.next_number += 1;
+        self.under_way.inc();
+        Ok(Turn {
+            turns: Arc::clone(&self.turns),
+            under_way: self.under_way.clone(),
+            payer,
+            number: turns.next_number,
+            is_long: false,
+            since: None,
+            is_given_up: Arc::default(),
+        })
+    }
+}
+
+impl Turn {
+    /// Whether the solve goes on that has taken so many steps: at once, or after others have gone on in its place. `false` where it
+    /// was given up.
+    pub fn goes_on(&mut self, steps: u64) -> bool {
+        if self.is_given_up.load(Ordering::Acquire) {
+            return false;
+        }
+        if !self.is_long && steps >= SHORT_SOLVE_STEPS {
+            self.is_long = true;
+            let mut turns = lock(&self.turns);
+            let [short, long] = turns.going_on;
+            turns.going_on = [short - 1, long + 1];
+            turns.let_go_on();
+            drop(turns);
+            lower_priority();
+        }
+        self.charge();
+        let turns = lock(&self.turns);
+        let gives_way = turns.next().is_some_and(|next| {
+            let next = &turns.waiting[next];
+            turns.order((next.is_long, &next.payer), (self.is_long, &self.payer)).is_lt()
+        });
+        drop(turns);
+        !gives_way || {
+            self.stop();
+            self.wait()
+        }
+    }
+
+    /// Waits until it is its turn; `false` where it was given up instead.
+    fn wait(&mut self) -> bool {
+        let mut turns = lock(&self.turns);
+        turns.waiting.push(Waiting {
+            number: self.number,
+            payer: self.payer.clone(),
+            is_long: self.is_long,
+            thread: thread::current(),
+        });
+        turns.let_go_on();
+        while let Some(index) = turns.waiting.iter().position(|waiting| waiting.number == self.number) {
+            if self.is_given_up.load(Ordering::Acquire) {
+                turns.waiting.remove(index);
+                return false;
+            }
+            drop(turns);
+            thread::park();
+            turns = lock(&self.turns);
+        }
+        self.since = Some(Instant::now());
+        true
+    }
+
+    /// Charges for the time since it was last charged.
+    fn charge(&mut self) {
+        if let Some(since) = self.since.replace(Instant::now()) {
+            lock(&self.turns).charges.charge(&self.payer, since.elapsed().as_secs_f64());
+        }
+    }
+
+    /// Gives its place to another.
+    fn stop(&mut self) {
+        if self.since.take().is_some() {
+            let mut turns = lock(&self.turns);
+            turns.going_on[usize::from(self.is_long)] -= 1;
+            turns.let_go_on();
+        }
+    }
+}
+
+impl Drop for Turn {
+    fn drop(&mut self) {
+        if self.since.is_some() {
+            self.charge();
+        }
+        self.stop();
+        lock(&self.turns).all -= 1;
+        self.under_way.dec();
+    }
+}
+
+fn lock(turns: &Mutex<Turns>) -> MutexGuard<'_, Turns> {
+    turns.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Lowers the priority of this thread as far as it goes. There is no way back, so that a thread solves once.
+fn lower_priority() {
+    const LOWEST: i32 = 19;
+    // Elsewhere than on Linux it would be the priority of the whole program.
+    #[cfg(target_os = "linux")]
+    if let Err(error) = rustix::process::setpriority_process(Some(rustix::thread::gettid()), LOWEST) {
+        tracing::debug!("a thread that solves keeps its priority: {error}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    fn payer(session: &str) -> Payer {
+        Payer::new(&session.into(), session)
+    }
+
+    /// Solves that take so many questions of a millisecond each, in the order in which they end. `gives_way` is the planted fault
+    /// where it is not.
+    async fn ends(solves: &[(&'static str, u64)], gives_way: bool) -> Vec<&'static str> {
+        let solver = Solver::new(1, Gauge::default());
+        let ended = Arc::new(Mutex::new(Vec::new()));
+        let mut tasks = Vec::new();
+        for &(session, questions) in solves {
+            let (solver, ended) = (solver.clone(), Arc::clone(&ended));
+            tasks.push(tokio::spawn(async move {
+                let solve = move |turn: &mut Turn| {
+                    for question in 1..=questions {
+                        thread::sleep(Duration::from_millis(1));
+                        assert!(!gives_way || turn.goes_on(question * SHORT_SOLVE_STEPS / 4));
+                    }
+                    ended.lock().unwrap().push(session);
+                };
+                solver.run(payer(session), solve).await.expect("solved");
+            }));
+            // So that they come in this order.
+            tokio::time::sleep(Duration::from_millis(5)).await;
+        }
+        for task in tasks {
+            task.await.expect("it ends");
+        }
+        assert_eq!(solver.under_way.get(), 0);
+        Arc::into_inner(ended).expect("all have ended").into_inner().unwrap()
+    }
+
+    /// Of two clients the one that asks for a little is not behind the other's many, and of two that ask for much the one that came
+    /// later is done with half as much before the other.
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn who_has_been_charged_less_goes_first() {
+        let greedy = ("greedy", 200);
+        assert_eq!(ends(&[greedy, ("short", 3)], true).await, ["short", "greedy"]);
+        assert_eq!(ends(&[greedy, ("half", 80)], true).await, ["half", "greedy"]);
+        let many = ends(&[greedy, greedy, greedy, ("fair", 100)], true).await;
+        assert_eq!(many[0], "fair", "{many:?}");
+        // The planted fault: first come, first served.
+        assert_eq!(ends(&[greedy, ("short", 3)], false).await, ["greedy", "short"]);
+    }
+
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn what_is_given_up_ends_also_while_it_waits() {
+        let solver = Solver::new(1, Gauge::default());
+        let endless = |turn: &mut Turn| while turn.goes_on(SHORT_SOLVE_STEPS) {};
+        let start = || {
+            let solver = solver.clone();
+            tokio::spawn(async move { solver.run(payer("ada"), endless).await })
+        };
+        let all: Vec<_> = (0..3).map(|_| start()).collect();
+        while solver.under_way.get() < 3 {
+            tokio::time::sleep(Duration::from_millis(1)).await;
+        }
+        all.iter().for_each(tokio::task::JoinHandle::abort);
+        while solver.under_way.get() > 0 {
+            tokio::time::sleep(Duration::from_millis(1)).await;
+        }
+        let turns = lock(&solver.turns);
+        assert_eq!((turns.all, turns.going_on, turns.waiting.len()), (0, [0, 0], 0));
+    }
+
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn a_solve_that_panics_leaves_its_place() {
+        let solver = Solver::new(1, Gauge::default());
+        let failed = solver.run(payer("ada"), |_| panic!("planted")).await;
+        assert!(matches!(failed, Err::<(), _>(ServerError::Fault)));
+        assert_eq!(solver.run(payer("ada"), |_| 7).await.expect("solved"), 7);
+    }
+}

@@ -1,0 +1,47 @@
+//! `bendylights-studies work`: what do drags cost?
+
+use cli::answer;
+use drag::MOST_STEPS;
+use indicatif::ProgressBar;
+use serde_json::json;
+use studies::StudyError;
+use studies::work::{random, search, stages};
+
+/// The picture that is dragged in, in pixels.
+const SIZE: [u32; 2] = [640, 360];
+
+#[derive(clap::Args)]
+#[command(after_help = "\
+Makes random drags of lights of 2 to 258 control points, of which any number is chosen, with up to 256 pins, in the demo and
+among many triangles in one place; then searches for the most expensive one, at random and by changing one number of the most
+expensive one until then. Steps are counted, the same on every machine; seconds are this machine's.
+
+Prints JSON: `drags`, each with its size, `steps`, `seconds` and how it ended, and `mostExpensive`, as the search found them.
+
+Examples:
+  bendylights-studies work --drags 1000 --tries 0
+  bendylights-studies work --drags 0 --tries 1000")]
+pub struct Args {
+    /// Random drags
+    #[arg(long, default_value_t = 200, value_name = "N")]
+    drags: usize,
+    /// Tries of the search
+    #[arg(long, default_value_t = 200, value_name = "N")]
+    tries: usize,
+    /// Another number, other drags
+    #[arg(long, default_value_t = 1, value_name = "S")]
+    seed: u64,
+    /// Triangles in one place
+    #[arg(long, default_value_t = 64_000, value_name = "N")]
+    triangles: usize,
+}
+
+pub fn run(args: &Args) -> Result<(), StudyError> {
+    let stages = stages(args.triangles, SIZE);
+    let bar = ProgressBar::new((args.drags + args.tries) as u64);
+    let drags = random(&stages, args.drags, (args.seed, MOST_STEPS), || bar.inc(1));
+    let most_expensive = search(&stages, args.tries, (args.seed, MOST_STEPS), || bar.inc(1));
+    bar.finish_and_clear();
+    let report = json!({ "mostSteps": MOST_STEPS, "drags": drags, "mostExpensive": most_expensive });
+    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+}

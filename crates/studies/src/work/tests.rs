@@ -1,0 +1,33 @@
+//! Answers within the bound are those of before there was one, and no drag takes more than its bound.
+
+use document::AssetHash;
+
+use super::{Sizes, answers, random, search, stages};
+
+/// SHA-256 of 600 answers of version 3 of the solver, which had no bound: of lights of at most 8 control points with at most 3 pins.
+const OF_VERSION_3: &str = "731da34ad71c877fc0b41bd3c23d2cc59a464633a351e69e9978ed01710444d1";
+
+/// Steps that the drags that are searched may take, and what one does at once at most: a row of the largest matrix.
+const MOST: u64 = 20_000_000;
+const AT_ONCE: u64 = 4_000_000;
+
+/// Rules: DRAG-2, DRAG-7
+#[test]
+fn the_bound_changes_no_answer_of_small_drags() {
+    let stages = stages(1, [640, 360]);
+    let text = answers(&stages[..1], Sizes::SMALL, 600, 20);
+    assert_eq!(AssetHash::of(text.as_bytes()).hex(), OF_VERSION_3);
+}
+
+/// Rules: DRAG-7
+#[test]
+fn the_most_expensive_drags_stay_within_their_bound() {
+    let stages = stages(4_000, [640, 360]);
+    let found = search(&stages, 160, (3, MOST), || {});
+    let most = found.last().expect("a drag");
+    println!("{most:?}");
+    assert!(most.steps <= MOST + MOST / 8 + AT_ONCE, "{most:?}");
+    // The planted fault: without a bound some take many times as much.
+    let unbounded = random(&stages, 40, (3, 8 * MOST), || {});
+    assert!(unbounded.iter().any(|made| made.steps > 2 * MOST), "nothing to bound");
+}
