@@ -35,6 +35,8 @@ struct Inner {
     given_up: CancellationToken,
     /// Whether a request has come by it.
     asked: AtomicBool,
+    /// Whether it has shown the token.
+    is_known: AtomicBool,
     _permit: OwnedSemaphorePermit,
 }
 
@@ -48,13 +50,20 @@ struct Strangers {
 impl Connection {
     fn of(strangers: &Arc<Strangers>, permit: OwnedSemaphorePermit) -> Self {
         let (number, given_up) = strangers.enter();
-        let (strangers, asked) = (Arc::clone(strangers), AtomicBool::new(false));
-        Self(Arc::new(Inner { number, strangers, given_up, asked, _permit: permit }))
+        let (asked, is_known) = (AtomicBool::new(false), AtomicBool::new(false));
+        let strangers = Arc::clone(strangers);
+        Self(Arc::new(Inner { number, strangers, given_up, asked, is_known, _permit: permit }))
     }
 
     /// Whoever is behind it has shown the token.
     pub fn is_known(&self) {
+        self.0.is_known.store(true, Ordering::Relaxed);
         self.0.strangers.leave(self.0.number);
+    }
+
+    /// Whether it has: what is asked by it counts as asked by somebody who has the token.
+    pub fn has_shown_token(&self) -> bool {
+        self.0.is_known.load(Ordering::Relaxed)
     }
 
     /// Returns when the connection has to make room for others. One that is known never has to.

@@ -25,6 +25,7 @@ mod socket;
 mod state;
 mod storage;
 mod trace;
+mod turns;
 mod views;
 
 pub use access::{PublicUrl, Token};

@@ -6,6 +6,10 @@ use std::time::Duration;
 pub const MAX_CONNECTIONS: usize = 640;
 /// Connections that have not shown the token, by a request or a hello. Where there are more the oldest is closed.
 pub const MAX_STRANGERS: usize = 128;
+/// Requests of such connections that are answered at once, of signs of life and of all else; others wait for their turn.
+pub const MAX_STRANGER_REQUESTS: usize = 16;
+/// Bytes a second of answers to them for each of those turns: 16 MiB a second together load the page a hundred times.
+pub const STRANGER_BYTES_PER_SECOND: u64 = 1 << 20;
 /// Sockets that have said hello.
 pub const MAX_SOCKETS: usize = 256;
 /// HTTP requests that are carried out at once, once all of them has come.
@@ -90,6 +94,9 @@ pub const MAX_TAIL: u64 = 1_000;
 pub const HEADERS_WITHIN: Duration = Duration::from_secs(30);
 /// How long a request's body may rest without a byte.
 pub const BODY_RESTS_AT_MOST: Duration = Duration::from_secs(30);
+/// How long a turn of a connection that has not shown the token lasts at least: with 16 of them there are 640 requests a second,
+/// which take some hundredths of one core.
+pub const STRANGER_TURN: Duration = Duration::from_millis(25);
 /// How long a socket may take to say hello.
 pub const HELLO_WITHIN: Duration = Duration::from_secs(10);
 /// How often a client is asked for a sign of life.

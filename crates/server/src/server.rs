@@ -26,6 +26,7 @@ use crate::scenes::Scenes;
 use crate::state::AppState;
 use crate::storage::Storage;
 use crate::trace::{Trace, TraceThread};
+use crate::turns::Turns;
 use crate::{ServerError, connections, data_folder, first_session, http};
 
 /// How a server is started.
@@ -120,6 +121,8 @@ impl Server {
             requests: Semaphore::new(MAX_REQUESTS),
             stills: Semaphore::new(MAX_STILLS),
             uploads: Semaphore::new(MAX_UPLOADS),
+            short_turns: Turns::default(),
+            page_turns: Turns::default(),
         });
         let router = http::router(Arc::clone(&state));
         let serving = tokio::spawn(connections::serve(listener, router, backend.draining.clone()));

@@ -20,8 +20,12 @@ impl IntoResponse for ServerError {
 
 /// A body of JSON.
 pub fn json(value: &impl Serialize) -> Response {
-    let text = serde_json::to_string(value).expect("plain data with string keys");
-    ([(header::CONTENT_TYPE, "application/json")], text + "\n").into_response()
+    ([(header::CONTENT_TYPE, "application/json")], json_text(value)).into_response()
+}
+
+/// A line of JSON.
+pub fn json_text(value: &impl Serialize) -> String {
+    serde_json::to_string(value).expect("plain data with string keys") + "\n"
 }
 
 /// 201 with a body of JSON.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use axum::Extension;
+use axum::body::HttpBody;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderValue, Method, Uri, header};
 use axum::middleware::Next;
@@ -10,6 +11,7 @@ use axum::response::Response;
 
 use super::read::{excerpt, read_body};
 use crate::ServerError;
+use crate::access::Credential;
 use crate::connections::Connection;
 use crate::limits::{MAX_BODY_BYTES, MAX_REQUESTS};
 use crate::state::AppState;
@@ -52,14 +54,17 @@ pub async fn need_token(
     mut request: Request,
     next: Next,
 ) -> Result<Response, ServerError> {
-    let (scheme, token) = text(request.headers(), header::AUTHORIZATION)
-        .and_then(|value| value.split_once(' '))
-        .unwrap_or_default();
-    let token = Some(token).filter(|_| scheme.eq_ignore_ascii_case("bearer"));
-    let credential = token.and_then(|token| state.token.verify(token.trim_start_matches(' ')));
-    request.extensions_mut().insert(credential.ok_or(ServerError::Unauthorized)?);
+    let credential = credential(&state, request.headers()).ok_or(ServerError::Unauthorized)?;
+    request.extensions_mut().insert(credential);
     connection.is_known();
     Ok(next.run(request).await)
+}
+
+/// What the headers of a request let its sender in as, if they have the token.
+pub fn credential(state: &AppState, headers: &HeaderMap) -> Option<Credential> {
+    let (scheme, token) = text(headers, header::AUTHORIZATION)?.split_once(' ')?;
+    let token = Some(token).filter(|_| scheme.eq_ignore_ascii_case("bearer"))?;
+    state.token.verify(token.trim_start_matches(' '))
 }
 
 /// Lets pass while there is room, once all of the request is here: what is slow to come keeps nobody out.
@@ -73,6 +78,25 @@ pub async fn limit_requests(
     let too_many = |_| ServerError::TooMany { what: "requests", limit: MAX_REQUESTS };
     let _permit = state.requests.try_acquire().map_err(too_many)?;
     Ok(next.run(Request::from_parts(head, body.into())).await)
+}
+
+/// Lets strangers wait for their turn. Signs of life and sockets that open have turns of their own: they stay quick while
+/// others load pages.
+pub async fn pace_strangers(
+    State(state): State<Arc<AppState>>,
+    Extension(connection): Extension<Connection>,
+    request: Request,
+    next: Next,
+) -> Response {
+    if connection.has_shown_token() || credential(&state, request.headers()).is_some() {
+        return next.run(request).await;
+    }
+    let is_short = matches!(request.uri().path(), "/healthz" | "/readyz" | "/socket");
+    let turns = if is_short { &state.short_turns } else { &state.page_turns };
+    let turn = turns.next().await;
+    let answer = next.run(request).await;
+    turn.end(answer.body().size_hint().lower());
+    answer
 }
 
 /// A known address with a method that it does not take. The router adds the header `Allow`.

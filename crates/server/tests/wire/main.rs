@@ -16,3 +16,4 @@ mod scenes;
 mod server;
 mod sessions;
 mod slow;
+mod strangers;
