@@ -80,10 +80,10 @@ pub const RENDER_QUEUE: usize = 256;
 pub const TRACE_QUEUE: usize = 1_024;
 /// Commits that wait for the disk; senders wait past that.
 pub const COMMIT_QUEUE: usize = 64;
-/// Records after which a session gets a new checkpoint: replaying as many takes well under a second.
+/// Records after which a session gets a new checkpoint, once they have as many bytes as the last one: replaying so many takes
+/// well under a second, and checkpoints take no more of the disk's time than records.
 pub const CHECKPOINT_AFTER_RECORDS: u64 = 1_000;
-/// Bytes of records in full after which it gets one too, or four times its last one's where that is more: what is written
-/// for checkpoints stays a fraction of what is written for records.
+/// Bytes of records in full after which it gets one too, or four times its last one's where that is more.
 pub const CHECKPOINT_AFTER_BYTES: u64 = 4 << 20;
 /// Connections to the store that are kept for reading.
 pub const MAX_READERS: usize = 8;

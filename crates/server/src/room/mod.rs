@@ -4,6 +4,7 @@
 //! only then publishes them (`commit`). A program's long request is carried out in parts, so that others come in between. Who
 //! drags a feature waits for the solver, and nobody else (`lines`). In between it keeps the views' pictures going (`crate::views`).
 
+mod checkpoint;
 mod clients;
 mod commit;
 mod directory;
@@ -133,7 +134,7 @@ impl Room {
     ) -> Result<Self, ServerError> {
         let session_name = Arc::clone(name);
         let opened = backend.storage.read(move |store| store.open_session(&session_name));
-        let Opened { row, session, tail, checkpoint_failed } = opened.await?;
+        let Opened { row, session, tail, checkpoint_bytes, checkpoint_failed } = opened.await?;
         if checkpoint_failed {
             tracing::warn!(
                 "session {name} has a checkpoint that its log does not prove; all of the log was replayed"
@@ -153,7 +154,7 @@ impl Room {
             scene,
             session,
             tail,
-            checkpoint_bytes: 0,
+            checkpoint_bytes,
             clients: BTreeMap::new(),
             probes: Probes::default(),
             solving: JoinSet::new(),
