@@ -26,6 +26,7 @@ const WITH_TOKEN: &[Code] = &[
     Code::Stalled,
     Code::TooLarge,
     Code::TooMany,
+    Code::Busy,
     Code::Draining,
     Code::Fault,
 ];
@@ -366,10 +367,15 @@ fn refused(codes: &[Code], problem: &Value) -> Value {
     let named: Vec<String> = codes.iter().map(|code| format!("`{code}`")).collect();
     let mut schema = problem.clone();
     schema["properties"] = json!({"error": {"properties": {"code": {"enum": codes}}}});
-    json!({
+    let mut refused = json!({
         "description": format!("Refused with {}.", named.join(" or ")),
         "content": json_content(&schema),
-    })
+    });
+    if codes.iter().any(|code| code.http_status() == 503) {
+        let seconds = json!({"description": "Seconds to wait.", "schema": {"type": "integer"}});
+        refused["headers"] = json!({"Retry-After": seconds});
+    }
+    refused
 }
 
 fn log_parameters() -> Vec<Value> {

@@ -10,6 +10,7 @@ mod data_folder;
 mod error;
 mod first_session;
 mod http;
+mod in_flight;
 mod limits;
 mod metrics;
 mod outbox;

@@ -37,6 +37,19 @@ pub const MAX_RENDER_BYTES: u64 = 4 << 30;
 /// Decoded scenes kept besides those in use.
 pub const MAX_SCENES_KEPT: usize = 4;
 
+/// Bytes of requests and answers in memory over all clients: bodies with what is made of them, and answers and messages of more
+/// than `SMALL_BYTES` until they are taken. The largest picture, 4096 x 4096 in EXR, has 256 MiB.
+pub const MAX_BYTES_IN_FLIGHT: usize = 320 << 20;
+/// Bytes up to which bodies and answers are not on that account: 640 connections with one each have 40 MiB, and nobody is refused
+/// a small one for others' large ones.
+pub const SMALL_BYTES: usize = 64 << 10;
+/// A body counts for so many times its bytes: what its JSON becomes takes a few times as much.
+pub const BODY_COST: usize = 4;
+/// Bytes of a page of a log that is sent as it is read, but for a single record that has more.
+pub const LOG_PAGE_BYTES: usize = 128 << 10;
+/// Bytes of a request's head, and of an answer that one connection takes from its pages at a time.
+pub const MAX_HEAD_BYTES: usize = 64 << 10;
+
 /// Bytes of a control message. A light with the most control points takes less than a tenth.
 pub const MAX_MESSAGE_BYTES: usize = 1 << 20;
 /// Bytes of a request's JSON.
@@ -97,6 +110,10 @@ pub const BODY_RESTS_AT_MOST: Duration = Duration::from_secs(30);
 /// How long a turn of a connection that has not shown the token lasts at least: with 16 of them there are 640 requests a second,
 /// which take some hundredths of one core.
 pub const STRANGER_TURN: Duration = Duration::from_millis(25);
+/// How long a body of more than `SMALL_BYTES` may take to come: 8 MiB by 70 KB a second.
+pub const LARGE_BODY_WITHIN: Duration = Duration::from_mins(2);
+/// Bytes a second by which a large answer has to be taken, after `SEND_WITHIN`; one that is taken slower is cut off.
+pub const TAKEN_BYTES_PER_SECOND: u64 = 64 << 10;
 /// How long a socket may take to say hello.
 pub const HELLO_WITHIN: Duration = Duration::from_secs(10);
 /// How often a client is asked for a sign of life.

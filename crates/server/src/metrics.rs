@@ -10,6 +10,8 @@ use protocol::ErrorCode;
 use render::{MemoryBudget, MemoryKind};
 use stream::Codec;
 
+use crate::in_flight::InFlight;
+
 /// Every count, with the registry that knows their names.
 #[derive(Debug)]
 pub struct Metrics {
@@ -45,6 +47,9 @@ pub struct Metrics {
     /// Bytes that the renderer keeps, by kind; read from its budget when they are asked for.
     render_bytes: Family<MemoryLabel, Gauge>,
     render_memory: MemoryBudget,
+    /// Bytes of bodies, answers and messages; read from their account when they are asked for.
+    bytes_in_flight: Gauge,
+    in_flight: InFlight,
 }
 
 /// By encoding.
@@ -77,7 +82,7 @@ impl From<Codec> for CodecLabel {
 
 impl Metrics {
     /// All at zero.
-    pub fn new(render_memory: MemoryBudget) -> Self {
+    pub fn new(render_memory: MemoryBudget, in_flight: InFlight) -> Self {
         // From a millisecond to 8 seconds, each bound twice the one before.
         let seconds = || Histogram::new(exponential_buckets(0.001, 2.0, 14));
         let mut metrics = Self {
@@ -98,6 +103,8 @@ impl Metrics {
             least_still_turns: Gauge::default(),
             render_bytes: Family::default(),
             render_memory,
+            bytes_in_flight: Gauge::default(),
+            in_flight,
         };
         metrics.register();
         metrics
@@ -136,6 +143,8 @@ impl Metrics {
             "How often the picture for HTTP was worked on that was so least often, of those under way";
         registry.register("least_still_turns", least, self.least_still_turns.clone());
         registry.register("render_bytes", "Bytes that the renderer keeps", self.render_bytes.clone());
+        let in_flight = "Bytes of requests, answers and messages in memory";
+        registry.register("bytes_in_flight", in_flight, self.bytes_in_flight.clone());
         let budget: Gauge = Gauge::default();
         budget.set(bytes(self.render_memory.budget()));
         registry.register("render_bytes_budget", "Bytes that the renderer keeps at most", budget);
@@ -153,6 +162,7 @@ impl Metrics {
             let label = MemoryLabel { kind: kind.name() };
             self.render_bytes.get_or_create(&label).set(bytes(self.render_memory.bytes(kind)));
         }
+        self.bytes_in_flight.set(bytes(self.in_flight.bytes() as u64));
         let mut out = String::new();
         text::encode(&mut out, &self.registry).expect("writing to a string does not fail");
         out

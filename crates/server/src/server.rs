@@ -15,6 +15,7 @@ use tokio_util::task::TaskTracker;
 
 use crate::access::{Hosts, PublicUrl, Token};
 use crate::backend::Backend;
+use crate::in_flight::InFlight;
 use crate::limits::{
     DRAIN_WITHIN, MAX_PROBES, MAX_RENDER_BYTES, MAX_REQUESTS, MAX_SOCKETS, MAX_SOLVES, MAX_STILLS,
     MAX_UPLOADS,
@@ -51,6 +52,7 @@ pub struct Server {
     store: Store,
     renders: Renders,
     render_thread: RenderThread,
+    in_flight: InFlight,
     metrics: Arc<Metrics>,
     trace: Trace,
     trace_thread: Option<TraceThread>,
@@ -67,13 +69,15 @@ impl Server {
         let (trace, trace_thread) = config.trace.as_deref().map(Trace::start).transpose()?.unzip();
         let trace = trace.unwrap_or_default();
         let Data { store, token, lock } = Data::open(config)?;
-        let metrics = Arc::new(Metrics::new(MemoryBudget::new(MAX_RENDER_BYTES)));
+        let in_flight = InFlight::default();
+        let metrics = Arc::new(Metrics::new(MemoryBudget::new(MAX_RENDER_BYTES), in_flight.clone()));
         let (renders, render_thread) = Renders::start(Arc::clone(&metrics), config.backend)?;
         let (data, public_urls) = (config.data.clone(), config.public_urls.clone());
         Ok(Self {
             store,
             renders,
             render_thread,
+            in_flight,
             metrics,
             trace,
             trace_thread,
@@ -96,7 +100,7 @@ impl Server {
         shutdown: impl Future<Output = ()> + Send + 'static,
     ) -> Result<(), ServerError> {
         // Whether all ends well or is cut off, the render thread has ended when this returns, and what it drew is in the trace.
-        let Self { store, renders, metrics, trace, token, data, public_urls, _lock, .. } = self;
+        let Self { store, renders, in_flight, metrics, trace, token, data, public_urls, _lock, .. } = self;
         let (_trace_thread, _render_thread) = (self.trace_thread, self.render_thread);
         let address = listener.local_addr().map_err(ServerError::Listen)?;
         let storage = Storage::start(&data, store, Arc::clone(&metrics));
@@ -106,6 +110,7 @@ impl Server {
             renders,
             probes: Arc::new(Semaphore::new(MAX_PROBES)),
             solves: Arc::new(Semaphore::new(MAX_SOLVES)),
+            in_flight,
             metrics,
             trace,
             draining: CancellationToken::new(),

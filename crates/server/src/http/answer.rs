@@ -6,6 +6,7 @@ use protocol::ErrorBody;
 use serde::Serialize;
 
 use crate::ServerError;
+use crate::limits::RETRY_AFTER;
 
 /// What a handler answers.
 pub type Answer = Result<Response, ServerError>;
@@ -14,7 +15,11 @@ impl IntoResponse for ServerError {
     fn into_response(self) -> Response {
         let problem = self.problem();
         let status = StatusCode::from_u16(problem.code.http_status()).unwrap_or(StatusCode::BAD_REQUEST);
-        (status, json(&ErrorBody { error: problem })).into_response()
+        let mut answer = (status, json(&ErrorBody { error: problem })).into_response();
+        if status == StatusCode::SERVICE_UNAVAILABLE {
+            answer.headers_mut().insert(header::RETRY_AFTER, RETRY_AFTER.as_secs().into());
+        }
+        answer
     }
 }
 

@@ -19,15 +19,13 @@ use super::answer::{Answer, created, json};
 use super::read::{SessionName, read_json, read_query};
 use crate::ServerError;
 use crate::access::{Credential, Principal, random_digits};
-use crate::limits::{MAX_EDITS, MAX_LOG_RECORDS, MAX_NODES_LISTED};
+use crate::in_flight::InFlight;
+use crate::limits::{LOG_PAGE_BYTES, MAX_EDITS, MAX_LOG_RECORDS, MAX_NODES_LISTED};
 use crate::request::{Step, actor, edit_request, step};
 use crate::room::{Message, Snapshot, time_ms};
 use crate::scenes::{Decoded, Scenes};
 use crate::state::AppState;
 use crate::storage::Storage;
-
-/// Records that are read from the store at a time.
-const PAGE: usize = 256;
 
 /// `GET /sessions`.
 pub async fn list(State(state): State<Arc<AppState>>) -> Answer {
@@ -163,8 +161,9 @@ pub async fn log(State(state): State<Arc<AppState>>, SessionName(name): SessionN
     let storage = state.backend.storage.clone();
     let session = name.clone();
     storage.read(move |store| store.session(&session)).await?;
+    let in_flight = state.backend.in_flight.clone();
     let pages = try_unfold((from.unwrap_or(1).max(1), limit), move |(from, left)| {
-        page(storage.clone(), name.clone(), from, left)
+        page(storage.clone(), in_flight.clone(), name.clone(), (from, left))
     });
     let kind = [(header::CONTENT_TYPE, "application/jsonl")];
     Ok(Response::new(Body::from_stream(pages))).map(|body| (kind, body).into_response())
@@ -173,16 +172,17 @@ pub async fn log(State(state): State<Arc<AppState>>, SessionName(name): SessionN
 /// The lines of some records from `from` on, and where the next page begins; `None` past the last.
 async fn page(
     storage: Storage,
-    name: String,
-    from: u64,
-    left: usize,
+    in_flight: InFlight,
+    session: String,
+    (from, left): (u64, usize),
 ) -> Result<Option<(Bytes, (u64, usize))>, ServerError> {
-    let records = storage.read(move |store| store.records(&name, from, left.min(PAGE))).await?;
+    let page = move |store: &Store| store.page(&session, from, left, LOG_PAGE_BYTES);
+    let records = storage.read(page).await?;
     let Some(last) = records.last() else { return Ok(None) };
     let next = (last.seq + 1, left - records.len());
     let line = |record: &protocol::Record| {
         serde_json::to_string(record).expect("plain data with string keys") + "\n"
     };
     let lines: String = records.iter().map(line).collect();
-    Ok(Some((lines.into(), next)))
+    Ok(Some((in_flight.count(lines.len()).of(lines), next)))
 }
