@@ -20,9 +20,8 @@ use tokio_io_timeout::TimeoutWriter;
 use tokio_util::sync::{CancellationToken, DropGuard};
 use tokio_util::task::TaskTracker;
 
-use crate::limits::{
-    HEADERS_WITHIN, MAX_CONNECTIONS, MAX_HEAD_BYTES, MAX_STRANGERS, SEND_WITHIN, TAKEN_BYTES_PER_SECOND,
-};
+use crate::in_flight::taken_within;
+use crate::limits::{HEADERS_WITHIN, MAX_CONNECTIONS, MAX_HEAD_BYTES, MAX_STRANGERS, SEND_WITHIN};
 
 /// How long to wait after the system has refused a connection, as it does where too many files are open.
 const AFTER_REFUSAL: Duration = Duration::from_millis(100);
@@ -73,10 +72,10 @@ impl Connection {
     pub fn takes_in_time(&self, bytes: Bytes) -> Bytes {
         let taken = CancellationToken::new();
         let untaken = taken.clone().drop_guard();
-        let within = Duration::from_secs_f64(bytes.len() as f64 / TAKEN_BYTES_PER_SECOND as f64);
+        let within = taken_within(bytes.len());
         let given_up = self.0.given_up.clone();
         tokio::spawn(async move {
-            if timeout(SEND_WITHIN + within, taken.cancelled()).await.is_err() {
+            if timeout(within, taken.cancelled()).await.is_err() {
                 given_up.cancel();
             }
         });

@@ -3,11 +3,12 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
 
 use axum::body::Bytes;
 
 use crate::ServerError;
-use crate::limits::MAX_BYTES_IN_FLIGHT;
+use crate::limits::{MAX_BYTES_IN_FLIGHT, SEND_WITHIN, TAKEN_BYTES_PER_SECOND};
 
 /// The account. Clones are of the same one.
 #[derive(Clone, Debug, Default)]
@@ -38,10 +39,25 @@ impl InFlight {
         Reservation { account: self.clone(), bytes }
     }
 
+    /// Refuses where it is full.
+    pub fn check(&self) -> Result<(), ServerError> {
+        if self.is_full() { Err(ServerError::Busy) } else { Ok(()) }
+    }
+
+    /// Whether nothing more fits.
+    pub fn is_full(&self) -> bool {
+        self.bytes() >= MAX_BYTES_IN_FLIGHT
+    }
+
     /// What is on it now.
     pub fn bytes(&self) -> usize {
         self.0.load(Ordering::Relaxed)
     }
+}
+
+/// How long bytes may take to be taken.
+pub fn taken_within(bytes: usize) -> Duration {
+    SEND_WITHIN + Duration::from_secs_f64(bytes as f64 / TAKEN_BYTES_PER_SECOND as f64)
 }
 
 impl Reservation {

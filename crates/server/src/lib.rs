@@ -7,6 +7,7 @@ mod access;
 mod backend;
 mod connections;
 mod data_folder;
+mod document_text;
 mod error;
 mod first_session;
 mod http;

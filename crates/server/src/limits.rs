@@ -85,6 +85,12 @@ pub const MAX_TICK_CHANGES: usize = 2_048;
 pub const CONTROL_QUEUE: usize = 1_024;
 /// Bytes of control messages that wait for one client, as above; a single message may have more.
 pub const CONTROL_BYTES: usize = 8 << 20;
+/// Bytes of them past which nothing more is read from the client: what waits for it may be its own answers, which nobody shares.
+pub const ANSWER_BYTES: usize = 1 << 20;
+/// Bytes of a message that are given to its socket at a time: what a socket that takes nothing holds for itself.
+pub const FRAGMENT_BYTES: usize = 64 << 10;
+/// Bytes that a socket reads at a time.
+pub const SOCKET_READ_BYTES: usize = 16 << 10;
 /// Pictures, or tiles of a lossless one, that wait for one client: its window. With more its socket has stalled, and it is sent none.
 pub const FRAME_QUEUE: usize = stream::WINDOW;
 /// Pictures that wait for the renderer; senders wait past that.
@@ -102,6 +108,8 @@ pub const CHECKPOINT_AFTER_BYTES: u64 = 4 << 20;
 pub const MAX_READERS: usize = 8;
 /// Records that a returning client is sent at most; one that missed more is sent the document.
 pub const MAX_TAIL: u64 = 1_000;
+/// Bytes of those records, but for a single one. The document's text is shared, theirs is not.
+pub const MAX_TAIL_BYTES: usize = 1 << 20;
 
 /// How long a request's head may take to come, and a connection to ask for something.
 pub const HEADERS_WITHIN: Duration = Duration::from_secs(30);
@@ -112,8 +120,9 @@ pub const BODY_RESTS_AT_MOST: Duration = Duration::from_secs(30);
 pub const STRANGER_TURN: Duration = Duration::from_millis(25);
 /// How long a body of more than `SMALL_BYTES` may take to come: 8 MiB by 70 KB a second.
 pub const LARGE_BODY_WITHIN: Duration = Duration::from_mins(2);
-/// Bytes a second by which a large answer has to be taken, after `SEND_WITHIN`; one that is taken slower is cut off.
-pub const TAKEN_BYTES_PER_SECOND: u64 = 64 << 10;
+/// Bytes a second by which a message or a large answer has to be taken, after `SEND_WITHIN`; the connection of one that is taken
+/// slower ends. A document of 16 MiB may take 18 minutes.
+pub const TAKEN_BYTES_PER_SECOND: u64 = 16 << 10;
 /// How long a socket may take to say hello.
 pub const HELLO_WITHIN: Duration = Duration::from_secs(10);
 /// How often a client is asked for a sign of life.

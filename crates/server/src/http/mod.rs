@@ -11,12 +11,11 @@ mod probe;
 mod read;
 mod render;
 mod sessions;
+mod upgrade;
 
 use std::sync::{Arc, LazyLock};
 
-use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::ws::rejection::WebSocketUpgradeRejection;
-use axum::extract::{DefaultBodyLimit, State};
+use axum::extract::{DefaultBodyLimit, Request, State};
 use axum::http::{HeaderMap, header};
 use axum::middleware;
 use axum::response::{IntoResponse, Response};
@@ -25,7 +24,6 @@ use axum::{Extension, Router};
 
 use crate::ServerError;
 use crate::connections::Connection;
-use crate::limits::MAX_MESSAGE_BYTES;
 use crate::renderer::Readiness;
 use crate::socket;
 use crate::state::AppState;
@@ -72,18 +70,20 @@ pub fn router(state: Arc<AppState>) -> Router {
 async fn open_socket(
     State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Connection>,
-    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+    mut request: Request,
 ) -> Answer {
-    let upgrade = upgrade.map_err(|why| {
-        ServerError::BadMessage(format!("{}: connect with a WebSocket client", why.body_text()))
-    })?;
+    let (upgrade, answer) = upgrade::upgrade(&mut request)?;
     if state.backend.draining.is_cancelled() {
         return Err(ServerError::Draining);
     }
     let sockets = state.backend.sockets.clone();
-    // A message a little over the limit is answered with a sentence; one far over it ends the connection.
-    let upgrade = upgrade.max_message_size(4 * MAX_MESSAGE_BYTES).max_frame_size(4 * MAX_MESSAGE_BYTES);
-    Ok(upgrade.on_upgrade(move |socket| sockets.track_future(socket::serve(socket, state, connection))))
+    tokio::spawn(sockets.track_future(async move {
+        match upgrade.await {
+            Ok(upgraded) => socket::serve(upgrade::open(upgraded).await, state, connection).await,
+            Err(error) => tracing::debug!("a connection broke: {error}"),
+        }
+    }));
+    Ok(answer)
 }
 
 /// `GET /readyz`.

@@ -8,6 +8,7 @@ use tokio::sync::{mpsc, oneshot, watch};
 
 use crate::ServerError;
 use crate::access::Principal;
+use crate::document_text::DocumentText;
 use crate::outbox::Outbox;
 use crate::outboxes::ClientId;
 use crate::renderer::Lease;
@@ -107,6 +108,8 @@ pub struct Snapshot {
     pub seq: u64,
     /// The document after it.
     pub document: Document,
+    /// Its JSON, shared with all who want it.
+    pub text: Arc<DocumentText>,
     /// Its scene.
     pub scene: Decoded,
     /// Keeps what the renderer has of it.

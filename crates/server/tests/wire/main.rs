@@ -18,3 +18,4 @@ mod server;
 mod sessions;
 mod slow;
 mod strangers;
+mod unread;
