@@ -114,6 +114,8 @@ codes! {
     DamagedAsset = "damagedAsset", 500;
     /// A fault of the server's own.
     Fault = "fault", 500;
+    /// The server holds as many bytes of requests and answers as it may.
+    Busy = "busy", 503;
     /// The renderer is not ready yet.
     WarmingUp = "warmingUp", 503;
     /// The renderer could not be made ready.
@@ -148,6 +150,7 @@ impl ErrorCode {
             Self::TooMany,
             Self::TooLarge,
             Self::KeepsChanging,
+            Self::Busy,
             Self::Draining,
         ];
         of_the_moment.contains(&self)

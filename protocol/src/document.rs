@@ -32,6 +32,19 @@ pub struct Document {
     pub pins: Vec<DocumentPin>,
 }
 
+/// The JSON of a value that holds an empty document: what stands before that document's own and what behind. So the text of a
+/// large document, which is made once, stands in what is sent to many.
+pub fn json_around_document(value: &impl Serialize) -> (String, String) {
+    let text = |value: &dyn Fn() -> serde_json::Result<String>| value().expect("plain data with string keys");
+    let mut before = text(&|| serde_json::to_string(value));
+    // Within a string every quotation mark has a backslash before it, so this is found where it is meant.
+    let empty = text(&|| serde_json::to_string(&Document::default()));
+    let at = before.find(&format!("\":{empty}")).expect("a field that is an empty document") + 2;
+    let after = before[at + empty.len()..].to_owned();
+    before.truncate(at);
+    (before, after)
+}
+
 /// [`document::SceneRef`] in JSON.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]

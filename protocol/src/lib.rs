@@ -39,6 +39,7 @@ pub use code::{ErrorCode, Problem};
 pub use command::{CameraParameter, Command};
 pub use document::{
     Bounds, Camera, Document, DocumentCamera, DocumentLight, Projection, Quat, SceneRef, Vec3,
+    json_around_document,
 };
 pub use error::{FileError, Refused};
 pub use evaluation::{Evaluation, TubePoint, Visibility};

@@ -26,6 +26,7 @@ const WITH_TOKEN: &[Code] = &[
     Code::Stalled,
     Code::TooLarge,
     Code::TooMany,
+    Code::Busy,
     Code::Draining,
     Code::Fault,
 ];
@@ -72,6 +73,8 @@ struct Operation {
     answer: Value,
     /// Headers of the answer by their names, where it has any of its own.
     headers: Value,
+    /// The answer has a tag, and is left out where the request says that it has that one.
+    has_tag: bool,
     /// Why it can be refused.
     codes: &'static [&'static [Code]],
 }
@@ -254,6 +257,7 @@ fn of_service(g: &mut SchemaGenerator) -> Vec<Operation> {
             id: "getParameters",
             summary: "All that can be set on lights, control points and cameras: a row each.",
             answer: json_content(&name::<ParameterTable>(g)),
+            has_tag: true,
             codes: &[ANYBODY, WITH_TOKEN],
             ..open.clone()
         },
@@ -285,6 +289,7 @@ fn of_service(g: &mut SchemaGenerator) -> Vec<Operation> {
             id: "getOpenapi",
             summary: "This document.",
             answer: json_content(&json!({})),
+            has_tag: true,
             ..open
         },
     ]
@@ -304,6 +309,7 @@ impl Default for Operation {
             status: 200,
             answer: Value::Null,
             headers: Value::Null,
+            has_tag: false,
             codes: &[],
         }
     }
@@ -326,6 +332,12 @@ impl Operation {
         let mut done = json!({"description": "Done.", "content": self.answer});
         if !self.headers.is_null() {
             done["headers"] = self.headers;
+        }
+        if self.has_tag {
+            let tag = json!({"ETag": {"description": "For `If-None-Match`.", "schema": {"type": "string"}}});
+            done["headers"] = tag.clone();
+            let same = json!({"description": "The client has it, as `If-None-Match` says.", "headers": tag});
+            responses.insert("304".into(), same);
         }
         responses.insert(self.status.to_string(), done);
         for (status, codes) in by_status {
@@ -355,10 +367,15 @@ fn refused(codes: &[Code], problem: &Value) -> Value {
     let named: Vec<String> = codes.iter().map(|code| format!("`{code}`")).collect();
     let mut schema = problem.clone();
     schema["properties"] = json!({"error": {"properties": {"code": {"enum": codes}}}});
-    json!({
+    let mut refused = json!({
         "description": format!("Refused with {}.", named.join(" or ")),
         "content": json_content(&schema),
-    })
+    });
+    if codes.iter().any(|code| code.http_status() == 503) {
+        let seconds = json!({"description": "Seconds to wait.", "schema": {"type": "integer"}});
+        refused["headers"] = json!({"Retry-After": seconds});
+    }
+    refused
 }
 
 fn log_parameters() -> Vec<Value> {

@@ -220,3 +220,23 @@ fn the_reason_says_what_is_wrong() {
         ClientMessage::parse(text).expect_err(text);
     }
 }
+
+#[test]
+fn what_holds_a_document_is_cut_where_that_stands() {
+    let document = || protocol::Document { scene: None, ..protocol::Document::default() };
+    let empty = serde_json::to_string(&document()).unwrap();
+    let state = |document| protocol::SessionState {
+        name: format!("\"document\":{empty}"),
+        epoch: format!("\":{empty}"),
+        seq: 1,
+        hash: String::new(),
+        document,
+        notes: vec![format!("x\":{empty}")],
+    };
+    let (before, after) = protocol::json_around_document(&state(document()));
+    assert!(before.ends_with("\"document\":") && after.starts_with(",\"notes\":"), "{before} | {after}");
+    let scene = protocol::SceneRef { asset: "sha256:0".into(), name: "a \"scene\"".into() };
+    let full = protocol::Document { scene: Some(scene), ..document() };
+    let whole = before + &serde_json::to_string(&full).unwrap() + &after;
+    assert_eq!(whole, serde_json::to_string(&state(full)).unwrap());
+}

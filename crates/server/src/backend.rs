@@ -7,6 +7,7 @@ use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
+use crate::in_flight::InFlight;
 use crate::metrics::Metrics;
 use crate::renderer::Renders;
 use crate::scenes::Scenes;
@@ -30,6 +31,8 @@ pub struct Backend {
     pub probes: Arc<Semaphore>,
     /// Threads that solve drags.
     pub solver: Solver,
+    /// Bytes of bodies, answers and messages.
+    pub in_flight: InFlight,
     /// What is counted.
     pub metrics: Arc<Metrics>,
     /// What is told of each picture.

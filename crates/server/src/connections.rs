@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use axum::Router;
+use axum::body::Bytes;
 use axum::extract::Request;
 use hyper::body::Incoming;
 use hyper::server::conn::http1;
@@ -14,12 +15,13 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
-use tokio::time::sleep;
+use tokio::time::{sleep, timeout};
 use tokio_io_timeout::TimeoutWriter;
-use tokio_util::sync::CancellationToken;
+use tokio_util::sync::{CancellationToken, DropGuard};
 use tokio_util::task::TaskTracker;
 
-use crate::limits::{HEADERS_WITHIN, MAX_CONNECTIONS, MAX_STRANGERS, SEND_WITHIN};
+use crate::in_flight::taken_within;
+use crate::limits::{HEADERS_WITHIN, MAX_CONNECTIONS, MAX_HEAD_BYTES, MAX_STRANGERS, SEND_WITHIN};
 
 /// How long to wait after the system has refused a connection, as it does where too many files are open.
 const AFTER_REFUSAL: Duration = Duration::from_millis(100);
@@ -35,6 +37,8 @@ struct Inner {
     given_up: CancellationToken,
     /// Whether a request has come by it.
     asked: AtomicBool,
+    /// Whether it has shown the token.
+    is_known: AtomicBool,
     _permit: OwnedSemaphorePermit,
 }
 
@@ -48,18 +52,52 @@ struct Strangers {
 impl Connection {
     fn of(strangers: &Arc<Strangers>, permit: OwnedSemaphorePermit) -> Self {
         let (number, given_up) = strangers.enter();
-        let (strangers, asked) = (Arc::clone(strangers), AtomicBool::new(false));
-        Self(Arc::new(Inner { number, strangers, given_up, asked, _permit: permit }))
+        let (asked, is_known) = (AtomicBool::new(false), AtomicBool::new(false));
+        let strangers = Arc::clone(strangers);
+        Self(Arc::new(Inner { number, strangers, given_up, asked, is_known, _permit: permit }))
     }
 
     /// Whoever is behind it has shown the token.
     pub fn is_known(&self) {
+        self.0.is_known.store(true, Ordering::Relaxed);
         self.0.strangers.leave(self.0.number);
     }
 
-    /// Returns when the connection has to make room for others. One that is known never has to.
+    /// Whether it has: what is asked by it counts as asked by somebody who has the token.
+    pub fn has_shown_token(&self) -> bool {
+        self.0.is_known.load(Ordering::Relaxed)
+    }
+
+    /// The same bytes for an answer to it: where they are not taken as fast as they have to be, it is cut off.
+    pub fn takes_in_time(&self, bytes: Bytes) -> Bytes {
+        let taken = CancellationToken::new();
+        let untaken = taken.clone().drop_guard();
+        let within = taken_within(bytes.len());
+        let given_up = self.0.given_up.clone();
+        tokio::spawn(async move {
+            if timeout(within, taken.cancelled()).await.is_err() {
+                given_up.cancel();
+            }
+        });
+        Bytes::from_owner(Untaken { bytes, _untaken: untaken })
+    }
+
+    /// Returns when the connection has to end: to make room for others, which one that is known never has to, or because it takes an
+    /// answer too slowly.
     pub async fn given_up(&self) {
         self.0.given_up.cancelled().await;
+    }
+}
+
+/// Bytes of which not all are taken.
+struct Untaken {
+    bytes: Bytes,
+    _untaken: DropGuard,
+}
+
+impl AsRef<[u8]> for Untaken {
+    fn as_ref(&self) -> &[u8] {
+        &self.bytes
     }
 }
 
@@ -137,7 +175,8 @@ async fn answer(stream: TcpStream, connection: Connection, router: Router, drain
         service.call(request)
     });
     let mut served = http1::Builder::new();
-    let served = served.timer(TokioTimer::new()).header_read_timeout(HEADERS_WITHIN);
+    let served =
+        served.timer(TokioTimer::new()).header_read_timeout(HEADERS_WITHIN).max_buf_size(MAX_HEAD_BYTES);
     let served = served.serve_connection(TokioIo::new(Box::pin(stream)), service).with_upgrades();
     let mut served = std::pin::pin!(served);
     let ended = tokio::select! {

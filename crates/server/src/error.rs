@@ -11,7 +11,7 @@ use render::RenderError;
 use store::StoreError;
 use thiserror::Error;
 
-use crate::limits::{BODY_RESTS_AT_MOST, HELLO_WITHIN, MAX_MOVING_PIXELS};
+use crate::limits::{BODY_RESTS_AT_MOST, HELLO_WITHIN, LARGE_BODY_WITHIN, MAX_MOVING_PIXELS, SMALL_BYTES};
 
 /// Why the server does not start, or why a request is refused.
 #[derive(Debug, Error)]
@@ -147,6 +147,12 @@ pub enum ServerError {
     /// A body that does not come.
     #[error("nothing of the request came for {} s: send it again", BODY_RESTS_AT_MOST.as_secs())]
     Stalled,
+    /// A large body that comes too slowly.
+    #[error("a request of more than {SMALL_BYTES} bytes has to come within {} s: send it in parts", LARGE_BODY_WITHIN.as_secs())]
+    TooSlow,
+    /// As many bytes in flight as there may be.
+    #[error("the server holds as many bytes of requests and answers as it may: try again in a moment")]
+    Busy,
     /// A body that ends before its end.
     #[error("the request was cut off: send it again")]
     CutOff,
@@ -206,7 +212,8 @@ impl ServerError {
             Self::TooLarge { .. } => ErrorCode::TooLarge,
             Self::TooMany { .. } | Self::ViewsMoveTooMuch => ErrorCode::TooMany,
             Self::KeepsChanging(_) => ErrorCode::KeepsChanging,
-            Self::Stalled => ErrorCode::Stalled,
+            Self::Stalled | Self::TooSlow => ErrorCode::Stalled,
+            Self::Busy => ErrorCode::Busy,
             Self::WarmingUp => ErrorCode::WarmingUp,
             Self::NotReady(_) => ErrorCode::NotReady,
             Self::Draining => ErrorCode::Draining,

@@ -6,6 +6,10 @@ use std::time::Duration;
 pub const MAX_CONNECTIONS: usize = 640;
 /// Connections that have not shown the token, by a request or a hello. Where there are more the oldest is closed.
 pub const MAX_STRANGERS: usize = 128;
+/// Requests of such connections that are answered at once, of signs of life and of all else; others wait for their turn.
+pub const MAX_STRANGER_REQUESTS: usize = 16;
+/// Bytes a second of answers to them for each of those turns: 16 MiB a second together load the page a hundred times.
+pub const STRANGER_BYTES_PER_SECOND: u64 = 1 << 20;
 /// Sockets that have said hello.
 pub const MAX_SOCKETS: usize = 256;
 /// HTTP requests that are carried out at once, once all of them has come.
@@ -32,6 +36,19 @@ pub const MAX_CLIENTS: usize = 64;
 pub const MAX_RENDER_BYTES: u64 = 4 << 30;
 /// Decoded scenes kept besides those in use.
 pub const MAX_SCENES_KEPT: usize = 4;
+
+/// Bytes of requests and answers in memory over all clients: bodies with what is made of them, and answers and messages of more
+/// than `SMALL_BYTES` until they are taken. The largest picture, 4096 x 4096 in EXR, has 256 MiB.
+pub const MAX_BYTES_IN_FLIGHT: usize = 320 << 20;
+/// Bytes up to which bodies and answers are not on that account: 640 connections with one each have 40 MiB, and nobody is refused
+/// a small one for others' large ones.
+pub const SMALL_BYTES: usize = 64 << 10;
+/// A body counts for so many times its bytes: what its JSON becomes takes a few times as much.
+pub const BODY_COST: usize = 4;
+/// Bytes of a page of a log that is sent as it is read, but for a single record that has more.
+pub const LOG_PAGE_BYTES: usize = 128 << 10;
+/// Bytes of a request's head, and of an answer that one connection takes from its pages at a time.
+pub const MAX_HEAD_BYTES: usize = 64 << 10;
 
 /// Bytes of a control message. A light with the most control points takes less than a tenth.
 pub const MAX_MESSAGE_BYTES: usize = 1 << 20;
@@ -72,6 +89,12 @@ pub const MAX_TICK_CHANGES: usize = 2_048;
 pub const CONTROL_QUEUE: usize = 1_024;
 /// Bytes of control messages that wait for one client, as above; a single message may have more.
 pub const CONTROL_BYTES: usize = 8 << 20;
+/// Bytes of them past which nothing more is read from the client: what waits for it may be its own answers, which nobody shares.
+pub const ANSWER_BYTES: usize = 1 << 20;
+/// Bytes of a message that are given to its socket at a time: what a socket that takes nothing holds for itself.
+pub const FRAGMENT_BYTES: usize = 64 << 10;
+/// Bytes that a socket reads at a time.
+pub const SOCKET_READ_BYTES: usize = 16 << 10;
 /// Pictures, or tiles of a lossless one, that wait for one client: its window. With more its socket has stalled, and it is sent none.
 pub const FRAME_QUEUE: usize = stream::WINDOW;
 /// Pictures that wait for the renderer; senders wait past that.
@@ -80,20 +103,30 @@ pub const RENDER_QUEUE: usize = 256;
 pub const TRACE_QUEUE: usize = 1_024;
 /// Commits that wait for the disk; senders wait past that.
 pub const COMMIT_QUEUE: usize = 64;
-/// Records after which a session gets a new checkpoint: replaying as many takes well under a second.
+/// Records after which a session gets a new checkpoint, once they have as many bytes as the last one: replaying so many takes
+/// well under a second, and checkpoints take no more of the disk's time than records.
 pub const CHECKPOINT_AFTER_RECORDS: u64 = 1_000;
-/// Bytes of records in full after which it gets one too, or four times its last one's where that is more: what is written
-/// for checkpoints stays a fraction of what is written for records.
+/// Bytes of records in full after which it gets one too, or four times its last one's where that is more.
 pub const CHECKPOINT_AFTER_BYTES: u64 = 4 << 20;
 /// Connections to the store that are kept for reading.
 pub const MAX_READERS: usize = 8;
 /// Records that a returning client is sent at most; one that missed more is sent the document.
 pub const MAX_TAIL: u64 = 1_000;
+/// Bytes of those records, but for a single one. The document's text is shared, theirs is not.
+pub const MAX_TAIL_BYTES: usize = 1 << 20;
 
 /// How long a request's head may take to come, and a connection to ask for something.
 pub const HEADERS_WITHIN: Duration = Duration::from_secs(30);
 /// How long a request's body may rest without a byte.
 pub const BODY_RESTS_AT_MOST: Duration = Duration::from_secs(30);
+/// How long a turn of a connection that has not shown the token lasts at least: with 16 of them there are 640 requests a second,
+/// which take some hundredths of one core.
+pub const STRANGER_TURN: Duration = Duration::from_millis(25);
+/// How long a body of more than `SMALL_BYTES` may take to come: 8 MiB by 70 KB a second.
+pub const LARGE_BODY_WITHIN: Duration = Duration::from_mins(2);
+/// Bytes a second by which a message or a large answer has to be taken, after `SEND_WITHIN`; the connection of one that is taken
+/// slower ends. A document of 16 MiB may take 18 minutes.
+pub const TAKEN_BYTES_PER_SECOND: u64 = 16 << 10;
 /// How long a socket may take to say hello.
 pub const HELLO_WITHIN: Duration = Duration::from_secs(10);
 /// How often a client is asked for a sign of life.

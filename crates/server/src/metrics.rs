@@ -10,6 +10,8 @@ use protocol::ErrorCode;
 use render::{MemoryBudget, MemoryKind};
 use stream::Codec;
 
+use crate::in_flight::InFlight;
+
 /// Every count, with the registry that knows their names.
 #[derive(Debug)]
 pub struct Metrics {
@@ -47,6 +49,9 @@ pub struct Metrics {
     /// Bytes that the renderer keeps, by kind; read from its budget when they are asked for.
     render_bytes: Family<MemoryLabel, Gauge>,
     render_memory: MemoryBudget,
+    /// Bytes of bodies, answers and messages; read from their account when they are asked for.
+    bytes_in_flight: Gauge,
+    in_flight: InFlight,
 }
 
 /// By encoding.
@@ -79,7 +84,7 @@ impl From<Codec> for CodecLabel {
 
 impl Metrics {
     /// All at zero.
-    pub fn new(render_memory: MemoryBudget) -> Self {
+    pub fn new(render_memory: MemoryBudget, in_flight: InFlight) -> Self {
         // From a millisecond to 8 seconds, each bound twice the one before.
         let seconds = || Histogram::new(exponential_buckets(0.001, 2.0, 14));
         let mut metrics = Self {
@@ -101,6 +106,8 @@ impl Metrics {
             solves_under_way: Gauge::default(),
             render_bytes: Family::default(),
             render_memory,
+            bytes_in_flight: Gauge::default(),
+            in_flight,
         };
         metrics.register();
         metrics
@@ -141,6 +148,8 @@ impl Metrics {
         let solves = "Drags of features that are solved or wait for it";
         registry.register("solves_under_way", solves, self.solves_under_way.clone());
         registry.register("render_bytes", "Bytes that the renderer keeps", self.render_bytes.clone());
+        let in_flight = "Bytes of requests, answers and messages in memory";
+        registry.register("bytes_in_flight", in_flight, self.bytes_in_flight.clone());
         let budget: Gauge = Gauge::default();
         budget.set(bytes(self.render_memory.budget()));
         registry.register("render_bytes_budget", "Bytes that the renderer keeps at most", budget);
@@ -158,6 +167,7 @@ impl Metrics {
             let label = MemoryLabel { kind: kind.name() };
             self.render_bytes.get_or_create(&label).set(bytes(self.render_memory.bytes(kind)));
         }
+        self.bytes_in_flight.set(bytes(self.in_flight.bytes() as u64));
         let mut out = String::new();
         text::encode(&mut out, &self.registry).expect("writing to a string does not fail");
         out

@@ -7,28 +7,73 @@
 
 use std::sync::Arc;
 
-use axum::extract::ws::{Message as SocketMessage, Utf8Bytes};
+use axum::body::Bytes;
 use protocol::{Problem, ServerMessage};
 use tokio::sync::{mpsc, watch};
 
 use crate::ServerError;
-use crate::limits::{CONTROL_BYTES, CONTROL_QUEUE, FRAME_QUEUE};
+use crate::in_flight::InFlight;
+use crate::limits::{ANSWER_BYTES, CONTROL_BYTES, CONTROL_QUEUE, FRAME_QUEUE};
+
+/// What goes over a socket as one message.
+#[derive(Debug)]
+pub enum SocketMessage {
+    /// A control message.
+    Text(Text),
+    /// A frame, or a tile of one.
+    Binary(Bytes),
+}
+
+/// A control message as it goes over the wire, in pieces: what is sent to many stands in a piece of its own, which they share.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Text {
+    pieces: Vec<Bytes>,
+    /// Bytes of what is not the text of a document.
+    own_bytes: usize,
+}
+
+impl Text {
+    /// The text of a message, on the account until all have taken it.
+    pub fn of(message: &ServerMessage, in_flight: &InFlight) -> Self {
+        let text = counted(json(message), in_flight);
+        Self { own_bytes: text.len(), pieces: vec![text] }
+    }
+
+    /// The text of a message that holds an empty document, with the text of another in its place.
+    pub fn around(message: &ServerMessage, document: Bytes, in_flight: &InFlight) -> Self {
+        let (before, after) = protocol::json_around_document(message);
+        let own_bytes = before.len() + after.len();
+        Self { pieces: vec![counted(before, in_flight), document, counted(after, in_flight)], own_bytes }
+    }
+
+    /// Its bytes, in order.
+    pub fn into_pieces(self) -> Vec<Bytes> {
+        self.pieces
+    }
+}
+
+impl From<String> for Text {
+    fn from(text: String) -> Self {
+        Self { own_bytes: text.len(), pieces: vec![text.into()] }
+    }
+}
 
 /// The sending end. Dropping it closes the connection once the control queue is empty.
 #[derive(Debug)]
 pub struct Outbox {
-    control: mpsc::UnboundedSender<Utf8Bytes>,
+    control: mpsc::UnboundedSender<Text>,
     frames: mpsc::Sender<Vec<SocketMessage>>,
     backlog: Arc<watch::Sender<Backlog>>,
     /// Answers to a client that is behind: they may refer to what it has not been told yet. `None` where it is not.
-    held: Option<Vec<Utf8Bytes>>,
+    held: Option<Vec<Text>>,
+    in_flight: InFlight,
 }
 
 /// The receiving end, for the task that writes to the socket.
 #[derive(Debug)]
 pub struct OutboxReceiver {
     /// Texts to send, first of all.
-    pub control: mpsc::UnboundedReceiver<Utf8Bytes>,
+    pub control: mpsc::UnboundedReceiver<Text>,
     /// Frames to send where no text waits: a message a tile, and what is told of the frame behind its last.
     pub frames: mpsc::Receiver<Vec<SocketMessage>>,
     backlog: Arc<watch::Sender<Backlog>>,
@@ -41,24 +86,24 @@ pub struct Backlog {
     bytes: usize,
 }
 
-/// An empty outbox and its receiving end.
-pub fn outbox() -> (Outbox, OutboxReceiver) {
+/// An empty outbox and its receiving end. What waits in it is on that account.
+pub fn outbox(in_flight: InFlight) -> (Outbox, OutboxReceiver) {
     let (control, control_end) = mpsc::unbounded_channel();
     let (frames, frames_end) = mpsc::channel(FRAME_QUEUE);
     let backlog = Arc::new(watch::Sender::new(Backlog::default()));
     let end = OutboxReceiver { control: control_end, frames: frames_end, backlog: Arc::clone(&backlog) };
-    (Outbox { control, frames, backlog, held: None }, end)
+    (Outbox { control, frames, backlog, held: None, in_flight }, end)
 }
 
 impl Outbox {
     /// Sends what this client has requested or alone is to know. It always gets there: a client that lets its answers
     /// pile up is not listened to meanwhile.
     pub fn send(&mut self, message: &ServerMessage) {
-        self.send_text(text(message));
+        self.send_text(Text::of(message, &self.in_flight));
     }
 
     /// As [`Self::send`], of a message that is text already.
-    pub fn send_text(&mut self, text: Utf8Bytes) {
+    pub fn send_text(&mut self, text: Text) {
         self.backlog.send_modify(|backlog| backlog.add(&text));
         match &mut self.held {
             Some(held) => held.push(text),
@@ -67,11 +112,12 @@ impl Outbox {
     }
 
     /// Sends what is broadcast, where there is room for it. Where there is none the client is behind.
-    pub fn offer(&mut self, text: Utf8Bytes) {
+    pub fn offer(&mut self, text: Text) {
         if self.held.is_some() {
             return;
         }
-        if self.backlog.borrow().fits(&text) {
+        let backlog = *self.backlog.borrow();
+        if backlog.fits(&text) && (backlog.messages == 0 || !self.in_flight.is_full()) {
             self.send_text(text);
         } else {
             self.held = Some(Vec::new());
@@ -89,7 +135,7 @@ impl Outbox {
     }
 
     /// Sends a client that is behind the session as it is, and then its answers.
-    pub fn catch_up(&mut self, resync: Utf8Bytes) {
+    pub fn catch_up(&mut self, resync: Text) {
         let held = self.held.take().unwrap_or_default();
         self.send_text(resync);
         for text in held {
@@ -122,7 +168,7 @@ impl Outbox {
         self.control.is_closed()
     }
 
-    fn queue(&self, text: Utf8Bytes) {
+    fn queue(&self, text: Text) {
         // A connection that is over takes nothing; the session lets go of its client soon.
         let _ = self.control.send(text);
     }
@@ -130,7 +176,7 @@ impl Outbox {
 
 impl OutboxReceiver {
     /// The client has taken a text.
-    pub fn taken(&self, text: &Utf8Bytes) {
+    pub fn taken(&self, text: &Text) {
         self.backlog.send_modify(|backlog| backlog.remove(text));
     }
 
@@ -143,28 +189,36 @@ impl OutboxReceiver {
 impl Backlog {
     /// Whether the client reads what it is sent.
     pub fn takes_more(&self) -> bool {
-        self.messages < CONTROL_QUEUE && self.bytes < CONTROL_BYTES
+        self.messages < CONTROL_QUEUE && self.bytes < ANSWER_BYTES
     }
 
     /// Whether `text` fits. Where nothing waits, anything does.
-    fn fits(&self, text: &Utf8Bytes) -> bool {
-        self.messages == 0 || self.messages < CONTROL_QUEUE && self.bytes + text.len() <= CONTROL_BYTES
+    fn fits(&self, text: &Text) -> bool {
+        self.messages == 0 || self.messages < CONTROL_QUEUE && self.bytes + text.own_bytes <= CONTROL_BYTES
     }
 
-    fn add(&mut self, text: &Utf8Bytes) {
+    fn add(&mut self, text: &Text) {
         self.messages += 1;
-        self.bytes += text.len();
+        self.bytes += text.own_bytes;
     }
 
-    fn remove(&mut self, text: &Utf8Bytes) {
+    fn remove(&mut self, text: &Text) {
         self.messages -= 1;
-        self.bytes -= text.len();
+        self.bytes -= text.own_bytes;
     }
 }
 
-/// A control message as it goes over the wire.
-pub fn text(message: &ServerMessage) -> Utf8Bytes {
-    serde_json::to_string(message).expect("plain data with string keys").into()
+/// A control message as it goes over the wire, for what is sent with a frame and counts as part of it.
+pub fn text(message: &ServerMessage) -> Text {
+    json(message).into()
+}
+
+fn json(message: &ServerMessage) -> String {
+    serde_json::to_string(message).expect("plain data with string keys")
+}
+
+fn counted(text: String, in_flight: &InFlight) -> Bytes {
+    in_flight.count(text.len()).of(text)
 }
 
 /// The message that says what is wrong.
@@ -177,8 +231,12 @@ pub fn error_message(error: &ServerError, fatal: bool) -> ServerMessage {
 mod tests {
     use super::*;
 
-    fn sent(end: &mut OutboxReceiver) -> Vec<Utf8Bytes> {
-        let texts: Vec<Utf8Bytes> = std::iter::from_fn(|| end.control.try_recv().ok()).collect();
+    fn said(text: &str) -> Text {
+        text.to_owned().into()
+    }
+
+    fn sent(end: &mut OutboxReceiver) -> Vec<Text> {
+        let texts: Vec<Text> = std::iter::from_fn(|| end.control.try_recv().ok()).collect();
         for text in &texts {
             end.taken(text);
         }
@@ -187,26 +245,26 @@ mod tests {
 
     #[test]
     fn who_does_not_read_is_sent_a_bounded_part_and_the_rest_at_once() {
-        let (mut outbox, mut end) = outbox();
+        let (mut outbox, mut end) = outbox(InFlight::default());
         for _ in 0..2 * CONTROL_QUEUE {
-            outbox.offer("news".into());
+            outbox.offer(said("news"));
         }
-        outbox.send_text("answer".into());
+        outbox.send_text(said("answer"));
         assert!(outbox.is_behind() && !outbox.takes_frame() && !outbox.can_catch_up());
         assert!(!end.backlog().borrow().takes_more(), "it is not listened to meanwhile");
         assert_eq!(sent(&mut end).len(), CONTROL_QUEUE, "the answer waits for what it refers to");
         assert!(outbox.can_catch_up());
-        outbox.catch_up("all".into());
-        outbox.offer("more".into());
-        assert_eq!(sent(&mut end), ["all", "answer", "more"]);
+        outbox.catch_up(said("all"));
+        outbox.offer(said("more"));
+        assert_eq!(sent(&mut end), ["all", "answer", "more"].map(said));
         assert!(!outbox.is_behind() && outbox.takes_frame() && end.backlog().borrow().takes_more());
     }
 
     #[test]
     fn large_messages_are_bounded_by_their_bytes_and_one_alone_always_fits() {
-        let (mut outbox, mut end) = outbox();
-        let large: Utf8Bytes = "x".repeat(CONTROL_BYTES / 2 + 1).into();
-        let huge: Utf8Bytes = "x".repeat(2 * CONTROL_BYTES).into();
+        let (mut outbox, mut end) = outbox(InFlight::default());
+        let large: Text = "x".repeat(CONTROL_BYTES / 2 + 1).into();
+        let huge: Text = "x".repeat(2 * CONTROL_BYTES).into();
         outbox.offer(large.clone());
         outbox.offer(large.clone());
         assert!(outbox.is_behind());
@@ -216,5 +274,25 @@ mod tests {
         outbox.offer(huge.clone());
         assert!(!outbox.is_behind());
         assert_eq!(sent(&mut end), [huge]);
+    }
+
+    #[test]
+    fn texts_are_on_the_account_once_and_where_it_is_full_who_does_not_read_is_behind() {
+        let in_flight = InFlight::default();
+        let ((mut one, mut end), (mut two, _two_end)) =
+            (outbox(in_flight.clone()), outbox(in_flight.clone()));
+        let news = ServerMessage::Draining { retry_after_ms: 1 };
+        let text = Text::of(&news, &in_flight);
+        let length = text.own_bytes;
+        one.offer(text.clone());
+        two.offer(text);
+        assert_eq!(in_flight.bytes(), length, "both wait for the same bytes");
+        let full = in_flight.count(crate::limits::MAX_BYTES_IN_FLIGHT);
+        sent(&mut end);
+        let text = Text::of(&news, &in_flight);
+        one.offer(text.clone());
+        two.offer(text);
+        assert!(!one.is_behind() && two.is_behind(), "who reads is told, who does not is behind");
+        drop((full, one, end));
     }
 }

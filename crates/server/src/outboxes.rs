@@ -2,49 +2,64 @@
 
 use std::collections::BTreeMap;
 
-use axum::extract::ws::{Message as SocketMessage, Utf8Bytes};
 use protocol::ServerMessage;
 
 use crate::ServerError;
-use crate::outbox::{Outbox, error_message, text};
+use crate::in_flight::InFlight;
+use crate::outbox::{Outbox, SocketMessage, Text, error_message};
 
 /// A client of a session. Counts from 1 while the session is open.
 pub type ClientId = u64;
 
 /// An outbox for each client.
-#[derive(Debug, Default)]
-pub struct Outboxes(BTreeMap<ClientId, Outbox>);
+#[derive(Debug)]
+pub struct Outboxes {
+    boxes: BTreeMap<ClientId, Outbox>,
+    in_flight: InFlight,
+}
 
 impl Outboxes {
+    /// None yet. What waits in them is on that account.
+    pub fn new(in_flight: InFlight) -> Self {
+        Self { boxes: BTreeMap::new(), in_flight }
+    }
+
     /// A client has come.
     pub fn insert(&mut self, client: ClientId, outbox: Outbox) {
-        self.0.insert(client, outbox);
+        self.boxes.insert(client, outbox);
     }
 
     /// A client is let go: its connection closes once it has taken what waits.
     pub fn remove(&mut self, client: ClientId) {
-        self.0.remove(&client);
+        self.boxes.remove(&client);
     }
 
     /// Sends a client what it has requested, or alone is to know.
     pub fn send(&mut self, client: ClientId, message: &ServerMessage) {
-        if let Some(outbox) = self.0.get_mut(&client) {
+        if let Some(outbox) = self.boxes.get_mut(&client) {
             outbox.send(message);
+        }
+    }
+
+    /// As [`Self::send`], of a message that is text already.
+    pub fn send_text(&mut self, client: ClientId, text: Text) {
+        if let Some(outbox) = self.boxes.get_mut(&client) {
+            outbox.send_text(text);
         }
     }
 
     /// Sends every client what each has to know, however far behind it is.
     pub fn send_all(&mut self, message: &ServerMessage) {
-        let text: Utf8Bytes = text(message);
-        for outbox in self.0.values_mut() {
+        let text = Text::of(message, &self.in_flight);
+        for outbox in self.boxes.values_mut() {
             outbox.send_text(text.clone());
         }
     }
 
     /// Sends all clients but those that are behind; they will be sent the outcome. `requester` is sent it in any case.
     pub fn broadcast(&mut self, message: &ServerMessage, requester: Option<ClientId>) {
-        let text: Utf8Bytes = text(message);
-        for (id, outbox) in &mut self.0 {
+        let text = Text::of(message, &self.in_flight);
+        for (id, outbox) in &mut self.boxes {
             if Some(*id) == requester {
                 outbox.send_text(text.clone());
             } else {
@@ -60,47 +75,46 @@ impl Outboxes {
 
     /// Sends a client, unless it is behind, what is wrong without its doing.
     pub fn warn(&mut self, client: ClientId, error: &ServerError) {
-        if let Some(outbox) = self.0.get_mut(&client) {
-            outbox.offer(text(&error_message(error, false)));
+        if let Some(outbox) = self.boxes.get_mut(&client) {
+            outbox.offer(Text::of(&error_message(error, false), &self.in_flight));
         }
     }
 
     /// Whether a client takes one more frame.
     pub fn takes_frame(&self, client: ClientId) -> bool {
-        self.0.get(&client).is_some_and(Outbox::takes_frame)
+        self.boxes.get(&client).is_some_and(Outbox::takes_frame)
     }
 
     /// Whether a client has taken all frames that it was sent, and takes more.
     pub fn has_taken_frames(&self, client: ClientId) -> bool {
-        self.0.get(&client).is_some_and(Outbox::has_taken_frames)
+        self.boxes.get(&client).is_some_and(Outbox::has_taken_frames)
     }
 
     /// Sends a client the messages of a frame.
     pub fn send_frame(&self, client: ClientId, messages: Vec<SocketMessage>) {
-        if let Some(outbox) = self.0.get(&client) {
+        if let Some(outbox) = self.boxes.get(&client) {
             outbox.send_frame(messages);
         }
     }
 
     /// The clients whose connection is over.
     pub fn closed(&self) -> Vec<ClientId> {
-        self.0.iter().filter(|(_, outbox)| outbox.is_closed()).map(|(id, _)| *id).collect()
+        self.boxes.iter().filter(|(_, outbox)| outbox.is_closed()).map(|(id, _)| *id).collect()
     }
 
     /// Whether a client is behind.
     pub fn is_behind(&self, client: ClientId) -> bool {
-        self.0.get(&client).is_some_and(Outbox::is_behind)
+        self.boxes.get(&client).is_some_and(Outbox::is_behind)
     }
 
     /// Whether there is one that `chosen` picks.
     pub fn any(&self, chosen: impl Fn(&Outbox) -> bool) -> bool {
-        self.0.values().any(chosen)
+        self.boxes.values().any(chosen)
     }
 
     /// Sends the clients that `chosen` picks of those behind the session as it is.
-    pub fn catch_up(&mut self, chosen: impl Fn(&Outbox) -> bool, resync: &ServerMessage) {
-        let resync = text(resync);
-        for outbox in self.0.values_mut().filter(|outbox| chosen(outbox)) {
+    pub fn catch_up(&mut self, chosen: impl Fn(&Outbox) -> bool, resync: &Text) {
+        for outbox in self.boxes.values_mut().filter(|outbox| chosen(outbox)) {
             outbox.catch_up(resync.clone());
         }
     }

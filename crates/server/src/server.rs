@@ -17,6 +17,7 @@ use tokio_util::task::TaskTracker;
 
 use crate::access::{Hosts, PublicUrl, Token};
 use crate::backend::Backend;
+use crate::in_flight::InFlight;
 use crate::limits::{
     DRAIN_WITHIN, MAX_PROBES, MAX_RENDER_BYTES, MAX_REQUESTS, MAX_SOCKETS, MAX_STILLS, MAX_UPLOADS,
 };
@@ -27,6 +28,7 @@ use crate::scenes::Scenes;
 use crate::solver::Solver;
 use crate::state::AppState;
 use crate::storage::Storage;
+use crate::strangers::Turns;
 use crate::trace::{Trace, TraceThread};
 use crate::{ServerError, connections, data_folder, first_session, http};
 
@@ -52,6 +54,7 @@ pub struct Server {
     store: Store,
     renders: Renders,
     render_thread: RenderThread,
+    in_flight: InFlight,
     metrics: Arc<Metrics>,
     trace: Trace,
     trace_thread: Option<TraceThread>,
@@ -68,13 +71,15 @@ impl Server {
         let (trace, trace_thread) = config.trace.as_deref().map(Trace::start).transpose()?.unzip();
         let trace = trace.unwrap_or_default();
         let Data { store, token, lock } = Data::open(config)?;
-        let metrics = Arc::new(Metrics::new(MemoryBudget::new(MAX_RENDER_BYTES)));
+        let in_flight = InFlight::default();
+        let metrics = Arc::new(Metrics::new(MemoryBudget::new(MAX_RENDER_BYTES), in_flight.clone()));
         let (renders, render_thread) = Renders::start(Arc::clone(&metrics), config.backend)?;
         let (data, public_urls) = (config.data.clone(), config.public_urls.clone());
         Ok(Self {
             store,
             renders,
             render_thread,
+            in_flight,
             metrics,
             trace,
             trace_thread,
@@ -97,7 +102,7 @@ impl Server {
         shutdown: impl Future<Output = ()> + Send + 'static,
     ) -> Result<(), ServerError> {
         // Whether all ends well or is cut off, the render thread has ended when this returns, and what it drew is in the trace.
-        let Self { store, renders, metrics, trace, token, data, public_urls, _lock, .. } = self;
+        let Self { store, renders, in_flight, metrics, trace, token, data, public_urls, _lock, .. } = self;
         let (_trace_thread, _render_thread) = (self.trace_thread, self.render_thread);
         let address = listener.local_addr().map_err(ServerError::Listen)?;
         let storage = Storage::start(&data, store, Arc::clone(&metrics));
@@ -109,6 +114,7 @@ impl Server {
             moving_pixels: Arc::default(),
             probes: Arc::new(Semaphore::new(MAX_PROBES)),
             solver: Solver::new(cores, metrics.solves_under_way.clone()),
+            in_flight,
             metrics,
             trace,
             draining: CancellationToken::new(),
@@ -124,6 +130,8 @@ impl Server {
             requests: Semaphore::new(MAX_REQUESTS),
             stills: Semaphore::new(MAX_STILLS),
             uploads: Semaphore::new(MAX_UPLOADS),
+            short_turns: Turns::default(),
+            page_turns: Turns::default(),
         });
         let router = http::router(Arc::clone(&state));
         let serving = tokio::spawn(connections::serve(listener, router, backend.draining.clone()));

@@ -2,30 +2,44 @@
 
 use std::sync::Arc;
 
-use axum::extract::ws::{Message as SocketMessage, WebSocket};
+use axum::body::Bytes;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, Stream, StreamExt};
+use hyper::upgrade::Upgraded;
+use hyper_util::rt::TokioIo;
 use protocol::{ClientMessage, PROTOCOL};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot, watch};
-use tokio::time::{Instant, interval_at, sleep, timeout};
+use tokio::time::{Instant, interval_at, sleep, timeout, timeout_at};
+use tokio_tungstenite::WebSocketStream;
+use tokio_tungstenite::tungstenite::protocol::CloseFrame;
+use tokio_tungstenite::tungstenite::protocol::frame::Frame;
+use tokio_tungstenite::tungstenite::protocol::frame::coding::{CloseCode, Data, OpCode};
+use tokio_tungstenite::tungstenite::{Error, Message as WireMessage};
 
 use crate::ServerError;
 use crate::access::Principal;
 use crate::connections::Connection;
+use crate::in_flight::taken_within;
 use crate::limits::{
-    CLOSE_WITHIN, HELLO_WITHIN, MAX_LINE, MAX_MESSAGE_BYTES, MAX_SOCKETS, MAX_STRANGERS, PING_EVERY,
-    SILENT_AT_MOST,
+    CLOSE_WITHIN, FRAGMENT_BYTES, HELLO_WITHIN, MAX_LINE, MAX_MESSAGE_BYTES, MAX_SOCKETS, MAX_STRANGERS,
+    PING_EVERY, SILENT_AT_MOST,
 };
-use crate::outbox::{Backlog, Outbox, OutboxReceiver, outbox};
+use crate::outbox::{Backlog, Outbox, OutboxReceiver, SocketMessage, outbox};
 use crate::outboxes::ClientId;
 use crate::request::{ClientRequest, actor, client_request};
 use crate::room::{Join, Message, RoomHandle};
 use crate::state::AppState;
 
+/// A connection that has become a WebSocket.
+pub type Socket = WebSocketStream<TokioIo<Upgraded>>;
+
+/// What a client is told whose connection ends because it takes too little.
+const TOO_SLOW: &str = "what was sent to this connection was not taken in time: connect again";
+
 /// Serves a connection until either side ends it.
-pub async fn serve(socket: WebSocket, state: Arc<AppState>, connection: Connection) {
+pub async fn serve(socket: Socket, state: Arc<AppState>, connection: Connection) {
     let (sink, mut messages) = socket.split();
-    let (outbox, end) = outbox();
+    let (outbox, end) = outbox(state.backend.in_flight.clone());
     let backlog = end.backlog();
     let mut writing = tokio::spawn(write(sink, end));
     if let Some((room, client, _permit)) = greet(&mut messages, outbox, &state, &connection).await {
@@ -47,7 +61,7 @@ pub async fn serve(socket: WebSocket, state: Arc<AppState>, connection: Connecti
 
 /// Waits for `hello` and joins the session that it names; or says what is wrong with it.
 async fn greet(
-    messages: &mut SplitStream<WebSocket>,
+    messages: &mut SplitStream<Socket>,
     mut outbox: Outbox,
     state: &AppState,
     connection: &Connection,
@@ -79,7 +93,7 @@ type Newcomer = (Principal, Option<String>, Option<u64>);
 
 /// The first message; `None` where the connection ends before. What cannot be read is said and passed over.
 async fn hello(
-    messages: &mut SplitStream<WebSocket>,
+    messages: &mut SplitStream<Socket>,
     outbox: &mut Outbox,
 ) -> Option<Result<ClientMessage, ServerError>> {
     loop {
@@ -119,7 +133,7 @@ fn admit(hello: ClientMessage, state: &AppState) -> Result<(String, Newcomer), S
 /// Passes on what the client asks for, until it leaves or says nothing for too long. One that does not take its answers
 /// is asked for nothing more until it does.
 async fn read(
-    messages: &mut SplitStream<WebSocket>,
+    messages: &mut SplitStream<Socket>,
     mut backlog: watch::Receiver<Backlog>,
     (room, client): (&RoomHandle, ClientId),
     state: &AppState,
@@ -142,48 +156,99 @@ async fn read(
 
 /// The next control message, or why it is none; `None` at the end.
 async fn next(
-    messages: &mut (impl Stream<Item = Result<SocketMessage, axum::Error>> + Unpin),
+    messages: &mut (impl Stream<Item = Result<WireMessage, Error>> + Unpin),
 ) -> Option<Result<ClientMessage, ServerError>> {
     loop {
         let frame = timeout(SILENT_AT_MOST, messages.next()).await.ok()??;
         match frame.inspect_err(|error| tracing::debug!("a connection broke: {error}")).ok()? {
-            SocketMessage::Text(text) if text.len() > MAX_MESSAGE_BYTES => {
+            WireMessage::Text(text) if text.len() > MAX_MESSAGE_BYTES => {
                 let (what, limit) = ("a message", MAX_MESSAGE_BYTES);
                 return Some(Err(ServerError::TooLarge { what, limit, unit: "bytes" }));
             }
-            SocketMessage::Text(text) => return Some(ClientMessage::parse(&text).map_err(ServerError::from)),
-            SocketMessage::Binary(_) => {
+            WireMessage::Text(text) => return Some(ClientMessage::parse(&text).map_err(ServerError::from)),
+            WireMessage::Binary(_) => {
                 let sentence = "a binary message came, but clients send text: send JSON as text";
                 return Some(Err(ServerError::BadMessage(sentence.into())));
             }
-            SocketMessage::Ping(_) | SocketMessage::Pong(_) => {}
-            SocketMessage::Close(_) => return None,
+            WireMessage::Ping(_) | WireMessage::Pong(_) | WireMessage::Frame(_) => {}
+            WireMessage::Close(_) => return None,
         }
     }
 }
 
 /// Sends what is in the outbox, control before frames, and closes the connection when the control queue ends.
-async fn write(mut sink: SplitSink<WebSocket, SocketMessage>, mut end: OutboxReceiver) {
+async fn write(mut sink: SplitSink<Socket, WireMessage>, mut end: OutboxReceiver) {
     let mut pings = interval_at(Instant::now() + PING_EVERY, PING_EVERY);
     loop {
-        let (messages, text) = tokio::select! {
+        let sent = tokio::select! {
             biased;
             text = end.control.recv() => match text {
-                Some(text) => (vec![SocketMessage::Text(text.clone())], Some(text)),
+                Some(text) => {
+                    let sent = send(&mut sink, SocketMessage::Text(text.clone())).await;
+                    end.taken(&text);
+                    sent
+                }
                 None => break,
             },
-            Some(frame) = end.frames.recv() => (frame, None),
-            _ = pings.tick() => (vec![SocketMessage::Ping(axum::body::Bytes::new())], None),
+            Some(frame) = end.frames.recv() => send_all(&mut sink, frame).await,
+            _ = pings.tick() => sink.send(WireMessage::Ping(Bytes::new())).await.map_err(Unsent::from),
         };
-        for message in messages {
-            // One that takes nothing for too long breaks here.
-            if sink.send(message).await.is_err() {
+        match sent {
+            Ok(()) => {}
+            Err(Unsent::Broken) => return,
+            Err(Unsent::TooSlow) => {
+                let why = CloseFrame { code: CloseCode::Policy, reason: TOO_SLOW.into() };
+                let _ = timeout(CLOSE_WITHIN, sink.send(WireMessage::Close(Some(why)))).await;
                 return;
             }
         }
-        if let Some(text) = text {
-            end.taken(&text);
-        }
     }
     let _ = sink.close().await;
+}
+
+/// Why a message was not sent.
+enum Unsent {
+    /// The connection is over.
+    Broken,
+    /// The client takes too little.
+    TooSlow,
+}
+
+impl From<Error> for Unsent {
+    fn from(error: Error) -> Self {
+        tracing::debug!("a connection broke: {error}");
+        Self::Broken
+    }
+}
+
+async fn send_all(
+    sink: &mut SplitSink<Socket, WireMessage>,
+    messages: Vec<SocketMessage>,
+) -> Result<(), Unsent> {
+    for message in messages {
+        send(sink, message).await?;
+    }
+    Ok(())
+}
+
+/// Sends a message in parts, each of which waits until the one before is taken: of a large message that many are sent the
+/// bytes are shared, and the socket copies those of one part alone.
+async fn send(sink: &mut SplitSink<Socket, WireMessage>, message: SocketMessage) -> Result<(), Unsent> {
+    let (kind, pieces) = match message {
+        SocketMessage::Text(text) => (Data::Text, text.into_pieces()),
+        SocketMessage::Binary(bytes) => (Data::Binary, vec![bytes]),
+    };
+    let mut left: usize = pieces.iter().map(Bytes::len).sum();
+    let deadline = Instant::now() + taken_within(left);
+    let mut opcode = OpCode::Data(kind);
+    for mut piece in pieces {
+        while !piece.is_empty() {
+            let part = piece.split_to(piece.len().min(FRAGMENT_BYTES));
+            left -= part.len();
+            let frame = WireMessage::Frame(Frame::message(part, opcode, left == 0));
+            timeout_at(deadline, sink.send(frame)).await.map_err(|_| Unsent::TooSlow)??;
+            opcode = OpCode::Data(Data::Continue);
+        }
+    }
+    Ok(())
 }

@@ -7,6 +7,7 @@ use tokio::sync::Semaphore;
 use crate::access::{Hosts, Token};
 use crate::backend::Backend;
 use crate::room::Rooms;
+use crate::strangers::Turns;
 
 /// One a server; requests share it.
 pub struct AppState {
@@ -23,4 +24,8 @@ pub struct AppState {
     pub stills: Semaphore,
     /// A permit for each scene on its way here.
     pub uploads: Semaphore,
+    /// Turns of strangers who look whether the server lives, or open a socket.
+    pub short_turns: Turns,
+    /// Turns of strangers who ask for anything else.
+    pub page_turns: Turns,
 }

@@ -17,6 +17,8 @@ pub struct Opened {
     pub session: Session,
     /// What had to be replayed.
     pub tail: Tail,
+    /// Bytes of its checkpoint; 0 where it has none that is of use.
+    pub checkpoint_bytes: u64,
     /// The checkpoint was of no use: it is not what the log says, or damaged. All of the log was replayed.
     pub checkpoint_failed: bool,
 }
@@ -28,12 +30,14 @@ impl Store {
         let Found { key, row } = self.database.find(session)?;
         let checkpoint = self.checkpoint(key);
         let checkpoint_failed = matches!(checkpoint, Ok(Checkpointed::Failed) | Err(_));
-        let (mut session, mut reader) = match checkpoint {
-            Ok(Checkpointed::At(session, proof)) => (*session, LogReader::going_on_from(&proof)),
-            _ => (Session::default(), LogReader::default()),
+        let (mut session, mut reader, checkpoint_bytes) = match checkpoint {
+            Ok(Checkpointed::At { session, proof, bytes }) => {
+                (*session, LogReader::going_on_from(&proof), bytes)
+            }
+            _ => (Session::default(), LogReader::default(), 0),
         };
         let tail = self.go_on(key, &mut session, &mut reader, row.seq)?;
-        Ok(Opened { row, session, tail, checkpoint_failed })
+        Ok(Opened { row, session, tail, checkpoint_bytes, checkpoint_failed })
     }
 
     /// Keeps the session as its checkpoint, in place of an earlier one; gives its bytes. The record that it stands after
@@ -63,7 +67,7 @@ impl Store {
         let Ok(format) = Record::format_of(&line) else { return Ok(Checkpointed::Failed) };
         match proof {
             Some(proof) if hash == Some(session.document().hash_of_format(format).to_string()) => {
-                Ok(Checkpointed::At(Box::new(session), proof))
+                Ok(Checkpointed::At { session: Box::new(session), proof, bytes: json.len() as u64 })
             }
             _ => Ok(Checkpointed::Failed),
         }
@@ -75,8 +79,12 @@ enum Checkpointed {
     None,
     /// It cannot be used.
     Failed,
-    /// The session after its record, and the log's proof there.
-    At(Box<Session>, String),
+    /// The session after its record, the log's proof there, and the checkpoint's own bytes.
+    At {
+        session: Box<Session>,
+        proof: String,
+        bytes: u64,
+    },
 }
 
 fn digest(json: &str) -> String {

@@ -64,6 +64,18 @@ impl Store {
 
     /// The records from `from` on, in full, at most `limit` and [`MAX_PAGE_BYTES`]; none past the end.
     pub fn records(&self, session: &str, from: u64, limit: usize) -> Result<Vec<Record>, StoreError> {
+        self.page(session, from, limit, MAX_PAGE_BYTES)
+    }
+
+    /// The records from `from` on, in full, at most `limit`, and at most `max_bytes` of JSON but for a single record that has
+    /// more; none past the end.
+    pub fn page(
+        &self,
+        session: &str,
+        from: u64,
+        limit: usize,
+        max_bytes: usize,
+    ) -> Result<Vec<Record>, StoreError> {
         let Found { key, row } = self.database.find(session)?;
         let (mut reader, mut bytes, mut page) = (LogReader::default(), 0, Vec::new());
         if limit == 0 {
@@ -72,7 +84,7 @@ impl Store {
         self.database.visit_records(key, from.min(row.seq + 1)..=row.seq, |stored| {
             let (record, more) = self.read_record(&mut reader, key, &stored)?;
             bytes += more;
-            if bytes > MAX_PAGE_BYTES && !page.is_empty() {
+            if bytes > max_bytes && !page.is_empty() {
                 return Ok(ControlFlow::Break(()));
             }
             page.push(record);

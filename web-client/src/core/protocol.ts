@@ -236,6 +236,7 @@ export type Change =
  * - `unknownOutcome`: The server's disk failed, and this may have been done or not.
  * - `damagedAsset`: The stored file of the scene is damaged.
  * - `fault`: A fault of the server's own.
+ * - `busy`: The server holds as many bytes of requests and answers as it may.
  * - `warmingUp`: The renderer is not ready yet.
  * - `notReady`: The renderer could not be made ready.
  * - `draining`: The server is stopping.
@@ -278,6 +279,7 @@ export type ErrorCode =
   | "unknownOutcome"
   | "damagedAsset"
   | "fault"
+  | "busy"
   | "warmingUp"
   | "notReady"
   | "draining";

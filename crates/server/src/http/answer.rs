@@ -6,6 +6,7 @@ use protocol::ErrorBody;
 use serde::Serialize;
 
 use crate::ServerError;
+use crate::limits::RETRY_AFTER;
 
 /// What a handler answers.
 pub type Answer = Result<Response, ServerError>;
@@ -14,14 +15,22 @@ impl IntoResponse for ServerError {
     fn into_response(self) -> Response {
         let problem = self.problem();
         let status = StatusCode::from_u16(problem.code.http_status()).unwrap_or(StatusCode::BAD_REQUEST);
-        (status, json(&ErrorBody { error: problem })).into_response()
+        let mut answer = (status, json(&ErrorBody { error: problem })).into_response();
+        if status == StatusCode::SERVICE_UNAVAILABLE {
+            answer.headers_mut().insert(header::RETRY_AFTER, RETRY_AFTER.as_secs().into());
+        }
+        answer
     }
 }
 
 /// A body of JSON.
 pub fn json(value: &impl Serialize) -> Response {
-    let text = serde_json::to_string(value).expect("plain data with string keys");
-    ([(header::CONTENT_TYPE, "application/json")], text + "\n").into_response()
+    ([(header::CONTENT_TYPE, "application/json")], json_text(value)).into_response()
+}
+
+/// A line of JSON.
+pub fn json_text(value: &impl Serialize) -> String {
+    serde_json::to_string(value).expect("plain data with string keys") + "\n"
 }
 
 /// 201 with a body of JSON.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use axum::Extension;
+use axum::body::{HttpBody, to_bytes};
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderValue, Method, Uri, header};
 use axum::middleware::Next;
@@ -10,8 +11,10 @@ use axum::response::Response;
 
 use super::read::{excerpt, read_body};
 use crate::ServerError;
+use crate::access::Credential;
 use crate::connections::Connection;
-use crate::limits::{MAX_BODY_BYTES, MAX_REQUESTS};
+use crate::in_flight::Reservation;
+use crate::limits::{MAX_REQUESTS, SMALL_BYTES};
 use crate::state::AppState;
 
 /// Refuses pages of other places, and names that lead here by no doing of ours. They could not know the token, but need
@@ -52,27 +55,71 @@ pub async fn need_token(
     mut request: Request,
     next: Next,
 ) -> Result<Response, ServerError> {
-    let (scheme, token) = text(request.headers(), header::AUTHORIZATION)
-        .and_then(|value| value.split_once(' '))
-        .unwrap_or_default();
-    let token = Some(token).filter(|_| scheme.eq_ignore_ascii_case("bearer"));
-    let credential = token.and_then(|token| state.token.verify(token.trim_start_matches(' ')));
-    request.extensions_mut().insert(credential.ok_or(ServerError::Unauthorized)?);
+    let credential = credential(&state, request.headers()).ok_or(ServerError::Unauthorized)?;
+    request.extensions_mut().insert(credential);
     connection.is_known();
     Ok(next.run(request).await)
+}
+
+/// What the headers of a request let its sender in as, if they have the token.
+pub fn credential(state: &AppState, headers: &HeaderMap) -> Option<Credential> {
+    let (scheme, token) = text(headers, header::AUTHORIZATION)?.split_once(' ')?;
+    let token = Some(token).filter(|_| scheme.eq_ignore_ascii_case("bearer"))?;
+    state.token.verify(token.trim_start_matches(' '))
 }
 
 /// Lets pass while there is room, once all of the request is here: what is slow to come keeps nobody out.
 pub async fn limit_requests(
     State(state): State<Arc<AppState>>,
+    Extension(connection): Extension<Connection>,
     request: Request,
     next: Next,
 ) -> Result<Response, ServerError> {
     let (head, body) = request.into_parts();
-    let body = read_body(body, "a request", MAX_BODY_BYTES).await?;
+    let in_flight = &state.backend.in_flight;
+    let (body, held) = read_body(body, in_flight).await?;
+    let is_done = head.method == Method::POST;
     let too_many = |_| ServerError::TooMany { what: "requests", limit: MAX_REQUESTS };
-    let _permit = state.requests.try_acquire().map_err(too_many)?;
-    Ok(next.run(Request::from_parts(head, body.into())).await)
+    let permit = state.requests.try_acquire().map_err(too_many)?;
+    let answer = next.run(Request::from_parts(head, body.into())).await;
+    drop((permit, held));
+    // What has been done is told in any case.
+    let room = |bytes| if is_done { Ok(in_flight.count(bytes)) } else { in_flight.reserve(bytes) };
+    hold_answer(answer, room, &connection).await
+}
+
+/// Keeps a large answer on the account until it is taken, which has to be in time.
+async fn hold_answer(
+    answer: Response,
+    room: impl FnOnce(usize) -> Result<Reservation, ServerError>,
+    connection: &Connection,
+) -> Result<Response, ServerError> {
+    let length = answer.body().size_hint().exact().and_then(|bytes| usize::try_from(bytes).ok());
+    let Some(length) = length.filter(|length| *length > SMALL_BYTES) else { return Ok(answer) };
+    let held = room(length)?;
+    let (head, body) = answer.into_parts();
+    // It is there in one piece already.
+    let bytes = to_bytes(body, length).await.map_err(|_| ServerError::Fault)?;
+    Ok(Response::from_parts(head, connection.takes_in_time(held.of(bytes)).into()))
+}
+
+/// Lets strangers wait for their turn. Signs of life and sockets that open have turns of their own: they stay quick while
+/// others load pages.
+pub async fn pace_strangers(
+    State(state): State<Arc<AppState>>,
+    Extension(connection): Extension<Connection>,
+    request: Request,
+    next: Next,
+) -> Response {
+    if connection.has_shown_token() || credential(&state, request.headers()).is_some() {
+        return next.run(request).await;
+    }
+    let is_short = matches!(request.uri().path(), "/healthz" | "/readyz" | "/socket");
+    let turns = if is_short { &state.short_turns } else { &state.page_turns };
+    let turn = turns.next().await;
+    let answer = next.run(request).await;
+    turn.end(answer.body().size_hint().lower());
+    answer
 }
 
 /// A known address with a method that it does not take. The router adds the header `Allow`.

@@ -2,6 +2,7 @@
 
 mod answer;
 mod assets;
+mod constant;
 mod drags;
 mod guard;
 mod page;
@@ -10,13 +11,12 @@ mod probe;
 mod read;
 mod render;
 mod sessions;
+mod upgrade;
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
-use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::ws::rejection::WebSocketUpgradeRejection;
-use axum::extract::{DefaultBodyLimit, State};
-use axum::http::header;
+use axum::extract::{DefaultBodyLimit, Request, State};
+use axum::http::{HeaderMap, header};
 use axum::middleware;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
@@ -24,11 +24,14 @@ use axum::{Extension, Router};
 
 use crate::ServerError;
 use crate::connections::Connection;
-use crate::limits::MAX_MESSAGE_BYTES;
 use crate::renderer::Readiness;
 use crate::socket;
 use crate::state::AppState;
-use answer::{Answer, json};
+use answer::Answer;
+use constant::Constant;
+
+static OPENAPI: LazyLock<Constant> = LazyLock::new(|| Constant::json(&protocol::openapi()));
+static PARAMETERS: LazyLock<Constant> = LazyLock::new(|| Constant::json(&protocol::parameter_table()));
 
 /// Every route.
 pub fn router(state: Arc<AppState>) -> Router {
@@ -42,7 +45,7 @@ pub fn router(state: Arc<AppState>) -> Router {
         .route("/sessions/{name}/pick", post(pick::pick))
         .route("/sessions/{name}/drags", post(drags::answer))
         .route("/sessions/{name}/probe", post(probe::answer))
-        .route("/parameters", get(|| async { json(&protocol::parameter_table()) }))
+        .route("/parameters", get(|headers: HeaderMap| async move { PARAMETERS.answer(&headers) }))
         .route("/metrics", get(metrics))
         .route_layer(middleware::from_fn_with_state(Arc::clone(&state), guard::limit_requests))
         .route("/assets", post(assets::add))
@@ -53,11 +56,12 @@ pub fn router(state: Arc<AppState>) -> Router {
         .route("/socket", get(open_socket))
         .route("/healthz", get(|| async { "the server runs\n" }))
         .route("/readyz", get(ready))
-        .route("/openapi.json", get(|| async { json(&protocol::openapi()) }))
+        .route("/openapi.json", get(|headers: HeaderMap| async move { OPENAPI.answer(&headers) }))
         .fallback(page::page)
         .method_not_allowed_fallback(guard::wrong_method)
         .layer(DefaultBodyLimit::disable())
         .layer(middleware::from_fn_with_state(Arc::clone(&state), guard::refuse_strange_pages))
+        .layer(middleware::from_fn_with_state(Arc::clone(&state), guard::pace_strangers))
         .layer(middleware::map_response(guard::believe_no_guesses))
         .with_state(state)
 }
@@ -66,18 +70,20 @@ pub fn router(state: Arc<AppState>) -> Router {
 async fn open_socket(
     State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Connection>,
-    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+    mut request: Request,
 ) -> Answer {
-    let upgrade = upgrade.map_err(|why| {
-        ServerError::BadMessage(format!("{}: connect with a WebSocket client", why.body_text()))
-    })?;
+    let (upgrade, answer) = upgrade::upgrade(&mut request)?;
     if state.backend.draining.is_cancelled() {
         return Err(ServerError::Draining);
     }
     let sockets = state.backend.sockets.clone();
-    // A message a little over the limit is answered with a sentence; one far over it ends the connection.
-    let upgrade = upgrade.max_message_size(4 * MAX_MESSAGE_BYTES).max_frame_size(4 * MAX_MESSAGE_BYTES);
-    Ok(upgrade.on_upgrade(move |socket| sockets.track_future(socket::serve(socket, state, connection))))
+    tokio::spawn(sockets.track_future(async move {
+        match upgrade.await {
+            Ok(upgraded) => socket::serve(upgrade::open(upgraded).await, state, connection).await,
+            Err(error) => tracing::debug!("a connection broke: {error}"),
+        }
+    }));
+    Ok(answer)
 }
 
 /// `GET /readyz`.

@@ -1,10 +1,12 @@
 //! The page, as it was built into the program.
 
-use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
+use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{Html, IntoResponse, Response};
+use document::AssetHash;
 use rust_embed::RustEmbed;
 
 use super::answer::Answer;
+use super::constant::{tag, tagged};
 use super::guard::wrong_method;
 use super::read::excerpt;
 use crate::ServerError;
@@ -27,7 +29,7 @@ const NOT_BUILT: &str = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\
     folder and start the server again. The HTTP interface works all the same.</p></html>\n";
 
 /// A file of the page; `/` is the page itself.
-pub async fn page(method: Method, uri: Uri) -> Answer {
+pub async fn page(method: Method, uri: Uri, asked: HeaderMap) -> Answer {
     let path = uri.path().trim_start_matches('/');
     let path = if path.is_empty() { INDEX } else { path };
     let found = Page::get(path);
@@ -42,7 +44,8 @@ pub async fn page(method: Method, uri: Uri) -> Answer {
                 if path.starts_with(HASHED) { "public, max-age=31536000, immutable" } else { "no-cache" };
             let kind = file.metadata.mimetype().to_owned();
             let headers = [(header::CONTENT_TYPE, kind), (header::CACHE_CONTROL, cache.into())];
-            Ok(guarded((headers, file.data).into_response()))
+            let tag = tag(&AssetHash(file.metadata.sha256_hash()).hex());
+            Ok(guarded(tagged(&asked, tag, (headers, file.data).into_response())))
         }
         None if is_known => Ok(guarded((StatusCode::SERVICE_UNAVAILABLE, Html(NOT_BUILT)).into_response())),
         None => Err(ServerError::NoRoute(excerpt(uri.path()))),

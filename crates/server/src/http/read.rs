@@ -1,15 +1,16 @@
 //! What handlers read of a request.
 
-use axum::body::{Body, BodyDataStream, Bytes};
+use axum::body::{Body, BodyDataStream, Bytes, HttpBody};
 use axum::extract::{FromRequestParts, Path, Query};
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, Uri, header};
 use futures_util::StreamExt;
 use serde::de::DeserializeOwned;
-use tokio::time::timeout;
+use tokio::time::{Instant, timeout};
 
 use crate::ServerError;
-use crate::limits::BODY_RESTS_AT_MOST;
+use crate::in_flight::{InFlight, Reservation};
+use crate::limits::{BODY_COST, BODY_RESTS_AT_MOST, LARGE_BODY_WITHIN, MAX_BODY_BYTES, SMALL_BYTES};
 
 /// Characters of what came that a refusal says again.
 const SAID_AGAIN: usize = 100;
@@ -50,16 +51,58 @@ fn is_json(kind: &str) -> bool {
     kind == "application/json" || (kind.starts_with("application/") && kind.ends_with("+json"))
 }
 
-/// All of a body, up to a limit.
-pub async fn read_body(body: Body, what: &'static str, limit: usize) -> Result<Vec<u8>, ServerError> {
-    let (mut parts, mut bytes) = (body.into_data_stream(), Vec::new());
-    while let Some(part) = next_part(&mut parts).await? {
-        if bytes.len() + part.len() > limit {
-            return Err(ServerError::TooLarge { what, limit, unit: "bytes" });
-        }
-        bytes.extend_from_slice(&part);
+/// All of a request's body, and what it has on the account. What its head says that it has is put there before any of it
+/// is read; one of which that is not known is put there as it comes.
+pub async fn read_body(body: Body, in_flight: &InFlight) -> Result<(Vec<u8>, Reservation), ServerError> {
+    let said = body.size_hint().exact().and_then(|bytes| usize::try_from(bytes).ok()).unwrap_or_default();
+    let mut read = BodyRead { bytes: Vec::new(), held: in_flight.count(0), refused: None };
+    if said <= MAX_BODY_BYTES {
+        read.make_room(said);
     }
-    Ok(bytes)
+    let (mut parts, began, mut length) = (body.into_data_stream(), Instant::now(), 0);
+    while let Some(part) = next_part(&mut parts).await? {
+        length += part.len();
+        if length > MAX_BODY_BYTES {
+            return Err(ServerError::TooLarge { what: "a request", limit: MAX_BODY_BYTES, unit: "bytes" });
+        }
+        if length > SMALL_BYTES && began.elapsed() > LARGE_BODY_WITHIN {
+            return Err(ServerError::TooSlow);
+        }
+        read.take(&part);
+    }
+    match read.refused {
+        None => Ok((read.bytes, read.held)),
+        Some(error) => Err(error),
+    }
+}
+
+/// What has been read of a body.
+struct BodyRead {
+    bytes: Vec<u8>,
+    held: Reservation,
+    /// There was no room for it. The rest is read all the same, and thrown away: who still sends may not see the answer.
+    refused: Option<ServerError>,
+}
+
+impl BodyRead {
+    /// Puts a body of so many bytes on the account.
+    fn make_room(&mut self, bytes: usize) {
+        let room = if bytes > SMALL_BYTES { self.held.grow_to(BODY_COST * bytes) } else { Ok(()) };
+        match room {
+            Ok(()) => self.bytes.reserve_exact(bytes.saturating_sub(self.bytes.len())),
+            Err(error) => (self.refused, self.bytes) = (Some(error), Vec::new()),
+        }
+    }
+
+    fn take(&mut self, part: &[u8]) {
+        let length = self.bytes.len() + part.len();
+        if self.refused.is_none() && length > self.bytes.capacity() {
+            self.make_room(length.next_power_of_two());
+        }
+        if self.refused.is_none() {
+            self.bytes.extend_from_slice(part);
+        }
+    }
 }
 
 /// The next part of a body, however slowly the whole comes; `None` at its end.

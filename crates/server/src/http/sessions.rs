@@ -5,12 +5,14 @@ use std::sync::Arc;
 use axum::Extension;
 use axum::body::{Body, Bytes};
 use axum::extract::State;
-use axum::http::{HeaderMap, Uri, header};
+use axum::http::{HeaderMap, HeaderValue, Uri, header};
 use axum::response::{IntoResponse, Response};
 use document::{Command, Context};
 use edit::{Actor, Request, Session, Sources};
-use futures_util::stream::try_unfold;
-use protocol::{Edit, Edits, NewSession, SceneNodes, SessionEntry, SessionList, SessionState};
+use futures_util::stream::{iter, try_unfold};
+use protocol::{
+    Edit, Edits, NewSession, SceneNodes, SessionEntry, SessionList, SessionState, json_around_document,
+};
 use serde::Deserialize;
 use store::{SessionRow, Store};
 use tokio::task::spawn_blocking;
@@ -20,15 +22,14 @@ use super::answer::{Answer, created, json};
 use super::read::{SessionName, read_json, read_query};
 use crate::ServerError;
 use crate::access::{Credential, Principal, random_digits};
-use crate::limits::{MAX_EDITS, MAX_LOG_RECORDS, MAX_NODES_LISTED};
+use crate::connections::Connection;
+use crate::in_flight::InFlight;
+use crate::limits::{LOG_PAGE_BYTES, MAX_EDITS, MAX_LOG_RECORDS, MAX_NODES_LISTED};
 use crate::request::{Step, actor, edit_request, step};
-use crate::room::{Message, Snapshot, time_ms};
+use crate::room::{Message, time_ms};
 use crate::scenes::{Decoded, Scenes};
 use crate::state::AppState;
 use crate::storage::Storage;
-
-/// Records that are read from the store at a time.
-const PAGE: usize = 256;
 
 /// `GET /sessions`.
 pub async fn list(State(state): State<Arc<AppState>>) -> Answer {
@@ -72,21 +73,32 @@ pub async fn create(State(state): State<Arc<AppState>>, headers: HeaderMap, body
     Ok(created(&SessionState { name, epoch, seq, hash: hash.to_string(), document, notes }))
 }
 
-/// `GET /sessions/S`.
-pub async fn show(State(state): State<Arc<AppState>>, SessionName(name): SessionName) -> Answer {
+/// `GET /sessions/S`. The document's text is that of all who ask for it.
+pub async fn show(
+    State(state): State<Arc<AppState>>,
+    Extension(connection): Extension<Connection>,
+    SessionName(name): SessionName,
+) -> Answer {
     let snapshot = state.rooms.find(&name).await?.request(Message::Snapshot).await?;
-    Ok(json(&session_state(&snapshot)))
-}
-
-fn session_state(snapshot: &Snapshot) -> SessionState {
-    SessionState {
-        name: snapshot.name.clone(),
-        epoch: snapshot.epoch.clone(),
+    state.backend.in_flight.check()?;
+    let state = SessionState {
+        name: snapshot.name,
+        epoch: snapshot.epoch,
         seq: snapshot.seq,
         hash: snapshot.document.hash().to_string(),
-        document: (&snapshot.document).into(),
+        document: protocol::Document::default(),
         notes: snapshot.scene.notes.to_vec(),
-    }
+    };
+    let (before, after) = json_around_document(&state);
+    let text = snapshot.text;
+    let document = spawn_blocking(move || text.bytes()).await.map_err(|_| ServerError::Fault)?;
+    let pieces = [before.into(), connection.takes_in_time(document), Bytes::from(after + "\n")];
+    let length: usize = pieces.iter().map(Bytes::len).sum();
+    let headers = [
+        (header::CONTENT_TYPE, HeaderValue::from_static("application/json")),
+        (header::CONTENT_LENGTH, length.into()),
+    ];
+    Ok((headers, Body::from_stream(iter(pieces.map(Ok::<_, ServerError>)))).into_response())
 }
 
 /// `GET /sessions/S/nodes`.
@@ -167,8 +179,9 @@ pub async fn log(State(state): State<Arc<AppState>>, SessionName(name): SessionN
     let storage = state.backend.storage.clone();
     let session = name.clone();
     storage.read(move |store| store.session(&session)).await?;
+    let in_flight = state.backend.in_flight.clone();
     let pages = try_unfold((from.unwrap_or(1).max(1), limit), move |(from, left)| {
-        page(storage.clone(), name.clone(), from, left)
+        page(storage.clone(), in_flight.clone(), name.clone(), (from, left))
     });
     let kind = [(header::CONTENT_TYPE, "application/jsonl")];
     Ok(Response::new(Body::from_stream(pages))).map(|body| (kind, body).into_response())
@@ -177,16 +190,17 @@ pub async fn log(State(state): State<Arc<AppState>>, SessionName(name): SessionN
 /// The lines of some records from `from` on, and where the next page begins; `None` past the last.
 async fn page(
     storage: Storage,
-    name: String,
-    from: u64,
-    left: usize,
+    in_flight: InFlight,
+    session: String,
+    (from, left): (u64, usize),
 ) -> Result<Option<(Bytes, (u64, usize))>, ServerError> {
-    let records = storage.read(move |store| store.records(&name, from, left.min(PAGE))).await?;
+    let page = move |store: &Store| store.page(&session, from, left, LOG_PAGE_BYTES);
+    let records = storage.read(page).await?;
     let Some(last) = records.last() else { return Ok(None) };
     let next = (last.seq + 1, left - records.len());
     let line = |record: &protocol::Record| {
         serde_json::to_string(record).expect("plain data with string keys") + "\n"
     };
     let lines: String = records.iter().map(line).collect();
-    Ok(Some((lines.into(), next)))
+    Ok(Some((in_flight.count(lines.len()).of(lines), next)))
 }

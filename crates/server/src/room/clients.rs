@@ -13,8 +13,8 @@ use super::solving::Solves;
 use super::tick::Tick;
 use crate::ServerError;
 use crate::access::Principal;
-use crate::limits::{MAX_CLIENTS, MAX_TAIL, MAX_VIEW_SIDE};
-use crate::outbox::Outbox;
+use crate::limits::{MAX_CLIENTS, MAX_TAIL, MAX_TAIL_BYTES, MAX_VIEW_SIDE};
+use crate::outbox::{Outbox, Text};
 use crate::outboxes::ClientId;
 use crate::request::ClientRequest;
 
@@ -73,6 +73,19 @@ impl Room {
         }
         let known = last_seq.filter(|_| epoch.as_ref() == Some(&self.epoch));
         let state = self.state_from(known).await;
+        let document = match &state {
+            State::Tail(_) => None,
+            State::Snapshot(_) => {
+                let document = match self.backend.in_flight.check() {
+                    Ok(()) => self.document_json().await,
+                    Err(busy) => Err(busy),
+                };
+                match document {
+                    Ok(document) => Some(document),
+                    Err(error) => return outbox.send_error(&error, true),
+                }
+            }
+        };
         self.last_client += 1;
         let id = self.last_client;
         tracing::debug!("client {id} of session {}: {principal}", self.name);
@@ -83,8 +96,14 @@ impl Room {
         );
         self.outboxes.insert(id, outbox);
         self.backend.metrics.clients.inc();
-        let welcome = self.welcome(id, state);
-        self.outboxes.send(id, &ServerMessage::Welcome(Box::new(welcome)));
+        let welcome = ServerMessage::Welcome(Box::new(self.welcome(id, state)));
+        match document {
+            None => self.outboxes.send(id, &welcome),
+            Some(document) => {
+                let text = Text::around(&welcome, document, &self.backend.in_flight);
+                self.outboxes.send_text(id, text);
+            }
+        }
         self.presence_changed = true;
         self.note_client_count();
         if joined.send(id).is_err() {
@@ -124,13 +143,16 @@ impl Room {
         self.session.gestures().map(held).collect()
     }
 
-    /// The records after the one that the client knows; all of the document where it knows none or too few.
+    /// The records after the one that the client knows. Where it knows none or too few an empty document, in whose place the text
+    /// of the session's goes.
     async fn state_from(&self, known: Option<u64>) -> State {
         let missing = known.and_then(|seq| self.session.seq().checked_sub(seq)).filter(|n| *n <= MAX_TAIL);
         if let Some((known, missing)) = known.zip(missing) {
             let name = self.name.clone();
-            let read =
-                self.backend.storage.read(move |store| store.records(&name, known + 1, missing as usize));
+            let read = self
+                .backend
+                .storage
+                .read(move |store| store.page(&name, known + 1, missing as usize, MAX_TAIL_BYTES));
             match read.await {
                 Ok(records) if records.len() as u64 == missing => return State::Tail(records),
                 // A page has a limit of bytes.
@@ -138,7 +160,7 @@ impl Room {
                 Err(error) => tracing::error!("the records for a returning client cannot be read: {error}"),
             }
         }
-        State::Snapshot(Document::from(self.session.document()))
+        State::Snapshot(Document::default())
     }
 
     /// A client goes, and its gestures with it. Who looked at its view goes on from there.
@@ -190,29 +212,38 @@ impl Room {
         self.clients.iter().map(presence).collect()
     }
 
-    /// Sends clients that were behind, and have taken what they were sent, the session as it is.
-    pub(super) fn catch_up_clients(&mut self) {
-        self.catch_up(Outbox::can_catch_up);
-    }
-
-    /// Sends all clients that are behind the session as it is: there will be no other time.
-    pub(super) fn catch_up_all(&mut self) {
-        self.catch_up(Outbox::is_behind);
-    }
-
-    fn catch_up(&mut self, chosen: impl Fn(&Outbox) -> bool) {
-        if self.outboxes.any(&chosen) {
-            let resync = ServerMessage::Resync(Box::new(self.resync()));
-            self.outboxes.catch_up(chosen, &resync);
+    /// Sends clients that were behind, and have taken what they were sent, the session as it is; once there is room for its text.
+    pub(super) async fn catch_up_clients(&mut self) {
+        if !self.backend.in_flight.is_full() {
+            self.catch_up(Outbox::can_catch_up).await;
         }
     }
 
+    /// Sends all clients that are behind the session as it is: there will be no other time.
+    pub(super) async fn catch_up_all(&mut self) {
+        self.catch_up(Outbox::is_behind).await;
+    }
+
+    async fn catch_up(&mut self, chosen: impl Fn(&Outbox) -> bool) {
+        if !self.outboxes.any(&chosen) {
+            return;
+        }
+        match self.document_json().await {
+            Ok(document) => {
+                let resync = ServerMessage::Resync(Box::new(self.resync()));
+                let resync = Text::around(&resync, document, &self.backend.in_flight);
+                self.outboxes.catch_up(chosen, &resync);
+            }
+            Err(error) => tracing::error!("the text of session {} cannot be made: {error}", self.name),
+        }
+    }
+
+    /// The session as it is, with an empty document, in whose place its text goes.
     fn resync(&self) -> Resync {
-        let document = self.session.document();
         Resync {
             seq: self.session.seq(),
-            hash: document.hash().to_string(),
-            document: document.into(),
+            hash: self.session.document().hash().to_string(),
+            document: Document::default(),
             bounds: self.scene.bounds,
             notes: self.scene.decoded.notes.to_vec(),
             clients: self.presence(),

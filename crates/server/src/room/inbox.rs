@@ -211,12 +211,13 @@ impl Room {
         }
     }
 
-    fn snapshot(&self) -> Snapshot {
+    fn snapshot(&mut self) -> Snapshot {
         Snapshot {
             name: self.name.to_string(),
             epoch: self.epoch.clone(),
             seq: self.session.seq(),
             document: self.session.document().clone(),
+            text: self.document_text(),
             scene: self.scene.decoded.clone(),
             lease: Arc::clone(&self.lease),
         }

@@ -9,6 +9,7 @@ use tokio_util::sync::CancellationToken;
 
 use crate::ServerError;
 use crate::access::Principal;
+use crate::document_text::DocumentText;
 use crate::outbox::Outbox;
 use crate::outboxes::ClientId;
 use crate::renderer::Lease;
@@ -112,6 +113,8 @@ pub struct Snapshot {
     pub seq: u64,
     /// The document after it.
     pub document: Document,
+    /// Its JSON, shared with all who want it.
+    pub text: Arc<DocumentText>,
     /// Its scene.
     pub scene: Decoded,
     /// Keeps what the renderer has of it.

@@ -4,6 +4,7 @@
 //! only then publishes them (`commit`). A program's long request is carried out in parts, so that others come in between. Who
 //! drags a feature waits for the solver, and nobody else (`lines`). In between it keeps the views' pictures going (`crate::views`).
 
+mod checkpoint;
 mod clients;
 mod commit;
 mod directory;
@@ -19,15 +20,16 @@ mod tick;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::future::ready;
-use std::sync::Arc;
 use std::sync::atomic::Ordering;
+use std::sync::{Arc, Weak};
 
-use document::Document;
+use axum::body::Bytes;
+use document::{Document, DocumentHash};
 use protocol::{Bounds, ServerMessage};
 use scene::Camera;
 use store::Opened;
 use tokio::sync::{mpsc, watch};
-use tokio::task::{JoinHandle, JoinSet};
+use tokio::task::{JoinHandle, JoinSet, spawn_blocking};
 use tokio::time::{Instant, sleep_until};
 
 pub use directory::Rooms;
@@ -36,6 +38,7 @@ pub use steps::time_ms;
 
 use crate::ServerError;
 use crate::backend::Backend;
+use crate::document_text::DocumentText;
 use crate::limits::{IDLE_AT_MOST, LEASE_CHECK_EVERY, PRESENCE_EVERY, RETRY_AFTER, STALLED_CHECK_EVERY};
 use crate::outbox::Outbox;
 use crate::outboxes::{ClientId, Outboxes};
@@ -59,6 +62,10 @@ struct Room {
     epoch: String,
     backend: Backend,
     session: edit::Session,
+    /// The document's JSON, where somebody has it.
+    text: Weak<DocumentText>,
+    /// After which record that is, and of which document.
+    text_of: Option<(u64, DocumentHash)>,
     /// What has been written since the session's checkpoint.
     tail: store::Tail,
     /// Bytes of that checkpoint.
@@ -133,7 +140,7 @@ impl Room {
     ) -> Result<Self, ServerError> {
         let session_name = Arc::clone(name);
         let opened = backend.storage.read(move |store| store.open_session(&session_name));
-        let Opened { row, session, tail, checkpoint_failed } = opened.await?;
+        let Opened { row, session, tail, checkpoint_bytes, checkpoint_failed } = opened.await?;
         if checkpoint_failed {
             tracing::warn!(
                 "session {name} has a checkpoint that its log does not prove; all of the log was replayed"
@@ -146,14 +153,16 @@ impl Room {
             name: Arc::clone(name),
             number,
             epoch: row.epoch,
-            outboxes: Outboxes::default(),
+            outboxes: Outboxes::new(backend.in_flight.clone()),
+            text: Weak::new(),
+            text_of: None,
             views: Views::new(backend.clone(), Arc::clone(name), Arc::clone(&lease)),
             lease,
             backend,
             scene,
             session,
             tail,
-            checkpoint_bytes: 0,
+            checkpoint_bytes,
             clients: BTreeMap::new(),
             probes: Probes::default(),
             solving: JoinSet::new(),
@@ -173,7 +182,7 @@ impl Room {
     async fn serve(&mut self, inbox: &mut mpsc::Receiver<Message>, rooms: &Rooms) {
         let mut more_may_come = true;
         while more_may_come || self.has_more_to_do() {
-            let wake = self.do_what_is_due(rooms);
+            let wake = self.do_what_is_due(rooms).await;
             let can_go_on = self.can_go_on();
             tokio::select! {
                 message = inbox.recv(), if more_may_come && !can_go_on => match message {
@@ -190,15 +199,15 @@ impl Room {
                 inbox.close();
             }
         }
-        self.catch_up_all();
+        self.catch_up_all().await;
         tracing::info!("session {} is closed at record {}", self.name, self.session.seq());
     }
 
     /// Does what is due and says when to look again.
-    fn do_what_is_due(&mut self, rooms: &Rooms) -> Instant {
+    async fn do_what_is_due(&mut self, rooms: &Rooms) -> Instant {
         let now = Instant::now();
         self.drop_lost_clients();
-        self.catch_up_clients();
+        self.catch_up_clients().await;
         self.views.configure(&mut self.outboxes);
         let live =
             Live { session: &self.session, scene: &self.scene.decoded.posed, revision: self.live_revision };
@@ -229,6 +238,24 @@ impl Room {
             wake = wake.min(self.used + IDLE_AT_MOST);
         }
         wake
+    }
+
+    /// The document's text, the one that somebody has already or a new one.
+    fn document_text(&mut self) -> Arc<DocumentText> {
+        let document = self.session.document();
+        let now = Some((self.session.seq(), document.hash()));
+        let known = self.text.upgrade().filter(|_| self.text_of == now);
+        known.unwrap_or_else(|| {
+            let new = Arc::new(DocumentText::new(document.clone(), self.backend.in_flight.clone()));
+            (self.text, self.text_of) = (Arc::downgrade(&new), now);
+            new
+        })
+    }
+
+    /// Its JSON. Making that takes a while, in which the session's other work waits.
+    async fn document_json(&mut self) -> Result<Bytes, ServerError> {
+        let text = self.document_text();
+        spawn_blocking(move || text.bytes()).await.map_err(|_| ServerError::Fault)
     }
 
     fn drain(&mut self) {

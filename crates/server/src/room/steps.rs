@@ -6,16 +6,14 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use document::{Change, Command, Context, SceneContents};
 use edit::{Actor, Record, Request, Sources, TakenBack};
-use protocol::{EditResult, GestureStatus, Outcome, ServerMessage, SessionCheckpoint};
+use protocol::{EditResult, GestureStatus, Outcome, ServerMessage};
 use store::Rejection;
-use tokio::task::spawn_blocking;
 
 use super::solving::{Found, Solution, with_solution};
 use super::tick::{Answer, EarlierOutcomes, OperationKey, Outgoing, Tick, refused};
 use super::{OpenScene, Room};
 use crate::ServerError;
 use crate::access::Principal;
-use crate::limits::{CHECKPOINT_AFTER_BYTES, CHECKPOINT_AFTER_RECORDS};
 use crate::request::Step;
 
 /// What a request needs of the store, found before it is carried out.
@@ -182,25 +180,6 @@ impl Room {
             found.loaded = Some(self.backend.scenes.load(*asset).await?.contents);
         }
         Ok(found)
-    }
-
-    /// Writes a checkpoint down once so much has come since the last one that opening the session would take long.
-    /// What fails here costs time at the next opening, nothing else.
-    pub(super) async fn keep_checkpoint(&mut self) {
-        let enough_bytes = CHECKPOINT_AFTER_BYTES.max(4 * self.checkpoint_bytes);
-        if self.tail.records < CHECKPOINT_AFTER_RECORDS && self.tail.bytes < enough_bytes {
-            return;
-        }
-        self.tail = store::Tail::default();
-        let session = self.session.clone();
-        let kept = match spawn_blocking(move || SessionCheckpoint::from(&session)).await {
-            Ok(checkpoint) => self.backend.storage.keep_checkpoint(&self.name, checkpoint).await,
-            Err(_) => Err(ServerError::Fault),
-        };
-        match kept {
-            Ok(bytes) => self.checkpoint_bytes = bytes,
-            Err(error) => tracing::warn!("session {} has no new checkpoint: {error}", self.name),
-        }
     }
 }
 

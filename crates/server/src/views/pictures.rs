@@ -4,7 +4,6 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use axum::body::Bytes;
-use axum::extract::ws::Message as SocketMessage;
 use protocol::ServerMessage;
 use render::{RenderError, View as RenderView};
 use stream::{Content, Next, Quality};
@@ -17,7 +16,7 @@ use super::view::{Source, UnderWay};
 use super::{Live, Sending, Viewer, Views, now};
 use crate::ServerError;
 use crate::limits::{HAND_FOR, IDLE_AT_MOST, STALLED_CHECK_EVERY, TILES_CHECK_EVERY};
-use crate::outbox::text;
+use crate::outbox::{SocketMessage, text};
 use crate::outboxes::{ClientId, Outboxes};
 use crate::renderer::{Output, Place, Request, Urgency};
 

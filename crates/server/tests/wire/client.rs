@@ -39,11 +39,30 @@ impl Client {
 
     /// As [`Self::join`], by a socket for which the system keeps little that is not read.
     pub async fn join_narrowly(door: &Door, session: &str, name: &str) -> (Self, Welcome) {
+        Self::connect_narrowly(door).await.welcomed(door, session, name).await
+    }
+
+    /// As [`Self::connect`], by such a socket.
+    pub async fn connect_narrowly(door: &Door) -> Self {
         let socket = TcpSocket::new_v4().unwrap();
         socket.set_recv_buffer_size(64 << 10).unwrap();
         let stream = MaybeTlsStream::Plain(socket.connect(door.address).await.unwrap());
-        let client = Self(client_async(socket_request(door), stream).await.unwrap().0);
-        client.welcomed(door, session, name).await
+        Self(client_async(socket_request(door), stream).await.unwrap().0)
+    }
+
+    /// Connects and says hello; the welcome, where that is the answer.
+    pub async fn greeted(door: &Door, session: &str, name: &str) -> Option<Welcome> {
+        let mut client = Self::connect(door).await;
+        client.say(&hello(&door.token, session, name)).await;
+        match client.next().await {
+            Came::Control(ServerMessage::Welcome(welcome)) => Some(*welcome),
+            _ => None,
+        }
+    }
+
+    /// What it reads from.
+    pub fn into_stream(self) -> MaybeTlsStream<TcpStream> {
+        self.0.into_inner()
     }
 
     async fn welcomed(self, door: &Door, session: &str, name: &str) -> (Self, Welcome) {

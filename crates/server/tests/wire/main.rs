@@ -1,5 +1,6 @@
 //! The server as clients and programs meet it: real sockets, real HTTP, a real store.
 
+mod bodies;
 mod client;
 mod documented;
 mod drain;
@@ -16,3 +17,5 @@ mod scenes;
 mod server;
 mod sessions;
 mod slow;
+mod strangers;
+mod unread;

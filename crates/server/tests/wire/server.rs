@@ -54,7 +54,7 @@ pub static SHARED: LazyLock<Door> = LazyLock::new(|| {
 });
 
 /// Whether a server has drawn with every common pipeline.
-fn is_ready(address: SocketAddr) -> bool {
+pub fn is_ready(address: SocketAddr) -> bool {
     let mut stream = TcpStream::connect(address).unwrap();
     stream.write_all(b"GET /readyz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
     let mut answer = String::new();

@@ -1,0 +1,65 @@
+//! A document's JSON, made once a revision for all who are sent it.
+
+use std::sync::{Arc, OnceLock};
+
+use axum::body::Bytes;
+use document::Document;
+
+use crate::in_flight::{InFlight, Reservation};
+
+/// The JSON of a document as it is after one record. It is on the account for as long as anybody has it.
+#[derive(Debug)]
+pub struct DocumentText {
+    document: Document,
+    in_flight: InFlight,
+    made: OnceLock<(String, Reservation)>,
+}
+
+impl DocumentText {
+    /// Of this document; nothing is made yet.
+    pub fn new(document: Document, in_flight: InFlight) -> Self {
+        Self { document, in_flight, made: OnceLock::new() }
+    }
+
+    /// The text, made now where it is not there yet, which takes long for a large document.
+    pub fn bytes(self: Arc<Self>) -> Bytes {
+        self.json();
+        Bytes::from_owner(Shared(self))
+    }
+
+    fn json(&self) -> &str {
+        let make = || {
+            let document = protocol::Document::from(&self.document);
+            let json = serde_json::to_string(&document).expect("plain data with string keys");
+            let held = self.in_flight.count(json.len());
+            (json, held)
+        };
+        &self.made.get_or_init(make).0
+    }
+}
+
+struct Shared(Arc<DocumentText>);
+
+impl AsRef<[u8]> for Shared {
+    fn as_ref(&self) -> &[u8] {
+        self.0.json().as_bytes()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_is_made_once_and_is_on_the_account_while_somebody_has_it() {
+        let in_flight = InFlight::default();
+        let text = Arc::new(DocumentText::new(Document::default(), in_flight.clone()));
+        assert_eq!(in_flight.bytes(), 0, "nobody has asked");
+        let (one, two) = (Arc::clone(&text).bytes(), Arc::clone(&text).bytes());
+        assert!(one.as_ptr() == two.as_ptr() && in_flight.bytes() == one.len(), "both are the same bytes");
+        drop((text, one));
+        assert_eq!(in_flight.bytes(), two.len());
+        drop(two);
+        assert_eq!(in_flight.bytes(), 0);
+    }
+}

@@ -1,0 +1,55 @@
+//! `GET /socket`: from a request to a WebSocket.
+//!
+//! Ours and not axum's, because a message has to go in parts (`crate::socket`), which axum's sockets do not do.
+
+use axum::body::Body;
+use axum::extract::Request;
+use axum::http::{HeaderMap, HeaderName, Method, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use hyper::upgrade::{OnUpgrade, Upgraded};
+use hyper_util::rt::TokioIo;
+use tokio_tungstenite::WebSocketStream;
+use tokio_tungstenite::tungstenite::handshake::derive_accept_key;
+use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
+
+use crate::ServerError;
+use crate::limits::{MAX_MESSAGE_BYTES, SOCKET_READ_BYTES};
+use crate::socket::Socket;
+
+/// What becomes the socket that a request asks for, and the answer that says so (RFC 6455, section 4.2).
+pub fn upgrade(request: &mut Request) -> Result<(OnUpgrade, Response), ServerError> {
+    let headers = request.headers();
+    let asks = request.method() == Method::GET
+        && has_word(headers, header::CONNECTION, "upgrade")
+        && has_word(headers, header::UPGRADE, "websocket")
+        && has_word(headers, header::SEC_WEBSOCKET_VERSION, "13");
+    let key = headers.get(header::SEC_WEBSOCKET_KEY).filter(|_| asks).map(|key| key.as_bytes().to_vec());
+    let (Some(key), Some(upgrade)) = (key, request.extensions_mut().remove::<OnUpgrade>()) else {
+        let sentence = "sockets of version 13 are opened here: connect with a WebSocket client";
+        return Err(ServerError::BadMessage(sentence.into()));
+    };
+    let headers = [
+        (header::CONNECTION, "upgrade".into()),
+        (header::UPGRADE, "websocket".into()),
+        (header::SEC_WEBSOCKET_ACCEPT, derive_accept_key(&key)),
+    ];
+    Ok((upgrade, (StatusCode::SWITCHING_PROTOCOLS, headers, Body::empty()).into_response()))
+}
+
+/// The socket on what a connection has become.
+pub async fn open(upgraded: Upgraded) -> Socket {
+    // A message a little over the limit is answered with a sentence; one far over it ends the connection. What is sent is
+    // written at once, so that nothing but the part of a message under way waits in memory.
+    let config = WebSocketConfig::default()
+        .max_message_size(Some(4 * MAX_MESSAGE_BYTES))
+        .max_frame_size(Some(4 * MAX_MESSAGE_BYTES))
+        .read_buffer_size(SOCKET_READ_BYTES)
+        .write_buffer_size(0);
+    WebSocketStream::from_raw_socket(TokioIo::new(upgraded), Role::Server, Some(config)).await
+}
+
+/// Whether a header has that word among those between commas.
+fn has_word(headers: &HeaderMap, name: HeaderName, word: &str) -> bool {
+    let lines = headers.get_all(name).into_iter().filter_map(|line| line.to_str().ok());
+    lines.flat_map(|line| line.split(',')).any(|found| found.trim().eq_ignore_ascii_case(word))
+}

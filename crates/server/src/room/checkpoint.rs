@@ -1,0 +1,86 @@
+//! When a session gets a new checkpoint, and keeping it.
+
+use protocol::SessionCheckpoint;
+use store::Tail;
+use tokio::task::spawn_blocking;
+
+use super::Room;
+use crate::ServerError;
+use crate::limits::{CHECKPOINT_AFTER_BYTES, CHECKPOINT_AFTER_RECORDS};
+
+/// Whether a session whose checkpoint has `last_bytes` gets a new one, `tail` having come since.
+///
+/// A checkpoint names everybody who has edited, so it grows with them. Together checkpoints never take more than the
+/// records do: each is as long as the one before, about, and as many bytes of records lie between.
+fn is_due(tail: Tail, last_bytes: u64) -> bool {
+    let has_many = tail.records >= CHECKPOINT_AFTER_RECORDS && tail.bytes >= last_bytes;
+    has_many || tail.bytes >= CHECKPOINT_AFTER_BYTES.max(4 * last_bytes)
+}
+
+impl Room {
+    /// Writes a checkpoint down once so much has come since the last one that opening the session would take long.
+    /// What fails here costs time at the next opening, nothing else.
+    pub(super) async fn keep_checkpoint(&mut self) {
+        if !is_due(self.tail, self.checkpoint_bytes) {
+            return;
+        }
+        self.tail = Tail::default();
+        let session = self.session.clone();
+        let kept = match spawn_blocking(move || SessionCheckpoint::from(&session)).await {
+            Ok(checkpoint) => self.backend.storage.keep_checkpoint(&self.name, checkpoint).await,
+            Err(_) => Err(ServerError::Fault),
+        };
+        match kept {
+            Ok(bytes) => self.checkpoint_bytes = bytes,
+            Err(error) => tracing::warn!("session {} has no new checkpoint: {error}", self.name),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use document::Command;
+    use edit::{Actor, Request, Session, Sources};
+    use serde_json::json;
+
+    use super::*;
+
+    const EDITS: u64 = 10_000;
+
+    /// Bytes of checkpoints that so many edits come to, for each byte of their records, where the actor with the number
+    /// that `actor` gives for an edit makes it.
+    fn written(actor: impl Fn(u64) -> u64, is_due: impl Fn(Tail, u64) -> bool) -> f64 {
+        let (mut session, mut tail, mut last_bytes) = (Session::default(), Tail::default(), 0);
+        let (mut of_records, mut of_checkpoints) = (0, 0);
+        for n in 0..EDITS {
+            let command = match n {
+                0 => json!({"type": "addLight", "light": {"type": "spot"}}),
+                n => json!({"type": "setLight", "light": 1, "parameter": {"coneAngle": 10 + n % 50}}),
+            };
+            let command: protocol::Command = serde_json::from_value(command).unwrap();
+            let command = Command::try_from(command).unwrap();
+            let actor = Actor { id: format!("{:0>64}", actor(n)), name: "Ada".into() };
+            let request = Request::Edit { base_seq: None, command };
+            let record = session.request(request, &actor, &n.to_string(), 0, Sources::default()).unwrap();
+            let bytes = protocol::Record::from(&record).to_json().len() as u64;
+            of_records += bytes;
+            tail += Tail { records: 1, bytes };
+            if is_due(tail, last_bytes) {
+                last_bytes = SessionCheckpoint::from(&session).to_json().len() as u64;
+                of_checkpoints += last_bytes;
+                tail = Tail::default();
+            }
+        }
+        of_checkpoints as f64 / of_records as f64
+    }
+
+    #[test]
+    fn checkpoints_take_no_more_than_records_whoever_edits() {
+        let after_a_count = |tail: Tail, _| tail.records >= CHECKPOINT_AFTER_RECORDS;
+        let (one, all) = (written(|_| 0, is_due), written(|n| n, is_due));
+        assert!(one > 0.0 && all > 0.0, "both have checkpoints: {one} and {all}");
+        assert!(one < 0.5 && all <= 1.0, "{one} with one actor, {all} with another for each edit");
+        let planted = written(|n| n, after_a_count);
+        assert!(planted > 1.5, "{planted}: checkpoints after a count of records alone are caught");
+    }
+}

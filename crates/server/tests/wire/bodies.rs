@@ -1,0 +1,111 @@
+//! Bodies and answers in memory: as many bytes as the account has room for, given back when they are cut off.
+
+use std::time::Duration;
+
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
+use tokio::task::spawn_blocking;
+use tokio::time::sleep;
+
+use crate::client::{Answer, bearer, get, post};
+use crate::server::{Door, Own};
+
+const MIB: usize = 1 << 20;
+/// What a body of 8 MiB counts for, and how many have room.
+const COST: usize = 4 * 8 * MIB;
+const ROOM: usize = 320 * MIB / COST;
+
+async fn on_thread(door: &Door, ask: impl FnOnce(&Door) -> Answer + Send + 'static) -> Answer {
+    let door = door.clone();
+    spawn_blocking(move || ask(&door)).await.unwrap()
+}
+
+/// What the account holds.
+async fn held(door: &Door) -> usize {
+    let metrics = on_thread(door, |door| get(door, "/metrics")).await;
+    let line = metrics.text().lines().find_map(|line| line.strip_prefix("bendylights_bytes_in_flight "));
+    line.expect("a count").parse().expect("a number")
+}
+
+/// Waits until the account holds what is wanted.
+async fn holds(door: &Door, wanted: impl Fn(usize) -> bool) {
+    let mut tries = 0..1_000;
+    while !wanted(held(door).await) {
+        tries.next().expect("the account changes at once");
+        sleep(Duration::from_millis(5)).await;
+    }
+}
+
+/// Begins to send a body: its head, with the header that says how it comes, and some of it.
+async fn begin(door: &Door, how: &str, part: &[u8]) -> TcpStream {
+    let mut stream = TcpStream::connect(door.address).await.unwrap();
+    let head = format!(
+        "POST /sessions HTTP/1.1\r\nHost: localhost\r\nAuthorization: {}\r\nConnection: close\r\n{how}\r\n\r\n",
+        bearer(door)
+    );
+    stream.write_all(head.as_bytes()).await.unwrap();
+    stream.write_all(part).await.unwrap();
+    stream
+}
+
+fn session_of(name: &str, bytes: usize) -> String {
+    let session = format!(r#"{{"name": "{name}"}}"#);
+    let spaces = " ".repeat(bytes - session.len());
+    session + &spaces
+}
+
+/// Rules: HTTP-26
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn bodies_that_are_cut_off_give_back_what_they_held() {
+    let own = Own::start().await;
+    let door = &own.door;
+    assert_eq!(held(door).await, 0);
+    let said = format!("Content-Length: {}", 8 * MIB);
+    let mut resting = Vec::new();
+    for _ in 0..ROOM {
+        resting.push(begin(door, &said, b"{").await);
+    }
+    holds(door, |held| held == ROOM * COST).await;
+    // One byte of each has come: what a head says counts. A body that says nothing counts once it is large.
+    let mut one_more = begin(door, &said, &vec![b' '; 8 * MIB]).await;
+    let mut answer = String::new();
+    one_more.read_to_string(&mut answer).await.unwrap();
+    assert!(answer.starts_with("HTTP/1.1 503 ") && answer.contains("\"busy\""), "{answer}");
+    assert!(answer.to_lowercase().contains("\r\nretry-after: 1\r\n"), "{answer}");
+    let mut pieces = begin(door, "Transfer-Encoding: chunked", b"20000\r\n").await;
+    pieces.write_all(&vec![b' '; 128 << 10]).await.unwrap();
+    pieces.write_all(b"\r\n0\r\n\r\n").await.unwrap();
+    answer.clear();
+    pieces.read_to_string(&mut answer).await.unwrap();
+    assert!(answer.starts_with("HTTP/1.1 503 "), "{answer}");
+    let small = on_thread(door, |door| post(door, "/sessions", &session_of("small", 64 << 10))).await;
+    assert_eq!(small.status, 201, "a small one is not refused for large ones: {}", small.text());
+    // Far more than there is room for, all of which break off.
+    for _ in 0..200 {
+        resting.push(begin(door, &said, b"{").await);
+    }
+    assert!(held(door).await <= ROOM * COST);
+    drop(resting);
+    holds(door, |held| held == 0).await;
+    let large = on_thread(door, |door| post(door, "/sessions", &session_of("large", 8 * MIB))).await;
+    assert_eq!(large.status, 201, "{}", large.text());
+    assert_eq!(held(door).await, 0, "what is answered holds nothing");
+}
+
+/// Rules: HTTP-14, HTTP-26
+#[tokio::test]
+async fn a_large_body_comes_within_two_minutes() {
+    let own = Own::start().await;
+    let mut slow = begin(&own.door, &format!("Content-Length: {}", 8 * MIB), b"{").await;
+    slow.write_all(&vec![b' '; 128 << 10]).await.unwrap();
+    holds(&own.door, |held| held == COST).await;
+    tokio::time::pause();
+    for _ in 0..7 {
+        sleep(Duration::from_secs(20)).await;
+        // Once the answer is there nobody reads on.
+        let _ = slow.write_all(b" ").await;
+    }
+    let mut answer = vec![0; 12];
+    slow.read_exact(&mut answer).await.unwrap();
+    assert_eq!(answer, b"HTTP/1.1 408");
+}

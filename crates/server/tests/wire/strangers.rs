@@ -1,0 +1,85 @@
+//! What is asked without the token: answers that are made once, and turns that bound the rest.
+
+use std::time::{Duration, Instant};
+
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
+use tokio::spawn;
+
+use crate::client::{ask_with, bearer, get};
+use crate::server::{Door, SHARED};
+
+/// Rules: HTTP-24
+#[test]
+fn what_never_changes_has_a_tag_by_which_clients_keep_it() {
+    let bearer = bearer(&SHARED);
+    for path in ["/openapi.json", "/parameters"] {
+        let full = get(&SHARED, path);
+        let tag = full.headers["etag"].to_str().unwrap().to_owned();
+        assert!(tag.starts_with('"') && tag.len() == 66, "a strong tag: {tag}");
+        let asked =
+            |tag: &str| ask_with(&SHARED, path, &[("authorization", &bearer), ("if-none-match", tag)], None);
+        for known in [tag.clone(), format!("\"older\", W/{tag}"), "*".into()] {
+            let answer = asked(&known);
+            assert_eq!((answer.status, answer.body.len()), (304, 0), "{path} {known}");
+            assert_eq!(answer.headers["etag"], tag.as_str());
+        }
+        for other in ["\"older\"", &tag[1..65], "W/"] {
+            assert_eq!((asked(other).status, asked(other).body), (200, full.body.clone()), "{path} {other}");
+        }
+    }
+}
+
+/// Asks one connection for a path so many times, one after the other.
+async fn ask_repeatedly(door: Door, path: &'static str, headers: String, count: usize) {
+    let mut stream = TcpStream::connect(door.address).await.unwrap();
+    let request = format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n{headers}\r\n");
+    for _ in 0..count {
+        stream.write_all(request.as_bytes()).await.unwrap();
+        let mut head = Vec::new();
+        while !head.ends_with(b"\r\n\r\n") {
+            head.push(stream.read_u8().await.unwrap());
+        }
+        let head = String::from_utf8(head).unwrap().to_lowercase();
+        let length = head.split("content-length: ").nth(1).unwrap().split("\r\n").next().unwrap();
+        stream.read_exact(&mut vec![0; length.parse().unwrap()]).await.unwrap();
+    }
+}
+
+/// How long so many connections take that ask for a path so many times each.
+async fn time_of(path: &'static str, headers: &str, connections: usize, count: usize) -> Duration {
+    let began = Instant::now();
+    let asking: Vec<_> = (0..connections)
+        .map(|_| spawn(ask_repeatedly(SHARED.clone(), path, headers.to_owned(), count)))
+        .collect();
+    for one in asking {
+        one.await.unwrap();
+    }
+    began.elapsed()
+}
+
+/// The bound is a lower one on time, which no slow machine breaks. Whoever has the token is the planted fault: nothing
+/// bounds what they ask for.
+///
+/// Rules: HTTP-25
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn strangers_wait_for_each_other_and_who_has_the_token_for_none_of_them() {
+    const CONNECTIONS: usize = 40;
+    const EACH: usize = 20;
+    // 16 at once, 25 ms each.
+    let bound = Duration::from_millis(25) * (CONNECTIONS * EACH / 16 - 1) as u32;
+    let token = format!("Authorization: {}\r\n", bearer(&SHARED));
+    for path in ["/nowhere", "/sessions", "/healthz"] {
+        let strangers = time_of(path, "", CONNECTIONS, EACH).await;
+        assert!(strangers >= bound, "{path}: {strangers:?} is less than {bound:?}");
+    }
+    let known = time_of("/nowhere", &token, CONNECTIONS, EACH).await;
+    assert!(known < bound, "who has the token waits as strangers do: {known:?}");
+    let strangers = spawn(time_of("/openapi.json", "", CONNECTIONS, EACH));
+    let asked = Instant::now();
+    time_of("/healthz", "", 1, 1).await;
+    let health = asked.elapsed();
+    time_of("/nowhere", &token, 1, 1).await;
+    assert!(!strangers.is_finished(), "signs of life are answered while others load pages: {health:?}");
+    strangers.abort();
+}

@@ -1,0 +1,187 @@
+//! Who reads nothing: what the server holds for them, by the memory of a server in a process of its own.
+
+use std::io::{BufRead, BufReader, Read};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::time::Duration;
+use std::{env, fs, io};
+
+use futures_util::future::join;
+use protocol::{ErrorCode, ServerMessage};
+use serde_json::json;
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
+use tokio::net::{TcpSocket, TcpStream};
+use tokio::task::spawn_blocking;
+use tokio::time::{Instant, pause, sleep};
+
+use crate::client::{Came, Client, bearer, get, hello, post};
+use crate::server::{Door, Own, is_ready};
+
+const MIB: u64 = 1 << 20;
+
+/// Rules: SOCK-10
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+#[ignore = "the child of the test below, which starts it"]
+async fn child_that_serves_until_its_input_ends() {
+    let own = Own::start().await;
+    println!("door {} {}", own.door.address, own.door.token);
+    spawn_blocking(|| io::stdin().read_to_end(&mut Vec::new())).await.unwrap().unwrap();
+    own.stop().1.await.unwrap().unwrap();
+}
+
+/// A server in a process of its own.
+struct Apart {
+    door: Door,
+    child: Child,
+    /// It ends with this.
+    _input: ChildStdin,
+}
+
+impl Apart {
+    fn start() -> Self {
+        let child = ["--exact", "unread::child_that_serves_until_its_input_ends", "--ignored", "--nocapture"];
+        let mut command = Command::new(env::current_exe().unwrap());
+        command.args(child).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
+        let mut child = command.spawn().unwrap();
+        let input = child.stdin.take().unwrap();
+        let lines = BufReader::new(child.stdout.take().unwrap()).lines();
+        let door = lines.map_while(Result::ok).find_map(|line| {
+            let (address, token) = line.split_once("door ")?.1.split_once(' ')?;
+            Some(Door { address: address.parse().unwrap(), token: token.to_owned() })
+        });
+        Self { door: door.expect("it serves"), child, _input: input }
+    }
+
+    /// Bytes of memory that it holds.
+    fn resident(&self) -> u64 {
+        let status = fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+        line.trim().trim_end_matches(" kB").parse::<u64>().unwrap() << 10
+    }
+}
+
+impl Drop for Apart {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn edit(door: &Door, command: &serde_json::Value) {
+    let body = json!({"edits": [{ "command": command }]}).to_string();
+    let answer = post(door, "/sessions/large/edits", &body);
+    assert!(answer.status == 200 && answer.text().contains("committed"), "{}", answer.text());
+}
+
+/// A session whose document has more than 16 MiB.
+fn large_session(door: &Door) {
+    assert_eq!(post(door, "/sessions", r#"{"name": "large"}"#).status, 201);
+    let paths: Vec<String> = (0..256).map(|n| format!("{n:0>250}")).collect();
+    let links = json!({ "include": paths });
+    let light = json!({"type": "spot", "lightLink": links, "shadowLink": links});
+    for _ in 0..132 {
+        edit(door, &json!({"type": "addLight", "light": light}));
+    }
+    assert!(get(door, "/sessions/large").body.len() as u64 > 16 * MIB);
+}
+
+fn asks_for_document(door: &Door) -> String {
+    format!("GET /sessions/large HTTP/1.1\r\nHost: localhost\r\nAuthorization: {}\r\n\r\n", bearer(door))
+}
+
+/// A socket that says hello and a request for the document, neither of which reads what comes.
+async fn reads_nothing(door: &Door, number: usize) -> (Client, TcpStream) {
+    let mut socket = Client::connect(door).await;
+    socket.say(&hello(&door.token, "large", &format!("client {number}"))).await;
+    let mut http = TcpStream::connect(door.address).await.unwrap();
+    let head =
+        format!("GET /sessions/large HTTP/1.1\r\nHost: localhost\r\nAuthorization: {}\r\n\r\n", bearer(door));
+    http.write_all(head.as_bytes()).await.unwrap();
+    (socket, http)
+}
+
+/// Whoever asks for another revision than the others is the planted fault: their texts cannot be shared.
+///
+/// Rules: SOCK-10, SOCK-13, HTTP-26
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_document_is_held_once_however_many_read_nothing_of_it() {
+    let server = spawn_blocking(Apart::start).await.unwrap();
+    let door = server.door.clone();
+    while !is_ready(door.address) {
+        sleep(Duration::from_millis(50)).await;
+    }
+    let made = door.clone();
+    spawn_blocking(move || large_session(&made)).await.unwrap();
+    let before = server.resident();
+    let mut readers = Vec::new();
+    for number in 0..60 {
+        readers.push(reads_nothing(&door, number).await);
+    }
+    sleep(Duration::from_secs(3)).await;
+    let shared = server.resident().saturating_sub(before);
+    assert!(shared < 100 * MIB, "{} MiB for 120 that read nothing of 16", shared / MIB);
+    drop(readers);
+    let mut readers = Vec::new();
+    for number in 0..30 {
+        let edited = door.clone();
+        let rename = json!({"type": "setLight", "light": 1, "parameter": {"name": format!("lamp {number}")}});
+        spawn_blocking(move || edit(&edited, &rename)).await.unwrap();
+        readers.push(reads_nothing(&door, number).await);
+    }
+    sleep(Duration::from_secs(3)).await;
+    let apart = server.resident().saturating_sub(before);
+    assert!(apart > 200 * MIB, "{} MiB: texts that are not shared are seen", apart / MIB);
+    assert!(
+        apart < 600 * MIB,
+        "{} MiB: and no more of them are made than the account has room for",
+        apart / MIB
+    );
+    let asked = door.clone();
+    let refused = spawn_blocking(move || get(&asked, "/sessions/large")).await.unwrap();
+    assert_eq!(refused.refusal(), (503, "busy".into()));
+    let mut late = Client::connect(&door).await;
+    late.say(&hello(&door.token, "large", "Late")).await;
+    assert!(matches!(
+        late.next().await,
+        Came::Control(ServerMessage::Error { code: ErrorCode::Busy, fatal: true, .. })
+    ));
+    drop(readers);
+    let mut tries = 0..1_000;
+    while Client::greeted(&door, "large", "Ada").await.is_none() {
+        tries.next().expect("what they held is given back");
+        sleep(Duration::from_millis(20)).await;
+    }
+}
+
+/// Takes a little every 20 seconds, which is never nothing for 30, until the connection ends; how long that is.
+async fn take_slowly(mut stream: impl AsyncRead + Unpin) -> Duration {
+    let (began, mut part) = (Instant::now(), vec![0; 64 << 10]);
+    while let Ok(1..) = stream.read(&mut part).await {
+        sleep(Duration::from_secs(20)).await;
+    }
+    began.elapsed()
+}
+
+/// Rules: SOCK-10, HTTP-26
+#[tokio::test]
+async fn what_is_taken_too_slowly_is_cut_off() {
+    let own = Own::start().await;
+    let door = own.door.clone();
+    spawn_blocking(move || large_session(&door)).await.unwrap();
+    let socket = TcpSocket::new_v4().unwrap();
+    socket.set_recv_buffer_size(64 << 10).unwrap();
+    let mut http = socket.connect(own.door.address).await.unwrap();
+    http.write_all(asks_for_document(&own.door).as_bytes()).await.unwrap();
+    let mut client = Client::connect_narrowly(&own.door).await;
+    client.say(&hello(&own.door.token, "large", "Ada")).await;
+    let mut client = client.into_stream();
+    for stream in [&mut http as &mut (dyn AsyncRead + Unpin), &mut client] {
+        stream.read_exact(&mut [0; 4]).await.unwrap();
+    }
+    // From here on time passes as soon as everybody waits.
+    pause();
+    let (of_http, of_socket) = join(take_slowly(http), take_slowly(client)).await;
+    // 17 MiB at 16 KiB a second; at 64 KiB in 20 seconds all of it would take 90 minutes.
+    for taken in [of_http, of_socket] {
+        assert!((Duration::from_mins(17)..Duration::from_hours(1)).contains(&taken), "{taken:?}");
+    }
+}
