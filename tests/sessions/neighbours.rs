@@ -4,9 +4,9 @@ use std::io::Write;
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-use bench::Incoming;
 use bench::neighbours::scenes;
-use protocol::{ClientMessage, ErrorCode, ServerMessage};
+use bench::{Client, Incoming};
+use protocol::{ClientMessage, ErrorCode, ServerMessage, ViewSource};
 use stream::FrameHeader;
 
 use crate::support::{Mirror, Server, move_point, moved};
@@ -122,4 +122,35 @@ fn the_views_of_an_actor_move_so_many_pixels_at_most() {
     let mut others: Vec<Mirror> = ["ben", "cyd", "dan"].map(open).into();
     let (frames, told) = moving_frames(&mut others, 2);
     assert!(pixels(&frames) == 3 * 2400 * 1500 && told.is_empty(), "{frames:?} {told:?}");
+}
+
+/// Rules: HTTP-9
+#[test]
+fn sessions_share_a_scene_on_the_device() {
+    let server = Server::start();
+    let kept = || server.process.metric("bendylights_render_bytes", "scenes").expect("counted");
+    let mut ada = server.connect("ada");
+    ada.open_view();
+    ada.receive_until("a frame", |incoming| matches!(incoming, Incoming::Frame(..)).then_some(()));
+    let before = kept();
+    assert!(before > 0.0);
+    let created = server.process.post("/sessions", br#"{"name": "second", "scene": "demo:vases"}"#);
+    assert_eq!(created.expect("answered").status, 201);
+    let mut ben = Client::connect(&server.process.address, "second", "ben", None).expect("welcome");
+    let source = ViewSource::Own(ben.welcome.camera.clone());
+    let (width, height, camera_revision, settings, interaction, stats) = (160, 90, 1, None, None, false);
+    ben.send(&ClientMessage::OpenView {
+        source,
+        width,
+        height,
+        camera_revision,
+        settings,
+        interaction,
+        stats,
+    })
+    .expect("sent");
+    let frame = ben.wait_for("a frame", |incoming| matches!(incoming, Incoming::Frame(..)).then_some(()));
+    frame.expect("a frame");
+    // The planted fault, a copy a session, has twice as much.
+    assert!(kept() < 1.5 * before, "{} bytes of scenes, {before} for one session", kept());
 }
