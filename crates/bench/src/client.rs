@@ -75,25 +75,18 @@ impl Client {
         actor: &str,
         known: Option<Known>,
     ) -> Result<Self, BenchError> {
-        let tcp = TcpStream::connect(&address.host)?;
-        tcp.set_nodelay(true)?;
-        let url = format!("ws://{}/socket", address.host);
-        let (mut socket, _) = tungstenite::client(url, tcp).map_err(|error| match error {
-            tungstenite::HandshakeError::Failure(error) => BenchError::from(error),
-            tungstenite::HandshakeError::Interrupted(_) => {
-                BenchError::Silent { what: "the handshake", within: ANSWER_WITHIN }
-            }
-        })?;
-        let (epoch, last_seq) = known.map(|known| (known.epoch, known.last_seq)).unzip();
-        let hello = ClientMessage::Hello {
-            protocol: PROTOCOL,
-            token: address.token.clone(),
-            session: session.into(),
-            actor: Actor { id: actor.into(), name: actor.into() },
-            epoch,
-            last_seq,
-        };
-        send(&mut socket, &hello)?;
+        Self::connect_over(TcpStream::connect(&address.host)?, address, session, actor, known)
+    }
+
+    /// Says hello on a connection to `address`.
+    pub(crate) fn connect_over(
+        tcp: TcpStream,
+        address: &Address,
+        session: &str,
+        actor: &str,
+        known: Option<Known>,
+    ) -> Result<Self, BenchError> {
+        let mut socket = say_hello(tcp, address, session, actor, known)?;
         let until = Instant::now() + ANSWER_WITHIN;
         while Instant::now() < until {
             match receive(&mut socket, ANSWER_WITHIN)? {
@@ -167,6 +160,35 @@ impl Client {
         }
         Err(BenchError::Silent { what, within: ANSWER_WITHIN })
     }
+}
+
+/// Sends a hello, whose answer is still to be read.
+pub(crate) fn say_hello(
+    tcp: TcpStream,
+    address: &Address,
+    session: &str,
+    actor: &str,
+    known: Option<Known>,
+) -> Result<WebSocket<TcpStream>, BenchError> {
+    tcp.set_nodelay(true)?;
+    let url = format!("ws://{}/socket", address.host);
+    let (mut socket, _) = tungstenite::client(url, tcp).map_err(|error| match error {
+        tungstenite::HandshakeError::Failure(error) => BenchError::from(error),
+        tungstenite::HandshakeError::Interrupted(_) => {
+            BenchError::Silent { what: "the handshake", within: ANSWER_WITHIN }
+        }
+    })?;
+    let (epoch, last_seq) = known.map(|known| (known.epoch, known.last_seq)).unzip();
+    let hello = ClientMessage::Hello {
+        protocol: PROTOCOL,
+        token: address.token.clone(),
+        session: session.into(),
+        actor: Actor { id: actor.into(), name: actor.into() },
+        epoch,
+        last_seq,
+    };
+    send(&mut socket, &hello)?;
+    Ok(socket)
 }
 
 fn send(socket: &mut WebSocket<TcpStream>, message: &ClientMessage) -> Result<(), BenchError> {

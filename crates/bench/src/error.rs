@@ -54,6 +54,10 @@ pub enum BenchError {
     /// A file could not be written or read.
     #[error("{0}")]
     Io(#[from] std::io::Error),
+    /// What a process uses could not be read.
+    #[error("{}: cannot be read ({reason}): `bench neighbours` needs Linux's /proc", file.display())]
+    #[expect(missing_docs, reason = "its fields are what their names say")]
+    Usage { file: PathBuf, reason: String },
     /// A folder without other renderers.
     #[error("{}: holds no peers: each is a folder in it with a bench.py; name another with --peers", .0.display())]
     NoPeers(PathBuf),

@@ -15,6 +15,7 @@ mod dragged;
 mod error;
 pub mod frame;
 pub mod log;
+pub mod neighbours;
 mod peers;
 mod process;
 pub mod session;

@@ -109,16 +109,22 @@ pub enum Error {
     /// A measurement that could not be made.
     #[error(transparent)]
     Bench(#[from] BenchError),
+    /// A server that lets one client take from another more than it may.
+    #[error(
+        "{rows}: bounds are missed; `missed` of each row says which, and `alone` beside `with` by how much"
+    )]
+    Missed { rows: String },
     /// An answer or a file could not be written.
     #[error(transparent)]
     Cli(#[from] CliError),
 }
 
 impl Error {
-    /// 2 where the user can mend it, 1 where this machine stands in the way.
+    /// 2 where the user can mend it, 1 where this machine stands in the way or what is measured misses a bound.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Cli(error) => error.exit_code(),
+            Self::Missed { .. } => 1,
             Self::Store(StoreError::Io { .. } | StoreError::Database(_) | StoreError::Unwritable(_))
             | Self::NoRuntime(_)
             | Self::Server(

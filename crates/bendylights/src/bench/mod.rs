@@ -3,6 +3,7 @@
 mod drag;
 mod frame;
 mod log;
+mod neighbours;
 mod session;
 mod shadow;
 mod sweep;
@@ -27,6 +28,8 @@ enum Question {
     Frame(frame::Args),
     /// How fast is the edit log? Edits acknowledged, undone and replayed a second, and opening time over its length
     Log(log::Args),
+    /// What does one client lose to another that does all it can? Frames, answers and memory beside each kind of neighbour
+    Neighbours(neighbours::Args),
     /// How long until an edit is on the screen? Drags a control point over a server of its own, on loopback
     Session(session::Args),
     /// What do bent shadows cost, and how wrong are they? Run time against error of resolution, splitting and filter
@@ -41,6 +44,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         Question::Drag(args) => drag::run(args),
         Question::Frame(args) => frame::run(args),
         Question::Log(args) => log::run(args),
+        Question::Neighbours(args) => neighbours::run(args),
         Question::Session(args) => session::run(args),
         Question::Shadow(args) => shadow::run(args),
         Question::Sweep(args) => sweep::run(args),

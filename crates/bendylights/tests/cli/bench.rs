@@ -1,4 +1,4 @@
-//! `bendylights bench drag`, `bench log`, `bench session` and `bench sweep`, with few samples.
+//! `bendylights bench drag`, `bench log`, `bench neighbours`, `bench session` and `bench sweep`, with few samples.
 
 use serde_json::Value;
 
@@ -182,4 +182,76 @@ fn a_session_whose_lights_are_straight_is_dragged_too() {
     let missing = run(&["bench", "session", "--scene", "demo:nothing"]);
     assert_eq!(missing.code, 2);
     assert!(missing.stderr.contains("vases") && !missing.stderr.contains("rendering"), "{}", missing.stderr);
+}
+
+/// What is wrong with rows of `bench neighbours`, whatever they say of the server.
+fn wrong_rows(report: &Value, names: &[&str]) -> Vec<String> {
+    let rows = report["rows"].as_array().expect("rows");
+    let found: Vec<_> = rows.iter().filter_map(|row| row["row"].as_str()).collect();
+    let mut wrong = Vec::new();
+    if found != names {
+        wrong.push(format!("the report has {found:?}"));
+    }
+    for row in rows {
+        let number = |path: &str| row.pointer(path).and_then(Value::as_f64).unwrap_or(f64::NAN);
+        let positive = [
+            "/alone/framesPerSecond",
+            "/alone/ownDrags",
+            "/alone/ownDrag/p50Ms",
+            "/aloneAfter/framesPerSecond",
+            "/memory/afterMib",
+            "/serverCpuShare",
+            "/other/done",
+        ];
+        let is_positive = |path: &&str| number(path) > 0.0;
+        wrong
+            .extend(positive.iter().filter(|path| !is_positive(path)).map(|path| format!("{path} in {row}")));
+        let alone = number("/alone/framesPerSecond").max(number("/aloneAfter/framesPerSecond"));
+        let share = number("/with/framesPerSecond") / alone;
+        if (share - number("/share")).abs() > 1e-9 {
+            wrong.push(format!("the share is {share} in {row}"));
+        }
+        let misses =
+            |bound: &str| row["missed"].as_array().is_some_and(|missed| missed.contains(&bound.into()));
+        if misses("share") == (share >= number("/leastShare"))
+            || misses("gap") == (number("/longestGapOfUsual") <= 4.0)
+        {
+            wrong.push(format!("a bound is judged wrongly in {row}"));
+        }
+        if row["passes"] != row["missed"].as_array().is_some_and(Vec::is_empty) {
+            wrong.push(format!("it passes and misses in {row}"));
+        }
+    }
+    wrong
+}
+
+/// What the server allows is for the bench to say; here it is held to what it says.
+#[test]
+fn one_client_is_measured_beside_another() {
+    let folder = Folder::new();
+    let chart = folder.path("chart.svg");
+    let rows = ["asks", "closing-views"];
+    let short = ["--seconds", "2", "--rest-s", "1", "--size", "64x36", "-o", &chart];
+    let Done { code, stdout, stderr } =
+        run(&[&["bench", "neighbours", "--row", rows[0], "--row", rows[1]][..], &short].concat());
+    let mut report: Value = serde_json::from_str(&stdout).expect("JSON");
+    assert_eq!(wrong_rows(&report, &rows), [""; 0]);
+    let missed: Vec<&str> = report["rows"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .filter(|row| row["passes"] == false)
+        .filter_map(|row| row["row"].as_str())
+        .collect();
+    assert_eq!(code, i32::from(!missed.is_empty()), "{stderr}");
+    assert!(missed.iter().all(|row| stderr.contains(row)), "{stderr}");
+    let chart = std::fs::read_to_string(chart).expect("a chart");
+    assert!(rows.iter().all(|row| chart.contains(row)));
+
+    // Planted: the frames of somebody else, and a bound that nobody holds the victim to.
+    report["rows"][0]["with"]["framesPerSecond"] = 1e4.into();
+    report["rows"][1]["missed"] = serde_json::json!(["share"]);
+    report["rows"][1]["share"] = report["rows"][1]["leastShare"].clone();
+    assert!(wrong_rows(&report, &rows).len() >= 2);
+    assert_eq!(run(&["bench", "neighbours", "--row", "noise"]).code, 2);
 }

@@ -1,0 +1,30 @@
+//! What the other client does in each row.
+
+use super::asks;
+use super::drags;
+use super::memory;
+use super::other::Other;
+use super::row::Row;
+use super::views;
+use crate::BenchError;
+
+/// Begins to do it, and returns; its threads go on until it leaves.
+pub(super) type Act = Box<dyn FnOnce(&Other) -> Result<(), BenchError>>;
+
+/// Makes what a row needs; what it does then.
+pub(super) fn prepare(row: Row, other: &Other) -> Result<Act, BenchError> {
+    match row {
+        Row::Solves => drags::solves(other),
+        Row::SolvesInSession => drags::in_session(other),
+        Row::LargeViews | Row::SlowLink => views::large(other),
+        Row::SilentViews => views::silent(other),
+        Row::RestingViews => views::resting(other),
+        Row::ClosingViews => views::closing(other),
+        Row::Stills16000 | Row::Stills64000 | Row::StillsOfPrimitives => asks::stills(other),
+        Row::Imports => asks::imports(other),
+        Row::Asks => asks::all(other),
+        Row::Actors => asks::actors(other),
+        Row::ReadsNothing => memory::reads_nothing(other),
+        Row::CutBodies => memory::cut_bodies(other),
+    }
+}

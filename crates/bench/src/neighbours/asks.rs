@@ -1,0 +1,165 @@
+//! What is asked over HTTP, and probes: pictures, scenes, answers, edits.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Instant;
+
+use protocol::{ClientMessage, ServerMessage};
+use serde_json::{Value, json};
+
+use super::acts::Act;
+use super::other::{LOOK, Other, Writes};
+use super::row::Row;
+use super::setup::{SIZE, document, make_session, post};
+use super::{scenes, usage};
+use crate::{BenchError, Incoming};
+
+/// Triangles and primitives in one place.
+const TRIANGLES: [u32; 2] = [16_000, 64_000];
+const PRIMITIVES: usize = 100_000;
+/// Requests for stills at once, as many as a server takes.
+const STILLS: usize = 8;
+/// Clients that edit at once.
+const EDITORS: usize = 8;
+/// Drags in one request.
+const DRAGS: usize = 8;
+
+/// Pictures of a scene in which all lies in one place.
+pub(super) fn stills(other: &Other) -> Result<Act, BenchError> {
+    let scene = match other.row {
+        Row::Stills16000 => scenes::triangles(TRIANGLES[0], "still"),
+        Row::Stills64000 => scenes::triangles(TRIANGLES[1], "still"),
+        _ => scenes::primitives(PRIMITIVES, "still"),
+    };
+    let answer = other.address.post("/assets", &scene)?;
+    let uploaded: Value = serde_json::from_slice(&answer.body).unwrap_or_default();
+    let Some(asset) = uploaded["asset"].as_str() else { return Err(BenchError::Refused(answer.text())) };
+    make_session(&other.address, &other.session(0), asset)?;
+    Ok(Box::new(|other| {
+        for _ in 0..STILLS {
+            other.spawn(|other| {
+                let path = format!("/sessions/{}/render?size=64x36", other.session(0));
+                other.ask("GET", &path, b"")
+            });
+        }
+        Ok(())
+    }))
+}
+
+/// Uploads, each of another file.
+#[expect(clippy::unnecessary_wraps, reason = "rows are prepared alike")]
+pub(super) fn imports(_: &Other) -> Result<Act, BenchError> {
+    Ok(Box::new(|other| {
+        for thread in 0..2 {
+            let mut count = 0;
+            other.spawn(move |other| {
+                count += 1;
+                let name = format!("upload {thread} {count}");
+                let scene = match count % 3 {
+                    0 => scenes::primitives(PRIMITIVES, &name),
+                    one => scenes::triangles(TRIANGLES[one - 1], &name),
+                };
+                other.ask("POST", "/assets", &scene)
+            });
+        }
+        Ok(())
+    }))
+}
+
+/// All that is answered without a picture, each by a thread that asks again once it is answered.
+pub(super) fn all(other: &Other) -> Result<Act, BenchError> {
+    let session = other.session(0);
+    make_session(&other.address, &session, "demo:vases")?;
+    let camera = &document(&other.address, &session)?["cameras"][0]["camera"];
+    let pixel = [f64::from(SIZE[0]) / 2.0, f64::from(SIZE[1]) / 2.0];
+    let drag = json!({
+        "light": 0, "kind": "hotspot", "size": SIZE, "from": pixel, "to": [pixel[0] + 20.0, pixel[1]], "pins": [],
+    });
+    let requests = [
+        ("GET", "/openapi.json".to_owned(), Value::Null),
+        ("GET", format!("/sessions/{session}"), Value::Null),
+        ("POST", format!("/sessions/{session}/pick"), json!({"camera": camera})),
+        ("POST", format!("/sessions/{session}/probe"), json!({"size": SIZE, "pixel": pixel})),
+        ("POST", format!("/sessions/{session}/drags"), json!(vec![drag; DRAGS])),
+    ];
+    Ok(Box::new(move |other| {
+        for (method, path, body) in requests {
+            let body = if body.is_null() { String::new() } else { body.to_string() };
+            other.spawn(move |other| other.ask(method, &path, body.as_bytes()));
+        }
+        other.spawn(move |other| probe(other, pixel));
+        Ok(())
+    }))
+}
+
+/// Probes on a socket, one after the other.
+fn probe(other: &Other, pixel: [f64; 2]) -> Result<(), BenchError> {
+    let mut client = other.connect(0)?;
+    while !other.is_over() {
+        let probe = "probe".to_owned();
+        let message =
+            ClientMessage::Probe { probe, pixel, camera: None, size: Some(SIZE), highlights: false };
+        client.send(&message)?;
+        while !other.is_over() {
+            let Some(Incoming::Message(message)) = client.receive(LOOK)? else { continue };
+            if let ServerMessage::Probed(_) | ServerMessage::Error { .. } = *message {
+                other.did(1);
+                break;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Edits, half of the time as one actor and then as another for each, and what is written for them.
+pub(super) fn actors(other: &Other) -> Result<Act, BenchError> {
+    let session = other.session(0);
+    make_session(&other.address, &session, "demo:vases")?;
+    let light = document(&other.address, &session)?["lights"][0]["id"].as_u64().unwrap_or_default();
+    // A first edit opens the session.
+    post(&other.address, &format!("/sessions/{session}/edits"), &edit_of(light, "first", 0))?;
+    Ok(Box::new(move |other| {
+        let (count, are_many) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicBool::new(false)));
+        for _ in 0..EDITORS {
+            let (count, are_many) = (count.clone(), are_many.clone());
+            other.spawn(move |other| {
+                let n = count.load(Ordering::Relaxed);
+                let id = format!("actor-{:x}", fastrand::u64(..));
+                let actor = if are_many.load(Ordering::Relaxed) { &id } else { "one" };
+                let body = edit_of(light, actor, n).to_string();
+                other.ask("POST", &format!("/sessions/{}/edits", other.session(0)), body.as_bytes())?;
+                count.fetch_add(1, Ordering::Relaxed);
+                Ok(())
+            });
+        }
+        other.spawn(move |other| {
+            let measure = || -> Result<f64, BenchError> {
+                let (written, edits) = (usage::written_bytes(other.pid)?, count.load(Ordering::Relaxed));
+                let until = Instant::now() + other.span.mul_f64(0.45);
+                while Instant::now() < until && !other.is_over() {
+                    std::thread::sleep(LOOK);
+                }
+                let bytes = usage::written_bytes(other.pid)?.saturating_sub(written);
+                Ok(bytes as f64 / count.load(Ordering::Relaxed).saturating_sub(edits) as f64)
+            };
+            let one_actor_bytes = measure()?;
+            are_many.store(true, Ordering::Relaxed);
+            let many_actors_bytes = measure()?;
+            // On a file system in memory nothing is written.
+            if one_actor_bytes > 0.0 {
+                let ratio = many_actors_bytes / one_actor_bytes;
+                other.keep_writes(Writes { one_actor_bytes, many_actors_bytes, ratio });
+            }
+            while !other.is_over() {
+                std::thread::sleep(LOOK);
+            }
+            Ok(())
+        });
+        Ok(())
+    }))
+}
+
+fn edit_of(light: u64, actor: &str, n: u64) -> Value {
+    let command = json!({"type": "setLight", "light": light, "parameter": {"name": format!("name {n}")}});
+    json!({"actor": {"id": actor, "name": actor}, "edits": [{"command": command}]})
+}

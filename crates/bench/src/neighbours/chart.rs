@@ -1,0 +1,100 @@
+//! Bars of what the victim keeps beside each kind of other client, as an SVG.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+use super::judge::MOST_GAP;
+use super::{Report, RowReport};
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Drawn = Result<(), Box<dyn std::error::Error>>;
+
+const PASSES: RGBColor = RGBColor(0x2f, 0x6d, 0xb5);
+const MISSES: RGBColor = RGBColor(0xd0, 0x00, 0x30);
+/// Pixels of the picture's width, and of the height of a row and of all else.
+const WIDTH: u32 = 1100;
+const ROW: u32 = 26;
+const REST: u32 = 110;
+/// The longest gap that the axis has room for, over the usual 95th percentile.
+const TOP_GAP: f64 = 4000.0;
+
+/// Left the share of its frames, right its longest gap, a row each; lines are the bounds.
+pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>> {
+    let mut svg = String::new();
+    {
+        let rows = report.rows.len() as u32;
+        let root = SVGBackend::with_string(&mut svg, (WIDTH, REST + ROW * rows)).into_drawing_area();
+        root.fill(&WHITE)?;
+        let title = format!(
+            "a drag at {}x{} beside one other client, over the same drag alone",
+            report.width, report.height
+        );
+        let root = root.titled(&title, ("sans-serif", 18))?;
+        let (left, right) = root.split_horizontally(WIDTH * 6 / 10);
+        shares(&left, report)?;
+        gaps(&right, report)?;
+        root.present()?;
+    }
+    Ok(svg)
+}
+
+/// From where to where the `index`th of so many rows reaches, the first at the top.
+fn rows_of(report: &Report) -> impl Iterator<Item = (f64, &RowReport)> {
+    let count = report.rows.len() as f64;
+    report.rows.iter().enumerate().map(move |(index, row)| (count - index as f64, row))
+}
+
+fn color(passes: bool) -> ShapeStyle {
+    if passes { PASSES.filled() } else { MISSES.filled() }
+}
+
+fn shares(area: &Area, report: &Report) -> Drawn {
+    let top = report.rows.len().max(1) as f64;
+    let mut plot = ChartBuilder::on(area)
+        .caption("share of its frames; red misses a bound, a line is the share's", ("sans-serif", 15))
+        .margin(8)
+        .x_label_area_size(24)
+        .y_label_area_size(150)
+        .build_cartesian_2d(0.0..1.2, 0.0..top)?;
+    plot.configure_mesh().disable_y_mesh().disable_y_axis().light_line_style(BLACK.mix(0.05)).draw()?;
+    for (y, row) in rows_of(report) {
+        let bar = [(0.0, y - 0.15), (row.share.clamp(0.0, 1.2), y - 0.85)];
+        plot.draw_series([Rectangle::new(bar, color(row.passes))])?;
+        plot.draw_series([PathElement::new(
+            [(row.least_share, y - 0.05), (row.least_share, y - 0.95)],
+            BLACK.stroke_width(2),
+        )])?;
+        let text = format!("{:.0} %", 100.0 * row.share);
+        let x = row.share.clamp(0.0, 1.1) + 0.01;
+        plot.draw_series([Text::new(text, (x, y - 0.25), ("sans-serif", 13))])?;
+    }
+    for (y, row) in rows_of(report) {
+        let (_, at) = plot.backend_coord(&(0.0, y - 0.25));
+        let (_, base) = area.get_base_pixel();
+        area.draw(&Text::new(row.row.name(), (8, at - base), ("sans-serif", 13)))?;
+    }
+    Ok(())
+}
+
+fn gaps(area: &Area, report: &Report) -> Drawn {
+    let top = report.rows.len().max(1) as f64;
+    let mut plot = ChartBuilder::on(area)
+        .caption("longest gap over the usual p95; the line is the bound", ("sans-serif", 15))
+        .margin(8)
+        .x_label_area_size(24)
+        .build_cartesian_2d((0.5..TOP_GAP).log_scale(), 0.0..top)?;
+    plot.configure_mesh().disable_y_mesh().disable_y_axis().light_line_style(BLACK.mix(0.05)).draw()?;
+    for (y, row) in rows_of(report) {
+        let gap = if row.longest_gap_of_usual.is_finite() { row.longest_gap_of_usual } else { TOP_GAP };
+        let bar = [(0.5, y - 0.15), (gap.clamp(0.5, TOP_GAP), y - 0.85)];
+        plot.draw_series([Rectangle::new(bar, color(gap <= MOST_GAP))])?;
+        let text = format!("{gap:.1}");
+        plot.draw_series([Text::new(
+            text,
+            (gap.clamp(0.5, TOP_GAP / 4.0) * 1.1, y - 0.25),
+            ("sans-serif", 13),
+        )])?;
+    }
+    plot.draw_series([PathElement::new([(MOST_GAP, 0.0), (MOST_GAP, top)], BLACK.stroke_width(2))])?;
+    Ok(())
+}

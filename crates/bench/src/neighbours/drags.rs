@@ -1,0 +1,116 @@
+//! Drags of features that take long to solve.
+
+use std::time::Duration;
+
+use protocol::{ClientMessage, Command, ServerMessage};
+use serde_json::json;
+
+use super::acts::Act;
+use super::other::{LOOK, Other};
+use super::setup::{add_light, document, edit, make_session, pin};
+use super::victim;
+use crate::{BenchError, Client, Incoming};
+
+/// Segments and pins of the light whose drags are given up: all that a document takes.
+const SEGMENTS: usize = 256;
+const PINS: usize = 256;
+/// The same of the light in the victim's session, whose pins count among those of the document.
+const SEGMENTS_IN_SESSION: usize = 64;
+const PINS_IN_SESSION: usize = 64;
+/// From the begin of a drag to where it is given up: its solve has begun by then.
+const GIVEN_UP_AFTER: Duration = Duration::from_millis(50);
+
+/// Begins drags of features in a session of its own, and gives each up.
+pub(super) fn solves(other: &Other) -> Result<Act, BenchError> {
+    let (address, session, actor) = (&other.address, other.session(0), other.actor(0));
+    make_session(address, &session, "demo:vases")?;
+    let light = document(address, &session)?["lights"][0]["id"].as_u64().unwrap_or_default();
+    let straight = json!({"type": "straightenLight", "light": light});
+    let bent = json!({"type": "bendLight", "light": light, "segments": SEGMENTS});
+    edit(address, &session, &actor, &[straight, bent])?;
+    let draggable = pin(address, &session, &actor, light, PINS)?;
+    Ok(Box::new(move |other| {
+        other.spawn(move |other| {
+            let mut client = other.connect(0)?;
+            for n in 0.. {
+                if other.is_over() {
+                    break;
+                }
+                give_up(&mut client, light, n, draggable.command(n)?)?;
+                other.did(1);
+            }
+            Ok(())
+        });
+        Ok(())
+    }))
+}
+
+fn give_up(client: &mut Client, light: u64, n: usize, command: Command) -> Result<(), BenchError> {
+    let (gesture, base_seq) = (format!("given-up-{n}"), client.welcome.seq);
+    client.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq })?;
+    client.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update: 1, command })?;
+    std::thread::sleep(GIVEN_UP_AFTER);
+    client.send(&ClientMessage::GestureCancel { gesture: gesture.clone() })?;
+    while let Some(incoming) = client.receive(Duration::from_millis(1))? {
+        if let Incoming::Message(message) = incoming
+            && let ServerMessage::GestureState(state) = *message
+            && let Some(problem) = state.status.problem()
+        {
+            return Err(BenchError::Refused(problem.message.clone()));
+        }
+    }
+    Ok(())
+}
+
+/// Drags a feature in the victim's session, and edits its light meanwhile, so that what was solved is of a light that has
+/// changed.
+pub(super) fn in_session(other: &Other) -> Result<Act, BenchError> {
+    let (address, session, actor) = (&other.address, victim::SESSION, other.actor(0));
+    let light = add_light(address, session, &actor, Some(SEGMENTS_IN_SESSION))?;
+    let draggable = pin(address, session, &actor, light, PINS_IN_SESSION)?;
+    Ok(Box::new(move |other| {
+        other.spawn(move |other| {
+            let mut client = other.connect_to(victim::SESSION, 0)?;
+            repeat_edits(other, &mut client, "drag", |n| draggable.command(n))
+        });
+        other.spawn(move |other| {
+            let mut client = other.connect_to(victim::SESSION, 1)?;
+            repeat_edits(other, &mut client, "rename", |n| rename(light, n))
+        });
+        Ok(())
+    }))
+}
+
+/// What no picture shows and every drag of the light depends on.
+fn rename(light: u64, n: usize) -> Result<Command, BenchError> {
+    let command = json!({"type": "setLight", "light": light, "parameter": {"name": format!("name {n}")}});
+    serde_json::from_value(command).map_err(|error| BenchError::Refused(error.to_string()))
+}
+
+/// Edits one after the other, each once the one before is answered.
+fn repeat_edits(
+    other: &Other,
+    client: &mut Client,
+    what: &str,
+    command: impl Fn(usize) -> Result<Command, BenchError>,
+) -> Result<(), BenchError> {
+    for n in 0.. {
+        let (op_id, base_seq) = (format!("{what}-{n}"), client.welcome.seq);
+        client.send(&ClientMessage::Edit { op_id: op_id.clone(), base_seq, command: command(n)? })?;
+        loop {
+            if other.is_over() {
+                return Ok(());
+            }
+            let Some(Incoming::Message(message)) = client.receive(LOOK)? else { continue };
+            let ServerMessage::EditResult(result) = *message else { continue };
+            if result.op_id == op_id {
+                match result.outcome.problem() {
+                    None => other.did(1),
+                    Some(problem) => other.note(Err(BenchError::Refused(problem.message.clone()))),
+                }
+                break;
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,339 @@
+//! What a row's measurements say: how the victim's frames and answers came, and which bounds that misses.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+
+use super::usage::BusyThread;
+use crate::circle::{Quantiles, ms, quantiles};
+
+/// Share of its frames that a victim keeps at least where the other client has nothing drawn.
+pub const LEAST_SHARE: f64 = 0.9;
+/// The same where the other has drawn all it can.
+pub const LEAST_SHARE_OF_TWO: f64 = 0.45;
+/// The longest gap between two frames, over the usual 95th percentile, at most.
+pub const MOST_GAP: f64 = 4.0;
+/// Time of the victim's own drags of features over the usual one, at most.
+pub const MOST_OWN_DRAG: f64 = 2.0;
+/// MiB that the server may hold more than before, once the other client has left and all have rested.
+pub const MOST_GROWN_MIB: f64 = 250.0;
+/// Bytes written for an edit where each is by another actor, over those with one actor, at most.
+pub const MOST_WRITES: f64 = 2.0;
+/// Share of its updates that a victim sends at least, or the bench itself was held up.
+const LEAST_UPDATES: f64 = 0.75;
+
+/// What a victim saw.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Timeline {
+    /// When each frame of its view had come, and the session's live revision that it shows.
+    pub frames: Vec<(Instant, u32)>,
+    /// The victim's update that each live revision is of; other clients' are left out.
+    pub update_of: BTreeMap<u32, u64>,
+    /// When each of its updates was sent.
+    pub sent: Vec<Instant>,
+    /// Its drags of features, in the order in which they were sent.
+    pub asks: Vec<Ask>,
+    /// Why its connections ended before it left.
+    pub broke: Option<String>,
+}
+
+/// A drag of a feature.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ask {
+    pub sent: Instant,
+    pub answered: Option<Instant>,
+}
+
+/// A time that is measured.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Window {
+    pub from: Instant,
+    pub to: Instant,
+    /// Until then what was open at its end was followed.
+    pub followed_to: Instant,
+}
+
+/// How the frames and answers of a victim came.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Pace {
+    /// Frames that show something new of its drag.
+    pub frames_per_second: f64,
+    /// 95 in 100 gaps between two of them are shorter.
+    pub p95_gap_ms: f64,
+    /// The longest gap, also where it began or ended outside of the measured time.
+    pub longest_gap_ms: f64,
+    /// Updates that the victim sent.
+    pub updates_per_second: f64,
+    /// Its drags of features.
+    pub own_drags: usize,
+    /// From sending one to its answer, or to where it was given up.
+    pub own_drag: Quantiles,
+}
+
+impl Timeline {
+    /// When each frame came that shows an update of the victim's that none before had shown.
+    fn shown(&self) -> Vec<Instant> {
+        let mut latest = 0;
+        let mut shown = Vec::new();
+        for (came, revision) in &self.frames {
+            let update = self.update_of.range(..=revision).next_back().map_or(0, |(_, update)| *update);
+            if update > latest {
+                latest = update;
+                shown.push(*came);
+            }
+        }
+        shown
+    }
+
+    pub fn pace(&self, window: Window) -> Pace {
+        let Window { from, to, followed_to } = window;
+        let is_within = |at: &Instant| (from..to).contains(at);
+        let seconds = to.saturating_duration_since(from).as_secs_f64().max(f64::MIN_POSITIVE);
+        let shown = self.shown();
+        let gaps: Vec<f64> = gaps(&shown, window).into_iter().map(ms).collect();
+        let asked: Vec<f64> = (self.asks.iter())
+            .filter(|ask| is_within(&ask.sent))
+            .map(|ask| ms(ask.answered.unwrap_or(followed_to).saturating_duration_since(ask.sent)))
+            .collect();
+        let a_second = |times: &[Instant]| times.iter().filter(|at| is_within(at)).count() as f64 / seconds;
+        Pace {
+            frames_per_second: a_second(&shown),
+            p95_gap_ms: quantiles(gaps.clone()).p95_ms,
+            longest_gap_ms: gaps.into_iter().fold(0.0, f64::max),
+            updates_per_second: a_second(&self.sent),
+            own_drags: asked.len(),
+            own_drag: quantiles(asked),
+        }
+    }
+}
+
+/// Between frames, of which one at least came in the window, or one before it and the next behind.
+fn gaps(shown: &[Instant], window: Window) -> Vec<Duration> {
+    let Window { from, to, followed_to } = window;
+    let first = shown.partition_point(|at| *at < from);
+    let last = shown.partition_point(|at| *at < to);
+    // What lies before the window is another time's, but the gap that ends in it begins there.
+    let before = shown[..first].last().copied().map_or(from, |at| at.max(from));
+    let behind = shown.get(last).copied().unwrap_or(followed_to).max(to);
+    let ends = shown[first..last].iter().copied().chain([behind]);
+    let starts = [before].into_iter().chain(shown[first..last].iter().copied());
+    starts.zip(ends).map(|(from, to)| to.saturating_duration_since(from)).collect()
+}
+
+/// A bound that is missed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Missed {
+    /// Too few of its usual frames.
+    Share,
+    /// A gap that is too long.
+    Gap,
+    /// Its own drags of features take too long.
+    OwnDrag,
+    /// The server keeps too much memory.
+    Memory,
+    /// Threads of the server work for nobody.
+    BusyThreads,
+    /// Too much is written for an edit.
+    Writes,
+    /// A connection of the victim's was ended.
+    Connection,
+    /// The victim did not send its updates: the bench itself was held up, and the row says nothing.
+    Updates,
+    /// The other client did nothing, and was not refused either: the row says nothing.
+    Other,
+}
+
+/// Measurements of a row that are judged.
+pub(super) struct Measured<'a> {
+    pub draws: bool,
+    /// With nobody else.
+    pub alone: Pace,
+    /// With the other client.
+    pub with: Pace,
+    pub grown_mib: f64,
+    pub busy_threads: &'a [BusyThread],
+    /// Bytes written for an edit of many actors over one of one actor.
+    pub writes: Option<f64>,
+    pub is_connected: bool,
+    /// What the other client did or was refused.
+    pub deeds: u64,
+}
+
+impl Measured<'_> {
+    /// The share of its frames that the victim kept.
+    pub fn share(&self) -> f64 {
+        of(self.with.frames_per_second, self.alone.frames_per_second)
+    }
+
+    /// The longest gap over the usual 95th percentile.
+    pub fn gap(&self) -> f64 {
+        of(self.with.longest_gap_ms, self.alone.p95_gap_ms)
+    }
+
+    /// The median time of its own drags of features over the usual one.
+    pub fn own_drag(&self) -> f64 {
+        of(self.with.own_drag.p50_ms, self.alone.own_drag.p50_ms)
+    }
+
+    pub fn least_share(&self) -> f64 {
+        if self.draws { LEAST_SHARE_OF_TWO } else { LEAST_SHARE }
+    }
+
+    pub fn missed(&self) -> Vec<Missed> {
+        // What cannot be told, such as a share of no frames, is missed too.
+        let updates = of(self.with.updates_per_second, self.alone.updates_per_second);
+        [
+            (Missed::Share, self.share() >= self.least_share()),
+            (Missed::Gap, self.gap() <= MOST_GAP),
+            (Missed::OwnDrag, self.with.own_drags > 0 && self.own_drag() <= MOST_OWN_DRAG),
+            (Missed::Memory, self.grown_mib <= MOST_GROWN_MIB),
+            (Missed::BusyThreads, self.busy_threads.is_empty()),
+            (Missed::Writes, self.writes.is_none_or(|ratio| ratio <= MOST_WRITES)),
+            (Missed::Connection, self.is_connected),
+            (Missed::Updates, updates >= LEAST_UPDATES),
+            (Missed::Other, self.deeds > 0),
+        ]
+        .into_iter()
+        .filter_map(|(bound, holds)| (!holds).then_some(bound))
+        .collect()
+    }
+}
+
+/// A ratio; not a number where there is nothing to compare with.
+fn of(a: f64, b: f64) -> f64 {
+    if b > 0.0 { a / b } else { f64::NAN }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FRAME: Duration = Duration::from_millis(20);
+
+    /// A victim that sends an update each 20 ms for two seconds, a second before and after the window too, and sees each
+    /// 5 ms later; `change` is told the frame's number and says whether it comes, and with which live revision.
+    fn victim(change: impl Fn(u64) -> Option<u32>) -> (Timeline, Window) {
+        let began = Instant::now();
+        let at = |update: u64| began + FRAME * update as u32;
+        let shown = |update: u64| change(update).map(|revision| (at(update) + FRAME / 4, revision));
+        let ask = |n: u64| Ask { sent: at(10 * n), answered: Some(at(10 * n) + FRAME) };
+        let timeline = Timeline {
+            frames: (1..200).filter_map(shown).collect(),
+            update_of: (1..200).map(|update| (2 * update as u32, update)).collect(),
+            sent: (1..200).map(at).collect(),
+            asks: (0..20).map(ask).collect(),
+            broke: None,
+        };
+        (timeline, Window { from: at(50), to: at(150), followed_to: at(160) })
+    }
+
+    /// Every frame shows its own update.
+    fn usual(update: u64) -> Option<u32> {
+        Some(2 * update as u32)
+    }
+
+    fn pace(change: impl Fn(u64) -> Option<u32>) -> Pace {
+        let (timeline, window) = victim(change);
+        timeline.pace(window)
+    }
+
+    fn measured(with: Pace) -> Measured<'static> {
+        Measured {
+            draws: false,
+            alone: pace(usual),
+            with,
+            grown_mib: 0.0,
+            busy_threads: &[],
+            writes: None,
+            is_connected: true,
+            deeds: 1,
+        }
+    }
+
+    #[test]
+    fn a_victim_that_loses_nothing_passes() {
+        let usual = pace(usual);
+        assert!((usual.frames_per_second - 50.0).abs() < 1e-9, "{usual:?}");
+        assert!((usual.p95_gap_ms - 20.0).abs() < 1e-9 && (usual.longest_gap_ms - 20.0).abs() < 1e-9);
+        assert_eq!((usual.own_drags, usual.own_drag.p50_ms), (10, 20.0));
+        assert_eq!(measured(usual).missed(), []);
+    }
+
+    /// Planted: frames that come as often as ever, of another client's session or of what was shown before.
+    #[test]
+    fn frames_that_show_nothing_of_the_victims_drag_do_not_count() {
+        let of_another = measured(pace(|_| Some(1)));
+        assert_eq!((of_another.share(), of_another.missed()), (0.0, vec![Missed::Share, Missed::Gap]));
+        let again = measured(pace(|update| usual(update - update % 4)));
+        assert!((again.share() - 0.25).abs() < 0.02, "{}", again.share());
+        assert!(again.missed().contains(&Missed::Share));
+    }
+
+    #[test]
+    fn a_few_frames_less_pass_and_more_do_not() {
+        let every = |n: u64| pace(move |update| usual(update).filter(|_| !update.is_multiple_of(n)));
+        assert_eq!(measured(every(11)).missed(), []);
+        assert_eq!(measured(every(8)).missed(), [Missed::Share]);
+        let shared = Measured { draws: true, ..measured(every(2)) };
+        assert_eq!(shared.missed(), []);
+        let shared = Measured {
+            draws: true,
+            ..measured(pace(|update| usual(update).filter(|_| update.is_multiple_of(3))))
+        };
+        assert_eq!(shared.missed(), [Missed::Share]);
+    }
+
+    /// Planted: no frame for a while, within the measured time, at its end, and from its beginning on.
+    #[test]
+    fn gaps_are_found_wherever_they_lie() {
+        for (gap, ms) in [(100..103, 80.0), (100..104, 100.0), (147..152, 120.0), (40..54, 80.0)] {
+            let with = pace(|update| usual(update).filter(|_| !gap.contains(&update)));
+            assert!((with.longest_gap_ms - ms).abs() < 20.0 + 1e-9, "{gap:?}: {with:?}");
+            let is_missed = measured(with).missed().contains(&Missed::Gap);
+            assert_eq!(is_missed, with.longest_gap_ms > 80.0 + 1e-9, "{gap:?}: {with:?}");
+        }
+        let stopped = pace(|update| usual(update).filter(|_| update < 140));
+        assert!(stopped.longest_gap_ms > 400.0, "it is followed past the end: {stopped:?}");
+    }
+
+    /// Planted: a bench that is held up itself, answers that take long or never come, and all else that is bounded.
+    #[test]
+    fn each_bound_is_missed_alone() {
+        let (usual_timeline, window) = victim(usual);
+        let with = |change: &dyn Fn(&mut Timeline)| {
+            let mut timeline = usual_timeline.clone();
+            change(&mut timeline);
+            measured(timeline.pace(window)).missed()
+        };
+        assert_eq!(with(&|timeline| timeline.sent.truncate(130)), [Missed::Updates]);
+        let late = |timeline: &mut Timeline| {
+            for ask in &mut timeline.asks {
+                ask.answered = Some(ask.sent + 3 * FRAME);
+            }
+        };
+        assert_eq!(with(&late), [Missed::OwnDrag]);
+        let never = |timeline: &mut Timeline| {
+            for ask in &mut timeline.asks {
+                ask.answered = None;
+            }
+        };
+        assert_eq!(with(&never), [Missed::OwnDrag]);
+        assert_eq!(with(&|timeline| timeline.asks.clear()), [Missed::OwnDrag]);
+
+        let usual = pace(usual);
+        let solves = [BusyThread { name: "solve".into(), share: 1.0 }];
+        let all = [
+            (Measured { grown_mib: 251.0, ..measured(usual) }, Missed::Memory),
+            (Measured { busy_threads: &solves, ..measured(usual) }, Missed::BusyThreads),
+            (Measured { writes: Some(2.5), ..measured(usual) }, Missed::Writes),
+            (Measured { is_connected: false, ..measured(usual) }, Missed::Connection),
+            (Measured { deeds: 0, ..measured(usual) }, Missed::Other),
+        ];
+        for (measured, bound) in all {
+            assert_eq!(measured.missed(), [bound]);
+        }
+    }
+}

@@ -1,0 +1,297 @@
+//! What one client loses to another that does all it can: the frames of a drag and the answers to drags of features, alone
+//! and beside each kind of neighbour, and what is left of it in the server once the neighbour has gone.
+
+mod acts;
+mod asks;
+mod chart;
+mod drags;
+mod judge;
+mod memory;
+mod other;
+mod row;
+mod scenes;
+mod setup;
+mod slow_link;
+mod usage;
+mod victim;
+mod views;
+
+use std::path::Path;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use render::Backend;
+use serde::Serialize;
+
+use self::judge::{Measured, Window};
+pub use self::judge::{Missed, Pace};
+use self::other::Other;
+pub use self::other::{Deeds, Writes};
+pub use self::row::{ROWS, Row};
+pub use self::usage::BusyThread;
+use self::victim::Victim;
+use crate::{BenchError, ServerProcess};
+
+/// How long the victim drags before anything is measured: by then its pictures are as they stay.
+const WARMS_UP: Duration = Duration::from_secs(3);
+/// How long it drags before each measured time begins.
+const BEGINS: Duration = Duration::from_secs(1);
+/// How long a server may take to come to rest after a row was prepared.
+const SETTLES_WITHIN: Duration = Duration::from_secs(60);
+/// How long a gap or an answer is followed that was open at the end of the measured time.
+const PATIENCE: Duration = Duration::from_secs(60);
+const MIB: f64 = 1024.0 * 1024.0;
+
+/// What to measure.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Rows, each by a server of its own.
+    pub rows: Vec<Row>,
+    /// Width and height of the victim's view in pixels.
+    pub size: [u32; 2],
+    /// How long each of the three times is: alone, with the other client, and alone again.
+    pub time: Duration,
+    /// From the other client's leaving until memory and threads are looked at.
+    pub rest: Duration,
+    /// Whether each socket of the other client has an actor of its own.
+    pub many_actors: bool,
+    /// Who draws; as the server chooses where nobody says.
+    pub backend: Option<Backend>,
+}
+
+/// How far a run has come.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// Steps done.
+    pub done: usize,
+    /// Steps in all.
+    pub of: usize,
+    /// The row that is measured.
+    pub row: Row,
+    /// What goes on in it.
+    pub step: &'static str,
+}
+
+/// What was measured.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Report {
+    /// Pixels of the victim's view.
+    pub width: u32,
+    /// Pixels of the victim's view.
+    pub height: u32,
+    /// Seconds of each measured time.
+    pub seconds: f64,
+    /// Seconds of the rest after it.
+    pub rest_s: f64,
+    /// Whether each socket of the other client had an actor of its own.
+    pub many_actors: bool,
+    /// In the order in which they were measured.
+    pub rows: Vec<RowReport>,
+}
+
+/// What the victim lost to one kind of other client.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct RowReport {
+    /// What it is asked for by.
+    pub row: Row,
+    /// What the other client did, for people.
+    pub what: &'static str,
+    /// Whether no bound is missed.
+    pub passes: bool,
+    /// The bounds that are missed.
+    pub missed: Vec<Missed>,
+    /// Frames of the victim's with the other client over those alone.
+    pub share: f64,
+    /// The least that it may be.
+    pub least_share: f64,
+    /// The longest gap with the other client over the 95th percentile alone.
+    pub longest_gap_of_usual: f64,
+    /// The median time of the victim's own drags of features with the other client over that alone.
+    pub own_drag_of_usual: f64,
+    /// With nobody else, before: what all is compared with, or `alone_after` where that is faster.
+    pub alone: Pace,
+    /// With the other client.
+    pub with: Pace,
+    /// With nobody else, after the rest.
+    pub alone_after: Pace,
+    /// What the server held.
+    pub memory: MemoryReport,
+    /// Threads of the server that worked after the rest.
+    pub busy_threads: Vec<BusyThread>,
+    /// CPU seconds of the server in a second with the other client.
+    pub server_cpu_share: f64,
+    /// CPU seconds of the bench itself in such a second, the victim and the other client included.
+    pub bench_cpu_share: f64,
+    /// What the other client did.
+    pub other: Deeds,
+    /// Bytes written for edits, where that is the row's question.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub writes: Option<Writes>,
+    /// Why a connection of the victim's ended.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub victim_broke: Option<String>,
+}
+
+/// MiB that the server's process held.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct MemoryReport {
+    /// After the victim's first drag, before the other client came.
+    pub before_mib: f64,
+    /// The most since then.
+    pub peak_mib: f64,
+    /// After the rest.
+    pub after_mib: f64,
+}
+
+impl Report {
+    /// Names of the rows that miss a bound.
+    pub fn missed(&self) -> Vec<&'static str> {
+        self.rows.iter().filter(|row| !row.passes).map(|row| row.row.name()).collect()
+    }
+}
+
+/// Steps of a row, for those who wait.
+const STEPS: [&str; 6] = ["starts", "prepares", "alone", "with the other", "rests", "alone again"];
+
+/// Measures each row by `program serve` on data of its own. Returns what was measured and the chart, an SVG.
+pub fn run(
+    program: &Path,
+    options: &Options,
+    progress: &dyn Fn(Progress),
+) -> Result<(Report, String), BenchError> {
+    let mut rows = Vec::new();
+    for (index, row) in options.rows.iter().enumerate() {
+        let of = STEPS.len() * options.rows.len();
+        let step = |step: usize| {
+            let done = STEPS.len() * index + step;
+            progress(Progress { done, of, row: *row, step: STEPS[step] });
+        };
+        rows.push(measure(program, *row, options, &step)?);
+    }
+    let report = Report {
+        width: options.size[0],
+        height: options.size[1],
+        seconds: options.time.as_secs_f64(),
+        rest_s: options.rest.as_secs_f64(),
+        many_actors: options.many_actors,
+        rows,
+    };
+    let chart = chart::draw(&report).map_err(|error| BenchError::Chart(error.to_string()))?;
+    Ok((report, chart))
+}
+
+fn measure(
+    program: &Path,
+    row: Row,
+    options: &Options,
+    step: &dyn Fn(usize),
+) -> Result<RowReport, BenchError> {
+    step(0);
+    let folder = tempfile::tempdir()?;
+    // Made by the server, nobody else may look into it.
+    let data = folder.path().join("data");
+    let backend = options.backend.map_or("auto", Backend::name);
+    let server = ServerProcess::start(program, &data, &["--scene", "demo:vases", "--backend", backend])?;
+    server.wait_until_ready()?;
+    let (address, pid) = (&server.address, server.pid());
+    let link = if row == Row::SlowLink { slow_link::open(address)? } else { address.clone() };
+    let victim = Victim::arrive(address, &link, options.size)?;
+    victim.drags();
+    thread::sleep(WARMS_UP);
+    victim.rests();
+    usage::wait_until_at_rest(pid, SETTLES_WITHIN)?;
+    let before = usage::memory(pid)?;
+    usage::forget_peak(pid)?;
+
+    step(1);
+    let other = Other::new(address.clone(), row, pid, options.time, options.many_actors);
+    let act = acts::prepare(row, &other)?;
+    usage::wait_until_at_rest(pid, SETTLES_WITHIN)?;
+
+    step(2);
+    let alone = alone(&victim, options.time);
+
+    step(3);
+    let mut act = Some(act);
+    // Views that rest are measured once they do; of all else the beginning counts too.
+    if row == Row::RestingViews {
+        act.take().map_or(Ok(()), |act| act(&other))?;
+    }
+    victim.drags();
+    thread::sleep(BEGINS);
+    let (server_cpu, bench_cpu) = (usage::cpu_s(pid)?, usage::cpu_s(std::process::id())?);
+    let from = Instant::now();
+    act.take().map_or(Ok(()), |act| act(&other))?;
+    thread::sleep(options.time.saturating_sub(from.elapsed()));
+    let to = Instant::now();
+    let seconds = (to - from).as_secs_f64();
+    let server_cpu_share = (usage::cpu_s(pid)? - server_cpu) / seconds;
+    let bench_cpu_share = (usage::cpu_s(std::process::id())? - bench_cpu) / seconds;
+    let followed_to = victim.follow(to, PATIENCE);
+    other.leave();
+    let with = Window { from, to, followed_to };
+    let left = Instant::now();
+    victim.rests();
+
+    step(4);
+    thread::sleep(options.rest.saturating_sub(left.elapsed()));
+    let busy_threads = usage::busy_threads(pid)?;
+    let after = usage::memory(pid)?;
+
+    step(5);
+    let alone_after = self::alone(&victim, options.time);
+    let timeline = victim.leave()?;
+    let deeds = other.deeds();
+    let (alone, with, alone_after) = (timeline.pace(alone), timeline.pace(with), timeline.pace(alone_after));
+    let faster = if alone_after.frames_per_second > alone.frames_per_second { alone_after } else { alone };
+    let measured = Measured {
+        draws: row.draws(),
+        alone: faster,
+        with,
+        grown_mib: (after.rss_bytes - before.rss_bytes) / MIB,
+        busy_threads: &busy_threads,
+        writes: other.writes().map(|writes| writes.ratio),
+        is_connected: timeline.broke.is_none(),
+        deeds: deeds.done + deeds.refused,
+    };
+    let missed = measured.missed();
+    Ok(RowReport {
+        row,
+        what: row.what(),
+        passes: missed.is_empty(),
+        missed,
+        share: measured.share(),
+        least_share: measured.least_share(),
+        longest_gap_of_usual: measured.gap(),
+        own_drag_of_usual: measured.own_drag(),
+        alone,
+        with,
+        alone_after,
+        memory: MemoryReport {
+            before_mib: before.rss_bytes / MIB,
+            peak_mib: after.peak_bytes / MIB,
+            after_mib: after.rss_bytes / MIB,
+        },
+        busy_threads,
+        server_cpu_share,
+        bench_cpu_share,
+        other: deeds,
+        writes: other.writes(),
+        victim_broke: timeline.broke,
+    })
+}
+
+/// Drags with nobody else.
+fn alone(victim: &Victim, time: Duration) -> Window {
+    victim.drags();
+    thread::sleep(BEGINS);
+    let from = Instant::now();
+    thread::sleep(time);
+    let to = Instant::now();
+    let followed_to = victim.follow(to, PATIENCE);
+    victim.rests();
+    Window { from, to, followed_to }
+}

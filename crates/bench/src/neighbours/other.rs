@@ -1,0 +1,277 @@
+//! The other client: its connections, its threads, and a count of what it did.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::{Shutdown, TcpStream};
+use std::ops::{Deref, DerefMut};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use serde::Serialize;
+
+use super::row::Row;
+use crate::{Address, BenchError, Client};
+
+/// How often a thread looks whether all is over.
+pub(super) const LOOK: Duration = Duration::from_millis(100);
+/// How long a client waits that was refused.
+const AFTER_REFUSAL: Duration = Duration::from_millis(50);
+/// Bytes of an answer that are kept; the rest is counted.
+const KEPT_BYTES: usize = 4096;
+/// Connections from which on it is looked which have ended.
+const MANY: usize = 512;
+/// Clients in one session, at most: what a server takes.
+pub(super) const CLIENTS: usize = 64;
+
+/// What the other client did.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Deeds {
+    /// What was done: drags given up, moves of views, views opened, pictures, answers, edits, bodies cut off.
+    pub done: u64,
+    /// What the server refused, closed connections included.
+    pub refused: u64,
+    /// One of the refusals.
+    pub refusal: Option<String>,
+}
+
+/// The other client, as each of its threads knows it.
+#[derive(Clone, Debug)]
+pub(super) struct Other {
+    pub address: Address,
+    pub row: Row,
+    /// Process id of the server.
+    pub pid: u32,
+    /// How long it is measured.
+    pub span: Duration,
+    many_actors: bool,
+    shared: Arc<Shared>,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    is_over: AtomicBool,
+    done: AtomicU64,
+    refused: AtomicU64,
+    refusal: Mutex<Option<String>>,
+    /// Closed when it leaves: no thread goes on waiting for an answer.
+    connections: Mutex<Vec<TcpStream>>,
+    threads: Mutex<Vec<JoinHandle<()>>>,
+    writes: Mutex<Option<Writes>>,
+}
+
+/// Bytes that the server had written to disk for an edit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Writes {
+    /// With one actor.
+    pub one_actor_bytes: f64,
+    /// With another actor for each edit.
+    pub many_actors_bytes: f64,
+    /// The latter over the former.
+    pub ratio: f64,
+}
+
+/// A client whose connection ends with it, though others know the connection too.
+pub(super) struct Connected {
+    client: Client,
+    tcp: TcpStream,
+}
+
+impl Deref for Connected {
+    type Target = Client;
+
+    fn deref(&self) -> &Client {
+        &self.client
+    }
+}
+
+impl DerefMut for Connected {
+    fn deref_mut(&mut self) -> &mut Client {
+        &mut self.client
+    }
+}
+
+impl Drop for Connected {
+    fn drop(&mut self) {
+        let _ = self.tcp.shutdown(Shutdown::Both);
+    }
+}
+
+/// What a request came to.
+pub(super) struct Answer {
+    pub status: u16,
+    /// Its first bytes, head included.
+    start: String,
+}
+
+impl Answer {
+    fn refusal(&self) -> Result<(), BenchError> {
+        if (200..300).contains(&self.status) {
+            return Ok(());
+        }
+        let body = self.start.split_once("\r\n\r\n").map_or("", |(_, body)| body);
+        Err(BenchError::Refused(format!("{} {body}", self.status)))
+    }
+}
+
+impl Other {
+    pub fn new(address: Address, row: Row, pid: u32, span: Duration, many_actors: bool) -> Self {
+        Self { address, row, pid, span, many_actors, shared: Arc::default() }
+    }
+
+    /// The actor of its socket of this number.
+    pub fn actor(&self, socket: usize) -> String {
+        if self.many_actors { format!("other-{socket}") } else { "other".into() }
+    }
+
+    /// The session of its socket of this number, of those that a session has room for.
+    pub fn session(&self, socket: usize) -> String {
+        match socket / CLIENTS {
+            0 => self.row.name().into(),
+            more => format!("{}-{more}", self.row.name()),
+        }
+    }
+
+    /// Connects its socket of this number.
+    pub fn connect(&self, socket: usize) -> Result<Connected, BenchError> {
+        self.connect_to(&self.session(socket), socket)
+    }
+
+    pub fn connect_to(&self, session: &str, socket: usize) -> Result<Connected, BenchError> {
+        let tcp = self.tcp()?;
+        let also = tcp.try_clone()?;
+        let client = Client::connect_over(tcp, &self.address, session, &self.actor(socket), None)?;
+        Ok(Connected { client, tcp: also })
+    }
+
+    /// A connection that is closed when it leaves.
+    pub fn tcp(&self) -> Result<TcpStream, BenchError> {
+        let tcp = TcpStream::connect(&self.address.host)?;
+        let mut connections = self.connections();
+        // Those that have ended need not be closed.
+        if connections.len() > MANY {
+            connections.retain(|connection| connection.peer_addr().is_ok());
+        }
+        connections.push(tcp.try_clone()?);
+        Ok(tcp)
+    }
+
+    fn connections(&self) -> std::sync::MutexGuard<'_, Vec<TcpStream>> {
+        self.shared.connections.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub fn is_over(&self) -> bool {
+        self.shared.is_over.load(Ordering::Relaxed)
+    }
+
+    /// Has a thread do something until it leaves; where that ends early, with an error or without, it begins again.
+    pub fn spawn(&self, mut act: impl FnMut(&Self) -> Result<(), BenchError> + Send + 'static) {
+        let other = self.clone();
+        let thread = thread::spawn(move || {
+            while !other.is_over() {
+                let acted = act(&other);
+                if !other.is_over() {
+                    other.note(acted);
+                }
+            }
+        });
+        self.shared.threads.lock().unwrap_or_else(PoisonError::into_inner).push(thread);
+    }
+
+    /// Counts a refusal, and waits a little before the next try.
+    pub fn note(&self, acted: Result<(), BenchError>) {
+        let Err(why) = acted else { return };
+        self.shared.refused.fetch_add(1, Ordering::Relaxed);
+        self.shared.refusal.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why.to_string());
+        thread::sleep(AFTER_REFUSAL);
+    }
+
+    /// Counts something that was done.
+    pub fn did(&self, count: u64) {
+        self.shared.done.fetch_add(count, Ordering::Relaxed);
+    }
+
+    pub fn deeds(&self) -> Deeds {
+        Deeds {
+            done: self.shared.done.load(Ordering::Relaxed),
+            refused: self.shared.refused.load(Ordering::Relaxed),
+            refusal: self.shared.refusal.lock().unwrap_or_else(PoisonError::into_inner).clone(),
+        }
+    }
+
+    pub fn keep_writes(&self, writes: Writes) {
+        *self.shared.writes.lock().unwrap_or_else(PoisonError::into_inner) = Some(writes);
+    }
+
+    pub fn writes(&self) -> Option<Writes> {
+        *self.shared.writes.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Closes all of its connections and waits for its threads.
+    pub fn leave(&self) {
+        self.shared.is_over.store(true, Ordering::Relaxed);
+        let mut threads =
+            std::mem::take(&mut *self.shared.threads.lock().unwrap_or_else(PoisonError::into_inner));
+        // One that was just connecting is closed in the next round.
+        while !threads.is_empty() {
+            for connection in self.connections().drain(..) {
+                let _ = connection.shutdown(Shutdown::Both);
+            }
+            threads.retain(|thread| !thread.is_finished());
+            thread::sleep(Duration::from_millis(20));
+        }
+        for connection in self.connections().drain(..) {
+            let _ = connection.shutdown(Shutdown::Both);
+        }
+    }
+
+    /// Sends a request on a connection of its own. Of the answer only the beginning is kept; it is given up when all is over.
+    pub fn ask(&self, method: &str, path: &str, body: &[u8]) -> Result<(), BenchError> {
+        let mut tcp = self.send_request(method, path, body)?;
+        let answer = self.read_answer(&mut tcp)?;
+        answer.refusal()?;
+        self.did(1);
+        Ok(())
+    }
+
+    /// Sends a request, whose answer is still to be read.
+    pub fn send_request(&self, method: &str, path: &str, body: &[u8]) -> Result<TcpStream, BenchError> {
+        let mut tcp = TcpStream::connect(&self.address.host)?;
+        tcp.set_nodelay(true)?;
+        tcp.set_write_timeout(Some(Duration::from_secs(30)))?;
+        tcp.write_all(self.head(method, path, body.len()).as_bytes())?;
+        tcp.write_all(body)?;
+        Ok(tcp)
+    }
+
+    /// Head of a request whose body has so many bytes.
+    pub fn head(&self, method: &str, path: &str, body_bytes: usize) -> String {
+        let Address { host, token } = &self.address;
+        format!(
+            "{method} {path} HTTP/1.1\r\nHost: {host}\r\nAuthorization: Bearer {token}\r\nConnection: close\r\n\
+             Content-Type: application/json\r\nContent-Length: {body_bytes}\r\n\r\n"
+        )
+    }
+
+    fn read_answer(&self, tcp: &mut TcpStream) -> Result<Answer, BenchError> {
+        tcp.set_read_timeout(Some(LOOK))?;
+        let (mut start, mut bytes) = (Vec::new(), vec![0; 1 << 16]);
+        while !self.is_over() {
+            match tcp.read(&mut bytes) {
+                Ok(0) => break,
+                Ok(count) => {
+                    let room = KEPT_BYTES.saturating_sub(start.len());
+                    start.extend_from_slice(&bytes[..count.min(room)]);
+                }
+                Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
+                Err(error) => return Err(error.into()),
+            }
+        }
+        let start = String::from_utf8_lossy(&start).into_owned();
+        let status = start.split(' ').nth(1).and_then(|status| status.parse().ok());
+        let status = status.ok_or_else(|| BenchError::Refused("it closed the connection".into()))?;
+        Ok(Answer { status, start })
+    }
+}

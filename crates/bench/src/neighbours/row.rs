@@ -1,0 +1,118 @@
+//! The rows of the table: what one other client does.
+
+use serde::{Serialize, Serializer};
+
+/// What the other client does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "`what` says it")]
+pub enum Row {
+    Solves,
+    SolvesInSession,
+    LargeViews,
+    SilentViews,
+    Stills16000,
+    Stills64000,
+    StillsOfPrimitives,
+    Imports,
+    Asks,
+    RestingViews,
+    ClosingViews,
+    ReadsNothing,
+    CutBodies,
+    Actors,
+    SlowLink,
+}
+
+/// All rows, in the order in which they are measured.
+pub const ROWS: [Row; 15] = [
+    Row::Solves,
+    Row::SolvesInSession,
+    Row::LargeViews,
+    Row::SilentViews,
+    Row::Stills16000,
+    Row::Stills64000,
+    Row::StillsOfPrimitives,
+    Row::Imports,
+    Row::Asks,
+    Row::RestingViews,
+    Row::ClosingViews,
+    Row::ReadsNothing,
+    Row::CutBodies,
+    Row::Actors,
+    Row::SlowLink,
+];
+
+impl Row {
+    /// By which it is asked for.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Solves => "solves",
+            Self::SolvesInSession => "solves-in-session",
+            Self::LargeViews => "large-views",
+            Self::SilentViews => "silent-views",
+            Self::Stills16000 => "stills-16000",
+            Self::Stills64000 => "stills-64000",
+            Self::StillsOfPrimitives => "stills-primitives",
+            Self::Imports => "imports",
+            Self::Asks => "asks",
+            Self::RestingViews => "resting-views",
+            Self::ClosingViews => "closing-views",
+            Self::ReadsNothing => "reads-nothing",
+            Self::CutBodies => "cut-bodies",
+            Self::Actors => "actors",
+            Self::SlowLink => "slow-link",
+        }
+    }
+
+    /// What the other client does, for people.
+    pub fn what(self) -> &'static str {
+        match self {
+            Self::Solves => {
+                "begins drags of features of a light of 258 control points and 256 pins, gives each up"
+            }
+            Self::SolvesInSession => {
+                "in the victim's session: drags a feature of a light of 64 segments and 64 pins, and edits that light"
+            }
+            Self::LargeViews => "moves 8 views of 3840x2160",
+            Self::SilentViews => "opens 250 views of 1280x720 that it never reads, and drags what they show",
+            Self::Stills16000 => "asks for stills of 64x36 of 16,000 triangles in one place",
+            Self::Stills64000 => "asks for stills of 64x36 of 64,000 triangles in one place",
+            Self::StillsOfPrimitives => "asks for stills of 64x36 of 100,000 primitives in one place",
+            Self::Imports => "uploads such scenes",
+            Self::Asks => "probes, picks, solves drags, asks for the session and openapi.json",
+            Self::RestingViews => "rests with 30 views of 1280x720",
+            Self::ClosingViews => "opens 30 views of 1280x720 and closes them, again and again",
+            Self::ReadsNothing => "reads nothing of a document of 16 MiB, on 64 sockets and 64 requests",
+            Self::CutBodies => "sends 200 bodies of 8 MiB, cuts each off at its end",
+            Self::Actors => "edits, first as one actor, then as another for each edit",
+            Self::SlowLink => "moves 8 views of 3840x2160, and the victim's link takes 2 Mbit/s",
+        }
+    }
+
+    /// Whether the other client has much drawn: the victim then shares the renderer with it.
+    pub fn draws(self) -> bool {
+        match self {
+            Self::LargeViews
+            | Self::SilentViews
+            | Self::Stills16000
+            | Self::Stills64000
+            | Self::StillsOfPrimitives
+            | Self::ClosingViews
+            | Self::SlowLink => true,
+            Self::Solves
+            | Self::SolvesInSession
+            | Self::Imports
+            | Self::Asks
+            | Self::RestingViews
+            | Self::ReadsNothing
+            | Self::CutBodies
+            | Self::Actors => false,
+        }
+    }
+}
+
+impl Serialize for Row {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}

@@ -1,0 +1,152 @@
+//! Sessions, lights and pins that rows need, made over HTTP before anything is measured.
+
+use protocol::{Camera, Command};
+use serde_json::{Value, json};
+
+use crate::{Address, BenchError, Response};
+
+/// Width and height in pixels of the picture that features are dragged in.
+pub(super) const SIZE: [u32; 2] = [640, 360];
+/// Edits in one request.
+const EDITS: usize = 250;
+
+/// A pixel, and the place in the world that it sees.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lit {
+    pub pixel: [f64; 2],
+    pub at: [f64; 3],
+}
+
+/// A light of a session whose features can be dragged.
+#[derive(Clone, Debug)]
+pub(super) struct Draggable {
+    pub light: u64,
+    /// Number of its control points.
+    points: usize,
+    camera: Camera,
+    /// What it lights.
+    pub lit: Vec<Lit>,
+}
+
+pub(super) fn make_session(address: &Address, session: &str, scene: &str) -> Result<(), BenchError> {
+    post(address, "/sessions", &json!({"name": session, "scene": scene})).map(drop)
+}
+
+/// What a server answers to JSON.
+pub(super) fn post(address: &Address, path: &str, body: &Value) -> Result<Value, BenchError> {
+    read(&address.post(path, body.to_string().as_bytes())?)
+}
+
+/// A session's document.
+pub(super) fn document(address: &Address, session: &str) -> Result<Value, BenchError> {
+    let mut state = read(&address.get(&format!("/sessions/{session}"))?)?;
+    Ok(state["document"].take())
+}
+
+fn read(response: &Response) -> Result<Value, BenchError> {
+    if !(200..300).contains(&response.status) {
+        return Err(BenchError::Refused(response.text()));
+    }
+    serde_json::from_slice(&response.body).map_err(|error| BenchError::Refused(error.to_string()))
+}
+
+/// Edits a session; the first command that is rejected is an error.
+pub(super) fn edit(
+    address: &Address,
+    session: &str,
+    actor: &str,
+    commands: &[Value],
+) -> Result<(), BenchError> {
+    for commands in commands.chunks(EDITS) {
+        let edits: Vec<Value> = commands.iter().map(|command| json!({"command": command})).collect();
+        let body = json!({"actor": {"id": actor, "name": actor}, "edits": edits});
+        let answer = post(address, &format!("/sessions/{session}/edits"), &body)?;
+        let mut results = answer["results"].as_array().into_iter().flatten();
+        if let Some(rejected) = results.find(|result| result["status"] == "rejected") {
+            return Err(BenchError::Refused(rejected["message"].to_string()));
+        }
+    }
+    Ok(())
+}
+
+/// Adds a light like the first of a session, bent anew into so many segments where that is said. Its id.
+pub(super) fn add_light(
+    address: &Address,
+    session: &str,
+    actor: &str,
+    segments: Option<usize>,
+) -> Result<u64, BenchError> {
+    let light = &document(address, session)?["lights"][0]["light"];
+    edit(address, session, actor, &[json!({"type": "addLight", "light": light})])?;
+    let document = document(address, session)?;
+    let added = document["lights"].as_array().and_then(|lights| lights.last()?["id"].as_u64());
+    let id = added.ok_or_else(|| BenchError::Refused("it added no light".into()))?;
+    if let Some(segments) = segments {
+        let straight = json!({"type": "straightenLight", "light": id});
+        let bent = json!({"type": "bendLight", "light": id, "segments": segments});
+        edit(address, session, actor, &[straight, bent])?;
+    }
+    Ok(id)
+}
+
+/// Gives a light so many pins where it shows, two of them hard.
+pub(super) fn pin(
+    address: &Address,
+    session: &str,
+    actor: &str,
+    light: u64,
+    pins: usize,
+) -> Result<Draggable, BenchError> {
+    let document = document(address, session)?;
+    let lights = document["lights"].as_array().map_or(&[][..], Vec::as_slice);
+    let index = lights.iter().position(|placed| placed["id"] == light).unwrap_or_default();
+    let points =
+        lights.get(index).and_then(|placed| placed["light"]["points"].as_array()).map_or(0, Vec::len);
+    let camera = serde_json::from_value(document["cameras"][0]["camera"].clone())
+        .map_err(|error| BenchError::Refused(error.to_string()))?;
+    let lit = lit_by(address, session, index)?;
+    let kinds = ["direction", "lit"];
+    let pin = |n: usize| {
+        let at = lit[n * 7 % lit.len()].at;
+        json!({"type": "addPin", "pin": {"kind": kinds[n % 2], "light": light, "at": at, "hard": n < 2}})
+    };
+    let commands: Vec<Value> = (0..pins).map(pin).collect();
+    edit(address, session, actor, &commands)?;
+    Ok(Draggable { light, points, camera, lit })
+}
+
+/// Where the light with this place in the order of a session's lights shows: hotspots that are dragged to where they are.
+fn lit_by(address: &Address, session: &str, index: usize) -> Result<Vec<Lit>, BenchError> {
+    let seen = (120..340).step_by(20).flat_map(|y| (60..600).step_by(20).map(move |x| (x, y)));
+    let asked: Vec<Value> = seen
+        .map(|(x, y)| [f64::from(x) + 0.5, f64::from(y) + 0.5])
+        .map(|at| json!({"light": index, "kind": "hotspot", "size": SIZE, "from": at, "to": at, "pins": []}))
+        .collect();
+    let answers = post(address, &format!("/sessions/{session}/drags"), &json!(asked))?;
+    let pairs = asked.iter().zip(answers.as_array().into_iter().flatten());
+    let lit: Vec<Lit> = pairs
+        .filter(|(_, answer)| answer["status"] == "landed")
+        .filter_map(|(asked, answer)| {
+            let pixel = serde_json::from_value(asked["from"].clone()).ok()?;
+            Some(Lit { pixel, at: serde_json::from_value(answer["from_world"].clone()).ok()? })
+        })
+        .collect();
+    if lit.is_empty() {
+        return Err(BenchError::Refused("no pixel is lit by the light that is to be dragged".into()));
+    }
+    Ok(lit)
+}
+
+impl Draggable {
+    /// Drags a hotspot, the `n`th of many such drags, by all control points but the source.
+    pub fn command(&self, n: usize) -> Result<Command, BenchError> {
+        let from = self.lit[self.lit.len() / 2].pixel;
+        let to = self.lit[(self.lit.len() / 2 + 1 + n % 5) % self.lit.len()].pixel;
+        let points: Vec<usize> = (1..self.points).collect();
+        let command = json!({
+            "type": "dragFeature", "light": self.light, "kind": "hotspot", "points": points, "radii": "solve",
+            "camera": self.camera, "size": SIZE, "from": from, "to": to,
+        });
+        serde_json::from_value(command).map_err(|error| BenchError::Refused(error.to_string()))
+    }
+}

@@ -1,0 +1,57 @@
+//! A link that takes few bits a second, between a client and the server.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::{Shutdown, TcpListener, TcpStream};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::{Address, BenchError};
+
+/// Bytes a second towards the client: 2 Mbit/s.
+const BYTES_PER_SECOND: f64 = 250_000.0;
+/// Bytes that pass at once: two frames of Ethernet.
+const PIECE: usize = 3_000;
+
+/// A place that leads to `address`; what comes from there does so slowly. It lasts as long as the connections over it.
+pub(super) fn open(address: &Address) -> Result<Address, BenchError> {
+    let listener = TcpListener::bind("127.0.0.1:0")?;
+    let host = listener.local_addr()?.to_string();
+    let server = address.host.clone();
+    // One connection is enough: the victim's, that has the view.
+    thread::spawn(move || {
+        let linked = || -> std::io::Result<()> {
+            let (client, _) = listener.accept()?;
+            let server = TcpStream::connect(server)?;
+            server.set_nodelay(true)?;
+            client.set_nodelay(true)?;
+            let (up_from, up_to) = (client.try_clone()?, server.try_clone()?);
+            thread::spawn(move || pass(up_from, up_to, f64::INFINITY));
+            pass(server, client, BYTES_PER_SECOND);
+            Ok(())
+        };
+        // A client whose connection fails says so itself.
+        let _ = linked();
+    });
+    Ok(Address { host, token: address.token.clone() })
+}
+
+/// Passes on what comes, at most so many bytes a second, until one side closes.
+fn pass(mut from: TcpStream, mut to: TcpStream, bytes_per_second: f64) {
+    let mut bytes = [0; PIECE];
+    let mut free_at = Instant::now();
+    loop {
+        let count = match from.read(&mut bytes) {
+            Ok(0) => break,
+            Ok(count) => count,
+            Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+            Err(_) => break,
+        };
+        if to.write_all(&bytes[..count]).is_err() {
+            break;
+        }
+        let now = Instant::now();
+        free_at = free_at.max(now) + Duration::from_secs_f64(count as f64 / bytes_per_second);
+        thread::sleep(free_at.saturating_duration_since(now));
+    }
+    let _ = (from.shutdown(Shutdown::Both), to.shutdown(Shutdown::Both));
+}

@@ -1,0 +1,170 @@
+//! What the server's process uses of the machine, as Linux tells it in `/proc`.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+
+use crate::BenchError;
+
+/// Ticks a second in `/proc/PID/stat`: `USER_HZ` of Linux on every processor that Rust builds for.
+const TICKS_PER_SECOND: f64 = 100.0;
+/// Share of a core over a second from which a thread counts as busy: low, as dozens may share few cores.
+const BUSY_SHARE: f64 = 0.015;
+/// Share of a core that a process takes at most that is at rest.
+const REST_SHARE: f64 = 0.1;
+/// Span over which it is looked whether a process rests.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// Bytes of memory that a process holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Memory {
+    /// Now.
+    pub rss_bytes: f64,
+    /// The most since [`forget_peak`].
+    pub peak_bytes: f64,
+}
+
+/// A thread that works.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct BusyThread {
+    /// As the server calls it.
+    pub name: String,
+    /// Share of a core that it took over a second.
+    pub share: f64,
+}
+
+pub(super) fn memory(pid: u32) -> Result<Memory, BenchError> {
+    let status = read(pid, "status")?;
+    let kib = |name: &str| {
+        let line = status.lines().find_map(|line| line.strip_prefix(name));
+        let number = line.and_then(|rest| rest.split_whitespace().next()?.parse::<f64>().ok());
+        number.ok_or_else(|| unreadable(pid, "status", format!("it has no {name}")))
+    };
+    Ok(Memory { rss_bytes: 1024.0 * kib("VmRSS:")?, peak_bytes: 1024.0 * kib("VmHWM:")? })
+}
+
+/// Has the peak count from now on.
+pub(super) fn forget_peak(pid: u32) -> Result<(), BenchError> {
+    // 5 is the number that resets the peak alone.
+    std::fs::write(path(pid, "clear_refs"), "5")
+        .map_err(|error| unreadable(pid, "clear_refs", error.to_string()))
+}
+
+/// CPU seconds since the process began, of all of its threads.
+pub(super) fn cpu_s(pid: u32) -> Result<f64, BenchError> {
+    let stat = read(pid, "stat")?;
+    ticks(&stat)
+        .map(|(_, ticks)| ticks / TICKS_PER_SECOND)
+        .ok_or_else(|| unreadable(pid, "stat", "it is shorter than expected".into()))
+}
+
+/// Bytes that the process had written to disks, if its data lie on one.
+pub(super) fn written_bytes(pid: u32) -> Result<u64, BenchError> {
+    let io = read(pid, "io")?;
+    let line = io.lines().find_map(|line| line.strip_prefix("write_bytes: "));
+    line.and_then(|number| number.parse().ok())
+        .ok_or_else(|| unreadable(pid, "io", "it has no write_bytes".into()))
+}
+
+/// Threads that work over the next second, the busiest first.
+pub(super) fn busy_threads(pid: u32) -> Result<Vec<BusyThread>, BenchError> {
+    let (began, before) = (Instant::now(), thread_ticks(pid)?);
+    std::thread::sleep(Duration::from_secs(1));
+    let (after, seconds) = (thread_ticks(pid)?, began.elapsed().as_secs_f64());
+    Ok(busy(&before, &after, seconds))
+}
+
+fn busy(before: &Threads, after: &Threads, seconds: f64) -> Vec<BusyThread> {
+    let share_of = |id: &u64, ticks: f64| {
+        let since = before.get(id).map_or(0.0, |(_, ticks)| *ticks);
+        (ticks - since) / (TICKS_PER_SECOND * seconds)
+    };
+    let threads = after.iter().map(|(id, (name, ticks))| {
+        let share = share_of(id, *ticks);
+        BusyThread { name: name.clone(), share }
+    });
+    let mut busy: Vec<_> = threads.filter(|thread| thread.share > BUSY_SHARE).collect();
+    busy.sort_by(|a, b| b.share.total_cmp(&a.share));
+    busy
+}
+
+/// Waits until a process does nothing, or for so long.
+pub(super) fn wait_until_at_rest(pid: u32, within: Duration) -> Result<(), BenchError> {
+    let until = Instant::now() + within;
+    while Instant::now() < until {
+        let before = cpu_s(pid)?;
+        std::thread::sleep(LOOK);
+        if cpu_s(pid)? - before < REST_SHARE * LOOK.as_secs_f64() {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Name and ticks of each thread, by its id.
+type Threads = BTreeMap<u64, (String, f64)>;
+
+fn thread_ticks(pid: u32) -> Result<Threads, BenchError> {
+    let folder =
+        std::fs::read_dir(path(pid, "task")).map_err(|error| unreadable(pid, "task", error.to_string()))?;
+    let ids = folder.flatten().filter_map(|entry| entry.file_name().to_str()?.parse::<u64>().ok());
+    // A thread that ends meanwhile is left out.
+    let thread = |id: u64| {
+        let stat = std::fs::read_to_string(path(pid, &format!("task/{id}/stat"))).ok()?;
+        Some((id, ticks(&stat)?))
+    };
+    Ok(ids.filter_map(thread).collect())
+}
+
+/// Name, and ticks in user and in system mode, of a line of `stat`.
+fn ticks(stat: &str) -> Option<(String, f64)> {
+    // A name may hold spaces and brackets.
+    let (name, rest) = stat.split_once('(')?.1.rsplit_once(')')?;
+    let mut numbers = rest.split_whitespace().skip(11).map_while(|number| number.parse::<f64>().ok());
+    Some((name.into(), numbers.next()? + numbers.next()?))
+}
+
+fn path(pid: u32, file: &str) -> PathBuf {
+    format!("/proc/{pid}/{file}").into()
+}
+
+fn read(pid: u32, file: &str) -> Result<String, BenchError> {
+    std::fs::read_to_string(path(pid, file)).map_err(|error| unreadable(pid, file, error.to_string()))
+}
+
+fn unreadable(pid: u32, file: &str, reason: String) -> BenchError {
+    BenchError::Usage { file: path(pid, file), reason }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_those_of_user_and_system_mode() {
+        let stat = "12 (a (b) c) S 1 12 12 0 -1 4194304 99 0 0 0 7 5 1 1 20 0 6 0 100";
+        assert_eq!(ticks(stat), Some(("a (b) c".into(), 12.0)));
+        assert_eq!(ticks("12 (short) S 1"), None);
+    }
+
+    #[test]
+    fn a_thread_is_busy_that_takes_more_than_a_tick_or_two() {
+        let thread = |id: u64, name: &str, ticks: f64| (id, (name.to_owned(), ticks));
+        let before = Threads::from([thread(1, "rests", 500.0), thread(2, "solves", 500.0)]);
+        let after =
+            Threads::from([thread(1, "rests", 501.0), thread(2, "solves", 600.0), thread(3, "new", 50.0)]);
+        let named: Vec<_> = busy(&before, &after, 1.0).into_iter().map(|t| (t.name, t.share)).collect();
+        assert_eq!(named, [("solves".to_owned(), 1.0), ("new".to_owned(), 0.5)]);
+    }
+
+    #[test]
+    fn this_process_is_seen() {
+        let pid = std::process::id();
+        assert!(memory(pid).expect("told").rss_bytes > 1e6);
+        assert!(cpu_s(pid).expect("told") >= 0.0);
+        assert!(matches!(memory(u32::MAX), Err(BenchError::Usage { .. })));
+    }
+}

@@ -1,0 +1,185 @@
+//! Views that move, rest, or are never looked at.
+
+use std::time::{Duration, Instant};
+
+use glam::DQuat;
+use protocol::{Camera, ClientMessage, ViewSource};
+
+use super::acts::Act;
+use super::other::{CLIENTS, LOOK, Other};
+use super::setup::make_session;
+use crate::circle::open_view;
+use crate::dragged::Circle;
+use crate::{BenchError, Client, Incoming};
+
+/// Views that move, and their size in pixels: the largest that a server takes.
+const LARGE_VIEWS: usize = 8;
+const LARGE: [u32; 2] = [3840, 2160];
+/// Sockets with a view that nobody acknowledges: all that the victim's two and those that drag leave of 256.
+const SILENT_VIEWS: usize = 250;
+/// Sessions that they are in, each with one that drags.
+const SILENT_SESSIONS: usize = 4;
+const MIDDLE: [u32; 2] = [1280, 720];
+/// Views that rest, and that are opened and closed.
+const RESTING_VIEWS: usize = 30;
+/// After how long a view moves again though no frame has come.
+const MOVES_EVERY: Duration = Duration::from_millis(33);
+/// Radians that a view turns for each frame, and updates after which it turns back.
+const TURN: f64 = 0.01;
+const TURNS: u32 = 40;
+
+const SCENE: &str = "demo:vases";
+
+/// Views that move as fast as their frames come.
+pub(super) fn large(other: &Other) -> Result<Act, BenchError> {
+    make_session(&other.address, &other.session(0), SCENE)?;
+    Ok(Box::new(|other| {
+        for socket in 0..LARGE_VIEWS {
+            other.spawn(move |other| move_view(other, socket));
+        }
+        Ok(())
+    }))
+}
+
+/// Moves a view with each of its frames, and while none comes as a hand does that waits for none.
+fn move_view(other: &Other, socket: usize) -> Result<(), BenchError> {
+    let mut client = other.connect(socket)?;
+    let camera = client.welcome.camera.clone();
+    begin_view(&mut client, LARGE)?;
+    let mut camera_revision = 1;
+    while !other.is_over() {
+        camera_revision += 1;
+        let camera = turned(&camera, camera_revision);
+        client.send(&ClientMessage::SetCamera { camera, camera_revision })?;
+        other.did(1);
+        let until = Instant::now() + MOVES_EVERY;
+        while let Some(left) = until.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
+            if let Some(Incoming::Frame(header, _)) = client.receive(left)? {
+                client.ack(&header)?;
+                break;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The camera, turned to one side and back.
+fn turned(camera: &Camera, revision: u32) -> Camera {
+    let place = revision % (2 * TURNS);
+    let steps = if place < TURNS { place } else { 2 * TURNS - place };
+    let turn = DQuat::from_rotation_y(TURN * f64::from(steps));
+    let rotation = (turn * DQuat::from_array(camera.rotation)).normalize().to_array();
+    Camera { rotation, ..camera.clone() }
+}
+
+fn begin_view(client: &mut Client, [width, height]: [u32; 2]) -> Result<(), BenchError> {
+    client.send(&ClientMessage::OpenView {
+        source: ViewSource::Own(client.welcome.camera.clone()),
+        width,
+        height,
+        camera_revision: 1,
+        settings: None,
+        interaction: None,
+        stats: false,
+    })
+}
+
+/// Views that nobody reads, of lights that are dragged.
+pub(super) fn silent(other: &Other) -> Result<Act, BenchError> {
+    for session in 0..SILENT_SESSIONS {
+        make_session(&other.address, &other.session(session * CLIENTS), SCENE)?;
+    }
+    Ok(Box::new(|other| {
+        for session in 0..SILENT_SESSIONS {
+            let drags = session * CLIENTS;
+            other.spawn(move |other| drag(other, drags));
+            let silent = drags + 1..(drags + CLIENTS).min(SILENT_VIEWS + SILENT_SESSIONS);
+            other.spawn(move |other| {
+                let mut views = Vec::new();
+                for socket in silent.clone().take_while(|_| !other.is_over()) {
+                    let opened = other.connect(socket).and_then(|mut client| {
+                        begin_view(&mut client, MIDDLE)?;
+                        views.push(client);
+                        other.did(1);
+                        Ok(())
+                    });
+                    other.note(opened);
+                }
+                wait(other);
+                Ok(())
+            });
+        }
+        Ok(())
+    }))
+}
+
+fn wait(other: &Other) {
+    while !other.is_over() {
+        std::thread::sleep(LOOK);
+    }
+}
+
+/// Drags a control point without a view of its own.
+fn drag(other: &Other, socket: usize) -> Result<(), BenchError> {
+    let mut client = other.connect(socket)?;
+    let circle = Circle::of(&client)?;
+    let (gesture, light, base_seq) = ("other".to_owned(), circle.light, client.welcome.seq);
+    client.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq })?;
+    for update in 1.. {
+        if other.is_over() {
+            break;
+        }
+        let command = circle.command(0.05 * update as f64);
+        client.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command })?;
+        while client.receive(Duration::from_millis(16))?.is_some() {}
+    }
+    Ok(())
+}
+
+/// Views that are whole and at rest before they are measured.
+pub(super) fn resting(other: &Other) -> Result<Act, BenchError> {
+    make_session(&other.address, &other.session(0), SCENE)?;
+    Ok(Box::new(|other| {
+        let mut views = Vec::new();
+        for socket in 0..RESTING_VIEWS {
+            let mut client = other.connect(socket)?;
+            open_view(&mut client, MIDDLE)?;
+            views.push(client);
+            other.did(1);
+        }
+        other.spawn(move |other| {
+            while !other.is_over() {
+                for client in &mut views {
+                    client.receive(Duration::from_millis(1))?;
+                }
+                std::thread::sleep(LOOK);
+            }
+            views.clear();
+            Ok(())
+        });
+        Ok(())
+    }))
+}
+
+/// Views that are closed with their first frame.
+pub(super) fn closing(other: &Other) -> Result<Act, BenchError> {
+    make_session(&other.address, &other.session(0), SCENE)?;
+    Ok(Box::new(|other| {
+        other.spawn(|other| {
+            let mut views = Vec::new();
+            for socket in 0..RESTING_VIEWS {
+                let mut client = other.connect(socket)?;
+                begin_view(&mut client, MIDDLE)?;
+                views.push(client);
+            }
+            for client in &mut views {
+                client.wait_for("a first frame", |incoming| {
+                    matches!(incoming, Incoming::Frame(..)).then_some(())
+                })?;
+                other.did(1);
+            }
+            Ok(())
+        });
+        Ok(())
+    }))
+}

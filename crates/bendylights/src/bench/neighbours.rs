@@ -1,0 +1,104 @@
+//! `bendylights bench neighbours`: what one client loses to another.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use ::bench::neighbours::{self, ROWS, Row};
+use cli::{Output, Size, answer};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::error::Error;
+use crate::gpu::BackendArgs;
+
+#[derive(clap::Args)]
+#[command(after_help = "\
+A victim drags a control point of demo:vases in a view of its own, an update an animation frame, and now and then a feature
+of another light with three pins. It does so alone, then while one other client does all it can in sessions of its own, and
+alone again once that has gone and all have rested. Each row is another kind of neighbour, with a server of its own:
+  solves             begins drags of features of a light of 258 control points with 256 pins, and gives each up
+  solves-in-session  in the victim's session: a slow drag, and edits of its light
+  large-views        moves 8 views of 3840x2160
+  silent-views       250 views of 1280x720 that are never read, whose light is dragged
+  stills-16000, stills-64000, stills-primitives
+                     stills of 64x36 of that many triangles, of 100,000 primitives, in one place
+  imports            uploads of such scenes
+  asks               probes, picks, solved drags, sessions, openapi.json
+  resting-views, closing-views
+                     30 views of 1280x720 that rest; that are opened and closed
+  reads-nothing      64 sockets and 64 requests that read nothing of a document of 16 MiB
+  cut-bodies         200 bodies of 8 MiB cut off
+  actors             edits, each by another actor
+  slow-link          large-views, and the victim's link takes 2 Mbit/s
+Prints JSON, for each row:
+  passes, missed           which bounds it misses
+  share, leastShare        the victim's frames, those that show something new of its drag, over those alone: 0.9 at least,
+                           0.45 where the other has much drawn
+  longestGapOfUsual        its longest gap over the 95th percentile alone: 4 at most
+  ownDragOfUsual           median time of its own drags of features over that alone: 2 at most
+  alone, with, aloneAfter  frames, gaps, updates and own drags of the three times
+  memory                   of the server: MiB before the other came, at most, and after the rest, 250 more at most
+  busyThreads              of the server after the rest: none
+  writes                   of actors: bytes written for an edit, twice those of one actor at most
+  serverCpuShare, benchCpuShare
+                           CPU seconds a second of the server, and of the victim and the other client
+  other                    what the other did and was refused
+Exit code 1 says that a bound is missed. On a machine that does other work meanwhile, bounds may be missed for that.
+
+Examples:
+  bendylights bench neighbours -o neighbours.svg > neighbours.json
+  bendylights bench neighbours --row large-views --row solves --rest-s 5")]
+pub struct Args {
+    /// Only this row; may be given more than once
+    #[arg(long, value_name = "NAME", value_parser = ROWS.map(Row::name))]
+    row: Vec<String>,
+    /// Seconds that the victim is measured: alone, with the other client, alone again
+    #[arg(long, default_value_t = 15, value_name = "S", value_parser = clap::value_parser!(u64).range(1..=600))]
+    seconds: u64,
+    /// Seconds of rest after the other client has left
+    #[arg(long, default_value_t = 60, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=3600))]
+    rest_s: u64,
+    /// Width and height of the victim's view in pixels
+    #[arg(long, default_value = "640x360", value_name = "WxH")]
+    size: Size,
+    /// Give each socket of the other client an actor of its own, so that nothing but its session tells that it is one
+    #[arg(long)]
+    many_actors: bool,
+    #[command(flatten)]
+    backend: BackendArgs,
+    /// Program whose `serve` is measured [default: this one]
+    #[arg(long, value_name = "PATH")]
+    program: Option<PathBuf>,
+    /// Chart to write: the victim's share of its frames and its longest gap, a row each
+    #[arg(short, value_name = "OUT.svg")]
+    output: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> Result<(), Error> {
+    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
+    let this = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
+    let program = args.program.as_deref().unwrap_or(&this);
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
+    let bar = ProgressBar::new(0).with_style(style);
+    let is_wanted = |row: &Row| args.row.is_empty() || args.row.iter().any(|name| name == row.name());
+    let options = neighbours::Options {
+        rows: ROWS.into_iter().filter(is_wanted).collect(),
+        size: [args.size.width, args.size.height],
+        time: Duration::from_secs(args.seconds),
+        rest: Duration::from_secs(args.rest_s),
+        many_actors: args.many_actors,
+        backend: args.backend.wanted(),
+    };
+    let result = neighbours::run(program, &options, &|progress| {
+        bar.set_length(progress.of as u64);
+        bar.set_position(progress.done as u64);
+        bar.set_message(format!("{}: {}", progress.row.name(), progress.step));
+    });
+    bar.finish_and_clear();
+    let (report, chart) = result.map_err(Error::Bench)?;
+    if let Some(output) = output {
+        output.write(chart.as_bytes())?;
+    }
+    answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?;
+    let rows = report.missed();
+    if rows.is_empty() { Ok(()) } else { Err(Error::Missed { rows: rows.join(", ") }) }
+}
