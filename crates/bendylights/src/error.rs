@@ -124,8 +124,8 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Cli(error) => error.exit_code(),
-            Self::Missed { .. } => 1,
-            Self::Store(StoreError::Io { .. } | StoreError::Database(_) | StoreError::Unwritable(_))
+            Self::Missed { .. }
+            | Self::Store(StoreError::Io { .. } | StoreError::Database(_) | StoreError::Unwritable(_))
             | Self::NoRuntime(_)
             | Self::Server(
                 ServerError::Data { .. }

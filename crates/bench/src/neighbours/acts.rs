@@ -14,6 +14,7 @@ pub(super) type Act = Box<dyn FnOnce(&Other) -> Result<(), BenchError>>;
 /// Makes what a row needs; what it does then.
 pub(super) fn prepare(row: Row, other: &Other) -> Result<Act, BenchError> {
     match row {
+        Row::Nobody => Ok(Box::new(|_| Ok(()))),
         Row::Solves => drags::solves(other),
         Row::SolvesInSession => drags::in_session(other),
         Row::LargeViews | Row::SlowLink => views::large(other),

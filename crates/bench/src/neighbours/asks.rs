@@ -21,6 +21,8 @@ const PRIMITIVES: usize = 100_000;
 const STILLS: usize = 8;
 /// Clients that edit at once.
 const EDITORS: usize = 8;
+/// Bytes of an actor's name, the most that a server takes.
+const LABEL_BYTES: usize = 128;
 /// Drags in one request.
 const DRAGS: usize = 8;
 
@@ -100,10 +102,11 @@ fn probe(other: &Other, pixel: [f64; 2]) -> Result<(), BenchError> {
         let message =
             ClientMessage::Probe { probe, pixel, camera: None, size: Some(SIZE), highlights: false };
         client.send(&message)?;
+        other.did(1);
         while !other.is_over() {
             let Some(Incoming::Message(message)) = client.receive(LOOK)? else { continue };
             if let ServerMessage::Probed(_) | ServerMessage::Error { .. } = *message {
-                other.did(1);
+                other.was_answered();
                 break;
             }
         }
@@ -124,7 +127,7 @@ pub(super) fn actors(other: &Other) -> Result<Act, BenchError> {
             let (count, are_many) = (count.clone(), are_many.clone());
             other.spawn(move |other| {
                 let n = count.load(Ordering::Relaxed);
-                let id = format!("actor-{:x}", fastrand::u64(..));
+                let id = format!("{:0>LABEL_BYTES$x}", fastrand::u64(..));
                 let actor = if are_many.load(Ordering::Relaxed) { &id } else { "one" };
                 let body = edit_of(light, actor, n).to_string();
                 other.ask("POST", &format!("/sessions/{}/edits", other.session(0)), body.as_bytes())?;

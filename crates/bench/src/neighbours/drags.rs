@@ -97,6 +97,7 @@ fn repeat_edits(
     for n in 0.. {
         let (op_id, base_seq) = (format!("{what}-{n}"), client.welcome.seq);
         client.send(&ClientMessage::Edit { op_id: op_id.clone(), base_seq, command: command(n)? })?;
+        other.did(1);
         loop {
             if other.is_over() {
                 return Ok(());
@@ -105,7 +106,7 @@ fn repeat_edits(
             let ServerMessage::EditResult(result) = *message else { continue };
             if result.op_id == op_id {
                 match result.outcome.problem() {
-                    None => other.did(1),
+                    None => other.was_answered(),
                     Some(problem) => other.note(Err(BenchError::Refused(problem.message.clone()))),
                 }
                 break;

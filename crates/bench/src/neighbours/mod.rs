@@ -37,9 +37,9 @@ const WARMS_UP: Duration = Duration::from_secs(3);
 /// How long it drags before each measured time begins.
 const BEGINS: Duration = Duration::from_secs(1);
 /// How long a server may take to come to rest after a row was prepared.
-const SETTLES_WITHIN: Duration = Duration::from_secs(60);
+const SETTLES_WITHIN: Duration = Duration::from_mins(1);
 /// How long a gap or an answer is followed that was open at the end of the measured time.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_mins(1);
 const MIB: f64 = 1024.0 * 1024.0;
 
 /// What to measure.
@@ -216,8 +216,7 @@ fn measure(
 
     step(3);
     let mut act = Some(act);
-    // Views that rest are measured once they do; of all else the beginning counts too.
-    if row == Row::RestingViews {
+    if row.has_views_open() {
         act.take().map_or(Ok(()), |act| act(&other))?;
     }
     victim.drags();
@@ -255,7 +254,7 @@ fn measure(
         busy_threads: &busy_threads,
         writes: other.writes().map(|writes| writes.ratio),
         is_connected: timeline.broke.is_none(),
-        deeds: deeds.done + deeds.refused,
+        is_other_idle: row != Row::Nobody && deeds.done + deeds.refused == 0,
     };
     let missed = measured.missed();
     Ok(RowReport {

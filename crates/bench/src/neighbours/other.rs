@@ -28,8 +28,10 @@ pub(super) const CLIENTS: usize = 64;
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Deeds {
-    /// What was done: drags given up, moves of views, views opened, pictures, answers, edits, bodies cut off.
+    /// What was done or asked for: drags, moves of views, views opened, requests, edits, bodies.
     pub done: u64,
+    /// Of that, what was answered: frames, pictures, answers, edits.
+    pub answered: u64,
     /// What the server refused, closed connections included.
     pub refused: u64,
     /// One of the refusals.
@@ -53,6 +55,7 @@ pub(super) struct Other {
 struct Shared {
     is_over: AtomicBool,
     done: AtomicU64,
+    answered: AtomicU64,
     refused: AtomicU64,
     refusal: Mutex<Option<String>>,
     /// Closed when it leaves: no thread goes on waiting for an answer.
@@ -188,14 +191,20 @@ impl Other {
         thread::sleep(AFTER_REFUSAL);
     }
 
-    /// Counts something that was done.
+    /// Counts something that was done or asked for.
     pub fn did(&self, count: u64) {
         self.shared.done.fetch_add(count, Ordering::Relaxed);
+    }
+
+    /// Counts an answer to such.
+    pub fn was_answered(&self) {
+        self.shared.answered.fetch_add(1, Ordering::Relaxed);
     }
 
     pub fn deeds(&self) -> Deeds {
         Deeds {
             done: self.shared.done.load(Ordering::Relaxed),
+            answered: self.shared.answered.load(Ordering::Relaxed),
             refused: self.shared.refused.load(Ordering::Relaxed),
             refusal: self.shared.refusal.lock().unwrap_or_else(PoisonError::into_inner).clone(),
         }
@@ -229,10 +238,10 @@ impl Other {
 
     /// Sends a request on a connection of its own. Of the answer only the beginning is kept; it is given up when all is over.
     pub fn ask(&self, method: &str, path: &str, body: &[u8]) -> Result<(), BenchError> {
-        let mut tcp = self.send_request(method, path, body)?;
-        let answer = self.read_answer(&mut tcp)?;
-        answer.refusal()?;
         self.did(1);
+        let mut tcp = self.send_request(method, path, body)?;
+        self.read_answer(&mut tcp)?.refusal()?;
+        self.was_answered();
         Ok(())
     }
 

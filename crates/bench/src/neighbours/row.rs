@@ -6,6 +6,7 @@ use serde::{Serialize, Serializer};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "`what` says it")]
 pub enum Row {
+    Nobody,
     Solves,
     SolvesInSession,
     LargeViews,
@@ -24,7 +25,8 @@ pub enum Row {
 }
 
 /// All rows, in the order in which they are measured.
-pub const ROWS: [Row; 15] = [
+pub const ROWS: [Row; 16] = [
+    Row::Nobody,
     Row::Solves,
     Row::SolvesInSession,
     Row::LargeViews,
@@ -46,6 +48,7 @@ impl Row {
     /// By which it is asked for.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Nobody => "nobody",
             Self::Solves => "solves",
             Self::SolvesInSession => "solves-in-session",
             Self::LargeViews => "large-views",
@@ -67,6 +70,7 @@ impl Row {
     /// What the other client does, for people.
     pub fn what(self) -> &'static str {
         match self {
+            Self::Nobody => "is not there: what the machine itself takes from a victim",
             Self::Solves => {
                 "begins drags of features of a light of 258 control points and 256 pins, gives each up"
             }
@@ -89,6 +93,11 @@ impl Row {
         }
     }
 
+    /// Whether its views are opened before anything is measured.
+    pub(super) fn has_views_open(self) -> bool {
+        matches!(self, Self::LargeViews | Self::RestingViews | Self::SlowLink)
+    }
+
     /// Whether the other client has much drawn: the victim then shares the renderer with it.
     pub fn draws(self) -> bool {
         match self {
@@ -99,7 +108,8 @@ impl Row {
             | Self::StillsOfPrimitives
             | Self::ClosingViews
             | Self::SlowLink => true,
-            Self::Solves
+            Self::Nobody
+            | Self::Solves
             | Self::SolvesInSession
             | Self::Imports
             | Self::Asks

@@ -61,7 +61,7 @@ mod tests {
         let cases = [
             (triangles(16_000, "a"), 188, 16_000),
             (triangles(64_000, "a"), 750, 64_000),
-            (primitives(100_000, "a"), 3_027, 100_000),
+            (primitives(100_000, "a"), 2_930, 100_000),
         ];
         for (glb, kib, triangles) in cases {
             assert_eq!(glb.len() / 1024, kib);

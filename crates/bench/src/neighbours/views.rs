@@ -4,11 +4,11 @@ use std::time::{Duration, Instant};
 
 use glam::DQuat;
 use protocol::{Camera, ClientMessage, ViewSource};
+use stream::FrameHeader;
 
 use super::acts::Act;
-use super::other::{CLIENTS, LOOK, Other};
+use super::other::{CLIENTS, Connected, LOOK, Other};
 use super::setup::make_session;
-use crate::circle::open_view;
 use crate::dragged::Circle;
 use crate::{BenchError, Client, Incoming};
 
@@ -22,42 +22,58 @@ const SILENT_SESSIONS: usize = 4;
 const MIDDLE: [u32; 2] = [1280, 720];
 /// Views that rest, and that are opened and closed.
 const RESTING_VIEWS: usize = 30;
-/// After how long a view moves again though no frame has come.
-const MOVES_EVERY: Duration = Duration::from_millis(33);
+/// After how long a view that moves does so again though no frame has come.
+const MOVES_EVERY: Duration = Duration::from_millis(50);
+/// How long views are waited for that are to be open before anything is measured.
+const OPENS_WITHIN: Duration = Duration::from_mins(2);
+/// How long views are open that are closed again.
+const CLOSES_AFTER: Duration = Duration::from_secs(1);
 /// Radians that a view turns for each frame, and updates after which it turns back.
 const TURN: f64 = 0.01;
 const TURNS: u32 = 40;
 
 const SCENE: &str = "demo:vases";
 
-/// Views that move as fast as their frames come.
+/// Views that have been seen once before they are measured, and then move as fast as their frames come.
 pub(super) fn large(other: &Other) -> Result<Act, BenchError> {
     make_session(&other.address, &other.session(0), SCENE)?;
     Ok(Box::new(|other| {
+        let mut views = Vec::new();
         for socket in 0..LARGE_VIEWS {
-            other.spawn(move |other| move_view(other, socket));
+            let mut client = other.connect(socket)?;
+            begin_view(&mut client, LARGE)?;
+            views.push(client);
+        }
+        wait_for_all(&mut views, OPENS_WITHIN, |header| {
+            eprintln!("{header:?}");
+            true
+        })?;
+        for mut client in views {
+            let camera = client.welcome.camera.clone();
+            let mut camera_revision = 1;
+            other.spawn(move |other| move_view(other, &mut client, &camera, &mut camera_revision));
         }
         Ok(())
     }))
 }
 
-/// Moves a view with each of its frames, and while none comes as a hand does that waits for none.
-fn move_view(other: &Other, socket: usize) -> Result<(), BenchError> {
-    let mut client = other.connect(socket)?;
-    let camera = client.welcome.camera.clone();
-    begin_view(&mut client, LARGE)?;
-    let mut camera_revision = 1;
-    while !other.is_over() {
-        camera_revision += 1;
-        let camera = turned(&camera, camera_revision);
-        client.send(&ClientMessage::SetCamera { camera, camera_revision })?;
-        other.did(1);
-        let until = Instant::now() + MOVES_EVERY;
-        while let Some(left) = until.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
-            if let Some(Incoming::Frame(header, _)) = client.receive(left)? {
-                client.ack(&header)?;
-                break;
-            }
+/// Moves a view, and again with its next frame or as soon as a hand would.
+fn move_view(
+    other: &Other,
+    client: &mut Client,
+    camera: &Camera,
+    camera_revision: &mut u32,
+) -> Result<(), BenchError> {
+    *camera_revision += 1;
+    let (camera, camera_revision) = (turned(camera, *camera_revision), *camera_revision);
+    client.send(&ClientMessage::SetCamera { camera, camera_revision })?;
+    other.did(1);
+    let until = Instant::now() + MOVES_EVERY;
+    while let Some(left) = until.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
+        if let Some(Incoming::Frame(header, _)) = client.receive(left)? {
+            client.ack(&header)?;
+            other.was_answered();
+            break;
         }
     }
     Ok(())
@@ -140,13 +156,8 @@ fn drag(other: &Other, socket: usize) -> Result<(), BenchError> {
 pub(super) fn resting(other: &Other) -> Result<Act, BenchError> {
     make_session(&other.address, &other.session(0), SCENE)?;
     Ok(Box::new(|other| {
-        let mut views = Vec::new();
-        for socket in 0..RESTING_VIEWS {
-            let mut client = other.connect(socket)?;
-            open_view(&mut client, MIDDLE)?;
-            views.push(client);
-            other.did(1);
-        }
+        let mut views = open_many(other)?;
+        wait_for_all(&mut views, OPENS_WITHIN, |header| header.flags.settle)?;
         other.spawn(move |other| {
             while !other.is_over() {
                 for client in &mut views {
@@ -161,25 +172,45 @@ pub(super) fn resting(other: &Other) -> Result<Act, BenchError> {
     }))
 }
 
-/// Views that are closed with their first frame.
+/// Views that are closed a moment after they were opened.
 pub(super) fn closing(other: &Other) -> Result<Act, BenchError> {
     make_session(&other.address, &other.session(0), SCENE)?;
     Ok(Box::new(|other| {
         other.spawn(|other| {
-            let mut views = Vec::new();
-            for socket in 0..RESTING_VIEWS {
-                let mut client = other.connect(socket)?;
-                begin_view(&mut client, MIDDLE)?;
-                views.push(client);
-            }
-            for client in &mut views {
-                client.wait_for("a first frame", |incoming| {
-                    matches!(incoming, Incoming::Frame(..)).then_some(())
-                })?;
-                other.did(1);
-            }
-            Ok(())
+            let mut views = open_many(other)?;
+            wait_for_all(&mut views, CLOSES_AFTER, |_| {
+                other.was_answered();
+                true
+            })
         });
         Ok(())
     }))
+}
+
+fn open_many(other: &Other) -> Result<Vec<Connected>, BenchError> {
+    let open = |socket| {
+        let mut client = other.connect(socket)?;
+        begin_view(&mut client, MIDDLE)?;
+        other.did(1);
+        Ok(client)
+    };
+    (0..RESTING_VIEWS).map(open).collect()
+}
+
+/// Waits until each view has had a frame that is wanted, or for so long. Frames of all are acknowledged meanwhile.
+fn wait_for_all(
+    views: &mut [Connected],
+    within: Duration,
+    is_wanted: impl Fn(&FrameHeader) -> bool,
+) -> Result<(), BenchError> {
+    let (until, mut has_come) = (Instant::now() + within, vec![false; views.len()]);
+    while Instant::now() < until && has_come.contains(&false) {
+        for (client, has_come) in views.iter_mut().zip(&mut has_come) {
+            if let Some(Incoming::Frame(header, _)) = client.receive(Duration::from_millis(1))? {
+                client.ack(&header)?;
+                *has_come |= !*has_come && is_wanted(&header);
+            }
+        }
+    }
+    Ok(())
 }

@@ -15,6 +15,7 @@ use crate::gpu::BackendArgs;
 A victim drags a control point of demo:vases in a view of its own, an update an animation frame, and now and then a feature
 of another light with three pins. It does so alone, then while one other client does all it can in sessions of its own, and
 alone again once that has gone and all have rested. Each row is another kind of neighbour, with a server of its own:
+  nobody             nobody: what the machine itself takes from the victim. Where this misses, no row says anything
   solves             begins drags of features of a light of 258 control points with 256 pins, and gives each up
   solves-in-session  in the victim's session: a slow drag, and edits of its light
   large-views        moves 8 views of 3840x2160
@@ -41,7 +42,7 @@ Prints JSON, for each row:
   writes                   of actors: bytes written for an edit, twice those of one actor at most
   serverCpuShare, benchCpuShare
                            CPU seconds a second of the server, and of the victim and the other client
-  other                    what the other did and was refused
+  other                    how much the other did, how much of it was answered, and what was refused
 Exit code 1 says that a bound is missed. On a machine that does other work meanwhile, bounds may be missed for that.
 
 Examples:
