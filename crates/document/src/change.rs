@@ -171,9 +171,9 @@ pub enum EditError {
     /// Too much was chosen for a drag.
     #[error("at most {limit} {what} can be chosen for a drag: choose fewer")]
     TooManyChosen {
-        /// Of what.
+        /// Control points or pins.
         what: &'static str,
-        /// How many may be.
+        /// Count of these that one drag takes.
         limit: usize,
     },
     /// The document would hold too much.
