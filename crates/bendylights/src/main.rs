@@ -26,6 +26,11 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use cli::say;
+use tikv_jemallocator::Jemalloc;
+
+/// Gives memory that nobody uses back to the system within seconds, from a thread of its own.
+#[global_allocator]
+static ALLOCATOR: Jemalloc = Jemalloc;
 
 /// Renders scenes lit by BendyLights: spotlights whose light travels along a curve.
 #[derive(Parser)]
