@@ -19,7 +19,7 @@ use crate::gpu_structs::{LARGE, TERMS};
 use crate::lights::{ReadyLight, ShadowMaps, pixels_of};
 use crate::memory::{Evictable, MemoryKind};
 use crate::pass_runs::{Cause, Pass, PassRuns};
-use crate::renderer::{Pause, Piece};
+use crate::pause::{Pause, Piece};
 use crate::tile::Tile;
 use crate::{Gpu, RenderError};
 

@@ -58,6 +58,7 @@ mod omni;
 mod omni_faces;
 mod pass_runs;
 mod passes;
+mod pause;
 mod picture;
 mod pipeline;
 mod readback;

@@ -17,6 +17,7 @@ use crate::gpu_scene::{GpuScene, SceneOnDevice};
 use crate::lights::ShadowMaps;
 use crate::pass_runs::{Cause, Pass, PassCounts, PassRun, PassRuns};
 use crate::passes::Passes;
+use crate::pause::{Pause, Piece};
 use crate::stages::{Recording, Stage};
 use crate::targets::{Lit, Targets, Viewers};
 use crate::tile::Tile;
@@ -381,18 +382,6 @@ pub(crate) struct Drawing {
     pub wanted: Range<usize>,
     /// Samples a pixel that it takes.
     pub samples: u32,
-}
-
-/// Says after a piece of work whether the picture pauses.
-pub(crate) type Pause<'a> = &'a dyn Fn(Piece) -> bool;
-
-/// What has been drawn and waited for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Piece {
-    /// A light's map, whatever the size of the picture.
-    ShadowMap,
-    /// Something of each pixel.
-    Pixels,
 }
 
 impl Drawing {

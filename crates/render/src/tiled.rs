@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use light::LightInstance;
 
 use crate::memory::{MemoryKind, Reservation};
-use crate::renderer::{Drawing, Piece};
+use crate::pause::Piece;
+use crate::renderer::Drawing;
 use crate::targets::{Targets, bytes_of};
 use crate::tile::{Tile, Tiling};
 use crate::{Aov, Gpu, Picture, PictureFormat, Pixels, RenderError, Renderer, View};

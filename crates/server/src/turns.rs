@@ -8,7 +8,7 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Accounts that are kept at least before those that make no difference are dropped.
+/// Accounts that are kept at most; past them those that have been charged least are dropped.
 const ACCOUNTS: usize = 256;
 
 /// Who is charged for work: an actor in a session.
@@ -93,7 +93,11 @@ impl Accounts {
         self.start = before;
         self.seconds.insert(Arc::clone(name), before + seconds);
         if self.seconds.len() > ACCOUNTS {
-            self.seconds.retain(|_, charged| *charged > before);
+            // The half that has been charged least starts together from now on.
+            let mut all: Vec<f64> = self.seconds.values().copied().collect();
+            all.sort_by(f64::total_cmp);
+            self.start = self.start.max(all[all.len() / 2]);
+            self.seconds.retain(|_, charged| *charged > self.start);
         }
     }
 }

@@ -3,13 +3,10 @@
 use super::asks;
 use super::drags;
 use super::memory;
-use super::other::Other;
+use super::other::{Act, Other};
 use super::row::Row;
 use super::views;
 use crate::BenchError;
-
-/// Begins to do it, and returns; its threads go on until it leaves.
-pub(super) type Act = Box<dyn FnOnce(&Other) -> Result<(), BenchError>>;
 
 /// Makes what a row needs; what it does then.
 pub(super) fn prepare(row: Row, other: &Other) -> Result<Act, BenchError> {

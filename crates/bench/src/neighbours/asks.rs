@@ -7,8 +7,7 @@ use std::time::Instant;
 use protocol::{ClientMessage, ServerMessage};
 use serde_json::{Value, json};
 
-use super::acts::Act;
-use super::other::{LOOK, Other, Writes};
+use super::other::{Act, LOOK, Other, Writes};
 use super::row::Row;
 use super::setup::{SIZE, document, make_session, post};
 use super::{scenes, usage};

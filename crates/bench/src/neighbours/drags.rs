@@ -5,8 +5,7 @@ use std::time::Duration;
 use protocol::{ClientMessage, Command, ServerMessage};
 use serde_json::json;
 
-use super::acts::Act;
-use super::other::{LOOK, Other};
+use super::other::{Act, LOOK, Other};
 use super::setup::{add_light, document, edit, make_session, pin};
 use super::victim;
 use crate::{BenchError, Client, Incoming};

@@ -7,8 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use super::acts::Act;
-use super::other::{CLIENTS, LOOK, Other};
+use super::other::{Act, CLIENTS, LOOK, Other};
 use super::setup::{edit, make_session};
 use crate::BenchError;
 use crate::client::say_hello;

@@ -13,6 +13,9 @@ use serde::Serialize;
 use super::row::Row;
 use crate::{Address, BenchError, Client};
 
+/// Begins to do what a row is about, and returns; its threads go on until the other client leaves.
+pub(super) type Act = Box<dyn FnOnce(&Other) -> Result<(), BenchError>>;
+
 /// How often a thread looks whether all is over.
 pub(super) const LOOK: Duration = Duration::from_millis(100);
 /// How long a client waits that was refused.

@@ -6,8 +6,7 @@ use glam::DQuat;
 use protocol::{Camera, ClientMessage, ViewSource};
 use stream::FrameHeader;
 
-use super::acts::Act;
-use super::other::{CLIENTS, Connected, LOOK, Other};
+use super::other::{Act, CLIENTS, Connected, LOOK, Other};
 use super::setup::make_session;
 use crate::dragged::Circle;
 use crate::{BenchError, Client, Incoming};

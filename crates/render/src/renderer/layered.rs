@@ -7,10 +7,11 @@ use glam::DVec2;
 use light::LightInstance;
 use scene::MapScale;
 
-use super::{Drawing, Pause, Piece, Renderer, read_shown};
+use super::{Drawing, Renderer, read_shown};
 use crate::layers::{self, Work};
 use crate::native_layers::NativeLayers;
 use crate::pass_runs::{Cause, Pass};
+use crate::pause::{Pause, Piece};
 use crate::stages::Stage;
 use crate::targets::Targets;
 use crate::tile::Tile;

@@ -5,11 +5,12 @@ use std::task::Poll;
 use glam::DVec2;
 use light::LightInstance;
 
-use super::{Drawing, Pause, Piece, Renderer};
+use super::{Drawing, Renderer};
 use crate::camera::sample_offset;
 use crate::layers::Work;
 use crate::native_map::NativeMaps;
 use crate::pass_runs::{Cause, Pass};
+use crate::pause::{Pause, Piece};
 use crate::stages::Stage;
 use crate::targets::Targets;
 use crate::tile::Tile;
