@@ -56,6 +56,7 @@ mod native_straight;
 mod native_targets;
 mod omni;
 mod omni_faces;
+mod parts;
 mod pass_runs;
 mod passes;
 mod pause;

@@ -16,6 +16,7 @@ use crate::layers::{Layers, Work};
 use crate::lights::ReadyLight;
 use crate::memory::{Evictable, MemoryKind};
 use crate::native_targets::{self, NativeTargets};
+use crate::parts::{area, in_parts};
 use crate::pass_runs::Cause;
 use crate::passes::Passes;
 use crate::pipeline::color_attachment;
@@ -345,23 +346,6 @@ impl Targets {
         self.native.see(surfaces);
         Ok(())
     }
-}
-
-/// Of `[x, y, width, height]`.
-pub(crate) fn area([_, _, width, height]: [u32; 4]) -> u64 {
-    u64::from(width) * u64::from(height)
-}
-
-/// Cuts `[x, y, width, height]` into so many bands of rows, as far as there are rows; each with whether it is the last.
-pub(crate) fn in_parts(
-    [x, y, width, height]: [u32; 4],
-    parts: u32,
-) -> impl Iterator<Item = ([u32; 4], bool)> {
-    let rows = height.div_ceil(parts).max(1);
-    (0..height.div_ceil(rows).max(1)).map(move |part| {
-        let first = part * rows;
-        ([x, y + first, width, rows.min(height - first)], first + rows >= height)
-    })
 }
 
 #[cfg(test)]

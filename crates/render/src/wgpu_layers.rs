@@ -9,10 +9,10 @@ use crate::composite::{Term, Terms};
 use crate::gpu_scene::GpuScene;
 use crate::layers::LayerPainter;
 use crate::lights::{ReadyLight, ShadowMaps};
+use crate::parts::{area, in_parts};
 use crate::passes::Passes;
 use crate::pipeline::color_attachment;
 use crate::stages::Stage;
-use crate::targets::{area, in_parts};
 use crate::wgpu_maps::{WgpuLight, WgpuMaps};
 use crate::{Gpu, RenderError, composite, lighting};
 
