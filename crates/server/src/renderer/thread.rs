@@ -203,13 +203,8 @@ impl RenderLoop {
     /// Gives a picture its turn, and hands it over where it is finished. One that was given up is not begun. Where its scene's
     /// worker is in the middle of another, that one goes on.
     fn work_on(&mut self, index: usize, turn: Duration) {
-        let task = &self.waiting[index];
-        if task.started.is_none() && !task.request.place.take() {
-            self.waiting.swap_remove(index);
-            return;
-        }
-        let began = Instant::now();
-        let mut worker = match self.worker(&Arc::clone(&task.request)) {
+        let request = Arc::clone(&self.waiting[index].request);
+        let mut worker = match self.worker(&request) {
             Ok(worker) => worker,
             Err(error) => {
                 drop(self.waiting.swap_remove(index).done.send(Err(error)));
@@ -218,6 +213,13 @@ impl RenderLoop {
         };
         let of_it = |task: &Task| Some(task.id) == worker.paused;
         let index = self.waiting.iter().position(of_it).unwrap_or(index);
+        let task = &self.waiting[index];
+        if task.started.is_none() && !task.request.place.take() {
+            self.waiting.swap_remove(index);
+            self.workers.push(worker);
+            return;
+        }
+        let began = Instant::now();
         if self.waiting[index].request.urgency.moves() {
             self.movers.insert(self.waiting[index].request.payer.clone(), began);
             self.movers.retain(|_, drew| began.saturating_duration_since(*drew) < SHARED_FOR);
