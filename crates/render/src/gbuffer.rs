@@ -212,7 +212,7 @@ impl GbufferPass {
         let most_indices = if parts == 1 { u32::MAX } else { 3 * (scene.triangle_count / parts).max(1) };
         let mut left = most_indices;
         let onto = (size, tile, band);
-        let mut pass = self.begin(encoder, into, onto, scene, band[0] == 0);
+        let mut pass = begin(encoder, into, onto, scene, band[0] == 0);
         for draw in &scene.draws {
             self.bind(&mut pass, draw);
             let mut indices = draw.indices.clone();
@@ -225,7 +225,7 @@ impl GbufferPass {
                     drop(pass);
                     gpu.finish(encoder)?;
                     gpu.yield_point()?;
-                    pass = self.begin(encoder, into, onto, scene, false);
+                    pass = begin(encoder, into, onto, scene, false);
                     self.bind(&mut pass, draw);
                     left = most_indices;
                 }
@@ -234,36 +234,34 @@ impl GbufferPass {
         Ok(())
     }
 
-    /// Begins to draw, from nothing where it `clears`.
-    fn begin<'e>(
-        &self,
-        encoder: &'e mut CommandEncoder,
-        into: &Gbuffer,
-        (size, tile, [first, rows]): ([u32; 2], Tile, [u32; 2]),
-        scene: &GpuScene,
-        clears: bool,
-    ) -> RenderPass<'e> {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("gbuffer"),
-            color_attachments: &[&into.packed, &into.offset]
-                .map(|target| Some(color_attachment(target, clears))),
-            depth_stencil_attachment: Some(depth_attachment(&into.depth, clears)),
-            ..Default::default()
-        });
-        let [left, top, width, height] =
-            [-f64::from(tile.x), -f64::from(tile.y), size[0].into(), size[1].into()].map(|x| x as f32);
-        pass.set_viewport(left, top, width, height, 0.0, 1.0);
-        pass.set_scissor_rect(0, first, tile.width, rows);
-        pass.set_bind_group(0, &scene.view, &[]);
-        pass.set_vertex_buffer(0, scene.geometry.positions.slice(..));
-        pass.set_index_buffer(scene.geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
-        pass
-    }
-
     fn bind(&self, pass: &mut RenderPass, draw: &MaterialDraw) {
         let [colored, shiny] = draw.pictures.map(usize::from);
         let [masked, double_sided] = [draw.masked, draw.double_sided].map(usize::from);
         pass.set_pipeline(&self.pipelines[colored][shiny][masked][double_sided]);
         pass.set_bind_group(1, &draw.material, &[]);
     }
+}
+
+/// Begins to draw, from nothing where it `clears`.
+fn begin<'e>(
+    encoder: &'e mut CommandEncoder,
+    into: &Gbuffer,
+    (size, tile, [first, rows]): ([u32; 2], Tile, [u32; 2]),
+    scene: &GpuScene,
+    clears: bool,
+) -> RenderPass<'e> {
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("gbuffer"),
+        color_attachments: &[&into.packed, &into.offset].map(|target| Some(color_attachment(target, clears))),
+        depth_stencil_attachment: Some(depth_attachment(&into.depth, clears)),
+        ..Default::default()
+    });
+    let [left, top, width, height] =
+        [-f64::from(tile.x), -f64::from(tile.y), size[0].into(), size[1].into()].map(|x| x as f32);
+    pass.set_viewport(left, top, width, height, 0.0, 1.0);
+    pass.set_scissor_rect(0, first, tile.width, rows);
+    pass.set_bind_group(0, &scene.view, &[]);
+    pass.set_vertex_buffer(0, scene.geometry.positions.slice(..));
+    pass.set_index_buffer(scene.geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
+    pass
 }

@@ -63,7 +63,7 @@ mod tests {
             (0..count).flat_map(|k| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|corner| corner + at(k))).collect();
         let indices = (0..3 * count as u32).collect();
         let normals = vec![Vec3::Z; positions.len()];
-        let primitive = Primitive { positions, indices, normals, ..Primitive::default() };
+        let primitive = Primitive { positions, normals, indices, ..Primitive::default() };
         let node =
             Node { name: "node".into(), parent: None, parent_from_local: DAffine3::IDENTITY, mesh: Some(0) };
         Scene {

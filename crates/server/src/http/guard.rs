@@ -78,7 +78,8 @@ pub async fn limit_requests(
     let (head, body) = request.into_parts();
     let in_flight = &state.backend.in_flight;
     let (body, held) = read_body(body, in_flight).await?;
-    let is_done = head.method == Method::POST;
+    // A picture has been drawn, and there are few at once (`MAX_STILLS`).
+    let is_done = head.method == Method::POST || head.uri.path().ends_with("/render");
     let too_many = |_| ServerError::TooMany { what: "requests", limit: MAX_REQUESTS };
     let permit = state.requests.try_acquire().map_err(too_many)?;
     let answer = next.run(Request::from_parts(head, body.into())).await;

@@ -51,13 +51,6 @@ pub async fn render(State(state): State<Arc<AppState>>, SessionName(name): Sessi
     let leases = (session, state.backend.renders.lease());
     let payer = Payer::program(&session_name);
     let request = request(&asked, picture_format, (&document, &scene), (leases, payer))?;
-    let pixel_bytes = match picture_format {
-        PictureFormat::Png => 4,
-        PictureFormat::Exr => 16,
-    };
-    // So that nothing is drawn for which there is no room when it is done.
-    let _room =
-        state.backend.in_flight.reserve((request.view.width * request.view.height) as usize * pixel_bytes)?;
     let (view, lights, asked_at) = (request.view.clone(), request.lights.clone(), Instant::now());
     let drawn = state.backend.renders.draw(request).await;
     // Of a server that stops, the renderer's end is no fault.

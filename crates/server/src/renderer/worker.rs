@@ -3,7 +3,7 @@
 
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, OnceLock, Weak};
 use std::task::Poll;
 use std::thread::{self, JoinHandle};
@@ -14,6 +14,11 @@ use scene::PosedScene;
 
 use super::{Lease, Output, Request, Urgency};
 use crate::limits::{LARGE_PICTURE_PIXELS, MAX_MOVING_TURNS};
+
+/// Orders that wait for a worker: one to draw, and those to forget viewers, which wait for the ones before.
+const ORDERS: usize = 16;
+/// Reports that wait: the latest, and the last.
+const REPORTS: usize = 2;
 
 /// When the turn under way is over, for all threads that draw. No turn is under way at first, and so it never is.
 #[derive(Clone, Debug)]
@@ -103,7 +108,7 @@ pub(super) struct Worker {
     pub viewers: Vec<(u64, Weak<Lease>)>,
     /// The task in the middle of which it rests.
     pub paused: Option<u64>,
-    orders: Sender<Order>,
+    orders: SyncSender<Order>,
     reports: Receiver<Report>,
     thread: Option<JoinHandle<()>>,
 }
@@ -115,11 +120,11 @@ thread_local! {
 
 struct Baton {
     orders: Receiver<Order>,
-    reports: Sender<Report>,
+    reports: SyncSender<Report>,
 }
 
 /// Says on its end that a worker's thread has ended, whatever ended it.
-struct LastWord(Sender<Report>);
+struct LastWord(SyncSender<Report>);
 
 impl Drop for LastWord {
     fn drop(&mut self) {
@@ -167,8 +172,8 @@ impl Worker {
         (scene, shared): (&Arc<PosedScene>, SharedScene),
         renderer: Renderer,
     ) -> Self {
-        let (orders, inbox) = channel();
-        let (outbox, reports) = channel();
+        let (orders, inbox) = sync_channel(ORDERS);
+        let (outbox, reports) = sync_channel(REPORTS);
         let (posed, uploaded) = (Arc::clone(scene), Arc::clone(&shared));
         let thread = thread::spawn(move || {
             let _last_word = LastWord(outbox.clone());
@@ -221,7 +226,7 @@ impl Drop for Worker {
     /// What it holds is gone when this returns.
     fn drop(&mut self) {
         self.cancel();
-        let (nobody, _) = channel();
+        let (nobody, _) = sync_channel(0);
         self.orders = nobody;
         if let Some(thread) = self.thread.take()
             && thread.join().is_err()
@@ -232,7 +237,11 @@ impl Drop for Worker {
 }
 
 /// What a worker's thread does.
-fn draw_in_turns(mut renderer: Renderer, scene: (&Arc<PosedScene>, &SharedScene), reports: &Sender<Report>) {
+fn draw_in_turns(
+    mut renderer: Renderer,
+    scene: (&Arc<PosedScene>, &SharedScene),
+    reports: &SyncSender<Report>,
+) {
     let next = || BATON.with_borrow(|baton| baton.as_ref()?.orders.recv().ok());
     let mut is_there = false;
     while let Some(order) = next() {

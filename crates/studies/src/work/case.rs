@@ -96,6 +96,7 @@ impl Case {
     }
 
     /// The same with one of its numbers drawn anew.
+    #[must_use]
     pub fn neighbour(&self, rng: &mut Rng, scenes: usize, sizes: Sizes) -> Self {
         let other = Self::random(rng, scenes, sizes);
         let mut next = self.clone();

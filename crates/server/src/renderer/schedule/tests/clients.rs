@@ -95,7 +95,7 @@ fn holds(victim: Client, other: Client, fault: Fault) -> Result<(), String> {
         return Err(format!("{:.0} % of its pictures", 100.0 * share));
     }
     let usual = victim.picture + victim.pause;
-    let gaps = beside.windows(2).map(|pair| pair[1] - pair[0]);
+    let gaps = beside.windows(2).map(|pair| pair[1].saturating_sub(pair[0]));
     let longest = gaps.max().unwrap_or(Duration::MAX);
     if longest > 4 * usual { Err(format!("a gap of {longest:?}, {usual:?} is usual")) } else { Ok(()) }
 }
