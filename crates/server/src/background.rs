@@ -6,6 +6,7 @@ use std::thread;
 use tokio::sync::oneshot;
 
 use crate::ServerError;
+use crate::limits::DEEP_STACK_BYTES;
 
 /// By so much less are such threads important to the system than others: one of them has a fifteenth of a core that somebody draws
 /// with, and all of one that nobody does.
@@ -14,7 +15,7 @@ const NICE: i32 = 12;
 /// Does `work` on a thread of its own. How many there are is bounded by whoever asks.
 pub async fn run<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, ServerError> {
     let (done, result) = oneshot::channel();
-    let named = thread::Builder::new().name("background".into());
+    let named = thread::Builder::new().name("background".into()).stack_size(DEEP_STACK_BYTES);
     let started = named.spawn(move || {
         // On Linux that is of this thread alone. Where it is refused the work is as important as any.
         if let Err(error) = rustix::process::nice(NICE) {

@@ -99,6 +99,9 @@ pub const SOCKET_READ_BYTES: usize = 16 << 10;
 pub const FRAME_QUEUE: usize = stream::WINDOW;
 /// Pictures that wait for the renderer; senders wait past that.
 pub const RENDER_QUEUE: usize = 256;
+/// Bytes of the stack of threads that make hierarchies over triangles: one over many in one place is as deep as they are many, and
+/// checked recursively in builds that assert. The system gives only what is used.
+pub const DEEP_STACK_BYTES: usize = 64 << 20;
 /// Lines of pictures that wait for the disk of the trace; more are left out and counted.
 pub const TRACE_QUEUE: usize = 1_024;
 /// Commits that wait for the disk; senders wait past that.

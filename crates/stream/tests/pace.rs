@@ -156,7 +156,10 @@ proptest! {
         };
         prop_assert!(!damaged(|sent| sent.truncate(sent.len() - 1)).is_empty());
         prop_assert!(!damaged(|sent| sent[0].revision += 1).is_empty());
-        prop_assert!(!damaged(|sent| sent.last_mut().expect("some").at_ms -= 1).is_empty());
+        let mut early = sent.clone();
+        let settles_at_ms = changes_ms.last().unwrap_or(&0) + SETTLE_AFTER.as_millis() as u64;
+        early.last_mut().expect("some").at_ms = settles_at_ms - 1;
+        prop_assert!(!faults(&early, &changes_ms).is_empty());
         prop_assert!(!damaged(|sent| sent.push(sent[sent.len() - 1])).is_empty());
         let unacknowledged = damaged(|sent| sent.iter_mut().for_each(|frame| frame.acked_at_ms = None));
         prop_assert_eq!(unacknowledged.is_empty(), sent.len() <= WINDOW);

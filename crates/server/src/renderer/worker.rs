@@ -13,7 +13,7 @@ use render::{PassRun, Pixels, RenderError, Renderer, SceneOnDevice, TiledPicture
 use scene::PosedScene;
 
 use super::{Lease, Output, Request, Urgency};
-use crate::limits::{LARGE_PICTURE_PIXELS, MAX_MOVING_TURNS};
+use crate::limits::{DEEP_STACK_BYTES, LARGE_PICTURE_PIXELS, MAX_MOVING_TURNS};
 
 /// Orders that wait for a worker: one to draw, and those to forget viewers, which wait for the ones before.
 const ORDERS: usize = 16;
@@ -175,11 +175,15 @@ impl Worker {
         let (orders, inbox) = sync_channel(ORDERS);
         let (outbox, reports) = sync_channel(REPORTS);
         let (posed, uploaded) = (Arc::clone(scene), Arc::clone(&shared));
-        let thread = thread::spawn(move || {
+        let named = thread::Builder::new().name("draw".into()).stack_size(DEEP_STACK_BYTES);
+        let thread = named.spawn(move || {
             let _last_word = LastWord(outbox.clone());
             BATON.set(Some(Baton { orders: inbox, reports: outbox.clone() }));
             draw_in_turns(renderer, (&posed, &uploaded), &outbox);
         });
+        // Where none can be started the reports end at once, and so does what is asked for.
+        let thread =
+            thread.inspect_err(|error| tracing::error!("no thread can be started to draw: {error}")).ok();
         Self {
             scene: Arc::clone(scene),
             shared,
@@ -188,7 +192,7 @@ impl Worker {
             paused: None,
             orders,
             reports,
-            thread: Some(thread),
+            thread,
         }
     }
 
