@@ -183,6 +183,22 @@ fn followers_share_one_render_and_one_encoding() {
     );
 }
 
+/// Who has a view of their own, and goes over to another's which rests, is shown what that shows.
+///
+/// Rules: FRAME-5
+#[test]
+fn who_leaves_a_view_of_their_own_sees_the_followed_one() {
+    let server = Server::start();
+    let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
+    ada.open_view_of([320, 200], None);
+    frame(&mut ada, |header| header.flags.settle);
+    ben.open_view();
+    frame(&mut ben, |header| header.flags.settle);
+    ben.follow(&ada);
+    let (header, _) = frame(&mut ben, |header| header.flags.settle && header.view_width == 320);
+    assert_eq!((header.width, header.height), (320, 200));
+}
+
 /// Rules: SOCK-7, FRAME-1
 #[test]
 fn moving_ones_view_is_no_edit() {

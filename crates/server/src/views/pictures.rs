@@ -44,10 +44,7 @@ impl Views {
     pub fn update(&mut self, now: Instant, live: Live, outboxes: &mut Outboxes) -> Instant {
         let mut wake = now + IDLE_AT_MOST;
         let ids: Vec<ClientId> = self.viewers.keys().copied().collect();
-        for id in &ids {
-            wake = self.send_tiles(*id, outboxes).map_or(wake, |next| wake.min(next));
-        }
-        for owner in ids {
+        for &owner in &ids {
             let Some(view) = self.own_view(owner) else { continue };
             let content = view.content;
             if let Some(frame) = view.latest.clone().filter(|latest| latest.stamp.content == content) {
@@ -65,6 +62,10 @@ impl Views {
             if let Some(quality) = wanted {
                 self.start_picture(owner, quality, live, outboxes);
             }
+        }
+        // What was only now begun to be sent has tiles left too.
+        for id in ids {
+            wake = self.send_tiles(id, outboxes).map_or(wake, |next| wake.min(next));
         }
         wake
     }
