@@ -27,8 +27,9 @@ const NO_IO: &[&str] = &["tokio", "wgpu", "axum", "serde", "serde_core", "rand",
 const LAYERS: &[Layer] = &[
     Layer { name: "light", uses: &[], never: NO_IO, pure: true },
     Layer { name: "scene", uses: &["light"], never: NO_IO, pure: true },
+    Layer { name: "hierarchy", uses: &[], never: NO_IO, pure: true },
     Layer { name: "document", uses: &["light", "scene", "raycast", "drag"], never: NO_IO, pure: true },
-    Layer { name: "raycast", uses: &["light", "scene"], never: NO_IO, pure: true },
+    Layer { name: "raycast", uses: &["light", "scene", "hierarchy"], never: NO_IO, pure: true },
     Layer { name: "drag", uses: &["light", "scene", "raycast"], never: NO_IO, pure: true },
     Layer {
         name: "reference",
@@ -46,7 +47,7 @@ const LAYERS: &[Layer] = &[
     Layer { name: "relight", uses: &["light"], never: NO_IO, pure: false },
     Layer {
         name: "render",
-        uses: &["light", "scene", "relight"],
+        uses: &["light", "scene", "hierarchy", "relight"],
         never: &["tokio", "axum", "protocol"],
         pure: false,
     },

@@ -1,20 +1,15 @@
 //! The bounding-volume hierarchy: boxes in f32, rounded outwards, so that f64 is only spent on triangles.
 //!
-//! `obvhs` builds it: no maintained crate walks one in f64 along curves, but its nodes are public, and boxes
-//! need to be safe, not exact.
+//! Boxes need to be safe, not exact.
 
 use std::fmt;
 
 use glam::{DVec3, Vec3A};
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
-use obvhs::bvh2::node::Bvh2Node;
-use obvhs::{Boundable, BvhBuildParams};
+use hierarchy::Node;
 
 use crate::{Bounds, Triangle};
 
-pub(crate) struct Hierarchy(Bvh2);
+pub(crate) struct Hierarchy(hierarchy::Hierarchy);
 
 impl fmt::Debug for Hierarchy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -31,36 +26,25 @@ pub(crate) struct Thick {
 }
 
 /// Steps that a node takes: one for its boxes, six for each of its triangles.
-fn steps_of(node: &Bvh2Node) -> u64 {
-    1 + if node.is_leaf() { 6 * u64::from(node.prim_count) } else { 0 }
-}
-
-struct Bounded(Aabb);
-
-impl Boundable for Bounded {
-    fn aabb(&self) -> Aabb {
-        self.0
-    }
+fn steps_of(node: &Node) -> u64 {
+    1 + if node.is_leaf() { 6 * u64::from(node.count) } else { 0 }
 }
 
 impl Hierarchy {
     pub fn new(triangles: &[Triangle]) -> Self {
-        let boxes: Vec<_> = triangles.iter().map(outward_box).collect();
-        // It also reports how long it took; nobody asks.
-        let mut took = <_>::default();
-        Self(build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut took))
+        Self(hierarchy::Hierarchy::new(triangles.iter().map(outward_box)))
     }
 
     /// The box around everything; `None` where there is nothing.
     pub fn bounds(&self) -> Option<Bounds> {
-        let Aabb { min, max } = self.0.nodes.first()?.aabb();
+        let hierarchy::Bounds { min, max } = self.0.nodes.first()?.bounds;
         Some(Bounds { min: min.as_dvec3(), max: max.as_dvec3() })
     }
 
     /// A distance from `point` that nothing lies beyond.
     pub fn reach(&self, point: DVec3) -> f64 {
         self.0.nodes.first().map_or(0.0, |root| {
-            let Aabb { min, max } = root.aabb();
+            let hierarchy::Bounds { min, max } = root.bounds;
             1.01 * (min.as_dvec3() - point).abs().max((max.as_dvec3() - point).abs()).length()
         })
     }
@@ -74,25 +58,25 @@ impl Hierarchy {
         spend: impl Fn(u64) -> bool,
         mut meet: impl FnMut(usize) -> f64,
     ) {
-        let Self(bvh) = self;
+        let Self(built) = self;
         let mut within = within;
-        let mut stack: Vec<u32> = if bvh.nodes.is_empty() { Vec::new() } else { vec![0] };
+        let mut stack: Vec<u32> = if built.nodes.is_empty() { Vec::new() } else { vec![0] };
         while let Some(index) = stack.pop() {
-            let node = &bvh.nodes[index as usize];
+            let node = &built.nodes[index as usize];
             if !spend(steps_of(node)) {
                 return;
             }
-            let Aabb { min, max } = node.aabb();
+            let hierarchy::Bounds { min, max } = node.bounds;
             if point.clamp(min.as_dvec3(), max.as_dvec3()).distance(point) > within {
                 continue;
             }
-            let first = node.first_index as usize;
+            let first = node.first as usize;
             if node.is_leaf() {
-                for &triangle in &bvh.primitive_indices[first..first + node.prim_count as usize] {
+                for &triangle in &built.order[first..first + node.count as usize] {
                     within = meet(triangle as usize);
                 }
             } else {
-                stack.extend([node.first_index, node.first_index + 1]);
+                stack.extend([node.first, node.first + 1]);
             }
         }
     }
@@ -100,30 +84,30 @@ impl Hierarchy {
     /// Calls `meet` with every triangle whose box the line may touch before the share of its way that `meet`
     /// returned last: nearer boxes first. Ends where `spend` refuses the steps that come next.
     pub fn along(&self, line: Thick, spend: impl Fn(u64) -> bool, mut meet: impl FnMut(usize) -> f64) {
-        let Self(bvh) = self;
-        let Some(root) = bvh.nodes.first() else { return };
+        let Self(built) = self;
+        let Some(root) = built.nodes.first() else { return };
         let line = Slabs::new(line);
         let mut limit = 1.0;
-        let Some(entry) = line.entry(root.aabb()) else { return };
+        let Some(entry) = line.entry(root.bounds) else { return };
         let mut stack = vec![(entry, 0_u32)];
         while let Some((entry, index)) = stack.pop() {
             if entry > limit {
                 continue;
             }
-            let node = &bvh.nodes[index as usize];
+            let node = &built.nodes[index as usize];
             if !spend(steps_of(node)) {
                 return;
             }
-            let first = node.first_index as usize;
+            let first = node.first as usize;
             if node.is_leaf() {
-                for &triangle in &bvh.primitive_indices[first..first + node.prim_count as usize] {
+                for &triangle in &built.order[first..first + node.count as usize] {
                     limit = meet(triangle as usize);
                 }
                 continue;
             }
             let child = |k: u32| {
-                let index = node.first_index + k;
-                line.entry(bvh.nodes[index as usize].aabb()).map(|entry| (entry, index))
+                let index = node.first + k;
+                line.entry(built.nodes[index as usize].bounds).map(|entry| (entry, index))
             };
             match (child(0), child(1)) {
                 (Some(a), Some(b)) if a.0 <= b.0 => stack.extend([b, a]),
@@ -150,7 +134,7 @@ impl Slabs {
     }
 
     /// Share of the way at which the line enters the box, or `None` where it passes by.
-    fn entry(&self, bounds: &Aabb) -> Option<f64> {
+    fn entry(&self, bounds: hierarchy::Bounds) -> Option<f64> {
         let low = bounds.min.as_dvec3() - self.from - self.radius;
         let high = bounds.max.as_dvec3() - self.from + self.radius;
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
@@ -171,10 +155,10 @@ impl Slabs {
 }
 
 /// The triangle's box, each side rounded outwards.
-fn outward_box(triangle: &Triangle) -> Bounded {
+fn outward_box(triangle: &Triangle) -> hierarchy::Bounds {
     let [a, b, c] = triangle.corners;
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
     let low = low.to_array().map(|x| (x as f32).next_down());
     let high = high.to_array().map(|x| (x as f32).next_up());
-    Bounded(Aabb::new(Vec3A::from(low), Vec3A::from(high)))
+    hierarchy::Bounds { min: Vec3A::from(low), max: Vec3A::from(high) }
 }

@@ -1,10 +1,7 @@
 //! The scene's triangles in boxes within boxes, for the last piece of light's way (`nearby.wgsl`).
 
 use glam::{Vec3, Vec3A};
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
-use obvhs::{Boundable, BvhBuildParams};
+use hierarchy::Bounds;
 
 use crate::gpu_structs::HierarchyNode;
 
@@ -19,45 +16,34 @@ pub(crate) struct Hierarchy {
 const NOWHERE: HierarchyNode =
     HierarchyNode { min: [f32::MAX; 3], triangle_count: 0, max: [f32::MIN; 3], next: 1 };
 
-struct Bounded(Aabb);
-
-impl Boundable for Bounded {
-    fn aabb(&self) -> Aabb {
-        self.0
-    }
-}
-
 impl Hierarchy {
     /// Of triangles by their corners.
     pub fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
-        let bounded = |corners: &[u32; 3]| {
+        let bounds = |corners: &[u32; 3]| {
             let [a, b, c] = corners.map(|k| Vec3A::from_array(positions[k as usize]));
-            Bounded(Aabb::new(a.min(b).min(c), a.max(b).max(c)))
+            Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
         };
-        let boxes: Vec<_> = triangles.iter().map(bounded).collect();
-        // It also reports how long it took; nobody asks.
-        let mut took = <_>::default();
-        let bvh = build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut took);
-        let nodes = if triangles.is_empty() { vec![NOWHERE] } else { depth_first(&bvh) };
-        Self { nodes, triangles: bvh.primitive_indices }
+        let built = hierarchy::Hierarchy::new(triangles.iter().map(bounds));
+        let nodes = if triangles.is_empty() { vec![NOWHERE] } else { depth_first(&built) };
+        Self { nodes, triangles: built.order }
     }
 }
 
 /// The nodes in the order of a walk that looks at first children first.
-fn depth_first(bvh: &Bvh2) -> Vec<HierarchyNode> {
-    let mut nodes = Vec::with_capacity(bvh.nodes.len());
+fn depth_first(built: &hierarchy::Hierarchy) -> Vec<HierarchyNode> {
+    let mut nodes = Vec::with_capacity(built.nodes.len());
     let mut open: Vec<u32> = vec![0];
     while let Some(index) = open.pop() {
-        let node = &bvh.nodes[index as usize];
-        let &Aabb { min, max } = node.aabb();
+        let node = &built.nodes[index as usize];
+        let Bounds { min, max } = node.bounds;
         nodes.push(HierarchyNode {
             min: Vec3::from(min).to_array(),
-            triangle_count: node.prim_count,
+            triangle_count: node.count,
             max: Vec3::from(max).to_array(),
-            next: node.first_index,
+            next: node.first,
         });
         if !node.is_leaf() {
-            open.extend([node.first_index + 1, node.first_index]);
+            open.extend([node.first + 1, node.first]);
         }
     }
     // From the back every subtree is known when its root comes.

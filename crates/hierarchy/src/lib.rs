@@ -1,0 +1,75 @@
+//! Bounding-volume hierarchies: boxes in boxes, for rays in f64 (`raycast`) and for the GPU (`render`).
+//!
+//! Our own, since crates that build them are made for scenes that are well shaped: `obvhs` 0.4 takes 43 s for 64,000 boxes in one
+//! place and 22 s for as many along a line, and four times that for twice as many. Here each level costs as much as there are boxes,
+//! and there are [`MAX_DEPTH`] levels and as many as halving takes at most, whatever the boxes are.
+
+mod bounds;
+mod split;
+
+pub use bounds::Bounds;
+pub use split::MAX_DEPTH;
+use split::{Item, around, split};
+
+/// A box around others: around two nodes, or, in a leaf, around what was given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node {
+    /// Around all that is below it.
+    pub bounds: Bounds,
+    /// Where its two nodes are in [`Hierarchy::nodes`]; of a leaf, where what it holds is in [`Hierarchy::order`].
+    pub first: u32,
+    /// How many of `order` a leaf holds; 0 of a node that is none.
+    pub count: u32,
+}
+
+/// A binary tree of boxes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Hierarchy {
+    /// The root first, children beside each other and behind their parents; none where nothing was given.
+    pub nodes: Vec<Node>,
+    /// Indices of the boxes that were given, leaf by leaf.
+    pub order: Vec<u32>,
+}
+
+impl Node {
+    /// Whether it holds what was given, and no nodes.
+    pub fn is_leaf(&self) -> bool {
+        self.count > 0
+    }
+}
+
+impl Hierarchy {
+    /// Over these boxes, none of which has a coordinate that is not a number.
+    ///
+    /// Each box is split where the surface area heuristic (`MacDonald` and Booth, 1990) costs least among 16 bins an axis
+    /// (Wald, 2007). Takes n log n steps, and gives the same on every machine.
+    pub fn new(boxes: impl IntoIterator<Item = Bounds>) -> Self {
+        let mut items: Vec<Item> =
+            boxes.into_iter().zip(0..).map(|(bounds, index)| Item { bounds, index }).collect();
+        let mut nodes = Vec::with_capacity(items.len());
+        if !items.is_empty() {
+            nodes.push(Node { bounds: around(&items), first: 0, count: items.len() as u32 });
+        }
+        let mut open = vec![(0, 0)];
+        while let Some((index, depth)) = open.pop() {
+            let Some(&Node { bounds, first, count }) = nodes.get(index) else { break };
+            let (begin, end) = (first as usize, (first + count) as usize);
+            let below = &mut items[begin..end];
+            let Some(left) = split(below, bounds, depth) else { continue };
+            let (one, other) = below.split_at(left);
+            let children = nodes.len();
+            nodes.push(Node { bounds: around(one), first, count: left as u32 });
+            nodes.push(Node {
+                bounds: around(other),
+                first: first + left as u32,
+                count: count - left as u32,
+            });
+            nodes[index] = Node { bounds, first: children as u32, count: 0 };
+            open.extend([(children + 1, depth + 1), (children, depth + 1)]);
+        }
+        Self { nodes, order: items.iter().map(|item| item.index).collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests;
