@@ -89,7 +89,7 @@ pub fn draw_layer(
     pixels: [u32; 4],
     Layer(texels): &mut Layer,
 ) -> Result<u64, Cancelled> {
-    texels.resize(surfaces.blocks.len(), Texel::NOTHING);
+    workers.resize(texels, surfaces.blocks.len(), Texel::NOTHING)?;
     draw_light(workers, surfaces, scene, (light, map), pixels, Onto::Layer(texels))
 }
 

@@ -124,6 +124,8 @@ impl Surfaces {
             surfaces.blocks.extend(blocks);
             surfaces.fill.extend(fill);
             surfaces.rows.push(surfaces.blocks.len());
+            // Memory that is new takes long to come.
+            workers.yield_point()?;
         }
         Ok(surfaces)
     }

@@ -11,6 +11,9 @@ pub struct Workers {
     yielding: Yielding,
 }
 
+/// Bytes of new memory that are written before others may come: some milliseconds on a machine whose pages come slowly.
+const NEW_BYTES_AT_ONCE: usize = 1 << 20;
+
 /// When work that may take long gives way to others, and how; by default never.
 #[derive(Clone, Default)]
 pub struct Yielding(Option<Arc<Calls>>);
@@ -19,7 +22,11 @@ pub struct Yielding(Option<Arc<Calls>>);
 struct Calls {
     is_due: Box<dyn Fn() -> bool + Send + Sync>,
     give_way: Box<dyn Fn() -> bool + Send + Sync>,
+    aside: Box<Aside>,
 }
+
+/// Does the work that it is given, and says whether what that belongs to goes on.
+type Aside = dyn Fn(&mut (dyn FnMut() + Send)) -> bool + Send + Sync;
 
 /// The work was cancelled where it gave way: what it has made is of no use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,12 +41,15 @@ struct Queue<I, T> {
 
 impl Yielding {
     /// `is_due` says, on any thread and at once, whether others are to come next; then `give_way` is called on the thread that
-    /// asked for the work, and returns when it may go on: false where it is cancelled.
+    /// asked for the work, and returns when it may go on: false where it is cancelled. `aside` does work that takes long while
+    /// others have their turn, and returns when that is done and it may go on.
     pub fn new(
         is_due: impl Fn() -> bool + Send + Sync + 'static,
         give_way: impl Fn() -> bool + Send + Sync + 'static,
+        aside: impl Fn(&mut (dyn FnMut() + Send)) -> bool + Send + Sync + 'static,
     ) -> Self {
-        Self(Some(Arc::new(Calls { is_due: Box::new(is_due), give_way: Box::new(give_way) })))
+        let (is_due, give_way, aside) = (Box::new(is_due), Box::new(give_way), Box::new(aside));
+        Self(Some(Arc::new(Calls { is_due, give_way, aside })))
     }
 
     /// Whether others are to come next.
@@ -53,6 +63,14 @@ impl Yielding {
             Some(calls) if (calls.is_due)() && !(calls.give_way)() => Err(Cancelled),
             _ => Ok(()),
         }
+    }
+
+    /// Does work that takes long and needs nothing that others draw with, while those have their turn.
+    pub fn aside<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Cancelled> {
+        let Some(calls) = self.0.as_deref() else { return Ok(work()) };
+        let (mut work, mut done) = (Some(work), None);
+        let goes_on = (calls.aside)(&mut || done = work.take().map(|work| work()));
+        done.filter(|_| goes_on).ok_or(Cancelled)
     }
 }
 
@@ -122,6 +140,23 @@ impl Workers {
         }
     }
 
+    /// Makes `items` as many as `count`, new ones like `item`, a part at a time: memory that is new takes long to come.
+    pub(crate) fn resize<T: Copy>(&self, items: &mut Vec<T>, count: usize, item: T) -> Result<(), Cancelled> {
+        items.truncate(count);
+        items.reserve_exact(count - items.len());
+        while items.len() < count {
+            let part = (NEW_BYTES_AT_ONCE / size_of::<T>().max(1)).max(1);
+            items.resize(count.min(items.len() + part), item);
+            self.yielding.point()?;
+        }
+        Ok(())
+    }
+
+    /// Lets others come next where that is due.
+    pub(crate) fn yield_point(&self) -> Result<(), Cancelled> {
+        self.yielding.point()
+    }
+
     /// Whether work is to give way.
     pub(crate) fn is_due(&self) -> bool {
         self.yielding.is_due()
@@ -155,7 +190,7 @@ mod tests {
         let count = Arc::new(AtomicUsize::new(0));
         let counted = Arc::clone(&count);
         let give_way = move || counted.fetch_add(1, Ordering::Relaxed) + 1 != cancelled_at;
-        (Yielding::new(|| true, give_way), count)
+        (Yielding::new(|| true, give_way, |work| (work(), true).1), count)
     }
 
     #[test]

@@ -99,7 +99,7 @@ impl Casters {
     /// The surface of `vertices`, of whose indices the first `opaque_indices` have no alpha test, in fewer triangles where
     /// `mesh_error` (world units) lets it stray.
     pub fn new(gpu: &Gpu, surface: (&Vertices, usize), mesh_error: f64) -> Result<Self, RenderError> {
-        CasterMesh::new(surface, mesh_error).upload(gpu)
+        gpu.aside(|| CasterMesh::new(surface, mesh_error))?.upload(gpu)
     }
 
     /// Of its buffers and arrays.

@@ -134,6 +134,11 @@ impl Gpu {
         Ok(self.yielding.point()?)
     }
 
+    /// Does what takes the processor long while others have their turn.
+    pub(crate) fn aside<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, RenderError> {
+        Ok(self.yielding.aside(work)?)
+    }
+
     /// Name of the driver's device, and of the interface and the driver's version that it is used by.
     pub fn adapter_name(&self) -> &str {
         &self.adapter_name

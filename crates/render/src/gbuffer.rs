@@ -13,7 +13,7 @@ use crate::pass_runs::Cause;
 use crate::pipeline::{
     DEPTH_FORMAT, RAW_TEXTURE, UINT_TEXTURE, color_attachment, depth_attachment, nearer_wins, vertex_buffers,
 };
-use crate::readback::read_together;
+use crate::readback::read_rows;
 use crate::tile::Tile;
 use crate::{Gpu, RenderError, readback, shaders};
 
@@ -49,6 +49,11 @@ pub(crate) struct Gbuffer {
     /// Group 1 of the lighting passes.
     pub surface: BindGroup,
 }
+
+/// Bytes of a texel of each of its textures.
+const TEXEL_BYTES: [usize; 3] = [16, 4, 4];
+/// Bytes that are read back at once, about: all of 640 x 360 pixels.
+const STAGED_BYTES: u32 = 6 << 20;
 
 /// A G-buffer in memory, rows from the top. See `surface.wgsl` for what texels mean.
 #[derive(Debug, Default)]
@@ -92,7 +97,9 @@ impl GbufferKey {
 impl GbufferTexels {
     /// Of all that texels of `size` pixels take.
     pub fn bytes_of([width, height]: [u32; 2]) -> u64 {
-        let staged = readback::padded_bytes([16, 4, 4].map(|texel| texel * width as usize), height);
+        let [of_packed, of_offset, of_depth] = TEXEL_BYTES.map(|texel| texel * width as usize);
+        let colors = readback::padded_bytes([of_packed, of_offset], rows_at_once(width).min(height));
+        let staged = colors.max(readback::padded_bytes([of_depth], height));
         u64::from(width) * u64::from(height) * BYTES_A_PIXEL + staged
     }
 
@@ -101,21 +108,40 @@ impl GbufferTexels {
         self.packed.len() as u64 * BYTES_A_PIXEL + self.staging.as_ref().map_or(0, Buffer::size)
     }
 
-    /// Takes over what has been drawn into `gbuffer` and submitted, and waits for it.
+    /// Takes over what has been drawn into `gbuffer` and submitted, and waits for it. Where that is cancelled it holds a part.
     pub fn read(&mut self, gpu: &Gpu, gbuffer: &Gbuffer) -> Result<(), RenderError> {
-        let [packed, offset, depth] = &gbuffer.textures;
-        let (width, height) = (packed.width(), packed.height());
+        let Self { packed, offset, depth, staging } = self;
+        let textures = gbuffer.textures.each_ref();
+        let (width, height) = (textures[0].width(), textures[0].height());
         let pixels = width as usize * height as usize;
-        self.packed.resize(pixels, [0; 4]);
-        self.offset.resize(pixels, 0.0);
-        self.depth.resize(pixels, 0.0);
-        let textures = [
-            (packed, bytemuck::cast_slice_mut(&mut self.packed)),
-            (offset, bytemuck::cast_slice_mut(&mut self.offset)),
-            (depth, bytemuck::cast_slice_mut(&mut self.depth)),
-        ];
-        read_together(gpu, &mut self.staging, height, textures)
+        packed.clear();
+        packed.reserve_exact(pixels);
+        for texels in [&mut *offset, &mut *depth] {
+            texels.clear();
+            texels.reserve_exact(pixels);
+        }
+        let [colors @ .., (z, z_bytes)]: [_; 3] =
+            std::array::from_fn(|index| (textures[index], TEXEL_BYTES[index]));
+        let rows = rows_at_once(width);
+        for first in (0..height).step_by(rows as usize) {
+            let band = [first, rows.min(height - first)];
+            read_rows(gpu, staging, band, colors, |index, row| match index {
+                0 => packed.extend_from_slice(bytemuck::cast_slice(row)),
+                _ => offset.extend_from_slice(bytemuck::cast_slice(row)),
+            })?;
+            gpu.yield_point()?;
+        }
+        // WebGPU copies only all of a depth buffer.
+        read_rows(gpu, staging, [0, height], [(z, z_bytes)], |_, row| {
+            depth.extend_from_slice(bytemuck::cast_slice(row));
+        })
     }
+}
+
+/// Rows that are read back at once: what memory is new for takes long, and others can come between.
+fn rows_at_once(width: u32) -> u32 {
+    let [of_packed, of_offset, _] = TEXEL_BYTES;
+    (STAGED_BYTES / ((of_packed + of_offset) as u32 * width.max(1))).max(1)
 }
 
 impl GbufferPass {
@@ -208,7 +234,7 @@ impl GbufferPass {
         (size, tile, band): ([u32; 2], Tile, [u32; 2]),
         scene: &GpuScene,
     ) -> Result<(), RenderError> {
-        let parts = scene.parts(u64::from(tile.width) * u64::from(band[1]));
+        let parts = scene.parts(gpu, u64::from(tile.width) * u64::from(band[1]));
         let most_indices = if parts == 1 { u32::MAX } else { 3 * (scene.triangle_count / parts).max(1) };
         let mut left = most_indices;
         let onto = (size, tile, band);

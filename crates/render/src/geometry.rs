@@ -179,7 +179,7 @@ impl Geometry {
 
     /// Uploads `vertices`.
     pub fn new(gpu: &Gpu, vertices: Vertices) -> Result<Self, RenderError> {
-        let hierarchy = Hierarchy::new(&vertices.positions, vertices.indices.as_chunks().0);
+        let hierarchy = gpu.aside(|| Hierarchy::new(&vertices.positions, vertices.indices.as_chunks().0))?;
         let geometry = BufferUsages::STORAGE | BufferUsages::VERTEX;
         Ok(Self {
             positions: upload(gpu, "the scene's vertex positions in bytes", &vertices.positions, geometry)?,

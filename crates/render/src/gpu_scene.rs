@@ -71,14 +71,16 @@ impl Deref for GpuScene {
     }
 }
 
-/// Fragments that the device is given at once, so that others can come between: a software driver takes some tenths of a second.
+/// Fragments that a GPU is given at once, so that others can come between, and a software driver, which takes some 25 ms for them.
 const FRAGMENTS_AT_ONCE: f64 = 32e6;
+const SOFTWARE_FRAGMENTS_AT_ONCE: f64 = 4e6;
 
 impl GpuScene {
     /// In how many parts its triangles are drawn onto so many pixels, or pixels are asked what is near to them: one but for scenes
     /// of which very much lies in one place.
-    pub fn parts(&self, pixels: u64) -> u32 {
-        (self.posed.depth_complexity() * pixels as f64 / FRAGMENTS_AT_ONCE).ceil().clamp(1.0, 65_536.0) as u32
+    pub fn parts(&self, gpu: &Gpu, pixels: u64) -> u32 {
+        let at_once = if gpu.is_processor() { SOFTWARE_FRAGMENTS_AT_ONCE } else { FRAGMENTS_AT_ONCE };
+        (self.posed.depth_complexity() * pixels as f64 / at_once).ceil().clamp(1.0, 65_536.0) as u32
     }
 
     /// The draws that have an alpha test.
@@ -138,8 +140,7 @@ impl SceneOnDevice {
         posed: &Arc<PosedScene>,
         mesh_error: f64,
     ) -> Result<Self, RenderError> {
-        let (scene, mut vertices) = (&posed.scene, Vertices::new(posed)?);
-        gpu.yield_point()?;
+        let (scene, mut vertices) = (&posed.scene, gpu.aside(|| Vertices::new(posed))??);
         let opaque =
             vertices.draws.iter().rfind(|draw| scene.materials[draw.material].alpha_cutoff.is_none());
         let opaque_indices = opaque.map_or(0, |draw| draw.indices.end);

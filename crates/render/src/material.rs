@@ -141,7 +141,8 @@ impl Textures<'_> {
             view.clone()
         } else {
             let (width, height, rgba8) = self.image(texture);
-            let chain = mip_chain((width, height), rgba8, encoding, format(self.gpu, encoding));
+            let format = format(self.gpu, encoding);
+            let chain = self.gpu.aside(|| mip_chain((width, height), rgba8, encoding, format))?;
             let view = upload(self.gpu, width, height, &chain)?;
             self.bytes += chain.bytes.len() as u64;
             self.uploaded.insert(key, view.clone());

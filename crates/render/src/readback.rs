@@ -48,17 +48,18 @@ pub(crate) fn read<T: bytemuck::Pod>(
     Ok(texels)
 }
 
-/// Textures of one height, read back together: into each slice all rows of its texture, from the top without gaps. They
-/// are copied through `staging`, which is made where it is not there or too small. Waits for everything submitted
-/// before.
-pub(crate) fn read_together<const N: usize>(
+/// Some rows of textures of one width and height, read back together: `take` is given each with the index of its texture, those of
+/// the first texture from the top, then those of the next. They are copied through `staging`, which is made where it is not there or
+/// too small. Waits for everything submitted before.
+pub(crate) fn read_rows<const N: usize>(
     gpu: &Gpu,
     staging: &mut Option<Buffer>,
-    height: u32,
-    textures: [(&Texture, &mut [u8]); N],
+    [first, count]: [u32; 2],
+    textures: [(&Texture, usize); N],
+    mut take: impl FnMut(usize, &[u8]),
 ) -> Result<(), RenderError> {
-    let rows = textures.each_ref().map(|(_, into)| into.len() / height as usize);
-    let size = padded_bytes(rows, height);
+    let rows = textures.each_ref().map(|(texture, texel)| texel * texture.width() as usize);
+    let size = padded_bytes(rows, count);
     let limit = gpu.device.limits().max_buffer_size;
     if size > limit {
         let what = "the picture's G-buffer in bytes";
@@ -75,20 +76,21 @@ pub(crate) fn read_together<const N: usize>(
             rows_per_image: None,
         };
         encoder.copy_texture_to_buffer(
-            texture.as_image_copy(),
+            wgpu::TexelCopyTextureInfo {
+                origin: wgpu::Origin3d { x: 0, y: first, z: 0 },
+                ..texture.as_image_copy()
+            },
             wgpu::TexelCopyBufferInfo { buffer, layout },
-            texture.size(),
+            wgpu::Extent3d { height: count, ..texture.size() },
         );
-        offset += (padded(row) * height as usize) as u64;
+        offset += (padded(row) * count as usize) as u64;
     }
     gpu.queue.submit([encoder.finish()]);
     let bytes = map(gpu, buffer)?;
     let mut rest = &bytes[..];
-    for ((_, into), row) in textures.into_iter().zip(rows) {
-        let (own, behind) = rest.split_at(padded(row) * height as usize);
-        for (into, padded) in into.chunks_exact_mut(row).zip(own.chunks_exact(padded(row))) {
-            into.copy_from_slice(&padded[..row]);
-        }
+    for (index, row) in rows.into_iter().enumerate() {
+        let (own, behind) = rest.split_at(padded(row) * count as usize);
+        own.chunks_exact(padded(row)).for_each(|padded| take(index, &padded[..row]));
         rest = behind;
     }
     drop(bytes);

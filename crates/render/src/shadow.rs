@@ -96,7 +96,7 @@ impl ShadowPass {
         (scene, casting): (&GpuScene, &Casting),
     ) -> Result<u64, RenderError> {
         let mut triangles = 0;
-        let parts = scene.parts(u64::from(into.target.size.side).pow(2));
+        let parts = scene.parts(gpu, u64::from(into.target.size.side).pow(2));
         for ((layer, (uniform, group)), view) in into.target.layers.iter().zip(&into.views).zip(views) {
             let Some(view) = view else {
                 drop(begin(encoder, layer, group, true));

@@ -183,6 +183,7 @@ impl Targets {
     pub fn gbuffer_texels(&mut self, gpu: &Gpu) -> Result<&GbufferTexels, RenderError> {
         let (key, texels) = &mut self.texels;
         if *key != self.gbuffer_key {
+            *key = None;
             texels.read(gpu, &self.gbuffer)?;
             *key = self.gbuffer_key;
         }
@@ -250,7 +251,7 @@ impl Targets {
     ) -> Result<(), RenderError> {
         let (_, scene) = what;
         let drawn: Vec<_> = lights.iter().map(|light| (light, onto.1.cut(light.pixels))).collect();
-        if !gpu.stages.is_on() && drawn.iter().all(|(_, pixels)| scene.parts(area(*pixels)) == 1) {
+        if !gpu.stages.is_on() && drawn.iter().all(|(_, pixels)| scene.parts(gpu, area(*pixels)) == 1) {
             self.draw_lights(gpu, encoder, what, onto, (base, clear), &drawn);
             return Ok(());
         }
@@ -259,7 +260,7 @@ impl Targets {
             gpu.end_stage(encoder, Stage::Fill)?;
         }
         for (light, pixels) in drawn {
-            for (part, is_last) in in_parts(pixels, scene.parts(area(pixels))) {
+            for (part, is_last) in in_parts(pixels, scene.parts(gpu, area(pixels))) {
                 self.draw_lights(gpu, encoder, what, onto, (false, false), &[(light, part)]);
                 if !is_last {
                     gpu.finish(encoder)?;

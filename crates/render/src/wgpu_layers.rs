@@ -62,7 +62,7 @@ impl LayerPainter for WgpuLayers<'_> {
         over: Option<TextureView>,
     ) -> Result<TextureView, RenderError> {
         let layer = over.unwrap_or_else(|| self.texture(lighting::LAYER_FORMAT));
-        let parts = self.scene.parts(area(pixels));
+        let parts = self.scene.parts(self.gpu, area(pixels));
         for (part, is_last) in in_parts(pixels, parts) {
             let clears = part[1] == pixels[1];
             let mut pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
