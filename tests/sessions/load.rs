@@ -77,9 +77,13 @@ fn views_that_close_free_their_memory() {
     for client in &mut clients {
         see(client, [1600, 900]);
     }
-    // 44 bytes a pixel where the device lights; where the processor does the G-buffer, twice in memory and as blocks.
+    // 44 bytes a pixel where the device lights; where the processor does the G-buffer, in memory and as blocks, and up to 6 MiB
+    // that it is copied through.
     let a_pixel = kept(&server, "views") / (4.0 * 1600.0 * 900.0);
-    assert!(a_pixel == 44.0 || a_pixel == 124.0, "{a_pixel} bytes a pixel");
+    assert!(
+        a_pixel == 44.0 || (100.0..=100.0 + 6.3e6 / (1600.0 * 900.0)).contains(&a_pixel),
+        "{a_pixel} bytes a pixel"
+    );
     assert!(kept(&server, "shadow_maps") > 0.0);
     let resident_full = resident_bytes(&server);
     drop(clients);

@@ -44,7 +44,7 @@ fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
 /// A still that the device or the processor would draw for a minute in one piece rests in its middle while others draw, and ends
 /// with who asked for it.
 ///
-/// Rules: HTTP-8, FRAME-14
+/// Rules: HTTP-8, FRAME-16
 #[test]
 fn a_scene_that_takes_long_leaves_others_their_turns_and_ends_with_who_asked() {
     let server = Server::start();

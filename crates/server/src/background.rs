@@ -6,21 +6,17 @@ use std::thread;
 use tokio::sync::oneshot;
 
 use crate::ServerError;
-use crate::limits::DEEP_STACK_BYTES;
 
-/// By so much less are such threads important to the system than others: one of them has a fifteenth of a core that somebody draws
+/// By so much less are such threads important to the system than others: one of them has a seventieth of a core that somebody draws
 /// with, and all of one that nobody does.
-const NICE: i32 = 12;
+const NICE: i32 = 19;
 
 /// Does `work` on a thread of its own. How many there are is bounded by whoever asks.
 pub async fn run<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, ServerError> {
     let (done, result) = oneshot::channel();
-    let named = thread::Builder::new().name("background".into()).stack_size(DEEP_STACK_BYTES);
+    let named = thread::Builder::new().name("background".into());
     let started = named.spawn(move || {
-        // On Linux that is of this thread alone. Where it is refused the work is as important as any.
-        if let Err(error) = rustix::process::nice(NICE) {
-            tracing::debug!("a background thread keeps its priority: {error}");
-        }
+        give_way();
         // Whoever asked may have gone.
         drop(done.send(work()));
     });
@@ -29,6 +25,25 @@ pub async fn run<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -
         return Err(ServerError::Fault);
     }
     result.await.map_err(|_| ServerError::Fault)
+}
+
+/// Does `work` on such a thread and waits for it. False where it panicked, or no thread could be started.
+pub fn run_here(work: &mut (dyn FnMut() + Send)) -> bool {
+    thread::scope(|scope| {
+        let started = thread::Builder::new().name("background".into()).spawn_scoped(scope, || {
+            give_way();
+            work();
+        });
+        started.is_ok_and(|thread| thread.join().is_ok())
+    })
+}
+
+/// Makes this thread as important as background work is.
+fn give_way() {
+    // On Linux that is of this thread alone. Where it is refused the work is as important as any.
+    if let Err(error) = rustix::process::nice(NICE) {
+        tracing::debug!("a background thread keeps its priority: {error}");
+    }
 }
 
 #[cfg(test)]

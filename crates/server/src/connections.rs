@@ -13,6 +13,7 @@ use hyper::server::conn::http1;
 use hyper::service::{Service, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
+use rustix::net::sockopt::{set_socket_recv_buffer_size, set_socket_send_buffer_size};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time::{sleep, timeout};
@@ -21,7 +22,10 @@ use tokio_util::sync::{CancellationToken, DropGuard};
 use tokio_util::task::TaskTracker;
 
 use crate::in_flight::taken_within;
-use crate::limits::{HEADERS_WITHIN, MAX_CONNECTIONS, MAX_HEAD_BYTES, MAX_STRANGERS, SEND_WITHIN};
+use crate::limits::{
+    HEADERS_WITHIN, MAX_CONNECTIONS, MAX_HEAD_BYTES, MAX_STRANGERS, RECEIVE_BUFFER_BYTES, SEND_BUFFER_BYTES,
+    SEND_WITHIN,
+};
 
 /// How long to wait after the system has refused a connection, as it does where too many files are open.
 const AFTER_REFUSAL: Duration = Duration::from_millis(100);
@@ -129,6 +133,12 @@ impl Strangers {
 
 /// Answers connections by `router` until `draining`, and then what they have asked for until all have ended.
 pub async fn serve(listener: TcpListener, router: Router, draining: CancellationToken) {
+    // Its connections have the same.
+    let bounded = set_socket_recv_buffer_size(&listener, RECEIVE_BUFFER_BYTES)
+        .and_then(|()| set_socket_send_buffer_size(&listener, SEND_BUFFER_BYTES));
+    if let Err(error) = bounded {
+        tracing::debug!("connections have buffers as large as the system likes: {error}");
+    }
     let permits = Arc::new(Semaphore::new(MAX_CONNECTIONS));
     let strangers = Arc::new(Strangers::default());
     let open = TaskTracker::new();

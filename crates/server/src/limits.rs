@@ -4,6 +4,11 @@ use std::time::Duration;
 
 /// Connections at once, sockets included; more wait until one ends.
 pub const MAX_CONNECTIONS: usize = 640;
+/// Bytes that the system holds for a connection until they are read, and until they are taken; it counts twice as many. It grows
+/// them to tens of megabytes by itself, and a few hundred connections that neither take nor are read leave others none. At a tenth
+/// of a second there and back a connection has 2.5 and 5 MB a second.
+pub const RECEIVE_BUFFER_BYTES: usize = 256 << 10;
+pub const SEND_BUFFER_BYTES: usize = 512 << 10;
 /// Connections that have not shown the token, by a request or a hello. Where there are more the oldest is closed.
 pub const MAX_STRANGERS: usize = 128;
 /// Requests of such connections that are answered at once, of signs of life and of all else; others wait for their turn.
@@ -97,11 +102,13 @@ pub const FRAGMENT_BYTES: usize = 64 << 10;
 pub const SOCKET_READ_BYTES: usize = 16 << 10;
 /// Pictures, or tiles of a lossless one, that wait for one client: its window. With more its socket has stalled, and it is sent none.
 pub const FRAME_QUEUE: usize = stream::WINDOW;
-/// Pictures that wait for the renderer; senders wait past that.
+/// Pictures that are on their way to the renderer; senders wait past that.
 pub const RENDER_QUEUE: usize = 256;
-/// Bytes of the stack of threads that make hierarchies over triangles: one over many in one place is as deep as they are many, and
-/// checked recursively in builds that assert. The system gives only what is used.
-pub const DEEP_STACK_BYTES: usize = 64 << 20;
+/// Pictures that have a place in line: one of each view and each still, so that nobody's waits for another's to be taken.
+pub const MAX_PICTURES: usize = MAX_SOCKETS + MAX_STILLS;
+/// How long a picture of those who only watch keeps its content while it waits, though that changes, for each client of its
+/// session: so a session asks for a thousand pictures a second at most.
+pub const STALE_FOR_EACH: Duration = Duration::from_millis(1);
 /// Lines of pictures that wait for the disk of the trace; more are left out and counted.
 pub const TRACE_QUEUE: usize = 1_024;
 /// Commits that wait for the disk; senders wait past that.
@@ -158,14 +165,18 @@ pub const WATCH_SHARE: f64 = 0.3;
 pub const HAND_FOR: Duration = Duration::from_secs(1);
 /// How long after its last picture something still moves: a drag's next one is asked for when the last is shown.
 pub const MOVING_FOR: Duration = Duration::from_millis(300);
-/// How long a picture at rest is worked on at once, at least: what beginning takes is to be a small part of it.
-pub const TURN_AT_LEAST: Duration = Duration::from_millis(5);
-/// The same at most while something moves, and of each turn of moving pictures of several clients.
+/// How long a picture that a hand moves is worked on at once where several clients' hands move: what a switch takes is to be a small
+/// part of it.
+pub const MOVING_TURN: Duration = Duration::from_millis(5);
+/// How long another picture is worked on at once while something moves. A tenth of the time of a drag whose pictures take a sixth of
+/// a second is more.
 pub const TURN_WHILE_MOVING: Duration = Duration::from_millis(10);
 /// How long after its last picture a client counts as one of several that draw: then no moving picture is drawn in one go.
 pub const SHARED_FOR: Duration = Duration::from_secs(10);
 /// Pixels above which a moving picture of one of several clients is drawn in tiles: more take longer than a turn even for one light.
 pub const LARGE_PICTURE_PIXELS: u32 = 1_500_000;
+/// Pixels above which a moving picture is encoded as work in the background where several clients' move; so many take some 10 ms.
+pub const LARGE_ENCODE_PIXELS: u32 = 1 << 19;
 /// Turns after which a moving picture is drawn to its end, however long that takes: what is kept of it from turn to turn may have been
 /// evicted each time.
 pub const MAX_MOVING_TURNS: u32 = 1_000;

@@ -8,7 +8,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::limits::{MOVING_FOR, REST_SHARE, TURN_AT_LEAST, TURN_AT_MOST, TURN_WHILE_MOVING, WATCH_SHARE};
+use crate::limits::{MOVING_FOR, MOVING_TURN, REST_SHARE, TURN_AT_MOST, TURN_WHILE_MOVING, WATCH_SHARE};
 use crate::turns::Charged;
 
 /// What is more urgent is drawn first.
@@ -63,8 +63,6 @@ pub struct Schedule {
     /// When a hand last moved something, and when something last moved at all.
     hand_moved: Option<Instant>,
     moved: Option<Instant>,
-    /// What a moving picture takes, lately.
-    moving_takes: Duration,
     /// Seconds that those who watch, views at rest and stills are owed; below zero they have had more than their share.
     owed: [f64; SHARES.len()],
     /// Until when that was reckoned.
@@ -75,7 +73,7 @@ impl Schedule {
     /// Nothing has been drawn.
     pub fn new() -> Self {
         let (hand_moved, moved, owed, reckoned) = (None, None, [0.0; SHARES.len()], None);
-        Self { hand_moved, moved, moving_takes: TURN_AT_MOST, owed, reckoned }
+        Self { hand_moved, moved, owed, reckoned }
     }
 
     /// Whose turn it is.
@@ -92,7 +90,7 @@ impl Schedule {
         };
         let (hand_moves, moves) = (lately(self.hand_moved), lately(self.moved));
         let limited = [hand_moves, moves, moves || waits(Urgency::Settling)];
-        let turn = self.turn(moves);
+        let turn = if moves { TURN_WHILE_MOVING } else { TURN_AT_MOST };
         self.reckon(now, SHARES.map(|(urgency, _)| waits(urgency)), limited, turn);
 
         // What is owed longest first, though it is the least urgent.
@@ -105,7 +103,10 @@ impl Schedule {
             }
         }
         let unlimited = SHARES.iter().zip(limited).filter(|(_, limited)| !limited).map(|(share, _)| share.0);
-        for urgency in [Urgency::Moving].into_iter().chain(unlimited) {
+        if let Some(first) = least_charged(waiting, Urgency::Moving) {
+            return Turn::Draw(first, MOVING_TURN);
+        }
+        for urgency in unlimited {
             if let Some(first) = least_charged(waiting, urgency) {
                 return Turn::Draw(first, turn);
             }
@@ -120,26 +121,18 @@ impl Schedule {
         Turn::Wait(Duration::from_secs_f64(least).clamp(Duration::from_millis(1), MOVING_FOR))
     }
 
-    /// A turn is over; it went on from `began` to `ended`, with which its picture, if it is finished, took `finished` in all.
-    pub fn note(&mut self, urgency: Urgency, [began, ended]: [Instant; 2], finished: Option<Duration>) {
+    /// A turn is over; it went on from `began` to `ended`.
+    pub fn note(&mut self, urgency: Urgency, [began, ended]: [Instant; 2]) {
         let took = ended.saturating_duration_since(began);
         if urgency == Urgency::Moving {
             self.hand_moved = Some(ended);
         }
         if urgency.moves() {
             self.moved = Some(ended);
-            if let Some(picture) = finished {
-                self.moving_takes = (3 * self.moving_takes + picture) / 4;
-            }
         }
         if let Some(index) = account(urgency) {
             self.owed[index] -= took.as_secs_f64();
         }
-    }
-
-    /// How long a turn should be: while something moves, half of what that takes, so that it hardly stumbles.
-    fn turn(&self, moves: bool) -> Duration {
-        if moves { (self.moving_takes / 2).clamp(TURN_AT_LEAST, TURN_WHILE_MOVING) } else { TURN_AT_MOST }
     }
 
     /// Adds the share of the time since the last reckoning, at most to what one turn takes: nobody saves up.

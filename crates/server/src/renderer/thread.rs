@@ -15,7 +15,7 @@ use tokio::time::timeout;
 use super::schedule::{Schedule, Turn, Urgency, Waiting};
 use super::worker::{Course, Drawing, Report, SharedScene, TurnEnd, Worker};
 use super::{Answer, Drawn, Job, Lease, Readiness, Request};
-use crate::limits::{RENDER_QUEUE, SHARED_FOR, TURN_AT_MOST};
+use crate::limits::{MAX_PICTURES, SHARED_FOR, TURN_AT_MOST};
 use crate::metrics::Metrics;
 use crate::turns::{Charges, Payer};
 
@@ -114,18 +114,10 @@ impl RenderLoop {
     pub fn run(mut self) {
         while !self.ended.load(Ordering::Relaxed) {
             self.clear_up();
-            let waiting: Vec<Waiting> = self
-                .waiting
-                .iter()
-                .map(|task| Waiting {
-                    urgency: task.request.urgency,
-                    charged: self.charges.of(&task.request.payer),
-                    touched: task.touched,
-                })
-                .collect();
+            let (indices, waiting) = self.who_waits();
             let goes_on = match self.schedule.next(Instant::now(), &waiting) {
                 Turn::Draw(index, turn) => {
-                    self.work_on(index, turn);
+                    self.work_on(indices[index], turn);
                     true
                 }
                 Turn::Wait(time) => self.listen(time),
@@ -134,12 +126,26 @@ impl RenderLoop {
             if !goes_on {
                 return;
             }
-            while self.waiting.len() < RENDER_QUEUE
+            while self.waiting.len() < MAX_PICTURES
                 && let Ok(job) = self.inbox.try_recv()
             {
                 self.take(job);
             }
         }
+    }
+
+    /// The tasks that wait for a turn, by their indices, and how the schedule sees them.
+    fn who_waits(&self) -> (Vec<usize>, Vec<Waiting>) {
+        let is_aside = |task: &Task| {
+            let Request { session, scene, .. } = &*task.request;
+            self.workers.iter().any(|worker| worker.is_for(session, scene) && worker.is_aside())
+        };
+        let waiting = self.waiting.iter().enumerate().filter(|(_, task)| !is_aside(task));
+        let seen = waiting.map(|(index, task)| {
+            let (urgency, charged) = (task.request.urgency, self.charges.of(&task.request.payer));
+            (index, Waiting { urgency, charged, touched: task.touched })
+        });
+        seen.unzip()
     }
 
     /// Waits for a job. False where none can come any more.
@@ -155,6 +161,8 @@ impl RenderLoop {
 
     fn take(&mut self, job: Job) {
         match job {
+            // Given up before it came here: each change of a document gives up a picture of each view.
+            Job::Draw(_, done) if done.is_closed() => {}
             Job::Draw(request, done) => {
                 self.last_task += 1;
                 self.waiting.push(Task {
@@ -180,7 +188,7 @@ impl RenderLoop {
     fn clear_up(&mut self) {
         self.waiting.retain(|task| !task.done.is_closed());
         let before = self.workers.len();
-        for worker in &mut self.workers {
+        for worker in self.workers.iter_mut().filter(|worker| !worker.is_aside()) {
             if worker.paused.is_some_and(|id| self.waiting.iter().all(|task| task.id != id)) {
                 worker.cancel();
             }
@@ -192,7 +200,7 @@ impl RenderLoop {
                 worker.forget(render::ViewSlot(number));
             }
         }
-        self.workers.retain(|worker| worker.session.strong_count() > 0);
+        self.workers.retain(|worker| worker.is_aside() || worker.session.strong_count() > 0);
         if self.workers.len() < before {
             self.base.collect();
         }
@@ -246,10 +254,9 @@ impl RenderLoop {
         task.touched = ended;
         task.took += ended - began;
         task.turns += 1;
-        let (urgency, took) = (task.request.urgency, task.took);
-        let is_finished = matches!(report, Report::Ended(_, Ok(Some(_))));
+        let urgency = task.request.urgency;
         self.charges.charge(&task.request.payer, (ended - began).as_secs_f64());
-        self.schedule.note(urgency, [began, ended], is_finished.then_some(took));
+        self.schedule.note(urgency, [began, ended]);
         self.metrics.render_turn_seconds.observe((ended - began).as_secs_f64());
         if urgency == Urgency::Still {
             self.metrics.still_turns.inc();
@@ -259,9 +266,9 @@ impl RenderLoop {
             let took = (ended - began).as_millis();
             tracing::debug!("a turn took {took} ms: {urgency:?}, {width}x{height}, turn {}", task.turns);
         }
-        worker.paused = matches!(report, Report::Paused).then_some(task.id);
+        worker.paused = matches!(report, Report::Paused | Report::Aside).then_some(task.id);
         match report {
-            Report::Paused => self.workers.push(worker),
+            Report::Paused | Report::Aside => self.workers.push(worker),
             Report::Ended(drawing, Ok(None)) => {
                 task.drawing = Some(drawing);
                 self.workers.push(worker);
@@ -269,7 +276,7 @@ impl RenderLoop {
             Report::Ended(drawing, Ok(Some(pixels))) => {
                 self.workers.push(worker);
                 let task = self.waiting.swap_remove(index);
-                let started = task.started.unwrap_or(began);
+                let (started, took) = (task.started.unwrap_or(began), task.took);
                 let Drawing { passes, drew_map, .. } = *drawing;
                 drop(task.done.send(Ok(Drawn { pixels, started, took, drew_map, passes })));
             }

@@ -2,7 +2,7 @@
 //! can rest in its middle while another session's is drawn. Only one thread draws at a time.
 
 use std::cell::RefCell;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, OnceLock, Weak};
 use std::task::Poll;
@@ -11,9 +11,11 @@ use std::time::{Duration, Instant};
 
 use render::{PassRun, Pixels, RenderError, Renderer, SceneOnDevice, TiledPicture, ViewSlot, Yielding};
 use scene::PosedScene;
+use tokio::sync::mpsc;
 
-use super::{Lease, Output, Request, Urgency};
-use crate::limits::{DEEP_STACK_BYTES, LARGE_PICTURE_PIXELS, MAX_MOVING_TURNS};
+use super::{Job, Lease, Output, Request, Urgency};
+use crate::background;
+use crate::limits::{LARGE_PICTURE_PIXELS, MAX_MOVING_TURNS};
 
 /// Orders that wait for a worker: one to draw, and those to forget viewers, which wait for the ones before.
 const ORDERS: usize = 16;
@@ -89,6 +91,8 @@ enum Order {
 pub(super) enum Report {
     /// It rests in the middle of a piece.
     Paused,
+    /// It does work for which it needs no turn; see [`Worker::is_aside`].
+    Aside,
     /// The turn is over: the pixels where the picture is finished.
     Ended(Box<Drawing>, Result<Option<Pixels>, RenderError>),
     /// The thread has ended, and what it held is gone.
@@ -108,6 +112,8 @@ pub(super) struct Worker {
     pub viewers: Vec<(u64, Weak<Lease>)>,
     /// The task in the middle of which it rests.
     pub paused: Option<u64>,
+    /// Whether it works in the middle of that without a turn.
+    aside: Arc<AtomicBool>,
     orders: SyncSender<Order>,
     reports: Receiver<Report>,
     thread: Option<JoinHandle<()>>,
@@ -121,6 +127,9 @@ thread_local! {
 struct Baton {
     orders: Receiver<Order>,
     reports: SyncSender<Report>,
+    aside: Arc<AtomicBool>,
+    /// Wakes the renderer's loop.
+    jobs: mpsc::Sender<Job>,
 }
 
 /// Says on its end that a worker's thread has ended, whatever ended it.
@@ -151,7 +160,7 @@ impl TurnEnd {
     /// What devices are opened with whose renderers are workers'.
     pub fn yielding(&self) -> Yielding {
         let end = self.clone();
-        Yielding::new(move || end.is_over(), give_way)
+        Yielding::new(move || end.is_over(), give_way, work_aside)
     }
 }
 
@@ -159,9 +168,24 @@ impl TurnEnd {
 fn give_way() -> bool {
     BATON.with_borrow(|baton| {
         // Whoever draws on another thread has no turns.
-        let Some(Baton { orders, reports }) = baton else { return true };
+        let Some(Baton { orders, reports, .. }) = baton else { return true };
         let is_heard = reports.send(Report::Paused).is_ok();
         is_heard && matches!(orders.recv(), Ok(Order::GoOn(true)))
+    })
+}
+
+/// Gives the turn back, does `work` as work in the background is done, and waits for the turn. False where what is drawn is
+/// given up.
+fn work_aside(work: &mut (dyn FnMut() + Send)) -> bool {
+    BATON.with_borrow(|baton| {
+        let Some(Baton { orders, reports, aside, jobs }) = baton else { return (work(), true).1 };
+        aside.store(true, Ordering::Release);
+        let is_heard = reports.send(Report::Aside).is_ok();
+        let is_done = is_heard && background::run_here(work);
+        aside.store(false, Ordering::Release);
+        // Where the queue is full the loop is awake.
+        let _ = jobs.try_send(Job::Wake);
+        is_done && matches!(orders.recv(), Ok(Order::GoOn(true)))
     })
 }
 
@@ -175,10 +199,12 @@ impl Worker {
         let (orders, inbox) = sync_channel(ORDERS);
         let (outbox, reports) = sync_channel(REPORTS);
         let (posed, uploaded) = (Arc::clone(scene), Arc::clone(&shared));
-        let named = thread::Builder::new().name("draw".into()).stack_size(DEEP_STACK_BYTES);
+        let (aside, jobs) = (Arc::default(), session.jobs.clone());
+        let baton = Baton { orders: inbox, reports: outbox.clone(), aside: Arc::clone(&aside), jobs };
+        let named = thread::Builder::new().name("draw".into());
         let thread = named.spawn(move || {
             let _last_word = LastWord(outbox.clone());
-            BATON.set(Some(Baton { orders: inbox, reports: outbox.clone() }));
+            BATON.set(Some(baton));
             draw_in_turns(renderer, (&posed, &uploaded), &outbox);
         });
         // Where none can be started the reports end at once, and so does what is asked for.
@@ -190,10 +216,16 @@ impl Worker {
             session: Arc::downgrade(session),
             viewers: Vec::new(),
             paused: None,
+            aside,
             orders,
             reports,
             thread,
         }
+    }
+
+    /// Whether it works without a turn, and needs none until the loop is woken.
+    pub fn is_aside(&self) -> bool {
+        self.aside.load(Ordering::Acquire)
     }
 
     /// Whether it is for this session and scene.
@@ -210,7 +242,7 @@ impl Worker {
         self.reports.recv().unwrap_or(Report::Lost)
     }
 
-    /// Gives up what it is in the middle of.
+    /// Gives up what it is in the middle of; where it is aside, waits until that work is done.
     pub fn cancel(&mut self) {
         if self.paused.take().is_some() {
             let _ = self.orders.send(Order::GoOn(false));

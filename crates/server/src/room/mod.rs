@@ -191,7 +191,7 @@ impl Room {
                 },
                 () = ready(()), if can_go_on => self.tick(None, inbox).await,
                 Some(ended) = self.solving.join_next_with_id() => self.take_solved(ended),
-                Some(step) = self.views.next_step() => self.views.take_step(step, &mut self.outboxes),
+                Some(step) = self.views.next_step() => self.views.take_steps(step, &mut self.outboxes),
                 Some(ended) = self.probes.next() => self.take_probe(ended),
                 () = sleep_until(wake) => {}
             }

@@ -14,6 +14,7 @@ use super::moving_pixels::Shortened;
 use crate::ServerError;
 use crate::backend::Backend;
 use crate::background;
+use crate::limits::LARGE_ENCODE_PIXELS;
 use crate::outboxes::ClientId;
 use crate::picture_stats::{micros, on_the_wire};
 use crate::renderer::Request;
@@ -206,10 +207,13 @@ pub async fn encode_picture(
     base: Option<Arc<Frame>>,
     payer: Payer,
 ) -> StepResult {
-    let quality = drawing.stamp.quality;
+    let (quality, [width, height]) = (drawing.stamp.quality, drawing.stamp.size());
+    let is_large = width * height > LARGE_ENCODE_PIXELS;
     let started = Instant::now();
     let work = move || encode(drawing, base.as_deref(), started);
     let frame = match quality {
+        // A large one takes both cores of a small machine from whoever is drawn next to it.
+        Quality::Moving if is_large && backend.moving_pixels.is_shared() => background::run(work).await??,
         Quality::Moving => spawn_blocking(work).await.map_err(|_| ServerError::Fault)??,
         // Without loss it takes several times as long, and nobody's hand waits for it.
         Quality::Settled => background::run(work).await??,

@@ -12,6 +12,7 @@ mod view;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::Duration;
 
 use protocol::{Interaction, ServerMessage, ViewSource};
 use scene::{Camera, PosedScene};
@@ -21,6 +22,7 @@ use tokio::time::Instant;
 
 use crate::ServerError;
 use crate::backend::Backend;
+use crate::limits::{HAND_FOR, STALE_FOR_EACH};
 use crate::outboxes::{ClientId, Outboxes};
 use crate::renderer::Lease;
 use crate::turns::Payer;
@@ -192,7 +194,7 @@ impl Views {
         let content = self.new_content();
         let view = self.own_view(id).ok_or_else(no_view)?;
         (view.camera, view.camera_revision) = (camera, camera_revision);
-        view.touch(content);
+        view.touch(content, Duration::ZERO);
         Ok(())
     }
 
@@ -206,7 +208,7 @@ impl Views {
         let content = self.new_content();
         let view = self.own_view(id).ok_or_else(no_view)?;
         (view.settings, view.camera_revision) = (settings, camera_revision);
-        view.touch(content);
+        view.touch(content, Duration::ZERO);
         Ok(())
     }
 
@@ -222,7 +224,7 @@ impl Views {
         let content = self.new_content();
         if let Some(view) = self.own_view(id).filter(|view| view.size != size) {
             (view.size, view.is_told_smaller) = (size, false);
-            view.touch(content);
+            view.touch(content, Duration::ZERO);
         }
     }
 
@@ -236,8 +238,13 @@ impl Views {
     /// Something changed that every picture can show.
     pub fn touch(&mut self) {
         let content = self.new_content();
-        for view in self.viewers.values_mut().filter_map(|viewer| viewer.source.own()) {
-            view.touch(content);
+        let watched_for = STALE_FOR_EACH * self.viewers.len() as u32;
+        for viewer in self.viewers.values_mut() {
+            let acts = viewer.acted_at.is_some_and(|then| then.elapsed() < HAND_FOR);
+            let keeps_for = if acts { Duration::ZERO } else { watched_for };
+            if let Some(view) = viewer.source.own() {
+                view.touch(content, keeps_for);
+            }
         }
     }
 

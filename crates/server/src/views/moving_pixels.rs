@@ -59,6 +59,11 @@ impl MovingPixels {
         let share = (MAX_MOVING_PIXELS as f64 / all as f64).sqrt();
         Shortened((share * STEPS).floor().max(1.0) / STEPS)
     }
+
+    /// Whether several actors have views that moved lately.
+    pub fn is_shared(&self) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).len() > 1
+    }
 }
 
 #[cfg(test)]

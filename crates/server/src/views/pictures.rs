@@ -1,5 +1,6 @@
 //! Pictures of views: made only for who can take one, and once for all who look at the same.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -44,14 +45,21 @@ impl Views {
     pub fn update(&mut self, now: Instant, live: Live, outboxes: &mut Outboxes) -> Instant {
         let mut wake = now + IDLE_AT_MOST;
         let ids: Vec<ClientId> = self.viewers.keys().copied().collect();
-        for &owner in &ids {
+        // Once for all of them: a session may have as many views as clients.
+        let mut watchers: BTreeMap<ClientId, Vec<ClientId>> = BTreeMap::new();
+        for &id in &ids {
+            if let Some(owner) = self.owner_of(id) {
+                watchers.entry(owner).or_default().push(id);
+            }
+        }
+        for (owner, watchers) in watchers {
             let Some(view) = self.own_view(owner) else { continue };
             let content = view.content;
             if let Some(frame) = view.latest.clone().filter(|latest| latest.stamp.content == content) {
-                self.deliver(owner, &frame, content, outboxes);
+                self.deliver(&watchers, &frame, content, outboxes);
             }
             let mut wanted = None;
-            for id in self.watchers_of(owner) {
+            for &id in &watchers {
                 match self.next_of(id, content, now, outboxes) {
                     Next::WaitUntil(time) => wake = wake.min(time),
                     Next::Moving if self.has_room_for_more(id, owner) => wanted = Some(Quality::Moving),
@@ -60,7 +68,7 @@ impl Views {
                 }
             }
             if let Some(quality) = wanted {
-                self.start_picture(owner, quality, live, outboxes);
+                self.start_picture((owner, &watchers), quality, live, outboxes);
             }
         }
         // What was only now begun to be sent has tiles left too.
@@ -75,8 +83,17 @@ impl Views {
         self.pictures.join_next_with_id().await
     }
 
-    /// Takes what [`Self::next_step`] gave: has encoded what is drawn, and sends what is encoded to who wants it.
-    pub fn take_step(&mut self, step: Result<(Id, StepResult), JoinError>, outboxes: &mut Outboxes) {
+    /// Takes what [`Self::next_step`] gave, and what else is ready: each change gives up as many pictures as there are views.
+    pub fn take_steps(&mut self, first: Result<(Id, StepResult), JoinError>, outboxes: &mut Outboxes) {
+        let mut next = Some(first);
+        while let Some(step) = next {
+            self.take_step(step, outboxes);
+            next = self.pictures.try_join_next_with_id();
+        }
+    }
+
+    /// Has encoded what is drawn, and sends what is encoded to who wants it.
+    fn take_step(&mut self, step: Result<(Id, StepResult), JoinError>, outboxes: &mut Outboxes) {
         let task = step.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
         let is_it = |job: &mut UnderWay| job.task.id() == task;
         let mut own_views =
@@ -99,7 +116,7 @@ impl Views {
                 }
                 let frame = Arc::new(frame);
                 view.latest = Some(Arc::clone(&frame));
-                self.deliver(owner, &frame, content, outboxes);
+                self.deliver(&self.watchers_of(owner), &frame, content, outboxes);
             }
             Ok((_, Err(error))) => {
                 view.failed = Some(job.revision);
@@ -130,7 +147,7 @@ impl Views {
         let Some(payer) = self.viewers.get(&owner).map(|viewer| viewer.payer.clone()) else { return };
         let task = self.pictures.spawn(encode_picture(self.backend.clone(), drawing, base, payer));
         if let Some(view) = self.own_view(owner) {
-            view.encoding = Some(UnderWay { quality, revision, place: None, task });
+            view.encoding = Some(UnderWay { quality, revision, place: None, asked_at: now, task });
         }
     }
 
@@ -141,16 +158,22 @@ impl Views {
         self.viewers.get(&id).is_some_and(|viewer| viewer.pace.room() > pending)
     }
 
-    /// Whether somebody who sees the view of `owner` edits, or moves it.
-    fn is_seen_by_a_hand(&self, owner: ClientId) -> bool {
+    /// Whether one of those who see a view edits, or moves it.
+    fn has_a_hand(&self, watchers: &[ClientId]) -> bool {
         let acts = |id: &ClientId| self.viewers.get(id)?.acted_at.map(|then| then.elapsed() < HAND_FOR);
-        self.watchers_of(owner).iter().any(|id| acts(id).unwrap_or(false))
+        watchers.iter().any(|id| acts(id).unwrap_or(false))
     }
 
-    /// Sends a frame to all who look at its view, want it, and have what it goes onto.
-    fn deliver(&mut self, owner: ClientId, frame: &Arc<Frame>, content: Content, outboxes: &mut Outboxes) {
+    /// Sends a frame to all of those who see its view that want it, and have what it goes onto.
+    fn deliver(
+        &mut self,
+        watchers: &[ClientId],
+        frame: &Arc<Frame>,
+        content: Content,
+        outboxes: &mut Outboxes,
+    ) {
         let now = now();
-        for id in self.watchers_of(owner) {
+        for &id in watchers {
             let wants = match self.next_of(id, content, now, outboxes) {
                 Next::Moving => self.has_base_of(id, frame.base),
                 Next::Settle => frame.stamp.quality == Quality::Settled,
@@ -226,11 +249,17 @@ impl Views {
     }
 
     /// Starts a picture of a view, unless one is under way or cannot be made.
-    fn start_picture(&mut self, owner: ClientId, quality: Quality, live: Live, outboxes: &mut Outboxes) {
+    fn start_picture(
+        &mut self,
+        (owner, watchers): (ClientId, &[ClientId]),
+        quality: Quality,
+        live: Live,
+        outboxes: &mut Outboxes,
+    ) {
         let (log_seq, live_revision) = (live.session.seq(), live.revision);
         let session = Arc::clone(&self.session);
         let urgency = match quality {
-            Quality::Moving if self.is_seen_by_a_hand(owner) => Urgency::Moving,
+            Quality::Moving if self.has_a_hand(watchers) => Urgency::Moving,
             Quality::Moving => Urgency::Watched,
             Quality::Settled => Urgency::Settling,
         };
@@ -285,16 +314,17 @@ impl Views {
         }
         let whose = (Arc::clone(&self.name), owner);
         let task = self.pictures.spawn(draw_picture(self.backend.clone(), request, stamp, whose));
-        view.drawing = Some(UnderWay { quality, revision: content.revision, place: Some(place), task });
+        let (revision, place, asked_at) = (content.revision, Some(place), Instant::now());
+        view.drawing = Some(UnderWay { quality, revision, place, asked_at, task });
         // Said once, to all who see it.
         if is_news {
-            for id in self.watchers_of(owner) {
+            for &id in watchers {
                 outboxes.warn(id, &ServerError::ViewsMoveTooMuch);
             }
         }
         for why in news.into_iter().flatten() {
             let error = ServerError::from(RenderError::from(why));
-            for id in self.watchers_of(owner) {
+            for &id in watchers {
                 outboxes.send_error(id, &error);
             }
         }

@@ -1,7 +1,7 @@
 //! One view, and what a client looks at.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use light::OutOfReach;
 use protocol::Interaction;
@@ -60,6 +60,7 @@ pub struct UnderWay {
     pub revision: u64,
     /// In line for the renderer, of one that is drawn.
     pub place: Option<Place>,
+    pub asked_at: Instant,
     pub task: AbortHandle,
 }
 
@@ -109,13 +110,14 @@ impl View {
     }
 
     /// It shows something else from now on. A lossless picture of what it showed is given up, and a moving one that is not
-    /// begun yet: the next is of what it shows now, and has its place in line.
-    pub fn touch(&mut self, content: Content) {
+    /// begun yet, unless it was asked for within `keeps_for`: the next is of what it shows now, and has its place in line.
+    pub fn touch(&mut self, content: Content, keeps_for: Duration) {
         self.content = content;
         self.drawing.take_if(|job| job.quality == Quality::Settled);
         self.encoding.take_if(|job| job.quality == Quality::Settled);
         self.drawn.take_if(|drawing| drawing.stamp.quality == Quality::Settled);
-        let given_up = self.drawing.as_ref().and_then(|job| job.place.as_ref()?.give_up());
+        let is_old = |job: &&UnderWay| job.asked_at.elapsed() >= keeps_for;
+        let given_up = self.drawing.as_ref().filter(is_old).and_then(|job| job.place.as_ref()?.give_up());
         if given_up.is_some() {
             (self.drawing, self.waits_since) = (None, given_up);
         }

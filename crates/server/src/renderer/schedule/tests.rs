@@ -97,7 +97,7 @@ fn by_schedule() -> impl FnMut(Instant, &[Waiting], Over) -> Turn {
     let mut schedule = Schedule::new();
     move |now, waiting, last| {
         if let Some((urgency, began, ended)) = last {
-            schedule.note(urgency, [began, ended], Some(ended - began));
+            schedule.note(urgency, [began, ended]);
         }
         schedule.next(now, waiting)
     }
@@ -119,8 +119,8 @@ fn fair(choose: Choose, drag: Drag, piece: Duration) -> Result<(), String> {
     if rate < 0.85 {
         return Err(format!("{:.0} % of the pictures", 100.0 * rate));
     }
-    // A turn or the share of that time, whichever is longer; a piece of work can be longer than a turn.
-    let turn = piece.max(moving / 2).max(TURN_AT_LEAST);
+    // A piece of work can be longer than a turn.
+    let turn = piece.max(TURN_WHILE_MOVING);
     if longest > usual + turn + usual.mul_f64(REST_SHARE) + MS(2) {
         return Err(format!("a gap of {longest:?} where {usual:?} is usual"));
     }

@@ -61,7 +61,7 @@ fn play(clients: &[Client], seconds: u64, fault: Fault) -> Vec<Duration> {
                 now += takes;
                 view.left -= takes;
                 let is_finished = view.left == Duration::ZERO;
-                schedule.note(Urgency::Moving, [began, now], is_finished.then_some(picture));
+                schedule.note(Urgency::Moving, [began, now]);
                 match fault {
                     Fault::NoCharge => {}
                     Fault::CostByPictureCount if !is_finished => {}
