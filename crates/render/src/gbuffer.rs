@@ -98,8 +98,12 @@ impl GbufferTexels {
     /// Of all that texels of `size` pixels take.
     pub fn bytes_of([width, height]: [u32; 2]) -> u64 {
         let [of_packed, of_offset, of_depth] = TEXEL_BYTES.map(|texel| texel * width as usize);
-        let colors = readback::padded_bytes([of_packed, of_offset], rows_at_once(width).min(height));
-        let staged = colors.max(readback::padded_bytes([of_depth], height));
+        let staged = if are_read_at_once([width, height]) {
+            readback::padded_bytes([of_packed, of_offset, of_depth], height)
+        } else {
+            let colors = readback::padded_bytes([of_packed, of_offset], rows_at_once(width).min(height));
+            colors.max(readback::padded_bytes([of_depth], height))
+        };
         u64::from(width) * u64::from(height) * BYTES_A_PIXEL + staged
     }
 
@@ -120,25 +124,33 @@ impl GbufferTexels {
             texels.clear();
             texels.reserve_exact(pixels);
         }
-        let [colors @ .., (z, z_bytes)]: [_; 3] =
-            std::array::from_fn(|index| (textures[index], TEXEL_BYTES[index]));
+        let mut take = |index, row: &[u8]| match index {
+            0 => packed.extend_from_slice(bytemuck::cast_slice(row)),
+            1 => offset.extend_from_slice(bytemuck::cast_slice(row)),
+            _ => depth.extend_from_slice(bytemuck::cast_slice(row)),
+        };
+        let textures: [_; 3] = std::array::from_fn(|index| (textures[index], TEXEL_BYTES[index]));
+        if are_read_at_once([width, height]) {
+            return read_rows(gpu, staging, [0, height], textures, take);
+        }
+        let [colors @ .., z] = textures;
         let rows = rows_at_once(width);
         for first in (0..height).step_by(rows as usize) {
-            let band = [first, rows.min(height - first)];
-            read_rows(gpu, staging, band, colors, |index, row| match index {
-                0 => packed.extend_from_slice(bytemuck::cast_slice(row)),
-                _ => offset.extend_from_slice(bytemuck::cast_slice(row)),
-            })?;
+            read_rows(gpu, staging, [first, rows.min(height - first)], colors, &mut take)?;
             gpu.yield_point()?;
         }
         // WebGPU copies only all of a depth buffer.
-        read_rows(gpu, staging, [0, height], [(z, z_bytes)], |_, row| {
-            depth.extend_from_slice(bytemuck::cast_slice(row));
-        })
+        read_rows(gpu, staging, [0, height], [z], |_, row| take(2, row))
     }
 }
 
-/// Rows that are read back at once: what memory is new for takes long, and others can come between.
+/// Whether a G-buffer of so many pixels is read back at once. Of a larger one memory that is new takes long to come, and others can
+/// come between.
+fn are_read_at_once([width, height]: [u32; 2]) -> bool {
+    u64::from(width) * u64::from(height) * BYTES_A_PIXEL <= u64::from(STAGED_BYTES)
+}
+
+/// Rows of a larger one that are read back at once, but for its depth.
 fn rows_at_once(width: u32) -> u32 {
     let [of_packed, of_offset, _] = TEXEL_BYTES;
     (STAGED_BYTES / ((of_packed + of_offset) as u32 * width.max(1))).max(1)

@@ -27,14 +27,15 @@ pub async fn run<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -
     result.await.map_err(|_| ServerError::Fault)
 }
 
-/// Does `work` on such a thread and waits for it. False where it panicked, or no thread could be started.
-pub fn run_here(work: &mut (dyn FnMut() + Send)) -> bool {
+/// Does `work` on such a thread and waits for it. What it panicked with where it did; false where no thread could be started.
+pub fn run_here(work: &mut (dyn FnMut() + Send)) -> thread::Result<bool> {
     thread::scope(|scope| {
         let started = thread::Builder::new().name("background".into()).spawn_scoped(scope, || {
             give_way();
             work();
         });
-        started.is_ok_and(|thread| thread.join().is_ok())
+        let thread = started.inspect_err(|error| tracing::error!("no thread can be started: {error}"));
+        thread.map_or(Ok(false), |thread| thread.join().map(|()| true))
     })
 }
 

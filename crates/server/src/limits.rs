@@ -175,7 +175,7 @@ pub const TURN_WHILE_MOVING: Duration = Duration::from_millis(10);
 pub const SHARED_FOR: Duration = Duration::from_secs(10);
 /// Pixels above which a moving picture of one of several clients is drawn in tiles: more take longer than a turn even for one light.
 pub const LARGE_PICTURE_PIXELS: u32 = 1_500_000;
-/// Pixels above which a moving picture is encoded as work in the background where several clients' move; so many take some 10 ms.
+/// Pixels above which a moving picture is encoded as work in the background where several clients' move; so many take some 17 ms of a core.
 pub const LARGE_ENCODE_PIXELS: u32 = 1 << 19;
 /// Turns after which a moving picture is drawn to its end, however long that takes: what is kept of it from turn to turn may have been
 /// evicted each time.

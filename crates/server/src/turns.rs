@@ -89,7 +89,8 @@ impl Charges {
 
 impl Accounts {
     fn of(&self, name: &str) -> f64 {
-        self.seconds.get(name).copied().unwrap_or_default().max(self.start - SAVED_AT_MOST)
+        // Who is new has saved nothing: else a name for each picture would always be first.
+        self.seconds.get(name).map_or(self.start, |charged| charged.max(self.start - SAVED_AT_MOST))
     }
 
     fn charge(&mut self, name: &Arc<str>, seconds: f64) {

@@ -136,9 +136,10 @@ impl RenderLoop {
 
     /// The tasks that wait for a turn, by their indices, and how the schedule sees them.
     fn who_waits(&self) -> (Vec<usize>, Vec<Waiting>) {
+        let aside: Vec<&Worker> = self.workers.iter().filter(|worker| worker.is_aside()).collect();
         let is_aside = |task: &Task| {
             let Request { session, scene, .. } = &*task.request;
-            self.workers.iter().any(|worker| worker.is_for(session, scene) && worker.is_aside())
+            aside.iter().any(|worker| worker.is_for(session, scene))
         };
         let waiting = self.waiting.iter().enumerate().filter(|(_, task)| !is_aside(task));
         let seen = waiting.map(|(index, task)| {

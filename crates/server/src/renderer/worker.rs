@@ -181,10 +181,12 @@ fn work_aside(work: &mut (dyn FnMut() + Send)) -> bool {
         let Some(Baton { orders, reports, aside, jobs }) = baton else { return (work(), true).1 };
         aside.store(true, Ordering::Release);
         let is_heard = reports.send(Report::Aside).is_ok();
-        let is_done = is_heard && background::run_here(work);
+        let done = if is_heard { background::run_here(work) } else { Ok(false) };
         aside.store(false, Ordering::Release);
         // Where the queue is full the loop is awake.
         let _ = jobs.try_send(Job::Wake);
+        // As if this thread had done it: it ends, and says so.
+        let is_done = done.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         is_done && matches!(orders.recv(), Ok(Order::GoOn(true)))
     })
 }

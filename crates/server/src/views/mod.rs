@@ -10,7 +10,7 @@ mod pictures;
 mod settings;
 mod view;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -239,9 +239,11 @@ impl Views {
     pub fn touch(&mut self) {
         let content = self.new_content();
         let watched_for = STALE_FOR_EACH * self.viewers.len() as u32;
-        for viewer in self.viewers.values_mut() {
-            let acts = viewer.acted_at.is_some_and(|then| then.elapsed() < HAND_FOR);
-            let keeps_for = if acts { Duration::ZERO } else { watched_for };
+        let acts = |viewer: &Viewer| viewer.acted_at.is_some_and(|then| then.elapsed() < HAND_FOR);
+        let hands = self.viewers.iter().filter(|(_, viewer)| acts(viewer));
+        let of_hands: BTreeSet<ClientId> = hands.filter_map(|(id, _)| self.owner_of(*id)).collect();
+        for (id, viewer) in &mut self.viewers {
+            let keeps_for = if of_hands.contains(id) { Duration::ZERO } else { watched_for };
             if let Some(view) = viewer.source.own() {
                 view.touch(content, keeps_for);
             }
