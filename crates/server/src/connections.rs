@@ -17,7 +17,6 @@ use rustix::net::sockopt::{set_socket_recv_buffer_size, set_socket_send_buffer_s
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time::{sleep, timeout};
-use tokio_io_timeout::TimeoutWriter;
 use tokio_util::sync::{CancellationToken, DropGuard};
 use tokio_util::task::TaskTracker;
 
@@ -26,6 +25,7 @@ use crate::limits::{
     HEADERS_WITHIN, MAX_CONNECTIONS, MAX_HEAD_BYTES, MAX_STRANGERS, RECEIVE_BUFFER_BYTES, SEND_BUFFER_BYTES,
     SEND_WITHIN,
 };
+use crate::send_within::SendWithin;
 
 /// How long to wait after the system has refused a connection, as it does where too many files are open.
 const AFTER_REFUSAL: Duration = Duration::from_millis(100);
@@ -175,8 +175,7 @@ async fn answer(stream: TcpStream, connection: Connection, router: Router, drain
     if let Err(error) = stream.set_nodelay(true) {
         tracing::debug!("a connection delays its packets: {error}");
     }
-    let mut stream = TimeoutWriter::new(stream);
-    stream.set_timeout(Some(SEND_WITHIN));
+    let stream = SendWithin::new(stream, SEND_WITHIN);
     let service = TowerToHyperService::new(router);
     let named = connection.clone();
     let service = service_fn(move |mut request: Request<Incoming>| {
@@ -187,7 +186,7 @@ async fn answer(stream: TcpStream, connection: Connection, router: Router, drain
     let mut served = http1::Builder::new();
     let served =
         served.timer(TokioTimer::new()).header_read_timeout(HEADERS_WITHIN).max_buf_size(MAX_HEAD_BYTES);
-    let served = served.serve_connection(TokioIo::new(Box::pin(stream)), service).with_upgrades();
+    let served = served.serve_connection(TokioIo::new(stream), service).with_upgrades();
     let mut served = std::pin::pin!(served);
     let ended = tokio::select! {
         ended = served.as_mut() => ended,

@@ -23,6 +23,7 @@ mod renderer;
 mod request;
 mod room;
 mod scenes;
+mod send_within;
 mod server;
 mod socket;
 mod solver;

@@ -24,6 +24,13 @@ pub enum Came {
     End,
 }
 
+/// A connection for which the client's system keeps little that is not read, and says soon when some of it is.
+pub async fn connect_narrowly(door: &Door) -> TcpStream {
+    let socket = TcpSocket::new_v4().unwrap();
+    socket.set_recv_buffer_size(16 << 10).unwrap();
+    socket.connect(door.address).await.unwrap()
+}
+
 /// A WebSocket client.
 pub struct Client(WebSocketStream<MaybeTlsStream<TcpStream>>);
 
@@ -44,9 +51,7 @@ impl Client {
 
     /// As [`Self::connect`], by such a socket.
     pub async fn connect_narrowly(door: &Door) -> Self {
-        let socket = TcpSocket::new_v4().unwrap();
-        socket.set_recv_buffer_size(64 << 10).unwrap();
-        let stream = MaybeTlsStream::Plain(socket.connect(door.address).await.unwrap());
+        let stream = MaybeTlsStream::Plain(connect_narrowly(door).await);
         Self(client_async(socket_request(door), stream).await.unwrap().0)
     }
 

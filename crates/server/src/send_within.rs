@@ -1,0 +1,152 @@
+//! A connection that ends when its other side takes nothing for too long.
+
+use std::future::Future;
+use std::io::{self, ErrorKind, IoSlice};
+use std::pin::Pin;
+use std::task::{Context, Poll, ready};
+use std::time::Duration;
+
+use rustix::io::Errno;
+use rustix::net::{SendFlags, send};
+use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::net::TcpStream;
+use tokio::time::{Instant, Sleep, sleep};
+
+/// Tries for each `within`.
+const TRIES: u32 = 6;
+
+/// A stream of which a write fails with `TimedOut` once the other side has taken nothing for `within`.
+///
+/// Linux calls a socket writable once a third of its send buffer is free, which a side that takes some kilobytes a second does not
+/// reach in time. A waiting write therefore tries by itself now and then: it is accepted as soon as anything was taken.
+#[derive(Debug)]
+pub struct SendWithin {
+    stream: TcpStream,
+    within: Duration,
+    next_try: Pin<Box<Sleep>>,
+    /// Since when a write waits.
+    waits_since: Option<Instant>,
+}
+
+impl SendWithin {
+    pub fn new(stream: TcpStream, within: Duration) -> Self {
+        Self { stream, within, next_try: Box::pin(sleep(within)), waits_since: None }
+    }
+
+    /// What a write of `bytes` comes to of which the stream's own came to `written`.
+    fn poll_waiting(
+        &mut self,
+        context: &mut Context<'_>,
+        bytes: &[u8],
+        written: Poll<io::Result<usize>>,
+    ) -> Poll<io::Result<usize>> {
+        if written.is_ready() {
+            self.waits_since = None;
+            return written;
+        }
+        let between = self.within / TRIES;
+        let since = *self.waits_since.get_or_insert_with(|| {
+            self.next_try.as_mut().reset(Instant::now() + between);
+            Instant::now()
+        });
+        loop {
+            ready!(self.next_try.as_mut().poll(context));
+            match send(&self.stream, bytes, SendFlags::DONTWAIT | SendFlags::NOSIGNAL) {
+                Err(Errno::AGAIN | Errno::INTR) if since.elapsed() < self.within => {
+                    self.next_try.as_mut().reset(Instant::now() + between);
+                }
+                Err(Errno::AGAIN | Errno::INTR) => return Poll::Ready(Err(ErrorKind::TimedOut.into())),
+                sent => {
+                    self.waits_since = None;
+                    return Poll::Ready(sent.map_err(Into::into));
+                }
+            }
+        }
+    }
+}
+
+impl AsyncWrite for SendWithin {
+    fn poll_write(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        bytes: &[u8],
+    ) -> Poll<io::Result<usize>> {
+        let written = Pin::new(&mut self.stream).poll_write(context, bytes);
+        self.poll_waiting(context, bytes, written)
+    }
+
+    fn poll_write_vectored(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        parts: &[IoSlice<'_>],
+    ) -> Poll<io::Result<usize>> {
+        let written = Pin::new(&mut self.stream).poll_write_vectored(context, parts);
+        let first = parts.iter().find(|part| !part.is_empty());
+        self.poll_waiting(context, first.map_or(&[], |part| part), written)
+    }
+
+    fn is_write_vectored(&self) -> bool {
+        self.stream.is_write_vectored()
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_flush(context)
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_shutdown(context)
+    }
+}
+
+impl AsyncRead for SendWithin {
+    fn poll_read(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        into: &mut ReadBuf<'_>,
+    ) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_read(context, into)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rustix::net::sockopt::set_socket_send_buffer_size;
+    use tokio::io::{AsyncReadExt, AsyncWriteExt};
+    use tokio::net::{TcpListener, TcpSocket};
+    use tokio::time::timeout;
+
+    use super::*;
+
+    const WITHIN: Duration = Duration::from_secs(1);
+
+    /// How long 64 MiB can be written to whoever takes `bytes` 20 times a second, up to 6 s.
+    async fn lasts(bytes: usize) -> Duration {
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        set_socket_send_buffer_size(&listener, 512 << 10).unwrap();
+        let reader = TcpSocket::new_v4().unwrap();
+        reader.set_recv_buffer_size(16 << 10).unwrap();
+        let mut reader = reader.connect(listener.local_addr().unwrap()).await.unwrap();
+        let mut writer = SendWithin::new(listener.accept().await.unwrap().0, WITHIN);
+        let takes = tokio::spawn(async move {
+            let mut part = vec![0; bytes];
+            while reader.read_exact(&mut part).await.is_ok() {
+                sleep(Duration::from_millis(50)).await;
+            }
+        });
+        let began = Instant::now();
+        let large = vec![0; 64 << 20];
+        if let Ok(written) = timeout(6 * WITHIN, writer.write_all(&large)).await {
+            assert_eq!(written.unwrap_err().kind(), ErrorKind::TimedOut);
+        }
+        takes.abort();
+        began.elapsed()
+    }
+
+    /// A socket is writable again once some 350 KB are free, which takes the first reader 2 s.
+    #[tokio::test]
+    async fn who_takes_little_is_waited_for_and_who_takes_nothing_is_not() {
+        let (little, nothing) = tokio::join!(lasts(8 << 10), lasts(1));
+        assert!(little >= 6 * WITHIN, "{little:?}");
+        assert!((WITHIN..3 * WITHIN).contains(&nothing), "{nothing:?}");
+    }
+}
