@@ -256,7 +256,8 @@ impl GbufferPass {
             let mut indices = draw.indices.clone();
             while !indices.is_empty() {
                 let end = indices.end.min(indices.start.saturating_add(left));
-                pass.draw_indexed(indices.start..end, 0, 0..1);
+                let first_triangle = indices.start / 3;
+                pass.draw_indexed(indices.start..end, 0, first_triangle..first_triangle + 1);
                 left -= end - indices.start;
                 indices.start = end;
                 if left == 0 {

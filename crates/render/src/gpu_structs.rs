@@ -90,7 +90,7 @@ gpu_struct! {
         metallic: f32,
         roughness: f32,
         alpha_cutoff: f32,
-        first_triangle: u32,
+        pad0: f32,
     }
 }
 

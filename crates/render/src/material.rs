@@ -71,7 +71,7 @@ impl Materials {
                     metallic: material.metallic,
                     roughness: material.roughness,
                     alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
-                    first_triangle: draw.indices.start / 3,
+                    pad0: 0.0,
                 }),
                 usage: BufferUsages::UNIFORM,
             });

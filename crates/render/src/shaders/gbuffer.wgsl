@@ -11,9 +11,16 @@ override is_colored: bool;
 override is_shiny: bool;
 override is_tested: bool;
 
+struct Corner {
+    @builtin(position) clip: vec4f,
+    // Index in `planes` of the draw's first triangle, by the instance that it is drawn as: `primitive_index` begins anew with
+    // each draw, and what is drawn with one material may take several.
+    @location(0) @interpolate(flat, either) first_triangle: u32,
+}
+
 @vertex
-fn vs_gbuffer(@location(0) position: vec3f) -> @builtin(position) vec4f {
-    return view.clip_from_scene * vec4f(position, 1.0);
+fn vs_gbuffer(@location(0) position: vec3f, @builtin(instance_index) first_triangle: u32) -> Corner {
+    return Corner(view.clip_from_scene * vec4f(position, 1.0), first_triangle);
 }
 
 struct Seen {
@@ -72,13 +79,13 @@ fn interpolated(triangle: u32, position: vec3f) -> Interpolated {
 
 @fragment
 fn fs_gbuffer(
-    @builtin(position) clip: vec4f,
+    corner: Corner,
     @builtin(front_facing) front_facing: bool,
     @builtin(primitive_index) primitive: u32,
 ) -> Seen {
-    let triangle = material.first_triangle + primitive;
-    let ray = ray_through(vec2u(clip.xy));
-    let depth = depth_on(planes[triangle], ray, clip.z);
+    let triangle = corner.first_triangle + primitive;
+    let ray = ray_through(vec2u(corner.clip.xy));
+    let depth = depth_on(planes[triangle], ray, corner.clip.z);
     let here = interpolated(triangle, ray.origin + depth * ray.direction);
     let uv_dx = dpdx(here.plane_uv);
     let uv_dy = dpdy(here.plane_uv);
@@ -108,5 +115,5 @@ fn fs_gbuffer(
     let metallic = saturate(material.metallic * shine.b);
     let roughness = saturate(material.roughness * shine.g);
     let packed = vec4u(unit_to_bits(normal), triangle + 1u, material_to_bits(base_color, metallic, roughness));
-    return Seen(packed, here.terminator_offset, z_at(depth, clip.z));
+    return Seen(packed, here.terminator_offset, z_at(depth, corner.clip.z));
 }

@@ -6,8 +6,6 @@ struct Material {
     roughness: f32,
     // Fragments with less alpha are not drawn; 0 draws all.
     alpha_cutoff: f32,
-    // Index in `planes` of the first triangle drawn with it.
-    first_triangle: u32,
 }
 
 @group(1) @binding(0) var<uniform> material: Material;

@@ -1,6 +1,6 @@
 //! Input that is legal and unkind.
 
-use glam::{DAffine3, DQuat, DVec3, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec3, Vec4};
 use light::parameters::{CONE_ANGLE, INTENSITY, NAME, RANGE, SCALE, TRANSLATION};
 use light::{CheckedLight, Light, LightError, Reach};
 use render::{Aov, RenderError, View};
@@ -46,6 +46,34 @@ fn rows_come_from_the_top_and_columns_from_the_left() {
     let there: Vec<_> = (0..81).filter(|&i| depths.pixels[i][3] == 1.0).collect();
     assert!(!there.is_empty());
     assert!(there.iter().all(|i| i % 9 > 4 && i / 9 > 4), "{there:?}");
+}
+
+/// So much lies in one place that the device is given it in parts, which begin in the midst of what has one material. Without
+/// parts, as of two sheets, the same is seen.
+#[test]
+fn the_topmost_of_many_sheets_is_seen() {
+    let camera = |aov| view(DVec3::new(0.0, 3.0, 0.1), DVec3::ZERO, [301, 301], aov);
+    let stack = |sheets: u32| {
+        let mut stack = Primitive::default();
+        for sheet in 0..sheets {
+            let height = sheet as f32 / (sheets - 1) as f32;
+            let lean = Vec3::new(height - 0.5, 1.0, 0.3 * height).normalize();
+            let square = square();
+            stack.indices.extend(square.indices.iter().map(|index| index + 4 * sheet));
+            stack.positions.extend(square.positions.iter().map(|position| position.with_y(height)));
+            stack.normals.extend([lean; 4]);
+        }
+        scene_of([(stack, DAffine3::IDENTITY)], vec![Material::default()])
+    };
+    for aov in [Aov::Depth, Aov::Normal] {
+        let [many, few] = [600, 2].map(|sheets| picture(&stack(sheets), &camera(aov), &[]));
+        let differing = (0..301 * 301).filter(|&pixel| {
+            let [many, few] = [&many, &few].map(|picture| Vec4::from(picture.pixels[pixel]));
+            many.distance(few) > 1e-5
+        });
+        // Where the sides of the lower sheets are seen there are more of them.
+        assert!(differing.count() < 301 * 301 / 8, "{aov:?}");
+    }
 }
 
 #[test]
