@@ -71,7 +71,7 @@ impl Own {
         let listener = runtime.block_on(TcpListener::bind("127.0.0.1:0")).expect("a port");
         let host = listener.local_addr().expect("bound").to_string();
         let address = Address { host, token: server.token().digits().into() };
-        runtime.spawn(server.run(listener, std::future::pending()));
+        runtime.spawn(server.run(listener, runtime.handle().clone(), std::future::pending()));
         Self { runtime, address, data }
     }
 

@@ -81,13 +81,15 @@ pub fn run(args: &Args) -> Result<(), Error> {
         .map_or_else(|| format!("http://{}", reachable(address)), PublicUrl::to_string);
     let page = format!("{place}/#token={}", server.token().digits());
     let runtime = Runtime::new().map_err(Error::NoRuntime)?;
+    let requests = server::request_runtime().map_err(Error::NoRuntime)?;
     let served = runtime.block_on(async {
         let stop = stop_signal().map_err(Error::NoRuntime)?;
         let listener = tokio::net::TcpListener::from_std(listener).map_err(Error::NoRuntime)?;
         answer(&page)?;
-        Ok(server.run(listener, stop).await?)
+        Ok(server.run(listener, requests.handle().clone(), stop).await?)
     });
     // A scene that is still being decoded need not be waited for.
+    requests.shutdown_background();
     runtime.shutdown_background();
     served
 }

@@ -1,8 +1,9 @@
 //! Work of the processor that is not for the next picture: decoding scenes, getting them ready for rays, probes. It runs on threads
 //! that give way to those that draw, so that a file which takes a second to decode costs nobody a second of theirs.
 
-use std::thread;
+use std::{io, thread};
 
+use tokio::runtime::{self, Runtime};
 use tokio::sync::oneshot;
 
 use crate::ServerError;
@@ -10,13 +11,26 @@ use crate::ServerError;
 /// By so much less are such threads important to the system than others: one of them has a seventieth of a core that somebody draws
 /// with, and all of one that nobody does.
 const NICE: i32 = 19;
+/// The same of threads that answer requests: one of them has a thirtieth of a core that somebody draws with, and thousands of requests a
+/// second of one client cost a moving picture no more than that.
+const REQUESTS_NICE: i32 = 15;
+/// As many threads as it takes to answer while one writes a long answer.
+const REQUEST_THREADS: usize = 2;
+
+/// Where [`crate::Server::run`] is to answer HTTP requests: on threads that give way to those that draw and to sockets. Whoever makes it
+/// shuts it down.
+pub fn request_runtime() -> io::Result<Runtime> {
+    let mut threads = runtime::Builder::new_multi_thread();
+    threads.worker_threads(REQUEST_THREADS).thread_name("request").enable_all();
+    threads.on_thread_start(|| give_way(REQUESTS_NICE)).build()
+}
 
 /// Does `work` on a thread of its own. How many there are is bounded by whoever asks.
 pub async fn run<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, ServerError> {
     let (done, result) = oneshot::channel();
     let named = thread::Builder::new().name("background".into());
     let started = named.spawn(move || {
-        give_way();
+        give_way(NICE);
         // Whoever asked may have gone.
         drop(done.send(work()));
     });
@@ -31,7 +45,7 @@ pub async fn run<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -
 pub fn run_here(work: &mut (dyn FnMut() + Send)) -> thread::Result<bool> {
     thread::scope(|scope| {
         let started = thread::Builder::new().name("background".into()).spawn_scoped(scope, || {
-            give_way();
+            give_way(NICE);
             work();
         });
         let thread = started.inspect_err(|error| tracing::error!("no thread can be started: {error}"));
@@ -39,10 +53,10 @@ pub fn run_here(work: &mut (dyn FnMut() + Send)) -> thread::Result<bool> {
     })
 }
 
-/// Makes this thread as important as background work is.
-fn give_way() {
+/// Makes this thread less important to the system by so much.
+fn give_way(nice: i32) {
     // On Linux that is of this thread alone. Where it is refused the work is as important as any.
-    if let Err(error) = rustix::process::nice(NICE) {
+    if let Err(error) = rustix::process::nice(nice) {
         tracing::debug!("a background thread keeps its priority: {error}");
     }
 }
@@ -61,6 +75,12 @@ mod tests {
         let before = nice_of_this();
         assert_eq!(run(nice_of_this).await.expect("done"), (before + NICE).min(19));
         assert_eq!(nice_of_this(), before);
+        let requests = request_runtime().expect("threads");
+        assert_eq!(
+            requests.spawn(async move { nice_of_this() }).await.expect("done"),
+            before + REQUESTS_NICE
+        );
+        requests.shutdown_background();
     }
 
     #[tokio::test]

@@ -1,6 +1,7 @@
 //! Connections from their first byte: how many there may be, and for how long they may keep the server waiting.
 
 use std::collections::BTreeMap;
+use std::io::{self, ErrorKind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -15,6 +16,7 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use rustix::net::sockopt::{set_socket_recv_buffer_size, set_socket_send_buffer_size};
 use tokio::net::{TcpListener, TcpStream};
+use tokio::runtime::Handle;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time::{sleep, timeout};
 use tokio_util::sync::{CancellationToken, DropGuard};
@@ -29,6 +31,9 @@ use crate::send_within::SendWithin;
 
 /// How long to wait after the system has refused a connection, as it does where too many files are open.
 const AFTER_REFUSAL: Duration = Duration::from_millis(100);
+
+/// How a request begins that opens a socket.
+const SOCKET: [u8; 12] = *b"GET /socket ";
 
 /// One connection, for its requests to say that they know it. Clones are of the same connection.
 #[derive(Clone, Debug)]
@@ -131,8 +136,9 @@ impl Strangers {
     }
 }
 
-/// Answers connections by `router` until `draining`, and then what they have asked for until all have ended.
-pub async fn serve(listener: TcpListener, router: Router, draining: CancellationToken) {
+/// Answers connections by `router` until `draining`, and then what they have asked for until all have ended. Those that begin with
+/// a socket are served where this runs, and all others on `requests`.
+pub async fn serve(listener: TcpListener, requests: Handle, router: Router, draining: CancellationToken) {
     // Its connections have the same.
     let bounded = set_socket_recv_buffer_size(&listener, RECEIVE_BUFFER_BYTES)
         .and_then(|()| set_socket_send_buffer_size(&listener, SEND_BUFFER_BYTES));
@@ -146,7 +152,13 @@ pub async fn serve(listener: TcpListener, router: Router, draining: Cancellation
         draining.run_until_cancelled(accept(&listener, Arc::clone(&permits))).await
     {
         let connection = Connection::of(&strangers, permit);
-        open.spawn(answer(stream, connection, router.clone(), draining.clone()));
+        let (requests, router, draining) = (requests.clone(), router.clone(), draining.clone());
+        open.spawn(async move {
+            let served = answer_where_it_belongs(stream, &requests, connection, router, draining);
+            if let Err(error) = served.await {
+                tracing::debug!("a connection broke: {error}");
+            }
+        });
     }
     drop(listener);
     open.close();
@@ -168,6 +180,37 @@ async fn accept(
             }
         }
     }
+}
+
+/// A socket's messages are what hands do, and requests what programs ask, as many as they can.
+async fn answer_where_it_belongs(
+    stream: TcpStream,
+    requests: &Handle,
+    connection: Connection,
+    router: Router,
+    draining: CancellationToken,
+) -> io::Result<()> {
+    let mut first = [0; SOCKET.len()];
+    let is_open = async { timeout(HEADERS_WITHIN, stream.peek(&mut first)).await };
+    let begun = tokio::select! {
+        begun = is_open => begun,
+        () = connection.given_up() => return Ok(()),
+        () = draining.cancelled() => return Ok(()),
+    };
+    if begun.map_err(|_| ErrorKind::TimedOut)?? == 0 {
+        return Ok(());
+    }
+    // A head that comes in pieces is served as well as a request is.
+    if first == SOCKET {
+        answer(stream, connection, router, draining).await;
+        return Ok(());
+    }
+    let stream = stream.into_std()?;
+    let answered = requests.spawn(async move {
+        answer(TcpStream::from_std(stream)?, connection, router, draining).await;
+        Ok(())
+    });
+    answered.await.map_err(io::Error::other)?
 }
 
 async fn answer(stream: TcpStream, connection: Connection, router: Router, draining: CancellationToken) {

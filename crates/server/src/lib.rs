@@ -35,5 +35,6 @@ mod turns;
 mod views;
 
 pub use access::{PublicUrl, Token};
+pub use background::request_runtime;
 pub use error::ServerError;
 pub use server::{Config, Server};

@@ -13,7 +13,7 @@ use tokio::sync::{mpsc, watch};
 
 use crate::ServerError;
 use crate::in_flight::InFlight;
-use crate::limits::{ANSWER_BYTES, CONTROL_BYTES, CONTROL_QUEUE, FRAME_QUEUE};
+use crate::limits::{ANSWER_BYTES, CONTROL_BYTES, CONTROL_QUEUE, FRAME_QUEUE, SMALL_BYTES};
 
 /// What goes over a socket as one message.
 #[derive(Debug)]
@@ -117,7 +117,7 @@ impl Outbox {
             return;
         }
         let backlog = *self.backlog.borrow();
-        if backlog.fits(&text) && (backlog.messages == 0 || !self.in_flight.is_full()) {
+        if backlog.fits(&text) && (backlog.is_small_with(&text) || !self.in_flight.is_full()) {
             self.send_text(text);
         } else {
             self.held = Some(Vec::new());
@@ -195,6 +195,12 @@ impl Backlog {
     /// Whether `text` fits. Where nothing waits, anything does.
     fn fits(&self, text: &Text) -> bool {
         self.messages == 0 || self.messages < CONTROL_QUEUE && self.bytes + text.own_bytes <= CONTROL_BYTES
+    }
+
+    /// Whether what waits is still little with `text`: others' large bodies and answers hold up nobody's small messages. Where
+    /// nothing waits, anything is.
+    fn is_small_with(&self, text: &Text) -> bool {
+        self.messages == 0 || self.bytes + text.own_bytes <= SMALL_BYTES
     }
 
     fn add(&mut self, text: &Text) {
@@ -292,6 +298,11 @@ mod tests {
         let text = Text::of(&news, &in_flight);
         one.offer(text.clone());
         two.offer(text);
+        assert!(!one.is_behind() && !two.is_behind(), "others' large messages hold up no small ones");
+        sent(&mut end);
+        let large = said(&"x".repeat(SMALL_BYTES));
+        one.offer(large.clone());
+        two.offer(large);
         assert!(!one.is_behind() && two.is_behind(), "who reads is told, who does not is behind");
         drop((full, one, end));
     }

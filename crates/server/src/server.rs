@@ -10,6 +10,7 @@ use std::time::Instant;
 use render::MemoryBudget;
 use store::Store;
 use tokio::net::TcpListener;
+use tokio::runtime::Handle;
 use tokio::sync::Semaphore;
 use tokio::time::timeout;
 use tokio_util::sync::CancellationToken;
@@ -95,10 +96,12 @@ impl Server {
         &self.token
     }
 
-    /// Serves until `shutdown`, then finishes what was accepted, within 10 seconds.
+    /// Serves until `shutdown`, then finishes what was accepted, within 10 seconds. Sockets are served where this runs, and what is
+    /// asked by HTTP on `requests`, which may be the same.
     pub async fn run(
         self,
         listener: TcpListener,
+        requests: Handle,
         shutdown: impl Future<Output = ()> + Send + 'static,
     ) -> Result<(), ServerError> {
         // Whether all ends well or is cut off, the render thread has ended when this returns, and what it drew is in the trace.
@@ -134,7 +137,7 @@ impl Server {
             page_turns: Turns::default(),
         });
         let router = http::router(Arc::clone(&state));
-        let serving = tokio::spawn(connections::serve(listener, router, backend.draining.clone()));
+        let serving = tokio::spawn(connections::serve(listener, requests, router, backend.draining.clone()));
         shutdown.await;
         tracing::info!("stopping: what was accepted is finished");
         backend.draining.cancel();

@@ -20,6 +20,8 @@ pub(super) type Act = Box<dyn FnOnce(&Other) -> Result<(), BenchError>>;
 pub(super) const LOOK: Duration = Duration::from_millis(100);
 /// How long a client waits that was refused.
 const AFTER_REFUSAL: Duration = Duration::from_millis(50);
+/// By so much less important to the system than the server's drawing are its threads.
+const NICE: i32 = 15;
 /// Bytes of an answer that are kept; the rest is counted.
 const KEPT_BYTES: usize = 4096;
 /// Connections from which on it is looked which have ended.
@@ -176,6 +178,8 @@ impl Other {
     pub fn spawn(&self, mut act: impl FnMut(&Self) -> Result<(), BenchError> + Send + 'static) {
         let other = self.clone();
         let thread = thread::spawn(move || {
+            // Whoever it stands for is on another machine. Where the system refuses, rows are harder.
+            let _refused = rustix::process::nice(NICE);
             while !other.is_over() {
                 let acted = act(&other);
                 if !other.is_over() {

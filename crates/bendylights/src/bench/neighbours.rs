@@ -14,7 +14,8 @@ use crate::gpu::BackendArgs;
 #[command(after_help = "\
 A victim drags a control point of demo:vases in a view of its own, an update an animation frame, and now and then a feature
 of another light with three pins. It does so alone, then while one other client does all it can in sessions of its own, and
-alone again once that has gone and all have rested. Each row is another kind of neighbour, with a server of its own:
+alone again once that has gone and all have rested. The other's threads give way, since it would be on another machine. Each row
+is another kind of neighbour, with a server of its own:
   nobody             nobody: what the machine itself takes from the victim. Where this misses, no row says anything
   solves             begins drags of features of a light of 258 control points with 256 pins, and gives each up
   solves-in-session  in the victim's session: a slow drag, and edits of its light

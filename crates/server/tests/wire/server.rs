@@ -10,7 +10,7 @@ use std::{fs, thread};
 use server::{Config, Server, ServerError};
 use tempfile::TempDir;
 use tokio::net::TcpListener;
-use tokio::runtime::Runtime;
+use tokio::runtime::{Handle, Runtime};
 use tokio::sync::oneshot;
 use tokio::task::{JoinHandle, spawn_blocking};
 
@@ -40,7 +40,7 @@ pub static SHARED: LazyLock<Door> = LazyLock::new(|| {
         Runtime::new().unwrap().block_on(async move {
             let (door, server, listener) = open(&folder).await;
             opened.send(door).unwrap();
-            server.run(listener, std::future::pending()).await.unwrap();
+            server.run(listener, Handle::current(), std::future::pending()).await.unwrap();
         });
     });
     let door = door.recv().unwrap();
@@ -70,7 +70,7 @@ impl Own {
     pub async fn start_in(folder: TempDir) -> Self {
         let (door, server, listener) = open(folder.path()).await;
         let (stop, stopped) = oneshot::channel();
-        let served = tokio::spawn(server.run(listener, async { stopped.await.unwrap() }));
+        let served = tokio::spawn(server.run(listener, Handle::current(), async { stopped.await.unwrap() }));
         Self { door, folder, stop, served }
     }
 
