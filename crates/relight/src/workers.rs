@@ -220,4 +220,34 @@ mod tests {
         let ended = workers.each(0..1_000, |_| true);
         assert_eq!((ended, count.load(Ordering::Relaxed)), (Err(Cancelled), 3));
     }
+    #[test]
+    fn new_memory_comes_in_parts_and_holds_what_it_held() {
+        let (yielding, count) = counting(4);
+        let workers = Workers::of(1).yielding(yielding);
+        let mut items = vec![1_u64; 3];
+        let part = NEW_BYTES_AT_ONCE / size_of::<u64>();
+        assert_eq!(workers.resize(&mut items, 2 * part, 2), Ok(()));
+        assert_eq!((items.len(), &items[..3], items[3], items.last()), (2 * part, &[1; 3][..], 2, Some(&2)));
+        assert_eq!(count.load(Ordering::Relaxed), 2, "once a part");
+        assert_eq!(workers.resize(&mut items, 2, 3), Ok(()), "what is there already takes no time");
+        assert_eq!((items.as_slice(), count.load(Ordering::Relaxed)), (&[1, 1][..], 2));
+        assert_eq!(workers.resize(&mut items, 5 * part, 3), Err(Cancelled));
+    }
+
+    #[test]
+    fn what_is_done_aside_is_given_back_unless_it_is_cancelled_or_never_done() {
+        let aside = |does: bool, goes_on: bool| {
+            let aside = move |work: &mut (dyn FnMut() + Send)| {
+                if does {
+                    work();
+                }
+                goes_on
+            };
+            Yielding::new(|| false, || true, aside).aside(|| 7)
+        };
+        assert_eq!(Yielding::default().aside(|| 7), Ok(7));
+        assert_eq!(aside(true, true), Ok(7));
+        assert_eq!(aside(true, false), Err(Cancelled), "its drawing is over");
+        assert_eq!(aside(false, true), Err(Cancelled), "no thread could be started");
+    }
 }
