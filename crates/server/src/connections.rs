@@ -1,7 +1,6 @@
 //! Connections from their first byte: how many there may be, and for how long they may keep the server waiting.
 
 use std::collections::BTreeMap;
-use std::io::{self, ErrorKind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -31,9 +30,6 @@ use crate::send_within::SendWithin;
 
 /// How long to wait after the system has refused a connection, as it does where too many files are open.
 const AFTER_REFUSAL: Duration = Duration::from_millis(100);
-
-/// How a request begins that opens a socket.
-const SOCKET: [u8; 12] = *b"GET /socket ";
 
 /// One connection, for its requests to say that they know it. Clones are of the same connection.
 #[derive(Clone, Debug)]
@@ -136,8 +132,7 @@ impl Strangers {
     }
 }
 
-/// Answers connections by `router` until `draining`, and then what they have asked for until all have ended. Those that begin with
-/// a socket are served where this runs, and all others on `requests`.
+/// Answers connections on `requests`, by `router`, until `draining`, and then what they have asked for until all have ended.
 pub async fn serve(listener: TcpListener, requests: Handle, router: Router, draining: CancellationToken) {
     // Its connections have the same.
     let bounded = set_socket_recv_buffer_size(&listener, RECEIVE_BUFFER_BYTES)
@@ -152,13 +147,14 @@ pub async fn serve(listener: TcpListener, requests: Handle, router: Router, drai
         draining.run_until_cancelled(accept(&listener, Arc::clone(&permits))).await
     {
         let connection = Connection::of(&strangers, permit);
-        let (requests, router, draining) = (requests.clone(), router.clone(), draining.clone());
-        open.spawn(async move {
-            let served = answer_where_it_belongs(stream, &requests, connection, router, draining);
-            if let Err(error) = served.await {
-                tracing::debug!("a connection broke: {error}");
+        let (router, draining) = (router.clone(), draining.clone());
+        let served = async move {
+            match SendWithin::new(stream, SEND_WITHIN).moved_here() {
+                Ok(stream) => answer(stream, connection, router, draining).await,
+                Err(error) => tracing::debug!("a connection broke: {error}"),
             }
-        });
+        };
+        open.spawn_on(served, &requests);
     }
     drop(listener);
     open.close();
@@ -173,7 +169,13 @@ async fn accept(
     let permit = permits.acquire_owned().await.ok()?;
     loop {
         match listener.accept().await {
-            Ok((stream, _)) => return Some((stream, permit)),
+            Ok((stream, _)) => {
+                // A frame or an edit is one small write; waiting to fill a packet would only delay it.
+                if let Err(error) = stream.set_nodelay(true) {
+                    tracing::debug!("a connection delays its packets: {error}");
+                }
+                return Some((stream, permit));
+            }
             Err(error) => {
                 tracing::warn!("a connection was not accepted: {error}");
                 sleep(AFTER_REFUSAL).await;
@@ -182,43 +184,7 @@ async fn accept(
     }
 }
 
-/// A socket's messages are what hands do, and requests what programs ask, as many as they can.
-async fn answer_where_it_belongs(
-    stream: TcpStream,
-    requests: &Handle,
-    connection: Connection,
-    router: Router,
-    draining: CancellationToken,
-) -> io::Result<()> {
-    let mut first = [0; SOCKET.len()];
-    let is_open = async { timeout(HEADERS_WITHIN, stream.peek(&mut first)).await };
-    let begun = tokio::select! {
-        begun = is_open => begun,
-        () = connection.given_up() => return Ok(()),
-        () = draining.cancelled() => return Ok(()),
-    };
-    if begun.map_err(|_| ErrorKind::TimedOut)?? == 0 {
-        return Ok(());
-    }
-    // A head that comes in pieces is served as well as a request is.
-    if first == SOCKET {
-        answer(stream, connection, router, draining).await;
-        return Ok(());
-    }
-    let stream = stream.into_std()?;
-    let answered = requests.spawn(async move {
-        answer(TcpStream::from_std(stream)?, connection, router, draining).await;
-        Ok(())
-    });
-    answered.await.map_err(io::Error::other)?
-}
-
-async fn answer(stream: TcpStream, connection: Connection, router: Router, draining: CancellationToken) {
-    // A frame or an edit is one small write; waiting to fill a packet would only delay it.
-    if let Err(error) = stream.set_nodelay(true) {
-        tracing::debug!("a connection delays its packets: {error}");
-    }
-    let stream = SendWithin::new(stream, SEND_WITHIN);
+async fn answer(stream: SendWithin, connection: Connection, router: Router, draining: CancellationToken) {
     let service = TowerToHyperService::new(router);
     let named = connection.clone();
     let service = service_fn(move |mut request: Request<Incoming>| {

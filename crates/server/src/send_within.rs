@@ -33,6 +33,11 @@ impl SendWithin {
         Self { stream, within, next_try: Box::pin(sleep(within)), waits_since: None }
     }
 
+    /// The same connection for the runtime that this is called in, which waits for it from now on.
+    pub fn moved_here(self) -> io::Result<Self> {
+        Ok(Self::new(TcpStream::from_std(self.stream.into_std()?)?, self.within))
+    }
+
     /// What a write of `bytes` comes to of which the stream's own came to `written`.
     fn poll_waiting(
         &mut self,
@@ -51,7 +56,7 @@ impl SendWithin {
         });
         loop {
             ready!(self.next_try.as_mut().poll(context));
-            match send(&self.stream, bytes, SendFlags::DONTWAIT | SendFlags::NOSIGNAL) {
+            match send(&self.stream, bytes, SendFlags::empty()) {
                 Err(Errno::AGAIN | Errno::INTR) if since.elapsed() < self.within => {
                     self.next_try.as_mut().reset(Instant::now() + between);
                 }

@@ -128,6 +128,7 @@ impl Server {
             rooms: Rooms::start(backend.clone()),
             backend: backend.clone(),
             token,
+            socket_runtime: Handle::current(),
             hosts: Hosts::new(address, &public_urls),
             sockets: Arc::new(Semaphore::new(MAX_SOCKETS)),
             requests: Semaphore::new(MAX_REQUESTS),

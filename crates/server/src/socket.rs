@@ -5,8 +5,6 @@ use std::sync::Arc;
 use axum::body::Bytes;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, Stream, StreamExt};
-use hyper::upgrade::Upgraded;
-use hyper_util::rt::TokioIo;
 use protocol::{ClientMessage, PROTOCOL};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot, watch};
 use tokio::time::{Instant, interval_at, sleep, timeout, timeout_at};
@@ -28,10 +26,11 @@ use crate::outbox::{Backlog, Outbox, OutboxReceiver, SocketMessage, outbox};
 use crate::outboxes::ClientId;
 use crate::request::{ClientRequest, actor, client_request};
 use crate::room::{Join, Message, RoomHandle};
+use crate::send_within::SendWithin;
 use crate::state::AppState;
 
 /// A connection that has become a WebSocket.
-pub type Socket = WebSocketStream<TokioIo<Upgraded>>;
+pub type Socket = WebSocketStream<SendWithin>;
 
 /// What a client is told whose connection ends because it takes too little.
 const TOO_SLOW: &str = "what was sent to this connection was not taken in time: connect again";

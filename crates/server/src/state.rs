@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use tokio::runtime::Handle;
 use tokio::sync::Semaphore;
 
 use crate::access::{Hosts, Token};
@@ -14,6 +15,8 @@ pub struct AppState {
     pub backend: Backend,
     pub rooms: Rooms,
     pub token: Token,
+    /// Where sockets are served: they carry what hands do, and requests what programs ask, as many as they can.
+    pub socket_runtime: Handle,
     /// The names that it answers to.
     pub hosts: Hosts,
     /// A permit for each socket that has said hello.

@@ -13,6 +13,7 @@ mod render;
 mod sessions;
 mod upgrade;
 
+use std::io;
 use std::sync::{Arc, LazyLock};
 
 use axum::extract::{DefaultBodyLimit, Request, State};
@@ -77,9 +78,11 @@ async fn open_socket(
         return Err(ServerError::Draining);
     }
     let sockets = state.backend.sockets.clone();
-    tokio::spawn(sockets.track_future(async move {
-        match upgrade.await {
-            Ok(upgraded) => socket::serve(upgrade::open(upgraded).await, state, connection).await,
+    let runtime = state.socket_runtime.clone();
+    runtime.spawn(sockets.track_future(async move {
+        let opened = async { upgrade::open(upgrade.await.map_err(io::Error::other)?).await };
+        match opened.await {
+            Ok(socket) => socket::serve(socket, state, connection).await,
             Err(error) => tracing::debug!("a connection broke: {error}"),
         }
     }));

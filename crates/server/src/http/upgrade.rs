@@ -2,11 +2,13 @@
 //!
 //! Ours and not axum's, because a message has to go in parts (`crate::socket`), which axum's sockets do not do.
 
+use std::io;
+
 use axum::body::Body;
 use axum::extract::Request;
 use axum::http::{HeaderMap, HeaderName, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use hyper::upgrade::{OnUpgrade, Upgraded};
+use hyper::upgrade::{OnUpgrade, Parts, Upgraded};
 use hyper_util::rt::TokioIo;
 use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::handshake::derive_accept_key;
@@ -14,6 +16,7 @@ use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
 
 use crate::ServerError;
 use crate::limits::{MAX_MESSAGE_BYTES, SOCKET_READ_BYTES};
+use crate::send_within::SendWithin;
 use crate::socket::Socket;
 
 /// What becomes the socket that a request asks for, and the answer that says so (RFC 6455, section 4.2).
@@ -36,8 +39,11 @@ pub fn upgrade(request: &mut Request) -> Result<(OnUpgrade, Response), ServerErr
     Ok((upgrade, (StatusCode::SWITCHING_PROTOCOLS, headers, Body::empty()).into_response()))
 }
 
-/// The socket on what a connection has become.
-pub async fn open(upgraded: Upgraded) -> Socket {
+/// The socket on what a connection has become, for the runtime that this runs in: not that of requests, which gives way.
+pub async fn open(upgraded: Upgraded) -> io::Result<Socket> {
+    let parts = upgraded.downcast::<TokioIo<SendWithin>>();
+    let Parts { io, read_buf, .. } = parts.map_err(|_| io::Error::other("it is none of this server's"))?;
+    let stream = io.into_inner().moved_here()?;
     // A message a little over the limit is answered with a sentence; one far over it ends the connection. What is sent is
     // written at once, so that nothing but the part of a message under way waits in memory.
     let config = WebSocketConfig::default()
@@ -45,7 +51,7 @@ pub async fn open(upgraded: Upgraded) -> Socket {
         .max_frame_size(Some(4 * MAX_MESSAGE_BYTES))
         .read_buffer_size(SOCKET_READ_BYTES)
         .write_buffer_size(0);
-    WebSocketStream::from_raw_socket(TokioIo::new(upgraded), Role::Server, Some(config)).await
+    Ok(WebSocketStream::from_partially_read(stream, read_buf.into(), Role::Server, Some(config)).await)
 }
 
 /// Whether a header has that word among those between commas.
