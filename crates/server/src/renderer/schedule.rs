@@ -67,13 +67,15 @@ pub struct Schedule {
     owed: [f64; SHARES.len()],
     /// Until when that was reckoned.
     reckoned: Option<Instant>,
+    /// As what the turn was given that is not over: its account pays, whatever is drawn in it.
+    turn_of: Option<Urgency>,
 }
 
 impl Schedule {
     /// Nothing has been drawn.
     pub fn new() -> Self {
         let (hand_moved, moved, owed, reckoned) = (None, None, [0.0; SHARES.len()], None);
-        Self { hand_moved, moved, owed, reckoned }
+        Self { hand_moved, moved, owed, reckoned, turn_of: None }
     }
 
     /// Whose turn it is.
@@ -93,6 +95,16 @@ impl Schedule {
         let turn = if moves { TURN_WHILE_MOVING } else { TURN_AT_MOST };
         self.reckon(now, SHARES.map(|(urgency, _)| waits(urgency)), limited, turn);
 
+        let turn = self.choose(waiting, limited, turn);
+        self.turn_of = match turn {
+            Turn::Draw(index, _) => Some(waiting[index].urgency),
+            Turn::Wait(_) | Turn::Idle => None,
+        };
+        turn
+    }
+
+    /// Whose turn it is, where these classes are `limited` to their shares.
+    fn choose(&self, waiting: &[Waiting], limited: [bool; SHARES.len()], turn: Duration) -> Turn {
         // What is owed longest first, though it is the least urgent.
         for (index, (urgency, _)) in SHARES.iter().enumerate().rev() {
             if limited[index]
@@ -121,7 +133,8 @@ impl Schedule {
         Turn::Wait(Duration::from_secs_f64(least).clamp(Duration::from_millis(1), MOVING_FOR))
     }
 
-    /// A turn is over; it went on from `began` to `ended`.
+    /// A turn is over; it went on from `began` to `ended`. What was drawn can be of another class than who got the turn: a
+    /// scene's thread ends first what it is in the middle of.
     pub fn note(&mut self, urgency: Urgency, [began, ended]: [Instant; 2]) {
         let took = ended.saturating_duration_since(began);
         if urgency == Urgency::Moving {
@@ -130,7 +143,7 @@ impl Schedule {
         if urgency.moves() {
             self.moved = Some(ended);
         }
-        if let Some(index) = account(urgency) {
+        if let Some(index) = self.turn_of.take().and_then(account) {
             self.owed[index] -= took.as_secs_f64();
         }
     }

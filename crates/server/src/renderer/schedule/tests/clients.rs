@@ -124,3 +124,43 @@ fn what_stops_another_is_seen() {
         assert!(beside(fault) > 0, "{fault:?} is not seen");
     }
 }
+
+/// Turns that a client's watched view gets before the hand of another, which has been charged less, gets its next one, where
+/// each is spent on a moving picture that the scene's thread was in the middle of.
+fn turns_before_a_hand(pays: impl Fn(&mut Schedule, [Instant; 2])) -> usize {
+    let (mut schedule, mut charges) = (Schedule::new(), Charges::default());
+    let [ada, bob] = ["ada", "bob"].map(|name| Payer::new(&name.into(), name));
+    charges.charge(&bob, 0.01);
+    let mut now = Instant::now();
+    let mut turns = 0;
+    // The hand alone at first, until the one who watches is owed a turn.
+    for _ in 0..100 {
+        let waiting = [(Urgency::Moving, &ada), (Urgency::Watched, &bob)].map(|(urgency, payer)| Waiting {
+            urgency,
+            charged: charges.of(payer),
+            touched: now,
+        });
+        let Turn::Draw(index, turn) = schedule.next(now, &waiting) else { panic!("somebody waits") };
+        let began = now;
+        now += turn;
+        charges.charge([&ada, &bob][index], turn.as_secs_f64());
+        match index {
+            0 if turns > 0 => return turns,
+            0 => schedule.note(Urgency::Moving, [began, now]),
+            _ => pays(&mut schedule, [began, now]),
+        }
+        turns += index;
+    }
+    turns
+}
+
+/// The planted fault: the account of what was drawn pays, and so nobody does, and who watches goes on.
+#[test]
+fn who_got_a_turn_pays_for_it_whatever_was_drawn() {
+    assert_eq!(turns_before_a_hand(|schedule, span| schedule.note(Urgency::Moving, span)), 1);
+    let unpaid = turns_before_a_hand(|schedule, span| {
+        schedule.turn_of = Some(Urgency::Moving);
+        schedule.note(Urgency::Moving, span);
+    });
+    assert!(unpaid > 50, "{unpaid}");
+}
