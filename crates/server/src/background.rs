@@ -3,6 +3,11 @@
 
 use std::{io, thread};
 
+#[cfg(target_os = "linux")]
+use thread_priority::{
+    NormalThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy,
+    thread_native_id,
+};
 use tokio::runtime::{self, Runtime};
 use tokio::sync::oneshot;
 
@@ -61,17 +66,42 @@ fn give_way(nice: i32) {
     }
 }
 
+/// Has this thread go on only where the processor has nothing else to do. To the system a core that does only such work is idle: what
+/// wakes up goes there, where nothing else of the server waits for it. There is no way back.
+pub fn give_way_to_all() {
+    #[cfg(target_os = "linux")]
+    if let Err(error) = set_thread_priority_and_policy(
+        thread_native_id(),
+        ThreadPriority::Min,
+        ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Idle),
+    ) {
+        tracing::debug!("a background thread keeps its priority: {error}");
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// A field of what the system says of this thread, counted from 1 as proc(5) does.
+    fn of_this_thread(field: usize) -> i32 {
+        let stat = std::fs::read_to_string("/proc/thread-self/stat").expect("Linux");
+        let after_name = stat.rsplit(')').next().expect("fields").split_whitespace();
+        after_name.clone().nth(field - 3).and_then(|text| text.parse().ok()).expect("a number")
+    }
+
+    #[test]
+    fn a_thread_gives_way_to_all_others() {
+        // SCHED_OTHER and SCHED_IDLE, of sched(7).
+        let (policy_field, other, idle) = (41, 0, 5);
+        assert_eq!(of_this_thread(policy_field), other);
+        let policy = thread::spawn(move || (give_way_to_all(), of_this_thread(policy_field)).1);
+        assert_eq!(policy.join().expect("it ends"), idle);
+    }
+
     #[tokio::test]
     async fn its_threads_give_way_and_others_do_not() {
-        let nice_of_this = || {
-            let stat = std::fs::read_to_string("/proc/thread-self/stat").expect("Linux");
-            let after_name = stat.rsplit(')').next().expect("fields").split_whitespace();
-            after_name.clone().nth(16).and_then(|text| text.parse::<i32>().ok()).expect("a number")
-        };
+        let nice_of_this = || of_this_thread(19);
         let before = nice_of_this();
         assert_eq!(run(nice_of_this).await.expect("done"), (before + NICE).min(19));
         assert_eq!(nice_of_this(), before);

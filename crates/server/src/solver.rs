@@ -2,8 +2,8 @@
 //!
 //! Each solve has a thread of its own; as many go on at once as there are cores, the others wait. Every few milliseconds of counted
 //! work a solve charges whoever asked for it (`crate::turns`), and lets another go on in its place where that is of somebody who has
-//! been charged less. Solves that have taken little go before those that have taken long, which go on with the lowest priority of
-//! the operating system, so that pictures hardly notice them. One that nobody waits for any more ends at its next question.
+//! been charged less. Solves that have taken little go before those that have taken long, which go on where the
+//! processor has nothing else to do, so that pictures hardly notice them. One that nobody waits for any more ends at its next question.
 
 use std::cmp::Ordering as Order;
 use std::fmt;
@@ -16,6 +16,7 @@ use prometheus_client::metrics::gauge::Gauge;
 use tokio::sync::oneshot;
 
 use crate::ServerError;
+use crate::background;
 use crate::limits::{MAX_SOLVES, SHORT_SOLVE_STEPS};
 use crate::turns::{Charges, Payer};
 
@@ -180,7 +181,7 @@ impl Turn {
             turns.going_on = [short - 1, long + 1];
             turns.let_go_on();
             drop(turns);
-            lower_priority();
+            background::give_way_to_all();
         }
         self.charge();
         let turns = lock(&self.turns);
@@ -248,16 +249,6 @@ impl Drop for Turn {
 
 fn lock(turns: &Mutex<Turns>) -> MutexGuard<'_, Turns> {
     turns.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Lowers the priority of this thread as far as it goes. There is no way back, so that a thread solves once.
-fn lower_priority() {
-    const LOWEST: i32 = 19;
-    // Elsewhere than on Linux it would be the priority of the whole program.
-    #[cfg(target_os = "linux")]
-    if let Err(error) = rustix::process::setpriority_process(Some(rustix::thread::gettid()), LOWEST) {
-        tracing::debug!("a thread that solves keeps its priority: {error}");
-    }
 }
 
 #[cfg(test)]

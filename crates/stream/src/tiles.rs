@@ -73,7 +73,7 @@ pub fn cut(rgba: &[u8], width: u16, tile: Tile) -> Vec<u8> {
         let from = 4 * ((y + row) * usize::from(width) + x);
         &rgba[from..from + 4 * columns]
     };
-    (0..usize::from(tile.height)).flat_map(line).copied().collect()
+    (0..usize::from(tile.height)).map(line).collect::<Vec<_>>().concat()
 }
 
 /// A picture as PNGs that go one below the other, from the top, each of 20 to 40 KB as a rule: a client shows what has come of
