@@ -13,12 +13,9 @@ use tokio::sync::oneshot;
 
 use crate::ServerError;
 
-/// By so much less are such threads important to the system than others: one of them has a seventieth of a core that somebody draws
-/// with, and all of one that nobody does.
-const NICE: i32 = 19;
-/// The same of threads that answer requests: one of them has a thirtieth of a core that somebody draws with, and thousands of requests a
-/// second of one client cost a moving picture no more than that.
-const REQUESTS_NICE: i32 = 15;
+/// By so much less important to the system than others are threads that answer requests: one of them has a thirtieth of a core that
+/// somebody draws with, and thousands of requests a second of one client cost a moving picture no more than that.
+const NICE: i32 = 15;
 /// As many threads as it takes to answer while one writes a long answer.
 const REQUEST_THREADS: usize = 2;
 
@@ -27,7 +24,7 @@ const REQUEST_THREADS: usize = 2;
 pub fn request_runtime() -> io::Result<Runtime> {
     let mut threads = runtime::Builder::new_multi_thread();
     threads.worker_threads(REQUEST_THREADS).thread_name("request").enable_all();
-    threads.on_thread_start(|| give_way(REQUESTS_NICE)).build()
+    threads.on_thread_start(|| give_way(NICE)).build()
 }
 
 /// Does `work` on a thread of its own. How many there are is bounded by whoever asks.
@@ -35,7 +32,7 @@ pub async fn run<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -
     let (done, result) = oneshot::channel();
     let named = thread::Builder::new().name("background".into());
     let started = named.spawn(move || {
-        give_way(NICE);
+        give_way_to_all();
         // Whoever asked may have gone.
         drop(done.send(work()));
     });
@@ -50,7 +47,7 @@ pub async fn run<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -
 pub fn run_here(work: &mut (dyn FnMut() + Send)) -> thread::Result<bool> {
     thread::scope(|scope| {
         let started = thread::Builder::new().name("background".into()).spawn_scoped(scope, || {
-            give_way(NICE);
+            give_way_to_all();
             work();
         });
         let thread = started.inspect_err(|error| tracing::error!("no thread can be started: {error}"));
@@ -90,25 +87,25 @@ mod tests {
         after_name.clone().nth(field - 3).and_then(|text| text.parse().ok()).expect("a number")
     }
 
-    #[test]
-    fn a_thread_gives_way_to_all_others() {
+    #[tokio::test]
+    async fn work_in_the_background_gives_way_to_all_else() {
         // SCHED_OTHER and SCHED_IDLE, of sched(7).
-        let (policy_field, other, idle) = (41, 0, 5);
-        assert_eq!(of_this_thread(policy_field), other);
-        let policy = thread::spawn(move || (give_way_to_all(), of_this_thread(policy_field)).1);
-        assert_eq!(policy.join().expect("it ends"), idle);
+        let (policy, other, idle) = (41, 0, 5);
+        assert_eq!(of_this_thread(policy), other);
+        assert_eq!(run(move || of_this_thread(policy)).await.expect("done"), idle);
+        let mut here = other;
+        assert!(run_here(&mut || here = of_this_thread(policy)).is_ok_and(|is_done| is_done));
+        assert_eq!((here, of_this_thread(policy)), (idle, other));
     }
 
     #[tokio::test]
-    async fn its_threads_give_way_and_others_do_not() {
+    async fn requests_give_way_to_others() {
         let nice_of_this = || of_this_thread(19);
         let before = nice_of_this();
-        assert_eq!(run(nice_of_this).await.expect("done"), (before + NICE).min(19));
-        assert_eq!(nice_of_this(), before);
         let requests = request_runtime().expect("threads");
         assert_eq!(
             requests.spawn(async move { nice_of_this() }).await.expect("done"),
-            (before + REQUESTS_NICE).min(19)
+            (before + NICE).min(19)
         );
         requests.shutdown_background();
     }

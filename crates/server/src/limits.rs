@@ -27,6 +27,11 @@ pub const MAX_PROBES: usize = 4;
 pub const MAX_SOLVES: usize = MAX_SOCKETS + MAX_REQUESTS;
 /// Counted steps up to which a solve is short, and goes before those that are long: some 20 ms, which most take.
 pub const SHORT_SOLVE_STEPS: u64 = 20_000_000;
+/// Share of a core that the short solves of a client have before they count as long: some 25 drags a second of a usual light. Where the
+/// processor has time for those too, they take no longer for it.
+pub const SHORT_SOLVES_SHARE: f64 = 0.1;
+/// Seconds of those that a client may have saved up.
+pub const SHORT_SOLVES_SAVED: f64 = 0.2;
 /// How often a drag is solved for one step while others change what it depends on. After that it is refused.
 pub const MAX_SOLVE_TRIES: u32 = 4;
 /// Scenes that are being sent to the server; each may take hundreds of megabytes of its disk.

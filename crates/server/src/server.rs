@@ -31,6 +31,7 @@ use crate::state::AppState;
 use crate::storage::Storage;
 use crate::strangers::Turns;
 use crate::trace::{Trace, TraceThread};
+use crate::views::MovingPixels;
 use crate::{ServerError, connections, data_folder, first_session, http};
 
 /// How a server is started.
@@ -110,13 +111,14 @@ impl Server {
         let address = listener.local_addr().map_err(ServerError::Listen)?;
         let storage = Storage::start(&data, store, Arc::clone(&metrics));
         let cores = available_parallelism().map_or(1, NonZero::get);
+        let moving_pixels = Arc::<MovingPixels>::default();
         let backend = Backend {
             scenes: Arc::new(Scenes::new(storage.clone(), Arc::clone(&metrics))),
             storage,
             renders,
-            moving_pixels: Arc::default(),
+            moving_pixels: Arc::clone(&moving_pixels),
             probes: Arc::new(Semaphore::new(MAX_PROBES)),
-            solver: Solver::new(cores, metrics.solves_under_way.clone()),
+            solver: Solver::new(cores, metrics.solves_under_way.clone(), moving_pixels),
             in_flight,
             metrics,
             trace,

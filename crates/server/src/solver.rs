@@ -3,14 +3,15 @@
 //! Each solve has a thread of its own; as many go on at once as there are cores, the others wait. Every few milliseconds of counted
 //! work a solve charges whoever asked for it (`crate::turns`), and lets another go on in its place where that is of somebody who has
 //! been charged less. Solves that have taken little go before those that have taken long, which go on where the
-//! processor has nothing else to do, so that pictures hardly notice them. One that nobody waits for any more ends at its next question.
+//! processor has nothing else to do, so that pictures hardly notice them; those of a client that has many count as long at once, given
+//! up or not. One that nobody waits for any more ends at its next question.
 
 use std::cmp::Ordering as Order;
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, Thread};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use prometheus_client::metrics::gauge::Gauge;
 use tokio::sync::oneshot;
@@ -18,12 +19,18 @@ use tokio::sync::oneshot;
 use crate::ServerError;
 use crate::background;
 use crate::limits::{MAX_SOLVES, SHORT_SOLVE_STEPS};
-use crate::turns::{Charges, Payer};
+use crate::turns::{Allowances, Charges, Payer};
+use crate::views::MovingPixels;
+
+/// Where a thread was held up meanwhile it rests no longer than that.
+const LONGEST_REST: Duration = Duration::from_millis(20);
 
 /// Threads that solve. Clones share them.
 #[derive(Clone)]
 pub struct Solver {
     turns: Arc<Mutex<Turns>>,
+    /// Whose views move.
+    moving: Arc<MovingPixels>,
     /// Solves that wait or go on.
     under_way: Gauge,
 }
@@ -37,6 +44,8 @@ impl fmt::Debug for Solver {
 /// Who goes on.
 struct Turns {
     charges: Charges,
+    /// How long each client's solves may still go on as short ones.
+    allowances: Allowances,
     waiting: Vec<Waiting>,
     /// How many short ones go on, and how many long ones. Those may be slow to give way, since all else goes before them.
     going_on: [usize; 2],
@@ -90,6 +99,7 @@ impl Turns {
 /// The turn of a solve on its thread.
 pub struct Turn {
     turns: Arc<Mutex<Turns>>,
+    moving: Arc<MovingPixels>,
     under_way: Gauge,
     payer: Payer,
     number: u64,
@@ -113,11 +123,13 @@ impl Drop for Asker {
 }
 
 impl Solver {
-    /// None go on. `most` may at once; `under_way` counts those that wait or go on.
-    pub fn new(most: usize, under_way: Gauge) -> Self {
+    /// None go on. `most` may at once; `under_way` counts those that wait or go on. Long ones go on half of the time while views of
+    /// other clients move.
+    pub fn new(most: usize, under_way: Gauge, moving: Arc<MovingPixels>) -> Self {
         let (charges, waiting) = (Charges::default(), Vec::new());
-        let turns = Turns { charges, waiting, going_on: [0; 2], most, all: 0, next_number: 0 };
-        Self { turns: Arc::new(Mutex::new(turns)), under_way }
+        let allowances = Allowances::default();
+        let turns = Turns { charges, allowances, waiting, going_on: [0; 2], most, all: 0, next_number: 0 };
+        Self { turns: Arc::new(Mutex::new(turns)), moving, under_way }
     }
 
     /// Runs `solve` on a thread of its own, once it is its turn. Whoever drops the future gives it up: then
@@ -131,6 +143,9 @@ impl Solver {
         let is_given_up = Arc::clone(&turn.is_given_up);
         let (done, answer) = oneshot::channel();
         let run = move || {
+            if turn.is_long {
+                background::give_way_to_all();
+            }
             if turn.wait() {
                 let solved = solve(&mut turn);
                 drop(turn);
@@ -157,10 +172,11 @@ impl Solver {
         self.under_way.inc();
         Ok(Turn {
             turns: Arc::clone(&self.turns),
+            moving: Arc::clone(&self.moving),
             under_way: self.under_way.clone(),
-            payer,
             number: turns.next_number,
-            is_long: false,
+            is_long: !turns.allowances.has_some(&payer, Instant::now()),
+            payer,
             since: None,
             is_given_up: Arc::default(),
         })
@@ -174,7 +190,8 @@ impl Turn {
         if self.is_given_up.load(Ordering::Acquire) {
             return false;
         }
-        if !self.is_long && steps >= SHORT_SOLVE_STEPS {
+        let worked = self.charge();
+        if !self.is_long && (steps >= SHORT_SOLVE_STEPS || !self.may_be_short()) {
             self.is_long = true;
             let mut turns = lock(&self.turns);
             let [short, long] = turns.going_on;
@@ -183,7 +200,11 @@ impl Turn {
             drop(turns);
             background::give_way_to_all();
         }
-        self.charge();
+        if self.is_long && self.moving.move_for_another(self.payer.actor_id(), Instant::now()) {
+            // Also on threads of the lowest priority it takes caches, memory and half of what a core shares with another.
+            thread::park_timeout(worked.min(LONGEST_REST));
+            self.since = Some(Instant::now());
+        }
         let turns = lock(&self.turns);
         let gives_way = turns.next().is_some_and(|next| {
             let next = &turns.waiting[next];
@@ -219,11 +240,22 @@ impl Turn {
         true
     }
 
-    /// Charges for the time since it was last charged.
-    fn charge(&mut self) {
-        if let Some(since) = self.since.replace(Instant::now()) {
-            lock(&self.turns).charges.charge(&self.payer, since.elapsed().as_secs_f64());
+    /// Whether whoever asked for it has some of the time left for which solves may go on as short ones.
+    fn may_be_short(&self) -> bool {
+        lock(&self.turns).allowances.has_some(&self.payer, Instant::now())
+    }
+
+    /// Charges for the time since it was last charged, and says how long that was.
+    fn charge(&mut self) -> Duration {
+        let now = Instant::now();
+        let Some(since) = self.since.replace(now) else { return Duration::ZERO };
+        let worked = now.saturating_duration_since(since);
+        let mut turns = lock(&self.turns);
+        turns.charges.charge(&self.payer, worked.as_secs_f64());
+        if !self.is_long {
+            turns.allowances.take(&self.payer, worked.as_secs_f64(), now);
         }
+        worked
     }
 
     /// Gives its place to another.
@@ -253,7 +285,7 @@ fn lock(turns: &Mutex<Turns>) -> MutexGuard<'_, Turns> {
 
 #[cfg(test)]
 mod tests {
-    use std::time::Duration;
+    use render::ViewSlot;
 
     use super::*;
 
@@ -264,7 +296,7 @@ mod tests {
     /// Solves that take so many questions of a millisecond each, in the order in which they end. `gives_way` is the planted fault
     /// where it is not.
     async fn ends(solves: &[(&'static str, u64)], gives_way: bool) -> Vec<&'static str> {
-        let solver = Solver::new(1, Gauge::default());
+        let solver = Solver::new(1, Gauge::default(), Arc::default());
         let ended = Arc::new(Mutex::new(Vec::new()));
         let mut tasks = Vec::new();
         for &(session, questions) in solves {
@@ -302,9 +334,34 @@ mod tests {
         assert_eq!(ends(&[greedy, ("short", 3)], false).await, ["greedy", "short"]);
     }
 
+    /// How long a long solve of Ada's takes while a view moves of this actor.
+    async fn takes_while_a_view_moves(of: &str) -> Duration {
+        let moving = Arc::<MovingPixels>::default();
+        let solver = Solver::new(1, Gauge::default(), Arc::clone(&moving));
+        let actor_id = of.into();
+        let solve = move |turn: &mut Turn| {
+            let began = Instant::now();
+            for _ in 0..50 {
+                moving.note(&actor_id, ViewSlot(1), [640, 360], Instant::now());
+                thread::sleep(Duration::from_millis(2));
+                assert!(turn.goes_on(SHORT_SOLVE_STEPS));
+            }
+            began.elapsed()
+        };
+        solver.run(payer("ada"), solve).await.expect("solved")
+    }
+
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn a_long_solve_rests_as_long_as_it_works_while_anothers_view_moves() {
+        let (own, of_another) =
+            (takes_while_a_view_moves("ada").await, takes_while_a_view_moves("ben").await);
+        // Twice as long, but for a machine that holds up the one and not the other.
+        assert!(of_another > own.mul_f64(1.5), "{own:?} and {of_another:?}");
+    }
+
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
     async fn what_is_given_up_ends_also_while_it_waits() {
-        let solver = Solver::new(1, Gauge::default());
+        let solver = Solver::new(1, Gauge::default(), Arc::default());
         let endless = |turn: &mut Turn| while turn.goes_on(SHORT_SOLVE_STEPS) {};
         let start = || {
             let solver = solver.clone();
@@ -324,7 +381,7 @@ mod tests {
 
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
     async fn a_solve_that_panics_leaves_its_place() {
-        let solver = Solver::new(1, Gauge::default());
+        let solver = Solver::new(1, Gauge::default(), Arc::default());
         let failed = solver.run(payer("ada"), |_| panic!("planted")).await;
         assert!(matches!(failed, Err::<(), _>(ServerError::Fault)));
         assert_eq!(solver.run(payer("ada"), |_| 7).await.expect("solved"), 7);

@@ -50,21 +50,34 @@ pub(super) fn stills(other: &Other) -> Result<Act, BenchError> {
 /// Uploads, each of another file.
 #[expect(clippy::unnecessary_wraps, reason = "rows are prepared alike")]
 pub(super) fn imports(_: &Other) -> Result<Act, BenchError> {
-    Ok(Box::new(|other| {
+    let [few, many] = TRIANGLES.map(|count| scenes::triangles(count, &upload_name(0, 0)));
+    let files = Arc::new([few, many, scenes::primitives(PRIMITIVES, &upload_name(0, 0))]);
+    Ok(Box::new(move |other| {
         for thread in 0..2 {
-            let mut count = 0;
+            let (files, mut count) = (Arc::clone(&files), 0);
             other.spawn(move |other| {
                 count += 1;
-                let name = format!("upload {thread} {count}");
-                let scene = match count % 3 {
-                    0 => scenes::primitives(PRIMITIVES, &name),
-                    one => scenes::triangles(TRIANGLES[one - 1], &name),
-                };
-                other.ask("POST", "/assets", &scene)
+                let file = &files[count % files.len()];
+                other.ask("POST", "/assets", &renamed(file, &upload_name(0, 0), &upload_name(thread, count)))
             });
         }
         Ok(())
     }))
+}
+
+/// A name for an upload, as long as any other.
+fn upload_name(thread: usize, count: usize) -> String {
+    format!("upload {thread} {count:08}")
+}
+
+/// The file with another name that is as long: another file for the server, made in next to no time.
+fn renamed(file: &[u8], from: &str, to: &str) -> Vec<u8> {
+    let at = file.windows(from.len()).position(|bytes| bytes == from.as_bytes());
+    let mut renamed = file.to_vec();
+    if let Some(at) = at {
+        renamed[at..at + from.len()].copy_from_slice(to.as_bytes());
+    }
+    renamed
 }
 
 /// All that is answered without a picture, each by a thread that asks again once it is answered.

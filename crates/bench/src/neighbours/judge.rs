@@ -142,7 +142,7 @@ pub enum Missed {
     Connection,
     /// The victim did not send its updates: the bench itself was held up, and the row says nothing.
     Updates,
-    /// The other client did nothing, and was not refused either: the row says nothing.
+    /// The other client did nothing or was refused all, or nothing was answered where something should be: the row says nothing.
     Other,
 }
 
@@ -158,7 +158,7 @@ pub(super) struct Measured<'a> {
     /// Bytes written for an edit of many actors over one of one actor.
     pub writes: Option<f64>,
     pub is_connected: bool,
-    /// Whether the other client did nothing, and nothing was refused.
+    /// Whether the other client did nothing that counts.
     pub is_other_idle: bool,
 }
 

@@ -254,7 +254,7 @@ fn measure(
         busy_threads: &busy_threads,
         writes: other.writes().map(|writes| writes.ratio),
         is_connected: timeline.broke.is_none(),
-        is_other_idle: row != Row::Nobody && deeds.done + deeds.refused == 0,
+        is_other_idle: row != Row::Nobody && (deeds.done == 0 || row.is_answered() && deeds.answered == 0),
     };
     let missed = measured.missed();
     Ok(RowReport {

@@ -72,7 +72,7 @@ impl Row {
         match self {
             Self::Nobody => "is not there: what the machine itself takes from a victim",
             Self::Solves => {
-                "begins drags of features of a light of 258 control points and 256 pins, gives each up"
+                "begins drags of features by 128 control points of a light of 258 with 256 pins, gives each up"
             }
             Self::SolvesInSession => {
                 "in the victim's session: drags a feature of a light of 64 segments and 64 pins, and edits that light"
@@ -117,6 +117,28 @@ impl Row {
             | Self::ReadsNothing
             | Self::CutBodies
             | Self::Actors => false,
+        }
+    }
+
+    /// Whether some of what the other client asks for is to be answered within the measured time. A still can take longer.
+    pub(super) fn is_answered(self) -> bool {
+        match self {
+            Self::SolvesInSession
+            | Self::LargeViews
+            | Self::Imports
+            | Self::Asks
+            | Self::ClosingViews
+            | Self::Actors
+            | Self::SlowLink => true,
+            Self::Nobody
+            | Self::Solves
+            | Self::SilentViews
+            | Self::Stills16000
+            | Self::Stills64000
+            | Self::StillsOfPrimitives
+            | Self::RestingViews
+            | Self::ReadsNothing
+            | Self::CutBodies => false,
         }
     }
 }

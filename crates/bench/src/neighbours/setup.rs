@@ -9,6 +9,8 @@ use crate::{Address, BenchError, Response};
 pub(super) const SIZE: [u32; 2] = [640, 360];
 /// Edits in one request.
 const EDITS: usize = 250;
+/// Control points that a server takes for a drag, at most.
+const MAX_CHOSEN: usize = 128;
 
 /// A pixel, and the place in the world that it sees.
 #[derive(Clone, Copy, Debug)]
@@ -138,11 +140,13 @@ fn lit_by(address: &Address, session: &str, index: usize) -> Result<Vec<Lit>, Be
 }
 
 impl Draggable {
-    /// Drags a hotspot, the `n`th of many such drags, by all control points but the source.
+    /// Drags a hotspot, the `n`th of many such drags, by as many control points as may be chosen, the source aside.
     pub fn command(&self, n: usize) -> Result<Command, BenchError> {
         let from = self.lit[self.lit.len() / 2].pixel;
         let to = self.lit[(self.lit.len() / 2 + 1 + n % 5) % self.lit.len()].pixel;
-        let points: Vec<usize> = (1..self.points).collect();
+        let movable = self.points.saturating_sub(1);
+        let chosen = movable.min(MAX_CHOSEN);
+        let points: Vec<usize> = (0..chosen).map(|k| 1 + k * movable / chosen).collect();
         let command = json!({
             "type": "dragFeature", "light": self.light, "kind": "hotspot", "points": points, "radii": "solve",
             "camera": self.camera, "size": SIZE, "from": from, "to": to,

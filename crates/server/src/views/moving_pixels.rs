@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use render::ViewSlot;
 
-use crate::limits::MAX_MOVING_PIXELS;
+use crate::limits::{MAX_MOVING_PIXELS, MOVING_FOR};
 
 /// How long after its last moving picture a view counts.
 const MOVES_FOR: Duration = Duration::from_secs(5);
@@ -64,6 +64,15 @@ impl MovingPixels {
     pub fn is_shared(&self) -> bool {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).len() > 1
     }
+
+    /// Whether a view moves of any other actor than this one.
+    pub fn move_for_another(&self, actor_id: Option<&Arc<str>>, now: Instant) -> bool {
+        let actors = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut others = actors.iter().filter(|(id, _)| Some(*id) != actor_id);
+        others.any(|(_, views)| {
+            views.iter().any(|moving| now.saturating_duration_since(moving.at) < MOVING_FOR)
+        })
+    }
 }
 
 #[cfg(test)]
@@ -83,6 +92,8 @@ mod tests {
         let sizes = (1..=8).map(|view| account.note(&ada, ViewSlot(view), large, start).size(large));
         let all: u64 = sizes.map(|[width, height]| u64::from(width) * u64::from(height)).sum();
         assert!((MAX_MOVING_PIXELS / 2..=MAX_MOVING_PIXELS).contains(&all), "{all}");
+        assert!(!account.move_for_another(Some(&ada), start) && account.move_for_another(None, start));
+        assert!(!account.move_for_another(None, start + MOVING_FOR));
         // Others are none of that, and what rests does not count. The planted fault: one account for all.
         assert_eq!(account.note(&"ben".into(), ViewSlot(9), large, start), Shortened::NOT);
         assert_ne!(account.note(&ada, ViewSlot(9), large, start), Shortened::NOT);
