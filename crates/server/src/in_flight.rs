@@ -1,5 +1,6 @@
 //! The account of bytes in flight: requests' bodies until they are answered, and large answers and messages until they
-//! are taken. One for all clients, so that no number of them makes the server hold more.
+//! are taken. One for all clients, so that no number of them makes the server hold more. Bodies have half of it: whoever sends
+//! as many as fit keeps nobody from being answered.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -8,11 +9,18 @@ use std::time::Duration;
 use axum::body::Bytes;
 
 use crate::ServerError;
-use crate::limits::{MAX_BYTES_IN_FLIGHT, SEND_WITHIN, TAKEN_BYTES_PER_SECOND};
+use crate::limits::{MAX_BODY_BYTES_IN_FLIGHT, MAX_BYTES_IN_FLIGHT, SEND_WITHIN, TAKEN_BYTES_PER_SECOND};
 
 /// The account. Clones are of the same one.
 #[derive(Clone, Debug, Default)]
-pub struct InFlight(Arc<AtomicUsize>);
+pub struct InFlight(Arc<Account>);
+
+#[derive(Debug, Default)]
+struct Account {
+    bytes: AtomicUsize,
+    /// Those of them that are bodies'.
+    body_bytes: AtomicUsize,
+}
 
 /// Bytes on the account; dropping it takes them off.
 #[derive(Debug)]
@@ -21,21 +29,29 @@ pub struct Reservation {
     bytes: usize,
 }
 
+/// Bytes of a body on the account; dropping it takes them off.
+#[derive(Debug)]
+pub struct BodyReservation {
+    held: Reservation,
+    /// Of `held`: for as long as it has them.
+    body_bytes: usize,
+}
+
 impl InFlight {
     /// Puts bytes on the account where they fit. Where nothing else is there, anything does.
     pub fn reserve(&self, bytes: usize) -> Result<Reservation, ServerError> {
-        let fits = |held: usize| {
-            let sum = held.saturating_add(bytes);
-            (held == 0 || sum <= MAX_BYTES_IN_FLIGHT).then_some(sum)
-        };
-        let taken = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, fits);
-        taken.map_err(|_| ServerError::Busy)?;
+        take(&self.0.bytes, bytes, MAX_BYTES_IN_FLIGHT)?;
         Ok(Reservation { account: self.clone(), bytes })
+    }
+
+    /// A body that has no bytes yet.
+    pub fn body(&self) -> BodyReservation {
+        BodyReservation { held: self.count(0), body_bytes: 0 }
     }
 
     /// Puts bytes on the account whether they fit or not: what is there already, and has to be sent.
     pub fn count(&self, bytes: usize) -> Reservation {
-        self.0.fetch_add(bytes, Ordering::Relaxed);
+        self.0.bytes.fetch_add(bytes, Ordering::Relaxed);
         Reservation { account: self.clone(), bytes }
     }
 
@@ -51,7 +67,7 @@ impl InFlight {
 
     /// What is on it now.
     pub fn bytes(&self) -> usize {
-        self.0.load(Ordering::Relaxed)
+        self.0.bytes.load(Ordering::Relaxed)
     }
 }
 
@@ -60,15 +76,39 @@ pub fn taken_within(bytes: usize) -> Duration {
     SEND_WITHIN + Duration::from_secs_f64(bytes as f64 / TAKEN_BYTES_PER_SECOND as f64)
 }
 
-impl Reservation {
+/// Adds bytes to a sum that may be so much at most. Where it is nothing, anything fits.
+fn take(sum: &AtomicUsize, bytes: usize, most: usize) -> Result<(), ServerError> {
+    let fits = |held: usize| {
+        let sum = held.saturating_add(bytes);
+        (held == 0 || sum <= most).then_some(sum)
+    };
+    let taken = sum.fetch_update(Ordering::Relaxed, Ordering::Relaxed, fits);
+    taken.map(|_| ()).map_err(|_| ServerError::Busy)
+}
+
+impl BodyReservation {
     /// Makes it as large as `bytes` at least, where that fits.
     pub fn grow_to(&mut self, bytes: usize) -> Result<(), ServerError> {
-        let more = bytes.saturating_sub(self.bytes);
-        let mut added = self.account.reserve(more)?;
-        self.bytes += std::mem::take(&mut added.bytes);
+        let more = bytes.saturating_sub(self.body_bytes);
+        let account = &self.held.account.0;
+        take(&account.body_bytes, more, MAX_BODY_BYTES_IN_FLIGHT)?;
+        if let Err(busy) = take(&account.bytes, more, MAX_BYTES_IN_FLIGHT) {
+            account.body_bytes.fetch_sub(more, Ordering::Relaxed);
+            return Err(busy);
+        }
+        self.held.bytes += more;
+        self.body_bytes += more;
         Ok(())
     }
+}
 
+impl Drop for BodyReservation {
+    fn drop(&mut self) {
+        self.held.account.0.body_bytes.fetch_sub(self.body_bytes, Ordering::Relaxed);
+    }
+}
+
+impl Reservation {
     /// The same bytes, on the account until the last clone of them is dropped.
     pub fn of(self, bytes: impl AsRef<[u8]> + Send + 'static) -> Bytes {
         Bytes::from_owner(Owned { bytes, _reservation: self })
@@ -77,7 +117,7 @@ impl Reservation {
 
 impl Drop for Reservation {
     fn drop(&mut self) {
-        self.account.0.fetch_sub(self.bytes, Ordering::Relaxed);
+        self.account.0.bytes.fetch_sub(self.bytes, Ordering::Relaxed);
     }
 }
 
@@ -102,15 +142,30 @@ mod tests {
         let alone = account.reserve(2 * MAX_BYTES_IN_FLIGHT).unwrap();
         assert!(matches!(account.reserve(1), Err(ServerError::Busy)));
         drop(alone);
-        let mut half = account.reserve(MAX_BYTES_IN_FLIGHT / 2).unwrap();
-        assert!(half.grow_to(MAX_BYTES_IN_FLIGHT + 1).is_err());
-        half.grow_to(MAX_BYTES_IN_FLIGHT).unwrap();
-        assert_eq!(account.bytes(), MAX_BYTES_IN_FLIGHT);
+        let most = account.reserve(MAX_BYTES_IN_FLIGHT).unwrap();
+        assert!(account.reserve(1).is_err() && account.body().grow_to(1).is_err());
+        drop(most);
         let counted = account.count(10).of(vec![0; 10]);
         let clone = counted.clone();
-        drop((half, counted));
+        drop(counted);
         assert_eq!(account.bytes(), 10, "shared bytes count once, until the last clone is gone");
         drop(clone);
         assert_eq!(account.bytes(), 0);
+    }
+
+    #[test]
+    fn bodies_leave_room_for_answers() {
+        let account = InFlight::default();
+        let mut bodies: Vec<_> = (0..3).map(|_| account.body()).collect();
+        bodies[0].grow_to(MAX_BODY_BYTES_IN_FLIGHT / 2).unwrap();
+        bodies[1].grow_to(MAX_BODY_BYTES_IN_FLIGHT / 2).unwrap();
+        bodies[1].grow_to(1).unwrap();
+        assert!(matches!(bodies[2].grow_to(1), Err(ServerError::Busy)));
+        assert_eq!(account.bytes(), MAX_BODY_BYTES_IN_FLIGHT, "what was refused is not on the account");
+        let answer = account.reserve(MAX_BYTES_IN_FLIGHT - MAX_BODY_BYTES_IN_FLIGHT).unwrap();
+        bodies.remove(0);
+        bodies[1].grow_to(1).unwrap();
+        drop((bodies, answer));
+        assert_eq!((account.bytes(), account.0.body_bytes.load(Ordering::Relaxed)), (0, 0));
     }
 }

@@ -50,6 +50,8 @@ pub const MAX_SCENES_KEPT: usize = 4;
 /// Bytes of requests and answers in memory over all clients: bodies with what is made of them, and answers and messages of more
 /// than `SMALL_BYTES` until they are taken. The largest picture, 4096 x 4096 in EXR, has 256 MiB.
 pub const MAX_BYTES_IN_FLIGHT: usize = 320 << 20;
+/// Of that, bodies'.
+pub const MAX_BODY_BYTES_IN_FLIGHT: usize = MAX_BYTES_IN_FLIGHT / 2;
 /// Bytes up to which bodies and answers are not on that account: 640 connections with one each have 40 MiB, and nobody is refused
 /// a small one for others' large ones.
 pub const SMALL_BYTES: usize = 64 << 10;

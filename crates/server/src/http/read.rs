@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 use tokio::time::{Instant, timeout};
 
 use crate::ServerError;
-use crate::in_flight::{InFlight, Reservation};
+use crate::in_flight::{BodyReservation, InFlight};
 use crate::limits::{BODY_COST, BODY_RESTS_AT_MOST, LARGE_BODY_WITHIN, MAX_BODY_BYTES, SMALL_BYTES};
 
 /// Characters of what came that a refusal says again.
@@ -53,9 +53,9 @@ fn is_json(kind: &str) -> bool {
 
 /// All of a request's body, and what it has on the account. What its head says that it has is put there before any of it
 /// is read; one of which that is not known is put there as it comes.
-pub async fn read_body(body: Body, in_flight: &InFlight) -> Result<(Vec<u8>, Reservation), ServerError> {
+pub async fn read_body(body: Body, in_flight: &InFlight) -> Result<(Vec<u8>, BodyReservation), ServerError> {
     let said = body.size_hint().exact().and_then(|bytes| usize::try_from(bytes).ok()).unwrap_or_default();
-    let mut read = BodyRead { bytes: Vec::new(), held: in_flight.count(0), refused: None };
+    let mut read = BodyRead { bytes: Vec::new(), held: in_flight.body(), refused: None };
     if said <= MAX_BODY_BYTES {
         read.make_room(said);
     }
@@ -79,7 +79,7 @@ pub async fn read_body(body: Body, in_flight: &InFlight) -> Result<(Vec<u8>, Res
 /// What has been read of a body.
 struct BodyRead {
     bytes: Vec<u8>,
-    held: Reservation,
+    held: BodyReservation,
     /// There was no room for it. The rest is read all the same, and thrown away: who still sends may not see the answer.
     refused: Option<ServerError>,
 }
