@@ -107,12 +107,29 @@ fn stills_that_are_given_up_free_their_memory() {
     let before = wait_until_kept(&server, "tiled", |bytes| bytes == 0.0) + kept(&server, "");
     let address = &server.process.address;
     for _ in 0..3 {
-        let begun: Vec<TcpStream> = (0..8).map(|_| ask(&address.host, &address.token)).collect();
+        let begun: Vec<TcpStream> = (0..4).map(|_| ask(&address.host, &address.token)).collect();
         // Each has 4 bytes a pixel for what is finished, and a tile.
-        wait_until_kept(&server, "tiled", |bytes| bytes > 8.0 * 4.0 * 4096.0 * 4096.0);
+        wait_until_kept(&server, "tiled", |bytes| bytes > 4.0 * 4.0 * 4096.0 * 4096.0);
         drop(begun);
         wait_until_kept(&server, "", |bytes| bytes <= before);
     }
+}
+
+/// Rules: HTTP-27
+#[test]
+fn a_session_leaves_stills_to_others() {
+    let server = Server::start();
+    let small = |session| server.process.get(&format!("/sessions/{session}/render?size=64x36"));
+    assert_eq!(small("main").expect("answered").status, 200);
+    let address = &server.process.address;
+    let begun: Vec<TcpStream> = (0..4).map(|_| ask(&address.host, &address.token)).collect();
+    wait_until_kept(&server, "tiled", |bytes| bytes > 4.0 * 4.0 * 4096.0 * 4096.0);
+    let refused = small("main").expect("answered");
+    assert_eq!((refused.status, refused.text().contains("the session has 4 pictures")), (429, true));
+    let made = server.process.post("/sessions", br#"{"name": "other", "scene": "demo:vases"}"#);
+    assert_eq!(made.expect("answered").status, 201);
+    assert_eq!(small("other").expect("answered").status, 200);
+    drop(begun);
 }
 
 /// Asks for a large still, on a connection that can be cut.

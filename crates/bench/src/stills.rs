@@ -62,7 +62,7 @@ pub struct Report {
     pub all_finished_s: f64,
 }
 
-/// Starts `program serve` on data of its own, drags in one session, and again while another session renders stills.
+/// Starts `program serve` on data of its own, drags in one session, and again while stills are rendered, each of a session of its own.
 pub fn run(program: &Path, options: &Options) -> Result<Report, BenchError> {
     let folder = tempfile::tempdir()?;
     // Made by the server, nobody else may look into it.
@@ -70,7 +70,10 @@ pub fn run(program: &Path, options: &Options) -> Result<Report, BenchError> {
     let backend = options.backend.map_or("auto", Backend::name);
     let server = ServerProcess::start(program, &data, &["--scene", "demo:vases", "--backend", backend])?;
     server.wait_until_ready()?;
-    created(&server.post("/sessions", br#"{"name": "stills", "scene": "demo:vases"}"#)?)?;
+    for still in 0..options.stills {
+        let session = format!(r#"{{"name": "{}", "scene": "demo:vases"}}"#, session_of(still));
+        created(&server.post("/sessions", session.as_bytes())?)?;
+    }
     let mut client = viewer(&server, options)?;
     let before = drag(&mut client, "before", options.drag)?;
     let asked = Instant::now();
@@ -106,12 +109,18 @@ fn viewer(server: &ServerProcess, options: &Options) -> Result<Client, BenchErro
     Ok(client)
 }
 
+/// The session that a still is of: one has no more under way than it leaves to others.
+fn session_of(still: usize) -> String {
+    format!("still-{still}")
+}
+
 /// Asks for all stills at once, each on a connection of its own.
 fn ask(server: &ServerProcess, options: &Options) -> Vec<JoinHandle<Result<(), BenchError>>> {
     let ([width, height], samples) = (options.still, options.samples);
-    let path = format!("/sessions/stills/render?size={width}x{height}&samples={samples}");
-    let still = |_| {
-        let (server, path) = (server.address.clone(), path.clone());
+    let still = |still| {
+        let server = server.address.clone();
+        let path =
+            format!("/sessions/{}/render?size={width}x{height}&samples={samples}", session_of(still));
         thread::spawn(move || created(&server.get(&path)?))
     };
     (0..options.stills).map(still).collect()

@@ -164,6 +164,16 @@ pub enum ServerError {
         /// How many.
         limit: usize,
     },
+    /// A count that one session has of what all share.
+    #[error(
+        "the session has {count} {what} under way, and leaves the rest to others: try again when one of them is done"
+    )]
+    TooManyOfOne {
+        /// Of what.
+        what: &'static str,
+        /// How many it has.
+        count: usize,
+    },
     /// The pipelines are not ready yet.
     #[error("the renderer is warming up: try again in a few seconds")]
     WarmingUp,
@@ -210,7 +220,7 @@ impl ServerError {
             Self::MethodNotAllowed { .. } => ErrorCode::MethodNotAllowed,
             Self::NotJson(_) => ErrorCode::UnsupportedMediaType,
             Self::TooLarge { .. } => ErrorCode::TooLarge,
-            Self::TooMany { .. } | Self::ViewsMoveTooMuch => ErrorCode::TooMany,
+            Self::TooMany { .. } | Self::TooManyOfOne { .. } | Self::ViewsMoveTooMuch => ErrorCode::TooMany,
             Self::KeepsChanging(_) => ErrorCode::KeepsChanging,
             Self::Stalled | Self::TooSlow => ErrorCode::Stalled,
             Self::Busy => ErrorCode::Busy,

@@ -17,6 +17,7 @@ mod limits;
 mod metrics;
 mod outbox;
 mod outboxes;
+mod permits;
 mod picture_stats;
 mod probe;
 mod renderer;

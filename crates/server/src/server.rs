@@ -23,6 +23,7 @@ use crate::limits::{
     DRAIN_WITHIN, MAX_PROBES, MAX_RENDER_BYTES, MAX_REQUESTS, MAX_SOCKETS, MAX_STILLS, MAX_UPLOADS,
 };
 use crate::metrics::Metrics;
+use crate::permits::Permits;
 use crate::renderer::{RenderThread, Renders};
 use crate::room::Rooms;
 use crate::scenes::Scenes;
@@ -133,8 +134,8 @@ impl Server {
             socket_runtime: Handle::current(),
             hosts: Hosts::new(address, &public_urls),
             sockets: Arc::new(Semaphore::new(MAX_SOCKETS)),
-            requests: Semaphore::new(MAX_REQUESTS),
-            stills: Semaphore::new(MAX_STILLS),
+            requests: Permits::new("requests", MAX_REQUESTS),
+            stills: Permits::new("pictures", MAX_STILLS),
             uploads: Semaphore::new(MAX_UPLOADS),
             short_turns: Turns::default(),
             page_turns: Turns::default(),

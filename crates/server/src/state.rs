@@ -7,6 +7,7 @@ use tokio::sync::Semaphore;
 
 use crate::access::{Hosts, Token};
 use crate::backend::Backend;
+use crate::permits::Permits;
 use crate::room::Rooms;
 use crate::strangers::Turns;
 
@@ -22,9 +23,9 @@ pub struct AppState {
     /// A permit for each socket that has said hello.
     pub sockets: Arc<Semaphore>,
     /// A permit for each request under way.
-    pub requests: Semaphore,
+    pub requests: Permits,
     /// A permit for each picture for HTTP under way.
-    pub stills: Semaphore,
+    pub stills: Permits,
     /// A permit for each scene on its way here.
     pub uploads: Semaphore,
     /// Turns of strangers who look whether the server lives, or open a socket.

@@ -4,17 +4,18 @@ use std::sync::Arc;
 
 use axum::Extension;
 use axum::body::{HttpBody, to_bytes};
-use axum::extract::{Request, State};
+use axum::extract::{FromRequestParts, Request, State};
+use axum::http::request::Parts;
 use axum::http::{HeaderMap, HeaderValue, Method, Uri, header};
 use axum::middleware::Next;
 use axum::response::Response;
 
-use super::read::{excerpt, read_body};
+use super::read::{SessionName, excerpt, read_body};
 use crate::ServerError;
 use crate::access::Credential;
 use crate::connections::Connection;
 use crate::in_flight::Reservation;
-use crate::limits::{MAX_REQUESTS, SMALL_BYTES};
+use crate::limits::SMALL_BYTES;
 use crate::state::AppState;
 
 /// Refuses pages of other places, and names that lead here by no doing of ours. They could not know the token, but need
@@ -75,18 +76,26 @@ pub async fn limit_requests(
     request: Request,
     next: Next,
 ) -> Result<Response, ServerError> {
-    let (head, body) = request.into_parts();
+    let (mut head, body) = request.into_parts();
+    let session = of_session(&mut head, &state).await;
     let in_flight = &state.backend.in_flight;
     let (body, held) = read_body(body, in_flight).await?;
     // A picture has been drawn, and there are few at once (`MAX_STILLS`).
     let is_done = head.method == Method::POST || head.uri.path().ends_with("/render");
-    let too_many = |_| ServerError::TooMany { what: "requests", limit: MAX_REQUESTS };
-    let permit = state.requests.try_acquire().map_err(too_many)?;
+    let permit = state.requests.take(&session)?;
     let answer = next.run(Request::from_parts(head, body.into())).await;
     drop((permit, held));
     // What has been done is told in any case.
     let room = |bytes| if is_done { Ok(in_flight.count(bytes)) } else { in_flight.reserve(bytes) };
     hold_answer(answer, room, &connection).await
+}
+
+/// The session that a request is about; empty of one that is about none.
+async fn of_session(head: &mut Parts, state: &Arc<AppState>) -> String {
+    if !head.uri.path().starts_with("/sessions/") {
+        return String::new();
+    }
+    SessionName::from_request_parts(head, state).await.map_or(String::new(), |SessionName(name)| name)
 }
 
 /// Keeps a large answer on the account until it is taken, which has to be in time.

@@ -12,7 +12,6 @@ use render::{Aov, PictureFormat, Pixels, View};
 use super::answer::{Answer, json};
 use super::read::{SessionName, read_json};
 use crate::ServerError;
-use crate::limits::MAX_STILLS;
 use crate::renderer::{Output, Place, Request, Urgency};
 use crate::request::valid_camera;
 use crate::room::{Message, Snapshot};
@@ -28,8 +27,7 @@ pub async fn pick(
 ) -> Answer {
     let Pick { camera } = read_json(&headers, &body)?;
     let camera = valid_camera(camera)?;
-    let too_many = |_| ServerError::TooMany { what: "pictures", limit: MAX_STILLS };
-    let _permit = state.stills.try_acquire().map_err(too_many)?;
+    let _permit = state.stills.take(&name)?;
     let Snapshot { scene, lease: session, .. } =
         state.rooms.find(&name).await?.request(Message::Snapshot).await?;
     let (viewer, world_from_camera) = (state.backend.renders.lease(), camera.world_from_camera());

@@ -17,7 +17,6 @@ use super::answer::Answer;
 use super::read::{SessionName, read_query};
 use crate::ServerError;
 use crate::background;
-use crate::limits::MAX_STILLS;
 use crate::picture_stats::{micros, on_the_wire};
 use crate::renderer::{Lease, Output, Place, Request, Urgency};
 use crate::room::{Message, Snapshot};
@@ -33,8 +32,7 @@ pub async fn render(State(state): State<Arc<AppState>>, SessionName(name): Sessi
     let query: RenderParameters = read_query(&uri)?;
     let (seq, format) = (query.at, query.format);
     let asked = query.request()?;
-    let too_many = |_| ServerError::TooMany { what: "pictures", limit: MAX_STILLS };
-    let _permit = state.stills.try_acquire().map_err(too_many)?;
+    let _permit = state.stills.take(&name)?;
     let Snapshot { name, mut document, mut scene, lease: session, .. } =
         state.rooms.find(&name).await?.request(Message::Snapshot).await?;
     let session_name = name.clone();

@@ -1,0 +1,94 @@
+//! Permits that requests hold while they are under way: no session takes the last.
+
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use crate::ServerError;
+
+/// So many permits. A session takes one while it has fewer than are free: alone it gets half of them, and whoever comes next
+/// finds some (the dynamic threshold of Choudhury and Hahne, 1998, for buffers that ports share).
+#[derive(Debug)]
+pub struct Permits {
+    /// What they are for, as people call it.
+    what: &'static str,
+    most: usize,
+    /// How many each session has, of those that have some. What is of no session has an empty name.
+    taken: Mutex<BTreeMap<String, usize>>,
+}
+
+/// A permit, until it is dropped.
+#[derive(Debug)]
+pub struct Permit<'a> {
+    permits: &'a Permits,
+    session: String,
+}
+
+impl Permits {
+    /// None is taken.
+    pub fn new(what: &'static str, most: usize) -> Self {
+        Self { what, most, taken: Mutex::default() }
+    }
+
+    /// Takes a permit for a session.
+    pub fn take(&self, session: &str) -> Result<Permit<'_>, ServerError> {
+        let mut taken = self.taken();
+        let free = self.most - taken.values().sum::<usize>();
+        let own = taken.get(session).copied().unwrap_or_default();
+        if own >= free {
+            return Err(if free == 0 {
+                ServerError::TooMany { what: self.what, limit: self.most }
+            } else {
+                ServerError::TooManyOfOne { what: self.what, count: own }
+            });
+        }
+        taken.insert(session.to_owned(), own + 1);
+        Ok(Permit { permits: self, session: session.to_owned() })
+    }
+
+    fn taken(&self) -> MutexGuard<'_, BTreeMap<String, usize>> {
+        self.taken.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Permit<'_> {
+    fn drop(&mut self) {
+        let mut taken = self.permits.taken();
+        match taken.get_mut(&self.session) {
+            Some(own) if *own > 1 => *own -= 1,
+            _ => drop(taken.remove(&self.session)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// How many permits each of these sessions gets that all ask for as many as they can, one after the other.
+    fn had(most: usize, sessions: &[&str]) -> Vec<usize> {
+        let permits = Permits::new("pictures", most);
+        let mut held = Vec::new();
+        let count = |session: &&str| {
+            let own: Vec<_> = std::iter::from_fn(|| permits.take(session).ok()).collect();
+            let count = own.len();
+            held.extend(own);
+            count
+        };
+        let had = sessions.iter().map(count).collect();
+        drop(held);
+        assert!(permits.taken().is_empty(), "all come back");
+        had
+    }
+
+    #[test]
+    fn no_session_takes_all() {
+        assert_eq!(had(8, &["greedy", "other", "third", "fourth"]), [4, 2, 1, 1]);
+        assert_eq!(had(64, &["greedy", "other"]), [32, 16]);
+        let permits = Permits::new("pictures", 2);
+        let _one = permits.take("greedy").expect("free");
+        let refused = permits.take("greedy").expect_err("the last is another's");
+        assert!(matches!(refused, ServerError::TooManyOfOne { count: 1, .. }), "{refused}");
+        let _other = permits.take("other").expect("free");
+        assert!(matches!(permits.take("third"), Err(ServerError::TooMany { limit: 2, .. })));
+    }
+}
