@@ -169,9 +169,9 @@ pub enum ServerError {
         "the session has {count} {what} under way, and leaves the rest to others: try again when one of them is done"
     )]
     TooManyOfOne {
-        /// Of what.
+        /// As people call them: requests, pictures.
         what: &'static str,
-        /// How many it has.
+        /// Those under way.
         count: usize,
     },
     /// The pipelines are not ready yet.
