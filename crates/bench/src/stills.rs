@@ -119,8 +119,7 @@ fn ask(server: &ServerProcess, options: &Options) -> Vec<JoinHandle<Result<(), B
     let ([width, height], samples) = (options.still, options.samples);
     let still = |still| {
         let server = server.address.clone();
-        let path =
-            format!("/sessions/{}/render?size={width}x{height}&samples={samples}", session_of(still));
+        let path = format!("/sessions/{}/render?size={width}x{height}&samples={samples}", session_of(still));
         thread::spawn(move || created(&server.get(&path)?))
     };
     (0..options.stills).map(still).collect()
