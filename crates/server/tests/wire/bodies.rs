@@ -11,9 +11,9 @@ use crate::client::{Answer, bearer, get, post};
 use crate::server::{Door, Own};
 
 const MIB: usize = 1 << 20;
-/// What a body of 8 MiB counts for, and how many have room.
+/// What a body of 8 MiB counts for, and how many have room: half of the account.
 const COST: usize = 4 * 8 * MIB;
-const ROOM: usize = 320 * MIB / COST;
+const ROOM: usize = 320 / 2 * MIB / COST;
 
 async fn on_thread(door: &Door, ask: impl FnOnce(&Door) -> Answer + Send + 'static) -> Answer {
     let door = door.clone();
@@ -80,6 +80,9 @@ async fn bodies_that_are_cut_off_give_back_what_they_held() {
     assert!(answer.starts_with("HTTP/1.1 503 "), "{answer}");
     let small = on_thread(door, |door| post(door, "/sessions", &session_of("small", 64 << 10))).await;
     assert_eq!(small.status, 201, "a small one is not refused for large ones: {}", small.text());
+    let answer = on_thread(door, |door| get(door, "/openapi.json")).await;
+    let is_large = answer.text().len() > 64 << 10;
+    assert!(answer.status == 200 && is_large, "a large answer is not refused for bodies: {}", answer.status);
     // Far more than there is room for, all of which break off.
     for _ in 0..200 {
         resting.push(begin(door, &said, b"{").await);
