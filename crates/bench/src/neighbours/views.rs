@@ -43,10 +43,7 @@ pub(super) fn large(other: &Other) -> Result<Act, BenchError> {
             begin_view(&mut client, LARGE)?;
             views.push(client);
         }
-        wait_for_all(&mut views, OPENS_WITHIN, |header| {
-            eprintln!("{header:?}");
-            true
-        })?;
+        wait_for_all(&mut views, OPENS_WITHIN, |_| true)?;
         for mut client in views {
             let camera = client.welcome.camera.clone();
             let mut camera_revision = 1;
