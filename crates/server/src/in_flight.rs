@@ -31,11 +31,7 @@ pub struct Reservation {
 
 /// Bytes of a body on the account; dropping it takes them off.
 #[derive(Debug)]
-pub struct BodyReservation {
-    held: Reservation,
-    /// Of `held`: for as long as it has them.
-    body_bytes: usize,
-}
+pub struct BodyReservation(Reservation);
 
 impl InFlight {
     /// Puts bytes on the account where they fit. Where nothing else is there, anything does.
@@ -46,7 +42,7 @@ impl InFlight {
 
     /// A body that has no bytes yet.
     pub fn body(&self) -> BodyReservation {
-        BodyReservation { held: self.count(0), body_bytes: 0 }
+        BodyReservation(self.count(0))
     }
 
     /// Puts bytes on the account whether they fit or not: what is there already, and has to be sent.
@@ -89,22 +85,21 @@ fn take(sum: &AtomicUsize, bytes: usize, most: usize) -> Result<(), ServerError>
 impl BodyReservation {
     /// Makes it as large as `bytes` at least, where that fits.
     pub fn grow_to(&mut self, bytes: usize) -> Result<(), ServerError> {
-        let more = bytes.saturating_sub(self.body_bytes);
-        let account = &self.held.account.0;
+        let more = bytes.saturating_sub(self.0.bytes);
+        let account = &self.0.account.0;
         take(&account.body_bytes, more, MAX_BODY_BYTES_IN_FLIGHT)?;
         if let Err(busy) = take(&account.bytes, more, MAX_BYTES_IN_FLIGHT) {
             account.body_bytes.fetch_sub(more, Ordering::Relaxed);
             return Err(busy);
         }
-        self.held.bytes += more;
-        self.body_bytes += more;
+        self.0.bytes += more;
         Ok(())
     }
 }
 
 impl Drop for BodyReservation {
     fn drop(&mut self) {
-        self.held.account.0.body_bytes.fetch_sub(self.body_bytes, Ordering::Relaxed);
+        self.0.account.0.body_bytes.fetch_sub(self.0.bytes, Ordering::Relaxed);
     }
 }
 

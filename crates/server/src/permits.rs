@@ -35,10 +35,10 @@ impl Permits {
         let free = self.most - taken.values().sum::<usize>();
         let own = taken.get(session).copied().unwrap_or_default();
         if own >= free {
-            return Err(if free == 0 {
-                ServerError::TooMany { what: self.what, limit: self.most }
-            } else {
-                ServerError::TooManyOfOne { what: self.what, count: own }
+            return Err(match (free, session) {
+                (0, _) => ServerError::TooMany { what: self.what, limit: self.most },
+                (_, "") => ServerError::TooMany { what: self.what, limit: own },
+                _ => ServerError::TooManyOfOne { what: self.what, count: own },
             });
         }
         taken.insert(session.to_owned(), own + 1);
@@ -88,6 +88,10 @@ mod tests {
         let _one = permits.take("greedy").expect("free");
         let refused = permits.take("greedy").expect_err("the last is another's");
         assert!(matches!(refused, ServerError::TooManyOfOne { count: 1, .. }), "{refused}");
+        // What is of no session is told of none.
+        let nobodys = Permits::new("requests", 2);
+        let _first = nobodys.take("").expect("free");
+        assert!(matches!(nobodys.take(""), Err(ServerError::TooMany { limit: 1, .. })));
         let _other = permits.take("other").expect("free");
         assert!(matches!(permits.take("third"), Err(ServerError::TooMany { limit: 2, .. })));
     }

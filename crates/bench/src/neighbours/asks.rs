@@ -178,3 +178,15 @@ fn edit_of(light: u64, actor: &str, n: u64) -> Value {
     let command = json!({"type": "setLight", "light": light, "parameter": {"name": format!("name {n}")}});
     json!({"actor": {"id": actor, "name": actor}, "edits": [{"command": command}]})
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_upload_is_another_file_that_is_read() {
+        let file = scenes::triangles(2, &upload_name(0, 0));
+        let renamed = renamed(&file, &upload_name(0, 0), &upload_name(1, 7));
+        assert_eq!(assets::load_bytes(&renamed).expect("a scene").name, Some(upload_name(1, 7)));
+    }
+}

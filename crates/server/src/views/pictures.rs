@@ -279,7 +279,8 @@ impl Views {
         let actor_id = payer.actor_id().filter(|_| quality == Quality::Moving);
         let shortened = actor_id.map_or(Shortened::NOT, |actor_id| {
             let size = detail.resolution.of(view_size);
-            self.backend.moving_pixels.note(actor_id, view.lease.slot(), size, Instant::now())
+            let seen = (view.lease.slot(), urgency == Urgency::Moving);
+            self.backend.moving_pixels.note(actor_id, seen, size, Instant::now())
         });
         let is_news = shortened != Shortened::NOT && !view.is_told_smaller;
         view.is_told_smaller |= is_news;
