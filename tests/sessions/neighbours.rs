@@ -2,6 +2,8 @@
 
 use std::io::Write;
 use std::net::TcpStream;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 use bench::neighbours::scenes;
@@ -155,4 +157,59 @@ fn sessions_share_a_scene_on_the_device() {
     frame.expect("a frame");
     // The planted fault, a copy a session, has twice as much.
     assert!(kept() < 1.5 * before, "{} bytes of scenes, {before} for one session", kept());
+}
+
+/// Seconds until so many pings are answered, more than may have been saved up.
+fn seconds_of_pings(client: &mut Client, count: u32) -> f64 {
+    let start = Instant::now();
+    for ping in 1..=count {
+        client.send(&ClientMessage::Ping { sent: f64::from(ping) }).expect("sent");
+    }
+    let last = |incoming: &Incoming| match incoming {
+        Incoming::Message(message) => match **message {
+            ServerMessage::Pong { sent, .. } => (sent == f64::from(count)).then_some(()),
+            _ => None,
+        },
+        Incoming::Frame(..) => None,
+    };
+    client.wait_for("the last pong", |incoming| last(&incoming)).expect("answered");
+    start.elapsed().as_secs_f64()
+}
+
+/// Nothing is lost of what is read later; without a hand it comes at once.
+///
+/// Rules: HTTP-28
+#[test]
+fn who_sends_much_is_read_later_while_a_hand_moves_a_view() {
+    let server = Server::start();
+    let mut ada = server.connect("ada");
+    ada.open_view_of([160, 90], None);
+    let mut ben = server.connect("ben").client;
+    let is_over = AtomicBool::new(false);
+    let (moves, moving) = mpsc::sync_channel(1);
+    let beside = std::thread::scope(|scope| {
+        let is_over = &is_over;
+        scope.spawn(move || {
+            let mut revision = 1;
+            while !is_over.load(Ordering::Relaxed) {
+                revision += 1;
+                let mut camera = ada.client.welcome.camera.clone();
+                camera.translation = moved(camera.translation, [0.001 * f64::from(revision), 0.0, 0.0]);
+                ada.send(&ClientMessage::SetCamera { camera, camera_revision: revision });
+                ada.receive_until("its frame", |incoming| match incoming {
+                    Incoming::Frame(header, _) if header.camera_revision == revision => Some(()),
+                    _ => None,
+                });
+                let _ = moves.try_send(());
+            }
+        });
+        moving.recv().expect("a moving picture");
+        let beside = seconds_of_pings(&mut ben, 3_000);
+        is_over.store(true, Ordering::Relaxed);
+        beside
+    });
+    std::thread::sleep(Duration::from_secs(1));
+    let alone = seconds_of_pings(&mut ben, 3_000);
+    // A thousand may be saved up, and a thousand come back each second.
+    assert!(beside > 1.9 && alone < 0.5 * beside, "{beside} s beside a hand, {alone} s alone");
 }

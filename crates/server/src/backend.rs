@@ -9,6 +9,7 @@ use tokio_util::task::TaskTracker;
 
 use crate::in_flight::InFlight;
 use crate::metrics::Metrics;
+use crate::pacing::EditPacing;
 use crate::renderer::Renders;
 use crate::scenes::Scenes;
 use crate::solver::Solver;
@@ -31,6 +32,8 @@ pub struct Backend {
     pub probes: Arc<Semaphore>,
     /// Threads that solve drags.
     pub solver: Solver,
+    /// Holds back edits by requests.
+    pub edit_pacing: Arc<EditPacing>,
     /// Bytes of bodies, answers and messages.
     pub in_flight: InFlight,
     /// What is counted.

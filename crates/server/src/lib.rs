@@ -4,6 +4,7 @@
 //! (`renderer`), one writes to the store (`storage`). What blocks or computes for long runs on the blocking pool.
 
 mod access;
+mod allowances;
 mod backend;
 mod background;
 mod connections;
@@ -17,6 +18,7 @@ mod limits;
 mod metrics;
 mod outbox;
 mod outboxes;
+mod pacing;
 mod permits;
 mod picture_stats;
 mod probe;

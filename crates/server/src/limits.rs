@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use crate::allowances::Rate;
+
 /// Connections at once, sockets included; more wait until one ends.
 pub const MAX_CONNECTIONS: usize = 640;
 /// Bytes that the system holds for a connection until they are read, and until they are taken; it counts twice as many. It grows
@@ -27,11 +29,16 @@ pub const MAX_PROBES: usize = 4;
 pub const MAX_SOLVES: usize = MAX_SOCKETS + MAX_REQUESTS;
 /// Counted steps up to which a solve is short, and goes before those that are long: some 20 ms, which most take.
 pub const SHORT_SOLVE_STEPS: u64 = 20_000_000;
-/// Share of a core that the short solves of a client have before they count as long: some 25 drags a second of a usual light. Where the
-/// processor has time for those too, they take no longer for it.
-pub const SHORT_SOLVES_SHARE: f64 = 0.1;
-/// Seconds of those that a client may have saved up.
-pub const SHORT_SOLVES_SAVED: f64 = 0.2;
+/// What the short solves of a client have before they count as long, in seconds of a core: some 25 drags a second of a usual light.
+/// Where the processor has time for those too, they take no longer for it.
+pub const SHORT_SOLVES: Rate = Rate { per_second: 0.1, saved: 0.2 };
+/// Messages of a socket while a hand of another client moves a view: several times what a hand itself sends, who acknowledges
+/// frames and drags or turns the camera.
+pub const MESSAGES_BESIDE_A_HAND: Rate = Rate { per_second: 1_000.0, saved: 1_000.0 };
+/// Edits of a client by requests while a hand of another client moves a view.
+pub const EDITS_BESIDE_A_HAND: Rate = Rate { per_second: 500.0, saved: 500.0 };
+/// A request counts for so many edits besides those that it has: its connection, its head and its commit.
+pub const REQUEST_COST_EDITS: f64 = 1.0;
 /// How often a drag is solved for one step while others change what it depends on. After that it is refused.
 pub const MAX_SOLVE_TRIES: u32 = 4;
 /// Scenes that are being sent to the server; each may take hundreds of megabytes of its disk.

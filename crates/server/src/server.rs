@@ -23,6 +23,7 @@ use crate::limits::{
     DRAIN_WITHIN, MAX_PROBES, MAX_RENDER_BYTES, MAX_REQUESTS, MAX_SOCKETS, MAX_STILLS, MAX_UPLOADS,
 };
 use crate::metrics::Metrics;
+use crate::pacing::EditPacing;
 use crate::permits::Permits;
 use crate::renderer::{RenderThread, Renders};
 use crate::room::Rooms;
@@ -119,7 +120,8 @@ impl Server {
             renders,
             moving_pixels: Arc::clone(&moving_pixels),
             probes: Arc::new(Semaphore::new(MAX_PROBES)),
-            solver: Solver::new(cores, metrics.solves_under_way.clone(), moving_pixels),
+            solver: Solver::new(cores, metrics.solves_under_way.clone(), Arc::clone(&moving_pixels)),
+            edit_pacing: Arc::new(EditPacing::new(moving_pixels)),
             in_flight,
             metrics,
             trace,

@@ -24,6 +24,7 @@ use crate::limits::{
 };
 use crate::outbox::{Backlog, Outbox, OutboxReceiver, SocketMessage, outbox};
 use crate::outboxes::ClientId;
+use crate::pacing::SocketPacing;
 use crate::request::{ClientRequest, actor, client_request};
 use crate::room::{Join, Message, RoomHandle};
 use crate::send_within::SendWithin;
@@ -41,9 +42,11 @@ pub async fn serve(socket: Socket, state: Arc<AppState>, connection: Connection)
     let (outbox, end) = outbox(state.backend.in_flight.clone());
     let backlog = end.backlog();
     let mut writing = tokio::spawn(write(sink, end));
-    if let Some((room, client, _permit)) = greet(&mut messages, outbox, &state, &connection).await {
+    if let Some((room, (client, actor_id), _permit)) = greet(&mut messages, outbox, &state, &connection).await
+    {
+        let pacing = SocketPacing::new(actor_id, Arc::clone(&state.backend.moving_pixels));
         tokio::select! {
-            () = read(&mut messages, backlog, (&room, client), &state) => {}
+            () = read(&mut messages, backlog, pacing, (&room, client), &state) => {}
             // The session let the client go, or the connection is broken.
             _ = &mut writing => {}
         }
@@ -64,7 +67,7 @@ async fn greet(
     mut outbox: Outbox,
     state: &AppState,
     connection: &Connection,
-) -> Option<(RoomHandle, ClientId, OwnedSemaphorePermit)> {
+) -> Option<(RoomHandle, (ClientId, Arc<str>), OwnedSemaphorePermit)> {
     let hello = tokio::select! {
         hello = hello(messages, &mut outbox) => hello?,
         () = sleep(HELLO_WITHIN) => Err(ServerError::HelloTooLate),
@@ -74,11 +77,12 @@ async fn greet(
     };
     match join(hello, state, connection).await {
         Ok((room, permit, (principal, epoch, last_seq))) => {
+            let actor_id = principal.actor.id.as_str().into();
             let (joined, client) = oneshot::channel();
             let join = Join { principal, epoch, last_seq, outbox, joined };
             room.send(Message::Join(Box::new(join))).await.ok()?;
             let client = client.await.ok()?;
-            Some((room, client, permit))
+            Some((room, (client, actor_id), permit))
         }
         Err(error) => {
             outbox.send_error(&error, true);
@@ -134,6 +138,7 @@ fn admit(hello: ClientMessage, state: &AppState) -> Result<(String, Newcomer), S
 async fn read(
     messages: &mut SplitStream<Socket>,
     mut backlog: watch::Receiver<Backlog>,
+    mut pacing: SocketPacing,
     (room, client): (&RoomHandle, ClientId),
     state: &AppState,
 ) {
@@ -141,6 +146,7 @@ async fn read(
     while backlog.wait_for(Backlog::takes_more).await.is_ok()
         && let Some(message) = next(messages).await
     {
+        pacing.wait().await;
         let request = match message {
             Ok(message) => client_request(message, &state.backend.scenes).await,
             Err(error) => ClientRequest::Invalid(error),

@@ -17,9 +17,10 @@ use prometheus_client::metrics::gauge::Gauge;
 use tokio::sync::oneshot;
 
 use crate::ServerError;
+use crate::allowances::Allowances;
 use crate::background;
-use crate::limits::{MAX_SOLVES, SHORT_SOLVE_STEPS};
-use crate::turns::{Allowances, Charges, Payer};
+use crate::limits::{MAX_SOLVES, SHORT_SOLVE_STEPS, SHORT_SOLVES};
+use crate::turns::{Charges, Payer};
 use crate::views::MovingPixels;
 
 /// Where a thread was held up meanwhile it rests no longer than that.
@@ -127,7 +128,7 @@ impl Solver {
     /// other clients move.
     pub fn new(most: usize, under_way: Gauge, moving: Arc<MovingPixels>) -> Self {
         let (charges, waiting) = (Charges::default(), Vec::new());
-        let allowances = Allowances::default();
+        let allowances = Allowances::new(SHORT_SOLVES);
         let turns = Turns { charges, allowances, waiting, going_on: [0; 2], most, all: 0, next_number: 0 };
         Self { turns: Arc::new(Mutex::new(turns)), moving, under_way }
     }

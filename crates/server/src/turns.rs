@@ -7,9 +7,6 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::Instant;
-
-use crate::limits::{SHORT_SOLVES_SAVED, SHORT_SOLVES_SHARE};
 
 /// Accounts that are kept at most; past them those that have been charged least are dropped.
 const ACCOUNTS: usize = 256;
@@ -58,6 +55,11 @@ impl Payer {
     /// The actor's id, where it gives one.
     pub fn actor_id(&self) -> Option<&Arc<str>> {
         self.actor.as_ref()
+    }
+
+    /// The session's name.
+    pub fn session(&self) -> &Arc<str> {
+        &self.session
     }
 
     /// Programs that give no actor, in a session.
@@ -110,83 +112,9 @@ impl Accounts {
     }
 }
 
-/// How long each session and each actor may still go before others with what it has: seconds that come back with time, at
-/// [`SHORT_SOLVES_SHARE`] of a core, up to [`SHORT_SOLVES_SAVED`].
-#[derive(Debug, Default)]
-pub struct Allowances {
-    /// Seconds that were left, and when, of who has not all of them.
-    sessions: BTreeMap<Arc<str>, (f64, Instant)>,
-    actors: BTreeMap<Arc<str>, (f64, Instant)>,
-}
-
-impl Allowances {
-    /// Whether a payer has some left.
-    pub fn has_some(&self, payer: &Payer, now: Instant) -> bool {
-        let has_some = |left: Option<&(f64, Instant)>| left.is_none_or(|left| left_at(*left, now) > 0.0);
-        has_some(self.sessions.get(&payer.session))
-            && payer.actor.as_ref().is_none_or(|actor| has_some(self.actors.get(actor)))
-    }
-
-    /// Takes so many seconds off what a payer has, at the end of those.
-    pub fn take(&mut self, payer: &Payer, seconds: f64, now: Instant) {
-        let take = |accounts: &mut BTreeMap<Arc<str>, (f64, Instant)>, name: &Arc<str>| {
-            let left = accounts.entry(Arc::clone(name)).or_insert((SHORT_SOLVES_SAVED, now));
-            *left = (left_at(*left, now) - seconds, now);
-            if accounts.len() > ACCOUNTS {
-                let mut all: Vec<f64> = accounts.values().map(|left| left_at(*left, now)).collect();
-                all.sort_by(f64::total_cmp);
-                // The half that has most left is forgotten, and so has all of it again.
-                accounts.retain(|_, left| left_at(*left, now) < all[all.len() / 2]);
-            }
-        };
-        take(&mut self.sessions, &payer.session);
-        if let Some(actor) = &payer.actor {
-            take(&mut self.actors, actor);
-        }
-    }
-}
-
-fn left_at((left, then): (f64, Instant), now: Instant) -> f64 {
-    let since = now.saturating_duration_since(then).as_secs_f64();
-    (left + SHORT_SOLVES_SHARE * since).min(SHORT_SOLVES_SAVED)
-}
-
 #[cfg(test)]
 mod tests {
-    use std::time::Duration;
-
     use super::*;
-
-    #[test]
-    fn an_allowance_is_used_up_and_comes_back() {
-        let (mut allowances, start) = (Allowances::default(), Instant::now());
-        let (ada, other) = (payer("shot", "ada"), payer("other", "ben"));
-        let mut used = 0.0;
-        let mut now = start;
-        // A hundred seconds of solves of 10 ms, without a pause where they may be short.
-        while now < start + Duration::from_secs(100) {
-            now += Duration::from_millis(10);
-            if allowances.has_some(&ada, now) {
-                allowances.take(&ada, 0.01, now);
-                used += 0.01;
-            }
-        }
-        let most = SHORT_SOLVES_SAVED + 100.0 * SHORT_SOLVES_SHARE + 0.01;
-        assert!(used <= most && used > 0.95 * most, "{used} of {most}");
-        allowances.take(&ada, SHORT_SOLVES_SAVED, now);
-        // By another actor of its session or from another session it is the same client, and nobody else.
-        assert!(!allowances.has_some(&payer("shot", "eve"), now));
-        assert!(!allowances.has_some(&payer("elsewhere", "ada"), now));
-        assert!(allowances.has_some(&other, now));
-        let back = Duration::from_secs_f64(2.0 * SHORT_SOLVES_SAVED / SHORT_SOLVES_SHARE);
-        assert!(allowances.has_some(&ada, now + back));
-        for name in 0..10_000 {
-            // All at once, and all as much: nobody's comes back meanwhile.
-            allowances.take(&payer("shot", &name.to_string()), 0.001, now);
-        }
-        assert!(allowances.actors.len() <= ACCOUNTS + 1, "{}", allowances.actors.len());
-        assert!(!allowances.has_some(&payer("shot", "new"), now), "another name is the same session");
-    }
 
     fn payer(session: &str, actor: &str) -> Payer {
         Payer::new(&session.into(), actor)

@@ -3,6 +3,7 @@
 use super::asks;
 use super::drags;
 use super::memory;
+use super::messages;
 use super::other::{Act, Other};
 use super::row::Row;
 use super::views;
@@ -22,6 +23,7 @@ pub(super) fn prepare(row: Row, other: &Other) -> Result<Act, BenchError> {
         Row::Imports => asks::imports(other),
         Row::Asks => asks::all(other),
         Row::Actors => asks::actors(other),
+        Row::Messages => messages::flood(other),
         Row::ReadsNothing => memory::reads_nothing(other),
         Row::CutBodies => memory::cut_bodies(other),
     }

@@ -74,14 +74,14 @@ pub(super) fn in_session(other: &Other) -> Result<Act, BenchError> {
         });
         other.spawn(move |other| {
             let mut client = other.connect_to(victim::SESSION, 1)?;
-            repeat_edits(other, &mut client, "rename", |n| rename(light, n))
+            repeat_edits(other, &mut client, "rename", |n| rename(light, n as u64))
         });
         Ok(())
     }))
 }
 
 /// What no picture shows and every drag of the light depends on.
-fn rename(light: u64, n: usize) -> Result<Command, BenchError> {
+pub(super) fn rename(light: u64, n: u64) -> Result<Command, BenchError> {
     let command = json!({"type": "setLight", "light": light, "parameter": {"name": format!("name {n}")}});
     serde_json::from_value(command).map_err(|error| BenchError::Refused(error.to_string()))
 }

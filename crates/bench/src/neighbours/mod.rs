@@ -7,6 +7,7 @@ mod chart;
 mod drags;
 mod judge;
 mod memory;
+mod messages;
 mod other;
 mod row;
 pub mod scenes;

@@ -21,11 +21,12 @@ pub enum Row {
     ReadsNothing,
     CutBodies,
     Actors,
+    Messages,
     SlowLink,
 }
 
 /// All rows, in the order in which they are measured.
-pub const ROWS: [Row; 16] = [
+pub const ROWS: [Row; 17] = [
     Row::Nobody,
     Row::Solves,
     Row::SolvesInSession,
@@ -41,6 +42,7 @@ pub const ROWS: [Row; 16] = [
     Row::ReadsNothing,
     Row::CutBodies,
     Row::Actors,
+    Row::Messages,
     Row::SlowLink,
 ];
 
@@ -63,6 +65,7 @@ impl Row {
             Self::ReadsNothing => "reads-nothing",
             Self::CutBodies => "cut-bodies",
             Self::Actors => "actors",
+            Self::Messages => "messages",
             Self::SlowLink => "slow-link",
         }
     }
@@ -89,6 +92,9 @@ impl Row {
             Self::ReadsNothing => "reads nothing of a document of 16 MiB, on 64 sockets and 64 requests",
             Self::CutBodies => "sends 200 bodies of 8 MiB, cuts each off at its end",
             Self::Actors => "edits, first as one actor, then as another for each edit",
+            Self::Messages => {
+                "sends pings, edits and updates of a drag on 5 sockets, as fast as they are taken"
+            }
             Self::SlowLink => "moves 8 views of 3840x2160, and the victim's link takes 2 Mbit/s",
         }
     }
@@ -116,7 +122,8 @@ impl Row {
             | Self::RestingViews
             | Self::ReadsNothing
             | Self::CutBodies
-            | Self::Actors => false,
+            | Self::Actors
+            | Self::Messages => false,
         }
     }
 
@@ -129,6 +136,7 @@ impl Row {
             | Self::Asks
             | Self::ClosingViews
             | Self::Actors
+            | Self::Messages
             | Self::SlowLink => true,
             Self::Nobody
             | Self::Solves

@@ -30,6 +30,7 @@ is another kind of neighbour, with a server of its own:
   reads-nothing      64 sockets and 64 requests that read nothing of a document of 16 MiB
   cut-bodies         200 bodies of 8 MiB cut off
   actors             edits, each by another actor
+  messages           pings, edits and updates of a drag on 5 sockets
   slow-link          large-views, and the victim's link takes 2 Mbit/s
 Prints JSON, for each row:
   passes, missed           which bounds it misses

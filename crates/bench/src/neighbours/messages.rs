@@ -1,0 +1,93 @@
+//! Messages on sockets, as many as a server takes.
+
+use protocol::{ClientMessage, ServerMessage};
+use serde_json::json;
+
+use super::drags::rename;
+use super::other::{Act, LOOK, Other};
+use super::setup::make_session;
+use crate::dragged::Circle;
+use crate::{BenchError, Client, Incoming};
+
+/// Messages that are sent at once; a ping after them tells when all have been carried out.
+const AT_ONCE: u64 = 64;
+/// Radians between updates of a drag.
+const TURN: f64 = 0.01;
+/// Sockets that ping, and as many that edit.
+const SOCKETS: usize = 2;
+
+/// Pings, edits and updates of a drag, in a session of its own.
+pub(super) fn flood(other: &Other) -> Result<Act, BenchError> {
+    make_session(&other.address, &other.session(0), "demo:vases")?;
+    Ok(Box::new(move |other| {
+        for socket in 0..SOCKETS {
+            other.spawn(move |other| {
+                let mut client = other.connect(socket)?;
+                repeat(other, &mut client, ping)
+            });
+        }
+        let light = Circle::of(&*other.connect(0)?)?.light;
+        for socket in SOCKETS..2 * SOCKETS {
+            other.spawn(move |other| {
+                let mut client = other.connect(socket)?;
+                let (base_seq, run) = (client.welcome.seq, fastrand::u64(..));
+                repeat(other, &mut client, |n| {
+                    let op_id = format!("{run:x}-{n}");
+                    Ok(ClientMessage::Edit { op_id, base_seq, command: rename(light, n)? })
+                })
+            });
+        }
+        other.spawn(move |other| {
+            let mut client = other.connect(2 * SOCKETS)?;
+            drag(other, &mut client)
+        });
+        Ok(())
+    }))
+}
+
+#[expect(clippy::unnecessary_wraps, reason = "messages are made alike")]
+fn ping(n: u64) -> Result<ClientMessage, BenchError> {
+    Ok(ClientMessage::Ping { sent: n as f64 })
+}
+
+/// Drags a control point of its light.
+fn drag(other: &Other, client: &mut Client) -> Result<(), BenchError> {
+    let circle = Circle::of(client)?;
+    let (gesture, base_seq) = (format!("flood-{:x}", fastrand::u64(..)), client.welcome.seq);
+    let begin = ClientMessage::GestureBegin { gesture: gesture.clone(), light: circle.light, base_seq };
+    client.send(&begin)?;
+    repeat(other, client, |update| {
+        let command = circle.command(TURN * update as f64);
+        Ok(ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command })
+    })
+}
+
+/// Sends messages some at a time, each of those once the ones before are carried out.
+fn repeat(
+    other: &Other,
+    client: &mut Client,
+    message: impl Fn(u64) -> Result<ClientMessage, BenchError>,
+) -> Result<(), BenchError> {
+    for round in 1.. {
+        for n in 1..=AT_ONCE {
+            client.send(&message(AT_ONCE * (round - 1) + n)?)?;
+        }
+        other.did(AT_ONCE);
+        // Negative, so that it is none of those that are sent for their own sake.
+        let last = -(round as f64);
+        client.send(&ClientMessage::Ping { sent: last })?;
+        loop {
+            if other.is_over() {
+                return Ok(());
+            }
+            let Some(Incoming::Message(answer)) = client.receive(LOOK)? else { continue };
+            match *answer {
+                ServerMessage::Pong { sent, .. } if sent == last => break,
+                ServerMessage::Error { .. } => return Err(BenchError::Refused(json!(*answer).to_string())),
+                _ => {}
+            }
+        }
+        other.was_answered();
+    }
+    Ok(())
+}

@@ -1,0 +1,138 @@
+//! Who sends much waits while another client's hand moves a view: what is sent is read later, and nothing is refused.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+use tokio::time::sleep_until;
+
+use crate::allowances::{Allowance, Allowances};
+use crate::limits::{EDITS_BESIDE_A_HAND, MESSAGES_BESIDE_A_HAND, MOVING_FOR};
+use crate::turns::Payer;
+use crate::views::MovingPixels;
+
+/// Messages of one socket.
+#[derive(Debug)]
+pub struct SocketPacing {
+    actor_id: Arc<str>,
+    allowance: Allowance,
+    moving: Arc<MovingPixels>,
+}
+
+/// Edits by requests, of all clients.
+#[derive(Debug)]
+pub struct EditPacing {
+    allowances: Mutex<Allowances>,
+    moving: Arc<MovingPixels>,
+}
+
+impl SocketPacing {
+    /// Of a socket of an actor of that id.
+    pub fn new(actor_id: Arc<str>, moving: Arc<MovingPixels>) -> Self {
+        Self { actor_id, allowance: Allowance::full(MESSAGES_BESIDE_A_HAND, Instant::now()), moving }
+    }
+
+    /// Waits until the next message may be carried out.
+    pub async fn wait(&mut self) {
+        let allowance = &mut self.allowance;
+        let take = |now| match allowance.back_at(now) {
+            back_at if back_at > now => Some(back_at),
+            _ => {
+                allowance.take(1.0, now);
+                None
+            }
+        };
+        wait_beside_a_hand(&self.moving, Some(&self.actor_id), take).await;
+    }
+}
+
+impl EditPacing {
+    /// Nobody has edited anything.
+    pub fn new(moving: Arc<MovingPixels>) -> Self {
+        Self { allowances: Mutex::new(Allowances::new(EDITS_BESIDE_A_HAND)), moving }
+    }
+
+    /// Waits until a client's next request may be carried out, which counts for so many edits.
+    pub async fn wait(&self, payer: &Payer, count: f64) {
+        let take = |now| {
+            let mut allowances = self.allowances.lock().unwrap_or_else(PoisonError::into_inner);
+            match allowances.back_at(payer, now) {
+                back_at if back_at > now => Some(back_at),
+                _ => {
+                    allowances.take(payer, count, now);
+                    None
+                }
+            }
+        };
+        wait_beside_a_hand(&self.moving, payer.actor_id(), take).await;
+    }
+}
+
+/// Waits until nobody else's hand moves a view, or until `take` says no more when there will be something to take.
+async fn wait_beside_a_hand(
+    moving: &MovingPixels,
+    actor_id: Option<&Arc<str>>,
+    mut take: impl FnMut(Instant) -> Option<Instant>,
+) {
+    loop {
+        let now = Instant::now();
+        if !moving.move_for_another(actor_id, now) {
+            return;
+        }
+        let Some(back_at) = take(now) else { return };
+        // By then the hand may rest.
+        sleep_until(back_at.min(now + MOVING_FOR).into()).await;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use render::ViewSlot;
+
+    use super::*;
+
+    fn moved_by(actor_id: &str) -> Arc<MovingPixels> {
+        let moving = MovingPixels::default();
+        moving.note(&actor_id.into(), (ViewSlot(1), true), [640, 360], Instant::now());
+        Arc::new(moving)
+    }
+
+    /// Seconds until so many more messages than are saved up have been let through.
+    async fn seconds_of_messages(moving: Arc<MovingPixels>, more: f64) -> f64 {
+        let (mut pacing, start) = (SocketPacing::new("ben".into(), moving), Instant::now());
+        for _ in 0..(MESSAGES_BESIDE_A_HAND.saved + more) as usize {
+            pacing.wait().await;
+        }
+        start.elapsed().as_secs_f64()
+    }
+
+    #[tokio::test]
+    async fn messages_wait_beside_the_hand_of_another_and_beside_no_other() {
+        let more = 100.0;
+        // The one before the first that waits is taken though less than one is left.
+        let least = (more - 2.0) / MESSAGES_BESIDE_A_HAND.per_second;
+        let beside_another = seconds_of_messages(moved_by("ada"), more).await;
+        assert!(beside_another > least, "{beside_another} s");
+        let (mut own, now) = (SocketPacing::new("ada".into(), moved_by("ada")), Instant::now());
+        own.allowance.take(MESSAGES_BESIDE_A_HAND.saved + 1.0, now);
+        let before = own.allowance.back_at(now);
+        own.wait().await;
+        assert_eq!(own.allowance.back_at(now), before, "nothing is taken");
+    }
+
+    #[tokio::test]
+    async fn edits_wait_for_those_of_their_session_whoever_makes_them() {
+        let pacing = EditPacing::new(moved_by("ada"));
+        let payer = |session: &str, actor: &str| Payer::new(&session.into(), actor);
+        let more = 50.0;
+        pacing.wait(&payer("shot", "ben"), EDITS_BESIDE_A_HAND.saved + more).await;
+        let start = Instant::now();
+        pacing.wait(&payer("elsewhere", "eve"), 1.0).await;
+        pacing.wait(&payer("shot", "ada"), 1.0).await;
+        let of_others = start.elapsed();
+        pacing.wait(&payer("shot", "eve"), 1.0).await;
+        let least = Duration::from_secs_f64(more / EDITS_BESIDE_A_HAND.per_second);
+        assert!(start.elapsed() > least / 2 && of_others < start.elapsed(), "{of_others:?}");
+    }
+}
