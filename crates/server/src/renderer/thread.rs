@@ -126,7 +126,7 @@ impl RenderLoop {
             if !goes_on {
                 return;
             }
-            while self.waiting.len() < MAX_PICTURES
+            while self.has_room()
                 && let Ok(job) = self.inbox.try_recv()
             {
                 self.take(job);
@@ -158,6 +158,15 @@ impl RenderLoop {
             Err(_) => {}
         }
         true
+    }
+
+    /// Whether another picture can be taken. What was given up meanwhile makes room: else whoever changes what many views show has
+    /// everybody's next picture wait, some at each turn, behind those that nobody wants.
+    fn has_room(&mut self) -> bool {
+        if self.waiting.len() >= MAX_PICTURES {
+            self.waiting.retain(|task| !task.done.is_closed());
+        }
+        self.waiting.len() < MAX_PICTURES
     }
 
     fn take(&mut self, job: Job) {
