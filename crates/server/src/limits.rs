@@ -181,7 +181,7 @@ pub const HAND_FOR: Duration = Duration::from_secs(1);
 pub const MOVING_FOR: Duration = Duration::from_millis(300);
 /// How long a picture that a hand moves is worked on at once where several clients' hands move: what a switch takes is to be a small
 /// part of it.
-pub const MOVING_TURN: Duration = Duration::from_millis(5);
+pub const MOVING_TURN: Duration = Duration::from_millis(8);
 /// How long another picture is worked on at once while something moves. A tenth of the time of a drag whose pictures take a sixth of
 /// a second is more.
 pub const TURN_WHILE_MOVING: Duration = Duration::from_millis(10);

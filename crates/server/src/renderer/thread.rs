@@ -126,7 +126,7 @@ impl RenderLoop {
             if !goes_on {
                 return;
             }
-            while self.has_room()
+            while has_room(&mut self.waiting, |task| task.done.is_closed())
                 && let Ok(job) = self.inbox.try_recv()
             {
                 self.take(job);
@@ -158,15 +158,6 @@ impl RenderLoop {
             Err(_) => {}
         }
         true
-    }
-
-    /// Whether another picture can be taken. What was given up meanwhile makes room: else whoever changes what many views show has
-    /// everybody's next picture wait, some at each turn, behind those that nobody wants.
-    fn has_room(&mut self) -> bool {
-        if self.waiting.len() >= MAX_PICTURES {
-            self.waiting.retain(|task| !task.done.is_closed());
-        }
-        self.waiting.len() < MAX_PICTURES
     }
 
     fn take(&mut self, job: Job) {
@@ -372,6 +363,15 @@ impl RenderLoop {
     }
 }
 
+/// Whether another picture can be taken. What was given up meanwhile makes room: else whoever changes what many views show has
+/// everybody's next picture wait, some at each turn, behind those that nobody wants.
+fn has_room<T>(waiting: &mut Vec<T>, is_given_up: impl Fn(&T) -> bool) -> bool {
+    if waiting.len() >= MAX_PICTURES {
+        waiting.retain(|task| !is_given_up(task));
+    }
+    waiting.len() < MAX_PICTURES
+}
+
 fn open(
     memory: &MemoryBudget,
     backend: Option<Backend>,
@@ -383,4 +383,18 @@ fn open(
         tracing::warn!("{advice}");
     }
     Renderer::new(Arc::new(gpu))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The planted fault: only turns make room.
+    #[test]
+    fn what_was_given_up_makes_room() {
+        let mut waiting: Vec<usize> = (0..MAX_PICTURES).collect();
+        assert!(!has_room(&mut waiting, |_| false) && waiting.len() == MAX_PICTURES);
+        assert!(has_room(&mut waiting, |number| number % 2 == 0));
+        assert!(waiting.len() == MAX_PICTURES / 2 && waiting.iter().all(|number| number % 2 == 1));
+    }
 }
