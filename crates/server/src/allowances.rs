@@ -4,10 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::turns::Payer;
-
-/// Accounts of a kind that are kept at most.
-const ACCOUNTS: usize = 256;
+use crate::turns::{ACCOUNTS, Payer};
 
 /// How fast an allowance comes back, and how much of it may be saved up. This is a token bucket.
 #[derive(Clone, Copy, Debug)]
@@ -46,12 +43,22 @@ impl Allowance {
     }
 
     /// When there will be some; not after `now` where there is.
-    pub fn back_at(&self, now: Instant) -> Instant {
+    fn back_at(&self, now: Instant) -> Instant {
         now + Duration::from_secs_f64((-self.left(now) / self.rate.per_second).max(0.0))
     }
 
+    /// Takes something off where there is some, though it be less; else says when there will be.
+    pub fn try_take(&mut self, amount: f64, now: Instant) -> Result<(), Instant> {
+        let back_at = self.back_at(now);
+        if back_at > now {
+            return Err(back_at);
+        }
+        self.take(amount, now);
+        Ok(())
+    }
+
     /// Takes something off, whether there is as much or not.
-    pub fn take(&mut self, amount: f64, now: Instant) {
+    fn take(&mut self, amount: f64, now: Instant) {
         (self.left, self.at) = (self.left(now) - amount, now);
     }
 }
@@ -68,13 +75,23 @@ impl Allowances {
     }
 
     /// When a payer will have some; not after `now` where it has.
-    pub fn back_at(&self, payer: &Payer, now: Instant) -> Instant {
+    fn back_at(&self, payer: &Payer, now: Instant) -> Instant {
         let back_at = |allowance: Option<&Allowance>| allowance.map_or(now, |of| of.back_at(now));
         let of_actor = payer.actor_id().and_then(|actor| self.actors.get(actor));
         back_at(self.sessions.get(payer.session())).max(back_at(of_actor))
     }
 
-    /// Takes something off what a payer has.
+    /// Takes something off what a payer has where it has some, though it be less; else says when it will.
+    pub fn try_take(&mut self, payer: &Payer, amount: f64, now: Instant) -> Result<(), Instant> {
+        let back_at = self.back_at(payer, now);
+        if back_at > now {
+            return Err(back_at);
+        }
+        self.take(payer, amount, now);
+        Ok(())
+    }
+
+    /// Takes something off what a payer has, whether it has as much or not.
     pub fn take(&mut self, payer: &Payer, amount: f64, now: Instant) {
         let take = |accounts: &mut BTreeMap<Arc<str>, Allowance>, name: &Arc<str>| {
             let full = Allowance::full(self.rate, now);

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Accounts that are kept at most; past them those that have been charged least are dropped.
-const ACCOUNTS: usize = 256;
+pub const ACCOUNTS: usize = 256;
 
 /// Seconds that who has asked for nothing for a while may have saved up: about a picture's way to a viewer and back, in which a
 /// hand that drags asks for nothing.

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::other::{Act, LOOK, Other, Writes};
 use super::row::Row;
-use super::setup::{SIZE, document, make_session, post};
+use super::setup::{SIZE, document, make_session, post, rename};
 use super::{scenes, usage};
 use crate::{BenchError, Incoming};
 
@@ -118,7 +118,7 @@ fn probe(other: &Other, pixel: [f64; 2]) -> Result<(), BenchError> {
         while !other.is_over() {
             let Some(Incoming::Message(message)) = client.receive(LOOK)? else { continue };
             if let ServerMessage::Probed(_) | ServerMessage::Error { .. } = *message {
-                other.was_answered();
+                other.was_answered(1);
                 break;
             }
         }
@@ -175,8 +175,7 @@ pub(super) fn actors(other: &Other) -> Result<Act, BenchError> {
 }
 
 fn edit_of(light: u64, actor: &str, n: u64) -> Value {
-    let command = json!({"type": "setLight", "light": light, "parameter": {"name": format!("name {n}")}});
-    json!({"actor": {"id": actor, "name": actor}, "edits": [{"command": command}]})
+    json!({"actor": {"id": actor, "name": actor}, "edits": [{"command": rename(light, n)}]})
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use protocol::{ClientMessage, Command, ServerMessage};
 use serde_json::json;
 
 use super::other::{Act, LOOK, Other};
-use super::setup::{add_light, document, edit, make_session, pin};
+use super::setup::{add_light, document, edit, make_session, pin, rename};
 use super::victim;
 use crate::{BenchError, Client, Incoming};
 
@@ -74,16 +74,10 @@ pub(super) fn in_session(other: &Other) -> Result<Act, BenchError> {
         });
         other.spawn(move |other| {
             let mut client = other.connect_to(victim::SESSION, 1)?;
-            repeat_edits(other, &mut client, "rename", |n| rename(light, n as u64))
+            repeat_edits(other, &mut client, "rename", |n| Ok(rename(light, n as u64)))
         });
         Ok(())
     }))
-}
-
-/// What no picture shows and every drag of the light depends on.
-pub(super) fn rename(light: u64, n: u64) -> Result<Command, BenchError> {
-    let command = json!({"type": "setLight", "light": light, "parameter": {"name": format!("name {n}")}});
-    serde_json::from_value(command).map_err(|error| BenchError::Refused(error.to_string()))
 }
 
 /// Edits one after the other, each once the one before is answered.
@@ -105,7 +99,7 @@ fn repeat_edits(
             let ServerMessage::EditResult(result) = *message else { continue };
             if result.op_id == op_id {
                 match result.outcome.problem() {
-                    None => other.was_answered(),
+                    None => other.was_answered(1),
                     Some(problem) => other.note(Err(BenchError::Refused(problem.message.clone()))),
                 }
                 break;

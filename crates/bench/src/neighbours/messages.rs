@@ -3,9 +3,8 @@
 use protocol::{ClientMessage, ServerMessage};
 use serde_json::json;
 
-use super::drags::rename;
 use super::other::{Act, LOOK, Other};
-use super::setup::make_session;
+use super::setup::{make_session, rename};
 use crate::dragged::Circle;
 use crate::{BenchError, Client, Incoming};
 
@@ -23,7 +22,7 @@ pub(super) fn flood(other: &Other) -> Result<Act, BenchError> {
         for socket in 0..SOCKETS {
             other.spawn(move |other| {
                 let mut client = other.connect(socket)?;
-                repeat(other, &mut client, ping)
+                repeat(other, &mut client, |n| ClientMessage::Ping { sent: n as f64 })
             });
         }
         let light = Circle::of(&*other.connect(0)?)?.light;
@@ -33,7 +32,7 @@ pub(super) fn flood(other: &Other) -> Result<Act, BenchError> {
                 let (base_seq, run) = (client.welcome.seq, fastrand::u64(..));
                 repeat(other, &mut client, |n| {
                     let op_id = format!("{run:x}-{n}");
-                    Ok(ClientMessage::Edit { op_id, base_seq, command: rename(light, n)? })
+                    ClientMessage::Edit { op_id, base_seq, command: rename(light, n) }
                 })
             });
         }
@@ -45,11 +44,6 @@ pub(super) fn flood(other: &Other) -> Result<Act, BenchError> {
     }))
 }
 
-#[expect(clippy::unnecessary_wraps, reason = "messages are made alike")]
-fn ping(n: u64) -> Result<ClientMessage, BenchError> {
-    Ok(ClientMessage::Ping { sent: n as f64 })
-}
-
 /// Drags a control point of its light.
 fn drag(other: &Other, client: &mut Client) -> Result<(), BenchError> {
     let circle = Circle::of(client)?;
@@ -58,7 +52,7 @@ fn drag(other: &Other, client: &mut Client) -> Result<(), BenchError> {
     client.send(&begin)?;
     repeat(other, client, |update| {
         let command = circle.command(TURN * update as f64);
-        Ok(ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command })
+        ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command }
     })
 }
 
@@ -66,11 +60,11 @@ fn drag(other: &Other, client: &mut Client) -> Result<(), BenchError> {
 fn repeat(
     other: &Other,
     client: &mut Client,
-    message: impl Fn(u64) -> Result<ClientMessage, BenchError>,
+    message: impl Fn(u64) -> ClientMessage,
 ) -> Result<(), BenchError> {
     for round in 1.. {
         for n in 1..=AT_ONCE {
-            client.send(&message(AT_ONCE * (round - 1) + n)?)?;
+            client.send(&message(AT_ONCE * (round - 1) + n))?;
         }
         other.did(AT_ONCE);
         // Negative, so that it is none of those that are sent for their own sake.
@@ -87,7 +81,7 @@ fn repeat(
                 _ => {}
             }
         }
-        other.was_answered();
+        other.was_answered(AT_ONCE);
     }
     Ok(())
 }

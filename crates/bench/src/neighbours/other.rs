@@ -203,9 +203,9 @@ impl Other {
         self.shared.done.fetch_add(count, Ordering::Relaxed);
     }
 
-    /// Counts an answer to such.
-    pub fn was_answered(&self) {
-        self.shared.answered.fetch_add(1, Ordering::Relaxed);
+    /// Counts answers to such.
+    pub fn was_answered(&self, count: u64) {
+        self.shared.answered.fetch_add(count, Ordering::Relaxed);
     }
 
     pub fn deeds(&self) -> Deeds {
@@ -248,7 +248,7 @@ impl Other {
         self.did(1);
         let mut tcp = self.send_request(method, path, body)?;
         self.read_answer(&mut tcp)?.refusal()?;
-        self.was_answered();
+        self.was_answered(1);
         Ok(())
     }
 

@@ -1,5 +1,6 @@
 //! Sessions, lights and pins that rows need, made over HTTP before anything is measured.
 
+use light::parameters::NAME;
 use protocol::{Camera, Command};
 use serde_json::{Value, json};
 
@@ -69,6 +70,11 @@ pub(super) fn edit(
         }
     }
     Ok(())
+}
+
+/// Gives a light another name, which no picture shows and every drag of it depends on.
+pub(super) fn rename(light: u64, n: u64) -> Command {
+    Command::SetLight { light, parameter: NAME.to(format!("name {n}")).into() }
 }
 
 /// Adds a light like the first of a session, bent anew into so many segments where that is said. Its id.

@@ -68,7 +68,7 @@ fn move_view(
     while let Some(left) = until.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
         if let Some(Incoming::Frame(header, _)) = client.receive(left)? {
             client.ack(&header)?;
-            other.was_answered();
+            other.was_answered(1);
             break;
         }
     }
@@ -175,7 +175,7 @@ pub(super) fn closing(other: &Other) -> Result<Act, BenchError> {
         other.spawn(|other| {
             let mut views = open_many(other)?;
             wait_for_all(&mut views, CLOSES_AFTER, |_| {
-                other.was_answered();
+                other.was_answered(1);
                 true
             })
         });
