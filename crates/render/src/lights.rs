@@ -69,7 +69,7 @@ pub(crate) struct MapWork<'a> {
 #[derive(Debug)]
 struct KeptMap {
     slot: Evictable<LightSlot>,
-    /// Whether one of the users has a light whose map this is.
+    /// Whether a picture under way needs it, or it shows its light as the latest picture of that has it.
     needed: bool,
     /// What of the scene counts for its light, where that has links.
     linked: Option<Arc<Linked>>,
@@ -80,6 +80,8 @@ struct KeptMap {
 struct User {
     slot: ViewSlot,
     maps: Vec<MapKey>,
+    /// Whether that picture is finished.
+    is_finished: bool,
 }
 
 /// A map, by who draws it of which light.
@@ -209,18 +211,30 @@ impl ShadowMaps {
     }
 
     /// `slot` draws `lights` over the scene of that revision from now on. Maps that nobody needs any more are the
-    /// first to be made those of other lights.
+    /// first to be made those of other lights: so are those of lights as finished pictures of others still show them, or a drag
+    /// would leave a map for each view that watches it.
     pub fn begin(&mut self, slot: ViewSlot, lights: &[LightInstance], revision: u64) {
         self.maps.retain(|map| map.slot.is_there());
         self.coarse.forget_before(revision);
         let maps: Vec<_> = lights.iter().map(|light| MapKey::of(light, revision)).collect();
         let known = self.users.iter().position(|user| user.slot == slot);
-        match known.map(|index| &mut self.users[index]) {
-            Some(user) if user.maps == maps => return,
-            Some(user) => user.maps = maps,
-            None => self.users.push(User { slot, maps }),
+        if let Some(index) = known {
+            let before = self.users.remove(index);
+            if before.maps == maps && !before.is_finished {
+                self.users.insert(index, before);
+                return;
+            }
         }
+        self.users.push(User { slot, maps, is_finished: false });
         self.see_who_needs_what();
+    }
+
+    /// The picture of `slot` is finished: it needs no map any more of a light that another has drawn otherwise since.
+    pub fn finish(&mut self, slot: ViewSlot) {
+        if let Some(user) = self.users.iter_mut().find(|user| user.slot == slot) {
+            user.is_finished = true;
+            self.see_who_needs_what();
+        }
     }
 
     /// `slot` needs no lights any more; their maps stay while there is room.
@@ -244,8 +258,7 @@ impl ShadowMaps {
             users.iter().any(|user| user.maps.iter().any(|key| key.light() == *light))
         });
         for map in &mut self.maps {
-            let key = map.shows();
-            map.needed = key.is_some_and(|key| self.users.iter().any(|user| user.maps.contains(&key)));
+            map.needed = map.shows().is_some_and(|key| is_needed(users, key));
             map.slot.set_needed(map.needed);
         }
     }
@@ -357,6 +370,14 @@ impl ShadowMaps {
             }
         }
     }
+}
+
+/// Whether a picture under way needs the map, or it is as the latest picture of its light has it. The latest of `users` to begin is
+/// the last.
+fn is_needed(users: &[User], map: MapKey) -> bool {
+    let mut of_light =
+        users.iter().rev().flat_map(|user| user.maps.iter().filter(|key| key.light() == map.light()));
+    of_light.next() == Some(&map) || users.iter().any(|user| !user.is_finished && user.maps.contains(&map))
 }
 
 /// The pixels that `light` may reach, `[x, y, width, height]`; `None` where it reaches none.

@@ -38,7 +38,7 @@ pub struct Renderer {
     view_uniform: Buffer,
     pub(crate) scene: GpuScene,
     viewers: Viewers,
-    shadow_maps: ShadowMaps,
+    pub(crate) shadow_maps: ShadowMaps,
     ran: PassRuns,
 }
 
@@ -207,6 +207,7 @@ impl Renderer {
             let mut targets = renderer.viewers.take(gpu, &renderer.passes, &drawing.view)?;
             while !renderer.draw_sample(gpu, &mut targets, &drawing, tile, None)? {}
             let result = work(renderer, gpu, &targets)?;
+            renderer.shadow_maps.finish(view.slot);
             renderer.viewers.put(gpu, view.slot, targets);
             Ok(result)
         })

@@ -119,6 +119,9 @@ impl Renderer {
             loop {
                 let over = || until.is_some_and(|until| Instant::now() >= until);
                 let finished = renderer.draw_piece(gpu, picture, aim, &over)?;
+                if finished {
+                    renderer.shadow_maps.finish(slot);
+                }
                 if finished || over() {
                     return Ok(finished);
                 }
@@ -139,6 +142,7 @@ impl Renderer {
                 let finished = renderer.draw_piece(gpu, &mut picture, Duration::MAX, &|| false)?;
                 sampled(picture.progress());
                 if finished {
+                    renderer.shadow_maps.finish(picture.drawing.view.slot);
                     return Ok(picture.into_pixels());
                 }
             }

@@ -58,7 +58,7 @@ impl Allowance {
     }
 
     /// Takes something off, whether there is as much or not.
-    fn take(&mut self, amount: f64, now: Instant) {
+    pub fn take(&mut self, amount: f64, now: Instant) {
         (self.left, self.at) = (self.left(now) - amount, now);
     }
 }

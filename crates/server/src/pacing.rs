@@ -3,10 +3,15 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
+use tokio::sync::OwnedMutexGuard;
 use tokio::time::sleep_until;
 
+use crate::ServerError;
 use crate::allowances::{Allowance, Allowances};
-use crate::limits::{EDITS_BESIDE_A_HAND, MESSAGES_BESIDE_A_HAND, MOVING_FOR};
+use crate::background;
+use crate::limits::{
+    DECODING_BESIDE_A_HAND, DECODING_COUNTED, EDITS_BESIDE_A_HAND, MESSAGES_BESIDE_A_HAND, MOVING_FOR,
+};
 use crate::turns::Payer;
 use crate::views::MovingPixels;
 
@@ -22,6 +27,13 @@ pub struct SocketPacing {
 #[derive(Debug)]
 pub struct EditPacing {
     allowances: Mutex<Allowances>,
+    moving: Arc<MovingPixels>,
+}
+
+/// Decoding of scenes, of all clients.
+#[derive(Debug)]
+pub struct DecodePacing {
+    allowance: Allowance,
     moving: Arc<MovingPixels>,
 }
 
@@ -54,6 +66,31 @@ impl EditPacing {
     }
 }
 
+impl DecodePacing {
+    /// Nothing has been decoded.
+    pub fn new(moving: Arc<MovingPixels>) -> Self {
+        Self { allowance: Allowance::full(DECODING_BESIDE_A_HAND, Instant::now()), moving }
+    }
+
+    /// Does `decode` in the background, once something may be decoded, and gives the turn back with what came of it. Where nobody
+    /// waits for that any more, the turn ends with the work and not before.
+    pub async fn run<T: Send + 'static>(
+        mut turn: OwnedMutexGuard<Self>,
+        decode: impl FnOnce() -> T + Send + 'static,
+    ) -> Result<(T, OwnedMutexGuard<Self>), ServerError> {
+        let moving = Arc::clone(&turn.moving);
+        wait_beside_a_hand(&moving, None, |now| turn.allowance.try_take(0.0, now)).await;
+        background::run(move || {
+            let start = Instant::now();
+            let decoded = decode();
+            let now = Instant::now();
+            turn.allowance.take((now - start).min(DECODING_COUNTED).as_secs_f64(), now);
+            (decoded, turn)
+        })
+        .await
+    }
+}
+
 /// Waits until nobody else's hand moves a view, or until there is something to take; `try_take` takes it, or says when there will be.
 async fn wait_beside_a_hand(
     moving: &MovingPixels,
@@ -73,9 +110,13 @@ async fn wait_beside_a_hand(
 
 #[cfg(test)]
 mod tests {
+    use std::sync::mpsc::sync_channel;
+    use std::thread::sleep;
     use std::time::Duration;
 
     use render::ViewSlot;
+    use tokio::sync::Mutex;
+    use tokio::time::timeout;
 
     use super::*;
 
@@ -122,5 +163,40 @@ mod tests {
         pacing.wait(&payer("shot", "eve"), 1.0).await;
         let least = Duration::from_secs_f64(more / EDITS_BESIDE_A_HAND.per_second);
         assert!(of_others < least / 2 && start.elapsed() > least / 2, "{of_others:?}");
+    }
+
+    #[tokio::test]
+    async fn scenes_are_decoded_one_by_one_though_nobody_waits_for_them() {
+        let decoding = Arc::new(Mutex::new(DecodePacing::new(Arc::default())));
+        let (go_on, wait) = sync_channel::<()>(1);
+        let given_up = DecodePacing::run(Arc::clone(&decoding).lock_owned().await, move || wait.recv());
+        assert!(timeout(Duration::from_millis(20), given_up).await.is_err());
+        assert!(decoding.try_lock().is_err(), "another is decoded meanwhile");
+        go_on.send(()).expect("it is decoded still");
+        drop(decoding.lock().await);
+    }
+
+    #[tokio::test]
+    async fn decoding_rests_beside_a_hand_and_not_else() {
+        let work = Duration::from_millis(5);
+        let seconds = async |hand_moves: bool| {
+            let moving = Arc::<MovingPixels>::default();
+            let decoding = Arc::new(Mutex::new(DecodePacing::new(Arc::clone(&moving))));
+            let mut turn = decoding.lock_owned().await;
+            let start = Instant::now();
+            turn.allowance.try_take(DECODING_BESIDE_A_HAND.saved, start).expect("all is left");
+            for _ in 0..10 {
+                if hand_moves {
+                    moving.note(&"ada".into(), (ViewSlot(1), true), [640, 360], Instant::now());
+                }
+                turn = DecodePacing::run(turn, move || sleep(work)).await.expect("decoded").1;
+            }
+            start.elapsed().as_secs_f64()
+        };
+        let (beside, alone) = (seconds(true).await, seconds(false).await);
+        // What one has used up is waited for by the next. The planted fault: no allowance is taken.
+        let work = work.as_secs_f64();
+        let rests = 9.0 * work * (1.0 / DECODING_BESIDE_A_HAND.per_second - 1.0);
+        assert!(beside >= 10.0 * work + rests && alone < beside, "{beside} s, {alone} s alone");
     }
 }

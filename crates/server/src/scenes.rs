@@ -10,13 +10,15 @@ use protocol::Asset;
 use raycast::Bvh;
 use scene::PosedScene;
 use store::Store;
-use tokio::sync::{OnceCell, Semaphore};
+use tokio::sync::{Mutex as AsyncMutex, OnceCell};
 
 use crate::ServerError;
 use crate::background;
 use crate::limits::MAX_SCENES_KEPT;
 use crate::metrics::Metrics;
+use crate::pacing::DecodePacing;
 use crate::storage::Storage;
+use crate::views::MovingPixels;
 
 /// How a demo scene is named.
 pub const DEMO: &str = "demo:";
@@ -48,14 +50,19 @@ pub struct Scenes {
     storage: Storage,
     /// The latest used at the end. Never held while a scene is decoded.
     kept: Mutex<Vec<(AssetHash, Decoded)>>,
-    decoding: Semaphore,
+    decoding: Arc<AsyncMutex<DecodePacing>>,
     metrics: Arc<Metrics>,
 }
 
 impl Scenes {
     /// None is decoded yet.
-    pub fn new(storage: Storage, metrics: Arc<Metrics>) -> Self {
-        Self { storage, kept: Mutex::default(), decoding: Semaphore::new(1), metrics }
+    pub fn new(storage: Storage, metrics: Arc<Metrics>, moving: Arc<MovingPixels>) -> Self {
+        Self {
+            storage,
+            kept: Mutex::default(),
+            decoding: Arc::new(AsyncMutex::new(DecodePacing::new(moving))),
+            metrics,
+        }
     }
 
     /// The asset that `wanted` means, `demo:NAME` or `sha256:HEX`, known to decode, and what people call it.
@@ -73,14 +80,15 @@ impl Scenes {
 
     /// Keeps a scene's file once it is known to decode, under `name` where there is one.
     pub async fn add(&self, file: File, name: Option<String>) -> Result<Asset, ServerError> {
-        let turn = self.decoding.acquire().await.map_err(|_| ServerError::Fault)?;
+        let turn = Arc::clone(&self.decoding).lock_owned().await;
         let folder = self.storage.folder().to_owned();
-        let decoded = background::run(move || {
+        let decode = move || {
             let bytes = read_all(file).map_err(|reason| ServerError::Data { path: folder, reason })?;
             let decoded = Decoded::of(&bytes)?;
             Ok::<_, ServerError>((bytes, decoded))
-        });
-        let (bytes, decoded) = decoded.await??;
+        };
+        let (decoded, turn) = DecodePacing::run(turn, decode).await?;
+        let (bytes, decoded) = decoded?;
         self.metrics.scenes_decoded.inc();
         drop(turn);
         let asset = self.storage.put_asset(bytes).await?;
@@ -104,14 +112,15 @@ impl Scenes {
         if let Some(scene) = self.kept(&asset) {
             return Ok(scene);
         }
-        let _turn = self.decoding.acquire().await.map_err(|_| ServerError::Fault)?;
+        let turn = Arc::clone(&self.decoding).lock_owned().await;
         // Whoever had the turn before may have wanted the same.
         if let Some(scene) = self.kept(&asset) {
             return Ok(scene);
         }
         let storage = self.storage.clone();
-        let decoded =
-            background::run(move || decode(&storage.open().map_err(ServerError::Unread)?, &asset)).await??;
+        let decode = move || decode(&storage.open().map_err(ServerError::Unread)?, &asset);
+        let (decoded, _turn) = DecodePacing::run(turn, decode).await?;
+        let decoded = decoded?;
         self.metrics.scenes_decoded.inc();
         self.keep(asset, &decoded);
         Ok(decoded)
@@ -153,14 +162,15 @@ impl Decoded {
         Ok(Self { posed, contents, notes, own_name: name, bvh: Arc::default() })
     }
 
-    /// The scene ready for rays: built when it is first asked for, once for all who have the scene, and off the tasks that
-    /// serve.
+    /// The scene ready for rays: built when it is first asked for, once for all who have the scene though whoever asked first has
+    /// gone, and off the tasks that serve.
     pub async fn bvh(&self) -> Result<Arc<Bvh>, ServerError> {
-        let build = || async {
-            let posed = Arc::clone(&self.posed);
-            background::run(move || Arc::new(Bvh::new(posed))).await
-        };
-        self.bvh.get_or_try_init(build).await.map(Arc::clone)
+        let (bvh, posed) = (Arc::clone(&self.bvh), Arc::clone(&self.posed));
+        let built = tokio::spawn(async move {
+            let build = || background::run(move || Arc::new(Bvh::new(posed)));
+            bvh.get_or_try_init(build).await.map(Arc::clone)
+        });
+        built.await.map_err(|_| ServerError::Fault)?
     }
 }
 

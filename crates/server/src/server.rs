@@ -115,7 +115,7 @@ impl Server {
         let cores = available_parallelism().map_or(1, NonZero::get);
         let moving_pixels = Arc::<MovingPixels>::default();
         let backend = Backend {
-            scenes: Arc::new(Scenes::new(storage.clone(), Arc::clone(&metrics))),
+            scenes: Arc::new(Scenes::new(storage.clone(), Arc::clone(&metrics), Arc::clone(&moving_pixels))),
             storage,
             renders,
             moving_pixels: Arc::clone(&moving_pixels),

@@ -140,6 +140,7 @@ impl BentShadowPass {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if !slabs.is_empty() {
             self.map(gpu, &mut encoder, (casters, &near), &buffers)?;
+            work.give_way(gpu, &mut encoder)?;
         }
         match &request.onto {
             Onto::Map(target) => {

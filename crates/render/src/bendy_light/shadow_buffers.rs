@@ -1,6 +1,6 @@
 //! What bent shadow maps are made in: buffers that start small and grow when a scene needs more.
 
-use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages};
+use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages, CommandEncoder};
 
 use super::faces::MOST_FACES;
 use super::gpu_structs::{BentCounts, BentMap, BentShadow, Patch, Slab};
@@ -103,6 +103,16 @@ impl BentWork {
     /// Asks again whether maps fit, of those to come.
     pub fn forget(&mut self) {
         self.put_off = None;
+    }
+
+    /// Others may have their turn in the middle of a map, where nothing puts off the question whether it fits: then it waits for
+    /// the device in any case.
+    pub(super) fn give_way(&self, gpu: &Gpu, encoder: &mut CommandEncoder) -> Result<(), RenderError> {
+        if self.put_off.is_none() {
+            gpu.finish(encoder)?;
+            gpu.yield_point()?;
+        }
+        Ok(())
     }
 
     /// Notes what has been made. False where it is known that it did not fit; there is more room then.

@@ -90,6 +90,9 @@ impl Renderer {
                     targets.invalidate();
                 },
             };
+            if bytes.is_ready() {
+                renderer.shadow_maps.finish(view.slot);
+            }
             renderer.viewers.put(gpu, view.slot, targets);
             Ok(bytes)
         })

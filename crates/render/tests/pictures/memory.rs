@@ -178,7 +178,27 @@ fn what_nobody_looks_at_is_given_back() {
             renderer.render(&camera(1), &instances(&moved)).unwrap();
             assert_eq!(memory.bytes(MemoryKind::ShadowMaps), 3 * MAP);
         }
-        drop(renderer);
+        // Nor does one that others watch: each shows a step of it, and a picture under way loses nothing by that.
+        let moved = |step: u32| {
+            let mut moved = at_rest.clone();
+            let translation = moved[0].transform().translation + DVec3::X * (0.1 * f64::from(step));
+            moved[0].set(TRANSLATION.to(translation));
+            instances(&moved)
+        };
+        let mut still = TiledPicture::for_file(&camera(4), &lights, PictureFormat::Exr).unwrap();
+        let before = renderer.counts().shadow;
+        while renderer.counts().shadow == before {
+            assert!(!renderer.draw_some(&mut still, Duration::ZERO).unwrap());
+        }
+        for step in 6..12 {
+            renderer.render_display(&camera(10 + u64::from(step)), &moved(step)).unwrap();
+            // The planted fault: what every view has shown is needed.
+            assert!(memory.bytes(MemoryKind::ShadowMaps) <= 4 * MAP, "{backend:?}, step {step}");
+        }
+        assert_eq!(renderer.counts().shadow, before + 7);
+        while !renderer.draw_some(&mut still, Duration::ZERO).unwrap() {}
+        assert_eq!(renderer.counts().shadow, before + 7, "the still's maps were drawn again");
+        drop((still, renderer));
         assert_eq!(memory.total(), 0);
     }
 }
