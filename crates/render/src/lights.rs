@@ -219,11 +219,11 @@ impl ShadowMaps {
         let maps: Vec<_> = lights.iter().map(|light| MapKey::of(light, revision)).collect();
         let known = self.users.iter().position(|user| user.slot == slot);
         if let Some(index) = known {
-            let before = self.users.remove(index);
-            if before.maps == maps && !before.is_finished {
-                self.users.insert(index, before);
+            let user = &self.users[index];
+            if user.maps == maps && !user.is_finished {
                 return;
             }
+            self.users.remove(index);
         }
         self.users.push(User { slot, maps, is_finished: false });
         self.see_who_needs_what();

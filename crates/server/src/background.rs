@@ -43,6 +43,15 @@ pub async fn run<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -
     result.await.map_err(|_| ServerError::Fault)
 }
 
+/// Does `work` as [`run`] does while `permit` is held, and gives that back with what came of it: where nobody waits for that any more,
+/// the permit is held until the work is done, and not less long.
+pub async fn run_with<P: Send + 'static, T: Send + 'static>(
+    permit: P,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Result<(T, P), ServerError> {
+    run(move || (work(), permit)).await
+}
+
 /// Does `work` on such a thread and waits for it. What it panicked with where it did; false where no thread could be started.
 pub fn run_here(work: &mut (dyn FnMut() + Send)) -> thread::Result<bool> {
     thread::scope(|scope| {
@@ -78,6 +87,13 @@ pub fn give_way_to_all() {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+    use std::sync::mpsc::sync_channel;
+    use std::time::Duration;
+
+    use tokio::sync::Semaphore;
+    use tokio::time::timeout;
+
     use super::*;
 
     /// A field of what the system says of this thread, counted from 1 as proc(5) does.
@@ -96,6 +112,18 @@ mod tests {
         let mut here = other;
         assert!(run_here(&mut || here = of_this_thread(policy)).is_ok_and(|is_done| is_done));
         assert_eq!((here, of_this_thread(policy)), (idle, other));
+    }
+
+    #[tokio::test]
+    async fn a_permit_is_held_until_the_work_is_done_though_nobody_waits_for_it() {
+        let one = Arc::new(Semaphore::new(1));
+        let (go_on, wait) = sync_channel::<()>(1);
+        let permit = Arc::clone(&one).acquire_owned().await.expect("a permit");
+        let given_up = run_with(permit, move || wait.recv());
+        assert!(timeout(Duration::from_millis(20), given_up).await.is_err());
+        assert!(one.try_acquire().is_err(), "another is let in meanwhile");
+        go_on.send(()).expect("the work goes on");
+        assert!(one.acquire().await.is_ok());
     }
 
     #[tokio::test]

@@ -37,11 +37,10 @@ pub const SHORT_SOLVES: Rate = Rate { per_second: 0.1, saved: 0.2 };
 pub const MESSAGES_BESIDE_A_HAND: Rate = Rate { per_second: 1_000.0, saved: 1_000.0 };
 /// Edits of a client by requests while a hand of another client moves a view.
 pub const EDITS_BESIDE_A_HAND: Rate = Rate { per_second: 500.0, saved: 500.0 };
-/// Decoding of scenes while a hand moves a view, in seconds of the thread that decodes. One scene is decoded at once as a rule; it is
-/// who sends many that waits.
-pub const DECODING_BESIDE_A_HAND: Rate = Rate { per_second: 0.25, saved: 1.0 };
-/// A scene counts for so many seconds of decoding at most: others wait for it no longer, though it takes a minute.
-pub const DECODING_COUNTED: Duration = Duration::from_secs(2);
+/// Decoding of uploaded scenes while a hand moves a view, in seconds of the thread that decodes; the next upload waits.
+pub const UPLOADS_BESIDE_A_HAND: Rate = Rate { per_second: 0.25, saved: 1.0 };
+/// An upload counts for so many seconds of decoding at most: the next one waits for 2 s and no longer.
+pub const UPLOAD_COUNTED: Duration = Duration::from_millis(500);
 /// A request counts for so many edits besides those that it has: its connection, its head and its commit.
 pub const REQUEST_COST_EDITS: f64 = 1.0;
 /// How often a drag is solved for one step while others change what it depends on. After that it is refused.
@@ -186,7 +185,7 @@ pub const HAND_FOR: Duration = Duration::from_secs(1);
 pub const MOVING_FOR: Duration = Duration::from_millis(300);
 /// How long a picture that a hand moves is worked on at once where several clients' hands move. A switch costs caches, and a wait
 /// for the device: beside 250 views that another drags, one has .34 of its frames with turns of 8 ms by wgpu and .47 natively, with
-/// 16 ms .51 and .58. Longest gaps are no longer, up to 24 ms.
+/// 16 ms .51 and .58. Longest gaps are no longer; with 24 ms they are.
 pub const MOVING_TURN: Duration = Duration::from_millis(16);
 /// How long another picture is worked on at once while something moves. A tenth of the time of a drag whose pictures take a sixth of
 /// a second is more.

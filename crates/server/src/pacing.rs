@@ -3,14 +3,14 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-use tokio::sync::OwnedMutexGuard;
+use tokio::sync::{OwnedMutexGuard, OwnedSemaphorePermit, Semaphore};
 use tokio::time::sleep_until;
 
 use crate::ServerError;
 use crate::allowances::{Allowance, Allowances};
 use crate::background;
 use crate::limits::{
-    DECODING_BESIDE_A_HAND, DECODING_COUNTED, EDITS_BESIDE_A_HAND, MESSAGES_BESIDE_A_HAND, MOVING_FOR,
+    EDITS_BESIDE_A_HAND, MESSAGES_BESIDE_A_HAND, MOVING_FOR, UPLOAD_COUNTED, UPLOADS_BESIDE_A_HAND,
 };
 use crate::turns::Payer;
 use crate::views::MovingPixels;
@@ -30,9 +30,10 @@ pub struct EditPacing {
     moving: Arc<MovingPixels>,
 }
 
-/// Decoding of scenes, of all clients.
+/// Decoding of uploaded scenes, of all clients. Uploads wait for one another here, so that who opens a scene waits for no upload
+/// that waits itself.
 #[derive(Debug)]
-pub struct DecodePacing {
+pub struct UploadPacing {
     allowance: Allowance,
     moving: Arc<MovingPixels>,
 }
@@ -66,28 +67,31 @@ impl EditPacing {
     }
 }
 
-impl DecodePacing {
+impl UploadPacing {
     /// Nothing has been decoded.
     pub fn new(moving: Arc<MovingPixels>) -> Self {
-        Self { allowance: Allowance::full(DECODING_BESIDE_A_HAND, Instant::now()), moving }
+        Self { allowance: Allowance::full(UPLOADS_BESIDE_A_HAND, Instant::now()), moving }
     }
 
-    /// Does `decode` in the background, once something may be decoded, and gives the turn back with what came of it. Where nobody
-    /// waits for that any more, the turn ends with the work and not before.
+    /// Does `decode` in the background, once an upload may be decoded and nothing else is. Gives the permit of `decoding` back with
+    /// what came of it.
     pub async fn run<T: Send + 'static>(
         mut turn: OwnedMutexGuard<Self>,
+        decoding: &Arc<Semaphore>,
         decode: impl FnOnce() -> T + Send + 'static,
-    ) -> Result<(T, OwnedMutexGuard<Self>), ServerError> {
+    ) -> Result<(T, OwnedSemaphorePermit), ServerError> {
         let moving = Arc::clone(&turn.moving);
         wait_beside_a_hand(&moving, None, |now| turn.allowance.try_take(0.0, now)).await;
-        background::run(move || {
+        let permit = Arc::clone(decoding).acquire_owned().await.map_err(|_| ServerError::Fault)?;
+        let timed = move || {
             let start = Instant::now();
             let decoded = decode();
             let now = Instant::now();
-            turn.allowance.take((now - start).min(DECODING_COUNTED).as_secs_f64(), now);
-            (decoded, turn)
-        })
-        .await
+            // Also where nobody waits for it any more: the turn moves into the thread.
+            turn.allowance.take((now - start).min(UPLOAD_COUNTED).as_secs_f64(), now);
+            decoded
+        };
+        background::run_with(permit, timed).await
     }
 }
 
@@ -110,7 +114,6 @@ async fn wait_beside_a_hand(
 
 #[cfg(test)]
 mod tests {
-    use std::sync::mpsc::sync_channel;
     use std::thread::sleep;
     use std::time::Duration;
 
@@ -166,37 +169,38 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn scenes_are_decoded_one_by_one_though_nobody_waits_for_them() {
-        let decoding = Arc::new(Mutex::new(DecodePacing::new(Arc::default())));
-        let (go_on, wait) = sync_channel::<()>(1);
-        let given_up = DecodePacing::run(Arc::clone(&decoding).lock_owned().await, move || wait.recv());
-        assert!(timeout(Duration::from_millis(20), given_up).await.is_err());
-        assert!(decoding.try_lock().is_err(), "another is decoded meanwhile");
-        go_on.send(()).expect("it is decoded still");
-        drop(decoding.lock().await);
+    async fn uploads_that_wait_keep_nobody_from_decoding() {
+        let (decoding, moving) = (Arc::new(Semaphore::new(1)), moved_by("ada"));
+        let uploads = Arc::new(Mutex::new(UploadPacing::new(moving)));
+        let mut turn = Arc::clone(&uploads).lock_owned().await;
+        turn.allowance.take(UPLOADS_BESIDE_A_HAND.saved + 1.0, Instant::now());
+        let waits = UploadPacing::run(turn, &decoding, || ());
+        assert!(timeout(Duration::from_millis(20), waits).await.is_err());
+        assert!(decoding.try_acquire().is_ok());
     }
 
     #[tokio::test]
-    async fn decoding_rests_beside_a_hand_and_not_else() {
+    async fn uploads_rest_beside_a_hand_and_not_else() {
         let work = Duration::from_millis(5);
         let seconds = async |hand_moves: bool| {
             let moving = Arc::<MovingPixels>::default();
-            let decoding = Arc::new(Mutex::new(DecodePacing::new(Arc::clone(&moving))));
-            let mut turn = decoding.lock_owned().await;
+            let decoding = Arc::new(Semaphore::new(1));
+            let uploads = Arc::new(Mutex::new(UploadPacing::new(Arc::clone(&moving))));
+            let turn = || Arc::clone(&uploads).lock_owned();
             let start = Instant::now();
-            turn.allowance.try_take(DECODING_BESIDE_A_HAND.saved, start).expect("all is left");
+            turn().await.allowance.try_take(UPLOADS_BESIDE_A_HAND.saved, start).expect("all is left");
             for _ in 0..10 {
                 if hand_moves {
                     moving.note(&"ada".into(), (ViewSlot(1), true), [640, 360], Instant::now());
                 }
-                turn = DecodePacing::run(turn, move || sleep(work)).await.expect("decoded").1;
+                drop(UploadPacing::run(turn().await, &decoding, move || sleep(work)).await.expect("decoded"));
             }
             start.elapsed().as_secs_f64()
         };
         let (beside, alone) = (seconds(true).await, seconds(false).await);
         // What one has used up is waited for by the next. The planted fault: no allowance is taken.
         let work = work.as_secs_f64();
-        let rests = 9.0 * work * (1.0 / DECODING_BESIDE_A_HAND.per_second - 1.0);
+        let rests = 9.0 * work * (1.0 / UPLOADS_BESIDE_A_HAND.per_second - 1.0);
         assert!(beside >= 10.0 * work + rests && alone < beside, "{beside} s, {alone} s alone");
     }
 }

@@ -10,13 +10,13 @@ use protocol::Asset;
 use raycast::Bvh;
 use scene::PosedScene;
 use store::Store;
-use tokio::sync::{Mutex as AsyncMutex, OnceCell};
+use tokio::sync::{Mutex as AsyncMutex, OnceCell, Semaphore};
 
 use crate::ServerError;
 use crate::background;
 use crate::limits::MAX_SCENES_KEPT;
 use crate::metrics::Metrics;
-use crate::pacing::DecodePacing;
+use crate::pacing::UploadPacing;
 use crate::storage::Storage;
 use crate::views::MovingPixels;
 
@@ -50,7 +50,8 @@ pub struct Scenes {
     storage: Storage,
     /// The latest used at the end. Never held while a scene is decoded.
     kept: Mutex<Vec<(AssetHash, Decoded)>>,
-    decoding: Arc<AsyncMutex<DecodePacing>>,
+    decoding: Arc<Semaphore>,
+    uploads: Arc<AsyncMutex<UploadPacing>>,
     metrics: Arc<Metrics>,
 }
 
@@ -60,7 +61,8 @@ impl Scenes {
         Self {
             storage,
             kept: Mutex::default(),
-            decoding: Arc::new(AsyncMutex::new(DecodePacing::new(moving))),
+            decoding: Arc::new(Semaphore::new(1)),
+            uploads: Arc::new(AsyncMutex::new(UploadPacing::new(moving))),
             metrics,
         }
     }
@@ -80,17 +82,17 @@ impl Scenes {
 
     /// Keeps a scene's file once it is known to decode, under `name` where there is one.
     pub async fn add(&self, file: File, name: Option<String>) -> Result<Asset, ServerError> {
-        let turn = Arc::clone(&self.decoding).lock_owned().await;
+        let turn = Arc::clone(&self.uploads).lock_owned().await;
         let folder = self.storage.folder().to_owned();
         let decode = move || {
             let bytes = read_all(file).map_err(|reason| ServerError::Data { path: folder, reason })?;
             let decoded = Decoded::of(&bytes)?;
             Ok::<_, ServerError>((bytes, decoded))
         };
-        let (decoded, turn) = DecodePacing::run(turn, decode).await?;
+        let (decoded, permit) = UploadPacing::run(turn, &self.decoding, decode).await?;
         let (bytes, decoded) = decoded?;
         self.metrics.scenes_decoded.inc();
-        drop(turn);
+        drop(permit);
         let asset = self.storage.put_asset(bytes).await?;
         if let Some(name) = name {
             self.storage.name_asset(asset, name).await?;
@@ -112,14 +114,14 @@ impl Scenes {
         if let Some(scene) = self.kept(&asset) {
             return Ok(scene);
         }
-        let turn = Arc::clone(&self.decoding).lock_owned().await;
+        let permit = Arc::clone(&self.decoding).acquire_owned().await.map_err(|_| ServerError::Fault)?;
         // Whoever had the turn before may have wanted the same.
         if let Some(scene) = self.kept(&asset) {
             return Ok(scene);
         }
         let storage = self.storage.clone();
         let decode = move || decode(&storage.open().map_err(ServerError::Unread)?, &asset);
-        let (decoded, _turn) = DecodePacing::run(turn, decode).await?;
+        let (decoded, _permit) = background::run_with(permit, decode).await?;
         let decoded = decoded?;
         self.metrics.scenes_decoded.inc();
         self.keep(asset, &decoded);

@@ -105,8 +105,8 @@ impl BentWork {
         self.put_off = None;
     }
 
-    /// Others may have their turn in the middle of a map, where nothing puts off the question whether it fits: then it waits for
-    /// the device in any case.
+    /// Lets others have their turn in the middle of a map. Not where it is put off to ask whether maps fit: nothing is to wait for
+    /// the device then.
     pub(super) fn give_way(&self, gpu: &Gpu, encoder: &mut CommandEncoder) -> Result<(), RenderError> {
         if self.put_off.is_none() {
             gpu.finish(encoder)?;

@@ -1,14 +1,19 @@
 //! Pictures that are drawn in tiles are the pictures that are drawn at once.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 use glam::{DAffine3, DQuat, DVec3, Vec3, Vec4};
 use light::LightInstance;
-use light::parameters::{COLOR, NAME, RANGE};
-use render::{Aov, Picture, PictureFormat, Pixels, Progress, Renderer, TiledPicture, View, ViewSlot};
+use light::parameters::{COLOR, NAME, RANGE, TRANSLATION};
+use render::{
+    Aov, Backend, Gpu, MemoryBudget, Picture, PictureFormat, Pixels, Progress, RenderError, Renderer,
+    TiledPicture, View, ViewSlot, Yielding,
+};
 use scene::{Image, Material, Primitive, Sampler, Scene, TextureRef};
 
-use crate::support::{BACKENDS, instances, named, renderer_of, scene_of, spot, square, view};
+use crate::support::{BACKENDS, apart, instances, named, renderer_of, scene_of, spot, square, view};
 
 /// A textured floor, a smooth ball of few triangles and a double-sided sheet on edge.
 fn things() -> Scene {
@@ -259,5 +264,53 @@ fn tiles_share_their_shadow_maps() {
         // One for each light over each sample of each tile.
         assert!(turns > 3 * 3 * 6 - 1, "{turns}");
         assert_eq!(renderer.counts().shadow, 3);
+    }
+}
+
+/// A bent map that the device draws gives way in its middle; wherever a picture is given up, the next one is right.
+#[test]
+fn a_bent_map_of_the_device_gives_way_in_its_middle() {
+    let left = Arc::new(AtomicU32::new(u32::MAX));
+    let counted = Arc::clone(&left);
+    let give_way = move || counted.fetch_sub(1, Ordering::Relaxed) > 1;
+    let yielding = Yielding::new(
+        || true,
+        give_way,
+        |work| {
+            work();
+            true
+        },
+    );
+    let gpu = Gpu::open(MemoryBudget::default(), Some(Backend::Wgpu)).expect("tests need a graphics driver");
+    let mut renderer = Renderer::new(Arc::new(gpu.with_yielding(yielding))).unwrap();
+    renderer.set_shadow_settings(apart()).unwrap();
+    renderer.set_scene(&scene::pose(things())).unwrap();
+    let view = camera([160, 90], Aov::Beauty, 1);
+    let [lights, moved] = [0.0, 0.1].map(|by| {
+        let [key, low, bent] = &lights()[..] else { unreachable!("three") };
+        let at = bent.light.light().transform().translation + DVec3::X * by;
+        instances(&[
+            key.light.light().clone(),
+            low.light.light().clone(),
+            bent.light.light().clone().with(TRANSLATION, at),
+        ])
+    });
+    // The picture, and how often it gives way; given up where it would do so more often than `most`.
+    let mut draw = |lights: &[LightInstance], most: u32| {
+        left.store(most + 1, Ordering::Relaxed);
+        let mut picture = TiledPicture::for_screen(&view, lights).unwrap();
+        while !renderer.draw_some(&mut picture, Duration::MAX)? {}
+        let Pixels::Display { bytes, .. } = picture.into_pixels() else { unreachable!("it is for a screen") };
+        Ok::<_, RenderError>((bytes, most + 1 - left.load(Ordering::Relaxed)))
+    };
+    draw(&lights, 1000).unwrap();
+    let (at_rest, kept) = draw(&lights, 1000).unwrap();
+    let (expected, new) = draw(&moved, 1000).unwrap();
+    assert_eq!(new, kept + 1);
+    assert!(at_rest != expected);
+    for most in 0..new {
+        draw(&lights, 1000).unwrap();
+        assert_eq!(draw(&moved, most), Err(RenderError::Cancelled), "{most} of {new}");
+        assert!(draw(&moved, 1000).unwrap().0 == expected, "after {most} of {new}");
     }
 }
