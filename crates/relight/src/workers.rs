@@ -118,10 +118,12 @@ impl Workers {
         work: impl Fn(&mut T) -> bool + Sync,
     ) -> Result<(), Cancelled> {
         let queue = Mutex::new(Queue { new: items, begun: Vec::new() });
+        // In a function of its own: the condition of a loop would hold the lock while the item is worked on.
+        let next = || lock(&queue).next();
         loop {
             let unfinished = Mutex::new(Vec::new());
             self.pool.broadcast(|_| {
-                while let Some(mut item) = lock(&queue).next() {
+                while let Some(mut item) = next() {
                     if !work(&mut item) {
                         lock(&unfinished).push(item);
                     }
@@ -182,6 +184,7 @@ impl Default for Workers {
 #[cfg(test)]
 mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::time::{Duration, Instant};
 
     use super::*;
 
@@ -191,6 +194,26 @@ mod tests {
         let counted = Arc::clone(&count);
         let give_way = move || counted.fetch_add(1, Ordering::Relaxed) + 1 != cancelled_at;
         (Yielding::new(|| true, give_way, |work| (work(), true).1), count)
+    }
+
+    /// Each of two items waits for the other to be begun: where one thread does both, or one after the other, neither sees it.
+    #[test]
+    fn threads_work_on_items_at_the_same_time() {
+        let begun = AtomicUsize::new(0);
+        let until = Instant::now() + Duration::from_secs(20);
+        let has_met = |others: usize| {
+            begun.fetch_add(1, Ordering::SeqCst);
+            while begun.load(Ordering::SeqCst) < others && Instant::now() < until {
+                std::thread::yield_now();
+            }
+            begun.load(Ordering::SeqCst) >= others
+        };
+        let met = AtomicUsize::new(0);
+        let ended = Workers::of(2).each([(), ()].into_iter(), |()| {
+            met.fetch_add(usize::from(has_met(2)), Ordering::SeqCst);
+            true
+        });
+        assert_eq!((ended, met.into_inner()), (Ok(()), 2));
     }
 
     #[test]
