@@ -1,26 +1,35 @@
-# make demo   the demo scene in a browser, from a fresh clone
-# make test   everything that must hold
-# make build  the program with its page inside, target/release/bendylights, and the studies of the light model
+# make demo     the demo scene in a browser, from a fresh clone; LISTEN=9000 for another port
+# make test     everything that must hold
+# make build    the program with its page inside, target/release/bendylights
+# make install  the same, put where cargo puts programs: ~/.cargo/bin
+# make studies  target/release/bendylights-studies, measurements of the light model that do not ship
 #
 # Needs Rust and Node.js; what else is missing, `make packages` installs on Debian, with sudo only where that is needed.
 
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
-.PHONY: build page demo test packages test-packages openapi-tools
+.PHONY: build install studies page demo test packages test-packages openapi-tools
 
 DATA := demo-data
+LISTEN := 127.0.0.1:8080
 export CARGO_TERM_COLOR ?= auto
 
 build: packages page
-	cargo build --release --locked -p bendylights -p studies
-	@echo "Built target/release/bendylights and bendylights-studies; try: target/release/bendylights --help"
+	cargo build --release --locked -p bendylights
+	@echo "Built target/release/bendylights; try: target/release/bendylights --help"
+
+install: packages page
+	cargo install --locked --path crates/bendylights
+
+studies: packages
+	cargo build --release --locked -p studies
 
 page: packages
 	cd web-client && npm ci --no-audit --no-fund --loglevel=error && npm run --silent build
 
 # Open the address that it prints; stop it with Ctrl+C. What was edited is in $(DATA) and there at the next start.
 demo: build
-	target/release/bendylights serve --data $(DATA) --scene demo:vases
+	target/release/bendylights serve --data $(DATA) --listen $(LISTEN)
 
 test: packages test-packages page openapi-tools
 	cd web-client && npm run --silent check && npm test

@@ -61,7 +61,7 @@ impl Own {
         let config = Config {
             data: data.path().to_owned(),
             session: "main".into(),
-            scene: "demo:vases".into(),
+            scene: None,
             public_urls: Vec::new(),
             trace: None,
             backend: None,

@@ -34,6 +34,12 @@ const OLD_LOGS: &[OldLog] = &[
         records: 60,
         hash: "5f0aa993b13873a8e5447787bcdda76c746c308c28aa2119a56c07e9c6ea4fd6",
     },
+    OldLog {
+        file: "format-4.jsonl",
+        format: 4,
+        records: 60,
+        hash: "5f0aa993b13873a8e5447787bcdda76c746c308c28aa2119a56c07e9c6ea4fd6",
+    },
 ];
 
 fn folder() -> PathBuf {
@@ -132,7 +138,7 @@ fn a_planted_parameter_of_a_later_format_is_refused_by_name() {
             let refused = replay_log(lines.join("\n").as_bytes(), None).expect_err(log.file);
             let said = refused.to_string();
             // Only lights have an exposure; what control points have is read by name.
-            let of_points = said.contains("unknown parameter `exposure`");
+            let of_points = said.contains("there is no parameter `exposure`");
             let expected = format!("record {planted}: format {} has no `exposure`", log.format);
             assert!(said.contains(&expected) || of_points, "{}: {index}: {said}", log.file);
             assert_eq!(refused.code(), protocol::ErrorCode::BadLog);

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::document::{Quat, Vec3};
 use crate::error::excerpt;
 use crate::parameter::{ValueOf, unknown};
+use crate::words::in_json_words;
 use crate::{Camera, DragKind, DragRadii, Light, LightParameter, Pin, PointParameter, Projection, Refused};
 
 /// [`document::Command`] in JSON; `type` says which (SPEC, section 2).
@@ -326,8 +327,9 @@ fn set(address: &str, value: &serde_json::Value) -> Result<document::Command, Re
     };
     let names = || rows.iter().map(|row| row.name);
     let row = rows.iter().copied().find(|row| row.name == name);
-    let row =
-        row.ok_or_else(|| refused(unknown::<serde_json::Error>("parameter", name, names()).to_string()))?;
+    let row = row.ok_or_else(|| {
+        refused(in_json_words(&unknown::<serde_json::Error>("parameter", name, names()).to_string()))
+    })?;
     let other_type = || refused(format!("`{name}` must be {}", row.kind));
     let setting = || match ValueOf(row).deserialize(value) {
         Ok(value) => Ok(Setting { parameter: row, value }),

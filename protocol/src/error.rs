@@ -8,12 +8,13 @@ use serde::de::{DeserializeOwned, DeserializeSeed};
 use thiserror::Error;
 
 use crate::ErrorCode;
+use crate::words::{in_json_words, of_syntax};
 
 /// Why a light file or a point file is refused. The caller knows the file's name and puts it in front.
 #[derive(Debug, Error)]
 pub enum FileError {
     /// The text is not JSON.
-    #[error("not valid JSON: {0} (numbers must be finite; JSON has no NaN or Infinity)")]
+    #[error("not valid JSON: {} (numbers must be finite; JSON has no NaN or Infinity)", of_syntax(&.0.to_string()))]
     Syntax(serde_json::Error),
     /// The JSON does not have the shape of what it should hold.
     #[error("{place}{problem}")]
@@ -155,5 +156,5 @@ fn refused(place: String, error: serde_json::Error) -> FileError {
     // the reader knows JSON's words, not Rust's.
     let text = error.to_string();
     let problem = text.rsplit_once(" at line ").map_or(text.as_str(), |(problem, _)| problem);
-    FileError::Shape { place, problem: problem.replace("expected f64", "expected a number") }
+    FileError::Shape { place, problem: in_json_words(problem) }
 }

@@ -29,6 +29,7 @@ mod render_request;
 mod schema;
 mod stats;
 mod variants;
+mod words;
 
 pub use self::drag::{
     DocumentPin, DragKind, DragLimit, DragOutcome, DragRadii, DragReason, DragStatus, Pin, PinKind,

@@ -18,6 +18,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, json};
 
 use crate::parameter::{ListOf, ValueOf, Written, WrittenList, schema, unknown};
+use crate::words::in_json_words;
 
 /// One light. In JSON the field `type` says which.
 #[derive(Clone, Debug, PartialEq)]
@@ -155,15 +156,16 @@ impl Serialize for Light {
 impl<'de> Deserialize<'de> for Light {
     /// By `type`; the reason for a refusal names the field.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let said = |error: &serde_json::Error| in_json_words(&error.to_string());
         let value = serde_json::Value::deserialize(deserializer)?;
         let named = value.get("type").unwrap_or(&serde_json::Value::Null);
-        let TypeOf(owner) =
-            TypeOf::deserialize(named).map_err(|error| de::Error::custom(format!("light.type: {error}")))?;
+        let TypeOf(owner) = TypeOf::deserialize(named)
+            .map_err(|error| de::Error::custom(format!("light.type: {}", said(&error))))?;
         let mut track = serde_path_to_error::Track::new();
         let tracked = serde_path_to_error::Deserializer::new(value, &mut track);
         LightOf(owner).deserialize(tracked).map_err(|error| match track.path().to_string() {
-            root if root == "." => de::Error::custom(format!("light: {error}")),
-            field => de::Error::custom(format!("light.{field}: {error}")),
+            root if root == "." => de::Error::custom(format!("light: {}", said(&error))),
+            field => de::Error::custom(format!("light.{field}: {}", said(&error))),
         })
     }
 }

@@ -16,7 +16,7 @@ use crate::{FileError, Record};
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct LogHeader {
-    /// [`crate::FORMAT`] of the program that wrote the file.
+    /// [`crate::FORMAT`] of the program that made the session.
     pub format: u32,
     /// Name of the session.
     pub session: String,
@@ -30,7 +30,7 @@ pub struct Checkpoint {
     pub seq: u64,
     /// Of the document, 64 hexadecimal digits.
     pub hash: String,
-    /// Of all lines of records up to there ([`next_proof`]), 64 hexadecimal digits. Logs of format 1 have none.
+    /// Of the header and all lines of records up to there ([`next_proof`]), 64 hexadecimal digits. Logs of format 1 have none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub proof: Option<String>,
 }
@@ -52,7 +52,7 @@ pub enum LogLine {
     Checkpoint(Checkpoint),
 }
 
-/// The proof of a log without records.
+/// The proof before the first record in logs of formats 2 and 3, which does not cover the header.
 pub const FIRST_PROOF: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 
 /// The proof after one more record: SHA-256 over the proof before, its 64 digits, and the record's line as it stands
@@ -87,12 +87,18 @@ pub struct LogReader {
 }
 
 impl Default for LogReader {
+    /// Reads lines whose proof nobody asks for, or those of a log of format 3 or earlier.
     fn default() -> Self {
         Self::going_on_from(FIRST_PROOF)
     }
 }
 
 impl LogReader {
+    /// Reads a log from its first record.
+    pub fn new(header: &LogHeader) -> Self {
+        Self::going_on_from(&header.first_proof(&header.to_json()))
+    }
+
     /// Goes on behind a record whose proof is known. What the records before it hold is asked for when it is needed.
     pub fn going_on_from(proof: &str) -> Self {
         Self { held: HeldLines::default(), proof: proof.into() }
@@ -188,6 +194,14 @@ impl LogHeader {
     /// The line, without its end.
     pub fn to_json(&self) -> String {
         to_line(self)
+    }
+
+    /// The proof before the first record, where the header stands in the log as `line`, without its end (SPEC, LOG-4).
+    pub fn first_proof(&self, line: &str) -> String {
+        match self.format {
+            ..4 => FIRST_PROOF.to_owned(),
+            _ => next_proof("", line),
+        }
     }
 }
 

@@ -15,9 +15,10 @@ use crate::{
     Refused, SceneRef,
 };
 
-/// The format of records that this version writes. Earlier ones are upgraded when they are read: 1 knew neither
-/// `rebased` nor references; up to 2 a document's hash was over the fields that lights had then.
-pub const FORMAT: u32 = 3;
+/// The format of records and logs that this version writes. Earlier ones are upgraded when they are read: 1 knew neither
+/// `rebased` nor references; up to 2 a document's hash was over the fields that lights had then; up to 3 a log's proof did
+/// not cover its header.
+pub const FORMAT: u32 = 4;
 
 /// Bytes of one record in JSON, in full. One that replaces a document at its limits (256 lights of 258 control points)
 /// by another such takes 28 MiB.

@@ -47,7 +47,7 @@ fn links_are_sets() {
     assert_eq!(some["shadowLink"], serde_json::json!({"exclude": ["e"]}));
     assert_eq!(written(&Light::spot()).get("lightLink"), None);
     let refused = refusal(r#"{"type": "spot", "lightLink": {"only": ["a"]}}"#);
-    assert_eq!(refused, "lightLink.only: unknown field `only`, expected `include` or `exclude`");
+    assert_eq!(refused, "lightLink.only: there is no field `only`, only `include` or `exclude`");
 }
 
 /// No pairs are no curve, which is the default.
@@ -64,7 +64,7 @@ fn curves_over_an_angle_are_lists_of_pairs() {
     let written = serde_json::to_value(protocol::Light::from(&some)).expect("JSON");
     assert_eq!(written["radialFalloff"], serde_json::json!([[0.0, 1.0], [90.5, 0.25]]));
     let refused = refusal(r#"{"type": "spot", "radialFalloff": [[0, 1], [90]]}"#);
-    assert_eq!(refused, "radialFalloff[1]: invalid length 1, expected an array of length 2");
+    assert_eq!(refused, "radialFalloff[1]: has 1 values, where an array of 2 should be");
 }
 
 #[test]
@@ -116,18 +116,18 @@ fn lists_that_have_a_default_may_be_null() {
     };
     assert_eq!(command(&of_nulls), command(SHORT));
     for (field, expected) in [
-        ("radii", "radii: invalid type: null, expected a sequence"),
-        ("points", "points: invalid type: null, expected a sequence"),
-        ("name", "name: invalid type: null, expected a string"),
-        ("coneAngle", "coneAngle: invalid type: null, expected a number"),
-        ("transform", "transform: invalid type: null, expected an object: a transform"),
+        ("radii", "radii: is null, where an array should be"),
+        ("points", "points: is null, where an array should be"),
+        ("name", "name: is null, where a text should be"),
+        ("coneAngle", "coneAngle: is null, where a number should be"),
+        ("transform", "transform: is null, where an object should be"),
     ] {
         let mut light: serde_json::Value = serde_json::from_str(SHORT).expect("JSON");
         light[field] = serde_json::Value::Null;
         assert_eq!(refusal(&light.to_string()), expected);
     }
     let twice = SHORT.replacen('}', r#", "colors": null, "colors": null}"#, 1);
-    assert_eq!(refusal(&twice), "duplicate field `colors`");
+    assert_eq!(refusal(&twice), "the field `colors` is there twice");
 }
 
 /// As those of glTF files, at the end of a character.
@@ -242,12 +242,15 @@ fn spoilt(from: &str, to: &str) -> String {
 #[test]
 fn broken_json_is_refused_with_its_line_and_column() {
     for (said, problem) in [
-        (refusal(""), "EOF while parsing a value at line 1 column 0"),
-        (refusal("{\n\"type\""), "EOF while parsing an object at line 2 column 6"),
-        (spoilt("0.1", "NaN"), "expected value at line 1 column 68"),
-        (spoilt("0.1", "1e999"), "number out of range at line 1 column 72"),
-        (refusal(&format!("{SHORT} {SHORT}")), "trailing characters at line 1 column 82"),
-        (refusal("[{\"type\": \"spot\"},\n]"), "trailing comma at line 2 column 1"),
+        (refusal(""), "it ends where a value should begin (line 1, character 0)"),
+        (refusal("{\n\"type\""), "it ends before what began is closed (line 2, character 6)"),
+        (spoilt("0.1", "NaN"), "there is no value where one should be (line 1, character 68)"),
+        (spoilt("0.1", "1e999"), "a number is out of range (line 1, character 72)"),
+        (
+            refusal(&format!("{SHORT} {SHORT}")),
+            "something follows where it should end (line 1, character 82)",
+        ),
+        (refusal("[{\"type\": \"spot\"},\n]"), "a comma stands before the end (line 2, character 1)"),
     ] {
         let hint = "(numbers must be finite; JSON has no NaN or Infinity)";
         assert_eq!(said, format!("not valid JSON: {problem} {hint}"));
@@ -273,33 +276,30 @@ fn a_wrong_shape_is_refused_with_its_place() {
     let (bendy_fields, spot_fields) = (fields(Owner::Bendy), fields(Owner::Spot));
     let light = "a light: an object with `type`, `points`, `radii` and so on";
     for (said, expected) in [
-        (refusal("3"), format!("invalid type: integer `3`, expected {light}")),
-        (refusal("[3]"), format!("light 0: invalid type: integer `3`, expected {light}")),
-        (refusal("{}"), "missing field `type`".into()),
-        (
-            spoilt("bendy", "area"),
-            "type: unknown variant `area`, expected one of `bendy`, `spot`, `omni`, `directional`".into(),
-        ),
+        (refusal("3"), format!("is the number 3, where {light} should be")),
+        (refusal("[3]"), format!("light 0: is the number 3, where {light} should be")),
+        (refusal("{}"), "the field `type` is missing".into()),
+        (spoilt("bendy", "area"), "type: `area` is not one of `bendy`, `spot`, `omni`, `directional`".into()),
         (
             spoilt("\"radii\"", "\"radius\""),
-            format!("radius: unknown field `radius`, expected one of {bendy_fields}"),
+            format!("radius: there is no field `radius`, only {bendy_fields}"),
         ),
         (
             refusal("[{\"type\": \"spot\"}, {\"type\": \"spot\", \"radii\": []}]"),
-            format!("light 1: radii: unknown field `radii`, expected one of {spot_fields}"),
+            format!("light 1: radii: there is no field `radii`, only {spot_fields}"),
         ),
         (
             spoilt("}", ", \"transform\": {\"size\": 1}}"),
-            "transform.size: unknown field `size`, expected one of `translation`, `rotation`, `scale`".into(),
+            "transform.size: there is no field `size`, only `translation`, `rotation`, `scale`".into(),
         ),
-        (spoilt(", \"radii\": [0.1,0.4,0.8]", ""), "missing field `radii`".into()),
-        (spoilt("}", ", \"radii\": [1,1,1]}"), "duplicate field `radii`".into()),
-        (spoilt("0.4", "\"a\""), "radii[1]: invalid type: string \"a\", expected a number".into()),
-        (spoilt("0.4", "null"), "radii[1]: invalid type: null, expected a number".into()),
-        (spoilt("[0,0,-1]", "[0,0]"), "points[1]: invalid length 2, expected an array of length 3".into()),
+        (spoilt(", \"radii\": [0.1,0.4,0.8]", ""), "the field `radii` is missing".into()),
+        (spoilt("}", ", \"radii\": [1,1,1]}"), "the field `radii` is there twice".into()),
+        (spoilt("0.4", "\"a\""), "radii[1]: is the text \"a\", where a number should be".into()),
+        (spoilt("0.4", "null"), "radii[1]: is null, where a number should be".into()),
+        (spoilt("[0,0,-1]", "[0,0]"), "points[1]: has 2 values, where an array of 3 should be".into()),
         (
             spoilt("}", ", \"decay\": \"fast\"}"),
-            "decay: unknown variant `fast`, expected one of `none`, `linear`, `inverseSquare`".into(),
+            "decay: `fast` is not one of `none`, `linear`, `inverseSquare`".into(),
         ),
     ] {
         assert_eq!(said, expected);
@@ -331,9 +331,9 @@ fn what_the_model_refuses_is_refused_here() {
 #[test]
 fn a_bad_point_file_is_refused_with_its_place() {
     for (text, expected) in [
-        ("{}", "invalid type: map, expected a sequence"),
-        ("[[0,0,0],[0,0]]", "[1]: invalid length 2, expected an array of length 3"),
-        ("[[0,\"x\",0]]", "[0][1]: invalid type: string \"x\", expected a number"),
+        ("{}", "is an object, where an array should be"),
+        ("[[0,0,0],[0,0]]", "[1]: has 2 values, where an array of 3 should be"),
+        ("[[0,\"x\",0]]", "[0][1]: is the text \"x\", where a number should be"),
     ] {
         assert_eq!(point_file::parse(text).expect_err("a bad point file").to_string(), expected);
     }
@@ -347,6 +347,6 @@ fn vectors_have_three_numbers() {
         said("[[0, 0, 0], [1, 2, 3, 4]]"),
         "[1]: too many numbers: a pair has 2, a vector 3, a rotation 4"
     );
-    assert_eq!(said("[[0, 0, 0], [1, 2]]"), "[1]: invalid length 2, expected an array of length 3");
-    assert!(said("[[0, 0, 0]] 7").starts_with("not valid JSON: trailing characters"));
+    assert_eq!(said("[[0, 0, 0], [1, 2]]"), "[1]: has 2 values, where an array of 3 should be");
+    assert!(said("[[0, 0, 0]] 7").starts_with("not valid JSON: something follows"));
 }

@@ -35,10 +35,10 @@ fn other_lines_are_refused_by_what_is_wrong() {
         let said = read(text).expect_err(text).to_string();
         assert!(said.contains(expected), "{text}: {said}");
     };
-    refused("", "EOF");
-    refused("{", "EOF");
+    refused("", "it ends where a value");
+    refused("{", "it ends before");
     refused("[]", "");
-    refused(&format!("{RECORD}{RECORD}"), "trailing");
+    refused(&format!("{RECORD}{RECORD}"), "something follows");
     refused(&RECORD.replace("\"seq\":1", "\"seq\":-1"), "seq");
     refused(&RECORD.replace("\"opId\"", "\"opID\""), "`opID`");
     refused(&RECORD.replace("30.5", "\"30.5\""), "changes[0]");
@@ -47,8 +47,8 @@ fn other_lines_are_refused_by_what_is_wrong() {
     refused(r#"{"checkpoint":{"seq":7}}"#, "hash");
     refused(r#"{"checkpoint":{"seq":7,"hash":"","gobo":1}}"#, "`gobo`");
     LogHeader::parse(r#"{"format":1}"#).expect_err("no session");
-    let later = LogHeader::parse(r#"{"format":4,"session":"main"}"#).expect_err("a later format").to_string();
-    assert!(later.contains("format 4"), "{later}");
+    let later = LogHeader::parse(r#"{"format":5,"session":"main"}"#).expect_err("a later format").to_string();
+    assert!(later.contains("format 5"), "{later}");
 }
 
 /// A record that adds a light with `points` control points, and one that removes it, in full.
@@ -127,7 +127,7 @@ fn references_that_lead_nowhere_are_refused() {
     refused(&lines[1].replace("\"record\":1", "\"record\":3"), "refers ahead");
     refused(&lines[1].replace("\"record\":1", "\"recard\":1"), "has a `sameAs` that is not");
     refused(&lines[1].replace("{\"sameAs\"", "{ \"sameAs\""), "changes[0]");
-    refused(&lines[1][..lines[1].len() - 1], "EOF");
+    refused(&lines[1][..lines[1].len() - 1], "it ends before");
     let alone = LogReader::default().read(&lines[1]).expect_err("the line before is missing").to_string();
     assert!(alone.contains("record 1 does not hold"), "{alone}");
     let around = r#"{"format":2,"seq":1,"x":[{"sameAs":{"record":1,"at":24,"hash":""}}]}"#;

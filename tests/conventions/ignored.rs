@@ -9,6 +9,7 @@ const NEEDS: &[(&str, &str)] = &[
     ("needs ../shared/assets", "shared_assets"),
     ("needs strace", ""),
     ("needs systemd-analyze", ""),
+    ("needs Python", ""),
     ("needs the page and a browser: make page test-packages", ""),
     ("needs the tools for OpenAPI: make openapi-tools", ""),
     ("the child of ", "child_that_"),

@@ -7,6 +7,7 @@
 
 mod default_key;
 mod demo;
+mod example;
 mod fault;
 mod import;
 pub mod limits;
@@ -16,6 +17,7 @@ use std::path::Path;
 
 pub use demo::{DEMO_NAMES, demo, demo_bytes};
 use document::SceneContents;
+pub use example::{example_glb, example_light};
 pub use fault::{AssetError, Fault};
 pub use limits::Limit;
 use scene::Scene;

@@ -7,13 +7,14 @@ use assets::Loaded;
 use cli::{answer, say};
 use document::{BENT_SEGMENTS, Bending};
 use glam::DVec3;
-use light::{CheckedLight, Owner};
+use light::{CheckedLight, MAX_SEGMENTS, Owner};
 use protocol::light_file;
 use raycast::Bvh;
 
 use crate::error::Error;
 use crate::files;
 use crate::render::{no_such_light, open_scene};
+use crate::usage::whole;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -44,7 +45,7 @@ pub struct Args {
     #[arg(long, value_name = "NAME", requires = "scene", conflicts_with = "light_file")]
     light: Option<String>,
     /// Number of curve segments; a light of N segments has N + 2 control points
-    #[arg(long, value_name = "N", default_value_t = BENT_SEGMENTS)]
+    #[arg(long, value_name = "N", default_value_t = BENT_SEGMENTS, value_parser = whole(1..=MAX_SEGMENTS))]
     segments: usize,
     /// Half angle of the cone in which an omni or directional light is bent, in degrees, less than 90 [default: 45]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]

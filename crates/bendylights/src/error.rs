@@ -11,7 +11,7 @@ use light::LightError;
 use protocol::FileError;
 use render::RenderError;
 use server::ServerError;
-use store::StoreError;
+use store::{Difference, StoreError};
 use thiserror::Error;
 
 /// Why a command did not do its work.
@@ -20,6 +20,21 @@ pub enum Error {
     /// A file that the system would not read.
     #[error("{file}: cannot be read ({reason}); check the name and that you may read it")]
     Unreadable { file: String, reason: io::Error },
+    /// A file that would be overwritten.
+    #[error("{}: is there already; name another folder, or remove it", file.display())]
+    IsThere { file: PathBuf },
+    /// A scene where a light file is wanted.
+    #[error(
+        "{file}: is a scene, and a light file is wanted: `bendylights bend --scene {file} > light.json` writes one, of \
+         a light of the scene"
+    )]
+    SceneForLight { file: String },
+    /// A scene that lies on another machine.
+    #[error(
+        "{address}: is an address, and scenes are files: download it first, as by `curl -O`; a picture of a server's session \
+         it gives by itself, at /sessions/NAME/render"
+    )]
+    RemoteScene { address: String },
     /// A light or point file over the limit.
     #[error("{file}: is larger than {limit_mib} MiB; split it")]
     TooLarge { file: String, limit_mib: u64 },
@@ -100,12 +115,9 @@ pub enum Error {
          that has it with --data, or copy the file assets/{} from there", asset.hex()
     )]
     NoScene { file: String, seq: u64, asset: AssetHash },
-    /// A replayed log gives another document than it gave when it was written.
-    #[error(
-        "{file}: the document after record {seq} is not the one that was logged: the log or the program was changed; \
-         export the log again"
-    )]
-    Differs { file: String, seq: u64 },
+    /// A replayed log is not what was logged.
+    #[error("{file}: {how}")]
+    Differs { file: String, how: Difference },
     /// A measurement that could not be made.
     #[error(transparent)]
     Bench(#[from] BenchError),
@@ -124,6 +136,7 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Cli(error) => error.exit_code(),
+            Self::Server(ServerError::Store(StoreError::NotAFolder(_))) => 2,
             Self::Missed { .. }
             | Self::Store(StoreError::Io { .. } | StoreError::Database(_) | StoreError::Unwritable(_))
             | Self::NoRuntime(_)

@@ -6,6 +6,7 @@ use cli::Output;
 use store::Store;
 
 use crate::error::Error;
+use crate::usage::DATA;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -13,12 +14,12 @@ Writes JSON Lines: a header, each record of the log, and checkpoints that say wh
 server may be running. Scenes are not in the log: they are files in DIR/assets, named by their SHA-256.
 
 Example:
-  bendylights export main --data bendylights-data -o main.jsonl")]
+  bendylights export main -o main.jsonl")]
 pub struct Args {
     /// Name of the session
     session: String,
     /// Folder that `bendylights serve --data` was given
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, default_value = DATA, value_name = "DIR")]
     data: PathBuf,
     /// Log file to write
     #[arg(short, value_name = "LOG.jsonl")]

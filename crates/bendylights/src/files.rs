@@ -5,7 +5,8 @@ use std::io::{self, BufReader, Read};
 use std::path::Path;
 use std::sync::Arc;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use cli::progress;
+use indicatif::ProgressBar;
 use light::CheckedLight;
 use protocol::drag_file::{self, Drag};
 use protocol::point_file::WrittenPoint;
@@ -23,6 +24,10 @@ const STDIN: &str = "-";
 /// The lights of a light file, each valid.
 pub fn read_lights(path: &Path) -> Result<Vec<Arc<CheckedLight>>, Error> {
     let file = path.display().to_string();
+    let is_scene = [".glb", ".gltf"].iter().any(|end| file.to_ascii_lowercase().ends_with(end));
+    if is_scene || file.starts_with("demo:") {
+        return Err(Error::SceneForLight { file });
+    }
     let text = File::open(path).and_then(read_limited);
     Ok(parsed(file, text, light_file::parse)?.into_iter().map(Arc::new).collect())
 }
@@ -89,9 +94,7 @@ pub fn open_log(path: &Path) -> Result<(BufReader<impl Read>, ProgressBar), Erro
     let bytes = file.metadata().map_err(unreadable)?.len();
     let bar = match bytes {
         0..LONG_LOG_BYTES => ProgressBar::hidden(),
-        _ => ProgressBar::new(bytes).with_style(
-            ProgressStyle::with_template("{bar:40} {percent}%, {eta} left").expect("a sound template"),
-        ),
+        _ => progress(bytes),
     };
     Ok((BufReader::new(bar.wrap_read(file)), bar))
 }

@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use cli::answer;
-use store::Store;
+use document::AssetHash;
+use store::{Assets, Store};
 
 use crate::error::Error;
+use crate::usage::DATA;
 use crate::{files, known_scenes, replay};
 
 #[derive(clap::Args)]
@@ -14,13 +16,13 @@ The log is replayed first: one that has gaps, does not fit together or gives ano
 and nothing is left of it. Scenes that it loads must be demos or in DIR/assets.
 
 Example:
-  bendylights import main.jsonl --data bendylights-data --name main-again")]
+  bendylights import main.jsonl --name main-again")]
 pub struct Args {
     /// Log file that `bendylights export` wrote
     #[arg(value_name = "LOG.jsonl")]
     log: PathBuf,
     /// Data folder to put the session into; made where it is missing
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, default_value = DATA, value_name = "DIR")]
     data: PathBuf,
     /// Name of the session [default: the one in the log]
     #[arg(long)]
@@ -28,10 +30,18 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
+    let assets = Assets::of(&args.data);
+    let is_here = |asset: &AssetHash| known_scenes::is_here(&assets, asset);
+    if Store::open(&args.data).is_err() {
+        // A log that is refused makes no folder.
+        let (log, bar) = files::open_log(&args.log)?;
+        let checked = store::check_log(log, args.name.as_deref(), &is_here);
+        bar.finish_and_clear();
+        checked.map_err(|reason| replay::refused(&args.log, reason))?;
+    }
     let (log, bar) = files::open_log(&args.log)?;
     let mut store = Store::create(&args.data)?;
-    let scenes = Store::open(&args.data)?;
-    let imported = store.import(log, args.name.as_deref(), &|asset| known_scenes::is_here(&scenes, asset));
+    let imported = store.import(log, args.name.as_deref(), &is_here);
     bar.finish_and_clear();
     let row = imported.map_err(|reason| replay::refused(&args.log, reason))?;
     Ok(answer(&format!("{}: {} records", row.name, row.seq))?)

@@ -8,6 +8,7 @@ mod bend;
 mod drag;
 mod error;
 mod eval;
+mod example;
 mod export;
 mod files;
 mod gpu;
@@ -21,11 +22,12 @@ mod resolve;
 mod scenes;
 mod serve;
 mod sessions;
+mod usage;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use cli::say;
+use cli::complain;
 use tikv_jemallocator::Jemalloc;
 
 /// Gives memory that nobody uses back to the system within seconds, from a thread of its own.
@@ -34,10 +36,13 @@ static ALLOCATOR: Jemalloc = Jemalloc;
 
 /// Renders scenes lit by BendyLights: spotlights whose light travels along a curve.
 #[derive(Parser)]
-#[command(version, after_help = EXAMPLES)]
+#[command(version = env!("BENDYLIGHTS_VERSION"), after_help = EXAMPLES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// Say nothing on standard error but why it fails: no notes, no progress
+    #[arg(long, short, global = true)]
+    quiet: bool,
 }
 
 #[derive(Subcommand)]
@@ -56,6 +61,8 @@ enum Command {
     Parameters(parameters::Args),
     /// List the demo scenes
     Scenes,
+    /// Write a scene and a light file to begin with
+    Example(example::Args),
     /// Serve sessions to browsers and programs
     Serve(serve::Args),
     /// List the sessions of a data folder
@@ -81,7 +88,11 @@ Examples:
 'bendylights help COMMAND' says more about each command.";
 
 fn main() -> ExitCode {
-    let done = match Cli::parse().command {
+    let Cli { command, quiet } = usage::parse();
+    if quiet {
+        cli::be_quiet();
+    }
+    let done = match command {
         Command::Render(args) => render::run(&args),
         Command::Eval(args) => eval::run(&args),
         Command::Bend(args) => bend::run(&args),
@@ -89,6 +100,7 @@ fn main() -> ExitCode {
         Command::Probe(args) => probe::run(&args),
         Command::Parameters(args) => parameters::run(&args),
         Command::Scenes => scenes::run(),
+        Command::Example(args) => example::run(&args),
         Command::Serve(args) => serve::run(&args),
         Command::Sessions(args) => sessions::run(&args),
         Command::Export(args) => export::run(&args),
@@ -99,7 +111,7 @@ fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            say(&format!("error: {error}"));
+            complain(&format!("error: {error}"));
             ExitCode::from(error.exit_code())
         }
     }

@@ -1,16 +1,13 @@
 //! `bendylights render`: a scene as a picture.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Duration;
 
 use assets::Loaded;
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use cli::{LIMITS, Output, Size, say};
+use cli::{LIMITS, Output, Size, progress, say};
 use document::SceneContents;
-use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use light::{CheckedLight, LightId, LightInstance, Reach, Tube};
 use protocol::RenderRequest;
 use reference::Reference;
@@ -18,6 +15,7 @@ use render::{Aov, Picture, PictureFormat, Renderer, ShadowSettings, View, ViewSl
 use scene::{Camera, PosedScene, framing_camera};
 
 use crate::error::Error;
+use crate::usage::whole;
 use crate::{files, gpu};
 
 #[derive(clap::Args)]
@@ -55,7 +53,7 @@ pub struct Args {
     #[arg(long, value_name = "WxH")]
     size: Option<Size>,
     /// Samples a pixel, for beauty and visibility; 1 takes each pixel's centre, 16 or more smooth the edges
-    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(LIMITS.max_samples)))]
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = whole(1..=LIMITS.max_samples))]
     samples: u32,
     /// What the picture shows
     #[arg(long, default_value = "beauty", value_name = "NAME", value_parser = aov_names())]
@@ -73,7 +71,7 @@ pub struct Args {
     #[arg(long, value_enum, default_value = "gpu")]
     backend: Backend,
     /// Texels along each side of a shadow map, 16 or more; backend gpu only [default: 2048]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
     shadow_resolution: Option<u32>,
     /// How far what casts shadows may stray from the scene, in world units, to be fewer triangles; backend gpu only [default: 0]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
@@ -188,7 +186,7 @@ fn draw(
     let mut renderer = Renderer::new(gpu::open()?)?;
     renderer.set_shadow_settings(shadows)?;
     renderer.set_scene(scene)?;
-    let bar = progress_bar();
+    let bar = progress(0);
     let picture = renderer.render_file(view, lights, format, |progress| {
         bar.set_length(progress.of);
         bar.set_position(progress.done);
@@ -199,8 +197,7 @@ fn draw(
 
 /// The reference's picture, rounded to what files hold.
 fn trace(scene: Arc<PosedScene>, view: &View, lights: &[LightInstance]) -> Result<Picture, Error> {
-    let bar = progress_bar();
-    bar.set_length(view.height.into());
+    let bar = progress(view.height.into());
     let frame = Reference::new(scene).render(view, lights, || bar.inc(1));
     bar.finish_and_clear();
     let frame = frame?;
@@ -226,6 +223,9 @@ fn warnings(instance: &LightInstance) -> Vec<String> {
 
 /// The scene of a file, or the demo of that name, with notes of what was left out.
 pub fn open_scene(name: &str) -> Result<Loaded, Error> {
+    if name.starts_with("http://") || name.starts_with("https://") {
+        return Err(Error::RemoteScene { address: name.into() });
+    }
     let Some(demo) = name.strip_prefix("demo:") else { return Ok(assets::load(Path::new(name))?) };
     let no_such = || Error::NoSuch {
         whose: "bendylights".into(),
@@ -293,19 +293,4 @@ pub fn choices<'a>(names: impl Iterator<Item = &'a str>) -> String {
         n if n > SHOWN => format!("choose one of {} and {} more", names[..SHOWN].join(", "), n - SHOWN),
         _ => format!("choose one of {}", names.join(", ")),
     }
-}
-
-/// How far a picture is and how long it will take yet, on a terminal.
-fn progress_bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:30} {percent} %{left}").expect("a sound template");
-    // Nothing is known before the first piece is done.
-    let left = |state: &ProgressState, text: &mut dyn fmt::Write| {
-        if state.pos() > 0 {
-            let _ = write!(text, ", {:#} left", HumanDuration(state.eta()));
-        }
-    };
-    let bar = ProgressBar::no_length().with_style(style.with_key("left", left));
-    // Compiling shaders and making shadow maps come before the first piece.
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
 }

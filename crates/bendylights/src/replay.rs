@@ -8,11 +8,12 @@ use document::{AssetHash, Document, EditError};
 use edit::ReplayError;
 use render::{PictureFormat, Renderer, View};
 use scene::{DEFAULT_ASPECT, Scene, framing_camera};
-use store::{Store, StoreError, visit_log};
+use store::{Assets, StoreError, visit_log};
 
 use crate::error::Error;
 use crate::render::{left_out, picture_format};
 use crate::resolve::Resolver;
+use crate::usage::whole;
 use crate::{files, gpu, known_scenes};
 
 #[derive(clap::Args)]
@@ -38,7 +39,7 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
     /// Last record to replay [default: the last there is]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(0..=u64::MAX))]
     to: Option<u64>,
     /// Solve every drag again, beside what the log has of it
     #[arg(long)]
@@ -53,10 +54,10 @@ pub fn run(args: &Args) -> Result<(), Error> {
         cli::without_window_system();
     }
     let picture = args.render.as_deref().map(picture_file).transpose()?;
-    let store = args.data.as_deref().map(Store::open).transpose()?;
+    let assets = args.data.as_deref().map(scenes_of).transpose()?;
     let (log, bar) = files::open_log(&args.log)?;
     let start = Instant::now();
-    let mut resolver = args.resolve.then(|| Resolver::new(store.as_ref()));
+    let mut resolver = args.resolve.then(|| Resolver::new(assets.as_ref()));
     let replayed = visit_log(log, args.to, |record, session| {
         if let Some(resolver) = &mut resolver {
             resolver.visit(record, session);
@@ -80,15 +81,26 @@ pub fn run(args: &Args) -> Result<(), Error> {
             None => Scene::default(),
             Some(scene) => {
                 let no_scene = || no_scene(&args.log, replayed.session.seq(), scene.asset);
-                known_scenes::load(store.as_ref(), &scene.asset).ok_or_else(no_scene)?
+                known_scenes::load(assets.as_ref(), &scene.asset).ok_or_else(no_scene)?
             }
         };
         output.write(&drawn(document, scene, format)?)?;
     }
     match replayed.differs {
-        Some(seq) => Err(Error::Differs { file: args.log.display().to_string(), seq }),
+        Some(how) => Err(Error::Differs { file: args.log.display().to_string(), how }),
         None => Ok(()),
     }
+}
+
+/// The scenes in a data folder, or in a folder that has nothing but `assets`.
+fn scenes_of(data: &Path) -> Result<Assets, Error> {
+    if data.is_file() {
+        return Err(StoreError::NotAFolder(data.into()).into());
+    }
+    if !data.join("assets").is_dir() {
+        return Err(StoreError::NoData(data.into()).into());
+    }
+    Ok(Assets::of(data))
 }
 
 /// Why a log file is refused, in this program's words where the way out is on its command line.

@@ -10,7 +10,7 @@ use light::{Light, LightId};
 use protocol::{Action, Command as WireCommand, Record};
 use raycast::Bvh;
 use serde_json::json;
-use store::Store;
+use store::Assets;
 
 use crate::known_scenes;
 
@@ -33,7 +33,7 @@ struct Resolved {
 
 /// Solves the drags of a log again, one after the other.
 pub struct Resolver<'a> {
-    store: Option<&'a Store>,
+    assets: Option<&'a Assets>,
     /// The latest scene, ready for rays.
     scene: Option<(AssetHash, Arc<Bvh>)>,
     resolved: Resolved,
@@ -42,9 +42,9 @@ pub struct Resolver<'a> {
 }
 
 impl<'a> Resolver<'a> {
-    /// Scenes are looked for in `store` and among the demos.
-    pub fn new(store: Option<&'a Store>) -> Self {
-        Self { store, scene: None, resolved: Resolved::default(), missing: None }
+    /// Scenes are looked for in `assets` and among the demos.
+    pub fn new(assets: Option<&'a Assets>) -> Self {
+        Self { assets, scene: None, resolved: Resolved::default(), missing: None }
     }
 
     /// Takes in a record, after which the session is as `after`.
@@ -108,7 +108,7 @@ impl<'a> Resolver<'a> {
         {
             return Some(Arc::clone(bvh));
         }
-        let bvh = Arc::new(Bvh::new(scene::pose(known_scenes::load(self.store, &asset)?)));
+        let bvh = Arc::new(Bvh::new(scene::pose(known_scenes::load(self.assets, &asset)?)));
         self.scene = Some((asset, Arc::clone(&bvh)));
         Some(bvh)
     }

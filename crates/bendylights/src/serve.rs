@@ -5,13 +5,14 @@ use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 
 use cli::{answer, say};
-use server::{Config, PublicUrl, Server};
+use server::{Config, PublicUrl, Server, StartSession};
 use tokio::runtime::Runtime;
 use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
 
 use crate::error::Error;
 use crate::gpu::BackendArgs;
+use crate::usage::{DATA, ListenAddress};
 
 /// The session that every server has.
 const SESSION: &str = "main";
@@ -26,18 +27,18 @@ survive any other end too. RUST_LOG=debug says more of what it does.
 Examples:
   bendylights serve
   bendylights serve --scene room.glb --data room-data
-  bendylights serve --listen 127.0.0.1:0
+  bendylights serve --listen 9000
   bendylights serve --trace trace.jsonl")]
 pub struct Args {
-    /// Where to listen; port 0 takes a free one
-    #[arg(long, default_value = "127.0.0.1:8080", value_name = "ADDR")]
-    listen: String,
+    /// Where to listen: HOST:PORT, or a port of 127.0.0.1 alone; port 0 takes a free one
+    #[arg(long, default_value = "127.0.0.1:8080", value_name = "ADDR", aliases = ["addr", "address", "bind", "port"])]
+    listen: ListenAddress,
     /// Folder of edit logs, scenes and the token; made where it is missing
-    #[arg(long, default_value = "./bendylights-data", value_name = "DIR")]
+    #[arg(long, default_value = DATA, value_name = "DIR")]
     data: PathBuf,
-    /// glTF file (.gltf or .glb) or `demo:NAME` that the session `main` begins with, where that is new
-    #[arg(long, default_value = "demo:vases", value_name = "SCENE")]
-    scene: String,
+    /// glTF file (.gltf or .glb) or `demo:NAME`: the session `main` begins with it, or, where that holds another, a session of the scene's name [default: demo:vases, in a new folder]
+    #[arg(long, value_name = "SCENE")]
+    scene: Option<String>,
     /// Address at which browsers find it, such as a proxy's: `https://lights.example.org`; may be given more than once
     #[arg(long, value_name = "URL")]
     public_url: Vec<PublicUrl>,
@@ -50,14 +51,15 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     cli::without_window_system();
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info,wgpu=warn"));
+    let filter = EnvFilter::try_from_default_env()
+        .unwrap_or_else(|_| EnvFilter::new(if cli::is_quiet() { "error" } else { "info,wgpu=warn" }));
     let colors = io::stderr().is_terminal();
     let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(io::stderr).with_ansi(colors);
     // Its complaints about a standard error that takes nothing, a full disk or a reader that has gone, are panics.
     log.log_internal_errors(false).init();
 
-    let (listener, address) = listen(&args.listen).map_err(|reason| {
-        let address = args.listen.clone();
+    let (listener, address) = listen(&args.listen.0).map_err(|reason| {
+        let address = args.listen.0.clone();
         Error::CannotListen { address, reason }
     })?;
     if !address.ip().is_loopback() {
@@ -79,7 +81,12 @@ pub fn run(args: &Args) -> Result<(), Error> {
         .public_url
         .first()
         .map_or_else(|| format!("http://{}", reachable(address)), PublicUrl::to_string);
-    let page = format!("{place}/#token={}", server.token().digits());
+    let StartSession { name, kept } = server.session();
+    let mut page = format!("{place}/#token={}", server.token().digits());
+    if let (Some(kept), Some(scene)) = (kept, &args.scene) {
+        say(&format!("note: session `{SESSION}` keeps {kept}; {scene} is served as session `{name}`"));
+        page.extend(["&session=", name]);
+    }
     let runtime = Runtime::new().map_err(Error::NoRuntime)?;
     let requests = server::request_runtime().map_err(Error::NoRuntime)?;
     let served = runtime.block_on(async {

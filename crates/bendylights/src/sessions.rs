@@ -7,6 +7,7 @@ use serde_json::json;
 use store::{SessionRow, Store, StoreError};
 
 use crate::error::Error;
+use crate::usage::DATA;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -15,10 +16,10 @@ name, seq, hash and epoch, which names the session's history. Where a log cannot
 the hash, in JSON null.
 
 Example:
-  bendylights sessions --data bendylights-data")]
+  bendylights sessions")]
 pub struct Args {
     /// Folder that `bendylights serve --data` was given
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, default_value = DATA, value_name = "DIR")]
     data: PathBuf,
     /// Print JSON
     #[arg(long)]

@@ -4,18 +4,41 @@
 mod error;
 mod headless;
 mod output;
+mod progress;
 mod size;
 
 pub use error::CliError;
 pub use headless::without_window_system;
 pub use output::{Output, make_folder};
+pub use progress::progress;
 pub use size::{LIMITS, Size};
 
 use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Whether this program says nothing but why it fails.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// From here on this program says nothing but why it fails.
+pub fn be_quiet() {
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+/// Whether it does.
+pub fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// A note on standard error, unless nobody wants any.
+pub fn say(line: &str) {
+    if !is_quiet() {
+        complain(line);
+    }
+}
 
 /// A line on standard error. Where that is closed there is nobody to tell. Control characters, such as a name in a file may
 /// have, are spaces: they would mean something to a terminal.
-pub fn say(line: &str) {
+pub fn complain(line: &str) {
     let line: String = line.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     let _ = writeln!(io::stderr(), "{line}");
 }

@@ -13,6 +13,9 @@ use crate::{Document, LightPin, PlacedLight};
 
 pub use format_2::was_in_format_2;
 
+/// The first format of logs whose hashes are made as this version makes them.
+pub const FIRST_FORMAT_OF_HASH: u32 = 3;
+
 /// SHA-256 over a document's content, shown as 64 hexadecimal digits.
 ///
 /// Covered is all that [`Document::apply`] can change, ids and numberings included: the scene by the hash of its
@@ -45,7 +48,7 @@ impl Document {
     /// The hash as logs of that format have it: 1 and 2 walked the fields that lights had then. A light that has more is told
     /// apart from one that has not, so that no log of that time can hide it.
     pub fn hash_of_format(&self, format: u32) -> DocumentHash {
-        if format > 2 {
+        if format >= FIRST_FORMAT_OF_HASH {
             return self.hash();
         }
         let mut walk = Walk(Sha256::new());

@@ -28,7 +28,7 @@ pub use document::{
 };
 pub use feature_drag::{DragOutcome, FeatureDrag};
 pub use features::{MAX_CHOSEN_POINTS, SolvedDrag, solve_drag, solve_drag_within};
-pub use hash::{DocumentHash, was_in_format_2};
+pub use hash::{DocumentHash, FIRST_FORMAT_OF_HASH, was_in_format_2};
 pub use naming::deed;
 pub use parameters::{Target, parameters};
 pub use pin::{LightPin, PinId};

@@ -47,6 +47,9 @@ pub enum ServerError {
     /// No demo scene of that name.
     #[error("there is no demo scene `{0}`: `bendylights scenes` lists them")]
     NoDemo(String),
+    /// A scene whose session can get no name.
+    #[error("the folder has too many sessions called `{0}` and the like: name the scene's file otherwise")]
+    NoSessionName(String),
     /// A picture that cannot be made.
     #[error(transparent)]
     Render(#[from] RenderError),
@@ -220,7 +223,10 @@ impl ServerError {
             Self::MethodNotAllowed { .. } => ErrorCode::MethodNotAllowed,
             Self::NotJson(_) => ErrorCode::UnsupportedMediaType,
             Self::TooLarge { .. } => ErrorCode::TooLarge,
-            Self::TooMany { .. } | Self::TooManyOfOne { .. } | Self::ViewsMoveTooMuch => ErrorCode::TooMany,
+            Self::TooMany { .. }
+            | Self::TooManyOfOne { .. }
+            | Self::ViewsMoveTooMuch
+            | Self::NoSessionName(_) => ErrorCode::TooMany,
             Self::KeepsChanging(_) => ErrorCode::KeepsChanging,
             Self::Stalled | Self::TooSlow => ErrorCode::Stalled,
             Self::Busy => ErrorCode::Busy,

@@ -1,23 +1,73 @@
-//! The session that a server makes at its first start.
+//! The session that a start leads to: made at the first, or with another scene.
 
 use std::path::Path;
 
-use document::{AssetHash, Command, Context, SceneContents};
+use document::{AssetHash, Command, Context, Document, SceneContents};
 use edit::{Actor, Request, Sources};
-use store::{Batch, Store};
+use store::{Batch, MAX_NAME_CHARS, Store, StoreError};
 
 use crate::ServerError;
 use crate::room::time_ms;
 use crate::scenes::DEMO;
 
+/// What the first session loads where nobody says.
+const FIRST_SCENE: &str = "demo:vases";
+/// Of a scene's session; the rest is for a number behind it.
+const MAX_STEM_CHARS: usize = MAX_NAME_CHARS - 4;
+/// How many names are tried for a session of a scene whose own name is taken.
+const MOST_TRIES: usize = 100;
+
+/// The session that a start leads to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StartSession {
+    /// What it is called.
+    pub name: String,
+    /// What the first session keeps, where that holds another scene than was asked for.
+    pub kept: Option<String>,
+}
+
 /// Makes the first session, with its scene as its first record, or nothing. A session that has no record yet, as a start
-/// that was cut off could leave it once, is given the scene too.
-pub fn ensure(store: &mut Store, name: &str, scene: &str) -> Result<(), ServerError> {
-    let known = store.sessions()?.into_iter().find(|row| row.name == name);
-    if known.as_ref().is_some_and(|row| row.seq > 0) {
-        return Ok(());
+/// that was cut off could leave it once, is given the scene too. Where it holds another scene than `scene`, that gets a
+/// session of its own, which a second start with that scene finds again.
+pub fn ensure(store: &mut Store, name: &str, scene: Option<&str>) -> Result<StartSession, ServerError> {
+    let is_begun = store.sessions()?.into_iter().any(|row| row.name == name && row.seq > 0);
+    let first = StartSession { name: name.into(), kept: None };
+    if !is_begun {
+        let scene = scene.unwrap_or(FIRST_SCENE);
+        begin(store, name, scene, &bytes_of(scene)?)?;
+        return Ok(first);
     }
-    let (asset, contents) = first_scene(store, scene)?;
+    let Some(scene) = scene else { return Ok(first) };
+    let bytes = bytes_of(scene)?;
+    let asset = AssetHash::of(&bytes);
+    if is_of(store, name, asset)? {
+        return Ok(first);
+    }
+    let held = store.open_session(name)?.session.document().scene().map(|held| held.name.clone());
+    let kept = Some(held.unwrap_or_else(|| "no scene".into()));
+    let stem = session_name(scene);
+    let names = (1..=MOST_TRIES).map(|n| if n == 1 { stem.clone() } else { format!("{stem}-{n}") });
+    for name in names.filter(|tried| tried != name) {
+        if !store.sessions()?.into_iter().any(|row| row.name == name && row.seq > 0) {
+            begin(store, &name, scene, &bytes)?;
+        } else if !is_of(store, &name, asset)? {
+            continue;
+        }
+        return Ok(StartSession { name, kept });
+    }
+    Err(ServerError::NoSessionName(stem))
+}
+
+/// Whether a session began with a scene, or holds it now.
+fn is_of(store: &Store, session: &str, asset: AssetHash) -> Result<bool, ServerError> {
+    let is_scene = |document: &Document| document.scene().is_some_and(|scene| scene.asset == asset);
+    Ok(is_scene(store.replay(session, Some(1))?.document())
+        || is_scene(store.open_session(session)?.session.document()))
+}
+
+/// Gives a session that is missing or empty its scene.
+fn begin(store: &mut Store, name: &str, scene: &str, bytes: &[u8]) -> Result<(), ServerError> {
+    let (asset, contents) = stored(store, scene, bytes)?;
     let actor = Actor { id: "server".into(), name: "Server".into() };
     let command = Command::LoadScene { asset, name: scene_label(scene) };
     let request = Request::Edit { base_seq: None, command };
@@ -27,24 +77,41 @@ pub fn ensure(store: &mut Store, name: &str, scene: &str) -> Result<(), ServerEr
     let record = session.request(request, &actor, "first-scene", time_ms(), sources)?;
     let (records, hash) = (&[record], session.document().hash());
     let first = Batch { session: name, records, rejections: &[], hash };
-    match known {
-        None => drop(store.begin_session(&first)?),
-        Some(_) => drop(store.append(&[first])?),
+    match store.session(name) {
+        Err(StoreError::NoSession(_)) => drop(store.begin_session(&first)?),
+        Err(error) => return Err(error.into()),
+        Ok(_) => drop(store.append(&[first])?),
     }
     Ok(())
 }
 
-fn first_scene(store: &Store, name: &str) -> Result<(AssetHash, SceneContents), ServerError> {
-    let bytes = match name.strip_prefix(DEMO) {
-        Some(demo) => assets::demo_bytes(demo).ok_or_else(|| ServerError::NoDemo(demo.into()))?,
-        None => assets::pack(Path::new(name))?,
-    };
+/// What a session of a scene is called: the file's or the demo's name without its ending, as far as it may name one.
+fn session_name(scene: &str) -> String {
+    let label = scene_label(scene);
+    let label = label.strip_prefix(DEMO).unwrap_or(&label);
+    let stem = label.rsplit_once('.').map_or(label, |(stem, _)| stem);
+    let allowed = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    let name: String = stem.chars().map(|c| if allowed(c) { c } else { '-' }).take(MAX_STEM_CHARS).collect();
+    let name = name.trim_start_matches(['-', '_', '.']);
+    if name.is_empty() { "scene".into() } else { name.into() }
+}
+
+/// One file that holds all of a scene.
+fn bytes_of(name: &str) -> Result<Vec<u8>, ServerError> {
+    match name.strip_prefix(DEMO) {
+        Some(demo) => assets::demo_bytes(demo).ok_or_else(|| ServerError::NoDemo(demo.into())),
+        None => Ok(assets::pack(Path::new(name))?),
+    }
+}
+
+/// Keeps a scene and what it is called; gives what comes with it.
+fn stored(store: &Store, name: &str, bytes: &[u8]) -> Result<(AssetHash, SceneContents), ServerError> {
     let loaded =
-        assets::load_bytes(&bytes).map_err(|error| assets::AssetError { file: name.into(), ..error })?;
-    let asset = store.put_asset(&bytes)?;
+        assets::load_bytes(bytes).map_err(|error| assets::AssetError { file: name.into(), ..error })?;
+    let asset = store.assets.put(bytes)?;
     let loaded = loaded.lit();
     if loaded.name.as_deref() != Some(name) {
-        store.name_asset(&asset, &scene_label(name))?;
+        store.assets.name(&asset, &scene_label(name))?;
     }
     Ok((asset, loaded.contents))
 }

@@ -40,4 +40,5 @@ mod views;
 pub use access::{PublicUrl, Token};
 pub use background::request_runtime;
 pub use error::ServerError;
+pub use first_session::StartSession;
 pub use server::{Config, Server};

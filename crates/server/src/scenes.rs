@@ -104,7 +104,7 @@ impl Scenes {
 
     /// What people call a scene: what somebody named it, else what its file calls it, else the start of its hash.
     async fn name_of(&self, asset: AssetHash, decoded: &Decoded) -> Result<String, ServerError> {
-        let named = self.storage.read(move |store| store.asset_name(&asset)).await?;
+        let named = self.storage.read(move |store| store.assets.name_of(&asset)).await?;
         let own = || decoded.own_name.clone();
         Ok(named.or_else(own).unwrap_or_else(|| format!("scene {}", &asset.hex()[..DIGITS_OF_UNNAMED])))
     }
@@ -201,7 +201,7 @@ fn read_all(mut file: File) -> io::Result<Vec<u8>> {
 /// Reads and decodes a stored scene. Blocks.
 fn decode(store: &Store, asset: &AssetHash) -> Result<Decoded, ServerError> {
     let unknown = || edit::Refusal::Edit(document::EditError::UnknownAsset(*asset));
-    let bytes = store.asset(asset).map_err(ServerError::Unread)?.ok_or_else(unknown)?;
+    let bytes = store.assets.bytes(asset).map_err(ServerError::Unread)?.ok_or_else(unknown)?;
     Decoded::of(&bytes)
 }
 

@@ -18,6 +18,7 @@ use tokio_util::task::TaskTracker;
 
 use crate::access::{Hosts, PublicUrl, Token};
 use crate::backend::Backend;
+use crate::first_session::StartSession;
 use crate::in_flight::InFlight;
 use crate::limits::{
     DRAIN_WITHIN, MAX_PROBES, MAX_RENDER_BYTES, MAX_REQUESTS, MAX_SOCKETS, MAX_STILLS, MAX_UPLOADS,
@@ -43,8 +44,9 @@ pub struct Config {
     pub data: PathBuf,
     /// The session that is there in any case.
     pub session: String,
-    /// What that session loads when it is made: a scene's file, or `demo:NAME`.
-    pub scene: String,
+    /// A scene to serve: a file, or `demo:NAME`. That session loads it when it is made; where it holds another one, the
+    /// scene gets a session of its own.
+    pub scene: Option<String>,
     /// Where browsers find it besides the address that it listens on.
     pub public_urls: Vec<PublicUrl>,
     /// A file to whose end a line is written for each picture that is made (SPEC, TRACE-1).
@@ -63,6 +65,7 @@ pub struct Server {
     trace: Trace,
     trace_thread: Option<TraceThread>,
     token: Token,
+    session: StartSession,
     data: PathBuf,
     public_urls: Vec<PublicUrl>,
     /// Holds the folder against a second server.
@@ -74,7 +77,7 @@ impl Server {
     pub fn open(config: &Config) -> Result<Self, ServerError> {
         let (trace, trace_thread) = config.trace.as_deref().map(Trace::start).transpose()?.unzip();
         let trace = trace.unwrap_or_default();
-        let Data { store, token, lock } = Data::open(config)?;
+        let Data { store, token, session, lock } = Data::open(config)?;
         let in_flight = InFlight::default();
         let metrics = Arc::new(Metrics::new(MemoryBudget::new(MAX_RENDER_BYTES), in_flight.clone()));
         let (renders, render_thread) = Renders::start(Arc::clone(&metrics), config.backend)?;
@@ -88,6 +91,7 @@ impl Server {
             trace,
             trace_thread,
             token,
+            session,
             data,
             public_urls,
             _lock: lock,
@@ -97,6 +101,11 @@ impl Server {
     /// The secret that clients need.
     pub fn token(&self) -> &Token {
         &self.token
+    }
+
+    /// The session that the start leads to.
+    pub fn session(&self) -> &StartSession {
+        &self.session
     }
 
     /// Serves until `shutdown`, then finishes what was accepted, within 10 seconds. Sockets are served where this runs, and what is
@@ -165,6 +174,7 @@ impl Server {
 struct Data {
     store: Store,
     token: Token,
+    session: StartSession,
     lock: File,
 }
 
@@ -175,10 +185,10 @@ impl Data {
         data_folder::make(folder)?;
         let lock = data_folder::lock(folder)?;
         let mut store = Store::create(folder)?;
-        store.remove_leftovers()?;
-        first_session::ensure(&mut store, &config.session, &config.scene)?;
+        store.assets.remove_leftovers()?;
+        let session = first_session::ensure(&mut store, &config.session, config.scene.as_deref())?;
         let token = Token::of(folder)?;
-        Ok(Self { store, token, lock })
+        Ok(Self { store, token, session, lock })
     }
 }
 
@@ -197,7 +207,7 @@ mod tests {
     const FOLDER: &str = "BENDYLIGHTS_CHILD_FOLDER";
 
     fn config(data: &Path) -> Config {
-        let (session, scene, public_urls) = ("main".into(), "demo:vases".into(), Vec::new());
+        let (session, scene, public_urls) = ("main".into(), None, Vec::new());
         Config { data: data.into(), session, scene, public_urls, trace: None, backend: None }
     }
 
@@ -267,10 +277,42 @@ mod tests {
             let bytes = format!(r#"{{"asset": {{"version": "2.0", "generator": "{}"}}}}"#, file.len());
             std::fs::write(&scene, &bytes).expect("a scene's file");
             let data = tempfile::tempdir().expect("a folder");
-            let config = Config { scene: scene.display().to_string(), ..config(data.path()) };
+            let config = Config { scene: Some(scene.display().to_string()), ..config(data.path()) };
             let store = Data::open(&config).expect("a start").store;
             let asset = AssetHash::of(bytes.as_bytes());
-            assert_eq!(store.asset_name(&asset).expect("no error").as_deref(), Some(name), "{file:?}");
+            assert_eq!(store.assets.name_of(&asset).expect("no error").as_deref(), Some(name), "{file:?}");
         }
+    }
+
+    /// Rules: HTTP-10
+    #[test]
+    fn a_scene_that_the_first_session_does_not_hold_gets_its_own() {
+        let (folder, data) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+        let file = folder.path().join("my room.gltf");
+        let write = |version: u32| {
+            let text = format!(r#"{{"asset": {{"version": "2.0", "generator": "{version}"}}}}"#);
+            std::fs::write(&file, text).expect("a scene's file");
+        };
+        let start = |scene: Option<&str>| {
+            let config = Config { scene: scene.map(str::to_owned), ..config(data.path()) };
+            Data::open(&config).expect("a start").session
+        };
+        let scene = file.display().to_string();
+        let of = |name: &str, kept: Option<&str>| StartSession {
+            name: name.into(),
+            kept: kept.map(str::to_owned),
+        };
+        write(1);
+        assert_eq!(start(None), of("main", None));
+        assert_eq!(start(Some("demo:vases")), of("main", None), "it holds that");
+        assert_eq!(start(Some(&scene)), of("my-room", Some("demo:vases")));
+        assert_eq!(start(Some(&scene)), of("my-room", Some("demo:vases")), "found again");
+        write(2);
+        assert_eq!(start(Some(&scene)), of("my-room-2", Some("demo:vases")), "another file under that name");
+        assert_eq!(start(None), of("main", None));
+        let store = Store::open(data.path()).expect("a store");
+        let names: Vec<_> =
+            store.sessions().expect("a list").into_iter().map(|row| (row.name, row.seq)).collect();
+        assert_eq!(names, ["main", "my-room", "my-room-2"].map(|name| (name.to_owned(), 1)));
     }
 }

@@ -96,12 +96,12 @@ impl Storage {
         &self,
         bytes: impl AsRef<[u8]> + Send + 'static,
     ) -> Result<AssetHash, ServerError> {
-        self.with_reader(move |store| store.put_asset(bytes.as_ref()).map_err(ServerError::Store)).await
+        self.with_reader(move |store| store.assets.put(bytes.as_ref()).map_err(ServerError::Store)).await
     }
 
     /// Keeps what people call an asset; it is on disk when it returns.
     pub async fn name_asset(&self, asset: AssetHash, name: String) -> Result<(), ServerError> {
-        self.with_reader(move |store| store.name_asset(&asset, &name).map_err(ServerError::Store)).await
+        self.with_reader(move |store| store.assets.name(&asset, &name).map_err(ServerError::Store)).await
     }
 
     /// Asks the store on the blocking pool.

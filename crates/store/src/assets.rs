@@ -1,40 +1,60 @@
 //! Assets: a file each, named by the hash of its bytes, and beside it what people call it.
 
-use std::fs::{self, File};
+use std::fs::{self, DirBuilder, File};
 use std::io::{self, Read, Write};
+use std::os::unix::fs::DirBuilderExt;
 use std::path::{Path, PathBuf};
 
 use document::AssetHash;
 use light::MAX_NAME_BYTES;
 
+use crate::StoreError;
 use crate::disk::sync_folder;
 use crate::limits::MAX_ASSET_BYTES;
-use crate::{Store, StoreError};
 
+/// The folder of assets in the data folder.
+pub(crate) const ASSETS: &str = "assets";
 /// How the name of the file ends that holds what people call an asset.
 const NAME: &str = ".name";
 /// How the name of a file begins that is not whole yet.
 const LEFTOVER: &str = ".incoming-";
 
-impl Store {
+/// The assets of a data folder.
+#[derive(Clone, Debug)]
+pub struct Assets {
+    folder: PathBuf,
+}
+
+impl Assets {
+    /// Those in the data folder `data`, which may hold nothing else, or not be there.
+    pub fn of(data: &Path) -> Self {
+        Self { folder: data.join(ASSETS) }
+    }
+
+    /// Makes their folder where it is missing.
+    pub(crate) fn make_folder(&self) -> Result<(), StoreError> {
+        let made = DirBuilder::new().recursive(true).mode(0o700).create(&self.folder);
+        made.map_err(|reason| StoreError::Io { path: self.folder.clone(), reason })
+    }
+
     /// Keeps the bytes. They are on the disk when this returns; where they are already, nothing is written.
-    pub fn put_asset(&self, bytes: &[u8]) -> Result<AssetHash, StoreError> {
+    pub fn put(&self, bytes: &[u8]) -> Result<AssetHash, StoreError> {
         if bytes.len() as u64 > MAX_ASSET_BYTES {
             return Err(StoreError::AssetTooLarge);
         }
         let asset = AssetHash::of(bytes);
-        if let Ok(Some(_)) = self.asset(&asset) {
+        if let Ok(Some(_)) = self.bytes(&asset) {
             return Ok(asset);
         }
-        let path = self.asset_path(&asset);
+        let path = self.path(&asset);
         self.write(&path, bytes).map_err(|reason| StoreError::Io { path, reason })?;
         Ok(asset)
     }
 
     /// Keeps what people call an asset, in place of an earlier name. It is on the disk when this returns.
-    pub fn name_asset(&self, asset: &AssetHash, name: &str) -> Result<(), StoreError> {
+    pub fn name(&self, asset: &AssetHash, name: &str) -> Result<(), StoreError> {
         check_scene_name(name)?;
-        if self.asset_name(asset)?.is_some_and(|known| known == name) {
+        if self.name_of(asset)?.is_some_and(|known| known == name) {
             return Ok(());
         }
         let path = self.name_path(asset);
@@ -42,7 +62,7 @@ impl Store {
     }
 
     /// What people call an asset; `None` where nobody has said. A file that holds no name counts for nothing said.
-    pub fn asset_name(&self, asset: &AssetHash) -> Result<Option<String>, StoreError> {
+    pub fn name_of(&self, asset: &AssetHash) -> Result<Option<String>, StoreError> {
         let path = self.name_path(asset);
         let mut bytes = Vec::new();
         // One byte over the limit, which no name can have then.
@@ -55,11 +75,11 @@ impl Store {
     }
 
     /// The bytes of that hash; `None` where they are not here.
-    pub fn asset(&self, asset: &AssetHash) -> Result<Option<Vec<u8>>, StoreError> {
+    pub fn bytes(&self, asset: &AssetHash) -> Result<Option<Vec<u8>>, StoreError> {
         let bytes = match self.read(asset) {
             Ok(bytes) => bytes,
             Err(reason) if reason.kind() == io::ErrorKind::NotFound => return Ok(None),
-            Err(reason) => return Err(StoreError::Io { path: self.asset_path(asset), reason }),
+            Err(reason) => return Err(StoreError::Io { path: self.path(asset), reason }),
         };
         if AssetHash::of(&bytes) == *asset { Ok(Some(bytes)) } else { Err(StoreError::DamagedAsset(*asset)) }
     }
@@ -67,23 +87,23 @@ impl Store {
     /// At most one byte over the limit, which no hash can match then.
     fn read(&self, asset: &AssetHash) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
-        File::open(self.asset_path(asset))?.take(MAX_ASSET_BYTES + 1).read_to_end(&mut bytes)?;
+        File::open(self.path(asset))?.take(MAX_ASSET_BYTES + 1).read_to_end(&mut bytes)?;
         Ok(bytes)
     }
 
     /// First beside its place, so that a file of that name is always whole.
     fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        fs::create_dir_all(&self.assets)?;
-        let mut file = tempfile::Builder::new().prefix(LEFTOVER).tempfile_in(&self.assets)?;
+        fs::create_dir_all(&self.folder)?;
+        let mut file = tempfile::Builder::new().prefix(LEFTOVER).tempfile_in(&self.folder)?;
         file.write_all(bytes)?;
         file.as_file().sync_all()?;
         file.persist(path)?;
-        sync_folder(&self.assets)
+        sync_folder(&self.folder)
     }
 
     /// Removes what was left of assets whose writing was cut off. Only while nobody else writes assets.
     pub fn remove_leftovers(&self) -> Result<(), StoreError> {
-        let removed = fs::read_dir(&self.assets).and_then(|files| {
+        let removed = fs::read_dir(&self.folder).and_then(|files| {
             for file in files {
                 let file = file?;
                 if file.file_name().to_string_lossy().starts_with(LEFTOVER) {
@@ -92,15 +112,15 @@ impl Store {
             }
             Ok(())
         });
-        removed.map_err(|reason| StoreError::Io { path: self.assets.clone(), reason })
+        removed.map_err(|reason| StoreError::Io { path: self.folder.clone(), reason })
     }
 
-    fn asset_path(&self, asset: &AssetHash) -> PathBuf {
-        self.assets.join(asset.hex())
+    fn path(&self, asset: &AssetHash) -> PathBuf {
+        self.folder.join(asset.hex())
     }
 
     fn name_path(&self, asset: &AssetHash) -> PathBuf {
-        self.assets.join(asset.hex() + NAME)
+        self.folder.join(asset.hex() + NAME)
     }
 }
 

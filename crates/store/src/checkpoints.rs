@@ -34,7 +34,7 @@ impl Store {
             Ok(Checkpointed::At { session, proof, bytes }) => {
                 (*session, LogReader::going_on_from(&proof), bytes)
             }
-            _ => (Session::default(), LogReader::default(), 0),
+            _ => (Session::default(), row.reader(), 0),
         };
         let tail = self.go_on(key, &mut session, &mut reader, row.seq)?;
         Ok(Opened { row, session, tail, checkpoint_bytes, checkpoint_failed })

@@ -11,6 +11,7 @@ use thiserror::Error;
 
 use protocol::MAX_RECORD_BYTES;
 
+use crate::difference::Difference;
 use crate::limits::{MAX_ASSET_BYTES, MAX_NAME_CHARS, MAX_SESSIONS};
 
 /// Why the store did not do what was asked. Each sentence says what to do.
@@ -19,6 +20,9 @@ pub enum StoreError {
     /// The folder holds no data.
     #[error("{}: holds no sessions; name the folder that `bendylights serve --data` was given", .0.display())]
     NoData(PathBuf),
+    /// A file where the data folder should be.
+    #[error("{}: is a file, and the data lies in a folder; name that with --data", .0.display())]
+    NotAFolder(PathBuf),
     /// A file or folder that the system would not read or write.
     #[error("{}: cannot be used ({reason}); check that you may write there and that the disk is not full", path.display())]
     #[expect(missing_docs, reason = "its fields are what their names say")]
@@ -146,20 +150,25 @@ pub enum StoreError {
     },
     /// The log's lines are not those that were written.
     #[error(
-        "what the log says of record {seq} or one before it is not what was logged: the log was changed; export it again"
+        "what the log says of record {seq} or one before it is not what was logged: the database was changed; take the \
+         folder's backup"
     )]
     Unproven {
         /// The first record whose checkpoint differs.
         seq: u64,
     },
-    /// The document is not what it was when the log was written.
+    /// The document of a stored log is not what it was when the log was written.
     #[error(
-        "the document after record {seq} is not the one that was logged: the log or the program was changed; export it again"
+        "the document after record {seq} is not the one that was logged: the database or the program was changed; take \
+         the folder's backup"
     )]
-    Differs {
-        /// The first record whose checkpoint differs.
+    Altered {
+        /// The first record whose hash differs.
         seq: u64,
     },
+    /// A log file is not what was logged.
+    #[error("{0}")]
+    Differs(Difference),
 }
 
 impl StoreError {
@@ -182,10 +191,12 @@ impl StoreError {
             | Self::Replay(_)
             | Self::Repeated { .. }
             | Self::Unproven { .. }
-            | Self::Differs { .. } => ErrorCode::BadLog,
+            | Self::Altered { .. }
+            | Self::Differs(_) => ErrorCode::BadLog,
             Self::Unknown(_) => ErrorCode::UnknownOutcome,
             Self::DamagedAsset(_) => ErrorCode::DamagedAsset,
             Self::NoData(_)
+            | Self::NotAFolder(_)
             | Self::Io { .. }
             | Self::Database(_)
             | Self::UnknownCode(_)

@@ -1,6 +1,6 @@
 //! Where edit logs and assets live: a folder with one SQLite database, a file for each asset and one for its name.
 //!
-//! What [`Store::append`] and [`Store::put_asset`] have returned from survives a crash of the program and of the
+//! What [`Store::append`] and [`Assets::put`] have returned from survives a crash of the program and of the
 //! machine. A log is read in passes and never held in memory as a whole. Calls block; whoever serves many runs them on
 //! a thread for that.
 //!
@@ -8,6 +8,7 @@
 
 mod assets;
 mod checkpoints;
+mod difference;
 mod disk;
 mod error;
 mod limits;
@@ -19,11 +20,12 @@ mod sqlite;
 mod store;
 mod stored;
 
-pub use assets::check_scene_name;
+pub use assets::{Assets, check_scene_name};
 pub use checkpoints::Opened;
+pub use difference::{Difference, Differing};
 pub use error::StoreError;
 pub use limits::{MAX_ASSET_BYTES, MAX_NAME_CHARS, MAX_PAGE_BYTES, MAX_REJECTIONS, MAX_SESSIONS};
-pub use log_file::{ReplayedLog, replay_log, visit_log};
+pub use log_file::{ReplayedLog, check_log, replay_log, visit_log};
 pub use protocol::MAX_RECORD_BYTES;
 pub use records::{Batch, Tail};
 pub use sqlite::DATABASE;

@@ -6,10 +6,11 @@ use std::ops::ControlFlow;
 
 use document::{AssetHash, EditError};
 use edit::{ReplayError, Session};
-use protocol::{Checkpoint, FIRST_PROOF, FORMAT, FileError, LogHeader, LogLine, LogReader, Record};
+use protocol::{Checkpoint, FileError, LogHeader, LogLine, LogReader, Record};
 
+use crate::difference::{Difference, Differing};
 use crate::records::{insert_record, take_in};
-use crate::sessions::insert_session;
+use crate::sessions::{check_name, insert_session};
 use crate::stored::{Found, SessionRow, StoredRecord};
 use crate::{MAX_RECORD_BYTES, Store, StoreError};
 
@@ -21,9 +22,8 @@ const CHECKPOINT_EVERY: u64 = 10;
 pub struct ReplayedLog {
     /// The session after the last record that was asked for.
     pub session: Session,
-    /// The first record whose checkpoint says another hash than the document has after it, or another proof than the
-    /// lines have.
-    pub differs: Option<u64>,
+    /// What the first checkpoint says that does not hold.
+    pub differs: Option<Difference>,
 }
 
 /// Replays a log file up to record `to`, or to its end.
@@ -42,8 +42,7 @@ pub fn visit_log(
     let session = walk(&header, lines, to, |passed| {
         match passed {
             Passed::Record(record, session) => visit(&record, session),
-            Passed::Checkpoint { seq, holds: false, .. } => differs = differs.or(Some(seq)),
-            Passed::Checkpoint { .. } => {}
+            Passed::Checkpoint { difference, .. } => differs = differs.or(difference),
         }
         Ok(())
     })?;
@@ -58,7 +57,7 @@ impl Store {
     pub fn export(&self, session: &str, out: &mut impl Write) -> Result<(), StoreError> {
         let Found { key, row } = self.database.find(session)?;
         let mut put = |line: String| writeln!(out, "{line}").map_err(StoreError::Unwritable);
-        put(LogHeader { format: FORMAT, session: row.name.clone() }.to_json())?;
+        put(row.header().to_json())?;
         let checkpoint =
             |seq, hash, proof| LogLine::Checkpoint(Checkpoint { seq, hash, proof: Some(proof) }).to_json();
         if row.seq == 0 {
@@ -92,22 +91,46 @@ impl Store {
             let name = name.unwrap_or(&header.session);
             let (key, _) = insert_session(writer, name)?;
             // Of the lines as they are stored, in this version's format, whatever the file's was.
-            let mut proof = FIRST_PROOF.to_owned();
+            let mut proof = writer.find(name)?.row.proof;
             walk(&header, lines, None, |passed| match passed {
                 Passed::Record(record, session) => {
-                    let (seq, scene) = (record.seq, session.document().scene());
-                    if let Some(asset) = scene.map(|scene| scene.asset).filter(|asset| !is_here(asset)) {
-                        let reason = EditError::UnknownAsset(asset);
-                        return Err(ReplayError::Record { seq, reason }.into());
-                    }
+                    check_scene(record.seq, session, is_here)?;
                     insert_record(writer, key, *record, &mut proof).map(drop)
                 }
-                Passed::Checkpoint { seq: 0, holds: true, .. } => Ok(()),
-                Passed::Checkpoint { seq, hash, holds: true } => writer.note_hash(key, seq, &hash, &proof),
-                Passed::Checkpoint { seq, holds: false, .. } => Err(StoreError::Differs { seq }),
+                Passed::Checkpoint { difference: Some(difference), .. } => {
+                    Err(StoreError::Differs(difference))
+                }
+                Passed::Checkpoint { seq: 0, .. } => Ok(()),
+                Passed::Checkpoint { seq, hash, .. } => writer.note_hash(key, seq, &hash, &proof),
             })?;
             Ok(writer.find(name)?.row)
         })
+    }
+}
+
+/// Refuses what [`Store::import`] refuses of a log and of a name, and writes nothing.
+pub fn check_log(
+    log: impl BufRead,
+    name: Option<&str>,
+    is_here: &dyn Fn(&AssetHash) -> bool,
+) -> Result<(), StoreError> {
+    let (header, lines) = open(log)?;
+    check_name(name.unwrap_or(&header.session))?;
+    walk(&header, lines, None, |passed| match passed {
+        Passed::Record(record, session) => check_scene(record.seq, session, is_here),
+        Passed::Checkpoint { difference: Some(difference), .. } => Err(StoreError::Differs(difference)),
+        Passed::Checkpoint { .. } => Ok(()),
+    })?;
+    Ok(())
+}
+
+/// Refuses a scene whose bytes are not here.
+fn check_scene(seq: u64, session: &Session, is_here: &dyn Fn(&AssetHash) -> bool) -> Result<(), StoreError> {
+    match session.document().scene().map(|scene| scene.asset) {
+        Some(asset) if !is_here(&asset) => {
+            Err(ReplayError::Record { seq, reason: EditError::UnknownAsset(asset) }.into())
+        }
+        _ => Ok(()),
     }
 }
 
@@ -115,9 +138,8 @@ impl Store {
 enum Passed<'a> {
     /// The session is the one after it.
     Record(Box<Record>, &'a Session),
-    /// `holds`: the document has the hash that the checkpoint says, and the lines have its proof. `hash` is the document's
-    /// in this version's format.
-    Checkpoint { seq: u64, hash: String, holds: bool },
+    /// `hash` is the document's in this version's format.
+    Checkpoint { seq: u64, hash: String, difference: Option<Difference> },
 }
 
 /// Replays the lines after the first up to record `to` and what is said of it, or to the end. `visit` is told each.
@@ -128,7 +150,8 @@ fn walk(
     mut visit: impl FnMut(Passed<'_>) -> Result<(), StoreError>,
 ) -> Result<Session, StoreError> {
     let mut session = Session::default();
-    let mut reader = LogReader::default();
+    let mut reader = LogReader::going_on_from(&header.first_proof(lines.line()?));
+    let mut right_up_to = 0;
     let mut operations = HashSet::new();
     let mut is_whole = false;
     // Of the latest record, by which its checkpoint's hash is made.
@@ -155,8 +178,15 @@ fn walk(
             LogLine::Checkpoint(Checkpoint { seq, hash, proof }) => {
                 let is_proven = proof.map_or(header.format == 1, |proof| proof == reader.proof());
                 let document = session.document();
-                let holds = is_proven && hash == document.hash_of_format(format).to_string();
-                visit(Passed::Checkpoint { seq, hash: document.hash().to_string(), holds })?;
+                let of = match (hash == document.hash_of_format(format).to_string(), is_proven) {
+                    (true, true) => None,
+                    (true, false) if lines.end_in_cr_lf => Some(Differing::LineEnds),
+                    (true, false) => Some(Differing::Lines),
+                    (false, _) => Some(Differing::Document),
+                };
+                let difference = of.map(|of| Difference { of, right_up_to, seq });
+                right_up_to = seq;
+                visit(Passed::Checkpoint { seq, hash: document.hash().to_string(), difference })?;
             }
         }
     }
@@ -165,7 +195,7 @@ fn walk(
 
 /// The first line of a log file, and those after it.
 fn open<R: BufRead>(log: R) -> Result<(LogHeader, Lines<R>), StoreError> {
-    let mut lines = Lines { log, number: 0, text: Vec::new() };
+    let mut lines = Lines { log, number: 0, text: Vec::new(), end_in_cr_lf: false };
     let header = lines.next(LogHeader::parse)?.ok_or(StoreError::Cut)?;
     Ok((header, lines))
 }
@@ -176,6 +206,8 @@ struct Lines<R> {
     /// Of the line last read, from 1.
     number: u64,
     text: Vec<u8>,
+    /// One of those read so far does.
+    end_in_cr_lf: bool,
 }
 
 impl<R: BufRead> Lines<R> {
@@ -192,8 +224,13 @@ impl<R: BufRead> Lines<R> {
             return Err(StoreError::RecordTooLarge);
         }
         let line = self.number;
-        let text = str::from_utf8(&self.text).map_err(|_| StoreError::NotText { line })?;
-        let text = text.strip_suffix('\n').unwrap_or(text);
-        parse(text).map(Some).map_err(|reason| StoreError::Line { line, reason })
+        self.end_in_cr_lf |= self.text.ends_with(b"\r\n");
+        parse(self.line()?).map(Some).map_err(|reason| StoreError::Line { line, reason })
+    }
+
+    /// The line last read, without its end.
+    fn line(&self) -> Result<&str, StoreError> {
+        let text = str::from_utf8(&self.text).map_err(|_| StoreError::NotText { line: self.number })?;
+        Ok(text.strip_suffix('\n').unwrap_or(text))
     }
 }

@@ -77,7 +77,7 @@ impl Store {
         max_bytes: usize,
     ) -> Result<Vec<Record>, StoreError> {
         let Found { key, row } = self.database.find(session)?;
-        let (mut reader, mut bytes, mut page) = (LogReader::default(), 0, Vec::new());
+        let (mut reader, mut bytes, mut page) = (row.reader(), 0, Vec::new());
         if limit == 0 {
             return Ok(page);
         }
@@ -102,7 +102,7 @@ impl Store {
             return Err(StoreError::NoRecord { asked: to, last: row.seq });
         }
         let mut session = Session::default();
-        self.go_on(key, &mut session, &mut LogReader::default(), to)?;
+        self.go_on(key, &mut session, &mut row.reader(), to)?;
         Ok(session)
     }
 
@@ -122,7 +122,7 @@ impl Store {
             let StoredRecord { seq, hash, proof, .. } = stored;
             let now = || session.document().hash_of_format(format).to_string();
             if hash.is_some_and(|hash| hash != now()) {
-                return Err(StoreError::Differs { seq });
+                return Err(StoreError::Altered { seq });
             }
             if proof.is_some_and(|proof| proof != reader.proof()) {
                 return Err(StoreError::Unproven { seq });

@@ -1,6 +1,7 @@
 //! The sessions of a data folder.
 
-use protocol::{FORMAT, Record};
+use document::FIRST_FORMAT_OF_HASH;
+use protocol::Record;
 
 use crate::limits::{MAX_NAME_CHARS, MAX_SESSIONS};
 use crate::sqlite::Writer;
@@ -25,7 +26,7 @@ impl Store {
         let last = self.database.line(key, row.seq)?;
         let unreadable = |reason| StoreError::DamagedRecord { seq: row.seq, reason };
         match last.map(|line| Record::format_of(&line)).transpose().map_err(unreadable)? {
-            Some(format) if format < FORMAT => {
+            Some(format) if format < FIRST_FORMAT_OF_HASH => {
                 Ok(self.open_session(&row.name)?.session.document().hash().to_string())
             }
             _ => Ok(row.hash.clone()),
@@ -40,17 +41,17 @@ impl Store {
 
 /// A new session's key and its epoch.
 pub(crate) fn insert_session(writer: &Writer, name: &str) -> Result<(SessionKey, String), StoreError> {
-    if !is_name(name) {
-        return Err(StoreError::BadName(name.into()));
-    }
+    check_name(name)?;
     if writer.count_sessions()? >= MAX_SESSIONS {
         return Err(StoreError::TooManySessions);
     }
     writer.insert_session(name)?.ok_or_else(|| StoreError::Exists(name.into()))
 }
 
-fn is_name(name: &str) -> bool {
+/// Refuses what cannot name a session.
+pub(crate) fn check_name(name: &str) -> Result<(), StoreError> {
     let allowed = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     let starts = |c: char| c.is_ascii_alphanumeric();
-    name.len() <= MAX_NAME_CHARS && name.starts_with(starts) && name.chars().all(allowed)
+    let is_name = name.len() <= MAX_NAME_CHARS && name.starts_with(starts) && name.chars().all(allowed);
+    if is_name { Ok(()) } else { Err(StoreError::BadName(name.into())) }
 }

@@ -1,14 +1,11 @@
 //! A data folder: a database of logs, and a folder of assets.
 
-use std::fs::DirBuilder;
-use std::os::unix::fs::DirBuilderExt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::StoreError;
+use crate::assets::{ASSETS, Assets};
 use crate::sqlite::{DATABASE, Database};
 
-/// The folder of assets in the data folder.
-const ASSETS: &str = "assets";
 /// All that the store keeps in the data folder, and for nobody but its owner.
 pub const FILES: &[&str] = &[DATABASE, "bendylights.sqlite-wal", "bendylights.sqlite-shm", ASSETS];
 
@@ -17,20 +14,26 @@ pub const FILES: &[&str] = &[DATABASE, "bendylights.sqlite-wal", "bendylights.sq
 #[derive(Debug)]
 pub struct Store {
     pub(crate) database: Database,
-    pub(crate) assets: PathBuf,
+    /// The scenes that its logs load.
+    pub assets: Assets,
 }
 
 impl Store {
     /// Opens the data in `folder`, and makes what is missing.
     pub fn create(folder: &Path) -> Result<Self, StoreError> {
-        let assets = folder.join(ASSETS);
-        let made = DirBuilder::new().recursive(true).mode(0o700).create(&assets);
-        made.map_err(|reason| StoreError::Io { path: assets.clone(), reason })?;
+        if folder.is_file() {
+            return Err(StoreError::NotAFolder(folder.into()));
+        }
+        let assets = Assets::of(folder);
+        assets.make_folder()?;
         Ok(Self { database: Database::create(folder)?, assets })
     }
 
     /// Opens the data in `folder`, which must be there.
     pub fn open(folder: &Path) -> Result<Self, StoreError> {
-        Ok(Self { database: Database::open(folder)?, assets: folder.join(ASSETS) })
+        if folder.is_file() {
+            return Err(StoreError::NotAFolder(folder.into()));
+        }
+        Ok(Self { database: Database::open(folder)?, assets: Assets::of(folder) })
     }
 }

@@ -1,6 +1,6 @@
 //! What is kept, in plain values: what the store's logic and its database say to each other.
 
-use protocol::Problem;
+use protocol::{LogHeader, LogReader, Problem};
 
 /// A session and how far its log goes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -9,12 +9,32 @@ pub struct SessionRow {
     pub name: String,
     /// Names this history: 128 random bits in hexadecimal, another one for each session that is made or imported.
     pub epoch: String,
+    /// The [`protocol::FORMAT`] in which it began.
+    pub format: u32,
     /// The latest record, 0 before the first.
     pub seq: u64,
     /// The document's hash after it, 64 hexadecimal digits, as the version made it that wrote the record.
     pub hash: String,
     /// The log's proof up to it ([`protocol::next_proof`]), 64 hexadecimal digits.
     pub proof: String,
+}
+
+impl SessionRow {
+    /// The first line of its log.
+    pub(crate) fn header(&self) -> LogHeader {
+        LogHeader { format: self.format, session: self.name.clone() }
+    }
+
+    /// The proof before its first record.
+    pub(crate) fn first_proof(&self) -> String {
+        let header = self.header();
+        header.first_proof(&header.to_json())
+    }
+
+    /// Reads its log from the first record.
+    pub(crate) fn reader(&self) -> LogReader {
+        LogReader::new(&self.header())
+    }
 }
 
 /// The database's own name for a session.

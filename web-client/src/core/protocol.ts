@@ -3171,7 +3171,7 @@ export interface ServerError {
  */
 export interface LogHeader {
   /**
-   * `crate::FORMAT` of the program that wrote the file.
+   * `crate::FORMAT` of the program that made the session.
    */
   format: number;
   /**
@@ -3194,7 +3194,7 @@ export interface Checkpoint {
    */
   hash: string;
   /**
-   * Of all lines of records up to there (`next_proof`), 64 hexadecimal digits. Logs of format 1 have none.
+   * Of the header and all lines of records up to there (`next_proof`), 64 hexadecimal digits. Logs of format 1 have none.
    */
   proof?: string;
   /**

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use ::bench::drag::{self, Kind, Options, Stage};
 use assets::Loaded;
-use cli::{Output, Size, answer};
-use indicatif::{ProgressBar, ProgressStyle};
+use cli::{Output, Size, answer, progress};
 
 use crate::error::Error;
 use crate::render::open_scene;
+use crate::usage::whole;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -33,10 +33,10 @@ pub struct Args {
     #[arg(default_value = "demo:vases", value_name = "SCENE")]
     scenes: Vec<String>,
     /// Drags of each of the sixteen kinds in each scene
-    #[arg(long, default_value_t = 25, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, default_value_t = 25, value_name = "N", value_parser = whole(1..=100_000_u32))]
     drags: u32,
     /// Another number, other drags
-    #[arg(long, default_value_t = 1, value_name = "S")]
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = whole(0..=u64::MAX))]
     seed: u64,
     /// Width and height of the picture in pixels
     #[arg(long, default_value = "686x382", value_name = "WxH")]
@@ -59,9 +59,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
         .collect();
     let stages = stages?;
     let options = Options { drags: args.drags as usize, seed: args.seed };
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} drags").expect("a valid template");
     let drags = stages.len() * Kind::all().count() * options.drags;
-    let bar = ProgressBar::new(drags as u64).with_style(style);
+    let bar = progress(drags as u64);
     let result = drag::run(&stages, options, || bar.inc(1));
     bar.finish_and_clear();
     let (report, chart) = result.map_err(Error::Bench)?;

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use ::bench::frame::{self, GrowthPlan, Subject};
-use cli::{Output, Size, answer, say};
-use indicatif::{ProgressBar, ProgressStyle};
+use cli::{Output, Size, answer, progress, say};
 
 use super::{PeerArgs, name_of};
 use crate::error::Error;
 use crate::gpu::BackendArgs;
 use crate::render::{choose_camera, open_lit};
+use crate::usage::whole;
 
 /// Bent lights of which one moves, beside one alone.
 const CROWD: usize = 64;
@@ -50,7 +50,7 @@ pub struct Args {
     #[arg(long, default_value = "686x382", value_name = "WxH")]
     size: Size,
     /// Frames of each kind
-    #[arg(long, default_value_t = 21, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, default_value_t = 21, value_name = "N", value_parser = whole(1..=10_000_u32))]
     repeats: u32,
     /// Measure how frames grow, too: some minutes
     #[arg(long)]
@@ -69,8 +69,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let output = args.output.as_deref().map(Output::create_chart).transpose()?;
     let peers = args.peers.found()?;
     let subject = subject(args)?;
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
-    let bar = ProgressBar::new(0).with_style(style);
+    let bar = progress(0);
     let growth = args.growth.then(GrowthPlan::full);
     let repeats = args.repeats as usize;
     let (peers, growth) = (peers.as_ref(), growth.as_ref());

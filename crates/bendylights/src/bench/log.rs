@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use ::bench::log::{self, Options};
-use cli::{Output, answer};
-use indicatif::{ProgressBar, ProgressStyle};
+use cli::{Output, answer, progress};
 
 use crate::error::Error;
+use crate::usage::whole;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -22,7 +22,7 @@ Example:
   bendylights bench log -o log.svg")]
 pub struct Args {
     /// Edits that the log grows by
-    #[arg(long, default_value_t = 10_000, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, default_value_t = 10_000, value_name = "N", value_parser = whole(1..=1_000_000_u32))]
     edits: u32,
     /// Chart to write: edits a second, and opening time over the length of the log
     #[arg(short, value_name = "OUT.svg")]
@@ -32,8 +32,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Error> {
     let output = args.output.as_deref().map(Output::create_chart).transpose()?;
     let program = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
-    let bar = ProgressBar::new(0).with_style(style);
+    let bar = progress(0);
     let result = log::run(&program, Options { edits: args.edits as usize }, |progress| {
         bar.set_length(progress.of as u64);
         bar.set_position(progress.done as u64);

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use ::bench::neighbours::{self, ROWS, Row};
-use cli::{Output, Size, answer};
-use indicatif::{ProgressBar, ProgressStyle};
+use cli::{Output, Size, answer, progress};
 
 use crate::error::Error;
 use crate::gpu::BackendArgs;
+use crate::usage::whole;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -55,10 +55,10 @@ pub struct Args {
     #[arg(long, value_name = "NAME", value_parser = ROWS.map(Row::name))]
     row: Vec<String>,
     /// Seconds that the victim is measured: alone, with the other client, alone again
-    #[arg(long, default_value_t = 15, value_name = "S", value_parser = clap::value_parser!(u64).range(1..=600))]
+    #[arg(long, default_value_t = 15, value_name = "S", value_parser = whole(1..=600_u64))]
     seconds: u64,
     /// Seconds of rest after the other client has left
-    #[arg(long, default_value_t = 60, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=3600))]
+    #[arg(long, default_value_t = 60, value_name = "S", value_parser = whole(0..=3600_u64))]
     rest_s: u64,
     /// Width and height of the victim's view in pixels
     #[arg(long, default_value = "640x360", value_name = "WxH")]
@@ -80,8 +80,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let output = args.output.as_deref().map(Output::create_chart).transpose()?;
     let this = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
     let program = args.program.as_deref().unwrap_or(&this);
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
-    let bar = ProgressBar::new(0).with_style(style);
+    let bar = progress(0);
     let is_wanted = |row: &Row| args.row.is_empty() || args.row.iter().any(|name| name == row.name());
     let options = neighbours::Options {
         rows: ROWS.into_iter().filter(is_wanted).collect(),

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use ::bench::{session, stills};
-use cli::{Output, Size, answer};
-use indicatif::{ProgressBar, ProgressStyle};
+use cli::{Output, Size, answer, progress};
 
 use super::{PeerArgs, name_of};
 use crate::error::Error;
 use crate::gpu::BackendArgs;
 use crate::render::open_lit;
+use crate::usage::whole;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -57,10 +57,10 @@ pub struct Args {
     #[arg(long, default_value = "686x382", value_name = "WxH")]
     size: Size,
     /// Updates of the drag, one an animation frame (1/60 s)
-    #[arg(long, default_value_t = 240, value_name = "N", value_parser = clap::value_parser!(u64).range(10..=100_000))]
+    #[arg(long, default_value_t = 240, value_name = "N", value_parser = whole(10..=100_000_u64))]
     updates: u64,
     /// Pictures of 16 samples a pixel that another session asks for meanwhile
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=8), conflicts_with_all = ["output", "scene", "peers"])]
+    #[arg(long, value_name = "N", value_parser = whole(1..=8_u64), conflicts_with_all = ["output", "scene", "peers"])]
     stills: Option<u64>,
     /// Width and height of those in pixels
     #[arg(long, default_value = "2048x2048", value_name = "WxH", requires = "stills")]
@@ -86,8 +86,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         return Err(Error::NothingLit(args.scene.clone()));
     }
     let program = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
-    let bar = ProgressBar::new(0).with_style(style);
+    let bar = progress(0);
     let options = session::Options {
         scene: &args.scene,
         name: &name_of(&args.scene),

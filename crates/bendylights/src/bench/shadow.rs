@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use ::bench::shadow;
-use cli::{Output, Size, answer};
-use indicatif::{ProgressBar, ProgressStyle};
+use cli::{Output, Size, answer, progress};
 
 use crate::error::Error;
 use crate::gpu;
@@ -38,8 +37,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     cli::without_window_system();
     let output = args.output.as_deref().map(Output::create_chart).transpose()?;
     cli::make_folder(args.pictures.as_deref())?;
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
-    let bar = ProgressBar::new(0).with_style(style);
+    let bar = progress(0);
     let Size { width, height } = args.size;
     let options = shadow::Options { width, height, pictures: args.pictures.as_deref() };
     let result = shadow::run(&gpu::open()?, options, |progress| {

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use ::bench::sweep;
-use cli::{Output, Size, answer};
-use indicatif::{ProgressBar, ProgressStyle};
+use cli::{Output, Size, answer, progress};
 
 use super::name_of;
 use crate::error::Error;
 use crate::render::open_scene;
+use crate::usage::whole;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -30,16 +30,16 @@ Examples:
   bendylights bench sweep --scene room.glb --scene street.glb")]
 pub struct Args {
     /// Poses of each shape
-    #[arg(long, default_value_t = 200, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 200, value_name = "COUNT", value_parser = whole(1..=1_000_000_u32))]
     poses: u32,
     /// The same seed makes the same poses
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = whole(0..=u64::MAX))]
     seed: u64,
     /// Width and height of the pictures in pixels
     #[arg(long, default_value = "96x64", value_name = "WxH")]
     size: Size,
     /// Texels along each side of shadow maps
-    #[arg(long, default_value_t = 2048, value_name = "TEXELS", value_parser = clap::value_parser!(u32).range(16..=8192))]
+    #[arg(long, default_value_t = 2048, value_name = "TEXELS", value_parser = whole(16..=8192_u32))]
     shadow_resolution: u32,
     /// Only lights of this shape; may be given more than once
     #[arg(long, value_name = "SHAPE", value_parser = sweep::SHAPES.map(|(name, _)| name))]
@@ -66,8 +66,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         let loaded = open_scene(scene)?;
         Ok(sweep::SceneFile { name: name_of(scene), scene: loaded.scene, cameras: loaded.contents.cameras })
     };
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}").expect("a valid template");
-    let bar = ProgressBar::new(0).with_style(style);
+    let bar = progress(0);
     let options = sweep::Options {
         poses: args.poses as usize,
         seed: args.seed,

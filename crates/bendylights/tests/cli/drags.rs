@@ -106,7 +106,7 @@ fn bad_drags_get_one_sentence() {
     refused(with("light", json!(7)), "no light `7`");
     refused(with("camera", json!("door")), "no camera `door`");
     refused(with("size", json!([0, 10])), "drag 0: `size` must be two whole numbers from 1 to 8192");
-    refused(with("kind", json!("glow")), "unknown variant `glow`");
-    refused(with("pull", json!(1)), "unknown field `pull`");
+    refused(with("kind", json!("glow")), "`glow` is not");
+    refused(with("pull", json!(1)), "there is no field `pull`");
     refused(json!({}), "drags.json");
 }

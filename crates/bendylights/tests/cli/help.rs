@@ -2,7 +2,7 @@
 
 use crate::program::run;
 
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 14] = [
     "render",
     "eval",
     "bend",
@@ -10,6 +10,7 @@ const COMMANDS: [&str; 13] = [
     "probe",
     "parameters",
     "scenes",
+    "example",
     "serve",
     "sessions",
     "export",

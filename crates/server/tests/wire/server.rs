@@ -85,7 +85,7 @@ async fn open(folder: &Path) -> (Door, Server, TcpListener) {
     let config = Config {
         data: folder.into(),
         session: "main".into(),
-        scene: "demo:vases".into(),
+        scene: None,
         public_urls: vec!["https://lights.example.org".parse().unwrap()],
         trace: None,
         backend: None,

@@ -24,7 +24,7 @@ pub use write::Writer;
 /// The database's name in the data folder.
 pub const DATABASE: &str = "bendylights.sqlite";
 /// The database's `user_version`.
-const SCHEMA_VERSION: u32 = 2;
+const SCHEMA_VERSION: u32 = 3;
 /// How long to wait for another program that is writing.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 
@@ -142,6 +142,9 @@ fn upgrade_schema(connection: &mut Connection) -> Result<(), StoreError> {
     if schema_version(&transaction)? == 1 {
         transaction.execute_batch(include_str!("schema-2.sql"))?;
         note_proofs(&transaction)?;
+    }
+    if schema_version(&transaction)? == 2 {
+        transaction.execute_batch(include_str!("schema-3.sql"))?;
     }
     Ok(transaction.commit()?)
 }

@@ -3,7 +3,7 @@
 use std::ops::{ControlFlow, RangeInclusive};
 
 use document::Document;
-use protocol::{ErrorCode, FIRST_PROOF, Problem};
+use protocol::{ErrorCode, Problem};
 use rusqlite::{Connection, OptionalExtension, Row, named_params, params};
 
 use super::Database;
@@ -12,8 +12,7 @@ use crate::stored::{Found, SessionKey, SessionRow, StoredCheckpoint, StoredRecor
 
 /// Each session with its latest record. `:name` is a session's name, or null for all of them.
 const SESSIONS: &str = "
-    SELECT name, epoch, coalesce(seq, 0) AS seq, coalesce(hash, :empty) AS hash,
-        coalesce(proof, :first) AS proof, id
+    SELECT name, epoch, format, coalesce(seq, 0) AS seq, coalesce(hash, :empty) AS hash, proof, id
     FROM session
     LEFT JOIN record ON session = id AND seq = (SELECT max(seq) FROM record WHERE session = id)
     WHERE :name IS NULL OR name = :name
@@ -24,7 +23,7 @@ impl Database {
     pub fn sessions(&self) -> Result<Vec<SessionRow>, StoreError> {
         let mut statement = self.connection.prepare_cached(SESSIONS)?;
         let empty = Document::default().hash().to_string();
-        let all = named_params! {":name": None::<&str>, ":empty": empty, ":first": FIRST_PROOF};
+        let all = named_params! {":name": None::<&str>, ":empty": empty};
         let rows = statement.query_map(all, session_row)?;
         Ok(rows.collect::<Result<_, _>>()?)
     }
@@ -104,7 +103,7 @@ impl Database {
 pub(super) fn find(connection: &Connection, name: &str) -> Result<Found, StoreError> {
     let mut statement = connection.prepare_cached(SESSIONS)?;
     let empty = Document::default().hash().to_string();
-    let params = named_params! {":name": name, ":empty": empty, ":first": FIRST_PROOF};
+    let params = named_params! {":name": name, ":empty": empty};
     let found = statement
         .query_row(params, |row| Ok(Found { key: SessionKey(row.get("id")?), row: session_row(row)? }))
         .optional()?;
@@ -112,11 +111,16 @@ pub(super) fn find(connection: &Connection, name: &str) -> Result<Found, StoreEr
 }
 
 fn session_row(row: &Row<'_>) -> rusqlite::Result<SessionRow> {
-    Ok(SessionRow {
-        name: row.get("name")?,
+    let (name, format, noted): (_, _, Option<String>) =
+        (row.get("name")?, row.get("format")?, row.get("proof")?);
+    let mut row = SessionRow {
+        name,
         epoch: row.get("epoch")?,
+        format,
         seq: row.get("seq")?,
         hash: row.get("hash")?,
-        proof: row.get("proof")?,
-    })
+        proof: String::new(),
+    };
+    row.proof = noted.unwrap_or_else(|| row.first_proof());
+    Ok(row)
 }

@@ -1,6 +1,6 @@
 //! What is written to the database, in one transaction.
 
-use protocol::Place;
+use protocol::{FORMAT, Place};
 use rusqlite::{ErrorCode, OptionalExtension, Row, Transaction, params};
 
 use super::read::find;
@@ -29,8 +29,10 @@ impl Writer<'_> {
 
     /// Makes a session; its key and its epoch, or `None` where the name is taken.
     pub fn insert_session(&self, name: &str) -> Result<Option<(SessionKey, String)>, StoreError> {
-        let insert = "INSERT INTO session (name) VALUES (?) ON CONFLICT DO NOTHING RETURNING id, epoch";
-        let made = self.0.query_row(insert, [name], |row| Ok((SessionKey(row.get(0)?), row.get(1)?)));
+        let insert = "
+            INSERT INTO session (name, format) VALUES (?, ?) ON CONFLICT DO NOTHING RETURNING id, epoch";
+        let made =
+            self.0.query_row(insert, params![name, FORMAT], |row| Ok((SessionKey(row.get(0)?), row.get(1)?)));
         Ok(made.optional()?)
     }
 

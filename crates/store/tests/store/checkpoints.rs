@@ -139,7 +139,8 @@ fn a_log_does_not_grow_by_what_it_holds() {
     let wire: Vec<_> = log.records[39..42].iter().map(protocol::Record::from).collect();
     assert_eq!(again, wire, "in full");
     // And in and out of a file.
-    let row = store.import(&*text, Some("copy"), &is_here).expect("a sound log");
+    let other = Folder::new();
+    let row = other.store().import(&*text, None, &is_here).expect("a sound log");
     assert_eq!(
         (row.seq, row.hash, row.proof),
         (56, log.hash().to_string(), store.session("main").unwrap().proof)
@@ -155,14 +156,17 @@ fn a_log_does_not_grow_by_what_it_holds() {
     assert_eq!(store::replay_log(old.as_bytes(), None).expect("format 1").differs, None);
     // The planted fault: the hash of today's format, which a log of that time cannot have.
     let planted = old.replace(&log.session.document().hash_of_format(1).to_string(), &log.hash().to_string());
-    assert_eq!(store::replay_log(planted.as_bytes(), None).expect("format 1").differs, Some(56));
+    assert_eq!(
+        store::replay_log(planted.as_bytes(), None).expect("format 1").differs.map(|how| how.seq),
+        Some(56)
+    );
     let younger = old.replacen(r#""type":"bendy""#, r#""type":"bendy","exposure":50"#, 1);
     let refused = store.import(younger.as_bytes(), None, &is_here).expect_err("a parameter of today");
     assert!(refused.to_string().contains("record 1: format 1 has no `exposure`"), "{refused}");
-    let row = store.import(old.as_bytes(), None, &is_here).expect("format 1");
-    let today = old.replace(r#""format":1,"opId""#, r#""format":3,"opId""#);
+    let row = other.store().import(old.as_bytes(), Some("again"), &is_here).expect("format 1");
+    let today = old.replace(r#""format":1,"opId""#, r#""format":4,"opId""#);
     let today = today.replace(&log.session.document().hash_of_format(1).to_string(), &log.hash().to_string());
-    let of_today = store.import(today.as_bytes(), Some("today"), &is_here).expect("format 3");
+    let of_today = store.import(today.as_bytes(), Some("again"), &is_here).expect("format 4");
     assert_eq!(row.proof, of_today.proof, "upgraded");
-    store.replay("old", None).expect("a log");
+    other.store().replay("again", None).expect("a log");
 }

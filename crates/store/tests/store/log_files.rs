@@ -2,6 +2,7 @@
 
 use protocol::ErrorCode;
 use protocol::{FIRST_PROOF, next_proof};
+use store::{Difference, Differing};
 use store::{Store, StoreError, replay_log};
 
 use crate::support::{Folder, Log, empty_hash, is_here, stored_log};
@@ -31,17 +32,25 @@ fn a_log_goes_out_and_comes_in_again() {
     let log = stored_log(&mut store, "main", 250);
     let text = exported(&store, "main");
     let lines: Vec<_> = text.lines().collect();
-    assert_eq!(lines[0], r#"{"format":3,"session":"main"}"#);
+    assert_eq!(lines[0], r#"{"format":4,"session":"main"}"#);
     assert_eq!(lines.len(), 1 + 252 + 26, "records 10, 20, ..., 250 and 252 have checkpoints");
-    let is_record = |line: &&&str| line.starts_with("{\"format\":3,\"seq\"");
-    let proof =
-        lines.iter().filter(is_record).fold(FIRST_PROOF.to_owned(), |proof, line| next_proof(&proof, line));
+    let is_covered = |line: &&&str| line.starts_with("{\"format\":4,");
+    let proof = lines.iter().filter(is_covered).fold(String::new(), |proof, line| next_proof(&proof, line));
     assert_eq!(lines.last(), Some(&&*checkpoint(252, &log.hash().to_string(), &proof)));
 
     let row = store.import(text.as_bytes(), Some("copy"), &is_here).expect("a sound log");
     assert_eq!((row.name.as_str(), row.seq, &row.hash), ("copy", 252, &log.hash().to_string()));
     assert_ne!(row.epoch, store.session("main").expect("a session").epoch, "another history");
-    assert_eq!(exported(&store, "copy"), text.replace("\"session\":\"main\"", "\"session\":\"copy\""));
+    // The same records under another header, which the proofs cover.
+    let records = |text: &str| {
+        let lines = text.lines().filter(|line| line.starts_with("{\"format\":4,\"seq\""));
+        lines.map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(records(&exported(&store, "copy")), records(&text));
+    let renamed = text.replace("\"session\":\"main\"", "\"session\":\"copy\"");
+    let replayed = replay_log(renamed.as_bytes(), None).expect("a log");
+    let expected = Difference { of: Differing::Lines, right_up_to: 0, seq: 10 };
+    assert_eq!(replayed.differs, Some(expected), "a header that was changed");
     let copy = store.replay("copy", None).expect("a log");
     assert_eq!(copy.document().hash(), log.hash());
     let taken = store.import(text.as_bytes(), None, &is_here).expect_err("`main` is there");
@@ -54,8 +63,9 @@ fn an_empty_log_is_a_log() {
     let mut store = Folder::new().store();
     store.create_session("main").expect("a new name");
     let text = exported(&store, "main");
-    let checkpoint = checkpoint(0, &empty_hash(), FIRST_PROOF);
-    assert_eq!(text, format!("{{\"format\":3,\"session\":\"main\"}}\n{checkpoint}\n"));
+    let header = r#"{"format":4,"session":"main"}"#;
+    let checkpoint = checkpoint(0, &empty_hash(), &next_proof("", header));
+    assert_eq!(text, format!("{header}\n{checkpoint}\n"));
     let row = store.import(text.as_bytes(), Some("copy"), &|_| false).expect("a log");
     assert_eq!((row.seq, row.hash), (0, empty_hash()));
     assert!(matches!(store.export("none", &mut Vec::new()), Err(StoreError::NoSession(_))));
@@ -106,8 +116,10 @@ fn a_changed_log_is_refused_by_line_or_record() {
         let last = l.last_mut().expect("lines");
         *last = last.replace(&hash, &empty_hash());
     });
-    refused("a proof", "record 22", &|l| *l.last_mut().expect("lines") = checkpoint(22, &hash, FIRST_PROOF));
-    refused("no proof", "record 22", &|l| {
+    refused("a proof", "records 21 to 22", &|l| {
+        *l.last_mut().expect("lines") = checkpoint(22, &hash, FIRST_PROOF);
+    });
+    refused("no proof", "records 21 to 22", &|l| {
         *l.last_mut().expect("lines") = format!(r#"{{"checkpoint":{{"seq":22,"hash":"{hash}"}}}}"#);
     });
     refused("a checkpoint's place", "checkpoint of record 21", &|l| {
@@ -121,11 +133,18 @@ fn a_changed_log_is_refused_by_line_or_record() {
     for (was, now) in
         [("Ada", "Eve"), ("\"id\":\"a\"", "\"id\":\"e\""), ("17900", "17800"), ("op 21", "op x")]
     {
-        refused(was, "record 22", &|l| l[23] = l[23].replace(was, now));
+        refused(was, "records 21 to 22", &|l| l[23] = l[23].replace(was, now));
     }
-    refused("a newer format", "format 4", &|l| l[0] = l[0].replace("\"format\":3", "\"format\":4"));
-    refused("a newer record", "line 5: format 4", &|l| {
-        l[4] = l[4].replace("\"format\":3", "\"format\":4,\"later\":0");
+    refused("a session's name", "the header or a line of records 1 to 10", &|l| {
+        l[0] = l[0].replace("main", "other");
+    });
+    refused("an older header", "the header or a line", &|l| {
+        l[0] = l[0].replace("\"format\":4", "\"format\":3");
+    });
+    refused("CR LF", "end in CR LF", &|l| l.iter_mut().for_each(|line| line.push('\r')));
+    refused("a newer format", "format 5", &|l| l[0] = l[0].replace("\"format\":4", "\"format\":5"));
+    refused("a newer record", "line 5: format 5", &|l| {
+        l[4] = l[4].replace("\"format\":4", "\"format\":5,\"later\":0");
     });
     refused("an unknown field", "`gobo`", &|l| l[4] = l[4].replacen('{', "{\"gobo\":1,", 1));
     refused("no JSON", "line 5: ", &|l| l[4] = "{".into());
@@ -159,10 +178,11 @@ fn a_refused_log_leaves_nothing_behind() {
 fn a_replay_says_which_checkpoint_differs_and_goes_on() {
     let (text, log) = log_file(250);
     let planted = text.replace("\"seq\":100,\"hash\":\"", "\"seq\":100,\"hash\":\"0");
+    let planted_at = Difference { of: Differing::Document, right_up_to: 90, seq: 100 };
     let replayed = replay_log(planted.as_bytes(), None).expect("a log");
-    assert_eq!((replayed.differs, replayed.session.document().hash()), (Some(100), log.hash()));
+    assert_eq!((replayed.differs, replayed.session.document().hash()), (Some(planted_at), log.hash()));
     let before = replay_log(planted.as_bytes(), Some(99)).expect("a log");
     assert_eq!(before.differs, None);
     let there = replay_log(planted.as_bytes(), Some(100)).expect("a log");
-    assert_eq!(there.differs, Some(100), "the checkpoint of the last record counts");
+    assert_eq!(there.differs, Some(planted_at), "the checkpoint of the last record counts");
 }

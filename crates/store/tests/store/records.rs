@@ -136,7 +136,7 @@ fn replay_names_the_record_that_was_tampered_with() {
     };
     // A value that nothing later starts from: only the hash tells.
     let (said, last) = error(r"UPDATE record SET json = replace(json, '39.0', '39.5') WHERE seq = 42");
-    assert!(matches!(last, StoreError::Differs { seq: 42 }), "{said}");
+    assert!(matches!(last, StoreError::Altered { seq: 42 }), "{said}");
     let (said, early) = error(r"UPDATE record SET json = replace(json, '[1.0,', '[1.25,') WHERE seq = 4");
     let conflict = matches!(early, StoreError::Replay(ReplayError::Record { seq: 5, .. }));
     assert!(conflict, "the next record starts from the value that was: {said}");

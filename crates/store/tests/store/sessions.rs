@@ -50,10 +50,10 @@ fn a_database_of_a_newer_program_is_left_alone() {
     let folder = Folder::new();
     drop(folder.store());
     let database = rusqlite::Connection::open(folder.data().join("bendylights.sqlite")).expect("a database");
-    database.execute_batch("PRAGMA user_version = 3").expect("a pragma");
+    database.execute_batch("PRAGMA user_version = 4").expect("a pragma");
     drop(database);
-    assert!(matches!(Store::create(&folder.data()), Err(StoreError::Newer { found: 3, .. })));
-    assert!(matches!(Store::open(&folder.data()), Err(StoreError::Newer { found: 3, .. })));
+    assert!(matches!(Store::create(&folder.data()), Err(StoreError::Newer { found: 4, .. })));
+    assert!(matches!(Store::open(&folder.data()), Err(StoreError::Newer { found: 4, .. })));
 }
 
 /// A folder of version 1, whose tables are made as that version made them.

@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use cli::{Output, Size, answer};
-use indicatif::{ProgressBar, ProgressStyle};
+use cli::{Output, Size, answer, progress};
 use studies::StudyError;
 use studies::direction;
 
@@ -37,8 +36,7 @@ pub fn run(args: &Args) -> Result<(), StudyError> {
     let demo = assets::demo("vases").expect("a demo of that name");
     let subject = (&demo.scene, &demo.contents.lights[..], demo.contents.cameras.first());
     let Size { width, height } = args.size;
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} rows").expect("a valid template");
-    let bar = ProgressBar::new(u64::from(height)).with_style(style);
+    let bar = progress(u64::from(height));
     let (report, pictures) = direction::run(subject, [width, height], || bar.inc(1))?;
     bar.finish_and_clear();
     if let Some(output) = output {

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use assets::Loaded;
 use bench::drag::{Kind, Stage};
-use cli::{Output, Size, answer, say};
-use indicatif::{ProgressBar, ProgressStyle};
+use cli::{Output, Size, answer, progress, say};
 use studies::StudyError;
 use studies::drags::{self, Cell, Options, Report};
 
@@ -67,8 +66,7 @@ pub fn run(args: &Args) -> Result<(), StudyError> {
     let defaults = || SCENES.map(String::from).to_vec();
     let scenes = if args.scenes.is_empty() { defaults() } else { args.scenes.clone() };
     let options = Options { drags: args.drags as usize, seed: args.seed, pins: args.pins as usize };
-    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} drags, {msg}").expect("a valid template");
-    let bar = ProgressBar::new((scenes.len() * Kind::all().count() * options.drags) as u64).with_style(style);
+    let bar = progress((scenes.len() * Kind::all().count() * options.drags) as u64);
     let (mut cells, mut all) = (Vec::new(), Vec::new());
     for scene in &scenes {
         let Some(Loaded { scene: surfaces, contents, .. }) = open(scene)? else {

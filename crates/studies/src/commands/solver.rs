@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use cli::{Output, answer};
-use indicatif::{ProgressBar, ProgressStyle};
+use cli::{Output, answer, progress};
 use render::Gpu;
 use studies::StudyError;
 use studies::solver::{self, FAMILIES, METHODS, Method};
@@ -44,9 +43,7 @@ pub fn run(args: &Args) -> Result<(), StudyError> {
     cli::without_window_system();
     let output = args.output.as_deref().map(Output::create_chart).transpose()?;
     let methods = if args.only.is_empty() { METHODS.to_vec() } else { args.only.clone() };
-    let style = ProgressStyle::with_template("{bar:30} {human_pos}/{human_len} points, {eta} left")
-        .expect("a valid template");
-    let bar = ProgressBar::new(args.inputs * FAMILIES.len() as u64).with_style(style);
+    let bar = progress(args.inputs * FAMILIES.len() as u64);
     let options = solver::Options { inputs_per_family: args.inputs, methods };
     // Without an adapter the processor's figures are still worth having.
     let report = solver::run(&options, Gpu::new().ok().as_ref(), |judged| bar.inc(judged))?;

@@ -2,8 +2,7 @@
 
 use std::time::Duration;
 
-use cli::answer;
-use indicatif::{ProgressBar, ProgressStyle};
+use cli::{answer, progress};
 use studies::StudyError;
 use studies::stress::{self, Length, Options, Property};
 
@@ -57,8 +56,7 @@ pub fn run(args: &Args) -> Result<(), StudyError> {
         None => Length::Time(Duration::from_secs_f64(60.0 * args.minutes)),
     };
     let options = Options { properties, seed: args.seed, length, planted: args.planted };
-    let style = ProgressStyle::with_template("{bar:30} {percent} %, {eta} left").expect("a valid template");
-    let bar = ProgressBar::new(1_000).with_style(style);
+    let bar = progress(1_000);
     let result = stress::run(&options, |share| bar.set_position((1_000.0 * share) as u64));
     bar.finish_and_clear();
     let report = result?;

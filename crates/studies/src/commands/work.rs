@@ -1,8 +1,7 @@
 //! `bendylights-studies work`: what do drags cost?
 
-use cli::answer;
+use cli::{answer, progress};
 use drag::MOST_STEPS;
-use indicatif::ProgressBar;
 use serde_json::json;
 use studies::StudyError;
 use studies::work::{random, search, stages};
@@ -38,7 +37,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), StudyError> {
     let stages = stages(args.triangles, SIZE);
-    let bar = ProgressBar::new((args.drags + args.tries) as u64);
+    let bar = progress((args.drags + args.tries) as u64);
     let drags = random(&stages, args.drags, (args.seed, MOST_STEPS), || bar.inc(1));
     let most_expensive = search(&stages, args.tries, (args.seed, MOST_STEPS), || bar.inc(1));
     bar.finish_and_clear();

@@ -1,0 +1,110 @@
+//! How far long work is, on standard error: a bar on a terminal, elsewhere a line a second.
+
+use std::fmt::{self, Write};
+use std::io::{self, IsTerminal};
+use std::mem;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle, TermLike};
+
+use crate::{is_quiet, say};
+
+/// How often the bar is drawn anew where nothing comes on.
+const TICK: Duration = Duration::from_millis(200);
+/// From one line to the next, and to the first.
+const BETWEEN_LINES: Duration = Duration::from_secs(1);
+/// Columns of a line that goes to a file.
+const WIDTH: u16 = 100;
+
+/// Progress of work in `total` parts; 0 where that is said later ([`ProgressBar::set_length`]). It shows the share that is
+/// done, the time left and the bar's message. What takes less than a second writes no line, and `--quiet` writes none.
+pub fn progress(total: u64) -> ProgressBar {
+    let is_terminal = io::stderr().is_terminal();
+    let target = match (is_quiet(), is_terminal) {
+        (true, _) => ProgressDrawTarget::hidden(),
+        (false, true) => ProgressDrawTarget::stderr(),
+        (false, false) => ProgressDrawTarget::term_like(Box::new(Lines::new(say))),
+    };
+    let template = if is_terminal { "{bar:30} {percent} %{left} {msg}" } else { "{percent} %{left} {msg}" };
+    let style = ProgressStyle::with_template(template).expect("a sound template").with_key("left", left);
+    let bar = ProgressBar::with_draw_target((total > 0).then_some(total), target).with_style(style);
+    bar.enable_steady_tick(TICK);
+    bar
+}
+
+/// Nothing is known before the first part is done.
+fn left(state: &ProgressState, text: &mut dyn Write) {
+    if state.pos() > 0 {
+        let _: fmt::Result = write!(text, ", {:#} left", HumanDuration(state.eta()));
+    }
+}
+
+/// Takes a bar as indicatif draws it, and gives its text on as a line, one a second at most.
+struct Lines {
+    write: fn(&str),
+    drawn: Mutex<Drawn>,
+}
+
+struct Drawn {
+    text: String,
+    last: Instant,
+}
+
+impl Lines {
+    fn new(write: fn(&str)) -> Self {
+        Self { write, drawn: Mutex::new(Drawn { text: String::new(), last: Instant::now() }) }
+    }
+}
+
+impl fmt::Debug for Lines {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Lines")
+    }
+}
+
+impl TermLike for Lines {
+    fn width(&self) -> u16 {
+        WIDTH
+    }
+
+    fn move_cursor_up(&self, _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn move_cursor_down(&self, _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn move_cursor_right(&self, _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn move_cursor_left(&self, _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn write_line(&self, text: &str) -> io::Result<()> {
+        self.write_str(text)
+    }
+
+    fn write_str(&self, text: &str) -> io::Result<()> {
+        self.drawn.lock().unwrap_or_else(PoisonError::into_inner).text.push_str(text);
+        Ok(())
+    }
+
+    fn clear_line(&self) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn flush(&self) -> io::Result<()> {
+        let mut drawn = self.drawn.lock().unwrap_or_else(PoisonError::into_inner);
+        let text = mem::take(&mut drawn.text);
+        let text = text.trim();
+        if !text.is_empty() && drawn.last.elapsed() >= BETWEEN_LINES {
+            drawn.last = Instant::now();
+            (self.write)(text);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,50 @@
+//! What is found where a log file is not what was logged.
+
+use std::fmt;
+
+/// How a log file is not what was logged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// What is another.
+    pub of: Differing,
+    /// The last record up to which all was right.
+    pub right_up_to: u64,
+    /// The record whose checkpoint says otherwise.
+    pub seq: u64,
+}
+
+/// What of a log file can be another than was logged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Differing {
+    /// What its records come to.
+    Document,
+    /// Its lines, in what does not show in the document: who did something and when, or the session's name.
+    Lines,
+    /// The ends of its lines.
+    LineEnds,
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { of, right_up_to, seq } = self;
+        let header = if *right_up_to == 0 { "the header or " } else { "" };
+        let first = right_up_to + 1;
+        match of {
+            Differing::Document => write!(
+                f,
+                "the document after record {seq} is not the one that was logged: a value in records {first} to {seq} was \
+                 changed, or the program that applies them; export the log again"
+            ),
+            Differing::Lines => write!(
+                f,
+                "{header}a line of records {first} to {seq} is not what was logged, though they come to the same document: \
+                 who did something, when, or a name was changed; export the log again"
+            ),
+            Differing::LineEnds => write!(
+                f,
+                "its lines end in CR LF and are not what was logged: it was copied as text for Windows; copy it as it \
+                 is, or export the log again"
+            ),
+        }
+    }
+}
