@@ -62,6 +62,7 @@ impl Own {
             data: data.path().to_owned(),
             session: "main".into(),
             scene: None,
+            token_file: None,
             public_urls: Vec::new(),
             trace: None,
             backend: None,

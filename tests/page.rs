@@ -65,6 +65,15 @@ fn fields_follow_from_the_table_of_parameters() {
     in_a_browser("parameters.mjs");
 }
 
+/// Where the address has no token the page asks for it, and says where a wrong one is.
+///
+/// Rules: HTTP-1
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn the_page_asks_for_a_token_that_its_address_lacks() {
+    in_a_browser("sign_in.mjs");
+}
+
 /// Bends the demo's light in place, and takes it back.
 ///
 /// Rules: CMD-12

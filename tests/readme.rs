@@ -1,4 +1,4 @@
-//! The README's commands do what it says.
+//! The README's commands do what it says, and a newcomer's first hour leads somewhere.
 
 #[path = "program.rs"]
 mod program;
@@ -51,4 +51,28 @@ fn curl_alone_makes_a_session_bends_a_light_and_fetches_a_picture() {
 
     let broken = run(&here.replace("/edits", "/edit"));
     assert!(!broken.status.success(), "a planted fault is caught");
+}
+
+/// Runs a script of `tests/hours`, which must come to its end.
+fn hour(script: &str, args: &[&std::ffi::OsStr]) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("hours").join(script);
+    let profile_dir = program().parent().expect("a folder of the profile");
+    let mut bash = Command::new("bash");
+    bash.arg(path).args(args).env("CARGO_TARGET_DIR", profile_dir.parent().expect("the target folder"));
+    let done = bash.output().expect("bash runs");
+    let [said, told] = [&done.stdout, &done.stderr].map(|text| String::from_utf8_lossy(text));
+    assert!(done.status.success() && said.ends_with("== done\n"), "{said}\n{told}");
+}
+
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn a_strangers_first_hour() {
+    hour("stranger.sh", &["dev".as_ref()]);
+}
+
+#[test]
+#[ignore = "needs the tools for OpenAPI: make openapi-tools"]
+fn a_pipeline_engineers_first_hour() {
+    let python = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/openapi-tools/bin/python3");
+    hour("engineer.sh", &[program().as_os_str(), python.as_os_str()]);
 }

@@ -10,6 +10,7 @@ const NEEDS: &[(&str, &str)] = &[
     ("needs strace", ""),
     ("needs systemd-analyze", ""),
     ("needs Python", ""),
+    ("needs nginx and Caddy", ""),
     ("needs the page and a browser: make page test-packages", ""),
     ("needs the tools for OpenAPI: make openapi-tools", ""),
     ("the child of ", "child_that_"),

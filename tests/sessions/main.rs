@@ -1,5 +1,6 @@
 //! Whole sessions: the program as a server, clients on real sockets, what they see and what is left on disk.
 
+mod backup;
 mod bending;
 mod crash;
 mod disk;
@@ -15,6 +16,7 @@ mod opening;
 mod picture;
 #[path = "../program.rs"]
 mod program;
+mod proxies;
 mod reach;
 mod reconnect;
 mod solving;

@@ -11,9 +11,9 @@ use light::{CheckedLight, MAX_SEGMENTS, Owner};
 use protocol::light_file;
 use raycast::Bvh;
 
-use crate::error::Error;
+use crate::error::{Error, no_such_light};
 use crate::files;
-use crate::render::{no_such_light, open_scene};
+use crate::render::open_scene;
 use crate::usage::whole;
 
 #[derive(clap::Args)]

@@ -11,9 +11,9 @@ use protocol::drag_file::{Drag, Dragged, NameOrIndex};
 use raycast::Bvh;
 use scene::{Camera, framing_camera};
 
-use crate::error::Error;
+use crate::error::{Error, choices, no_such_light};
 use crate::files;
-use crate::render::{choices, no_such_light, open_lit};
+use crate::render::open_lit;
 
 #[derive(clap::Args)]
 #[command(after_help = "\

@@ -70,6 +70,11 @@ pub enum Error {
     /// A name given on the command line is not among those there are.
     #[error("{whose} has no {what} `{name}`: {choices}")]
     NoSuch { whose: String, what: &'static str, name: String, choices: String },
+    /// Options of a picture that is not asked for.
+    #[error(
+        "--camera, --size, --samples and the like are of a picture: name one with --render, as PNG or EXR"
+    )]
+    NoPicture,
     /// An AOV that shows a light, where there is none.
     #[error("{scene}: has no light to show the {aov} of: name a light file with --lights")]
     NothingToShow { scene: String, aov: &'static str },
@@ -109,6 +114,9 @@ pub enum Error {
     /// A log file that cannot be used.
     #[error("{file}: {reason}")]
     BadLog { file: String, reason: StoreError },
+    /// A bundle that cannot be used.
+    #[error("{file}: is no bundle as `bendylights export` writes them ({reason}); export it again")]
+    BadBundle { file: String, reason: String },
     /// A log needs a scene that is neither a demo nor in the data folder.
     #[error(
         "{file}: record {seq} needs the scene {asset}, which is neither a demo nor in the data folder: name the folder \
@@ -149,5 +157,21 @@ impl Error {
             | Self::Render(RenderError::NoAdapter(_) | RenderError::DeviceLost(_) | RenderError::Gpu(_)) => 1,
             _ => 2,
         }
+    }
+}
+
+/// That a scene or a file has no light of that name, and which it has.
+pub fn no_such_light<'a>(whose: String, name: &str, names: impl Iterator<Item = &'a str>) -> Error {
+    Error::NoSuch { whose, what: "light", name: name.into(), choices: choices(names) }
+}
+
+/// What there is to choose from, as the end of a sentence.
+pub fn choices<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    const SHOWN: usize = 12;
+    let names: Vec<_> = names.map(|name| format!("`{name}`")).collect();
+    match names.len() {
+        0 => "it has none".into(),
+        n if n > SHOWN => format!("choose one of {} and {} more", names[..SHOWN].join(", "), n - SHOWN),
+        _ => format!("choose one of {}", names.join(", ")),
     }
 }

@@ -1,25 +1,26 @@
-//! `bendylights import`: a log file as a session.
+//! `bendylights import`: a log file or bundle as a session.
 
 use std::path::PathBuf;
 
 use cli::answer;
 use document::AssetHash;
-use store::{Assets, Store};
+use store::{Assets, SessionRow, Store};
 
 use crate::error::Error;
 use crate::usage::DATA;
-use crate::{files, known_scenes, replay};
+use crate::{bundle, files, known_scenes, replay};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
 The log is replayed first: one that has gaps, does not fit together or gives another document than it says is refused,
-and nothing is left of it. Scenes that it loads must be demos or in DIR/assets.
+and nothing is left of it. Scenes that it loads must be demos, in DIR/assets, or in the bundle.
 
-Example:
-  bendylights import main.jsonl --name main-again")]
+Examples:
+  bendylights import main.jsonl --name main-again
+  bendylights import main.zip")]
 pub struct Args {
-    /// Log file that `bendylights export` wrote
-    #[arg(value_name = "LOG.jsonl")]
+    /// Log file or bundle that `bendylights export` wrote
+    #[arg(value_name = "LOG.jsonl|LOG.zip")]
     log: PathBuf,
     /// Data folder to put the session into; made where it is missing
     #[arg(long, default_value = DATA, value_name = "DIR")]
@@ -30,6 +31,15 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
+    let row = if bundle::is_bundle(&args.log) {
+        bundle::import(&args.log, &args.data, args.name.as_deref())?
+    } else {
+        import_log(args)?
+    };
+    Ok(answer(&format!("{}: {} records", row.name, row.seq))?)
+}
+
+fn import_log(args: &Args) -> Result<SessionRow, Error> {
     let assets = Assets::of(&args.data);
     let is_here = |asset: &AssetHash| known_scenes::is_here(&assets, asset);
     if Store::open(&args.data).is_err() {
@@ -43,6 +53,5 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let mut store = Store::create(&args.data)?;
     let imported = store.import(log, args.name.as_deref(), &is_here);
     bar.finish_and_clear();
-    let row = imported.map_err(|reason| replay::refused(&args.log, reason))?;
-    Ok(answer(&format!("{}: {} records", row.name, row.seq))?)
+    imported.map_err(|reason| replay::refused(&args.log, reason))
 }

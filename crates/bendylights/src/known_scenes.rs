@@ -10,6 +10,11 @@ pub fn is_here(assets: &Assets, asset: &AssetHash) -> bool {
     bytes_of(Some(assets), asset).is_some()
 }
 
+/// Whether those are the bytes of a demo.
+pub fn is_demo(asset: &AssetHash) -> bool {
+    demo_bytes(asset).is_some()
+}
+
 /// The scene of those bytes. What stands in the way of one that is there is said on standard error.
 pub fn load(assets: Option<&Assets>, asset: &AssetHash) -> Option<Scene> {
     let bytes = bytes_of(assets, asset)?;
@@ -23,8 +28,10 @@ fn bytes_of(assets: Option<&Assets>, asset: &AssetHash) -> Option<Vec<u8>> {
         say(&format!("note: {error}"));
         None
     });
-    stored.or_else(|| {
-        let mut demos = ::assets::DEMO_NAMES.iter().filter_map(|(name, _)| ::assets::demo_bytes(name));
-        demos.find(|bytes| AssetHash::of(bytes) == *asset)
-    })
+    stored.or_else(|| demo_bytes(asset))
+}
+
+fn demo_bytes(asset: &AssetHash) -> Option<Vec<u8>> {
+    let mut demos = ::assets::DEMO_NAMES.iter().filter_map(|(name, _)| ::assets::demo_bytes(name));
+    demos.find(|bytes| AssetHash::of(bytes) == *asset)
 }

@@ -3,8 +3,10 @@
 //! Exit codes: 0, done; 2, the input is wrong and one sentence on standard error says how to mend it; 1, this
 //! machine cannot do it (no GPU driver, disk full).
 
+mod backup;
 mod bench;
 mod bend;
+mod bundle;
 mod drag;
 mod error;
 mod eval;
@@ -15,6 +17,7 @@ mod gpu;
 mod import;
 mod known_scenes;
 mod parameters;
+mod picture;
 mod probe;
 mod render;
 mod replay;
@@ -27,7 +30,6 @@ mod usage;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use cli::complain;
 use tikv_jemallocator::Jemalloc;
 
 /// Gives memory that nobody uses back to the system within seconds, from a thread of its own.
@@ -43,6 +45,9 @@ struct Cli {
     /// Say nothing on standard error but why it fails: no notes, no progress
     #[arg(long, short, global = true)]
     quiet: bool,
+    /// Print JSON: what `sessions` and `parameters` list, and why a command fails, on standard error
+    #[arg(long, global = true)]
+    json: bool,
 }
 
 #[derive(Subcommand)]
@@ -67,6 +72,8 @@ enum Command {
     Serve(serve::Args),
     /// List the sessions of a data folder
     Sessions(sessions::Args),
+    /// Copy a data folder while a server uses it
+    Backup(backup::Args),
     /// Write a session's edit log to a file
     Export(export::Args),
     /// Make a session of a log file
@@ -88,7 +95,7 @@ Examples:
 'bendylights help COMMAND' says more about each command.";
 
 fn main() -> ExitCode {
-    let Cli { command, quiet } = usage::parse();
+    let Cli { command, quiet, json } = usage::parse();
     if quiet {
         cli::be_quiet();
     }
@@ -98,11 +105,12 @@ fn main() -> ExitCode {
         Command::Bend(args) => bend::run(&args),
         Command::Drag(args) => drag::run(&args),
         Command::Probe(args) => probe::run(&args),
-        Command::Parameters(args) => parameters::run(&args),
+        Command::Parameters(args) => parameters::run(&args, json),
         Command::Scenes => scenes::run(),
         Command::Example(args) => example::run(&args),
         Command::Serve(args) => serve::run(&args),
-        Command::Sessions(args) => sessions::run(&args),
+        Command::Sessions(args) => sessions::run(&args, json),
+        Command::Backup(args) => backup::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Import(args) => import::run(&args),
         Command::Replay(args) => replay::run(&args),
@@ -111,7 +119,7 @@ fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            complain(&format!("error: {error}"));
+            usage::complain_of(&error.to_string(), error.exit_code(), json);
             ExitCode::from(error.exit_code())
         }
     }

@@ -17,17 +17,14 @@ pub struct Args {
     /// Only what this has: bendy, spot, omni, directional, point or camera
     #[arg(long, value_parser = ["bendy", "spot", "omni", "directional", "point", "camera"], value_name = "OWNER")]
     of: Option<String>,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
 }
 
-pub fn run(args: &Args) -> Result<(), Error> {
+pub fn run(args: &Args, as_json: bool) -> Result<(), Error> {
     let mut table = parameter_table();
     if let Some(owner) = &args.of {
         table.parameters.retain(|row| row.address.contains_key(owner));
     }
-    if args.json {
+    if as_json {
         return Ok(answer(&serde_json::to_string_pretty(&table).expect("plain data with string keys"))?);
     }
     let rows: Vec<[String; 5]> = table.parameters.iter().map(line).collect();

@@ -13,7 +13,8 @@ use reference::Reference;
 use scene::View;
 
 use crate::error::Error;
-use crate::render::{choose_camera, instances, open_lit};
+use crate::picture::choose_camera;
+use crate::render::{instances, open_lit};
 
 #[derive(clap::Args)]
 #[command(after_help = "\

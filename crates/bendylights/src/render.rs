@@ -5,16 +5,16 @@ use std::sync::Arc;
 
 use assets::Loaded;
 use clap::ValueEnum;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
-use cli::{LIMITS, Output, Size, progress, say};
+use cli::{LIMITS, Output, progress, say};
 use document::SceneContents;
 use light::{CheckedLight, LightId, LightInstance, Reach, Tube};
 use protocol::RenderRequest;
 use reference::Reference;
-use render::{Aov, Picture, PictureFormat, Renderer, ShadowSettings, View, ViewSlot};
-use scene::{Camera, PosedScene, framing_camera};
+use render::{Picture, PictureFormat, Renderer, ShadowSettings, View, ViewSlot};
+use scene::PosedScene;
 
-use crate::error::Error;
+use crate::error::{Error, choices};
+use crate::picture::{PictureArgs, choose_camera};
 use crate::usage::whole;
 use crate::{files, gpu};
 
@@ -46,27 +46,8 @@ pub struct Args {
     /// Light file to use in place of the scene's own lights, or of the key of a scene without any: one light or an array of them
     #[arg(long, value_name = "FILE")]
     lights: Option<PathBuf>,
-    /// Camera by its name or its index from 0 [default: the first, or one that frames the scene]
-    #[arg(long, value_name = "NAME|INDEX")]
-    camera: Option<String>,
-    /// Width and height in pixels, each at most 8192 [default: 640x360, or as many pixels in the camera's own shape]
-    #[arg(long, value_name = "WxH")]
-    size: Option<Size>,
-    /// Samples a pixel, for beauty and visibility; 1 takes each pixel's centre, 16 or more smooth the edges
-    #[arg(long, default_value_t = 1, value_name = "N", value_parser = whole(1..=LIMITS.max_samples))]
-    samples: u32,
-    /// What the picture shows
-    #[arg(long, default_value = "beauty", value_name = "NAME", value_parser = aov_names())]
-    aov: Aov,
-    /// The light that t, vw, direction, visibility and wireframe are of [default: the first]
-    #[arg(long, value_name = "NAME")]
-    light: Option<String>,
-    /// How much of the fill the beauty has: 0 leaves the lights' own radiance, 1 is as the scene has it, at most 1000000
-    #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = RenderRequest::parse_fill, allow_negative_numbers = true)]
-    fill: f64,
-    /// Stops by which a PNG of the beauty is brightened before it is tone-mapped, -32 to 32; an EXR holds the radiance itself
-    #[arg(long, default_value_t = 0.0, value_name = "STOPS", value_parser = RenderRequest::parse_exposure, allow_negative_numbers = true)]
-    exposure: f64,
+    #[command(flatten)]
+    picture: PictureArgs,
     /// What draws the picture
     #[arg(long, value_enum, default_value = "gpu")]
     backend: Backend,
@@ -89,30 +70,12 @@ enum Backend {
     Reference,
 }
 
-fn aov_names() -> impl TypedValueParser<Value = Aov> {
-    PossibleValuesParser::new(Aov::NAMES).try_map(|name| name.parse::<Aov>())
-}
-
 /// The picture format that the file's name says.
 pub fn picture_format(path: &Path) -> Result<PictureFormat, Error> {
     match path.extension().unwrap_or_default().to_ascii_lowercase().to_str() {
         Some("png") => Ok(PictureFormat::Png),
         Some("exr") => Ok(PictureFormat::Exr),
         _ => Err(Error::UnknownFormat(path.into())),
-    }
-}
-
-impl From<&Args> for RenderRequest {
-    fn from(args: &Args) -> Self {
-        Self {
-            camera: args.camera.clone(),
-            size: args.size.map(|Size { width, height }| [width, height]),
-            aov: args.aov,
-            samples: args.samples,
-            light: args.light.clone(),
-            fill: args.fill,
-            exposure: args.exposure,
-        }
     }
 }
 
@@ -125,28 +88,22 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let output = Output::create(&args.output)?;
     let Loaded { scene, contents, mut notes, .. } = open_lit(&args.scene, args.lights.as_deref())?;
     let lights = instances(contents.lights);
-    if lights.is_empty() && args.aov.is_of_light() {
-        return Err(Error::NothingToShow { scene: args.scene.clone(), aov: args.aov.name() });
-    }
+    let request = RenderRequest::from(&args.picture);
+    let lights_of = args.lights.as_ref().map_or(args.scene.clone(), |file| file.display().to_string());
+    let light = args.picture.choose_light(&args.scene, &lights_of, &lights)?;
     if lights.is_empty() {
-        let shown = if args.fill == 0.0 { "nothing" } else { "the fill only" };
+        let shown = if request.fill == 0.0 { "nothing" } else { "the fill only" };
         notes.push(format!("there are no lights, so the picture shows {shown}; --lights names a light file"));
     }
-    if args.samples > 1 && !args.aov.takes_samples() {
-        let aov = args.aov.name();
-        notes.push(format!(
-            "one sample a pixel was taken: an average of {aov} over an edge would mean nothing"
-        ));
-    }
+    notes.extend(args.picture.warning());
     notes.extend(lights.iter().flat_map(warnings));
     let posed = scene::pose(scene);
     if matches!(args.backend, Backend::Gpu) {
         notes.extend(left_out(&posed.reach(), &lights));
     }
-    let request = RenderRequest::from(args);
     let (wanted, aspect) = (request.camera.as_deref(), request.framing_aspect());
     let camera = choose_camera(&args.scene, wanted, aspect, (&posed.reach(), &contents.cameras))?;
-    let view = request.view(camera, choose_light(args, &lights)?, LIMITS, ViewSlot::default());
+    let view = request.view(camera, light, LIMITS, ViewSlot::default());
     for note in &notes {
         say(&format!("note: {note}"));
     }
@@ -176,7 +133,8 @@ fn shadow_settings(args: &Args) -> Result<ShadowSettings, Error> {
     }
 }
 
-fn draw(
+/// The picture's file.
+pub fn draw(
     scene: &Arc<PosedScene>,
     view: &View,
     lights: &[LightInstance],
@@ -248,49 +206,4 @@ pub fn open_lit(name: &str, lights: Option<&Path>) -> Result<Loaded, Error> {
 pub fn instances(lights: Vec<Arc<CheckedLight>>) -> Vec<LightInstance> {
     let numbered = lights.into_iter().zip(0..);
     numbered.map(|(light, number)| LightInstance { id: LightId(number), light }).collect()
-}
-
-/// The camera of that name or index among those of `scene`; by default the first, or one that frames it in a picture of that
-/// width over height.
-pub fn choose_camera(
-    scene: &str,
-    wanted: Option<&str>,
-    aspect: f64,
-    (reach, cameras): (&Reach, &[Camera]),
-) -> Result<Camera, Error> {
-    let Some(wanted) = wanted else {
-        return Ok(cameras.first().cloned().unwrap_or_else(|| framing_camera(reach, aspect)));
-    };
-    let named = cameras.iter().find(|camera| camera.name == wanted);
-    let indexed = || cameras.get(wanted.parse::<usize>().ok()?);
-    named.or_else(indexed).cloned().ok_or_else(|| Error::NoSuch {
-        whose: scene.into(),
-        what: "camera",
-        name: wanted.into(),
-        choices: choices(cameras.iter().map(|camera| camera.name.as_str())),
-    })
-}
-
-fn choose_light(args: &Args, lights: &[LightInstance]) -> Result<usize, Error> {
-    let Some(wanted) = &args.light else { return Ok(0) };
-    lights.iter().position(|light| light.light.light().name() == *wanted).ok_or_else(|| {
-        let whose = args.lights.as_ref().map_or(args.scene.clone(), |file| file.display().to_string());
-        no_such_light(whose, wanted, lights.iter().map(|light| light.light.light().name()))
-    })
-}
-
-/// That a scene or a file has no light of that name, and which it has.
-pub fn no_such_light<'a>(whose: String, name: &str, names: impl Iterator<Item = &'a str>) -> Error {
-    Error::NoSuch { whose, what: "light", name: name.into(), choices: choices(names) }
-}
-
-/// What there is to choose from, as the end of a sentence.
-pub fn choices<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    const SHOWN: usize = 12;
-    let names: Vec<_> = names.map(|name| format!("`{name}`")).collect();
-    match names.len() {
-        0 => "it has none".into(),
-        n if n > SHOWN => format!("choose one of {} and {} more", names[..SHOWN].join(", "), n - SHOWN),
-        _ => format!("choose one of {}", names.join(", ")),
-    }
 }

@@ -6,15 +6,17 @@ use std::time::Instant;
 use cli::{LIMITS, Output, answer, say};
 use document::{AssetHash, Document, EditError};
 use edit::ReplayError;
-use render::{PictureFormat, Renderer, View};
-use scene::{DEFAULT_ASPECT, Scene, framing_camera};
+use protocol::RenderRequest;
+use render::{PictureFormat, ShadowSettings, ViewSlot};
+use scene::Scene;
 use store::{Assets, StoreError, visit_log};
 
 use crate::error::Error;
-use crate::render::{left_out, picture_format};
+use crate::picture::{PictureArgs, choose_camera};
+use crate::render::{draw, left_out, picture_format};
 use crate::resolve::Resolver;
 use crate::usage::whole;
-use crate::{files, gpu, known_scenes};
+use crate::{files, known_scenes};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -30,6 +32,7 @@ Prints JSON:
 
 Examples:
   bendylights replay main.jsonl --data bendylights-data --to 120 --render before.png
+  bendylights replay main.jsonl --data bendylights-data --render key.exr --camera front --size 1920x1080 --samples 64
   bendylights replay main.jsonl --data bendylights-data --resolve")]
 pub struct Args {
     /// Log file that `bendylights export` wrote
@@ -44,17 +47,22 @@ pub struct Args {
     /// Solve every drag again, beside what the log has of it
     #[arg(long)]
     resolve: bool,
-    /// Picture to draw of the document, 640x360 or in the shape of its first camera, from which it looks, as PNG or EXR by its ending
+    /// Picture to draw of the document, as PNG or EXR by its ending
     #[arg(long, value_name = "OUT.png|OUT.exr")]
     render: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureArgs,
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
     if args.render.is_some() {
         cli::without_window_system();
     }
+    if args.render.is_none() && !args.picture.is_default() {
+        return Err(Error::NoPicture);
+    }
     let picture = args.render.as_deref().map(picture_file).transpose()?;
-    let assets = args.data.as_deref().map(scenes_of).transpose()?;
+    let assets = args.data.as_deref().map(Assets::open).transpose()?;
     let (log, bar) = files::open_log(&args.log)?;
     let start = Instant::now();
     let mut resolver = args.resolve.then(|| Resolver::new(assets.as_ref()));
@@ -84,23 +92,12 @@ pub fn run(args: &Args) -> Result<(), Error> {
                 known_scenes::load(assets.as_ref(), &scene.asset).ok_or_else(no_scene)?
             }
         };
-        output.write(&drawn(document, scene, format)?)?;
+        output.write(&drawn(args, document, scene, format)?)?;
     }
     match replayed.differs {
         Some(how) => Err(Error::Differs { file: args.log.display().to_string(), how }),
         None => Ok(()),
     }
-}
-
-/// The scenes in a data folder, or in a folder that has nothing but `assets`.
-fn scenes_of(data: &Path) -> Result<Assets, Error> {
-    if data.is_file() {
-        return Err(StoreError::NotAFolder(data.into()).into());
-    }
-    if !data.join("assets").is_dir() {
-        return Err(StoreError::NoData(data.into()).into());
-    }
-    Ok(Assets::of(data))
 }
 
 /// Why a log file is refused, in this program's words where the way out is on its command line.
@@ -114,7 +111,8 @@ pub fn refused(log: &Path, reason: StoreError) -> Error {
     }
 }
 
-fn no_scene(log: &Path, seq: u64, asset: AssetHash) -> Error {
+/// A log needs a scene that is not here.
+pub fn no_scene(log: &Path, seq: u64, asset: AssetHash) -> Error {
     Error::NoScene { file: log.display().to_string(), seq, asset }
 }
 
@@ -123,18 +121,18 @@ fn picture_file(path: &Path) -> Result<(PictureFormat, Output), Error> {
     Ok((picture_format(path)?, Output::create(path)?))
 }
 
-/// The document from its first camera, or from one that frames its scene.
-fn drawn(document: &Document, scene: Scene, format: PictureFormat) -> Result<Vec<u8>, Error> {
+/// The picture of the document that is asked for.
+fn drawn(args: &Args, document: &Document, scene: Scene, format: PictureFormat) -> Result<Vec<u8>, Error> {
     let posed = scene::pose(scene);
-    let camera = document.cameras().values().next().cloned();
-    let camera = camera.unwrap_or_else(|| framing_camera(&posed.reach(), DEFAULT_ASPECT));
-    let size = camera.projection.default_size(LIMITS.max_side);
-    let view = View::beauty(camera, size);
-    let lights = document.instances();
-    for note in left_out(&posed.reach(), &lights) {
+    let (log, lights) = (args.log.display().to_string(), document.instances());
+    let request = RenderRequest::from(&args.picture);
+    let cameras: Vec<_> = document.cameras().values().cloned().collect();
+    let (wanted, aspect) = (request.camera.as_deref(), request.framing_aspect());
+    let camera = choose_camera(&log, wanted, aspect, (&posed.reach(), &cameras))?;
+    let light = args.picture.choose_light(&log, &log, &lights)?;
+    let view = request.view(camera, light, LIMITS, ViewSlot::default());
+    for note in left_out(&posed.reach(), &lights).into_iter().chain(args.picture.warning()) {
         say(&format!("note: {note}"));
     }
-    let mut renderer = Renderer::new(gpu::open()?)?;
-    renderer.set_scene(&posed)?;
-    Ok(renderer.render_file(&view, &lights, format, |_| {})?)
+    draw(&posed, &view, &lights, ShadowSettings::default(), format)
 }

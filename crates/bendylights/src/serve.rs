@@ -20,6 +20,8 @@ const SESSION: &str = "main";
 #[derive(clap::Args)]
 #[command(after_help = "\
 Prints the address to open, with the token that lets its bearer in. Whoever has the address can edit and see everything.
+With --token-file it is printed without the token, as for a service whose standard output many can read; the page then
+asks for that.
 
 Stop it with Ctrl+C or SIGTERM: it finishes what it has accepted. Edits are on disk before they are acknowledged, and so
 survive any other end too. RUST_LOG=debug says more of what it does.
@@ -39,6 +41,9 @@ pub struct Args {
     /// glTF file (.gltf or .glb) or `demo:NAME`: the session `main` begins with it, or, where that holds another, a session of the scene's name [default: demo:vases, in a new folder]
     #[arg(long, value_name = "SCENE")]
     scene: Option<String>,
+    /// File of the token, 32 hexadecimal digits, made where it is missing [default: `token` in the data folder]
+    #[arg(long, value_name = "FILE")]
+    token_file: Option<PathBuf>,
     /// Address at which browsers find it, such as a proxy's: `https://lights.example.org`; may be given more than once
     #[arg(long, value_name = "URL")]
     public_url: Vec<PublicUrl>,
@@ -72,6 +77,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         data: args.data.clone(),
         session: SESSION.into(),
         scene: args.scene.clone(),
+        token_file: args.token_file.clone(),
         public_urls: args.public_url.clone(),
         trace: args.trace.clone(),
         backend: args.backend.wanted(),
@@ -82,17 +88,28 @@ pub fn run(args: &Args) -> Result<(), Error> {
         .first()
         .map_or_else(|| format!("http://{}", reachable(address)), PublicUrl::to_string);
     let StartSession { name, kept } = server.session();
-    let mut page = format!("{place}/#token={}", server.token().digits());
+    let mut page = vec![];
+    if args.token_file.is_none() {
+        page.push(format!("token={}", server.token().digits()));
+    }
     if let (Some(kept), Some(scene)) = (kept, &args.scene) {
         say(&format!("note: session `{SESSION}` keeps {kept}; {scene} is served as session `{name}`"));
-        page.extend(["&session=", name]);
+        page.push(format!("session={name}"));
     }
+    let page = if page.is_empty() { format!("{place}/") } else { format!("{place}/#{}", page.join("&")) };
     let runtime = Runtime::new().map_err(Error::NoRuntime)?;
     let requests = server::request_runtime().map_err(Error::NoRuntime)?;
     let served = runtime.block_on(async {
         let stop = stop_signal().map_err(Error::NoRuntime)?;
         let listener = tokio::net::TcpListener::from_std(listener).map_err(Error::NoRuntime)?;
         answer(&page)?;
+        let is_warm = server.is_warm();
+        runtime.spawn(async move {
+            // The last line of a service's journal, without the token.
+            if is_warm.await {
+                tracing::info!("ready at {place}");
+            }
+        });
         Ok(server.run(listener, requests.handle().clone(), stop).await?)
     });
     // A scene that is still being decoded need not be waited for.

@@ -21,32 +21,29 @@ pub struct Args {
     /// Folder that `bendylights serve --data` was given
     #[arg(long, default_value = DATA, value_name = "DIR")]
     data: PathBuf,
-    /// Print JSON
-    #[arg(long)]
-    json: bool,
 }
 
-pub fn run(args: &Args) -> Result<(), Error> {
+pub fn run(args: &Args, as_json: bool) -> Result<(), Error> {
     let store = Store::open(&args.data)?;
     let listed = |row: SessionRow| {
         let hash = store.document_hash(&row);
         (row, hash)
     };
     let sessions: Vec<Listed> = store.sessions()?.into_iter().map(listed).collect();
-    Ok(answer(&if args.json { as_json(&sessions) } else { as_table(&sessions) })?)
+    Ok(answer(&if as_json { to_json(&sessions) } else { to_table(&sessions) })?)
 }
 
 /// A session with the hash of its document, or why it has none.
 type Listed = (SessionRow, Result<String, StoreError>);
 
-fn as_json(sessions: &[Listed]) -> String {
+fn to_json(sessions: &[Listed]) -> String {
     let object = |(row, hash): &Listed| {
         json!({"name": row.name, "seq": row.seq, "hash": hash.as_ref().ok(), "epoch": row.epoch}).to_string()
     };
     format!("[{}]", sessions.iter().map(object).collect::<Vec<_>>().join(",\n "))
 }
 
-fn as_table(sessions: &[Listed]) -> String {
+fn to_table(sessions: &[Listed]) -> String {
     let longest = sessions.iter().map(|(row, _)| row.name.len()).max().unwrap_or(0);
     let width = longest.max("session".len());
     let line = |name: &str, records: &str, hash: &str| format!("{name:width$}  {records:>8}  {hash}");

@@ -7,11 +7,15 @@ use std::str::FromStr;
 
 use clap::Parser;
 use clap::builder::TypedValueParser;
-use clap::error::{ContextKind, ErrorKind};
+use clap::error::ContextKind;
+use cli::complain;
+use serde_json::json;
 
 /// The folder of `bendylights serve`, and of the commands that look into it.
 pub const DATA: &str = "./bendylights-data";
 
+/// The exit code of a command line that cannot be read.
+const USAGE: u8 = 2;
 /// Digits of the largest number that means something to people.
 const MOST_DIGITS: usize = 9;
 
@@ -21,10 +25,31 @@ const MOST_DIGITS: usize = 9;
 pub fn parse<T: Parser>() -> T {
     T::try_parse().unwrap_or_else(|mut error| {
         error.remove(ContextKind::Suggested);
-        let _ = error.print();
-        let is_asked_for = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
-        process::exit(if is_asked_for { 0 } else { 2 })
+        // What is on the command line cannot be read, so it is looked for.
+        let as_json = std::env::args_os().any(|word| word == "--json");
+        if as_json && error.use_stderr() {
+            complain_of(&sentence(&error.to_string()), USAGE, true);
+            process::exit(USAGE.into());
+        }
+        error.exit()
     })
+}
+
+/// Why a command fails, on standard error: a line for people, or for programs
+/// `{"error": {"message": "...", "exitCode": 2}}`.
+pub fn complain_of(why: &str, exit_code: u8, as_json: bool) {
+    if as_json {
+        complain(&json!({"error": {"message": why, "exitCode": exit_code}}).to_string());
+    } else {
+        complain(&format!("error: {why}"));
+    }
+}
+
+/// What clap says of a command line, without the advice for people below it.
+fn sentence(error: &str) -> String {
+    let why = error.split("\n\n").next().unwrap_or_default();
+    let words: Vec<_> = why.trim_start_matches("error: ").split_whitespace().collect();
+    words.join(" ")
 }
 
 /// Takes a whole number of `range`.

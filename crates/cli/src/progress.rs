@@ -24,7 +24,7 @@ pub fn progress(total: u64) -> ProgressBar {
     let target = match (is_quiet(), is_terminal) {
         (true, _) => ProgressDrawTarget::hidden(),
         (false, true) => ProgressDrawTarget::stderr(),
-        (false, false) => ProgressDrawTarget::term_like(Box::new(Lines::new(say))),
+        (false, false) => ProgressDrawTarget::term_like(Box::new(Lines::default())),
     };
     let template = if is_terminal { "{bar:30} {percent} %{left} {msg}" } else { "{percent} %{left} {msg}" };
     let style = ProgressStyle::with_template(template).expect("a sound template").with_key("left", left);
@@ -41,25 +41,33 @@ fn left(state: &ProgressState, text: &mut dyn Write) {
 }
 
 /// Takes a bar as indicatif draws it, and gives its text on as a line, one a second at most.
+#[derive(Debug, Default)]
 struct Lines {
-    write: fn(&str),
     drawn: Mutex<Drawn>,
 }
 
+#[derive(Debug)]
 struct Drawn {
     text: String,
     last: Instant,
 }
 
-impl Lines {
-    fn new(write: fn(&str)) -> Self {
-        Self { write, drawn: Mutex::new(Drawn { text: String::new(), last: Instant::now() }) }
+impl Default for Drawn {
+    fn default() -> Self {
+        Self { text: String::new(), last: Instant::now() }
     }
 }
 
-impl fmt::Debug for Lines {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("Lines")
+impl Drawn {
+    /// The text to write at `now`, or `None` where the last line is no second old.
+    fn line(&mut self, now: Instant) -> Option<String> {
+        let text = mem::take(&mut self.text);
+        let text = text.trim();
+        if text.is_empty() || now.saturating_duration_since(self.last) < BETWEEN_LINES {
+            return None;
+        }
+        self.last = now;
+        Some(text.to_owned())
     }
 }
 
@@ -98,13 +106,28 @@ impl TermLike for Lines {
     }
 
     fn flush(&self) -> io::Result<()> {
-        let mut drawn = self.drawn.lock().unwrap_or_else(PoisonError::into_inner);
-        let text = mem::take(&mut drawn.text);
-        let text = text.trim();
-        if !text.is_empty() && drawn.last.elapsed() >= BETWEEN_LINES {
-            drawn.last = Instant::now();
-            (self.write)(text);
+        if let Some(line) = self.drawn.lock().unwrap_or_else(PoisonError::into_inner).line(Instant::now()) {
+            say(&line);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_comes_once_a_second_and_tells_the_latest() {
+        let mut drawn = Drawn::default();
+        let began = drawn.last;
+        let lines: Vec<String> = (1..=25)
+            .filter_map(|tenth: u32| {
+                drawn.text = format!(" {tenth} % ");
+                drawn.line(began + tenth * BETWEEN_LINES / 10)
+            })
+            .collect();
+        assert_eq!(lines, ["10 %", "20 %"]);
+        assert_eq!(drawn.line(began + 9 * BETWEEN_LINES), None, "nothing was drawn since");
     }
 }

@@ -9,7 +9,7 @@ use tokio_util::task::TaskTracker;
 
 use crate::in_flight::InFlight;
 use crate::metrics::Metrics;
-use crate::pacing::EditPacing;
+use crate::pacing::RequestPacing;
 use crate::renderer::Renders;
 use crate::scenes::Scenes;
 use crate::solver::Solver;
@@ -33,7 +33,9 @@ pub struct Backend {
     /// Threads that solve drags.
     pub solver: Solver,
     /// Holds back edits by requests.
-    pub edit_pacing: Arc<EditPacing>,
+    pub edit_pacing: Arc<RequestPacing>,
+    /// Requests of all clients.
+    pub request_pacing: Arc<RequestPacing>,
     /// Bytes of bodies, answers and messages.
     pub in_flight: InFlight,
     /// What is counted.

@@ -132,8 +132,18 @@ impl Strangers {
     }
 }
 
-/// Answers connections on `requests`, by `router`, until `draining`, and then what they have asked for until all have ended.
-pub async fn serve(listener: TcpListener, requests: Handle, router: Router, draining: CancellationToken) {
+/// How the server ends.
+#[derive(Clone, Debug, Default)]
+pub struct Ending {
+    /// What was accepted is being finished. Connections end with the answer that they wait for; new ones get one answer each,
+    /// so that `/readyz` can say what goes on.
+    pub draining: CancellationToken,
+    /// All sockets have ended.
+    pub sockets_ended: CancellationToken,
+}
+
+/// Answers connections on `requests`, by `router`, until all that came before [`Ending::draining`], and the sockets, have ended.
+pub async fn serve(listener: TcpListener, requests: Handle, router: Router, ending: Ending) {
     // Its connections have the same.
     let bounded = set_socket_recv_buffer_size(&listener, RECEIVE_BUFFER_BYTES)
         .and_then(|()| set_socket_send_buffer_size(&listener, SEND_BUFFER_BYTES));
@@ -142,23 +152,49 @@ pub async fn serve(listener: TcpListener, requests: Handle, router: Router, drai
     }
     let permits = Arc::new(Semaphore::new(MAX_CONNECTIONS));
     let strangers = Arc::new(Strangers::default());
-    let open = TaskTracker::new();
-    while let Some(Some((stream, permit))) =
-        draining.run_until_cancelled(accept(&listener, Arc::clone(&permits))).await
-    {
+    let (open, late) = (TaskTracker::new(), TaskTracker::new());
+    let (over, ended) = (CancellationToken::new(), ending.clone());
+    let are_over = async {
+        ended.draining.cancelled().await;
+        open.close();
+        tokio::join!(open.wait(), ended.sockets_ended.cancelled());
+    };
+    let mut are_over = std::pin::pin!(are_over);
+    loop {
+        let accepted = tokio::select! {
+            biased;
+            () = are_over.as_mut() => break,
+            accepted = accept(&listener, Arc::clone(&permits)) => accepted,
+        };
+        let Some((stream, permit)) = accepted else { break };
         let connection = Connection::of(&strangers, permit);
-        let (router, draining) = (router.clone(), draining.clone());
+        let router = router.clone();
+        let is_late = ending.draining.is_cancelled();
+        let ends = if is_late { Ends::AfterOne(over.clone()) } else { Ends::With(ending.draining.clone()) };
         let served = async move {
             match SendWithin::new(stream, SEND_WITHIN).moved_here() {
-                Ok(stream) => answer(stream, connection, router, draining).await,
+                Ok(stream) => answer(stream, connection, router, ends).await,
                 Err(error) => tracing::debug!("a connection broke: {error}"),
             }
         };
-        open.spawn_on(served, &requests);
+        if is_late {
+            late.spawn_on(served, &requests)
+        } else {
+            open.spawn_on(served, &requests)
+        };
     }
     drop(listener);
-    open.close();
-    open.wait().await;
+    over.cancel();
+    late.close();
+    late.wait().await;
+}
+
+/// When a connection ends that nobody closes.
+enum Ends {
+    /// With the answer that is under way when this is cancelled.
+    With(CancellationToken),
+    /// After one answer; without, when this is cancelled before it is asked for.
+    AfterOne(CancellationToken),
 }
 
 /// The next connection and its permit. While there are too many, others wait in the system's queue.
@@ -184,7 +220,7 @@ async fn accept(
     }
 }
 
-async fn answer(stream: SendWithin, connection: Connection, router: Router, draining: CancellationToken) {
+async fn answer(stream: SendWithin, connection: Connection, router: Router, ends: Ends) {
     let service = TowerToHyperService::new(router);
     let named = connection.clone();
     let service = service_fn(move |mut request: Request<Incoming>| {
@@ -193,14 +229,18 @@ async fn answer(stream: SendWithin, connection: Connection, router: Router, drai
         service.call(request)
     });
     let mut served = http1::Builder::new();
-    let served =
-        served.timer(TokioTimer::new()).header_read_timeout(HEADERS_WITHIN).max_buf_size(MAX_HEAD_BYTES);
+    served.timer(TokioTimer::new()).header_read_timeout(HEADERS_WITHIN).max_buf_size(MAX_HEAD_BYTES);
+    let (is_last, end) = match ends {
+        Ends::With(end) => (false, end),
+        Ends::AfterOne(end) => (true, end),
+    };
+    served.keep_alive(!is_last);
     let served = served.serve_connection(TokioIo::new(stream), service).with_upgrades();
     let mut served = std::pin::pin!(served);
     let ended = tokio::select! {
         ended = served.as_mut() => ended,
         () = connection.given_up() => return,
-        () = draining.cancelled() => {
+        () = end.cancelled() => {
             // One that has asked for nothing would be waited for in vain.
             if !connection.0.asked.load(Ordering::Relaxed) {
                 return;

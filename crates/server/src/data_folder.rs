@@ -4,7 +4,7 @@ use std::fs::{self, DirBuilder, File, Permissions, TryLockError};
 use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt, PermissionsExt};
 use std::path::Path;
 
-use store::{DATABASE, FILES, StoreError};
+use store::{DATABASE, FILES, check_folder};
 
 use crate::ServerError;
 
@@ -14,9 +14,7 @@ const LOCK: &str = "lock";
 /// Makes the folder where it is missing. What an earlier version, or a copy, lets others do with one from before is taken
 /// from them; any other folder is not ours to close, but only what the server will put there.
 pub fn make(folder: &Path) -> Result<(), ServerError> {
-    if folder.is_file() {
-        return Err(StoreError::NotAFolder(folder.into()).into());
-    }
+    check_folder(folder)?;
     let unusable = |reason| ServerError::Data { path: folder.into(), reason };
     DirBuilder::new().recursive(true).mode(0o700).create(folder).map_err(unusable)?;
     if folder.join(DATABASE).is_file() {

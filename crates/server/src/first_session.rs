@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use document::{AssetHash, Command, Context, Document, SceneContents};
-use edit::{Actor, Request, Sources};
+use document::{AssetHash, Command, Context, SceneContents};
+use edit::{Actor, Request, Session, Sources};
 use store::{Batch, MAX_NAME_CHARS, Store, StoreError};
 
 use crate::ServerError;
@@ -40,17 +40,17 @@ pub fn ensure(store: &mut Store, name: &str, scene: Option<&str>) -> Result<Star
     let Some(scene) = scene else { return Ok(first) };
     let bytes = bytes_of(scene)?;
     let asset = AssetHash::of(&bytes);
-    if is_of(store, name, asset)? {
+    if is_of(store, name, asset) {
         return Ok(first);
     }
-    let held = store.open_session(name)?.session.document().scene().map(|held| held.name.clone());
-    let kept = Some(held.unwrap_or_else(|| "no scene".into()));
+    let held = store.open_session(name).ok().and_then(|opened| opened.session.document().scene().cloned());
+    let kept = Some(held.map_or_else(|| "what it has".to_owned(), |held| held.name));
     let stem = session_name(scene);
     let names = (1..=MOST_TRIES).map(|n| if n == 1 { stem.clone() } else { format!("{stem}-{n}") });
     for name in names.filter(|tried| tried != name) {
         if !store.sessions()?.into_iter().any(|row| row.name == name && row.seq > 0) {
             begin(store, &name, scene, &bytes)?;
-        } else if !is_of(store, &name, asset)? {
+        } else if !is_of(store, &name, asset) {
             continue;
         }
         return Ok(StartSession { name, kept });
@@ -58,11 +58,12 @@ pub fn ensure(store: &mut Store, name: &str, scene: Option<&str>) -> Result<Star
     Err(ServerError::NoSessionName(stem))
 }
 
-/// Whether a session began with a scene, or holds it now.
-fn is_of(store: &Store, session: &str, asset: AssetHash) -> Result<bool, ServerError> {
-    let is_scene = |document: &Document| document.scene().is_some_and(|scene| scene.asset == asset);
-    Ok(is_scene(store.replay(session, Some(1))?.document())
-        || is_scene(store.open_session(session)?.session.document()))
+/// Whether a session began with a scene, or holds it now. One that cannot be read does neither: it keeps nobody from starting.
+fn is_of(store: &Store, session: &str, asset: AssetHash) -> bool {
+    let holds = |session: Result<Session, StoreError>| {
+        session.is_ok_and(|session| session.document().scene().is_some_and(|scene| scene.asset == asset))
+    };
+    holds(store.replay(session, Some(1))) || holds(store.open_session(session).map(|opened| opened.session))
 }
 
 /// Gives a session that is missing or empty its scene.
@@ -71,7 +72,7 @@ fn begin(store: &mut Store, name: &str, scene: &str, bytes: &[u8]) -> Result<(),
     let actor = Actor { id: "server".into(), name: "Server".into() };
     let command = Command::LoadScene { asset, name: scene_label(scene) };
     let request = Request::Edit { base_seq: None, command };
-    let mut session = edit::Session::default();
+    let mut session = Session::default();
     let context = Context { loaded: Some(&contents), ..Context::default() };
     let sources = Sources { context, taken_back: None };
     let record = session.request(request, &actor, "first-scene", time_ms(), sources)?;

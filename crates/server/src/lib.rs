@@ -22,6 +22,8 @@ mod pacing;
 mod permits;
 mod picture_stats;
 mod probe;
+#[cfg(target_os = "linux")]
+mod process_metrics;
 mod renderer;
 mod request;
 mod room;

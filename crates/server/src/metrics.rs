@@ -1,5 +1,7 @@
 //! What the server counts, for `GET /metrics`.
 
+use std::time::Duration;
+
 use prometheus_client::encoding::{EncodeLabelSet, text};
 use prometheus_client::metrics::counter::Counter;
 use prometheus_client::metrics::family::Family;
@@ -11,11 +13,25 @@ use render::{MemoryBudget, MemoryKind};
 use stream::Codec;
 
 use crate::in_flight::InFlight;
+#[cfg(target_os = "linux")]
+use crate::process_metrics::ProcessMetrics;
 
 /// Every count, with the registry that knows their names.
 #[derive(Debug)]
 pub struct Metrics {
     registry: Registry,
+    /// Requests that were answered, by route, method and status.
+    requests: Family<RequestLabel, Counter>,
+    /// Answers that refuse, by their code.
+    errors: Family<ErrorLabel, Counter>,
+    /// From a request's head to its answer's, by route.
+    request_seconds: Family<RouteLabel, Histogram, fn() -> Histogram>,
+    /// Requests that are being answered, or wait for it.
+    requests_under_way: Gauge,
+    /// Pictures that wait for a turn, by how soon they are wanted.
+    render_queue: Family<UrgencyLabel, Gauge>,
+    /// From a change to the beginning of a view's picture of it.
+    pub frame_wait_seconds: Histogram,
     /// Pictures drawn for views.
     pub frames_rendered: Counter,
     /// Pictures encoded for views.
@@ -66,6 +82,35 @@ pub struct OutcomeLabel {
     outcome: &'static str,
 }
 
+/// By what was asked for, and what came of it.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+pub struct RequestLabel {
+    /// `GET`, `HEAD`, `POST` or `other`.
+    pub method: &'static str,
+    /// As the router has it: `/sessions/{name}`.
+    pub route: String,
+    /// Of HTTP.
+    pub status: u16,
+}
+
+/// By what was asked for.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct RouteLabel {
+    route: String,
+}
+
+/// By what programs are told to act on.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct ErrorLabel {
+    code: &'static str,
+}
+
+/// By how soon a picture is wanted.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
+struct UrgencyLabel {
+    urgency: &'static str,
+}
+
 /// By what memory is kept for.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 struct MemoryLabel {
@@ -86,9 +131,15 @@ impl Metrics {
     /// All at zero.
     pub fn new(render_memory: MemoryBudget, in_flight: InFlight) -> Self {
         // From a millisecond to 8 seconds, each bound twice the one before.
-        let seconds = || Histogram::new(exponential_buckets(0.001, 2.0, 14));
+        let seconds: fn() -> Histogram = || Histogram::new(exponential_buckets(0.001, 2.0, 14));
         let mut metrics = Self {
-            registry: Registry::with_prefix("bendylights"),
+            registry: Registry::default(),
+            requests: Family::default(),
+            errors: Family::default(),
+            request_seconds: Family::new_with_constructor(seconds),
+            requests_under_way: Gauge::default(),
+            render_queue: Family::default(),
+            frame_wait_seconds: seconds(),
             frames_rendered: Counter::default(),
             frames_encoded: Family::default(),
             frames_sent: Family::default(),
@@ -119,7 +170,19 @@ impl Metrics {
     }
 
     fn register(&mut self) {
-        let registry = &mut self.registry;
+        #[cfg(target_os = "linux")]
+        self.registry.sub_registry_with_prefix("process").register_collector(Box::new(ProcessMetrics));
+        let registry = self.registry.sub_registry_with_prefix("bendylights");
+        registry.register("requests", "Requests that were answered", self.requests.clone());
+        registry.register("errors", "Answers that refuse, by their code", self.errors.clone());
+        let latency = "From a request's head to its answer's, waits included";
+        registry.register("request_seconds", latency, self.request_seconds.clone());
+        let under_way = "Requests that are being answered, or wait for it";
+        registry.register("requests_under_way", under_way, self.requests_under_way.clone());
+        let queue = "Pictures that wait for a turn of the renderer, by how soon they are wanted";
+        registry.register("render_queue", queue, self.render_queue.clone());
+        let wait = "From a change to the beginning of a view's picture of it";
+        registry.register("frame_wait_seconds", wait, self.frame_wait_seconds.clone());
         registry.register("frames_rendered", "Pictures drawn for views", self.frames_rendered.clone());
         registry.register("frames_encoded", "Pictures encoded for views", self.frames_encoded.clone());
         registry.register("frames_sent", "Frames given to sockets", self.frames_sent.clone());
@@ -151,7 +214,7 @@ impl Metrics {
         let in_flight = "Bytes of requests, answers and messages in memory";
         registry.register("bytes_in_flight", in_flight, self.bytes_in_flight.clone());
         let budget: Gauge = Gauge::default();
-        budget.set(bytes(self.render_memory.budget()));
+        budget.set(gauge(self.render_memory.budget()));
         registry.register("render_bytes_budget", "Bytes that the renderer keeps at most", budget);
     }
 
@@ -161,19 +224,49 @@ impl Metrics {
         self.edits.get_or_create(&OutcomeLabel { outcome }).inc();
     }
 
+    /// A request is under way until what this gives is dropped.
+    pub fn request_begins(&self) -> UnderWay {
+        self.requests_under_way.inc();
+        UnderWay(self.requests_under_way.clone())
+    }
+
+    /// Counts a request that was answered, with this code where it was refused.
+    pub fn count_request(&self, label: &RequestLabel, refused: Option<ErrorCode>, took: Duration) {
+        let route = RouteLabel { route: label.route.clone() };
+        self.request_seconds.get_or_create(&route).observe(took.as_secs_f64());
+        self.requests.get_or_create(label).inc();
+        if let Some(code) = refused {
+            self.errors.get_or_create(&ErrorLabel { code: code.name() }).inc();
+        }
+    }
+
+    /// So many pictures of an urgency wait.
+    pub fn note_queue(&self, urgency: &'static str, waiting: usize) {
+        self.render_queue.get_or_create(&UrgencyLabel { urgency }).set(gauge(waiting as u64));
+    }
+
     /// All of them in Prometheus' text format.
     pub fn to_text(&self) -> String {
         for kind in MemoryKind::ALL {
             let label = MemoryLabel { kind: kind.name() };
-            self.render_bytes.get_or_create(&label).set(bytes(self.render_memory.bytes(kind)));
+            self.render_bytes.get_or_create(&label).set(gauge(self.render_memory.bytes(kind)));
         }
-        self.bytes_in_flight.set(bytes(self.in_flight.bytes() as u64));
+        self.bytes_in_flight.set(gauge(self.in_flight.bytes() as u64));
         let mut out = String::new();
         text::encode(&mut out, &self.registry).expect("writing to a string does not fail");
         out
     }
 }
 
-fn bytes(count: u64) -> i64 {
+/// A request that is under way.
+pub struct UnderWay(Gauge);
+
+impl Drop for UnderWay {
+    fn drop(&mut self) {
+        self.0.dec();
+    }
+}
+
+fn gauge(count: u64) -> i64 {
     i64::try_from(count).unwrap_or(i64::MAX)
 }

@@ -7,11 +7,9 @@ use tokio::sync::{OwnedMutexGuard, OwnedSemaphorePermit, Semaphore};
 use tokio::time::sleep_until;
 
 use crate::ServerError;
-use crate::allowances::{Allowance, Allowances};
+use crate::allowances::{Allowance, Allowances, Rate};
 use crate::background;
-use crate::limits::{
-    EDITS_BESIDE_A_HAND, MESSAGES_BESIDE_A_HAND, MOVING_FOR, UPLOAD_COUNTED, UPLOADS_BESIDE_A_HAND,
-};
+use crate::limits::{MESSAGES_BESIDE_A_HAND, MOVING_FOR, UPLOAD_COUNTED, UPLOADS_BESIDE_A_HAND};
 use crate::turns::Payer;
 use crate::views::MovingPixels;
 
@@ -23,9 +21,9 @@ pub struct SocketPacing {
     moving: Arc<MovingPixels>,
 }
 
-/// Edits by requests, of all clients.
+/// What is asked by requests, of all clients.
 #[derive(Debug)]
-pub struct EditPacing {
+pub struct RequestPacing {
     allowances: Mutex<Allowances>,
     moving: Arc<MovingPixels>,
 }
@@ -51,13 +49,13 @@ impl SocketPacing {
     }
 }
 
-impl EditPacing {
-    /// Nobody has edited anything.
-    pub fn new(moving: Arc<MovingPixels>) -> Self {
-        Self { allowances: Mutex::new(Allowances::new(EDITS_BESIDE_A_HAND)), moving }
+impl RequestPacing {
+    /// Nobody has asked for anything, of which a client may have so much beside the hand of another.
+    pub fn new(rate: Rate, moving: Arc<MovingPixels>) -> Self {
+        Self { allowances: Mutex::new(Allowances::new(rate)), moving }
     }
 
-    /// Waits until a client's next request may be carried out, which counts for so many edits.
+    /// Waits until a client's next request may be carried out, which counts for so much.
     pub async fn wait(&self, payer: &Payer, count: f64) {
         let try_take = |now| {
             let mut allowances = self.allowances.lock().unwrap_or_else(PoisonError::into_inner);
@@ -122,6 +120,7 @@ mod tests {
     use tokio::time::timeout;
 
     use super::*;
+    use crate::limits::EDITS_BESIDE_A_HAND;
 
     fn moved_by(actor_id: &str) -> Arc<MovingPixels> {
         let moving = MovingPixels::default();
@@ -154,7 +153,7 @@ mod tests {
 
     #[tokio::test]
     async fn edits_wait_for_those_of_their_session_whoever_makes_them() {
-        let pacing = EditPacing::new(moved_by("ada"));
+        let pacing = RequestPacing::new(EDITS_BESIDE_A_HAND, moved_by("ada"));
         let payer = |session: &str, actor: &str| Payer::new(&session.into(), actor);
         let more = 100.0;
         pacing.wait(&payer("shot", "ben"), EDITS_BESIDE_A_HAND.saved + more).await;

@@ -13,18 +13,19 @@ use tokio::net::TcpListener;
 use tokio::runtime::Handle;
 use tokio::sync::Semaphore;
 use tokio::time::timeout;
-use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
 use crate::access::{Hosts, PublicUrl, Token};
 use crate::backend::Backend;
+use crate::connections::{self, Ending};
 use crate::first_session::StartSession;
 use crate::in_flight::InFlight;
 use crate::limits::{
-    DRAIN_WITHIN, MAX_PROBES, MAX_RENDER_BYTES, MAX_REQUESTS, MAX_SOCKETS, MAX_STILLS, MAX_UPLOADS,
+    DRAIN_WITHIN, EDITS_BESIDE_A_HAND, MAX_PROBES, MAX_RENDER_BYTES, MAX_REQUESTS, MAX_SOCKETS, MAX_STILLS,
+    MAX_UPLOADS, REQUESTS_BESIDE_A_HAND,
 };
 use crate::metrics::Metrics;
-use crate::pacing::EditPacing;
+use crate::pacing::RequestPacing;
 use crate::permits::Permits;
 use crate::renderer::{RenderThread, Renders};
 use crate::room::Rooms;
@@ -35,7 +36,7 @@ use crate::storage::Storage;
 use crate::strangers::Turns;
 use crate::trace::{Trace, TraceThread};
 use crate::views::MovingPixels;
-use crate::{ServerError, connections, data_folder, first_session, http};
+use crate::{ServerError, data_folder, first_session, http};
 
 /// How a server is started.
 #[derive(Clone, Debug)]
@@ -47,6 +48,8 @@ pub struct Config {
     /// A scene to serve: a file, or `demo:NAME`. That session loads it when it is made; where it holds another one, the
     /// scene gets a session of its own.
     pub scene: Option<String>,
+    /// The token's file, made where it is missing; in the data folder where nobody says.
+    pub token_file: Option<PathBuf>,
     /// Where browsers find it besides the address that it listens on.
     pub public_urls: Vec<PublicUrl>,
     /// A file to whose end a line is written for each picture that is made (SPEC, TRACE-1).
@@ -103,6 +106,11 @@ impl Server {
         &self.token
     }
 
+    /// Ends once every pipeline has drawn: whether they could.
+    pub fn is_warm(&self) -> impl Future<Output = bool> + Send + 'static {
+        self.renders.warmed_up()
+    }
+
     /// The session that the start leads to.
     pub fn session(&self) -> &StartSession {
         &self.session
@@ -123,6 +131,7 @@ impl Server {
         let storage = Storage::start(&data, store, Arc::clone(&metrics));
         let cores = available_parallelism().map_or(1, NonZero::get);
         let moving_pixels = Arc::<MovingPixels>::default();
+        let ending = Ending::default();
         let backend = Backend {
             scenes: Arc::new(Scenes::new(storage.clone(), Arc::clone(&metrics), Arc::clone(&moving_pixels))),
             storage,
@@ -130,11 +139,12 @@ impl Server {
             moving_pixels: Arc::clone(&moving_pixels),
             probes: Arc::new(Semaphore::new(MAX_PROBES)),
             solver: Solver::new(cores, metrics.solves_under_way.clone(), Arc::clone(&moving_pixels)),
-            edit_pacing: Arc::new(EditPacing::new(moving_pixels)),
+            edit_pacing: Arc::new(RequestPacing::new(EDITS_BESIDE_A_HAND, Arc::clone(&moving_pixels))),
+            request_pacing: Arc::new(RequestPacing::new(REQUESTS_BESIDE_A_HAND, moving_pixels)),
             in_flight,
             metrics,
             trace,
-            draining: CancellationToken::new(),
+            draining: ending.draining.clone(),
             started: Instant::now(),
             sockets: TaskTracker::new(),
         };
@@ -152,14 +162,15 @@ impl Server {
             page_turns: Turns::default(),
         });
         let router = http::router(Arc::clone(&state));
-        let serving = tokio::spawn(connections::serve(listener, requests, router, backend.draining.clone()));
+        let serving = tokio::spawn(connections::serve(listener, requests, router, ending.clone()));
         shutdown.await;
         tracing::info!("stopping: what was accepted is finished");
-        backend.draining.cancel();
+        ending.draining.cancel();
         let drain = async {
             state.rooms.drain().await;
             backend.sockets.close();
             backend.sockets.wait().await;
+            ending.sockets_ended.cancel();
             serving.await
         };
         let Ok(served) = timeout(DRAIN_WITHIN, drain).await else {
@@ -187,7 +198,7 @@ impl Data {
         let mut store = Store::create(folder)?;
         store.assets.remove_leftovers()?;
         let session = first_session::ensure(&mut store, &config.session, config.scene.as_deref())?;
-        let token = Token::of(folder)?;
+        let token = config.token_file.as_ref().map_or_else(|| Token::of(folder), |file| Token::at(file))?;
         Ok(Self { store, token, session, lock })
     }
 }
@@ -207,8 +218,8 @@ mod tests {
     const FOLDER: &str = "BENDYLIGHTS_CHILD_FOLDER";
 
     fn config(data: &Path) -> Config {
-        let (session, scene, public_urls) = ("main".into(), None, Vec::new());
-        Config { data: data.into(), session, scene, public_urls, trace: None, backend: None }
+        let (data, session, public_urls) = (data.into(), "main".into(), Vec::new());
+        Config { data, session, scene: None, token_file: None, public_urls, trace: None, backend: None }
     }
 
     #[test]

@@ -31,6 +31,13 @@ impl Assets {
         Self { folder: data.join(ASSETS) }
     }
 
+    /// Those in the data folder `data`, which must have some place for them.
+    pub fn open(data: &Path) -> Result<Self, StoreError> {
+        check_folder(data)?;
+        let assets = Self::of(data);
+        if assets.folder.is_dir() { Ok(assets) } else { Err(StoreError::NoAssets(data.into())) }
+    }
+
     /// Makes their folder where it is missing.
     pub(crate) fn make_folder(&self) -> Result<(), StoreError> {
         let made = DirBuilder::new().recursive(true).mode(0o700).create(&self.folder);
@@ -115,6 +122,35 @@ impl Assets {
         removed.map_err(|reason| StoreError::Io { path: self.folder.clone(), reason })
     }
 
+    /// The files of assets and of their names, with their sizes in bytes.
+    pub(crate) fn files(&self) -> Result<Vec<(PathBuf, u64)>, StoreError> {
+        let listed = fs::read_dir(&self.folder).and_then(|files| {
+            let files = files.map(|file| file.and_then(|file| Ok((file.path(), file.metadata()?))));
+            files.collect::<io::Result<Vec<_>>>()
+        });
+        let files = match listed {
+            Ok(files) => files,
+            Err(reason) if reason.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+            Err(reason) => return Err(StoreError::Io { path: self.folder.clone(), reason }),
+        };
+        let is_leftover =
+            |path: &Path| path.file_name().is_none_or(|name| name.to_string_lossy().starts_with(LEFTOVER));
+        let whole = files.into_iter().filter(|(path, metadata)| metadata.is_file() && !is_leftover(path));
+        Ok(whole.map(|(path, metadata)| (path, metadata.len())).collect())
+    }
+
+    /// Copies a file of other assets, which has its name from what it holds. It is not on the disk before [`Assets::sync`].
+    pub(crate) fn take_copy(&self, file: &Path) -> Result<(), StoreError> {
+        let path = file.file_name().map_or_else(|| self.folder.clone(), |name| self.folder.join(name));
+        let copied = fs::copy(file, &path).and_then(|_| File::open(&path)?.sync_all());
+        copied.map_err(|reason| StoreError::Io { path, reason })
+    }
+
+    /// Returns when the names of all files here are on the disk.
+    pub(crate) fn sync(&self) -> Result<(), StoreError> {
+        sync_folder(&self.folder).map_err(|reason| StoreError::Io { path: self.folder.clone(), reason })
+    }
+
     fn path(&self, asset: &AssetHash) -> PathBuf {
         self.folder.join(asset.hex())
     }
@@ -122,6 +158,11 @@ impl Assets {
     fn name_path(&self, asset: &AssetHash) -> PathBuf {
         self.folder.join(asset.hex() + NAME)
     }
+}
+
+/// Refuses a file where the data folder should be.
+pub fn check_folder(data: &Path) -> Result<(), StoreError> {
+    if data.is_file() { Err(StoreError::NotAFolder(data.into())) } else { Ok(()) }
 }
 
 /// Refuses what cannot be what people call a scene: nothing, too much, what no line of text holds, or what stands for

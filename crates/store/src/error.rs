@@ -20,9 +20,15 @@ pub enum StoreError {
     /// The folder holds no data.
     #[error("{}: holds no sessions; name the folder that `bendylights serve --data` was given", .0.display())]
     NoData(PathBuf),
+    /// The folder holds no scenes.
+    #[error("{}: has no folder `assets` with scenes; name the folder that `bendylights serve --data` was given", .0.display())]
+    NoAssets(PathBuf),
     /// A file where the data folder should be.
     #[error("{}: is a file, and the data lies in a folder; name that with --data", .0.display())]
     NotAFolder(PathBuf),
+    /// Something is where a backup should go.
+    #[error("{}: is there already, and a backup is never written over: name another folder", .0.display())]
+    BackupIsThere(PathBuf),
     /// A file or folder that the system would not read or write.
     #[error("{}: cannot be used ({reason}); check that you may write there and that the disk is not full", path.display())]
     #[expect(missing_docs, reason = "its fields are what their names say")]
@@ -196,7 +202,9 @@ impl StoreError {
             Self::Unknown(_) => ErrorCode::UnknownOutcome,
             Self::DamagedAsset(_) => ErrorCode::DamagedAsset,
             Self::NoData(_)
+            | Self::NoAssets(_)
             | Self::NotAFolder(_)
+            | Self::BackupIsThere(_)
             | Self::Io { .. }
             | Self::Database(_)
             | Self::UnknownCode(_)

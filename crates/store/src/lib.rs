@@ -7,6 +7,7 @@
 //! Logs are made, read and replayed here as lines and records; `sqlite` keeps them, and knows nothing of what they mean.
 
 mod assets;
+mod backup;
 mod checkpoints;
 mod difference;
 mod disk;
@@ -20,7 +21,8 @@ mod sqlite;
 mod store;
 mod stored;
 
-pub use assets::{Assets, check_scene_name};
+pub use assets::{Assets, check_folder, check_scene_name};
+pub use backup::{Backup, back_up};
 pub use checkpoints::Opened;
 pub use difference::{Difference, Differing};
 pub use error::StoreError;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::StoreError;
-use crate::assets::{ASSETS, Assets};
+use crate::assets::{ASSETS, Assets, check_folder};
 use crate::sqlite::{DATABASE, Database};
 
 /// All that the store keeps in the data folder, and for nobody but its owner.
@@ -21,9 +21,7 @@ pub struct Store {
 impl Store {
     /// Opens the data in `folder`, and makes what is missing.
     pub fn create(folder: &Path) -> Result<Self, StoreError> {
-        if folder.is_file() {
-            return Err(StoreError::NotAFolder(folder.into()));
-        }
+        check_folder(folder)?;
         let assets = Assets::of(folder);
         assets.make_folder()?;
         Ok(Self { database: Database::create(folder)?, assets })
@@ -31,9 +29,7 @@ impl Store {
 
     /// Opens the data in `folder`, which must be there.
     pub fn open(folder: &Path) -> Result<Self, StoreError> {
-        if folder.is_file() {
-            return Err(StoreError::NotAFolder(folder.into()));
-        }
+        check_folder(folder)?;
         Ok(Self { database: Database::open(folder)?, assets: Assets::of(folder) })
     }
 }

@@ -2,6 +2,7 @@
 
 import { useEffect, useRef } from "preact/hooks";
 
+import { signIn } from "./address";
 import { CameraList } from "./camera_list";
 import { KeyList } from "./key_list";
 import { LightList } from "./light_list";
@@ -75,14 +76,38 @@ export function Refusal({ why, again }: RefusalProps) {
   );
 }
 
-/** In place of everything: the address lacks the token. */
-export function NoToken() {
+interface SignInProps {
+  /** What the server says of the token that was tried; nothing before the first. */
+  why?: string;
+}
+
+/** In place of everything: the page knows no token, or a wrong one. */
+export function SignIn({ why }: SignInProps) {
+  const field = useRef<HTMLInputElement>(null);
+  useEffect(() => field.current?.focus(), []);
+  const submit = (event: Event) => {
+    event.preventDefault();
+    signIn(field.current?.value ?? "");
+  };
   return (
     <main class="refusal">
       <h1>BendyLights</h1>
-      <p role="alert">
-        This address has no token. Open the page with the address that <code>bendylights serve</code> printed:
-        it ends in <code>#token=…</code>
+      {why !== undefined && <p role="alert">{sentence(why)}</p>}
+      <form class="sign-in" onSubmit={submit}>
+        <input
+          ref={field}
+          class="text"
+          type="password"
+          aria-label="Token"
+          placeholder="Token"
+          autocomplete="current-password"
+          required
+        />
+        <button class="solid">Sign in</button>
+      </form>
+      <p>
+        The token is in the address that <code>bendylights serve</code> prints, after <code>#token=</code>,
+        and in the file <code>token</code> of the server's data folder.
       </p>
     </main>
   );

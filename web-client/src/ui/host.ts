@@ -55,16 +55,19 @@ export function newId(): string {
 }
 
 /** The table of parameters, or a sentence that says why there is none. */
-export async function fetchTable(token: string): Promise<ParameterTable | string> {
+export type TableAnswer = { table: ParameterTable } | { why: string; isTokenWrong: boolean };
+
+/** Asks the server for it. */
+export async function fetchTable(token: string): Promise<TableAnswer> {
   const headers = { authorization: `Bearer ${token}` };
   try {
     const answer = await fetch("/parameters", { headers });
-    if (answer.ok) return (await answer.json()) as ParameterTable;
-    if (answer.status === 404) return OLD_SERVER;
+    if (answer.ok) return { table: (await answer.json()) as ParameterTable };
+    if (answer.status === 404) return { why: OLD_SERVER, isTokenWrong: false };
     const { error } = (await answer.json()) as { error: { message: string } };
-    return error.message;
+    return { why: error.message, isTokenWrong: answer.status === 401 };
   } catch {
-    return "The server does not answer, so the page cannot know what can be set on lights. Try again once it does.";
+    return { why: NO_ANSWER, isTokenWrong: false };
   }
 }
 
@@ -91,5 +94,7 @@ export async function fetchNodes(token: string, session: string): Promise<SceneN
   }
 }
 
+const NO_ANSWER =
+  "The server does not answer, so the page cannot know what can be set on lights. Try again once it does.";
 const OLD_SERVER =
   "The server does not say what can be set on lights, as this page needs: it is an older one. Start the one that the page came with.";

@@ -6,7 +6,7 @@ import { render } from "preact";
 import { startSession } from "../core/session";
 import { readAddress } from "./address";
 import type { Camera, ParameterTable } from "../core/protocol";
-import { App, NoToken, Refusal } from "./app";
+import { App, Refusal, SignIn } from "./app";
 import { browserHost, fetchNodes, fetchTable, pickPoint } from "./host";
 import { bindKeys } from "./keys";
 import { PageProvider, startPage, startToasts } from "./page";
@@ -25,17 +25,18 @@ const { token, session: name } = readAddress();
 addEventListener("hashchange", () => location.reload());
 
 if (token === "") {
-  render(<NoToken />, root);
+  render(<SignIn />, root);
 } else {
   void open();
 }
 
 /** Nothing can be shown of a document before it is known what stands in it. */
 async function open(): Promise<void> {
-  const table = await fetchTable(token);
+  const answer = await fetchTable(token);
   render(null, root);
-  if (typeof table === "string") render(<Refusal why={table} again={() => void open()} />, root);
-  else start(table);
+  if ("table" in answer) start(answer.table);
+  else if (answer.isTokenWrong) render(<SignIn why={answer.why} />, root);
+  else render(<Refusal why={answer.why} again={() => void open()} />, root);
 }
 
 function start(table: ParameterTable): void {

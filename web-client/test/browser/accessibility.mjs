@@ -29,13 +29,14 @@ await runBrowserTest(async ({ open, visit, picture }) => {
   for (const socket of sockets) await socket.close();
   await ada.getByText("Connection lost").waitFor();
   await picture(ada, "10-connection-lost");
-  const stranger = await visit("#token=0123&session=main");
+  const token = new URLSearchParams(new URL(process.argv[2]).hash.slice(1)).get("token");
+  const stranger = await visit(`#token=${token}&session=nowhere`);
   await stranger.getByRole("alertdialog").waitFor();
   const focused = await stranger.evaluate(() => document.activeElement.textContent);
   expect(focused === "Try again", `The dialog must have the focus; ${focused} has.`);
   await picture(stranger, "11-refused");
   const lost = await visit("");
-  await lost.getByText("This address has no token").waitFor();
+  await lost.getByLabel("Token").waitFor();
   await picture(lost, "12-no-token");
 });
 

@@ -8,7 +8,8 @@ use cli::{Output, Size, answer, progress, say};
 use super::{PeerArgs, name_of};
 use crate::error::Error;
 use crate::gpu::BackendArgs;
-use crate::render::{choose_camera, open_lit};
+use crate::picture::choose_camera;
+use crate::render::open_lit;
 use crate::usage::whole;
 
 /// Bent lights of which one moves, beside one alone.

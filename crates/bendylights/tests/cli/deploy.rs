@@ -1,8 +1,10 @@
 //! The systemd units: accepted by systemd, and their commands by the program.
 
+use std::fs;
+use std::path::Path;
 use std::process::Command;
 
-use crate::program::{Folder, binary, run};
+use crate::program::{Folder, TRIANGLE, binary, run};
 
 /// Name and text of each.
 const UNITS: [(&str, &str); 2] = [
@@ -33,10 +35,15 @@ fn systemd_accepts_the_units() {
     }
 }
 
-/// The words of the unit's command after the program's name, its state in `state`.
-fn command(unit: &str, state: &str) -> Vec<String> {
-    let command = unit.lines().find_map(|line| line.strip_prefix("ExecStart=")).expect("a command");
-    let command = command.replace("%S/bendylights", state.trim_end_matches('/')).replace("%i", "room");
+/// What stands behind `key` in a unit, its state, cache and instance being these.
+fn setting(unit: &str, key: &str, folder: &str) -> String {
+    let value = unit.lines().find_map(|line| line.strip_prefix(key)).unwrap_or_else(|| panic!("no {key}"));
+    value.replace("%S", folder).replace("%C", &format!("{folder}/cache")).replace("%i", "room")
+}
+
+/// The words of the unit's command after the program's name.
+fn command(unit: &str, folder: &str) -> Vec<String> {
+    let command = setting(unit, "ExecStart=", folder);
     let mut words = command.split(' ').map(str::to_owned);
     assert_eq!(words.next().as_deref(), Some(INSTALLED));
     words.collect()
@@ -45,17 +52,72 @@ fn command(unit: &str, state: &str) -> Vec<String> {
 #[test]
 fn the_program_accepts_the_units_commands() {
     let folder = Folder::new();
-    let state = folder.path("");
+    let state = folder.path("").trim_end_matches('/').to_owned();
     let run_unit = |unit: &str, more: &[&str]| {
         let words = command(unit, &state);
         run(&words.iter().map(String::as_str).chain(more.iter().copied()).collect::<Vec<_>>())
     };
     // There is no scene, so the program must get as far as looking for it.
+    fs::create_dir(folder.path("bendylights-render")).expect("a folder");
     let done = run_unit(UNITS[0].1, &[]);
     assert_eq!(done.code, 2);
-    assert!(done.stderr.starts_with(&format!("error: {state}room.glb: ")), "{}", done.stderr);
+    assert!(
+        done.stderr.starts_with(&format!("error: {state}/bendylights-render/room.glb: ")),
+        "{}",
+        done.stderr
+    );
     // The server would run for ever; a scene that is not there stops it after its command line was taken.
     let done = run_unit(UNITS[1].1, &["--scene", "nowhere.glb"]);
     assert_eq!(done.code, 2, "{}", done.stderr);
     assert!(done.stderr.contains("nowhere.glb"), "{}", done.stderr);
+}
+
+/// systemd gives a unit's folder to its own user alone: two units with one folder take it from each other.
+#[test]
+fn each_unit_has_folders_of_its_own() {
+    for key in ["StateDirectory=", "CacheDirectory="] {
+        let [render, serve] = UNITS.map(|(_, unit)| setting(unit, key, ""));
+        assert_ne!(render, serve, "{key}");
+        for (name, unit) in UNITS {
+            let folder = setting(unit, key, "");
+            let place = if key == "StateDirectory=" { "%S" } else { "%C" };
+            assert!(unit.contains(&format!("{place}/{folder}")), "{name} uses its {key}");
+        }
+    }
+}
+
+/// A service has no HOME, where the driver looks for them else.
+#[test]
+fn the_units_keep_compiled_shaders() {
+    let folder = Folder::new();
+    let root = folder.path("").trim_end_matches('/').to_owned();
+    fs::create_dir(folder.path("bendylights-render")).expect("a folder");
+    folder.file("bendylights-render/room.glb", TRIANGLE);
+    let (_, unit) = UNITS[0];
+    let small = |word: String| match word.as_str() {
+        "1920x1080" => "64x36".into(),
+        "64" => "1".into(),
+        _ => word,
+    };
+    let words = command(unit, &root).into_iter().map(small);
+    let environment = setting(unit, "Environment=", &root);
+    let (name, cache) = environment.split_once('=').expect("a setting");
+    let mut render = Command::new(binary());
+    render.args(words).env_clear().env(name, cache);
+    assert!(render.output().expect("it runs").status.success());
+    assert!(fs::exists(folder.path("bendylights-render/room.png")).expect("a folder"), "a picture");
+    let files = walk(Path::new(cache));
+    assert!(files > 0, "{cache} holds shaders");
+    for (_, unit) in UNITS {
+        assert!(setting(unit, "Environment=", "").starts_with("MESA_SHADER_CACHE_DIR="));
+    }
+}
+
+/// How many files are under a folder.
+fn walk(folder: &Path) -> usize {
+    let Ok(files) = fs::read_dir(folder) else { return 0 };
+    files
+        .map(|file| file.expect("a file").path())
+        .map(|path| if path.is_dir() { walk(&path) } else { 1 })
+        .sum()
 }

@@ -2,7 +2,7 @@
 
 use crate::program::run;
 
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 15] = [
     "render",
     "eval",
     "bend",
@@ -13,6 +13,7 @@ const COMMANDS: [&str; 14] = [
     "example",
     "serve",
     "sessions",
+    "backup",
     "export",
     "import",
     "replay",

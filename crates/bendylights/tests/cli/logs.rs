@@ -1,10 +1,17 @@
 //! `sessions`, `export`, `import` and `replay`, on the log that tests/logs keeps.
 
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{Cursor, Read, Write};
+
 use document::AssetHash;
 use image::GenericImageView;
 use serde_json::{Value, json};
+use zip::write::SimpleFileOptions;
+use zip::{ZipArchive, ZipWriter};
 
 use crate::program::{Folder, TRIANGLE, run};
+use crate::serve::serve;
 
 const LOG: &str = include_str!("../../../../tests/logs/format-1.jsonl");
 const NEWEST_LOG: &str = include_str!("../../../../tests/logs/format-4.jsonl");
@@ -189,4 +196,98 @@ fn wrong_input_is_refused_and_leaves_nothing() {
     }
     assert_eq!(folder.names(), ["cut.jsonl", "data", "empty.jsonl", "gap.jsonl", "log.jsonl"]);
     assert_eq!(printed(&["sessions", "--data", &data]).lines().count(), 2, "`main` alone");
+}
+
+/// A bundle's files by their names.
+fn unzipped(bundle: &str) -> BTreeMap<String, Vec<u8>> {
+    let mut zip = ZipArchive::new(File::open(bundle).expect("a file")).expect("a .zip");
+    let mut files = BTreeMap::new();
+    for index in 0..zip.len() {
+        let mut file = zip.by_index(index).expect("a file");
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).expect("whole");
+        files.insert(file.name().expect("a name").into_owned(), bytes);
+    }
+    files
+}
+
+fn zipped(files: &BTreeMap<String, Vec<u8>>) -> Vec<u8> {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in files {
+        zip.start_file(name.as_str(), SimpleFileOptions::default()).expect("to memory");
+        zip.write_all(bytes).expect("to memory");
+    }
+    zip.finish().expect("to memory").into_inner()
+}
+
+#[test]
+fn a_bundle_takes_its_scenes_along() {
+    let folder = Folder::new();
+    let scene = folder.file("room.gltf", TRIANGLE);
+    let [data, other, log, bundle] =
+        ["data", "other", "main.jsonl", "main.zip"].map(|name| folder.path(name));
+    let mut server = serve(&["--data", &data, "--scene", &scene]).0;
+    server.kill().expect("killed");
+    server.wait().expect("it ends");
+    for output in [&log, &bundle] {
+        printed(&["export", "main", "--data", &data, "-o", output]);
+    }
+    let exported = std::fs::read(&log).expect("a log");
+    let hex = AssetHash::of(TRIANGLE.as_bytes()).hex();
+    let (file, name) = (format!("assets/{hex}"), format!("assets/{hex}.name"));
+    let expected = BTreeMap::from([
+        ("log.jsonl".into(), exported.clone()),
+        (file.clone(), TRIANGLE.into()),
+        (name.clone(), b"room.gltf".to_vec()),
+    ]);
+    assert_eq!(unzipped(&bundle), expected);
+    let (said, _) = refused(&["import", &log, "--data", &other]);
+    assert!(said.contains(&hex), "the log alone lacks the scene: {said}");
+
+    // What is damaged, or lacks something, is refused and leaves nothing.
+    let changed = |name: &str, bytes: Option<&[u8]>| {
+        let mut files = expected.clone();
+        files.remove(name);
+        files.extend(bytes.map(|bytes| (name.to_owned(), bytes.to_vec())));
+        files
+    };
+    let planted = [
+        (changed(&file, None), hex.as_str()),
+        (changed("log.jsonl", None), "damaged.zip"),
+        (changed(&file, Some(b"another")), "damaged"),
+    ];
+    for (files, word) in planted {
+        let damaged = folder.file("damaged.zip", zipped(&files));
+        let (said, _) = refused(&["import", &damaged, "--data", &other]);
+        assert!(said.contains(word) && said.contains(&damaged), "{said}");
+        assert!(!std::fs::exists(&other).expect("a folder"), "{word}");
+    }
+
+    assert_eq!(printed(&["import", &bundle, "--data", &other]), "main: 1 records\n");
+    assert_eq!(printed(&["import", &bundle, "--data", &other, "--name", "twice"]), "twice: 1 records\n");
+    let again = folder.path("again.jsonl");
+    printed(&["export", "main", "--data", &other, "-o", &again]);
+    assert_eq!(std::fs::read(&again).expect("a log"), exported);
+    assert_eq!(std::fs::read(format!("{other}/{name}")).expect("a name"), b"room.gltf");
+}
+
+#[test]
+fn replay_draws_the_picture_that_is_asked_for() {
+    let (folder, log, data) = imported();
+    let picture = folder.path("out.png");
+    let replay = ["replay", &log, "--data", &data, "--render", &picture];
+    let draw = |more: &[&str]| {
+        printed(&[&replay[..], more].concat());
+        image::open(&picture).expect("a picture").into_rgb8()
+    };
+    let depth = draw(&["--size", "64x40", "--aov", "depth"]);
+    assert_eq!(depth.dimensions(), (64, 40));
+    let beauty = draw(&["--size", "64x40"]);
+    assert_ne!(depth, beauty);
+    assert_ne!(draw(&["--size", "64x40", "--samples", "16"]), beauty, "edges are smooth");
+    assert_ne!(draw(&["--size", "64x40", "--exposure", "2"]), beauty);
+    let (said, _) = refused(&[&replay[..], &["--camera", "nobody"]].concat());
+    assert!(said.contains("`nobody`") && said.contains("choose one of"), "{said}");
+    let (said, _) = refused(&["replay", &log, "--size", "64x40"]);
+    assert!(said.contains("--render"), "{said}");
 }

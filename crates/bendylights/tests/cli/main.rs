@@ -14,4 +14,6 @@ mod logs;
 mod precision;
 mod probes;
 mod program;
+mod serve;
 mod trace;
+mod wrong_calls;

@@ -17,15 +17,19 @@ const DIGITS: usize = 32;
 const FILE: &str = "token";
 
 impl Token {
-    /// The folder's token, made at the first start. Only the owner can read the file, which is there whole or not at all.
+    /// The data folder's token.
     pub(crate) fn of(folder: &Path) -> Result<Self, ServerError> {
-        let path = folder.join(FILE);
-        let unusable = |reason| ServerError::Data { path: path.clone(), reason };
-        match fs::read_to_string(&path) {
-            Ok(text) => Self::parse(text.trim()).ok_or_else(|| ServerError::BadToken(path.clone())),
+        Self::at(&folder.join(FILE))
+    }
+
+    /// The token in a file, made at the first start. Only the owner can read that, and it is there whole or not at all.
+    pub(crate) fn at(path: &Path) -> Result<Self, ServerError> {
+        let unusable = |reason| ServerError::Data { path: path.into(), reason };
+        match fs::read_to_string(path) {
+            Ok(text) => Self::parse(text.trim()).ok_or_else(|| ServerError::BadToken(path.into())),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 let token = Self::random().map_err(unusable)?;
-                token.write(&path).map_err(unusable)?;
+                token.write(path).map_err(unusable)?;
                 Ok(token)
             }
             Err(error) => Err(unusable(error)),
@@ -34,7 +38,7 @@ impl Token {
 
     /// First beside its place. Temporary files are their owner's alone.
     fn write(&self, path: &Path) -> io::Result<()> {
-        let folder = path.parent().unwrap_or(Path::new("."));
+        let folder = path.parent().filter(|folder| *folder != "").unwrap_or(Path::new("."));
         let mut file = tempfile::NamedTempFile::new_in(folder)?;
         file.write_all(&self.0)?;
         file.as_file().sync_all()?;
@@ -93,5 +97,21 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join(FILE), "secret").unwrap();
         assert!(matches!(Token::of(folder.path()), Err(ServerError::BadToken(_))));
+    }
+
+    #[test]
+    fn a_token_lies_where_it_is_told_to() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("secret");
+        let first = Token::at(&path).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), first.digits());
+        fs::write(&path, format!("{:032x}\n", 7)).unwrap();
+        assert_eq!(
+            Token::at(&path).unwrap().digits(),
+            format!("{:032x}", 7),
+            "of somebody's own, with a line's end"
+        );
+        let nowhere = Token::at(&folder.path().join("none/secret")).err().expect("no folder").to_string();
+        assert!(nowhere.contains("none/secret"), "{nowhere}");
     }
 }

@@ -15,7 +15,10 @@ impl IntoResponse for ServerError {
     fn into_response(self) -> Response {
         let problem = self.problem();
         let status = StatusCode::from_u16(problem.code.http_status()).unwrap_or(StatusCode::BAD_REQUEST);
+        let code = problem.code;
         let mut answer = (status, json(&ErrorBody { error: problem })).into_response();
+        // For who counts them.
+        answer.extensions_mut().insert(code);
         if status == StatusCode::SERVICE_UNAVAILABLE {
             answer.headers_mut().insert(header::RETRY_AFTER, RETRY_AFTER.as_secs().into());
         }

@@ -17,6 +17,7 @@ use crate::connections::Connection;
 use crate::in_flight::Reservation;
 use crate::limits::SMALL_BYTES;
 use crate::state::AppState;
+use crate::turns::Payer;
 
 /// Refuses pages of other places, and names that lead here by no doing of ours. They could not know the token, but need
 /// not be let near it.
@@ -69,7 +70,8 @@ pub fn credential(state: &AppState, headers: &HeaderMap) -> Option<Credential> {
     state.token.verify(token.trim_start_matches(' '))
 }
 
-/// Lets pass while there is room, once all of the request is here: what is slow to come keeps nobody out.
+/// Lets pass while there is room, once all of the request is here: what is slow to come keeps nobody out. Beside a hand that
+/// moves something a session's requests come at a pace.
 pub async fn limit_requests(
     State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Connection>,
@@ -78,6 +80,7 @@ pub async fn limit_requests(
 ) -> Result<Response, ServerError> {
     let (mut head, body) = request.into_parts();
     let session = of_session(&mut head, &state).await;
+    state.backend.request_pacing.wait(&Payer::program(&session), 1.0).await;
     let in_flight = &state.backend.in_flight;
     let (body, held) = read_body(body, in_flight).await?;
     // A picture has been drawn, and there are few at once (`MAX_STILLS`).

@@ -3,6 +3,7 @@
 mod answer;
 mod assets;
 mod constant;
+mod count;
 mod drags;
 mod guard;
 mod page;
@@ -64,6 +65,7 @@ pub fn router(state: Arc<AppState>) -> Router {
         .layer(middleware::from_fn_with_state(Arc::clone(&state), guard::refuse_strange_pages))
         .layer(middleware::from_fn_with_state(Arc::clone(&state), guard::pace_strangers))
         .layer(middleware::map_response(guard::believe_no_guesses))
+        .layer(middleware::from_fn_with_state(Arc::clone(&state), count::count_requests))
         .with_state(state)
 }
 

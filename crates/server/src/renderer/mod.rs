@@ -199,6 +199,15 @@ impl Renders {
         self.readiness.borrow().clone()
     }
 
+    /// Ends once they are, or cannot be: whether they are.
+    pub fn warmed_up(&self) -> impl Future<Output = bool> + Send + 'static {
+        let mut readiness = self.readiness.clone();
+        async move {
+            let over = readiness.wait_for(|readiness| !matches!(readiness, Readiness::WarmingUp)).await;
+            over.is_ok_and(|readiness| matches!(*readiness, Readiness::Ready))
+        }
+    }
+
     /// Draws a picture. Dropping the future gives it up.
     pub async fn draw(&self, request: Request) -> Result<Drawn, ServerError> {
         let (done, drawn) = oneshot::channel();

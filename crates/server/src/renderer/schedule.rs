@@ -25,6 +25,19 @@ pub enum Urgency {
 }
 
 impl Urgency {
+    /// Each, the most urgent first.
+    pub const ALL: [Self; 4] = [Self::Moving, Self::Watched, Self::Settling, Self::Still];
+
+    /// Its name in `/metrics`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Moving => "moving",
+            Self::Watched => "watched",
+            Self::Settling => "settling",
+            Self::Still => "still",
+        }
+    }
+
     /// Whether something moves in the picture.
     pub fn moves(self) -> bool {
         matches!(self, Self::Moving | Self::Watched)

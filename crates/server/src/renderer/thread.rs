@@ -205,8 +205,13 @@ impl RenderLoop {
         if self.workers.len() < before {
             self.base.collect();
         }
-        let stills = self.waiting.iter().filter(|task| task.request.urgency == Urgency::Still);
-        self.metrics.least_still_turns.set(stills.map(|task| i64::from(task.turns)).min().unwrap_or(0));
+        let of = |urgency| self.waiting.iter().filter(move |task| task.request.urgency == urgency);
+        for urgency in Urgency::ALL {
+            self.metrics.note_queue(urgency.name(), of(urgency).count());
+        }
+        self.metrics
+            .least_still_turns
+            .set(of(Urgency::Still).map(|task| i64::from(task.turns)).min().unwrap_or(0));
     }
 
     /// Gives a picture its turn, and hands it over where it is finished. One that was given up is not begun. Where its scene's

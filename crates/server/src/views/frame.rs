@@ -182,6 +182,7 @@ pub async fn draw_picture(
     backend.metrics.render_seconds.observe(drawn.took.as_secs_f64());
     let Pixels::Display { bytes: pixels, .. } = drawn.pixels else { return Err(ServerError::Fault) };
     let wait = drawn.started.saturating_duration_since(stamp.content.changed_at);
+    backend.metrics.frame_wait_seconds.observe(wait.as_secs_f64());
     let (render, drew_map, passes) = (drawn.took, drawn.drew_map, on_the_wire(&drawn.passes));
     let trace = backend.trace.drawn(|| TraceLine {
         time: drawn.started.saturating_duration_since(backend.started).as_secs_f64(),

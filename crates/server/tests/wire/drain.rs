@@ -9,7 +9,7 @@ use tokio::net::TcpStream;
 use tokio::task::spawn_blocking;
 use tokio::time::{Instant, pause, sleep};
 
-use crate::client::{Came, Client, get};
+use crate::client::{Came, Client, get, post};
 use crate::server::Own;
 
 /// Rules: SOCK-9, HTTP-9
@@ -76,6 +76,44 @@ async fn connections_that_ask_for_nothing_do_not_hold_up_a_stop() {
     let (_folder, served) = own.stop();
     served.await.unwrap().unwrap();
     assert!(stopped.elapsed() < Duration::from_secs(5), "{:?}", stopped.elapsed());
+}
+
+/// Rules: HTTP-9
+#[tokio::test]
+async fn who_asks_while_it_drains_is_told_so() {
+    let own = Own::start().await;
+    // A request whose body is still to come is waited for.
+    let mut slow = TcpStream::connect(own.door.address).await.unwrap();
+    let (token, body) = (&own.door.token, r#"{"name": "late"}"#);
+    let head = format!(
+        "POST /sessions HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {token}\r\nContent-Length: {}\r\n\r\n",
+        body.len()
+    );
+    slow.write_all(head.as_bytes()).await.unwrap();
+    slow.write_all(&body.as_bytes()[..5]).await.unwrap();
+    sleep(Duration::from_millis(300)).await;
+    let (door, address) = (own.door.clone(), own.door.address);
+    let (_folder, served) = own.stop();
+    let asked = spawn_blocking(move || {
+        let ready = loop {
+            let answer = get(&door, "/readyz");
+            if answer.status != 200 {
+                break answer;
+            }
+        };
+        assert_eq!(ready.refusal(), (503, "draining".into()));
+        assert_eq!(get(&door, "/healthz").status, 200, "it still runs");
+        let edit = post(&door, "/sessions/main/edits", r#"{"edits": [{"undo": "mine"}]}"#);
+        assert_eq!(edit.refusal(), (503, "draining".into()));
+    });
+    asked.await.unwrap();
+    assert!(!served.is_finished(), "it waits for the body");
+    slow.write_all(&body.as_bytes()[5..]).await.unwrap();
+    let mut answer = String::new();
+    slow.read_to_string(&mut answer).await.unwrap();
+    assert!(answer.starts_with("HTTP/1.1 "), "{answer}");
+    served.await.unwrap().unwrap();
+    assert!(TcpStream::connect(address).await.is_err(), "nobody listens");
 }
 
 /// A picture that is not done in time is refused as what comes too late is; it is no fault of the server's.

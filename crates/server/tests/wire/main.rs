@@ -8,6 +8,7 @@ mod errors;
 mod hello;
 mod limits;
 mod methods;
+mod metrics;
 mod nodes;
 mod operations;
 mod patience;

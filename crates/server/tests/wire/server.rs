@@ -86,6 +86,7 @@ async fn open(folder: &Path) -> (Door, Server, TcpListener) {
         data: folder.into(),
         session: "main".into(),
         scene: None,
+        token_file: None,
         public_urls: vec!["https://lights.example.org".parse().unwrap()],
         trace: None,
         backend: None,

@@ -6,6 +6,7 @@
 #[cfg(test)]
 mod durability;
 mod read;
+mod snapshot;
 mod write;
 
 use std::fs::File;
@@ -19,6 +20,7 @@ use rusqlite::{Connection, ErrorCode, Transaction, TransactionBehavior, params};
 
 use crate::StoreError;
 use crate::disk::sync_folder;
+pub use snapshot::Snapshot;
 pub use write::Writer;
 
 /// The database's name in the data folder.

@@ -1,6 +1,7 @@
 //! What the store keeps and what it refuses, on real folders.
 
 mod assets;
+mod backup;
 mod checkpoints;
 mod log_files;
 mod operations;

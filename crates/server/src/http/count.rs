@@ -1,0 +1,36 @@
+//! Counts requests, for `GET /metrics`.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use axum::extract::{MatchedPath, Request, State};
+use axum::http::Method;
+use axum::middleware::Next;
+use axum::response::Response;
+use protocol::ErrorCode;
+
+use crate::metrics::RequestLabel;
+use crate::state::AppState;
+
+/// Counts a request, what was answered, and how long that took up to the answer's first byte, waits included. One that is given
+/// up before counts for nothing.
+pub async fn count_requests(State(state): State<Arc<AppState>>, request: Request, next: Next) -> Response {
+    let metrics = &state.backend.metrics;
+    // Of an address that no route has, the page answers.
+    let route = request.extensions().get::<MatchedPath>().map_or("page", MatchedPath::as_str).to_owned();
+    let method = match *request.method() {
+        Method::GET => "GET",
+        Method::HEAD => "HEAD",
+        Method::POST => "POST",
+        _ => "other",
+    };
+    let under_way = metrics.request_begins();
+    let began = Instant::now();
+    let answer = next.run(request).await;
+    drop(under_way);
+    let took = began.elapsed();
+    let status = answer.status().as_u16();
+    let code = answer.extensions().get::<ErrorCode>().copied();
+    metrics.count_request(&RequestLabel { method, route, status }, code, took);
+    answer
+}

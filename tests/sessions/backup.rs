@@ -1,0 +1,166 @@
+//! `bendylights backup`: while people work, and killed at any moment.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+use std::{env, fs};
+
+use bench::ServerProcess;
+use document::AssetHash;
+use protocol::{EditResults, SessionState, parse_body};
+use serde_json::json;
+use store::Store;
+
+use crate::program::program;
+use crate::support::Server;
+
+/// What is acknowledged in a second.
+const EDITS_A_SECOND: u32 = 60;
+const BACKUPS: u64 = 5;
+/// Of each kind. A copy waits for the disk a dozen times; `BENDYLIGHTS_KILLS=200` takes minutes.
+const KILLS: u32 = 20;
+
+/// Begins a copy of `data` to `to`.
+fn backup(data: &Path, to: &Path) -> Child {
+    let mut command = Command::new(program());
+    command.args(["backup", "--quiet", "--data"]).arg(data).arg(to).stdout(Stdio::null());
+    command.spawn().expect("the program runs")
+}
+
+fn back_up(data: &Path, to: &Path) {
+    assert!(backup(data, to).wait().expect("it ends").success(), "{}", to.display());
+}
+
+#[test]
+fn a_backup_under_60_edits_a_second_holds_all_that_was_acknowledged_before() {
+    let server = Server::start();
+    let uploaded = server.process.post("/assets?name=room", &assets::demo_bytes("arbor").expect("a demo"));
+    assert_eq!(uploaded.expect("answered").status, 201);
+    let light = server.connect("setup").light();
+    let (acknowledged, is_over) = (AtomicU64::new(1), AtomicBool::new(false));
+    let folder = tempfile::tempdir().expect("a folder");
+    let copy = |round: u64| folder.path().join(format!("copy-{round}"));
+    std::thread::scope(|scope| {
+        let edits = scope.spawn(|| {
+            let began = Instant::now();
+            let mut count = 0;
+            while !is_over.load(Ordering::Relaxed) {
+                let parameter = json!({"exposure": f64::from(count % 100) / 100.0});
+                let command = json!({"type": "setLight", "light": light, "parameter": parameter});
+                let body = json!({"edits": [{"command": command}]}).to_string();
+                let answer = server.process.post("/sessions/main/edits", body.as_bytes()).expect("answered");
+                let results: EditResults = parse_body(&answer.text()).expect("results");
+                acknowledged.store(results.seq, Ordering::SeqCst);
+                count += 1;
+                let next = Duration::from_secs(1) * count / EDITS_A_SECOND;
+                std::thread::sleep(next.saturating_sub(began.elapsed()));
+            }
+            f64::from(count) / began.elapsed().as_secs_f64()
+        });
+        for round in 0..BACKUPS {
+            std::thread::sleep(Duration::from_millis(400));
+            let before = acknowledged.load(Ordering::SeqCst);
+            back_up(server.data.path(), &copy(round));
+            let found = Store::open(&copy(round)).expect("a copy").session("main").expect("a session").seq;
+            let after = acknowledged.load(Ordering::SeqCst) + 1;
+            assert!((before..=after).contains(&found), "{found}, and {before} to {after} were acknowledged");
+            assert!(before > round, "edits go on: {before}");
+        }
+        is_over.store(true, Ordering::Relaxed);
+        let rate = edits.join().expect("a thread");
+        eprintln!("{rate:.0} edits a second");
+    });
+
+    // A copy is served like any other folder, and comes to the document that it was copied at.
+    let last = copy(BACKUPS - 1);
+    let row = Store::open(&last).expect("a copy").session("main").expect("a session");
+    let restored = ServerProcess::start(program(), &last, &[]).expect("started");
+    let state: SessionState =
+        parse_body(&restored.get("/sessions/main").expect("answered").text()).expect("a session");
+    assert_eq!((state.seq, state.hash), (row.seq, row.hash));
+}
+
+/// A data folder with a log and some scenes.
+fn make_data(data: &Path) {
+    let log = Path::new(env!("CARGO_MANIFEST_DIR")).join("logs/format-4.jsonl");
+    let mut import = Command::new(program());
+    let imported =
+        import.args(["import", "--quiet", "--data"]).arg(data).arg(log).stdout(Stdio::null()).status();
+    assert!(imported.expect("it runs").success());
+    let store = Store::open(data).expect("a store");
+    for number in 0..3_u8 {
+        store.assets.put(&vec![number; 1 << 20]).expect("an asset");
+    }
+}
+
+/// Sessions with their hashes, and the scenes whose bytes are whole; `None` of a folder that is no data folder.
+fn holds(data: &Path) -> Option<(BTreeMap<String, String>, usize)> {
+    let store = Store::open(data).ok()?;
+    let rows = store.sessions().ok()?;
+    let sessions =
+        rows.into_iter().map(|row| (row.name.clone(), store.replay(&row.name, None).map(|_| row.hash)));
+    let sessions = sessions.map(|(name, hash)| Some((name, hash.ok()?))).collect::<Option<_>>()?;
+    let hashes = fs::read_dir(data.join("assets")).ok()?.map(|file| file.expect("a file").file_name());
+    let whole = hashes.filter(|hash| {
+        let hash = hash.to_str().and_then(|hash| format!("sha256:{hash}").parse::<AssetHash>().ok());
+        hash.is_some_and(|hash| store.assets.bytes(&hash).is_ok_and(|bytes| bytes.is_some()))
+    });
+    Some((sessions, whole.count()))
+}
+
+/// Begins copies by `begin`, each of which is killed at another moment up to a little after it would have ended; how many of
+/// them left something, and how many of these another thing than the whole.
+fn kill_copies(data: &Path, to: &Path, count: u32, begin: impl Fn(&Path, &Path) -> Child) -> (u32, u32) {
+    let whole = holds(data).expect("data");
+    let began = Instant::now();
+    assert!(begin(data, to).wait().expect("it ends").success());
+    let (took, mut left, mut damaged) = (began.elapsed(), 0, 0);
+    for kill in 0..count {
+        if to.exists() {
+            fs::remove_dir_all(to).expect("removed");
+        }
+        let mut copy = begin(data, to);
+        std::thread::sleep(took.mul_f64(1.2 * f64::from(kill) / f64::from(count)));
+        copy.kill().expect("killed");
+        copy.wait().expect("it ends");
+        if to.exists() {
+            left += 1;
+            damaged += u32::from(holds(to).as_ref() != Some(&whole));
+        }
+    }
+    (left, damaged)
+}
+
+#[test]
+fn a_backup_and_its_restore_that_are_killed_anywhere_leave_all_or_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [data, copy, again] = ["data", "copy", "again"].map(|name| folder.path().join(name));
+    make_data(&data);
+    let kills = env::var("BENDYLIGHTS_KILLS").map_or(KILLS, |kills| kills.parse().expect("a number"));
+    let check = |from: &Path, to: &Path| {
+        let (left, damaged) = kill_copies(from, to, kills, backup);
+        eprintln!("{kills} kills: {left} copies were whole by then");
+        assert_eq!(damaged, 0, "of {left} that were left");
+        assert!((1..kills).contains(&left), "some were killed before they were done, some after: {left}");
+        // The next one removes what the killed ones have left.
+        let _ = fs::remove_dir_all(to);
+        back_up(from, to);
+        assert_eq!(holds(to), holds(from));
+    };
+    check(&data, &copy);
+    fs::remove_dir_all(&data).expect("all is lost");
+    check(&copy, &again);
+    let mut names: Vec<_> = fs::read_dir(folder.path())
+        .expect("a folder")
+        .map(|file| file.expect("a file").file_name())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["again", "copy"]);
+    // A planted fault: what copies file by file into its place is caught.
+    let by_cp =
+        |from: &Path, to: &Path| Command::new("cp").arg("-r").args([from, to]).spawn().expect("cp runs");
+    let (left, damaged) = kill_copies(&copy, &folder.path().join("by-cp"), KILLS, by_cp);
+    assert!(damaged > 0, "{left} copies by cp, none cut");
+}

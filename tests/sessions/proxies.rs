@@ -1,0 +1,194 @@
+//! The snippets of deploy/ for nginx and Caddy, by the real ones, in front of a real server.
+
+use std::fs;
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use bench::{Address, Client, ServerProcess};
+
+use crate::program::program;
+
+const NGINX: &str = include_str!("../../deploy/nginx.conf");
+const CADDY: &str = include_str!("../../deploy/Caddyfile");
+/// The name in both.
+const NAME: &str = "lights.example.org";
+/// The address of the server in both.
+const SERVER: &str = "127.0.0.1:8080";
+/// A reverse proxy's usual patience with a connection on which nothing comes, and somewhat more.
+const IDLE: Duration = Duration::from_secs(65);
+
+/// A proxy in a folder of its own; killed when it is dropped.
+struct Proxy {
+    process: Child,
+    address: Address,
+    _folder: tempfile::TempDir,
+}
+
+impl Drop for Proxy {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+impl Proxy {
+    fn start(
+        server: &ServerProcess,
+        configure: impl FnOnce(&str, u16, &Path) -> String,
+        command: impl FnOnce(&Path) -> Command,
+    ) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let port =
+            TcpListener::bind("127.0.0.1:0").and_then(|free| free.local_addr()).expect("a port").port();
+        let file = folder.path().join("proxy.conf");
+        fs::write(&file, configure(&server.address.host, port, folder.path())).expect("a file");
+        let process = command(&file).stdin(Stdio::null()).spawn().expect("`make test-packages` installs it");
+        let address = Address { host: format!("127.0.0.1:{port}"), token: server.address.token.clone() };
+        let proxy = Self { process, address, _folder: folder };
+        let until = Instant::now() + Duration::from_secs(20);
+        while TcpStream::connect(&proxy.address.host).is_err() {
+            assert!(Instant::now() < until, "it listens");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        proxy
+    }
+
+    /// nginx with this snippet, without TLS.
+    fn nginx(server: &ServerProcess, snippet: &str) -> Self {
+        let configure = |server: &str, port: u16, folder: &Path| {
+            let lines = snippet.lines().filter(|line| !line.trim().starts_with("ssl_certificate"));
+            let site = lines.collect::<Vec<_>>().join("\n");
+            let site = site.replace("listen 443 ssl;", &format!("listen 127.0.0.1:{port};"));
+            let site = site.replace(NAME, "127.0.0.1").replace(SERVER, server);
+            let folder = folder.display();
+            let paths = ["client_body", "proxy", "fastcgi", "uwsgi", "scgi"];
+            let paths = paths.map(|kind| format!("{kind}_temp_path {folder}/{kind};")).join(" ");
+            format!(
+                "daemon off; master_process off; pid {folder}/pid; error_log stderr; events {{}}\n\
+                 http {{ access_log off; {paths}\n{site}\n}}\n"
+            )
+        };
+        Self::start(server, configure, |file| {
+            let mut command = Command::new("nginx");
+            command.arg("-c").arg(file).env("PATH", "/usr/sbin:/usr/bin:/sbin:/bin");
+            command
+        })
+    }
+
+    /// Caddy with this snippet, without TLS.
+    fn caddy(server: &ServerProcess, snippet: &str) -> Self {
+        let configure = |server: &str, port: u16, _: &Path| {
+            let site = snippet.replace(NAME, &format!("http://127.0.0.1:{port}")).replace(SERVER, server);
+            format!("{{\n\tadmin off\n\tauto_https off\n}}\n{site}")
+        };
+        Self::start(server, configure, |file| {
+            let mut command = Command::new("caddy");
+            command.args(["run", "--adapter", "caddyfile", "--config"]).arg(file).stderr(Stdio::null());
+            command.env("HOME", file.parent().expect("a folder"));
+            command
+        })
+    }
+
+    /// Whether a session's socket opens through it.
+    fn opens_sockets(&self) -> bool {
+        Client::connect(&self.address, "main", "Ada", None).is_ok()
+    }
+
+    /// The status of a scene of 8 MiB that is sent through it.
+    fn sends_scene(&self) -> u16 {
+        self.address.post("/assets?name=large", &large_scene()).map_or(0, |answer| answer.status)
+    }
+
+    /// Whether a socket on which nothing is said for so long lives.
+    fn keeps_idle(&self, time: Duration) -> bool {
+        let mut client = Client::connect(&self.address, "main", "Ben", None).expect("a socket");
+        let until = Instant::now() + time;
+        while Instant::now() < until {
+            if client.receive(until.saturating_duration_since(Instant::now())).is_err() {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The status that a page of the proxy's own address gets, as a browser asks: with `Origin`.
+    fn answers_own_page(&self) -> String {
+        let mut stream = TcpStream::connect(&self.address.host).expect("a connection");
+        let host = &self.address.host;
+        let ask = format!(
+            "GET /healthz HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nConnection: close\r\n\r\n"
+        );
+        stream.write_all(ask.as_bytes()).expect("sent");
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).expect("an answer");
+        answer.split(' ').nth(1).unwrap_or_default().to_owned()
+    }
+}
+
+/// A sound .glb of 8 MiB, with nothing to see.
+fn large_scene() -> Vec<u8> {
+    let binary = vec![0; 8 << 20];
+    let mut json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{{}}],"buffers":[{{"byteLength":{}}}]}}"#,
+        binary.len()
+    );
+    while json.len() % 4 != 0 {
+        json.push(' ');
+    }
+    let length = |bytes: usize| u32::try_from(bytes).expect("small").to_le_bytes();
+    let chunk = |kind: &[u8; 4], bytes: &[u8]| [&length(bytes.len())[..], kind, bytes].concat();
+    let chunks = [chunk(b"JSON", json.as_bytes()), chunk(b"BIN\0", &binary)].concat();
+    [b"glTF", &2_u32.to_le_bytes()[..], &length(12 + chunks.len()), &chunks].concat()
+}
+
+fn server(data: &Path) -> ServerProcess {
+    let server = ServerProcess::start(program(), data, &["--scene", "demo:vases"]).expect("started");
+    server.wait_until_ready().expect("ready");
+    server
+}
+
+/// What has to get through.
+fn check(proxy: &Proxy) {
+    assert_eq!(proxy.answers_own_page(), "200", "it keeps Host");
+    assert!(proxy.opens_sockets(), "it passes the upgrade on");
+    assert_eq!(proxy.sends_scene(), 201, "it takes large bodies");
+    let picture = proxy.address.get("/sessions/main/render?size=64x36&samples=1").expect("an answer");
+    assert_eq!((picture.status, &picture.body[1..4]), (200, &b"PNG"[..]));
+    assert!(proxy.keeps_idle(IDLE), "it keeps a socket on which nothing is said");
+}
+
+/// Rules: HTTP-2, SOCK-1
+#[test]
+#[ignore = "needs nginx and Caddy"]
+fn nginx_with_our_snippet_lets_everything_through() {
+    let data = tempfile::tempdir().expect("a folder");
+    let server = server(data.path());
+    check(&Proxy::nginx(&server, NGINX));
+    // Planted faults: each line is there for something.
+    let without = |start: &str| {
+        let lines: Vec<_> = NGINX.lines().filter(|line| !line.trim().starts_with(start)).collect();
+        assert_eq!(lines.len() + 1, NGINX.lines().count(), "{start}");
+        Proxy::nginx(&server, &lines.join("\n"))
+    };
+    assert!(!without("proxy_set_header Upgrade").opens_sockets());
+    assert!(!without("proxy_http_version").opens_sockets());
+    assert_eq!(without("client_max_body_size").sends_scene(), 413);
+    assert_eq!(without("proxy_set_header Host").answers_own_page(), "403");
+    let hasty = NGINX.replace("proxy_read_timeout 1h", "proxy_read_timeout 2s");
+    assert!(!Proxy::nginx(&server, &hasty).keeps_idle(Duration::from_secs(6)));
+}
+
+/// Rules: HTTP-2, SOCK-1
+#[test]
+#[ignore = "needs nginx and Caddy"]
+fn caddy_with_our_snippet_lets_everything_through() {
+    let data = tempfile::tempdir().expect("a folder");
+    let server = server(data.path());
+    check(&Proxy::caddy(&server, CADDY));
+    let small = CADDY.replace("768MiB", "1MiB");
+    assert_ne!(small, CADDY);
+    assert_ne!(Proxy::caddy(&server, &small).sends_scene(), 201, "a planted fault");
+}
