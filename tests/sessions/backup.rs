@@ -33,6 +33,7 @@ fn back_up(data: &Path, to: &Path) {
     assert!(backup(data, to).wait().expect("it ends").success(), "{}", to.display());
 }
 
+/// Rules: SOCK-4, LOG-1
 #[test]
 fn a_backup_under_60_edits_a_second_holds_all_that_was_acknowledged_before() {
     let server = Server::start();
@@ -133,6 +134,7 @@ fn kill_copies(data: &Path, to: &Path, count: u32, begin: impl Fn(&Path, &Path) 
     (left, damaged)
 }
 
+/// Rules: LOG-1
 #[test]
 fn a_backup_and_its_restore_that_are_killed_anywhere_leave_all_or_nothing() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -20,20 +20,12 @@ use crate::error::Error;
 use crate::{known_scenes, replay};
 
 const LOG: &str = "log.jsonl";
-/// How a .zip that holds something begins.
-const SIGNATURE: [u8; 4] = *b"PK\x03\x04";
 /// The longest name of a scene, with room: what is longer is refused by the store.
 const MOST_NAME_BYTES: u64 = 4096;
 
 /// Whether a file to be written is to be a bundle: by its name.
 pub fn is_wanted(output: &Path) -> bool {
     output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("zip"))
-}
-
-/// Whether a file is a bundle: by how it begins.
-pub fn is_bundle(path: &Path) -> bool {
-    let mut begins = [0; SIGNATURE.len()];
-    File::open(path).and_then(|mut file| file.read_exact(&mut begins)).is_ok() && begins == SIGNATURE
 }
 
 /// Writes a session's log, and the scenes that it loads but for the demos.

@@ -117,6 +117,12 @@ pub enum Error {
     /// A bundle that cannot be used.
     #[error("{file}: is no bundle as `bendylights export` writes them ({reason}); export it again")]
     BadBundle { file: String, reason: String },
+    /// A bundle where a log file is wanted.
+    #[error(
+        "{file}: is a bundle, and a log file is wanted: `bendylights import {file}` makes a session of it, and \
+         `unzip -p {file} log.jsonl` gives its log"
+    )]
+    BundleForLog { file: String },
     /// A log needs a scene that is neither a demo nor in the data folder.
     #[error(
         "{file}: record {seq} needs the scene {asset}, which is neither a demo nor in the data folder: name the folder \

@@ -18,6 +18,8 @@ use crate::error::Error;
 const MAX_FILE_MIB: u64 = 64;
 /// A log that takes a second or so to replay.
 const LONG_LOG_BYTES: u64 = 4 << 20;
+/// How a .zip that holds something begins.
+const ZIP: [u8; 4] = *b"PK\x03\x04";
 /// What stands for standard input.
 const STDIN: &str = "-";
 
@@ -87,8 +89,17 @@ fn parsed<T>(
     }
 }
 
+/// Whether a file is a bundle: by how it begins.
+pub fn is_bundle(path: &Path) -> bool {
+    let mut begins = [0; ZIP.len()];
+    File::open(path).and_then(|mut file| file.read_exact(&mut begins)).is_ok() && begins == ZIP
+}
+
 /// A log file to be read, and a bar that shows on a terminal how far it has been.
 pub fn open_log(path: &Path) -> Result<(BufReader<impl Read>, ProgressBar), Error> {
+    if is_bundle(path) {
+        return Err(Error::BundleForLog { file: path.display().to_string() });
+    }
     let unreadable = |reason| Error::Unreadable { file: path.display().to_string(), reason };
     let file = File::open(path).map_err(unreadable)?;
     let bytes = file.metadata().map_err(unreadable)?.len();

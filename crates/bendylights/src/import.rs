@@ -31,7 +31,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    let row = if bundle::is_bundle(&args.log) {
+    let row = if files::is_bundle(&args.log) {
         bundle::import(&args.log, &args.data, args.name.as_deref())?
     } else {
         import_log(args)?

@@ -32,9 +32,9 @@ pub struct Backend {
     pub probes: Arc<Semaphore>,
     /// Threads that solve drags.
     pub solver: Solver,
-    /// Holds back edits by requests.
+    /// Holds back edits.
     pub edit_pacing: Arc<RequestPacing>,
-    /// Requests of all clients.
+    /// Holds back requests.
     pub request_pacing: Arc<RequestPacing>,
     /// Bytes of bodies, answers and messages.
     pub in_flight: InFlight,

@@ -34,9 +34,9 @@ pub const SHORT_SOLVE_STEPS: u64 = 20_000_000;
 pub const SHORT_SOLVES: Rate = Rate { per_second: 0.1, saved: 0.2 };
 /// Messages of a socket while a hand of another client moves a view: several times what a hand itself sends, who acknowledges
 /// frames and drags or turns the camera.
-pub const MESSAGES_BESIDE_A_HAND: Rate = Rate { per_second: 500.0, saved: 500.0 };
-/// Edits of a client by requests while a hand of another client moves a view.
-pub const EDITS_BESIDE_A_HAND: Rate = Rate { per_second: 300.0, saved: 300.0 };
+pub const MESSAGES_BESIDE_A_HAND: Rate = Rate { per_second: 400.0, saved: 400.0 };
+/// Edits of a session, and of an actor, while a hand of another client moves a view.
+pub const EDITS_BESIDE_A_HAND: Rate = Rate { per_second: 200.0, saved: 200.0 };
 /// Requests about a session, or about none, while a hand moves a view.
 pub const REQUESTS_BESIDE_A_HAND: Rate = Rate { per_second: 300.0, saved: 300.0 };
 /// Decoding of uploaded scenes while a hand moves a view, in seconds of the thread that decodes; the next upload waits.

@@ -13,15 +13,16 @@ use crate::limits::{MESSAGES_BESIDE_A_HAND, MOVING_FOR, UPLOAD_COUNTED, UPLOADS_
 use crate::turns::Payer;
 use crate::views::MovingPixels;
 
-/// Messages of one socket.
+/// Messages of one socket, of which edits count among those of its client too.
 #[derive(Debug)]
 pub struct SocketPacing {
-    actor_id: Arc<str>,
+    payer: Payer,
     allowance: Allowance,
     moving: Arc<MovingPixels>,
+    edits: Arc<RequestPacing>,
 }
 
-/// What is asked by requests, of all clients.
+/// Edits of all clients, or requests.
 #[derive(Debug)]
 pub struct RequestPacing {
     allowances: Mutex<Allowances>,
@@ -37,15 +38,21 @@ pub struct UploadPacing {
 }
 
 impl SocketPacing {
-    /// Of a socket of an actor of that id.
-    pub fn new(actor_id: Arc<str>, moving: Arc<MovingPixels>) -> Self {
-        Self { actor_id, allowance: Allowance::full(MESSAGES_BESIDE_A_HAND, Instant::now()), moving }
+    /// Of a socket of that client, beside its edits by requests and other sockets.
+    pub fn new(payer: Payer, edits: &Arc<RequestPacing>) -> Self {
+        let allowance = Allowance::full(MESSAGES_BESIDE_A_HAND, Instant::now());
+        Self { payer, allowance, moving: Arc::clone(&edits.moving), edits: Arc::clone(edits) }
     }
 
     /// Waits until the next message may be carried out.
     pub async fn wait(&mut self) {
         let try_take = |now| self.allowance.try_take(1.0, now);
-        wait_beside_a_hand(&self.moving, Some(&self.actor_id), try_take).await;
+        wait_beside_a_hand(&self.moving, self.payer.actor_id(), try_take).await;
+    }
+
+    /// Waits until its next edit may be carried out.
+    pub async fn wait_to_edit(&self) {
+        self.edits.wait(&self.payer, 1.0).await;
     }
 }
 
@@ -128,9 +135,14 @@ mod tests {
         Arc::new(moving)
     }
 
+    fn pacing_of(actor: &str, moving: Arc<MovingPixels>) -> SocketPacing {
+        let edits = Arc::new(RequestPacing::new(EDITS_BESIDE_A_HAND, moving));
+        SocketPacing::new(Payer::new(&"shot".into(), actor), &edits)
+    }
+
     /// Seconds until so many more messages than are saved up have been let through.
     async fn seconds_of_messages(moving: Arc<MovingPixels>, more: f64) -> f64 {
-        let (mut pacing, start) = (SocketPacing::new("ben".into(), moving), Instant::now());
+        let (mut pacing, start) = (pacing_of("ben", moving), Instant::now());
         for _ in 0..(MESSAGES_BESIDE_A_HAND.saved + more) as usize {
             pacing.wait().await;
         }
@@ -144,7 +156,7 @@ mod tests {
         let least = (more - 2.0) / MESSAGES_BESIDE_A_HAND.per_second;
         let beside_another = seconds_of_messages(moved_by("ada"), more).await;
         assert!(beside_another > least, "{beside_another} s");
-        let (mut own, now) = (SocketPacing::new("ada".into(), moved_by("ada")), Instant::now());
+        let (mut own, now) = (pacing_of("ada", moved_by("ada")), Instant::now());
         own.allowance.try_take(MESSAGES_BESIDE_A_HAND.saved + 1.0, now).expect("all is left");
         let before = own.allowance.try_take(1.0, now);
         own.wait().await;

@@ -325,5 +325,11 @@ mod tests {
         let names: Vec<_> =
             store.sessions().expect("a list").into_iter().map(|row| (row.name, row.seq)).collect();
         assert_eq!(names, ["main", "my-room", "my-room-2"].map(|name| (name.to_owned(), 1)));
+        // A session that cannot be read is not the scene's, and keeps nobody from starting.
+        drop(store);
+        let database =
+            rusqlite::Connection::open(data.path().join("bendylights.sqlite")).expect("a database");
+        database.execute("UPDATE record SET json = 'damaged'", []).expect("a planted fault");
+        assert_eq!(start(Some(&scene)), of("my-room-3", Some("what it has")));
     }
 }

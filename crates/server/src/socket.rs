@@ -29,6 +29,7 @@ use crate::request::{ClientRequest, actor, client_request};
 use crate::room::{Join, Message, RoomHandle};
 use crate::send_within::SendWithin;
 use crate::state::AppState;
+use crate::turns::Payer;
 
 /// A connection that has become a WebSocket.
 pub type Socket = WebSocketStream<SendWithin>;
@@ -42,9 +43,8 @@ pub async fn serve(socket: Socket, state: Arc<AppState>, connection: Connection)
     let (outbox, end) = outbox(state.backend.in_flight.clone());
     let backlog = end.backlog();
     let mut writing = tokio::spawn(write(sink, end));
-    if let Some((room, (client, actor_id), _permit)) = greet(&mut messages, outbox, &state, &connection).await
-    {
-        let pacing = SocketPacing::new(actor_id, Arc::clone(&state.backend.moving_pixels));
+    if let Some((room, (client, payer), _permit)) = greet(&mut messages, outbox, &state, &connection).await {
+        let pacing = SocketPacing::new(payer, &state.backend.edit_pacing);
         tokio::select! {
             () = read(&mut messages, backlog, pacing, (&room, client), &state) => {}
             // The session let the client go, or the connection is broken.
@@ -67,7 +67,7 @@ async fn greet(
     mut outbox: Outbox,
     state: &AppState,
     connection: &Connection,
-) -> Option<(RoomHandle, (ClientId, Arc<str>), OwnedSemaphorePermit)> {
+) -> Option<(RoomHandle, (ClientId, Payer), OwnedSemaphorePermit)> {
     let hello = tokio::select! {
         hello = hello(messages, &mut outbox) => hello?,
         () = sleep(HELLO_WITHIN) => Err(ServerError::HelloTooLate),
@@ -76,13 +76,13 @@ async fn greet(
         }
     };
     match join(hello, state, connection).await {
-        Ok((room, permit, (principal, epoch, last_seq))) => {
-            let actor_id = principal.actor.id.as_str().into();
+        Ok((room, (session, permit), (principal, epoch, last_seq))) => {
+            let payer = Payer::new(&session, &principal.actor.id);
             let (joined, client) = oneshot::channel();
             let join = Join { principal, epoch, last_seq, outbox, joined };
             room.send(Message::Join(Box::new(join))).await.ok()?;
             let client = client.await.ok()?;
-            Some((room, (client, actor_id), permit))
+            Some((room, (client, payer), permit))
         }
         Err(error) => {
             outbox.send_error(&error, true);
@@ -108,17 +108,17 @@ async fn hello(
     }
 }
 
-/// The session that a `hello` names, with a permit for the socket, and who comes.
+/// The session that a `hello` names, its name with a permit for the socket, and who comes.
 async fn join(
     hello: Result<ClientMessage, ServerError>,
     state: &AppState,
     connection: &Connection,
-) -> Result<(RoomHandle, OwnedSemaphorePermit, Newcomer), ServerError> {
+) -> Result<(RoomHandle, (Arc<str>, OwnedSemaphorePermit), Newcomer), ServerError> {
     let (session, newcomer) = admit(hello?, state)?;
     connection.is_known();
     let too_many = |_| ServerError::TooMany { what: "sockets", limit: MAX_SOCKETS };
     let permit = Arc::clone(&state.sockets).try_acquire_owned().map_err(too_many)?;
-    Ok((state.rooms.find(&session).await?, permit, newcomer))
+    Ok((state.rooms.find(&session).await?, (session.into(), permit), newcomer))
 }
 
 /// The session that a `hello` may join.
@@ -151,6 +151,9 @@ async fn read(
             Ok(message) => client_request(message, &state.backend.scenes).await,
             Err(error) => ClientRequest::Invalid(error),
         };
+        if matches!(request, ClientRequest::Step(_)) {
+            pacing.wait_to_edit().await;
+        }
         // What edits waits here for what this client sent before, so that nobody else does.
         let place = if request.edits() { Arc::clone(&places).acquire_owned().await.ok() } else { None };
         if room.send(Message::Client { client, request, place }).await.is_err() {

@@ -70,8 +70,7 @@ pub fn credential(state: &AppState, headers: &HeaderMap) -> Option<Credential> {
     state.token.verify(token.trim_start_matches(' '))
 }
 
-/// Lets pass while there is room, once all of the request is here: what is slow to come keeps nobody out. Beside a hand that
-/// moves something a session's requests come at a pace.
+/// Lets pass while there is room, once all of the request is here: what is slow to come keeps nobody out.
 pub async fn limit_requests(
     State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Connection>,
@@ -80,7 +79,6 @@ pub async fn limit_requests(
 ) -> Result<Response, ServerError> {
     let (mut head, body) = request.into_parts();
     let session = of_session(&mut head, &state).await;
-    state.backend.request_pacing.wait(&Payer::program(&session), 1.0).await;
     let in_flight = &state.backend.in_flight;
     let (body, held) = read_body(body, in_flight).await?;
     // A picture has been drawn, and there are few at once (`MAX_STILLS`).
@@ -116,18 +114,23 @@ async fn hold_answer(
     Ok(Response::from_parts(head, connection.takes_in_time(held.of(bytes)).into()))
 }
 
-/// Lets strangers wait for their turn. Signs of life and sockets that open have turns of their own: they stay quick while
-/// others load pages.
-pub async fn pace_strangers(
+/// Lets strangers wait for their turn, and beside a hand that moves a view everybody else too, by what they ask about. Signs of
+/// life and sockets that open have turns of their own: they stay quick while others load pages.
+pub async fn pace(
     State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Connection>,
     request: Request,
     next: Next,
 ) -> Response {
+    let path = request.uri().path();
+    let is_short = matches!(path, "/healthz" | "/readyz" | "/socket");
     if connection.has_shown_token() || credential(&state, request.headers()).is_some() {
+        if !is_short {
+            let session = path.strip_prefix("/sessions/").and_then(|rest| rest.split('/').next());
+            state.backend.request_pacing.wait(&Payer::program(session.unwrap_or_default()), 1.0).await;
+        }
         return next.run(request).await;
     }
-    let is_short = matches!(request.uri().path(), "/healthz" | "/readyz" | "/socket");
     let turns = if is_short { &state.short_turns } else { &state.page_turns };
     let turn = turns.next().await;
     let answer = next.run(request).await;

@@ -63,7 +63,7 @@ pub fn router(state: Arc<AppState>) -> Router {
         .method_not_allowed_fallback(guard::wrong_method)
         .layer(DefaultBodyLimit::disable())
         .layer(middleware::from_fn_with_state(Arc::clone(&state), guard::refuse_strange_pages))
-        .layer(middleware::from_fn_with_state(Arc::clone(&state), guard::pace_strangers))
+        .layer(middleware::from_fn_with_state(Arc::clone(&state), guard::pace))
         .layer(middleware::map_response(guard::believe_no_guesses))
         .layer(middleware::from_fn_with_state(Arc::clone(&state), count::count_requests))
         .with_state(state)
