@@ -38,7 +38,7 @@ pub const MESSAGES_BESIDE_A_HAND: Rate = Rate { per_second: 400.0, saved: 400.0 
 /// Edits of a session, and of an actor, while a hand of another client moves a view.
 pub const EDITS_BESIDE_A_HAND: Rate = Rate { per_second: 200.0, saved: 200.0 };
 /// Requests about a session, or about none, while a hand moves a view.
-pub const REQUESTS_BESIDE_A_HAND: Rate = Rate { per_second: 300.0, saved: 300.0 };
+pub const REQUESTS_BESIDE_A_HAND: Rate = Rate { per_second: 200.0, saved: 200.0 };
 /// Decoding of uploaded scenes while a hand moves a view, in seconds of the thread that decodes; the next upload waits.
 pub const UPLOADS_BESIDE_A_HAND: Rate = Rate { per_second: 0.25, saved: 1.0 };
 /// An upload counts for so many seconds of decoding at most: the next one waits for 2 s and no longer.
