@@ -21,6 +21,8 @@ holds() { [[ $1 == *"$2"* ]] || fail "$3: \`$2\` is missing from: $1"; }
 
 # Starts a command that serves, waits for the address that it prints, and sets $host and $auth.
 start() {
+  # The address of the server before would be taken for this one's.
+  : > "$work/printed"
   "$@" > "$work/printed" 2> "$work/said" &
   server=$!
   until address=$(grep -m 1 '^http' "$work/printed"); do
