@@ -12,7 +12,7 @@ SHELL := bash
 
 DATA := demo-data
 LISTEN := 127.0.0.1:8080
-# `dev` builds in a third of the time a program that draws at a tenth of the speed, as tests use it.
+# `dev` takes the build of the tests.
 PROFILE := release
 PROGRAM := $(or $(CARGO_TARGET_DIR),target)/$(if $(filter dev,$(PROFILE)),debug,$(PROFILE))/bendylights
 export CARGO_TERM_COLOR ?= auto

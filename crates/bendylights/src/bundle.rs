@@ -3,7 +3,7 @@
 //! `log.jsonl` is what `export` writes; `assets/HASH` and `assets/HASH.name` are the scenes' files, as in a data folder.
 
 use std::cell::RefCell;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Read, Seek, Write};
 use std::path::Path;
@@ -37,9 +37,12 @@ pub fn write(store: &Store, session: &str, path: &Path, out: &mut (impl Write + 
     buffered.flush().map_err(unwritable)?;
     drop(buffered);
     log.rewind().map_err(unwritable)?;
-    let mut scenes = BTreeSet::new();
+    // Each with the first record that needs it.
+    let mut scenes = BTreeMap::new();
     visit_log(BufReader::new(&log), None, |record, session| {
-        scenes.extend(session.document().scene().map(|scene| (scene.asset, record.seq)));
+        if let Some(scene) = session.document().scene() {
+            scenes.entry(scene.asset).or_insert(record.seq);
+        }
     })?;
     log.rewind().map_err(unwritable)?;
 
@@ -48,9 +51,8 @@ pub fn write(store: &Store, session: &str, path: &Path, out: &mut (impl Write + 
     let options = SimpleFileOptions::default().large_file(true);
     zip.start_file(LOG, options).map_err(unzipped)?;
     io::copy(&mut log, &mut zip).map_err(unwritable)?;
-    let mut written = BTreeSet::new();
     for (asset, seq) in scenes {
-        if !written.insert(asset) || known_scenes::is_demo(&asset) {
+        if known_scenes::is_demo(&asset) {
             continue;
         }
         let bytes = store.assets.bytes(&asset)?.ok_or_else(|| replay::no_scene(path, seq, asset))?;

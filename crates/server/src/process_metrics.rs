@@ -9,7 +9,7 @@ use prometheus_client::encoding::{DescriptorEncoder, EncodeMetric};
 use prometheus_client::metrics::counter::ConstCounter;
 use prometheus_client::metrics::gauge::ConstGauge;
 
-/// Reads them when they are asked for. What the system does not say is left out.
+/// Reads them when they are asked for; none where the system does not say one.
 #[derive(Debug)]
 pub struct ProcessMetrics;
 

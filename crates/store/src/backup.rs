@@ -3,7 +3,7 @@
 use std::fs::{self, File, Permissions};
 use std::io;
 use std::os::unix::fs::PermissionsExt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::StoreError;
 use crate::assets::{Assets, check_folder};
@@ -54,12 +54,8 @@ pub fn back_up(data: &Path, to: &Path, mut copied: impl FnMut(u64, u64)) -> Resu
         copied(*size, bytes);
     }
     assets.sync()?;
-    let put = |folder: PathBuf| {
-        sync_folder(&folder)?;
-        fs::rename(&folder, to)?;
-        sync_folder(parent)
-    };
-    put(folder.path().into()).map_err(unusable)?;
+    let put = sync_folder(folder.path()).and_then(|()| fs::rename(folder.path(), to));
+    put.and_then(|()| sync_folder(parent)).map_err(unusable)?;
     // It has another name now, by which nobody removes it.
     let _ = folder.keep();
     Ok(Backup { sessions, records, files: files.len() as u64, bytes })
