@@ -23,7 +23,7 @@ pub const MAX_SOCKETS: usize = 256;
 pub const MAX_REQUESTS: usize = 64;
 /// Pictures for HTTP that are rendered or wait for it.
 pub const MAX_STILLS: usize = 8;
-/// Probes of pixels whose rays are followed at once, a millisecond or so each; others wait.
+/// Probes of pixels, and picks, whose rays are followed at once, a millisecond or so each; others wait.
 pub const MAX_PROBES: usize = 4;
 /// Drags of features that are solved or wait for it, each with a thread: one for each socket and each HTTP request.
 pub const MAX_SOLVES: usize = MAX_SOCKETS + MAX_REQUESTS;
@@ -35,16 +35,17 @@ pub const SHORT_SOLVES: Rate = Rate { per_second: 0.1, saved: 0.2 };
 /// Messages of a socket while a hand of another client moves a view: several times what a hand itself sends, who acknowledges
 /// frames and drags or turns the camera.
 pub const MESSAGES_BESIDE_A_HAND: Rate = Rate { per_second: 400.0, saved: 400.0 };
-/// Edits of a session, and of an actor, while a hand of another client moves a view.
-pub const EDITS_BESIDE_A_HAND: Rate = Rate { per_second: 200.0, saved: 200.0 };
+/// Edits of a session, and of an actor, while a hand of another client moves a view, with `MESSAGE_COST_EDITS`: 60 messages a second
+/// with an edit each, one for each picture that a viewer shows.
+pub const EDITS_BESIDE_A_HAND: Rate = Rate { per_second: 120.0, saved: 120.0 };
 /// Requests about a session, or about none, while a hand moves a view.
 pub const REQUESTS_BESIDE_A_HAND: Rate = Rate { per_second: 200.0, saved: 200.0 };
 /// Decoding of uploaded scenes while a hand moves a view, in seconds of the thread that decodes; the next upload waits.
 pub const UPLOADS_BESIDE_A_HAND: Rate = Rate { per_second: 0.25, saved: 1.0 };
 /// An upload counts for so many seconds of decoding at most: the next one waits for 2 s and no longer.
 pub const UPLOAD_COUNTED: Duration = Duration::from_millis(500);
-/// A request counts for so many edits besides those that it has: its connection, its head and its commit.
-pub const REQUEST_COST_EDITS: f64 = 1.0;
+/// A message or a request counts for so many edits besides those that it has: its way to the session, its commit, and all who are told.
+pub const MESSAGE_COST_EDITS: f64 = 1.0;
 /// How often a drag is solved for one step while others change what it depends on. After that it is refused.
 pub const MAX_SOLVE_TRIES: u32 = 4;
 /// Scenes that are being sent to the server; each may take hundreds of megabytes of its disk.

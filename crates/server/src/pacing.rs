@@ -9,7 +9,9 @@ use tokio::time::sleep_until;
 use crate::ServerError;
 use crate::allowances::{Allowance, Allowances, Rate};
 use crate::background;
-use crate::limits::{MESSAGES_BESIDE_A_HAND, MOVING_FOR, UPLOAD_COUNTED, UPLOADS_BESIDE_A_HAND};
+use crate::limits::{
+    MESSAGE_COST_EDITS, MESSAGES_BESIDE_A_HAND, MOVING_FOR, UPLOAD_COUNTED, UPLOADS_BESIDE_A_HAND,
+};
 use crate::turns::Payer;
 use crate::views::MovingPixels;
 
@@ -52,7 +54,7 @@ impl SocketPacing {
 
     /// Waits until its next edit may be carried out.
     pub async fn wait_to_edit(&self) {
-        self.edits.wait(&self.payer, 1.0).await;
+        self.edits.wait(&self.payer, 1.0 + MESSAGE_COST_EDITS).await;
     }
 }
 
@@ -167,7 +169,8 @@ mod tests {
     async fn edits_wait_for_those_of_their_session_whoever_makes_them() {
         let pacing = RequestPacing::new(EDITS_BESIDE_A_HAND, moved_by("ada"));
         let payer = |session: &str, actor: &str| Payer::new(&session.into(), actor);
-        let more = 100.0;
+        // The hand moves for 300 ms after its last picture, and this much comes back in less.
+        let more = 30.0;
         pacing.wait(&payer("shot", "ben"), EDITS_BESIDE_A_HAND.saved + more).await;
         let start = Instant::now();
         pacing.wait(&payer("elsewhere", "eve"), 1.0).await;

@@ -1,14 +1,16 @@
-//! Why a pixel is lit or not: rays, off the tasks that serve.
+//! What a camera looks at, and why a pixel is lit or not: rays, off the tasks that serve.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use document::{CameraId, Document};
 use drag::{Viewport, highlight_near};
+use glam::{DVec2, DVec3};
 use light::{LightId, LightInstance};
 use protocol::{ProbeCamera, Probed, RenderLimits};
+use raycast::Bvh;
 use reference::{LightState, Reference};
-use scene::{Camera, View};
+use scene::{Camera, View, ViewRay};
 
 use crate::ServerError;
 use crate::backend::Backend;
@@ -46,13 +48,10 @@ pub fn chosen_camera(wanted: ProbeCamera, document: &Document) -> Result<Camera,
     }
 }
 
-/// Follows the rays of a probe. A few at once do so, over all sessions; others wait.
+/// Why a pixel is lit or not.
 pub async fn probe(backend: &Backend, probe: Probe) -> Result<Probed, ServerError> {
     let size = RenderLimits::HTTP.check_size(probe.size)?;
-    let bvh = probe.scene.bvh().await?;
-    let permit = Arc::clone(&backend.probes).acquire_owned().await.map_err(|_| ServerError::Fault)?;
-    let found = background::run(move || {
-        let _permit = permit;
+    let follow = move |bvh| {
         let reference = Reference::for_points(bvh);
         let viewport = Viewport { camera: probe.camera.clone(), size };
         let view = View::beauty(probe.camera, size);
@@ -62,6 +61,27 @@ pub async fn probe(backend: &Backend, probe: Probe) -> Result<Probed, ServerErro
             let centre = || highlight_near(&reference.bvh, &viewport, &light.light.light, probe.pixel.into());
             shows.then(centre).flatten().map(Into::into)
         }))
-    });
-    found.await?
+    };
+    follow_rays(backend, &probe.scene, follow).await?
+}
+
+/// The point that is seen in the middle of a camera's picture, in the world; `None` where nothing is.
+pub async fn pick(backend: &Backend, camera: Camera, scene: &Decoded) -> Result<Option<DVec3>, ServerError> {
+    let follow = move |bvh: Arc<Bvh>| {
+        let origin_in_world = bvh.posed.origin_in_world;
+        let ray = ViewRay::new(&camera, [1, 1], DVec2::splat(0.5), origin_in_world);
+        bvh.seen(&ray).map(|seen| seen.position + origin_in_world)
+    };
+    follow_rays(backend, scene, follow).await
+}
+
+/// Follows rays through a scene in the background. A few at once do so, over all sessions; others wait.
+async fn follow_rays<T: Send + 'static>(
+    backend: &Backend,
+    scene: &Decoded,
+    follow: impl FnOnce(Arc<Bvh>) -> T + Send + 'static,
+) -> Result<T, ServerError> {
+    let bvh = scene.bvh().await?;
+    let permit = Arc::clone(&backend.probes).acquire_owned().await.map_err(|_| ServerError::Fault)?;
+    background::run_with(permit, move || follow(bvh)).await.map(|(found, _)| found)
 }

@@ -329,7 +329,8 @@ mod tests {
         drop(store);
         let database =
             rusqlite::Connection::open(data.path().join("bendylights.sqlite")).expect("a database");
-        database.execute("UPDATE record SET json = 'damaged'", []).expect("a planted fault");
+        let fault = "DROP TRIGGER record_stays; UPDATE record SET json = 'damaged'";
+        database.execute_batch(fault).expect("a planted fault");
         assert_eq!(start(Some(&scene)), of("my-room-3", Some("what it has")));
     }
 }

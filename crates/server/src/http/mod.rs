@@ -44,7 +44,7 @@ pub fn router(state: Arc<AppState>) -> Router {
         .route("/sessions/{name}/nodes", get(sessions::nodes))
         .route("/sessions/{name}/log", get(sessions::log))
         .route("/sessions/{name}/render", get(render::render))
-        .route("/sessions/{name}/pick", post(pick::pick))
+        .route("/sessions/{name}/pick", post(pick::answer))
         .route("/sessions/{name}/drags", post(drags::answer))
         .route("/sessions/{name}/probe", post(probe::answer))
         .route("/parameters", get(|headers: HeaderMap| async move { PARAMETERS.answer(&headers) }))

@@ -24,7 +24,7 @@ use crate::ServerError;
 use crate::access::{Credential, Principal, random_digits};
 use crate::connections::Connection;
 use crate::in_flight::InFlight;
-use crate::limits::{LOG_PAGE_BYTES, MAX_EDITS, MAX_LOG_RECORDS, MAX_NODES_LISTED, REQUEST_COST_EDITS};
+use crate::limits::{LOG_PAGE_BYTES, MAX_EDITS, MAX_LOG_RECORDS, MAX_NODES_LISTED, MESSAGE_COST_EDITS};
 use crate::request::{Step, actor, edit_request, step};
 use crate::room::{Message, time_ms};
 use crate::scenes::{Decoded, Scenes};
@@ -130,7 +130,7 @@ pub async fn edit(
     }
     let room = state.rooms.find(&name).await?;
     let payer = Payer::new(&name.as_str().into(), &principal.actor.id);
-    state.backend.edit_pacing.wait(&payer, REQUEST_COST_EDITS + steps.len() as f64).await;
+    state.backend.edit_pacing.wait(&payer, MESSAGE_COST_EDITS + steps.len() as f64).await;
     // Where the connection ends this future is dropped.
     let gone = CancellationToken::new();
     let _waits = gone.clone().drop_guard();
