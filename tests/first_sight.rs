@@ -32,7 +32,7 @@ fn scene_files(folder: &Path) -> Vec<PathBuf> {
 fn mean_radiance(renderer: &mut Renderer, loaded: &Loaded) -> f64 {
     let posed = scene::pose(loaded.scene.clone());
     let first = loaded.contents.cameras.first().cloned();
-    let camera = first.unwrap_or_else(|| framing_camera(&posed.reach(), DEFAULT_ASPECT));
+    let camera = first.unwrap_or_else(|| framing_camera(&posed.subject(), DEFAULT_ASPECT));
     let number = |(light, id)| LightInstance { id: light::LightId(id), light };
     let lights: Vec<_> = loaded.contents.lights.iter().map(Arc::clone).zip(0..).map(number).collect();
     renderer.set_scene(&posed).expect("it fits");

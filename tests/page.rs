@@ -199,3 +199,12 @@ fn on_a_server_of(scene: &str, test: impl FnOnce(&Address)) {
     server.wait_until_ready().expect("ready");
     test(&server.address);
 }
+
+/// The view turns about what is pressed and goes to the pointer, and a reload keeps it; fields reckon, and say what they do not take.
+///
+/// Rules: SOCK-7, HTTP-22
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn the_view_goes_where_the_hand_points_and_stays_over_a_reload() {
+    in_a_browser("view.mjs");
+}

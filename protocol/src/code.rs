@@ -100,6 +100,8 @@ codes! {
     Stalled = "stalled", 408;
     /// The name is taken.
     Exists = "exists", 409;
+    /// The name is that of several, whose ids the sentence says.
+    Ambiguous = "ambiguous", 409;
     /// A size over its limit, which the sentence names.
     TooLarge = "tooLarge", 413;
     /// The body is not JSON by its `Content-Type`.
@@ -175,7 +177,9 @@ impl From<&EditError> for ErrorCode {
             EditError::NoLight(_)
             | EditError::NoCamera(_)
             | EditError::NoPoint { .. }
+            | EditError::NoneCalled { .. }
             | EditError::NoPin(_) => Self::NotFound,
+            EditError::SeveralCalled { .. } => Self::Ambiguous,
             EditError::WrongKind { .. } | EditError::NoPointParameter(_) => Self::WrongKind,
             EditError::Source => Self::Source,
             EditError::NotDragged { .. } | EditError::InvalidPin | EditError::NoPicture => Self::Drag,

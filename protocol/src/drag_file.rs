@@ -13,7 +13,7 @@ use crate::{DragKind, DragLimit, DragRadii, DragReason, DragStatus, FileError, L
 
 /// A drag as it is written down. M is the surface seen at `from`, M' the one seen at `to`.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Drag {
     /// The light, by its name or its index.
     pub light: NameOrIndex,
@@ -39,7 +39,7 @@ pub struct Drag {
     #[serde(default)]
     pub pins: Option<Vec<DragPin>>,
     /// Whether the source may not go through a surface.
-    #[serde(default)]
+    #[serde(default, alias = "source_outside")]
     pub source_outside: bool,
 }
 
@@ -91,6 +91,7 @@ impl fmt::Display for NameOrIndex {
 
 /// What came of a drag.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
 pub struct Dragged {
     /// Whether the feature lies under the cursor.
     pub status: DragStatus,

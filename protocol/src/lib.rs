@@ -57,7 +57,7 @@ pub use message::{
     ServerMessage, Settings, State, ViewSettings, ViewSource, Welcome, parse_body,
 };
 pub use openapi::openapi;
-pub use outcome::{EditResult, GestureState, GestureStatus, Outcome};
+pub use outcome::{Added, Committed, EditResult, GestureState, GestureStatus, Outcome};
 pub use parameter::{LightParameter, PointParameter};
 pub use parameter_table::{
     Parameter, ParameterChoice, ParameterKind, ParameterOwner, ParameterScale, ParameterTable,
@@ -70,6 +70,9 @@ pub use probe::{
 pub use record::{
     Action, Actor, Change, ControlPoints, FORMAT, MAX_RECORD_BYTES, PlacedLight, Record, Scope,
 };
-pub use render_request::{RenderFormat, RenderLimits, RenderParameters, RenderRefusal, RenderRequest};
+pub use render_request::{
+    Aovs, CameraChoice, RenderBackground, RenderFormat, RenderLimits, RenderParameters, RenderRefusal,
+    RenderRequest,
+};
 pub use schema::{Face, json_schema};
 pub use stats::{Cause, FrameQuality, FrameStats, Pass, PassRun, TraceLine, TraceWhat};

@@ -396,6 +396,9 @@ pub struct HistoryStep {
     pub actor: Actor,
     /// What it did, for people: `the radius of control point 2 of “key”`.
     pub what: String,
+    /// Why later steps stay, which are passed over for it, a sentence each.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub passed: Vec<String>,
 }
 
 /// One client of a session.

@@ -10,7 +10,7 @@ use crate::ErrorCode as Code;
 use crate::drag_file::{Drag, Dragged};
 use crate::schema::{Face, definitions, generator, name};
 use crate::{
-    Asset, Document, EditResults, Edits, ErrorBody, NewSession, PROTOCOL, ParameterTable, Pick, Picked,
+    Aovs, Asset, Document, EditResults, Edits, ErrorBody, NewSession, PROTOCOL, ParameterTable, Pick, Picked,
     ProbeRequest, Probed, Record, RenderLimits, RenderRequest, SceneNodes, SessionList, SessionState,
 };
 
@@ -51,6 +51,8 @@ const OF_NEW_SESSION: &[Code] = &[
 ];
 /// What a picture comes to.
 const OF_PICTURE: &[Code] = &[Code::Render];
+/// What setting a parameter comes to.
+const OF_SET: &[Code] = &[Code::WrongKind, Code::Source, Code::InvalidLight];
 /// What a scene's file comes to.
 const OF_UPLOAD: &[Code] = &[Code::BadName, Code::BadScene, Code::Storage];
 /// What keeps a server from being ready.
@@ -146,6 +148,7 @@ fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
             id: "getSession",
             summary: "The session's document, sequence and hash.",
             answer: state,
+            has_tag: true,
             codes: &[ANYBODY, WITH_TOKEN, OF_SESSION],
             ..of_session.clone()
         },
@@ -199,7 +202,7 @@ fn of_pictures(g: &mut SchemaGenerator) -> Vec<Operation> {
             summary: "Where drags of shadows, hotspots, highlights and diffuse light would lead, each from the document as it is.",
             body: Some(json_content(&list_of(&name::<Drag>(g)))),
             answer: json_content(&list_of(&name::<Dragged>(g))),
-            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_SESSION, &[Code::Drag]],
+            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_SESSION, &[Code::Drag, Code::Ambiguous]],
             ..of_session.clone()
         },
         Operation {
@@ -216,12 +219,20 @@ fn of_pictures(g: &mut SchemaGenerator) -> Vec<Operation> {
             path: "/sessions/{session}/render",
             id: "renderPicture",
             summary: "A picture of the document.",
-            answer: json!({"image/png": {"schema": binary()}, "image/x-exr": {"schema": binary()}}),
+            answer: json!({"image/png": {"schema": binary()}, "image/x-exr": {"schema": binary()}, "application/zip": {"schema": binary()}}),
             headers: json!({"x-bendylights-note": {
                 "description": "What the picture lacks of its scene, and why a light is left out; one each.",
                 "schema": {"type": "string"},
             }}),
-            codes: &[ANYBODY, WITH_TOKEN, OF_SESSION, OF_PICTURE],
+            has_tag: true,
+            codes: &[
+                ANYBODY,
+                WITH_TOKEN,
+                OF_SESSION,
+                OF_PICTURE,
+                OF_SET,
+                &[Code::InvalidCamera, Code::Ambiguous],
+            ],
             ..of_session.with(picture_parameters())
         },
     ]
@@ -388,9 +399,14 @@ fn log_parameters() -> Vec<Value> {
 
 fn picture_parameters() -> Vec<Value> {
     let RenderLimits { max_side, max_samples } = RenderLimits::HTTP;
-    let RenderRequest { aov, samples, fill, exposure, .. } = RenderRequest::default();
+    let RenderRequest { aovs, samples, fill, exposure, .. } = RenderRequest::default();
+    let aov = format!("(?:{})", Aov::NAMES.join("|"));
     vec![
-        query("camera", "Id or name of a camera; the first by default.", &json!({"type": "string"})),
+        query(
+            "camera",
+            "Id or name of a camera, or one of your own as JSON, as `Camera` describes it; the first by default.",
+            &json!({"type": "string"}),
+        ),
         query(
             "size",
             &format!(
@@ -401,8 +417,8 @@ fn picture_parameters() -> Vec<Value> {
         ),
         query(
             "aov",
-            "What the picture shows.",
-            &json!({"type": "string", "enum": Aov::NAMES, "default": aov.name()}),
+            "What the picture shows: names with commas between, or `all`, those of a light then for each light.",
+            &json!({"type": "string", "pattern": format!("^({}|{aov}(,{aov})*)$", Aovs::ALL), "default": aovs.names()}),
         ),
         query(
             "samples",
@@ -411,8 +427,22 @@ fn picture_parameters() -> Vec<Value> {
         ),
         query(
             "light",
-            "Id or name of the light that t, vw, direction, visibility and wireframe are of; the first by default.",
+            "Id or name of the light that t, vw, direction, visibility and wireframe are of; the first by default. Refused \
+                where nothing is asked for that is of a light.",
             &json!({"type": "string"}),
+        ),
+        query(
+            "lights",
+            "Ids or names of the lights that shine, with commas between or as a JSON array; all by default.",
+            &json!({"type": "string"}),
+        ),
+        json!({"name": "set", "in": "query",
+            "description": "What is set for this picture alone, without an edit: addresses and values, as the command `set` takes them.",
+            "content": {"application/json": {"schema": {"type": "object"}}}}),
+        query(
+            "background",
+            "What a PNG has where nothing is seen.",
+            &json!({"type": "string", "enum": ["black", "transparent"], "default": "black"}),
         ),
         query(
             "fill",
@@ -431,8 +461,8 @@ fn picture_parameters() -> Vec<Value> {
         ),
         query(
             "format",
-            "PNG for people, EXR for linear values.",
-            &json!({"type": "string", "enum": ["png", "exr"], "default": "png"}),
+            "PNG for people, a file for each AOV; EXR for linear values, all AOVs in one. More than one file comes as a ZIP.",
+            &json!({"type": "string", "enum": ["png", "exr", "png,exr"], "default": "png"}),
         ),
     ]
 }

@@ -1,12 +1,13 @@
 //! What became of a request and of a drag: one of several things. In JSON these are fields that are there or not.
 
 use schemars::JsonSchema;
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
 use crate::{Change, DragOutcome, ErrorCode, Problem};
 
 /// The answer to a request that ends in a record.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(into = "EditResultJson", try_from = "EditResultJson")]
 pub struct EditResult {
     /// The sender's name for it.
@@ -16,17 +17,10 @@ pub struct EditResult {
 }
 
 /// What became of a request that ends in a record.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     /// It is in the log.
-    Committed {
-        /// Its record.
-        seq: u64,
-        /// Whether another's change of the same light, which the sender did not know, lies between.
-        rebased: bool,
-        /// What undo or redo left as it was, a sentence each.
-        skipped: Vec<String>,
-    },
+    Committed(Committed),
     /// It was not carried out, and why.
     Rejected(Problem),
     /// The disk failed while it was written down: it may be in the log or not. Sent again under the same name it is
@@ -34,11 +28,130 @@ pub enum Outcome {
     Unknown(Problem),
 }
 
+/// What the sender of a record is told of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Committed {
+    /// Sequence of the record that it became.
+    pub seq: u64,
+    /// Whether another's change of the same light, which the sender did not know, lies between.
+    pub rebased: bool,
+    /// What undo or redo left as it was, a sentence each.
+    pub skipped: Vec<String>,
+    /// What came into the document.
+    pub added: Added,
+    /// How it ended where it drags a feature.
+    pub outcome: Option<Box<DragOutcome>>,
+}
+
+/// Ids of what a command brought into the document: what it adds, and what a scene comes with.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Added {
+    /// Of lights.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lights: Vec<u64>,
+    /// Of cameras.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cameras: Vec<u64>,
+    /// Of pins.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pins: Vec<u64>,
+}
+
+impl From<&edit::Record> for Committed {
+    fn from(record: &edit::Record) -> Self {
+        let action = &record.action;
+        let (mut added, mut dragged) = (Added::default(), None);
+        if let Some((_, outcome)) = action.command() {
+            for change in &record.changes {
+                match change {
+                    document::Change::Light { light, old: None, new: Some(_) } => added.lights.push(light.0),
+                    document::Change::Camera { camera, old: None, new: Some(_) } => {
+                        added.cameras.push(camera.0);
+                    }
+                    document::Change::Pin { pin, old: None, new: Some(_) } => added.pins.push(pin.0),
+                    _ => {}
+                }
+            }
+            dragged = outcome.map(|outcome| Box::new(outcome.into()));
+        }
+        let (rebased, skipped) = (action.rebased(), action.skipped().to_vec());
+        Self { seq: record.seq, rebased, skipped, added, outcome: dragged }
+    }
+}
+
+impl Committed {
+    /// What a record's line says by itself, whatever its long values refer to (SPEC, REC-6). `None` where it refers for one of
+    /// these too.
+    pub fn in_line(line: &str) -> Option<Self> {
+        let LineAction { seq, action } = serde_json::from_str(line).ok()?;
+        let ActionInLine { kind, rebased, skipped, outcome } = action;
+        let mut added = Added::default();
+        if matches!(kind, ActionKind::Edit | ActionKind::Gesture) {
+            let LineChanges { changes } = serde_json::from_str(line).ok()?;
+            for change in changes.iter().filter(|change| change.old.is_none() && change.new.is_some()) {
+                added.lights.extend(change.light);
+                added.cameras.extend(change.camera);
+                added.pins.extend(change.pin);
+            }
+        }
+        Some(Self { seq, rebased, skipped, added, outcome })
+    }
+}
+
+/// Of a record's line what its sender is told, but for ids.
+#[derive(Deserialize)]
+struct LineAction {
+    seq: u64,
+    action: ActionInLine,
+}
+
+#[derive(Deserialize)]
+struct ActionInLine {
+    // A reference has none.
+    #[serde(rename = "type")]
+    kind: ActionKind,
+    #[serde(default)]
+    rebased: bool,
+    #[serde(default)]
+    skipped: Vec<String>,
+    #[serde(default)]
+    outcome: Option<Box<DragOutcome>>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+enum ActionKind {
+    Edit,
+    Gesture,
+    Undo,
+    Redo,
+}
+
+/// Of a record's line its changes.
+#[derive(Deserialize)]
+struct LineChanges {
+    changes: Vec<ChangeInLine>,
+}
+
+/// A change, by what it is of and whether that was and is there: none of it is kept.
+#[derive(Deserialize)]
+struct ChangeInLine {
+    // A reference has none.
+    #[serde(rename = "type")]
+    _type: IgnoredAny,
+    light: Option<u64>,
+    camera: Option<u64>,
+    pin: Option<u64>,
+    old: Option<IgnoredAny>,
+    new: Option<IgnoredAny>,
+}
+
 impl Outcome {
     /// Its record, where it was committed.
     pub fn seq(&self) -> Option<u64> {
         match self {
-            Self::Committed { seq, .. } => Some(*seq),
+            Self::Committed(committed) => Some(committed.seq),
             Self::Rejected(_) | Self::Unknown(_) => None,
         }
     }
@@ -51,7 +164,7 @@ impl Outcome {
     /// What is wrong, where it was not committed.
     pub fn problem(&self) -> Option<&Problem> {
         match self {
-            Self::Committed { .. } => None,
+            Self::Committed(_) => None,
             Self::Rejected(problem) | Self::Unknown(problem) => Some(problem),
         }
     }
@@ -125,6 +238,12 @@ struct EditResultJson {
     /// What undo or redo left as it was, a sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     skipped: Vec<String>,
+    /// Ids of what it brought into the document, where there is any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    added: Option<Added>,
+    /// How it ended where it drags a feature.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    outcome: Option<Box<DragOutcome>>,
     /// Why it was rejected or is unknown, for programs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     code: Option<ErrorCode>,
@@ -210,18 +329,16 @@ fn parts(problem: Option<Problem>) -> (Option<ErrorCode>, Option<String>) {
 
 impl From<EditResult> for EditResultJson {
     fn from(EditResult { op_id, outcome }: EditResult) -> Self {
-        let (status, seq, skipped, problem) = match outcome {
-            Outcome::Committed { seq, rebased: false, skipped } => {
-                (EditStatus::Committed, Some(seq), skipped, None)
-            }
-            Outcome::Committed { seq, rebased: true, skipped } => {
-                (EditStatus::Rebased, Some(seq), skipped, None)
-            }
-            Outcome::Rejected(problem) => (EditStatus::Rejected, None, Vec::new(), Some(problem)),
-            Outcome::Unknown(problem) => (EditStatus::Unknown, None, Vec::new(), Some(problem)),
+        let (status, Committed { seq, skipped, added, outcome, .. }, problem) = match outcome {
+            Outcome::Committed(committed) if committed.rebased => (EditStatus::Rebased, committed, None),
+            Outcome::Committed(committed) => (EditStatus::Committed, committed, None),
+            Outcome::Rejected(problem) => (EditStatus::Rejected, Committed::default(), Some(problem)),
+            Outcome::Unknown(problem) => (EditStatus::Unknown, Committed::default(), Some(problem)),
         };
+        let seq = problem.is_none().then_some(seq);
+        let added = (added != Added::default()).then_some(added);
         let (code, message) = parts(problem);
-        Self { op_id, status, seq, skipped, code, message }
+        Self { op_id, status, seq, skipped, added, outcome, code, message }
     }
 }
 
@@ -229,11 +346,12 @@ impl TryFrom<EditResultJson> for EditResult {
     type Error = &'static str;
 
     fn try_from(json: EditResultJson) -> Result<Self, &'static str> {
-        let EditResultJson { op_id, status, seq, skipped, code, message } = json;
+        let EditResultJson { op_id, status, seq, skipped, added, outcome, code, message } = json;
         let problem = problem(code, message)?;
         let outcome = match (status, seq, problem) {
             (EditStatus::Committed | EditStatus::Rebased, Some(seq), None) => {
-                Outcome::Committed { seq, rebased: status == EditStatus::Rebased, skipped }
+                let (rebased, added) = (status == EditStatus::Rebased, added.unwrap_or_default());
+                Outcome::Committed(Committed { seq, rebased, skipped, added, outcome })
             }
             (EditStatus::Committed | EditStatus::Rebased, ..) => {
                 return Err("what was committed has a `seq` and neither `code` nor `message`");
@@ -294,12 +412,41 @@ mod tests {
         from_value(Value::Object(object)).map_err(|error| error.to_string())
     }
 
+    /// A line says by itself what its record as a whole does, though its values are references.
+    #[test]
+    fn what_is_told_of_a_record_is_in_its_line() {
+        let line = |action: &str, changes: &str| {
+            let who = r#""timeMs":0,"actor":{"id":"a","name":"A"},"opId":"x""#;
+            let text = format!(r#"{{"format":4,"seq":7,{who},"action":{action},"changes":{changes}}}"#);
+            Committed::in_line(&text)
+        };
+        let held = r#"{"sameAs":{"record":1,"at":2,"hash":"0"}}"#;
+        let edit = format!(r#"{{"type":"edit","rebased":true,"command":{held}}}"#);
+        let changes = format!(
+            r#"[{{"type":"light","light":3,"old":null,"new":{held}}},{{"type":"light","light":2,"old":{held},"new":null}},
+            {{"type":"camera","camera":4,"old":null,"new":{held}}},{{"type":"pin","pin":5,"old":null,"new":{held}}},
+            {{"type":"pin","pin":6,"old":{held},"new":{held}}},{{"type":"scene","old":null,"new":{held}}},
+            {{"type":"lightParameter","light":3,"old":{held},"new":{held}}}]"#
+        );
+        let added = Added { lights: vec![3], cameras: vec![4], pins: vec![5] };
+        let edited = Committed { seq: 7, rebased: true, added, ..Committed::default() };
+        assert_eq!(line(&edit, &changes), Some(edited));
+        assert_eq!(line(&edit, held), None);
+        assert_eq!(line(&edit, &format!("[{held}]")), None);
+        assert_eq!(line(held, "[]"), None);
+        // What comes back by an undo has the id that it had.
+        let undo = r#"{"type":"undo","scope":"mine","target":1,"skipped":["it stays"]}"#;
+        let undone = Committed { seq: 7, skipped: vec!["it stays".into()], ..Committed::default() };
+        assert_eq!(line(undo, held), Some(undone));
+    }
+
     /// The text, to the last byte, is that of the version before outcomes were one of several things.
     #[test]
     fn results_are_the_fields_that_they_always_were() {
         for text in [
             r#"{"opId":"a","status":"committed","seq":7}"#,
             r#"{"opId":"a","status":"rebased","seq":7,"skipped":["it stays"]}"#,
+            r#"{"opId":"a","status":"committed","seq":7,"added":{"lights":[3],"pins":[1,2]}}"#,
             r#"{"opId":"a","status":"rejected","code":"locked","message":"Ada holds it"}"#,
             r#"{"opId":"a","status":"unknown","code":"unknownOutcome","message":"look"}"#,
         ] {

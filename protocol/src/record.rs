@@ -5,7 +5,6 @@ use std::sync::Arc;
 use document::{CameraId, EditError, Layout, PinId, was_in_format_2};
 use light::{ControlPoint, LightError, LightId, Owner, Setting};
 use schemars::JsonSchema;
-use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
 use crate::document::Vec3;
@@ -157,27 +156,6 @@ impl Record {
         let Versioned { format } = from_json(text)?;
         known_format(format).map_err(FileError::Format)?;
         Ok(format)
-    }
-
-    /// What its sender was told of a record besides its sequence, whether it was rebased and what was skipped: as the
-    /// record's line alone says, whatever the rest of it refers to. `None` where these are referred to themselves.
-    pub fn answer_in(line: &str) -> Option<(bool, Vec<String>)> {
-        #[derive(Deserialize)]
-        struct Line {
-            action: Answer,
-        }
-        #[derive(Deserialize)]
-        struct Answer {
-            // A reference has none.
-            #[serde(rename = "type")]
-            _type: IgnoredAny,
-            #[serde(default)]
-            rebased: bool,
-            #[serde(default)]
-            skipped: Vec<String>,
-        }
-        let Line { action } = serde_json::from_str(line).ok()?;
-        Some((action.rebased, action.skipped))
     }
 
     /// What it holds that formats 1 and 2 did not have, and that their hashes would pass over.

@@ -1,11 +1,15 @@
 //! What a picture is asked to be, by `bendylights render` and by `GET /sessions/S/render`: parameters, defaults, limits and
 //! refusals of both.
 
+use std::collections::BTreeMap;
+
 use scene::{Aov, Camera, DEFAULT_ASPECT, UnknownAov, View, ViewSlot};
 use serde::Deserialize;
+use serde_json::Value;
 use thiserror::Error;
 
 use crate::ErrorCode;
+use crate::error::excerpt;
 
 /// How large a picture may be asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,18 +55,27 @@ impl RenderLimits {
     }
 }
 
+/// A camera that a picture is asked of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CameraChoice {
+    /// One that is there, as it is named.
+    Named(String),
+    /// The asker's own.
+    Own(Box<crate::Camera>),
+}
+
 /// What a picture is asked to be. Which camera and which light a name means depends on where they are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderRequest {
-    /// The camera, as it is named; by default the first, or one that frames the scene.
-    pub camera: Option<String>,
+    /// The camera; by default the first, or one that frames the scene.
+    pub camera: Option<CameraChoice>,
     /// Width and height in pixels; by default of the camera's shape, about as many as 640x360.
     pub size: Option<[u32; 2]>,
     /// What the picture shows.
-    pub aov: Aov,
+    pub aovs: Aovs,
     /// Samples a pixel.
     pub samples: u32,
-    /// The light that some AOVs are of, as it is named; by default the first.
+    /// The light that AOVs of a light are of, as it is named; by default the first, of all AOVs each.
     pub light: Option<String>,
     /// How much of the scene's fill the beauty has.
     pub fill: f64,
@@ -72,7 +85,60 @@ pub struct RenderRequest {
 
 impl Default for RenderRequest {
     fn default() -> Self {
-        Self { camera: None, size: None, aov: Aov::Beauty, samples: 1, light: None, fill: 1.0, exposure: 0.0 }
+        let aovs = Aovs::Listed(vec![Aov::Beauty]);
+        Self { camera: None, size: None, aovs, samples: 1, light: None, fill: 1.0, exposure: 0.0 }
+    }
+}
+
+/// Which quantities are asked for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Aovs {
+    /// These, each once and one at least.
+    Listed(Vec<Aov>),
+    /// All that a camera sees, those of a light for each light.
+    All,
+}
+
+impl Aovs {
+    /// What stands for all of them.
+    pub const ALL: &str = "all";
+
+    /// Reads names with commas between, or `all`.
+    pub fn parse(text: &str) -> Result<Self, UnknownAov> {
+        if text == Self::ALL {
+            return Ok(Self::All);
+        }
+        let mut aovs = Vec::new();
+        for name in text.split(',') {
+            let aov = name.trim().parse()?;
+            if !aovs.contains(&aov) {
+                aovs.push(aov);
+            }
+        }
+        Ok(Self::Listed(aovs))
+    }
+
+    /// Each of them.
+    pub fn each(&self) -> &[Aov] {
+        match self {
+            Self::Listed(aovs) => aovs,
+            Self::All => &[
+                Aov::Beauty,
+                Aov::Depth,
+                Aov::Normal,
+                Aov::Position,
+                Aov::T,
+                Aov::Vw,
+                Aov::Direction,
+                Aov::Visibility,
+            ],
+        }
+    }
+
+    /// The names of the quantities.
+    pub fn names(&self) -> String {
+        let names: Vec<&str> = self.each().iter().map(|aov| aov.name()).collect();
+        names.join(", ")
     }
 }
 
@@ -108,12 +174,20 @@ impl RenderRequest {
         self.size.map_or(DEFAULT_ASPECT, |[width, height]| f64::from(width) / f64::from(height))
     }
 
-    /// The view that it asks for, from `camera` and of the light of index `light`.
+    /// The view of its first quantity, from `camera` and of the light of index `light`.
     pub fn view(&self, camera: Camera, light: usize, limits: RenderLimits, slot: ViewSlot) -> View {
-        let [width, height] = self.size.unwrap_or_else(|| camera.projection.default_size(limits.max_side));
-        let Self { aov, samples, fill, exposure, .. } = *self;
-        let size = [width, height];
+        let size = self.size.unwrap_or_else(|| camera.projection.default_size(limits.max_side));
+        let Self { samples, fill, exposure, .. } = *self;
+        let aov = self.aovs.each()[0];
         View { samples, aov, light, fill, exposure, slot, ..View::beauty(camera, size) }
+    }
+
+    /// Refuses a light where no quantity is of one.
+    pub fn check_light(&self) -> Result<(), RenderRefusal> {
+        if self.light.is_some() && !self.aovs.each().iter().any(|aov| aov.is_of_light()) {
+            return Err(RenderRefusal::OfNoLight(self.aovs.names()));
+        }
+        Ok(())
     }
 }
 
@@ -121,11 +195,11 @@ impl RenderRequest {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RenderParameters {
-    /// As [`RenderRequest::camera`].
+    /// A name, an id, or a camera as JSON.
     pub camera: Option<String>,
     /// As [`RenderLimits::parse_size`] reads it.
     pub size: Option<String>,
-    /// One of [`Aov::NAMES`].
+    /// As [`Aovs::parse`] reads them.
     pub aov: Option<String>,
     /// As [`RenderRequest::samples`].
     pub samples: Option<u32>,
@@ -137,17 +211,32 @@ pub struct RenderParameters {
     pub exposure: Option<f64>,
     /// The record after which the document is shown; by default the latest.
     pub at: Option<u64>,
-    /// What file the picture comes as.
+    /// The lights that shine: ids or names, as a JSON array or with commas between; by default all.
+    pub lights: Option<String>,
+    /// What is set for this picture alone: a JSON object of addresses and values.
+    pub set: Option<String>,
+    /// What a PNG has where nothing is seen.
     #[serde(default)]
-    pub format: RenderFormat,
+    pub background: RenderBackground,
+    /// What files the picture comes as: `png`, `exr`, or both with a comma between.
+    pub format: Option<String>,
+}
+
+/// What a PNG has where nothing is seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RenderBackground {
+    /// Black.
+    #[default]
+    Black,
+    /// Nothing.
+    Transparent,
 }
 
 /// What file a picture comes as.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RenderFormat {
     /// For people.
-    #[default]
     Png,
     /// Linear values.
     Exr,
@@ -162,11 +251,57 @@ impl RenderParameters {
             samples: self.samples.map_or(Ok(default.samples), |samples| limits.check_samples(samples))?,
             fill: self.fill.map_or(Ok(default.fill), RenderRequest::check_fill)?,
             exposure: self.exposure.map_or(Ok(default.exposure), RenderRequest::check_exposure)?,
-            aov: self.aov.as_deref().map_or(Ok(default.aov), str::parse)?,
-            camera: self.camera.clone(),
+            aovs: self.aov.as_deref().map_or(Ok(default.aovs), Aovs::parse)?,
+            camera: self.camera.as_deref().map(choose_camera).transpose()?,
             light: self.light.clone(),
         })
     }
+
+    /// The files that are asked for, each once and one at least.
+    pub fn formats(&self) -> Result<Vec<RenderFormat>, RenderRefusal> {
+        let mut formats = Vec::new();
+        for name in self.format.as_deref().unwrap_or("png").split(',') {
+            let format = match name.trim() {
+                "png" => RenderFormat::Png,
+                "exr" => RenderFormat::Exr,
+                other => return Err(RenderRefusal::Format(excerpt(other))),
+            };
+            if !formats.contains(&format) {
+                formats.push(format);
+            }
+        }
+        Ok(formats)
+    }
+
+    /// The lights that shine, as they are called, where not all do.
+    pub fn lights(&self) -> Result<Option<Vec<String>>, RenderRefusal> {
+        let Some(text) = self.lights.as_deref() else { return Ok(None) };
+        if text.trim_start().starts_with('[') {
+            return json_parameter("lights", text).map(Some);
+        }
+        let names = text.split(',').map(str::trim).filter(|name| !name.is_empty());
+        Ok(Some(names.map(str::to_owned).collect()))
+    }
+
+    /// What is set for this picture alone, by its addresses.
+    pub fn set(&self) -> Result<BTreeMap<String, Value>, RenderRefusal> {
+        self.set.as_deref().map_or_else(|| Ok(BTreeMap::new()), |text| json_parameter("set", text))
+    }
+}
+
+fn choose_camera(text: &str) -> Result<CameraChoice, RenderRefusal> {
+    if text.trim_start().starts_with('{') {
+        return json_parameter("camera", text).map(|camera| CameraChoice::Own(Box::new(camera)));
+    }
+    Ok(CameraChoice::Named(text.into()))
+}
+
+/// What a parameter holds as JSON.
+fn json_parameter<T: serde::de::DeserializeOwned>(
+    what: &'static str,
+    text: &str,
+) -> Result<T, RenderRefusal> {
+    crate::parse_body(text).map_err(|why| RenderRefusal::Json { what, why: why.to_string() })
 }
 
 /// Why a picture is not made.
@@ -204,6 +339,30 @@ pub enum RenderRefusal {
     /// Stops that an exposure cannot have.
     #[error("the exposure is `{0}`: give a number of stops from {start} to {end}", start = View::EXPOSURE.start(), end = View::EXPOSURE.end())]
     Exposure(String),
+    /// A light that nothing which is asked for is of.
+    #[error(
+        "{0} is not of one light: leave `light` out, or ask for t, vw, direction, visibility or wireframe"
+    )]
+    OfNoLight(String),
+    /// Another kind of file.
+    #[error("the format is `{0}`: give png, exr, or png,exr")]
+    Format(String),
+    /// A parameter that is not the JSON that it has to be.
+    #[error("`{what}`: {why}")]
+    Json {
+        /// The parameter's name.
+        what: &'static str,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// More than one request may hold.
+    #[error(
+        "the pictures have more than {limit_mib} MiB before they are compressed: ask for fewer pixels, AOVs or lights"
+    )]
+    TooMuch {
+        /// How much they may have.
+        limit_mib: usize,
+    },
     /// A quantity that pictures do not show.
     #[error(transparent)]
     Aov(#[from] UnknownAov),
@@ -213,10 +372,14 @@ impl RenderRefusal {
     /// The code that programs act on.
     pub fn code(&self) -> ErrorCode {
         match self {
-            Self::Size { .. } | Self::NoSamples { .. } | Self::Fill(_) | Self::Exposure(_) => {
-                ErrorCode::BadMessage
-            }
-            Self::TooLarge { .. } | Self::TooManySamples { .. } => ErrorCode::TooLarge,
+            Self::Size { .. }
+            | Self::NoSamples { .. }
+            | Self::Fill(_)
+            | Self::Exposure(_)
+            | Self::OfNoLight(_)
+            | Self::Format(_)
+            | Self::Json { .. } => ErrorCode::BadMessage,
+            Self::TooLarge { .. } | Self::TooManySamples { .. } | Self::TooMuch { .. } => ErrorCode::TooLarge,
             Self::Aov(_) => ErrorCode::Render,
         }
     }

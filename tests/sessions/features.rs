@@ -143,7 +143,7 @@ fn pins_are_everybodys_and_hold() {
     // The surface in the shadow.
     let asked = json!([{"light": 0, "kind": "shadow", "size": SIZE, "from": SHADOW, "to": SHADOW}]);
     let asked = ask(&server, &asked);
-    let at: [f64; 3] = serde_json::from_value(asked[0]["from_world"].clone()).expect("a place");
+    let at: [f64; 3] = serde_json::from_value(asked[0]["fromWorld"].clone()).expect("a place");
     let pin = Pin { kind: PinKind::Direction, light, at, caster: None, hard: true };
     committed(&ben.edited(Command::AddPin { pin: pin.clone() }));
     ada.catch_up(ben.seq);
@@ -212,7 +212,7 @@ fn programs_ask_where_drags_would_lead() {
     assert_eq!(without_seconds(&printed[0]), without_seconds(&there[0]));
 
     // Its pins are the document's, unless it says which.
-    let at = there[0]["from_world"].clone();
+    let at = there[0]["fromWorld"].clone();
     let pin = json!({"kind": "lit", "light": ada.light(), "at": at, "hard": true});
     committed(&ada.edited(serde_json::from_value(json!({"type": "addPin", "pin": pin})).expect("a command")));
     let id = ada.document.pins().keys().next().expect("a pin").0;

@@ -75,9 +75,15 @@ fn what_is_told_is_what_undo_then_takes() {
     while let Some(step) = history(&mut ada).undo.mine {
         let done = undo(&mut ada, Scope::Mine);
         assert_eq!(target(&server, committed(&done)), step.seq);
-        told.push(step.what);
+        told.push((step.what, step.passed));
     }
-    assert_eq!(told, ["the cone softness of “sun”", "the name of “sun”", "the cone softness of “key”"]);
+    let overtaken = |light: &str| vec![format!("ben has changed the cone angle of “{light}” since")];
+    let expected = [
+        ("the cone softness of “sun”", Vec::new()),
+        ("the name of “sun”", overtaken("sun")),
+        ("the cone softness of “key”", overtaken("key")),
+    ];
+    assert_eq!(told, expected.map(|(what, passed)| (what.to_owned(), passed)));
     let seq = ada.seq;
     let refused = undo(&mut ada, Scope::Mine);
     let problem = rejected(&refused);

@@ -103,8 +103,8 @@ fn pictures_come_in_every_form() {
     let beauty = picture("");
     assert_eq!(beauty.status, 200, "{}", beauty.text());
     assert_eq!(pixels(&beauty.body).len(), 64 * 36 * 3);
-    for aov in ["depth", "normal", "t", "vw", "direction", "visibility"] {
-        let shown = picture(&format!("aov={aov}&light=key"));
+    for aov in ["depth", "normal", "position", "t", "vw", "direction", "visibility"] {
+        let shown = picture(&format!("aov={aov}"));
         assert_eq!(shown.status, 200, "{aov}: {}", shown.text());
         assert_ne!(pixels(&shown.body), pixels(&beauty.body), "{aov}");
     }
@@ -133,7 +133,8 @@ fn pictures_come_in_every_form() {
         "size=0x9",
         "aov=shade",
         "samples=100000",
-        "light=nobody",
+        "aov=t&light=nobody",
+        "light=key",
         "camera=nobody",
         "at=99",
         "format=gif",

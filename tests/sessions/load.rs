@@ -9,10 +9,10 @@ use bench::{Incoming, stills};
 use crate::program::program;
 use crate::support::{Mirror, Server};
 
-/// A still of 2048 x 2048 pixels takes twenty times as long as a frame of this drag. While a sample of a whole still was
+/// A still of 2048 x 2048 pixels takes a hundred times as long as a frame of this drag. While a sample of a whole still was
 /// the smallest piece of work, eight of them left the drag less than a tenth of its frames, with gaps of a whole still.
 /// (`bendylights bench session --stills 8` measures it at full size; what the schedule promises is held by its own
-/// tests. Other tests share the machine with this one: hence the wide margins.)
+/// tests. Other tests share the machine with this one, and stop it for tenths of a second: hence the wide margins.)
 ///
 /// Rules: HTTP-8
 #[test]
@@ -29,7 +29,8 @@ fn a_drag_goes_on_beside_eight_stills() {
     println!("{report:#?}");
     let alone = report.alone.iter().map(|pace| pace.frames_per_second).fold(f64::INFINITY, f64::min);
     assert!(report.beside.frames_per_second > 0.5 * alone, "{report:#?}");
-    assert!(report.longest_gap_of_usual < 10.0, "{report:#?}");
+    let still_ms = 1e3 * report.all_finished_s / options.stills as f64;
+    assert!(report.beside.longest_gap_ms < 0.5 * still_ms, "{report:#?}");
     assert!(report.least_turns > 0.0 && report.finished_early == 0, "{report:#?}");
 }
 

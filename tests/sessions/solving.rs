@@ -38,7 +38,7 @@ fn slow_drag(server: &Server, mirror: &mut Mirror) -> Command {
     let lit: Vec<&Value> = answers
         .iter()
         .filter(|answer| answer["status"] == "landed")
-        .map(|answer| &answer["from_world"])
+        .map(|answer| &answer["fromWorld"])
         .collect();
     let kinds = ["direction", "lit", "shadowed", "shadow"];
     let pin = |n: usize| {

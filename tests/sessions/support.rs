@@ -270,7 +270,7 @@ pub fn moved(position: Vec3, by: Vec3) -> Vec3 {
 /// The record of what was committed, with nothing of others in between.
 pub fn committed(outcome: &Outcome) -> u64 {
     match outcome {
-        Outcome::Committed { seq, rebased: false, .. } => *seq,
+        Outcome::Committed(committed) if !committed.rebased => committed.seq,
         _ => panic!("it was not just committed: {outcome:?}"),
     }
 }

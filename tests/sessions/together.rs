@@ -1,7 +1,7 @@
 //! Several people in one session.
 
 use light::parameters::{CONE_SOFTNESS, RADIUS};
-use protocol::{ClientMessage, Command, ErrorCode, Outcome, Scope, ServerMessage};
+use protocol::{ClientMessage, Command, Committed, ErrorCode, Outcome, Scope, ServerMessage};
 
 use crate::support::{Server, committed, move_point, moved, rejected, rename};
 
@@ -53,7 +53,7 @@ fn edits_of_what_others_changed_are_rebased_and_outdated_numbers_rejected() {
     };
     let stale = from_before(move_point(light, 2, [0.0, 0.0, -1.0]));
     assert_eq!(rejected(&stale).code, ErrorCode::Stale);
-    let is_rebased = |outcome| matches!(outcome, Outcome::Committed { rebased: true, .. });
+    let is_rebased = |outcome| matches!(outcome, Outcome::Committed(committed) if committed.rebased);
     assert!(is_rebased(from_before(rename(light, "still fine"))));
     let own = from_before(rename(light, "mine since"));
     assert!(is_rebased(own), "Ada's insertion is still unknown to the sender");
@@ -78,7 +78,9 @@ fn undo_takes_back_ones_own_and_survives_a_restart() {
     let undo = ClientMessage::Undo { op_id: op_id.clone(), scope: Scope::Mine };
     ada.send(&undo);
     let undone = ada.result(&op_id);
-    let Outcome::Committed { seq, rebased: false, skipped } = undone else { panic!("{undone:?}") };
+    let Outcome::Committed(Committed { seq, rebased: false, skipped, .. }) = undone else {
+        panic!("{undone:?}")
+    };
     assert!(skipped.is_empty(), "{skipped:?}");
     assert_eq!((ada.name(), ada.radius(2)), (&*first_name, 1.5), "Ada's name is gone, Ben's radius stays");
     assert_ne!(ada.document.hash(), start);

@@ -10,7 +10,17 @@ import {
   withShape,
   worldPerPixel,
 } from "../src/core/camera";
-import { fitBall, type Fingers, orbit, orbitFrom, pan, pinch, pivotOf, zoom } from "../src/core/navigation";
+import {
+  fitBall,
+  type Fingers,
+  orbit,
+  orbitFrom,
+  pan,
+  pinch,
+  pivotOf,
+  zoom,
+  zoomTo,
+} from "../src/core/navigation";
 import type { Camera, Projection } from "../src/core/protocol";
 import { add, fromEulerDegrees, length, rotate, sub, toEulerDegrees, unitQuat } from "../src/core/vector";
 import { difference, seeded, someVector } from "./examples";
@@ -73,6 +83,36 @@ test("a picture of the wrong size is noticed", () => {
 test("nothing behind the camera is seen", () => {
   for (const camera of cameras()) {
     expect(project(view(camera), add(camera.translation, rotate(camera.rotation, [0, 0, 1])))).toBeNull();
+  }
+});
+
+test("what the view turns about or goes to stays under its pixel", () => {
+  const next = seeded(11);
+  for (const camera of cameras()) {
+    const from = orbitFrom(camera, BOUNDS);
+    const pixel = { x: 640 * next(), y: 360 * next() };
+    const depth = add(from.camera.translation, rotate(from.camera.rotation, [0, 0, -2 - next()]));
+    const about = inPlaneOf(view(from.camera), pixel, depth);
+    const away = (after: Camera) => {
+      const seen = project(view(after), about);
+      return Math.hypot((seen?.x ?? NaN) - pixel.x, (seen?.y ?? NaN) - pixel.y);
+    };
+    const turned = orbit(from, 0.3, 0, about);
+    expect(length(sub(turned.camera.translation, about))).toBeCloseTo(
+      length(sub(from.camera.translation, about)),
+      9,
+    );
+    expect(turned.distance).toBeCloseTo(depthOf(from.camera, about), 9);
+    expect(away(turned.camera)).toBeLessThan(PIXEL_ROUNDING * 10);
+    const still = inPlaneOf(view(from.camera), pixel, pivotOf(from));
+    const nearer = zoomTo(from, 0.8, BOUNDS, SIZE, pixel);
+    const seen = project(view(nearer.camera), still);
+    expect(Math.hypot((seen?.x ?? NaN) - pixel.x, (seen?.y ?? NaN) - pixel.y)).toBeLessThan(
+      PIXEL_ROUNDING * 10,
+    );
+    // The planted fault: it goes to the middle.
+    const middle = project(view(zoom(from, 0.8, BOUNDS).camera), still);
+    expect(Math.hypot((middle?.x ?? NaN) - pixel.x, (middle?.y ?? NaN) - pixel.y)).toBeGreaterThan(1e-3);
   }
 });
 

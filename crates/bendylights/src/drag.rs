@@ -34,11 +34,11 @@ Takes a JSON array of drags:
            lit, shadowed  that it arrives, or that something stands in its way
            shadow     the shadow of the very point that throws it, of the node `caster` or of the first in the way
            hard: true whatever is asked, or as far as that lets it [[]]
-  source_outside  whether the source may not go through a surface [false]
+  sourceOutside   whether the source may not go through a surface [false]
 Each drag begins with the light of the file, whatever the others do.
 
 Prints an array with an object for each: status (landed: within half a pixel; limited: as near as may be; refused),
-limit, reason, pin, residual_px, shadowed_by, iterations, seconds, from_world, to_world, pivot_world, and the light.
+limit, reason, pin, residualPx, shadowedBy, iterations, seconds, fromWorld, toWorld, pivotWorld, and the light.
 
 Example:
   bendylights drag demo:vases drags.json
@@ -110,7 +110,7 @@ fn viewport(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &Drag) -> Result<O
     if !(is_within(width) && is_within(height)) {
         return Ok(None);
     }
-    let framing = || framing_camera(&bvh.posed.reach(), f64::from(width) / f64::from(height));
+    let framing = || framing_camera(&bvh.posed.subject(), f64::from(width) / f64::from(height));
     let camera = match &drag.camera {
         None => cameras.first().cloned().unwrap_or_else(framing),
         Some(wanted) => {

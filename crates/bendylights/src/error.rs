@@ -8,7 +8,7 @@ use assets::AssetError;
 use cli::CliError;
 use document::AssetHash;
 use light::LightError;
-use protocol::FileError;
+use protocol::{FileError, RenderRefusal};
 use render::RenderError;
 use server::ServerError;
 use store::{Difference, StoreError};
@@ -91,6 +91,12 @@ pub enum Error {
     /// A picture whose file name does not say a known format.
     #[error("{}: is neither .png nor .exr; name the picture OUT.png or OUT.exr", .0.display())]
     UnknownFormat(PathBuf),
+    /// A PNG of several quantities.
+    #[error("{}: a PNG shows one quantity; ask for one with --aov, or write an EXR", .0.display())]
+    OneInPng(PathBuf),
+    /// A picture that is not asked for as it can be.
+    #[error(transparent)]
+    Picture(#[from] RenderRefusal),
     /// The renderer could not.
     #[error(transparent)]
     Render(#[from] RenderError),

@@ -18,6 +18,7 @@ mod import;
 mod known_scenes;
 mod parameters;
 mod picture;
+mod picture_files;
 mod probe;
 mod render;
 mod replay;

@@ -1,13 +1,16 @@
 //! Which picture of a scene is wanted: what `render` and `replay` are told alike.
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use std::path::PathBuf;
+
+use clap::ValueEnum;
 use cli::{LIMITS, Size};
 use light::{LightInstance, Reach};
-use protocol::RenderRequest;
-use render::Aov;
+use protocol::{Aovs, CameraChoice, RenderRequest};
+use render::{Background, Wanted, wanted};
 use scene::{Camera, framing_camera};
 
 use crate::error::{Error, choices, no_such_light};
+use crate::picture_files::PictureFiles;
 use crate::usage::whole;
 
 /// The options.
@@ -22,12 +25,16 @@ pub struct PictureArgs {
     /// Samples a pixel, for beauty and visibility; 1 takes each pixel's centre, 16 or more smooth the edges
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = whole(1..=LIMITS.max_samples))]
     samples: u32,
-    /// What the picture shows
-    #[arg(long, default_value = "beauty", value_name = "NAME", value_parser = aov_names())]
-    aov: Aov,
-    /// The light that t, vw, direction, visibility and wireframe are of [default: the first]
+    /// What the picture shows: beauty, depth, normal, position, t, vw, direction, visibility or wireframe. An EXR holds several, with
+    /// commas between, or all of them
+    #[arg(long, default_value = "beauty", value_name = "NAMES|all", value_parser = Aovs::parse)]
+    aov: Aovs,
+    /// The light that t, vw, direction, visibility and wireframe are of [default: the first; with all AOVs each]
     #[arg(long, value_name = "NAME")]
     light: Option<String>,
+    /// What a PNG has where nothing is seen
+    #[arg(long, value_enum, default_value = "black")]
+    background: BackgroundArg,
     /// How much of the fill the beauty has: 0 leaves the lights' own radiance, 1 is as the scene has it, at most 1000000
     #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = RenderRequest::parse_fill, allow_negative_numbers = true)]
     fill: f64,
@@ -36,16 +43,21 @@ pub struct PictureArgs {
     exposure: f64,
 }
 
-fn aov_names() -> impl TypedValueParser<Value = Aov> {
-    PossibleValuesParser::new(Aov::NAMES).try_map(|name| name.parse::<Aov>())
+/// [`Background`] as an option.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum BackgroundArg {
+    /// Black
+    Black,
+    /// Nothing: an alpha
+    Transparent,
 }
 
 impl From<&PictureArgs> for RenderRequest {
     fn from(args: &PictureArgs) -> Self {
         Self {
-            camera: args.camera.clone(),
+            camera: args.camera.clone().map(CameraChoice::Named),
             size: args.size.map(|Size { width, height }| [width, height]),
-            aov: args.aov,
+            aovs: args.aov.clone(),
             samples: args.samples,
             light: args.light.clone(),
             fill: args.fill,
@@ -57,25 +69,41 @@ impl From<&PictureArgs> for RenderRequest {
 impl PictureArgs {
     /// Whether nothing is asked for but what comes unasked.
     pub fn is_default(&self) -> bool {
-        let Self { camera, size, samples, aov, light, fill, exposure } = self;
-        camera.is_none()
-            && size.is_none()
-            && light.is_none()
-            && (*samples, *aov, *fill, *exposure) == (1, Aov::Beauty, 1.0, 0.0)
+        self.background == BackgroundArg::Black && RenderRequest::from(self) == RenderRequest::default()
     }
 
     /// What is taken in place of what was asked for.
     pub fn warning(&self) -> Option<String> {
-        let aov = self.aov.name();
-        (self.samples > 1 && !self.aov.takes_samples()).then(|| {
-            format!("one sample a pixel was taken: an average of {aov} over an edge would mean nothing")
+        let single = self.aov.each().iter().filter(|aov| !aov.takes_samples()).map(|aov| aov.name());
+        let single: Vec<&str> = single.filter(|_| self.samples > 1).collect();
+        (!single.is_empty()).then(|| {
+            let aovs = single.join(", ");
+            format!("one sample a pixel was taken: an average of {aovs} over an edge would mean nothing")
         })
+    }
+
+    /// Files that such pictures can be written to.
+    pub fn files(&self, paths: &[PathBuf]) -> Result<PictureFiles, Error> {
+        let background = match self.background {
+            BackgroundArg::Black => Background::Black,
+            BackgroundArg::Transparent => Background::Transparent,
+        };
+        PictureFiles::create(paths, &self.aov, background)
+    }
+
+    /// The pictures that it takes under these lights, of which `light` is chosen.
+    pub fn wanted(&self, light: usize, lights: &[LightInstance]) -> Vec<Wanted> {
+        let of_each = self.aov == Aovs::All && self.light.is_none();
+        wanted(self.aov.each(), (!of_each).then_some(light), lights)
     }
 
     /// The index of the light that the picture is of, among those of `whose`. `scene` is what has none.
     pub fn choose_light(&self, scene: &str, whose: &str, lights: &[LightInstance]) -> Result<usize, Error> {
-        if lights.is_empty() && self.aov.is_of_light() {
-            return Err(Error::NothingToShow { scene: scene.into(), aov: self.aov.name() });
+        RenderRequest::from(self).check_light()?;
+        if let (Aovs::Listed(aovs), []) = (&self.aov, lights)
+            && let Some(aov) = aovs.iter().find(|aov| aov.is_of_light())
+        {
+            return Err(Error::NothingToShow { scene: scene.into(), aov: aov.name() });
         }
         let Some(wanted) = &self.light else { return Ok(0) };
         lights.iter().position(|light| light.light.light().name() == *wanted).ok_or_else(|| {
@@ -88,14 +116,16 @@ impl PictureArgs {
 /// width over height.
 pub fn choose_camera(
     scene: &str,
-    wanted: Option<&str>,
+    wanted: Option<&CameraChoice>,
     aspect: f64,
     (reach, cameras): (&Reach, &[Camera]),
 ) -> Result<Camera, Error> {
-    let Some(wanted) = wanted else {
-        return Ok(cameras.first().cloned().unwrap_or_else(|| framing_camera(reach, aspect)));
+    let wanted = match wanted {
+        None => return Ok(cameras.first().cloned().unwrap_or_else(|| framing_camera(reach, aspect))),
+        Some(CameraChoice::Own(camera)) => return Ok((**camera).clone().into()),
+        Some(CameraChoice::Named(wanted)) => wanted,
     };
-    let named = cameras.iter().find(|camera| camera.name == wanted);
+    let named = cameras.iter().find(|camera| camera.name == *wanted);
     let indexed = || cameras.get(wanted.parse::<usize>().ok()?);
     named.or_else(indexed).cloned().ok_or_else(|| Error::NoSuch {
         whose: scene.into(),

@@ -5,16 +5,17 @@ use std::sync::Arc;
 
 use assets::Loaded;
 use clap::ValueEnum;
-use cli::{LIMITS, Output, progress, say};
+use cli::{LIMITS, progress, say};
 use document::SceneContents;
 use light::{CheckedLight, LightId, LightInstance, Reach, Tube};
 use protocol::RenderRequest;
 use reference::Reference;
-use render::{Picture, PictureFormat, Renderer, ShadowSettings, View, ViewSlot};
+use render::{Origin, Picture, Pixels, Renderer, ShadowSettings, View, ViewSlot};
 use scene::PosedScene;
 
 use crate::error::{Error, choices};
 use crate::picture::{PictureArgs, choose_camera};
+use crate::picture_files::{PictureFiles, Pictures};
 use crate::usage::whole;
 use crate::{files, gpu};
 
@@ -24,13 +25,15 @@ AOVs, what a picture shows:
   beauty      the lit scene, with a fill that keeps what no light reaches readable; --fill 0 takes it away
   depth       distance from the camera's plane, in world units
   normal      shading normal in the world
+  position    place in the world
   t           place along the light's curve, 0 at its source to the number of segments
   vw          place across the light's tube, in radii
   direction   direction in the world from the surface to where the light comes from
   visibility  1 where the light reaches, 0 in its shadow
   wireframe   the triangles of the light's shadow map as the light sees them, bent straight; the camera is not used
 
-EXR holds the linear values themselves. In PNG the beauty is tone-mapped, after --exposure, and the others are made readable: near is
+EXR holds the linear values themselves, all quantities in one file: R G B A, Z, N.X, P.X and so on, and with --aov all those of each
+light with its name before them, as key.visibility. In PNG the beauty is tone-mapped, after --exposure, and the others are made readable: near is
 bright, directions and normals are shown as (x + 1) / 2, t as a ramp with a line at each joint, (v, w) by hue and
 distance from the curve; a wireframe is drawn in white over t's ramp, darker outside the light.
 
@@ -39,6 +42,8 @@ Examples:
   bendylights render room.glb --lights key.json --camera 0 --size 1920x1080 --samples 64 -o room.exr
   bendylights render room.glb --lights key.json --fill 0 -o key-alone.exr
   bendylights render room.glb --lights key.json --aov visibility --light key -o shadow.png
+  bendylights render room.glb --lights key.json --aov all -o room.exr
+  bendylights render room.glb --lights key.json -o room.png -o room.exr
   bendylights render room.glb --lights key.json --backend reference -o truth.exr")]
 pub struct Args {
     /// glTF file (.gltf or .glb), or `demo:NAME` as `bendylights scenes` lists them
@@ -57,9 +62,9 @@ pub struct Args {
     /// How far what casts shadows may stray from the scene, in world units, to be fewer triangles; backend gpu only [default: 0]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     shadow_mesh_error: Option<f64>,
-    /// Picture to write, as PNG or EXR by its ending
-    #[arg(short, value_name = "OUT.png|OUT.exr")]
-    output: PathBuf,
+    /// Picture to write, as PNG or EXR by its ending; may be given more than once, for several files of one drawing
+    #[arg(short, required = true, value_name = "OUT.png|OUT.exr")]
+    output: Vec<PathBuf>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -70,23 +75,13 @@ enum Backend {
     Reference,
 }
 
-/// The picture format that the file's name says.
-pub fn picture_format(path: &Path) -> Result<PictureFormat, Error> {
-    match path.extension().unwrap_or_default().to_ascii_lowercase().to_str() {
-        Some("png") => Ok(PictureFormat::Png),
-        Some("exr") => Ok(PictureFormat::Exr),
-        _ => Err(Error::UnknownFormat(path.into())),
-    }
-}
-
 pub fn run(args: &Args) -> Result<(), Error> {
     if let Backend::Gpu = args.backend {
         cli::without_window_system();
     }
     let shadows = shadow_settings(args)?;
-    let format = picture_format(&args.output)?;
-    let output = Output::create(&args.output)?;
-    let Loaded { scene, contents, mut notes, .. } = open_lit(&args.scene, args.lights.as_deref())?;
+    let files = args.picture.files(&args.output)?;
+    let Loaded { scene, contents, mut notes, name } = open_lit(&args.scene, args.lights.as_deref())?;
     let lights = instances(contents.lights);
     let request = RenderRequest::from(&args.picture);
     let lights_of = args.lights.as_ref().map_or(args.scene.clone(), |file| file.display().to_string());
@@ -101,17 +96,21 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if matches!(args.backend, Backend::Gpu) {
         notes.extend(left_out(&posed.reach(), &lights));
     }
-    let (wanted, aspect) = (request.camera.as_deref(), request.framing_aspect());
-    let camera = choose_camera(&args.scene, wanted, aspect, (&posed.reach(), &contents.cameras))?;
+    let (wanted, aspect) = (request.camera.as_ref(), request.framing_aspect());
+    let camera = choose_camera(&args.scene, wanted, aspect, (&posed.subject(), &contents.cameras))?;
     let view = request.view(camera, light, LIMITS, ViewSlot::default());
     for note in &notes {
         say(&format!("note: {note}"));
     }
-    let picture = match args.backend {
-        Backend::Gpu => draw(&posed, &view, &lights, shadows, format)?,
-        Backend::Reference => trace(posed, &view, &lights)?.into_file(&view, &lights, format)?,
-    };
-    Ok(output.write(&picture)?)
+    let origin = Origin { scene: name.or_else(|| Some(args.scene.clone())), ..Origin::default() };
+    let pictures = Pictures { view, lights: &lights, wanted: args.picture.wanted(light, &lights), origin };
+    match args.backend {
+        Backend::Gpu => draw(&posed, &pictures, shadows, &files),
+        Backend::Reference => {
+            let reference = Reference::new(posed);
+            files.write(&pictures, |view, _| trace(&reference, view, &lights).map(Pixels::Raw))
+        }
+    }
 }
 
 /// What is asked of shadow maps, where the backend has them.
@@ -133,30 +132,31 @@ fn shadow_settings(args: &Args) -> Result<ShadowSettings, Error> {
     }
 }
 
-/// The picture's file.
+/// Draws pictures of a scene into files.
 pub fn draw(
     scene: &Arc<PosedScene>,
-    view: &View,
-    lights: &[LightInstance],
+    pictures: &Pictures,
     shadows: ShadowSettings,
-    format: PictureFormat,
-) -> Result<Vec<u8>, Error> {
+    files: &PictureFiles,
+) -> Result<(), Error> {
     let mut renderer = Renderer::new(gpu::open()?)?;
     renderer.set_shadow_settings(shadows)?;
     renderer.set_scene(scene)?;
-    let bar = progress(0);
-    let picture = renderer.render_file(view, lights, format, |progress| {
-        bar.set_length(progress.of);
-        bar.set_position(progress.done);
-    });
-    bar.finish_and_clear();
-    Ok(picture?)
+    files.write(pictures, |view, needs| {
+        let bar = progress(0);
+        let pixels = renderer.render_for_files(view, pictures.lights, needs, |progress| {
+            bar.set_length(progress.of);
+            bar.set_position(progress.done);
+        });
+        bar.finish_and_clear();
+        Ok(pixels?)
+    })
 }
 
 /// The reference's picture, rounded to what files hold.
-fn trace(scene: Arc<PosedScene>, view: &View, lights: &[LightInstance]) -> Result<Picture, Error> {
+fn trace(reference: &Reference, view: &View, lights: &[LightInstance]) -> Result<Picture, Error> {
     let bar = progress(view.height.into());
-    let frame = Reference::new(scene).render(view, lights, || bar.inc(1));
+    let frame = reference.render(view, lights, || bar.inc(1));
     bar.finish_and_clear();
     let frame = frame?;
     let pixels = frame.pixels.iter().map(|pixel| pixel.map(|x| x as f32)).collect();

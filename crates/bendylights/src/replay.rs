@@ -3,17 +3,18 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use cli::{LIMITS, Output, answer, say};
+use cli::{LIMITS, answer, say};
 use document::{AssetHash, Document, EditError};
 use edit::ReplayError;
 use protocol::RenderRequest;
-use render::{PictureFormat, ShadowSettings, ViewSlot};
+use render::{Origin, ShadowSettings, ViewSlot};
 use scene::Scene;
 use store::{Assets, StoreError, visit_log};
 
 use crate::error::Error;
 use crate::picture::{PictureArgs, choose_camera};
-use crate::render::{draw, left_out, picture_format};
+use crate::picture_files::{PictureFiles, Pictures};
+use crate::render::{draw, left_out};
 use crate::resolve::Resolver;
 use crate::usage::whole;
 use crate::{files, known_scenes};
@@ -61,7 +62,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if args.render.is_none() && !args.picture.is_default() {
         return Err(Error::NoPicture);
     }
-    let picture = args.render.as_deref().map(picture_file).transpose()?;
+    let files =
+        args.render.as_ref().map(|path| args.picture.files(std::slice::from_ref(path))).transpose()?;
     let assets = args.data.as_deref().map(Assets::open).transpose()?;
     let (log, bar) = files::open_log(&args.log)?;
     let start = Instant::now();
@@ -84,7 +86,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         start.elapsed().as_secs_f64(),
         resolved.map_or_else(String::new, |resolved| format!(r#", "resolved": {resolved}"#)),
     ))?;
-    if let Some((format, output)) = picture {
+    if let Some(files) = files {
         let scene = match document.scene() {
             None => Scene::default(),
             Some(scene) => {
@@ -92,7 +94,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
                 known_scenes::load(assets.as_ref(), &scene.asset).ok_or_else(no_scene)?
             }
         };
-        output.write(&drawn(args, document, scene, format)?)?;
+        draw_document(args, (document, replayed.session.seq()), scene, &files)?;
     }
     match replayed.differs {
         Some(how) => Err(Error::Differs { file: args.log.display().to_string(), how }),
@@ -116,23 +118,31 @@ pub fn no_scene(log: &Path, seq: u64, asset: AssetHash) -> Error {
     Error::NoScene { file: log.display().to_string(), seq, asset }
 }
 
-/// Refuses, before any work is done, what cannot become a picture file.
-fn picture_file(path: &Path) -> Result<(PictureFormat, Output), Error> {
-    Ok((picture_format(path)?, Output::create(path)?))
-}
-
-/// The picture of the document that is asked for.
-fn drawn(args: &Args, document: &Document, scene: Scene, format: PictureFormat) -> Result<Vec<u8>, Error> {
+/// Draws the document after record `seq` into files.
+fn draw_document(
+    args: &Args,
+    (document, seq): (&Document, u64),
+    scene: Scene,
+    files: &PictureFiles,
+) -> Result<(), Error> {
     let posed = scene::pose(scene);
     let (log, lights) = (args.log.display().to_string(), document.instances());
     let request = RenderRequest::from(&args.picture);
     let cameras: Vec<_> = document.cameras().values().cloned().collect();
-    let (wanted, aspect) = (request.camera.as_deref(), request.framing_aspect());
-    let camera = choose_camera(&log, wanted, aspect, (&posed.reach(), &cameras))?;
+    let (wanted, aspect) = (request.camera.as_ref(), request.framing_aspect());
+    let camera = choose_camera(&log, wanted, aspect, (&posed.subject(), &cameras))?;
     let light = args.picture.choose_light(&log, &log, &lights)?;
     let view = request.view(camera, light, LIMITS, ViewSlot::default());
     for note in left_out(&posed.reach(), &lights).into_iter().chain(args.picture.warning()) {
         say(&format!("note: {note}"));
     }
-    draw(&posed, &view, &lights, ShadowSettings::default(), format)
+    let origin = Origin {
+        name: Some(log),
+        seq: Some(seq),
+        document_hash: Some(document.hash().to_string()),
+        scene: document.scene().map(|scene| scene.asset.to_string()),
+        ..Origin::default()
+    };
+    let pictures = Pictures { view, lights: &lights, wanted: args.picture.wanted(light, &lights), origin };
+    draw(&posed, &pictures, ShadowSettings::default(), files)
 }

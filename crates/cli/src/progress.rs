@@ -33,10 +33,12 @@ pub fn progress(total: u64) -> ProgressBar {
     bar
 }
 
-/// Nothing is known before the first part is done.
+/// The rest takes as long a part as what is done took: indicatif's own estimate runs into days while a long part goes on. Nothing is
+/// known before the first part is done.
 fn left(state: &ProgressState, text: &mut dyn Write) {
-    if state.pos() > 0 {
-        let _: fmt::Result = write!(text, ", {:#} left", HumanDuration(state.eta()));
+    if let (done @ 1.., Some(all)) = (state.pos(), state.len()) {
+        let rest = all.saturating_sub(done) as f64 / done as f64;
+        let _: fmt::Result = write!(text, ", {:#} left", HumanDuration(state.elapsed().mul_f64(rest)));
     }
 }
 

@@ -108,6 +108,24 @@ pub enum EditError {
     /// No such pin.
     #[error("there is no pin {0}: choose one of the document's pins")]
     NoPin(PinId),
+    /// Nothing of that id or name.
+    #[error("there is no {what} {name}: give the id or the name of one of the document's")]
+    NoneCalled {
+        /// A light or a camera.
+        what: &'static str,
+        /// In quotes, as it was called.
+        name: String,
+    },
+    /// A name that several have.
+    #[error("{name} is the name of more than one {what}, with ids {ids}: give one of these")]
+    SeveralCalled {
+        /// A light or a camera.
+        what: &'static str,
+        /// In quotes.
+        name: String,
+        /// The first of these, with commas between.
+        ids: String,
+    },
     /// A pin that lies nowhere.
     #[error("a pin lies at three finite numbers: give it a place on a surface")]
     InvalidPin,

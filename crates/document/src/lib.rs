@@ -12,6 +12,7 @@ mod document;
 mod feature_drag;
 mod features;
 mod hash;
+mod named;
 mod naming;
 mod parameters;
 mod pin;

@@ -50,10 +50,10 @@ impl Change {
                 let name = old.as_ref().or(new.as_ref()).and_then(|camera| quoted(&camera.name));
                 name.unwrap_or_else(|| document.camera_name(*camera))
             }
-            Self::Pin { pin, .. } => {
+            Self::Pin { .. } => {
                 let whose =
                     self.light().map_or_else(String::new, |id| format!(" of {}", document.light_name(id)));
-                format!("pin {pin}{whose}")
+                format!("a pin{whose}")
             }
             Self::CameraParameter { camera, new, .. } => {
                 format!("the {} of {}", words(new.name()), document.camera_name(*camera))

@@ -29,6 +29,8 @@ pub struct TakenBack {
     pub changes: Vec<Change>,
     /// What stays, and why, a sentence each.
     pub skipped: Vec<String>,
+    /// Those of them that are of later steps, which were passed over.
+    pub passed: Vec<String>,
 }
 
 impl Session {
@@ -70,8 +72,8 @@ impl Session {
             };
             if let Some(Edited { changes, document, .. }) = left {
                 let since = changed_since.iter().enumerate().map(since);
-                let skipped = passed.into_iter().chain(since).chain(stays).collect();
-                return Ok(Some(TakenBack { seq: self.seq(), document, target, changes, skipped }));
+                let skipped = passed.iter().cloned().chain(since).chain(stays).collect();
+                return Ok(Some(TakenBack { seq: self.seq(), document, target, changes, skipped, passed }));
             }
             let room = MAX_SAID.saturating_sub(passed.len());
             for why in changed_since.iter().enumerate().map(since).chain(stays).take(room) {

@@ -67,6 +67,7 @@ impl Reference {
             Aov::Beauty => self.radiance(sources, view.fill, surface),
             Aov::Depth => DVec3::splat(surface.depth),
             Aov::Normal => surface.normal,
+            Aov::Position => surface.position + self.bvh.posed.origin_in_world,
             Aov::T => DVec3::splat(first()?.place.t),
             Aov::Vw => {
                 let place = first()?.place;

@@ -1,9 +1,8 @@
-//! Pictures as files: raw values for programs, eight bits a channel for people.
+//! Pictures, and PNGs of them for people.
 
-use std::io::Cursor;
-
-use image::{DynamicImage, ImageFormat, Rgb, RgbImage, Rgba32FImage, RgbaImage};
+use image::{Rgb, RgbImage};
 use light::LightInstance;
+use png::{BitDepth, ColorType, Compression, SrgbRenderingIntent};
 
 use crate::{Aov, RenderError, View, display};
 
@@ -18,14 +17,14 @@ pub struct Picture {
     pub pixels: Vec<[f32; 4]>,
 }
 
-/// The two formats of picture files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PictureFormat {
-    /// Eight bits, for people: the beauty as [`crate::Renderer::render_display`] gives it, the other AOVs made
-    /// readable.
-    Png,
-    /// The linear values themselves, for programs.
-    Exr,
+/// What a PNG has where nothing is seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Background {
+    /// Black, as a screen shows it.
+    #[default]
+    Black,
+    /// Nothing: the alpha is the share of a pixel in which something is seen, and colours are those of that alone.
+    Transparent,
 }
 
 /// A picture as it comes from the device, for a screen or for programs.
@@ -42,58 +41,116 @@ pub enum Pixels {
     },
     /// Linear values.
     Raw(Picture),
+    /// Both, of one drawing: four bytes a pixel as above.
+    Both(Picture, Vec<u8>),
+}
+
+/// What of a picture its files need.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileNeeds {
+    /// What a screen shows: a PNG of the beauty.
+    Shown,
+    /// Its values.
+    Values,
+    /// Both, of one drawing.
+    Both,
+}
+
+impl FileNeeds {
+    /// Of a quantity as a PNG over that background, as an EXR, or as both.
+    pub fn of(aov: Aov, png: Option<Background>, exr: bool) -> Self {
+        let is_shown = aov == Aov::Beauty && png == Some(Background::Black);
+        match (is_shown, exr) {
+            (true, false) => Self::Shown,
+            (true, true) => Self::Both,
+            (false, _) => Self::Values,
+        }
+    }
 }
 
 impl Pixels {
-    /// The bytes of a picture file that holds this, made of `view` under `lights`. Takes a while: a large picture
-    /// takes seconds to compress.
-    pub fn into_file(
-        self,
+    /// The values, where there are any.
+    pub fn values(&self) -> Option<&Picture> {
+        match self {
+            Self::Raw(picture) | Self::Both(picture, _) => Some(picture),
+            Self::Display { .. } => None,
+        }
+    }
+
+    /// The bytes of a PNG for people that shows what `view` under `lights` shows: those of the screen where there are some, else as
+    /// [`Picture::to_png`] makes them of the values.
+    pub fn to_png(
+        &self,
         view: &View,
         lights: &[LightInstance],
-        format: PictureFormat,
+        background: Background,
     ) -> Result<Vec<u8>, RenderError> {
+        let shown = |bytes: &[u8]| {
+            let pixels = bytes.as_chunks::<4>().0.iter();
+            let rgb: Vec<u8> = pixels.flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+            png_of(view, ColorType::Rgb, &rgb)
+        };
         match self {
-            Self::Display { width, height, bytes } => {
-                let image = RgbaImage::from_raw(width, height, bytes).expect("four bytes a pixel");
-                encode(&image.into(), format)
-            }
-            Self::Raw(picture) => picture.into_file(view, lights, format),
+            Self::Display { bytes, .. } => shown(bytes),
+            Self::Both(_, bytes) if background == Background::Black => shown(bytes),
+            Self::Raw(picture) | Self::Both(picture, _) => picture.to_png(view, lights, background),
         }
     }
 }
 
 impl Picture {
-    /// The bytes of a picture file that holds what `view` under `lights` shows, by whatever made it.
+    /// The bytes of a PNG for people that shows what `view` under `lights` shows, by whatever made it, with an sRGB chunk. Takes a while:
+    /// a large picture takes seconds to compress.
     ///
-    /// In a PNG near is bright; directions and normals are `(x + 1) / 2`; t is a ramp over the light's
-    /// segments, dark at joints; (v, w) are hue and distance from the curve; the beauty is tone-mapped; a wireframe's
-    /// edges are white. Pixels without a value are black.
-    pub fn into_file(
-        self,
+    /// Near is bright; directions and normals are `(x + 1) / 2`, positions a share of the box that all of them fill; t is a ramp over the
+    /// light's segments, dark at joints; (v, w) are hue and distance from the curve; the beauty is tone-mapped as
+    /// [`crate::Renderer::render_display`] does it; a wireframe's edges are white. Pixels without a value are black.
+    pub fn to_png(
+        &self,
         view: &View,
         lights: &[LightInstance],
-        format: PictureFormat,
+        background: Background,
     ) -> Result<Vec<u8>, RenderError> {
-        let image: DynamicImage = match format {
-            PictureFormat::Png => readable(&self, view, segments(lights.get(view.light))).into(),
-            PictureFormat::Exr => {
-                let values = self.pixels.into_flattened();
-                Rgba32FImage::from_raw(self.width, self.height, values).expect("four floats a pixel").into()
+        let segments = segments(lights.get(view.light));
+        let (color_type, bytes) = match background {
+            Background::Black => (ColorType::Rgb, readable(self, view, segments).into_raw()),
+            Background::Transparent => {
+                let shown = readable(&self.uncovered(view.aov), view, segments);
+                let with_alpha =
+                    shown.pixels().zip(&self.pixels).flat_map(|(Rgb([r, g, b]), [.., alpha])| {
+                        [*r, *g, *b, (alpha.clamp(0.0, 1.0) * 255.0).round() as u8]
+                    });
+                (ColorType::Rgba, with_alpha.collect())
             }
         };
-        encode(&image, format)
+        png_of(view, color_type, &bytes)
+    }
+
+    /// The beauty of what is seen alone, where a pixel's edge has some of the black behind it.
+    fn uncovered(&self, aov: Aov) -> Self {
+        let mut picture = self.clone();
+        if aov == Aov::Beauty {
+            for [color @ .., alpha] in picture.pixels.iter_mut().filter(|[.., alpha]| *alpha > 0.0) {
+                *color = color.map(|c| c / *alpha);
+            }
+        }
+        picture
     }
 }
 
-fn encode(image: &DynamicImage, format: PictureFormat) -> Result<Vec<u8>, RenderError> {
-    let format = match format {
-        PictureFormat::Png => ImageFormat::Png,
-        PictureFormat::Exr => ImageFormat::OpenExr,
-    };
-    let mut bytes = Cursor::new(Vec::new());
-    image.write_to(&mut bytes, format).map_err(|why| RenderError::Encode(why.to_string()))?;
-    Ok(bytes.into_inner())
+/// A PNG of `view`'s size with an sRGB chunk.
+fn png_of(view: &View, color_type: ColorType, bytes: &[u8]) -> Result<Vec<u8>, RenderError> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, view.width, view.height);
+    encoder.set_color(color_type);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Fast);
+    encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    let refused = |why: png::EncodingError| RenderError::Encode(why.to_string());
+    let mut writer = encoder.write_header().map_err(refused)?;
+    writer.write_image_data(bytes).map_err(refused)?;
+    writer.finish().map_err(refused)?;
+    Ok(file)
 }
 
 /// The end of t's range in a light: its number of segments, one for a spotlight.
@@ -107,6 +164,7 @@ type Color = [f32; 3];
 /// The picture of `view` for a screen; black where a pixel has no value. `segments` is the end of t's range.
 ///
 /// - depth: near is bright, far dark, over the range there is;
+/// - position: x, y and z over the range that each has;
 /// - normal, direction: `(x + 1) / 2`;
 /// - t: a ramp over `[0, segments]`, dark at joints;
 /// - vw: hue by the angle around the curve, brightness by the distance from it in radii;
@@ -119,8 +177,15 @@ fn readable(picture: &Picture, view: &View, segments: usize) -> RgbImage {
         Aov::Beauty => &|_, [x, y, z, _]| tone_mapped([x, y, z].map(|c| display::exposed(c, exposure))),
         Aov::Visibility => &|_, [x, y, z, _]| [x, y, z],
         Aov::Normal | Aov::Direction => &|_, [x, y, z, _]| [x, y, z].map(|c| 0.5 + 0.5 * c),
+        Aov::Position => {
+            let [x, y, z] = [0, 1, 2].map(|channel| range(picture, channel));
+            &move |_, [a, b, c, _]| {
+                [(a, x), (b, y), (c, z)]
+                    .map(|(at, (low, high))| (at - low) / (high - low).max(f32::MIN_POSITIVE))
+            }
+        }
         Aov::Depth => {
-            let (near, far) = range(picture);
+            let (near, far) = range(picture, 0);
             &move |_, [depth, ..]| [1.0 - 0.9 * (depth - near) / (far - near).max(f32::MIN_POSITIVE); 3]
         }
         Aov::T => &|index, [t, ..]| {
@@ -168,9 +233,9 @@ fn has_value([.., alpha]: [f32; 4]) -> bool {
     alpha > 0.0
 }
 
-/// Smallest and largest first channel.
-fn range(picture: &Picture) -> (f32, f32) {
-    let values = picture.pixels.iter().filter(|pixel| has_value(**pixel)).map(|pixel| pixel[0]);
+/// Smallest and largest value of a channel.
+fn range(picture: &Picture, channel: usize) -> (f32, f32) {
+    let values = picture.pixels.iter().filter(|pixel| has_value(**pixel)).map(|pixel| pixel[channel]);
     values.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
 }
 

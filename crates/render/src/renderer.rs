@@ -22,7 +22,9 @@ use crate::stages::{Recording, Stage};
 use crate::targets::{Lit, Targets, Viewers};
 use crate::tile::Tile;
 use crate::wgpu_maps::WgpuMaps;
-use crate::{Aov, Backend, Gpu, Picture, RenderError, ShadowSettings, View, ViewSlot, gpu_structs, readback};
+use crate::{
+    Aov, Backend, Gpu, Picture, RenderError, ShadowSettings, View, ViewSlot, gpu_structs, position, readback,
+};
 
 /// Draws pictures of one scene at a time, for any number of viewers.
 ///
@@ -134,10 +136,15 @@ impl Renderer {
 
     /// The raw values of `view` under `lights`.
     pub fn render(&mut self, view: &View, lights: &[LightInstance]) -> Result<Picture, RenderError> {
-        let pixels = self.with_whole(view, view.aov, lights, |renderer, gpu, targets| {
-            renderer.read_raw(gpu, targets, (view.aov, targets.size))
+        let aov = position::drawn_for(view.aov);
+        let pixels = self.with_whole(view, aov, lights, |renderer, gpu, targets| {
+            renderer.read_raw(gpu, targets, (aov, targets.size))
         })?;
-        Ok(Picture { width: view.width, height: view.height, pixels })
+        let mut picture = Picture { width: view.width, height: view.height, pixels };
+        if view.aov == Aov::Position {
+            position::from_depths(view, &mut picture);
+        }
+        Ok(picture)
     }
 
     /// The same picture drawn stage by stage, each submitted and waited for: together they take longer than
@@ -401,7 +408,7 @@ impl Drawing {
 fn wanted_lights(aov: Aov, index: usize, count: usize) -> Result<Range<usize>, RenderError> {
     match aov {
         Aov::Beauty => Ok(0..count),
-        Aov::Depth | Aov::Normal => Ok(0..0),
+        Aov::Depth | Aov::Normal | Aov::Position => Ok(0..0),
         _ if index < count => Ok(index..index + 1),
         _ => Err(RenderError::NoSuchLight { index, count }),
     }

@@ -10,7 +10,7 @@ use crate::pause::Piece;
 use crate::renderer::Drawing;
 use crate::targets::{Targets, bytes_of};
 use crate::tile::{Tile, Tiling};
-use crate::{Aov, Gpu, Picture, PictureFormat, Pixels, RenderError, Renderer, View};
+use crate::{Aov, FileNeeds, Gpu, Picture, Pixels, RenderError, Renderer, View, position};
 
 /// How far a picture is, in samples of its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +28,9 @@ pub struct Progress {
 /// another place on the target. Dropping it gives it up; [`Renderer::forget`] of its slot frees the rest.
 #[derive(Debug)]
 pub struct TiledPicture {
+    /// The view that it is of.
+    view: View,
+    /// What is drawn for that.
     drawing: Drawing,
     pixels: Pixels,
     /// Set when the first piece is drawn.
@@ -58,21 +61,23 @@ impl TiledPicture {
         Self::new(&View { aov: Aov::Beauty, ..view.clone() }, lights, pixels)
     }
 
-    /// `view` under `lights` as a file of that format holds it.
-    pub fn for_file(
-        view: &View,
-        lights: &[LightInstance],
-        format: PictureFormat,
-    ) -> Result<Self, RenderError> {
-        if (format, view.aov) == (PictureFormat::Png, Aov::Beauty) {
+    /// What files of `view` under `lights` need.
+    pub fn for_files(view: &View, lights: &[LightInstance], needs: FileNeeds) -> Result<Self, RenderError> {
+        if needs == FileNeeds::Shown {
             return Self::for_screen(view, lights);
         }
-        let pixels = vec![[0.0; 4]; view.width as usize * view.height as usize];
-        Self::new(view, lights, Pixels::Raw(Picture { width: view.width, height: view.height, pixels }))
+        let count = view.width as usize * view.height as usize;
+        let picture = Picture { width: view.width, height: view.height, pixels: vec![[0.0; 4]; count] };
+        let pixels = match needs {
+            FileNeeds::Both => Pixels::Both(picture, vec![0; 4 * count]),
+            FileNeeds::Shown | FileNeeds::Values => Pixels::Raw(picture),
+        };
+        Self::new(view, lights, pixels)
     }
 
     fn new(view: &View, lights: &[LightInstance], pixels: Pixels) -> Result<Self, RenderError> {
-        Ok(Self { drawing: Drawing::new(view, lights)?, pixels, work: None })
+        let drawn = View { aov: position::drawn_for(view.aov), ..view.clone() };
+        Ok(Self { view: view.clone(), drawing: Drawing::new(&drawn, lights)?, pixels, work: None })
     }
 
     /// How far it is.
@@ -84,7 +89,11 @@ impl TiledPicture {
 
     /// What there is of it.
     pub fn into_pixels(self) -> Pixels {
-        self.pixels
+        let Self { view, mut pixels, .. } = self;
+        if let (Aov::Position, Pixels::Raw(picture)) = (view.aov, &mut pixels) {
+            position::from_depths(&view, picture);
+        }
+        pixels
     }
 
     /// A wireframe is not the camera's view and has no tiles.
@@ -94,17 +103,16 @@ impl TiledPicture {
 }
 
 impl Renderer {
-    /// The bytes of a picture file of `view` under `lights`. `sampled` is told how far the picture is, after each sample
-    /// of a part of it and at its end.
-    pub fn render_file(
+    /// What files of `view` under `lights` need, values as [`Self::render`] gives them, in the memory of one tile. `sampled` is told how
+    /// far the picture is, after each sample of a part of it and at its end.
+    pub fn render_for_files(
         &mut self,
         view: &View,
         lights: &[LightInstance],
-        format: PictureFormat,
+        needs: FileNeeds,
         sampled: impl FnMut(Progress),
-    ) -> Result<Vec<u8>, RenderError> {
-        let pixels = self.render_tiled(TiledPicture::for_file(view, lights, format)?, sampled)?;
-        pixels.into_file(view, lights, format)
+    ) -> Result<Pixels, RenderError> {
+        self.render_tiled(TiledPicture::for_files(view, lights, needs)?, sampled)
     }
 
     /// Works on `picture` for about `aim`, or a little longer: until a piece of work is done, which may be a shadow
@@ -159,7 +167,7 @@ impl Renderer {
         over: &dyn Fn() -> bool,
     ) -> Result<bool, RenderError> {
         let whole = picture.is_whole();
-        let TiledPicture { drawing, pixels, work } = picture;
+        let TiledPicture { drawing, pixels, work, .. } = picture;
         let size = [drawing.view.width, drawing.view.height];
         let triangles = self.scene.casters.triangle_count;
         let work = work.get_or_insert_with(|| Work::new(gpu, size, triangles, pixels));
@@ -205,22 +213,20 @@ impl Renderer {
         pixels: &mut Pixels,
     ) -> Result<(), RenderError> {
         let size = [tile.width, tile.height];
-        match pixels {
-            Pixels::Display { width, bytes, .. } => {
-                let drawn = self.read_display(gpu, targets, (size, view.exposure))?;
-                place(
-                    bytes,
-                    4 * *width as usize,
-                    &drawn,
-                    (4 * tile.x as usize, 4 * tile.width as usize),
-                    tile.y,
-                );
-            }
-            Pixels::Raw(picture) => {
-                let drawn = self.read_raw(gpu, targets, (view.aov, size))?;
-                let columns = (tile.x as usize, tile.width as usize);
-                place(&mut picture.pixels, picture.width as usize, &drawn, columns, tile.y);
-            }
+        let (shown, picture) = match pixels {
+            Pixels::Display { bytes, .. } => (Some(bytes), None),
+            Pixels::Raw(picture) => (None, Some(picture)),
+            Pixels::Both(picture, bytes) => (Some(bytes), Some(picture)),
+        };
+        if let Some(picture) = picture {
+            let drawn = self.read_raw(gpu, targets, (view.aov, size))?;
+            let columns = (tile.x as usize, tile.width as usize);
+            place(&mut picture.pixels, view.width as usize, &drawn, columns, tile.y);
+        }
+        if let Some(bytes) = shown {
+            let drawn = self.read_display(gpu, targets, (size, view.exposure))?;
+            let columns = (4 * tile.x as usize, 4 * tile.width as usize);
+            place(bytes, 4 * view.width as usize, &drawn, columns, tile.y);
         }
         Ok(())
     }
@@ -242,6 +248,7 @@ impl Work {
         let bytes = match pixels {
             Pixels::Display { bytes, .. } => bytes.len(),
             Pixels::Raw(picture) => size_of_val(&picture.pixels[..]),
+            Pixels::Both(picture, bytes) => size_of_val(&picture.pixels[..]) + bytes.len(),
         };
         Self {
             tiling: Tiling::new(size, triangles),

@@ -9,6 +9,11 @@ use light::Reach;
 
 use crate::{NodeTree, Primitive, Scene};
 
+/// Of a scene's width, how high a floor may be, and how far above the bottom.
+const FLAT: f64 = 0.02;
+/// Of the area that a scene has from above, how much lies over its floor.
+const MOST: f64 = 0.6;
+
 /// A scene with every vertex at its place, for whoever draws it, follows light through it or picks from it.
 ///
 /// Positions are in scene space: world axes, origin at the centre of the scene's bounds, so that no digit is lost
@@ -70,6 +75,32 @@ impl PosedScene {
     /// The box that lights are measured against.
     pub fn reach(&self) -> Reach {
         Reach { middle: self.origin_in_world, half_extent: self.half_extent }
+    }
+
+    /// The box of what stands in it, for a camera that frames that: without the floors that it stands on. All of it where nothing stands
+    /// on a floor.
+    pub fn subject(&self) -> Reach {
+        let whole = self.reach();
+        let boxes = self.primitives.iter().filter_map(|posed| {
+            let vertices = self.geometry(posed).positions.len();
+            let mut positions = self.positions[posed.first_vertex..posed.first_vertex + vertices].iter();
+            let first = *positions.next()?;
+            Some(positions.fold((first, first), |(min, max), at| (min.min(*at), max.max(*at))))
+        });
+        let standing = boxes.filter(|(min, max)| !self.is_floor(*min, *max));
+        let subject = standing.reduce(|(min, max), (low, high)| (min.min(low), max.max(high)));
+        subject.map_or(whole, |(min, max)| {
+            let middle = whole.middle + (min + max) / 2.0;
+            Reach { middle, half_extent: (max - min) / 2.0 }
+        })
+    }
+
+    /// Whether a box in scene space is that of a floor: flat, at the bottom, and under most of the scene.
+    fn is_floor(&self, min: DVec3, max: DVec3) -> bool {
+        let (whole, size) = (2.0 * self.half_extent, max - min);
+        let flat = size.y <= FLAT * whole.x.max(whole.z);
+        let low = max.y + self.half_extent.y <= FLAT * whole.max_element();
+        flat && low && size.x * size.z >= MOST * whole.x * whole.z && whole.y > size.y
     }
 
     /// Its nodes by their paths.

@@ -87,6 +87,8 @@ pub enum Aov {
     Depth,
     /// Unit shading normal in world space, towards the viewer.
     Normal,
+    /// World position.
+    Position,
     /// Position along the light: 0 to the number of segments, or the share of the range of a spotlight.
     T,
     /// Position across the light: v in red, w in green; 1 is the edge.
@@ -103,8 +105,8 @@ pub enum Aov {
 
 impl Aov {
     /// The names, in the order of the variants.
-    pub const NAMES: [&str; 8] =
-        ["beauty", "depth", "normal", "t", "vw", "direction", "visibility", "wireframe"];
+    pub const NAMES: [&str; 9] =
+        ["beauty", "depth", "normal", "position", "t", "vw", "direction", "visibility", "wireframe"];
 
     /// The name; of what lighting passes draw, also that of the shader's entry point after `fs_`.
     pub fn name(self) -> &'static str {
@@ -126,8 +128,8 @@ impl FromStr for Aov {
     type Err = UnknownAov;
 
     fn from_str(name: &str) -> Result<Self, UnknownAov> {
-        use Aov::{Beauty, Depth, Direction, Normal, T, Visibility, Vw, Wireframe};
-        [Beauty, Depth, Normal, T, Vw, Direction, Visibility, Wireframe]
+        use Aov::{Beauty, Depth, Direction, Normal, Position, T, Visibility, Vw, Wireframe};
+        [Beauty, Depth, Normal, Position, T, Vw, Direction, Visibility, Wireframe]
             .into_iter()
             .find(|aov| aov.name() == name)
             .ok_or_else(|| UnknownAov(name.into()))

@@ -87,6 +87,41 @@ fn the_framing_camera_sees_everything() {
     }
 }
 
+/// A square of a side, so high above the ground.
+fn square(side: f32, height: f32) -> Primitive {
+    let half = side / 2.0;
+    let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
+    Primitive {
+        positions: corners.map(|[x, z]| Vec3::new(x, height, z)).to_vec(),
+        normals: vec![Vec3::Y; 4],
+        indices: vec![0, 2, 1, 0, 3, 2],
+        ..Primitive::default()
+    }
+}
+
+/// A model on a floor three times as wide is framed as if it stood there alone; a floor alone, or a table, is itself.
+#[test]
+fn what_stands_on_a_floor_is_framed() {
+    let framed = |primitives: &[Primitive]| {
+        let mut scene = nested();
+        scene.nodes = vec![node(None, DAffine3::from_translation(DVec3::new(5.0, 1.0, 0.0)), Some(0))];
+        scene.meshes[0].primitives = primitives.to_vec();
+        let subject = pose(scene).subject();
+        (subject.middle, 2.0 * subject.half_extent)
+    };
+    let mut wall = square(1.0, 0.0);
+    wall.positions[2..].iter_mut().for_each(|corner| corner.y = 2.0);
+    let model = [wall];
+    let alone = (DVec3::new(5.0, 2.0, 0.0), DVec3::new(1.0, 2.0, 1.0));
+    assert_eq!(framed(&model), alone);
+    let floor = square(3.0, 0.0);
+    assert_eq!(framed(&[&model[..], std::slice::from_ref(&floor)].concat()), alone);
+    assert_eq!(framed(&[floor]), (DVec3::new(5.0, 1.0, 0.0), DVec3::new(3.0, 0.0, 3.0)));
+    // A table top is no floor: it is not at the bottom.
+    let table = [square(3.0, 1.0), square(1.0, 0.0)];
+    assert_eq!(framed(&table).1, DVec3::new(3.0, 1.0, 3.0));
+}
+
 #[test]
 fn broken_promises_are_named() {
     assert_eq!(nested().check(), Ok(()));

@@ -44,6 +44,8 @@ pub struct Backend {
     pub trace: Trace,
     /// Cancelled when the server is asked to stop.
     pub draining: CancellationToken,
+    /// Names this run of the server among all there ever were.
+    pub run: Arc<str>,
     /// When the server started: the zero of its clock.
     pub started: Instant,
     /// The tasks of sockets, which a stopping server waits for.

@@ -23,6 +23,8 @@ pub const MAX_SOCKETS: usize = 256;
 pub const MAX_REQUESTS: usize = 64;
 /// Pictures for HTTP that are rendered or wait for it.
 pub const MAX_STILLS: usize = 8;
+/// Bytes of the pictures that a request has drawn, before they are compressed: a beauty of 4096 x 4096 has 224 MiB.
+pub const MAX_PICTURE_BYTES: usize = 256 << 20;
 /// Probes of pixels, and picks, whose rays are followed at once, a millisecond or so each; others wait.
 pub const MAX_PROBES: usize = 4;
 /// Drags of features that are solved or wait for it, each with a thread: one for each socket and each HTTP request.
@@ -71,6 +73,8 @@ pub const MAX_BODY_BYTES_IN_FLIGHT: usize = MAX_BYTES_IN_FLIGHT / 2;
 pub const SMALL_BYTES: usize = 64 << 10;
 /// A body counts for so many times its bytes: what its JSON becomes takes a few times as much.
 pub const BODY_COST: usize = 4;
+/// Bytes from which on an answer is compressed: shorter ones fit into a packet or two anyway.
+pub const COMPRESSED_FROM_BYTES: u16 = 1 << 10;
 /// Bytes of a page of a log that is sent as it is read, but for a single record that has more.
 pub const LOG_PAGE_BYTES: usize = 128 << 10;
 /// Bytes of a request's head, and of an answer that one connection takes from its pages at a time.

@@ -1,6 +1,6 @@
 //! What clients and programs request of a session, read from what they send.
 
-use document::Command;
+use document::{Command, Document};
 use edit::{Actor, Request};
 use light::LightId;
 use protocol::{ClientMessage, Interaction, ProbeCamera, ViewSource};
@@ -134,13 +134,43 @@ pub struct Step {
     /// The sender's name.
     pub op_id: String,
     /// What is asked for.
-    pub request: Result<Request, ServerError>,
+    pub request: Result<Asked, ServerError>,
+}
+
+/// What is asked for, before a document answers it.
+#[derive(Debug)]
+pub enum Asked {
+    /// What means the same in every document.
+    Request(Request),
+    /// Setting what an address names, by ids or names.
+    Set {
+        /// The latest record that the sender knew.
+        base_seq: Option<u64>,
+        /// As in [`protocol::Command::Set`], with names or ids.
+        target: String,
+        /// As in [`protocol::Command::Set`].
+        value: serde_json::Value,
+    },
+}
+
+impl Asked {
+    /// The request that it is in `document`.
+    pub fn of(self, document: &Document) -> Result<Request, ServerError> {
+        match self {
+            Self::Request(request) => Ok(request),
+            Self::Set { base_seq, target, value } => {
+                let target = document.address_by_id(&target).map_err(edit::Refusal::from)?;
+                let command = protocol::Command::Set { target, value }.try_into()?;
+                Ok(Request::Edit { base_seq, command })
+            }
+        }
+    }
 }
 
 impl Step {
     /// Whether the scene has something to say of it ([`needs_scene`]), unless it came before.
     pub fn needs_scene(&self) -> bool {
-        matches!(&self.request, Ok(Request::Edit { command, .. }) if needs_scene(command))
+        matches!(&self.request, Ok(Asked::Request(Request::Edit { command, .. })) if needs_scene(command))
     }
 }
 
@@ -190,14 +220,15 @@ async fn parse(message: ClientMessage, scenes: &Scenes) -> Result<ClientRequest,
             let request = edit_request(command, Some(base_seq), scenes).await;
             ClientRequest::Step(step(op_id, request)?)
         }
-        ClientMessage::GestureCommit { gesture, op_id } => {
-            ClientRequest::Step(step(op_id, label(gesture).map(Request::Commit))?)
-        }
+        ClientMessage::GestureCommit { gesture, op_id } => ClientRequest::Step(step(
+            op_id,
+            label(gesture).map(|gesture| Asked::Request(Request::Commit(gesture))),
+        )?),
         ClientMessage::Undo { op_id, scope } => {
-            ClientRequest::Step(step(op_id, Ok(Request::Undo(scope.into())))?)
+            ClientRequest::Step(step(op_id, Ok(Asked::Request(Request::Undo(scope.into()))))?)
         }
         ClientMessage::Redo { op_id, scope } => {
-            ClientRequest::Step(step(op_id, Ok(Request::Redo(scope.into())))?)
+            ClientRequest::Step(step(op_id, Ok(Asked::Request(Request::Redo(scope.into()))))?)
         }
         ClientMessage::GestureBegin { gesture, light, base_seq } => {
             ClientRequest::BeginGesture { gesture: label(gesture)?, light: LightId(light), base_seq }
@@ -217,7 +248,7 @@ async fn parse(message: ClientMessage, scenes: &Scenes) -> Result<ClientRequest,
 }
 
 /// A step under its sender's name for it.
-pub fn step(op_id: String, request: Result<Request, ServerError>) -> Result<Step, ServerError> {
+pub fn step(op_id: String, request: Result<Asked, ServerError>) -> Result<Step, ServerError> {
     Ok(Step { op_id: label(op_id)?, request })
 }
 
@@ -227,14 +258,17 @@ pub async fn edit_request(
     mut command: protocol::Command,
     base_seq: Option<u64>,
     scenes: &Scenes,
-) -> Result<Request, ServerError> {
+) -> Result<Asked, ServerError> {
+    if let protocol::Command::Set { target, value } = command {
+        return Ok(Asked::Set { base_seq, target, value });
+    }
     if let protocol::Command::LoadScene { scene, name } = &mut command {
         name.as_deref().map_or(Ok(()), check_scene_name)?;
         let (asset, called) = scenes.resolve(scene).await?;
         *scene = asset.to_string();
         name.get_or_insert(called);
     }
-    Ok(Request::Edit { base_seq, command: command.try_into()? })
+    Ok(Asked::Request(Request::Edit { base_seq, command: command.try_into()? }))
 }
 
 /// Who it is, within limits.

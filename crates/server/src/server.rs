@@ -15,7 +15,7 @@ use tokio::sync::Semaphore;
 use tokio::time::timeout;
 use tokio_util::task::TaskTracker;
 
-use crate::access::{Hosts, PublicUrl, Token};
+use crate::access::{Hosts, PublicUrl, Token, random_digits};
 use crate::backend::Backend;
 use crate::connections::{self, Ending};
 use crate::first_session::StartSession;
@@ -145,6 +145,7 @@ impl Server {
             metrics,
             trace,
             draining: ending.draining.clone(),
+            run: random_digits().map_err(|_| ServerError::Fault)?.into(),
             started: Instant::now(),
             sockets: TaskTracker::new(),
         };

@@ -1,7 +1,6 @@
 //! What became of operations, for those that come again (SPEC, REC-4).
 
-use edit::Action;
-use protocol::Outcome;
+use protocol::{Committed, Outcome};
 
 use crate::{Store, StoreError};
 
@@ -13,18 +12,18 @@ impl Store {
             return Ok(self.database.rejection_of(key, actor_id, op_id)?.map(Outcome::Rejected));
         };
         let line = self.database.line(key, seq)?.ok_or(StoreError::OutOfStep(seq))?;
-        let (rebased, skipped) = match protocol::Record::answer_in(&line) {
-            Some(answer) => answer,
-            None => self.answer_in_full(session, seq)?,
+        let committed = match Committed::in_line(&line) {
+            Some(committed) => committed,
+            None => self.committed_in_full(session, seq)?,
         };
-        Ok(Some(Outcome::Committed { seq, rebased, skipped }))
+        Ok(Some(Outcome::Committed(committed)))
     }
 
-    /// Whether record `seq` was rebased, and what it skipped.
-    fn answer_in_full(&self, session: &str, seq: u64) -> Result<(bool, Vec<String>), StoreError> {
+    /// What its sender was told of record `seq`.
+    fn committed_in_full(&self, session: &str, seq: u64) -> Result<Committed, StoreError> {
         let record = self.records(session, seq, 1)?.pop().ok_or(StoreError::OutOfStep(seq))?;
         let record =
             edit::Record::try_from(record).map_err(|reason| StoreError::Meaningless { seq, reason })?;
-        Ok((record.action.rebased(), Action::skipped(&record.action).to_vec()))
+        Ok(Committed::from(&record))
     }
 }

@@ -1,6 +1,6 @@
 // Orbit, pan and zoom: a viewer's own camera turned about a pivot that it looks at.
 
-import { forwardOf, type Pixel, type Size, tallerBy, withShape, worldPerPixel } from "./camera";
+import { forwardOf, inPlaneOf, type Pixel, type Size, tallerBy, withShape, worldPerPixel } from "./camera";
 import type { Bounds, Camera, Projection } from "./protocol";
 import { aboutAxis, add, compose, dot, length, mix, rotate, scale, sub, unitQuat, type Vec3 } from "./vector";
 
@@ -25,8 +25,9 @@ export function orbitFrom(camera: Camera, bounds: Bounds): Orbit {
   return { camera: withShape(camera), distance: Math.max(along, 0.05 * diagonal(bounds)) };
 }
 
-/** Turns by `yaw` about the world's y and by `pitch` about the camera's x, radians, about the pivot. */
-export function orbit(from: Orbit, yaw: number, pitch: number): Orbit {
+/** Turns by `yaw` about the world's y and by `pitch` about the camera's x, radians, about a point, by default the pivot. What is
+ * there stays where it is in the picture, and the pivot is as far away from then on. */
+export function orbit(from: Orbit, yaw: number, pitch: number, about?: Vec3): Orbit {
   const elevation = Math.asin(Math.min(1, Math.max(-1, forwardOf(from.camera)[1])));
   const limit = Math.PI / 2 - POLE_MARGIN;
   const tilt = Math.min(Math.max(pitch, -limit - elevation), limit - elevation);
@@ -34,10 +35,14 @@ export function orbit(from: Orbit, yaw: number, pitch: number): Orbit {
   const turn = compose(aboutAxis([0, 1, 0], yaw), aboutAxis(right, tilt));
   const rotation = unitQuat(compose(turn, from.camera.rotation));
   const camera = { ...from.camera, rotation };
-  return {
-    ...from,
-    camera: { ...camera, translation: sub(pivotOf(from), scale(forwardOf(camera), from.distance)) },
-  };
+  if (about === undefined) {
+    const back = scale(forwardOf(camera), -from.distance);
+    return { ...from, camera: { ...camera, translation: add(pivotOf(from), back) } };
+  }
+  const fromThere = sub(from.camera.translation, about);
+  const depth = -dot(fromThere, forwardOf(from.camera));
+  const distance = depth > 0 ? depth : from.distance;
+  return { camera: { ...camera, translation: add(about, rotate(turn, fromThere)) }, distance };
 }
 
 /** Moves camera and pivot so that the pivot follows the pointer by `pixels` in a picture of `size`. */
@@ -47,19 +52,30 @@ export function pan(from: Orbit, size: Size, pixels: Pixel): Orbit {
   return { ...from, camera: { ...from.camera, translation: add(from.camera.translation, shift) } };
 }
 
-/** Brings the pivot nearer (`factor` below 1) or farther. */
-export function zoom(from: Orbit, factor: number, bounds: Bounds): Orbit {
+/** Brings the pivot nearer (`factor` below 1) or farther. `still` is a point at the pivot's distance that stays where it is in the
+ * picture, by default the pivot. */
+export function zoom(from: Orbit, factor: number, bounds: Bounds, still: Vec3 = pivotOf(from)): Orbit {
   const size = diagonal(bounds);
   const clamp = (wanted: number) => Math.min(Math.max(wanted, NEAREST * size), FARTHEST * size);
   const { projection } = from.camera;
   if ("orthographic" in projection) {
     const { orthographic } = projection;
-    const zoomed: Projection = { orthographic: { ...orthographic, ymag: clamp(orthographic.ymag * factor) } };
-    return { ...from, camera: { ...from.camera, projection: zoomed } };
+    const ymag = clamp(orthographic.ymag * factor);
+    const zoomed: Projection = { orthographic: { ...orthographic, ymag } };
+    const translation = add(
+      from.camera.translation,
+      scale(sub(still, pivotOf(from)), 1 - ymag / orthographic.ymag),
+    );
+    return { ...from, camera: { ...from.camera, translation, projection: zoomed } };
   }
   const distance = clamp(from.distance * factor);
-  const translation = sub(pivotOf(from), scale(forwardOf(from.camera), distance));
+  const translation = add(still, scale(sub(from.camera.translation, still), distance / from.distance));
   return { camera: { ...from.camera, translation }, distance };
+}
+
+/** The same, and what is under `pixel` of a picture of `size` stays there. */
+export function zoomTo(from: Orbit, factor: number, bounds: Bounds, size: Size, pixel: Pixel): Orbit {
+  return zoom(from, factor, bounds, inPlaneOf({ camera: from.camera, ...size }, pixel, pivotOf(from)));
 }
 
 /** Two fingers. */
@@ -67,14 +83,14 @@ export type Fingers = readonly [Pixel, Pixel];
 /** Fingers nearer to each other than this, in pixels, count as this far apart: there their distance says nothing. */
 const LEAST_SPAN_PX = 20;
 
-/** Two fingers went from `before` to `after` in a picture of `size`: the view goes with their middle, and nearer as they
- * part. */
+/** Two fingers went from `before` to `after` in a picture of `size`: the view goes with their middle, and nearer to what is there
+ * as they part. */
 export function pinch(from: Orbit, size: Size, before: Fingers, after: Fingers, bounds: Bounds): Orbit {
   const span = ([a, b]: Fingers) => Math.max(Math.hypot(a.x - b.x, a.y - b.y), LEAST_SPAN_PX);
   const middle = ([a, b]: Fingers): Pixel => ({ x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 });
   const [was, is] = [middle(before), middle(after)];
   const panned = pan(from, size, { x: is.x - was.x, y: is.y - was.y });
-  return zoom(panned, span(before) / span(after), bounds);
+  return zoomTo(panned, span(before) / span(after), bounds, size, is);
 }
 
 /** Length of the box's diagonal. */

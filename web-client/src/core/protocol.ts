@@ -229,6 +229,7 @@ export type Change =
  * - `methodNotAllowed`: The address takes other methods, which the header `Allow` lists.
  * - `stalled`: The request stopped coming.
  * - `exists`: The name is taken.
+ * - `ambiguous`: The name is that of several, whose ids the sentence says.
  * - `tooLarge`: A size over its limit, which the sentence names.
  * - `unsupportedMediaType`: The body is not JSON by its `Content-Type`.
  * - `tooMany`: A count over its limit, which the sentence names.
@@ -272,6 +273,7 @@ export type ErrorCode =
   | "methodNotAllowed"
   | "stalled"
   | "exists"
+  | "ambiguous"
   | "tooLarge"
   | "unsupportedMediaType"
   | "tooMany"
@@ -2794,6 +2796,7 @@ export interface Resync {
  * The answer to a request that ends in a record.
  */
 export interface EditResult {
+  added?: Added;
   code?: ErrorCode;
   /**
    * Why it was rejected or is unknown, for people.
@@ -2803,6 +2806,7 @@ export interface EditResult {
    * The sender's name for it.
    */
   opId: string;
+  outcome?: DragOutcome;
   /**
    * Its record, where it was committed.
    */
@@ -2812,6 +2816,23 @@ export interface EditResult {
    */
   skipped?: string[];
   status: EditStatus;
+}
+/**
+ * Ids of what a command brought into the document: what it adds, and what a scene comes with.
+ */
+export interface Added {
+  /**
+   * Of cameras.
+   */
+  cameras?: number[];
+  /**
+   * Of lights.
+   */
+  lights?: number[];
+  /**
+   * Of pins.
+   */
+  pins?: number[];
 }
 /**
  * Everybody who is here.
@@ -2852,6 +2873,10 @@ export interface HistorySteps {
  */
 export interface HistoryStep {
   actor: Actor;
+  /**
+   * Why later steps stay, which are passed over for it, a sentence each.
+   */
+  passed?: string[];
   /**
    * The record that is taken back: the step's, or of an undo.
    */

@@ -53,6 +53,8 @@ export interface Viewer {
   resize(width: number, height: number): void;
   /** The camera that the picture with this header was taken from. */
   cameraOf(header: FrameHeader | null): Camera | null;
+  /** Before the first welcome: looks from where the page looked when it was last left. */
+  restore(view: Orbit, settings: ViewSettings): void;
   /** After each welcome: asks for frames, as soon as their size is known. */
   open(camera: Camera): void;
   /** After each presence: a view whose owner has left is followed no longer. */
@@ -208,6 +210,10 @@ export function viewing({ host, send, bounds, latency }: ViewerParts): Viewer {
     cameraOf(header) {
       if (following.value !== null) return cameraOfFollowed();
       return sentCameras.get(header?.cameraRevision ?? -1) ?? own.value?.camera ?? null;
+    },
+    restore(view, kept) {
+      own.value ??= view;
+      settings.value = kept;
     },
     open(camera) {
       own.value ??= orbitFrom(camera, bounds());

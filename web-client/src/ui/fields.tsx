@@ -1,7 +1,8 @@
 // The controls that panels are made of. A value arrives as a property and leaves through its binding.
 
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useId, useRef, useState } from "preact/hooks";
 
+import { readNumber } from "../core/typed_number";
 import type { Vec3 } from "../core/vector";
 import { type Binding, through, type ValueDrag } from "./binding";
 import { formatNumber } from "./format";
@@ -23,6 +24,8 @@ export interface NumberProps extends FieldProps<number> {
   /** Where a step by an arrow key ends, if not where it wants to or at the nearest number that may be set. */
   stepTo?: (from: number, wanted: number) => number;
   unit?: string | undefined;
+  /** What it counts in, where that has no room beside it. */
+  countsIn?: string | undefined;
   /** How exactly it is shown. */
   decimals?: number;
 }
@@ -31,18 +34,46 @@ const whatever = (value: number) => value;
 
 /** A number to type, to step by arrow keys and, where it has a tag, to scrub by dragging that. */
 export function NumberField({ tag, ...props }: NumberProps & { tag?: string }) {
-  const { label, doc, value, binding, disabled, step, unit, decimals = 3, clamp = whatever } = props;
+  const {
+    label,
+    doc,
+    value,
+    binding,
+    disabled,
+    step,
+    unit,
+    countsIn,
+    decimals = 3,
+    clamp = whatever,
+  } = props;
   const { stepTo = (_, wanted) => clamp(wanted) } = props;
   const { presses } = usePage();
   const shown = formatNumber(value, decimals);
   const [draft, setDraft] = useState<string | null>(null);
+  /** What is to be said of what was typed. */
+  const [note, setNote] = useState<{ text: string; isWrong: boolean } | null>(null);
+  const noteId = useId();
 
   const finish = () => {
     presses.commit();
     if (draft === null) return;
-    const typed = Number(draft.replace(",", "."));
+    if (draft.trim() === "" || draft === shown) {
+      setDraft(null);
+      return;
+    }
+    const typed = readNumber(draft, value, countsIn ?? unit?.trim());
+    if ("problem" in typed) {
+      // It stays, so that it can be mended.
+      setNote({ text: typed.problem, isWrong: true });
+      return;
+    }
     setDraft(null);
-    if (draft.trim() !== "" && Number.isFinite(typed) && draft !== shown) binding.set(clamp(typed));
+    const taken = clamp(typed.value);
+    if (taken !== typed.value) {
+      const end = taken < typed.value ? "most" : "least";
+      setNote({ text: `${formatNumber(taken, decimals)}${unit ?? ""} is the ${end}`, isWrong: false });
+    }
+    binding.set(taken);
   };
   const scrub = (down: PointerEvent) => {
     if (disabled || down.button !== 0) return;
@@ -62,10 +93,12 @@ export function NumberField({ tag, ...props }: NumberProps & { tag?: string }) {
   };
   const keys = (event: KeyboardEvent) => {
     const input = event.currentTarget as HTMLInputElement;
+    setNote(null);
     if (event.key === "Enter") input.blur();
     else if (event.key === "Escape") {
       presses.cancel();
       setDraft(null);
+      setNote(null);
       input.value = shown;
       input.blur();
     } else if (event.key === "ArrowUp" || event.key === "ArrowDown") {
@@ -89,12 +122,22 @@ export function NumberField({ tag, ...props }: NumberProps & { tag?: string }) {
         disabled={disabled}
         value={draft ?? shown}
         data-typed={draft !== null}
+        aria-invalid={note?.isWrong === true}
+        aria-describedby={note === null ? undefined : noteId}
         onFocus={(event) => event.currentTarget.select()}
-        onInput={(event) => setDraft(event.currentTarget.value)}
+        onInput={(event) => {
+          setNote(null);
+          setDraft(event.currentTarget.value);
+        }}
         onKeyDown={keys}
         onBlur={finish}
       />
       {unit !== undefined && <span class="number-unit">{unit}</span>}
+      {note !== null && (
+        <span class="number-note" id={noteId} role="status" data-wrong={note.isWrong}>
+          {note.text}
+        </span>
+      )}
     </span>
   );
 }

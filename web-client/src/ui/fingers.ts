@@ -34,4 +34,8 @@ export function twoFingers(moved: (before: Fingers, after: Fingers) => void) {
   };
 }
 
-const pixelOf = ({ clientX, clientY }: PointerEvent): Pixel => ({ x: clientX, y: clientY });
+/** From the element's upper left corner. */
+function pixelOf({ clientX, clientY, currentTarget }: PointerEvent): Pixel {
+  const { x, y } = (currentTarget as Element).getBoundingClientRect();
+  return { x: clientX - x, y: clientY - y };
+}

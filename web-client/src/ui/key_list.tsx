@@ -8,7 +8,7 @@ const KEYS: readonly [where: string, rows: readonly [keys: string, what: string]
   [
     "View",
     [
-      ["Drag, arrows", "Orbit"],
+      ["Drag, arrows", "Orbit, about what is pressed"],
       ["Shift with either, middle button", "Pan"],
       ["Wheel, + and −", "Zoom"],
       ["One finger", "Orbit"],
@@ -59,6 +59,7 @@ const KEYS: readonly [where: string, rows: readonly [keys: string, what: string]
     [
       ["Up, Down", "A step more or less"],
       ["Shift with either", "Ten steps at once"],
+      ["1+1, *2, 50%, 6500K", "Sums, factors and shares of it, units"],
       ["Enter, Escape", "Take it, leave it"],
     ],
   ],
@@ -72,6 +73,12 @@ const KEYS: readonly [where: string, rows: readonly [keys: string, what: string]
   ],
 ];
 
+/** Whether a click is beside the dialog: the darkened rest of the page is a part of it. */
+function isOutside({ currentTarget, clientX, clientY }: MouseEvent): boolean {
+  const { left, right, top, bottom } = (currentTarget as Element).getBoundingClientRect();
+  return clientX < left || clientX > right || clientY < top || clientY > bottom;
+}
+
 /** The list, while the page shows it. */
 export function KeyList() {
   const { showKeys } = usePage();
@@ -82,7 +89,16 @@ export function KeyList() {
     else dialog.current?.close();
   }, [shown]);
   return (
-    <dialog class="key-list" ref={dialog} aria-labelledby="key-list" onClose={() => (showKeys.value = false)}>
+    // biome-ignore lint/a11y/useKeyWithClickEvents: Escape closes it too
+    <dialog
+      class="key-list"
+      ref={dialog}
+      aria-labelledby="key-list"
+      onClose={() => (showKeys.value = false)}
+      onClick={(event) => {
+        if (isOutside(event)) showKeys.value = false;
+      }}
+    >
       {shown && (
         <>
           <header>

@@ -6,6 +6,7 @@ import { fitLight, fitScene } from "./fitting";
 import { duplicateLight, isFree, toggleMute, toggleSolo } from "./light_actions";
 import { canEdit, type Page } from "./page";
 import { takeTool } from "./tools";
+import { redo, undo } from "./undoing";
 
 const FIELDS = "input:not([type=range]), select, textarea";
 const TYPED = ".text, [data-typed=true]";
@@ -32,12 +33,12 @@ export function bindKeys(page: Page): void {
 }
 
 function taskFor(page: Page, event: KeyboardEvent): (() => void) | null {
-  const { session, scope, showGate, showHandles, showKeys, probe } = page;
+  const { showGate, showHandles, showKeys, probe } = page;
   const key = event.key.toLowerCase();
   if (event.ctrlKey || event.metaKey) {
     if (!canEdit(page)) return null;
-    if (key === "y" || (key === "z" && event.shiftKey)) return () => session.redo(scope.value);
-    return key === "z" ? () => session.undo(scope.value) : null;
+    if (key === "y" || (key === "z" && event.shiftKey)) return () => redo(page);
+    return key === "z" ? () => undo(page) : null;
   }
   if (event.altKey) return null;
   switch (key) {
@@ -59,7 +60,7 @@ function taskFor(page: Page, event: KeyboardEvent): (() => void) | null {
     case PROBE_KEY:
       return () => (probe.held.value = true);
     case "?":
-      return () => (showKeys.value = true);
+      return () => (showKeys.value = !showKeys.value);
     default: {
       const tool = TOOLS[Number(key) - 1];
       return tool === undefined ? taskForLight(page, key) : () => takeTool(page, tool);

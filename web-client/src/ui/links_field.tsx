@@ -1,6 +1,6 @@
 // The nodes of the scene that count for a light: those to include, and those to exclude.
 
-import { useId } from "preact/hooks";
+import { useId, useState } from "preact/hooks";
 
 import { type LinkList, type LinksValue, pathsOf, withPaths } from "../core/links";
 import { type Binding, through } from "./binding";
@@ -60,9 +60,18 @@ interface PathListProps {
 }
 
 function PathList({ label, tag, hint, doc, paths, binding, nodes, disabled }: PathListProps) {
-  const known = usePage().nodes.value?.paths ?? [];
+  const nodesHere = usePage().nodes.value;
+  const known = nodesHere?.paths ?? [];
+  const noteId = useId();
+  /** What was typed and names nothing. */
+  const [refused, setRefused] = useState<string | null>(null);
   const add = (input: HTMLInputElement) => {
     const path = input.value.trim();
+    // A light that is to light nothing but what is not there would light nothing.
+    if (path !== "" && nodesHere?.leftOut === 0 && !known.includes(path)) {
+      setRefused(path);
+      return;
+    }
     input.value = "";
     if (path !== "" && !paths.includes(path)) binding.set([...paths, path]);
   };
@@ -85,14 +94,26 @@ function PathList({ label, tag, hint, doc, paths, binding, nodes, disabled }: Pa
         list={nodes}
         placeholder={paths.length === 0 ? hint : "more"}
         disabled={disabled}
-        onInput={(event) => isPick(event) && add(event.currentTarget)}
+        aria-invalid={refused !== null}
+        aria-describedby={refused === null ? undefined : noteId}
+        onInput={(event) => {
+          setRefused(null);
+          if (isPick(event)) add(event.currentTarget);
+        }}
         onKeyDown={(event) => {
           if (event.key === "Enter") add(event.currentTarget);
-          if (event.key === "Escape") event.currentTarget.value = "";
+          if (event.key !== "Escape") return;
+          setRefused(null);
+          event.currentTarget.value = "";
         }}
         // What was only begun is no path.
         onBlur={(event) => known.includes(event.currentTarget.value.trim()) && add(event.currentTarget)}
       />
+      {refused !== null && (
+        <p class="path-note" id={noteId} role="status">
+          “{refused}” names nothing in this scene: pick one of the list
+        </p>
+      )}
     </div>
   );
 }

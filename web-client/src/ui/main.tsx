@@ -8,6 +8,7 @@ import { readAddress } from "./address";
 import type { Camera, ParameterTable } from "../core/protocol";
 import { App, Refusal, SignIn } from "./app";
 import { browserHost, fetchNodes, fetchTable, pickPoint } from "./host";
+import { keepPage, restorePage } from "./kept";
 import { bindKeys } from "./keys";
 import { PageProvider, startPage, startToasts } from "./page";
 import { keepActor, readActor } from "./person";
@@ -66,9 +67,11 @@ function start(table: ParameterTable): void {
     document.title = `${name} - BendyLights`;
     showState(root);
   });
+  restorePage(page);
   bindKeys(page);
   // A page that goes takes its drags with it, but for what was done.
   addEventListener("pagehide", page.presses.commit);
+  addEventListener("pagehide", () => keepPage(page));
   addEventListener("online", session.wake);
   document.addEventListener("visibilitychange", () => document.hidden || session.wake());
   render(
@@ -94,6 +97,7 @@ function start(table: ParameterTable): void {
     dataset.cameraRevision = String(session.viewer.revision.value);
     dataset.frameCameraRevision = String(frame?.cameraRevision ?? 0);
     dataset.liveRevision = String(frame?.liveRevision ?? 0);
+    dataset.camera = JSON.stringify(session.viewer.own.value?.camera ?? null);
     dataset.latencyMs = String(session.statistics.value.latencyMs ?? "");
   }
 }

@@ -53,6 +53,10 @@ export interface Page {
     at: Signal<Pixel | null>;
   };
   toasts: Signal<readonly Toast[]>;
+  /** Tells the person at the page. */
+  say(message: string): void;
+  /** The record that undo would take back when it was told that later steps stay. */
+  toldOvertaken: Signal<number | null>;
   /** The nodes of the scene; `null` while they are not known. */
   nodes: Signal<SceneNodes | null>;
 }
@@ -113,6 +117,8 @@ export function startPage({ host, session, screen, name, pick, toasts, fetchNode
     showKeys: signal(false),
     probe: { held: signal(false), on: signal(false), at: signal<Pixel | null>(null) },
     toasts: toasts.list,
+    say: toasts.add,
+    toldOvertaken: signal(null),
     nodes: signal(null),
   };
   effect(() => session.select(selectedLight.value));

@@ -101,6 +101,7 @@ function NumberSlider({ kind, among, ...props }: NumberSliderProps) {
       to={to}
       step={kind.step}
       unit={SIGNS[kind.unit ?? ""]}
+      countsIn={kind.unit}
       clamp={(value) => clampTo(kind, value)}
       stepTo={(from, wanted) => stepTo(kind, from, wanted)}
       logarithmic={kind.scale === "logarithmic" && from > 0}

@@ -5,6 +5,7 @@ import { viewSizeOf } from "../core/frame";
 import { orbit, pan } from "../core/navigation";
 import { type PixelQuestion, questionAt } from "../core/probing";
 import { aimAt, isAiming } from "./directing";
+import type { Vec3 } from "../core/vector";
 import type { Page } from "./page";
 import { followPointer } from "./pointer";
 import { isProbing } from "./probe_view";
@@ -14,7 +15,7 @@ const RADIANS_PER_PIXEL = 0.006;
 const CLICK_PX = 4;
 
 /** Where a pointer is in the picture of the stage that it is over. */
-export function inPicture(stage: Element, { clientX, clientY }: PointerEvent): Pixel {
+export function inPicture(stage: Element, { clientX, clientY }: MouseEvent): Pixel {
   const { x, y } = stage.querySelector("canvas")?.getBoundingClientRect() ?? { x: 0, y: 0 };
   return { x: clientX - x, y: clientY - y };
 }
@@ -39,19 +40,30 @@ export function pressPicture(down: PointerEvent, page: Page, size: Size): void {
   navigate(down, page, size, aims ? aim : null);
 }
 
-/** Alt with the left button or the left button on nothing orbits; shift or the middle button pans. A click does `click`, or
- * else selects the light as a whole. */
+/** Alt with the left button or the left button on nothing orbits, about what is seen under the press; shift or the middle button
+ * pans. A click does `click`, or else selects the light as a whole. */
 function navigate(down: PointerEvent, page: Page, size: Size, click: (() => void) | null): void {
   const { viewer } = page.session;
   const pans = down.button === 1 || down.shiftKey;
+  const pressed = questionOn(
+    down.currentTarget as Element,
+    page,
+    inPicture(down.currentTarget as Element, down),
+  );
   let way = 0;
+  // Until the answer is there, and where nothing is, it is what the camera looks at.
+  let about: Vec3 | undefined;
+  const ask = () => {
+    if (pressed === null || pans || viewer.following.value !== null) return;
+    page.session.probe("orbit", pressed, (found) => (about = found?.seen?.position));
+  };
   followPointer(down, {
     move(_, by) {
+      if (way === 0) ask();
       way += Math.hypot(by.x, by.y);
       if (way < CLICK_PX) return;
-      viewer.move((from) =>
-        pans ? pan(from, size, by) : orbit(from, -by.x * RADIANS_PER_PIXEL, -by.y * RADIANS_PER_PIXEL),
-      );
+      const [yaw, pitch] = [-by.x * RADIANS_PER_PIXEL, -by.y * RADIANS_PER_PIXEL];
+      viewer.move((from) => (pans ? pan(from, size, by) : orbit(from, yaw, pitch, about)));
     },
     end() {
       if (way >= CLICK_PX || pans) return;

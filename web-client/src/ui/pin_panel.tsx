@@ -1,11 +1,16 @@
 // The pins of the selected light, in words.
 
 import type { LightId } from "../core/ids";
+import type { Pin } from "../core/protocol";
 import { PIN_TEXTS, pinsOf } from "../core/tools";
 import { Icon } from "./icons";
 import { usePage } from "./page";
 import { QuietButton } from "./quiet_button";
 import { FoldingSection } from "./sections";
+
+/** What a pin keeps. */
+const textOf = ({ kind, caster }: Pin): string =>
+  caster === undefined || caster === null ? PIN_TEXTS[kind] : `${PIN_TEXTS[kind]} of ${caster}`;
 
 export function PinPanel({ id, disabled }: { id: LightId; disabled: boolean }) {
   const { session, toolbox } = usePage();
@@ -16,13 +21,10 @@ export function PinPanel({ id, disabled }: { id: LightId; disabled: boolean }) {
       <ul class="pins">
         {pins.map(({ id: number, pin }) => (
           <li key={number} data-current={toolbox.selectedPin.value === number}>
-            <span class="clipped">
-              {PIN_TEXTS[pin.kind]}
-              {pin.caster === undefined || pin.caster === null ? "" : ` of ${pin.caster}`}
-            </span>
+            <span class="clipped">{textOf(pin)}</span>
             <QuietButton
               title={pin.hard ? "It holds whatever is asked" : "It holds as far as what is asked lets it"}
-              label={`Pin ${number} is hard`}
+              label={`Hard: ${textOf(pin)}`}
               pressed={pin.hard}
               disabled={disabled}
               press={() => session.edit({ type: "setPin", pin: number, hard: !pin.hard })}
@@ -31,7 +33,7 @@ export function PinPanel({ id, disabled }: { id: LightId; disabled: boolean }) {
             </QuietButton>
             <QuietButton
               title="Remove this pin"
-              label={`Remove pin ${number}`}
+              label={`Remove: ${textOf(pin)}`}
               disabled={disabled}
               press={() => session.edit({ type: "removePin", pin: number })}
             >

@@ -36,10 +36,15 @@ export function ToolBar() {
           <Icon name={NAMES[kind].icon} /> {NAMES[kind].name}
         </QuietButton>
       ))}
-      {dragsFeatures(tool.value) && <FollowingChoices />}
-      {tool.value === "pin" && <PinChoices />}
     </div>
   );
+}
+
+/** What the tool that is taken up asks to know, over the picture, which stays where it is. */
+export function ToolChoices() {
+  const { tool } = usePage().toolbox;
+  if (dragsFeatures(tool.value)) return <FollowingChoices />;
+  return tool.value === "pin" ? <PinChoices /> : null;
 }
 
 const RADII: { [R in DragRadii]: string } = {
@@ -172,8 +177,8 @@ function PinChoices() {
 
 function Choices({ label, children }: { label: string; children: ComponentChildren }) {
   return (
-    <span class="choices" role="group" aria-label={label}>
+    <div class="choices" role="group" aria-label={label}>
       {children}
-    </span>
+    </div>
   );
 }

@@ -10,6 +10,7 @@ import { canEdit, usePage } from "./page";
 import { colorOf } from "./person";
 import { QuietButton } from "./quiet_button";
 import { SceneName } from "./scene_name";
+import { redo, undo } from "./undoing";
 
 export function TopBar() {
   const page = usePage();
@@ -35,7 +36,8 @@ const SCOPES: { [S in Scope]: { label: string; title: string } } = {
 };
 
 function UndoButtons() {
-  const { session, scope } = usePage();
+  const page = usePage();
+  const { session, scope } = page;
   const history = session.history.value;
   return (
     <div class="undo" role="group" aria-label="Undo and redo">
@@ -44,13 +46,13 @@ function UndoButtons() {
         keys="Ctrl+Z"
         // What is under way becomes a step, and the first to be undone.
         step={session.ownDrag.value === null ? history?.undo[scope.value] : undefined}
-        press={() => session.undo(scope.value)}
+        press={() => undo(page)}
       />
       <StepButton
         kind="redo"
         keys="Ctrl+Shift+Z"
         step={history?.redo[scope.value]}
-        press={() => session.redo(scope.value)}
+        press={() => redo(page)}
       />
       <div class="toggle" role="group" aria-label="Whose steps">
         {(Object.keys(SCOPES) as Scope[]).map((choice) => (

@@ -7,7 +7,7 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Box, Size, View } from "../core/camera";
 import { isAtLimit } from "../core/document";
 import { viewSizeOf } from "../core/frame";
-import { pinch, zoom } from "../core/navigation";
+import { pinch, zoomTo } from "../core/navigation";
 import type { PixelQuestion } from "../core/probing";
 import { outcomeText } from "../core/tools";
 import { aimAt, isAiming, middleOf } from "./directing";
@@ -19,12 +19,12 @@ import { Modes } from "./modes";
 import { Overlay } from "./overlay";
 import { type Page, usePage } from "./page";
 import { colorOf, nameOf } from "./person";
-import { hovering, pressPicture, questionOn } from "./picture_press";
+import { hovering, inPicture, pressPicture, questionOn } from "./picture_press";
 import { isProbing, ProbeView } from "./probe_view";
 import { QuietButton } from "./quiet_button";
 import { sentence } from "./sentence";
 import { StatsPanel } from "./stats_panel";
-import { ToolBar } from "./tool_bar";
+import { ToolBar, ToolChoices } from "./tool_bar";
 import { ToolView } from "./tool_view";
 import { pressTool, toolKeys } from "./tools";
 import { ViewExposure } from "./view_exposure";
@@ -92,7 +92,8 @@ export function Viewport() {
           onWheel={(event) => {
             event.preventDefault();
             const factor = Math.exp(wheelPixels(event) * ZOOM_PER_WHEEL_PIXEL);
-            session.viewer.move((from) => zoom(from, factor, session.bounds.value));
+            const pixel = inPicture(event.currentTarget, event);
+            session.viewer.move((from) => zoomTo(from, factor, session.bounds.value, picture, pixel));
           }}
         >
           <canvas
@@ -115,6 +116,7 @@ export function Viewport() {
           <Modes />
           <DragRefusal />
         </div>
+        <ToolChoices />
         <StatsPanel />
       </div>
     </main>

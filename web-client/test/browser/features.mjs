@@ -150,7 +150,7 @@ async function pins(page, picture, http) {
   await page.keyboard.press("Control+z");
   await reached(page, seq + 3);
 
-  await page.getByRole("button", { name: /Pin \d+ is hard/ }).click();
+  await page.getByRole("button", { name: /^Hard: / }).click();
   await reached(page, seq + 4);
   await page.locator('.pin[data-hard="false"]').waitFor();
   await mark.focus();

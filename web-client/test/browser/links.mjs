@@ -34,9 +34,24 @@ await runBrowserTest(async ({ open, picture, http }) => {
   expect(String(exclude) === "blue vase", `The light must not light the vase; it leaves out ${exclude}.`);
   expect((await list("Lights: not").inputValue()) === "", "What was added must not stay in the field.");
 
-  await after(async () => {
-    await list("Shadows: only").fill("attic/chair");
-    await page.keyboard.press("Enter");
+  // What names nothing here is refused where it is typed, and the shot stays as bright as it was.
+  const typed = await seqOf(page);
+  await list("Lights: only").fill("attic/chair");
+  await page.keyboard.press("Enter");
+  await links.getByText("“attic/chair” names nothing in this scene").waitFor();
+  expect(
+    (await seqOf(page)) === typed && (await shown()) === dark,
+    "A path that names nothing must change nothing.",
+  );
+  await page.keyboard.press("Escape");
+
+  // A program, or a scene from before, may have one all the same.
+  await after(() => {
+    const value = { include: ["attic/chair"] };
+    return http("/edits", {
+      actor: { id: "test-Ada", name: "Ada" },
+      edits: [{ command: { type: "set", target: "/lights/key/shadowLink", value } }],
+    });
   });
   const missing = links.locator('[data-missing="true"]');
   expect((await missing.count()) === 1, "A path that names nothing here must be marked, and no other.");

@@ -16,7 +16,7 @@ import {
 /** Bends the demo's light enough to move its shadows. */
 const WAY = { x: 60, y: -50 };
 
-await runBrowserTest(async ({ open, picture }) => {
+await runBrowserTest(async ({ open, picture, http }) => {
   const ada = await open("Ada");
   const bob = await open("Bob", { width: 1024, height: 640 });
   const before = { ada: await pixels(ada), bob: await pixels(bob), seq: await seqOf(ada) };
@@ -57,7 +57,31 @@ await runBrowserTest(async ({ open, picture }) => {
   for (const page of [ada, bob]) await settled(page, before.seq + 5);
   expect((await radiusOf(ada, 2)) === radius, "Undo of one's own steps must leave the other's edit alone.");
   await theSameDocument(ada, bob);
+  await overtakenStepsAreSaid(ada, http);
 });
+
+/** What others have overtaken stays, and the first press says so; the second goes on to the step before. */
+async function overtakenStepsAreSaid(ada, http) {
+  const edit = (who, target, value) =>
+    http("/edits", {
+      actor: { id: `test-${who}`, name: who },
+      edits: [{ command: { type: "set", target, value } }],
+    });
+  await edit("Ada", "/lights/key/exposure", 1);
+  await edit("Ada", "/lights/key/range", 30);
+  await edit("Bob", "/lights/key/range", 20);
+  const seq = (await (await http("")).json()).seq;
+  await settled(ada, seq);
+  await undoIs(ada, "Undo the exposure of “key”");
+  await ada.keyboard.press("Control+z");
+  await ada.getByText("Bob has changed the range of “key” since: it stays.").waitFor();
+  expect((await seqOf(ada)) === seq, "The first press must take nothing back.");
+  await ada.keyboard.press("Control+z");
+  await reached(ada, seq + 1);
+  const { document } = await (await http("")).json();
+  const { exposure = 0, range } = document.lights[0].light;
+  expect(exposure === 0 && range === 20, "The second press takes back the step before, and Bob's stays.");
+}
 
 /** Ada holds a control point; Bob sees it move and who holds it, and cannot take it. */
 async function aDragIsSeenLive(ada, bob, picture) {

@@ -136,7 +136,7 @@ fn lit_by(address: &Address, session: &str, index: usize) -> Result<Vec<Lit>, Be
         .filter(|(_, answer)| answer["status"] == "landed")
         .filter_map(|(asked, answer)| {
             let pixel = serde_json::from_value(asked["from"].clone()).ok()?;
-            Some(Lit { pixel, at: serde_json::from_value(answer["from_world"].clone()).ok()? })
+            Some(Lit { pixel, at: serde_json::from_value(answer["fromWorld"].clone()).ok()? })
         })
         .collect();
     if lit.is_empty() {

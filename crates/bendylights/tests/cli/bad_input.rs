@@ -124,7 +124,7 @@ fn a_name_that_is_not_there_is_refused_with_those_that_are() {
     let render = ["render", &scene, "--lights", &light, "-o", &picture];
     refused(&[&render[..], &["--camera", "side"]].concat(), "", &[&scene, "`side`", "`front`"]);
     refused(&[&render[..], &["--camera", "1"]].concat(), "", &[&scene, "`1`", "`front`"]);
-    refused(&[&render[..], &["--light", "rim"]].concat(), "", &[&light, "`rim`", "`key`"]);
+    refused(&[&render[..], &["--aov", "t", "--light", "rim"]].concat(), "", &[&light, "`rim`", "`key`"]);
     assert_eq!(folder.names(), ["light.json", "scene.gltf"]);
 }
 

@@ -1,8 +1,10 @@
 //! The commands that do their work.
 
-use image::{ColorType, DynamicImage, GenericImageView, Rgba32FImage};
+use exr::prelude::SampleType;
+use image::Rgba32FImage;
 use serde_json::{Value, json};
 
+use crate::exr_channels;
 use crate::program::{BENDY, Folder, SPOT, TRIANGLE, binary, run, run_with_input};
 
 /// What a command prints, which must succeed in silence.
@@ -99,7 +101,7 @@ fn bend_keeps_of_a_light_without_a_cone_what_lies_in_one() {
         let picture = folder.path("out.exr");
         let size = ["--size", "64x48", "--fill", "0", "-o", &picture];
         printed(&[&["render", &scene, "--lights", lights][..], &size].concat(), "");
-        image::open(&picture).expect("a picture").into_rgba32f()
+        exr_channels::beauty(&picture)
     };
     // The most by which two pictures differ where the triangle is near the middle, as a share of the first.
     let apart = |a: &Rgba32FImage, b: &Rgba32FImage| {
@@ -164,8 +166,8 @@ fn a_reader_that_goes_away_is_no_error() {
     assert!(output.stdout.ends_with(b"\n0\n"));
 }
 
-/// Renders the triangle, lit from the front, and reads the picture back.
-fn rendered(folder: &Folder, name: &str, more: &[&str]) -> DynamicImage {
+/// Renders the triangle, lit from the front.
+fn rendered(folder: &Folder, name: &str, more: &[&str]) -> String {
     let scene = folder.file("scene.gltf", TRIANGLE);
     // Stands before the triangle and shines along -Z onto all of it.
     let light =
@@ -176,17 +178,29 @@ fn rendered(folder: &Folder, name: &str, more: &[&str]) -> DynamicImage {
         [&["render", &scene, "--lights", &light, "--size", "64x48", "-o", &picture][..], more].concat();
     assert_eq!(printed(&args, ""), "");
     assert_eq!(folder.names(), ["light.json", name, "scene.gltf"], "the picture and nothing else");
-    image::open(&picture).expect("a picture")
+    picture
 }
 
 #[test]
 fn render_writes_png_for_people() {
     let folder = Folder::new();
-    let picture = rendered(&folder, "out.png", &["--samples", "2"]);
+    let picture = |more: &[&str]| {
+        let file = std::fs::read(rendered(&folder, "out.png", more)).expect("a file");
+        // The chunk by which programs know which colours these are.
+        assert!(file.windows(4).any(|bytes| bytes == b"sRGB"));
+        image::load_from_memory(&file).expect("a PNG").into_rgba8()
+    };
+    let seen = picture(&["--samples", "16", "--background", "transparent"]);
+    let picture_of = &picture;
+    let picture = picture_of(&["--samples", "2"]);
     assert_eq!(picture.dimensions(), (64, 48));
     let (middle, corner) = (picture.get_pixel(32, 26), picture.get_pixel(1, 1));
     assert!(middle[1] > corner[1], "the triangle is lit and the background is not: {middle:?}, {corner:?}");
-    let again = rendered(&folder, "out.png", &["--aov", "visibility", "--light", "key", "--camera", "front"]);
+    // Behind the triangle is nothing; over its edge a pixel has as much of its colour as the middle, and less of it.
+    let alphas: Vec<u8> = seen.pixels().map(|pixel| pixel[3]).collect();
+    assert_eq!((seen.get_pixel(1, 1).0, seen.get_pixel(32, 26)[3]), ([0; 4], 255));
+    assert!(alphas.iter().any(|alpha| (1..255).contains(alpha)));
+    let again = picture_of(&["--aov", "visibility", "--light", "key", "--camera", "front"]);
     assert_eq!(again.get_pixel(32, 26).0[..3], [255; 3], "written over: nothing stands before the triangle");
 }
 
@@ -203,7 +217,7 @@ fn render_keeps_what_the_camera_frames() {
         let picture = folder.path("out.exr");
         let done = run(&[&["render", &scene, "--aov", "depth", "-o", &picture], args].concat());
         assert_eq!(done.code, 0, "{}", done.stderr);
-        let picture = image::open(&picture).expect("a picture").into_rgba32f();
+        let picture = exr_channels::picture(&exr_channels::open(&picture), ["Z", "Z", "Z", "A"]);
         let count = |row: u32| (0..picture.width()).filter(|&x| picture.get_pixel(x, row)[3] > 0.0).count();
         let columns = |x: u32| (0..picture.height()).filter(|&y| picture.get_pixel(x, y)[3] > 0.0).count();
         let [width, height] = [picture.width(), picture.height()];
@@ -231,7 +245,7 @@ fn render_takes_the_fill_away() {
         let picture = folder.path("out.exr");
         let render = ["render", "demo:vases", "--size", "96x54", "-o", &picture];
         printed(&[&render[..], &["--backend", backend, "--fill", fill]].concat(), "");
-        image::open(&picture).expect("a picture").into_rgba32f()
+        exr_channels::beauty(&picture)
     };
     let [gpu, reference] = ["gpu", "reference"].map(|backend| ["0", "1"].map(|fill| drawn(backend, fill)));
     let (mut dark, mut differ) = (0, 0);
@@ -283,7 +297,7 @@ fn render_says_how_far_it_is() {
         let alone = render(&picture("unseen"));
         assert_eq!(printed(&alone.split(' ').collect::<Vec<_>>(), ""), "", "nothing is written elsewhere");
         let bytes = |name: &str| std::fs::read(picture(name)).expect("a picture");
-        assert_eq!(bytes("seen"), bytes("unseen"), "{backend}");
+        assert!(bytes("seen") == bytes("unseen"), "{backend}");
     }
 }
 
@@ -291,25 +305,83 @@ fn render_says_how_far_it_is() {
 fn render_takes_shadow_settings() {
     let folder = Folder::new();
     let shadows = ["--aov", "visibility", "--shadow-resolution", "512", "--shadow-mesh-error", "0.01"];
-    let picture = rendered(&folder, "out.png", &shadows);
+    let picture = image::open(rendered(&folder, "out.png", &shadows)).expect("a PNG").into_rgba8();
     assert_eq!(picture.get_pixel(32, 26).0[..3], [255; 3], "nothing stands before the triangle");
 }
 
 #[test]
 fn render_writes_exr_with_the_values_themselves() {
     let folder = Folder::new();
-    let depth = rendered(&folder, "out.exr", &["--aov", "depth"]);
-    assert_eq!(depth.color(), ColorType::Rgba32F);
-    let depth = depth.into_rgba32f().get_pixel(32, 26)[0];
+    let file = exr_channels::open(&rendered(&folder, "out.exr", &["--aov", "depth"]));
+    let types = exr_channels::types(&file);
+    assert_eq!(types, [("A".into(), SampleType::F16), ("Z".into(), SampleType::F32)].into());
+    let picture = exr_channels::picture(&file, ["Z", "Z", "Z", "A"]);
+    assert_eq!(
+        picture.get_pixel(0, 0).0,
+        [f32::INFINITY, f32::INFINITY, f32::INFINITY, 0.0],
+        "nothing is there"
+    );
+    let depth = picture.get_pixel(32, 26)[0];
     // The plane lies 4 before the camera; the depth is a float of 24 bits, kept as 1 / z over a near plane of
     // 0.1: half a step of it is 4^2 / 0.1 * 2^-25.
     assert!((depth - 4.0).abs() < 5e-6, "{depth}");
 }
 
+/// One drawing, several files; one file, all quantities.
+#[test]
+fn render_puts_all_quantities_in_one_file() {
+    let folder = Folder::new();
+    let [all, png, exr] = ["all.exr", "one.png", "one.exr"].map(|name| folder.path(name));
+    let size = ["render", "demo:vases", "--size", "96x54"];
+    printed(&[&size[..], &["--aov", "all", "-o", &all]].concat(), "");
+    printed(&[&size[..], &["-o", &png, "-o", &exr]].concat(), "");
+    let file = exr_channels::open(&all);
+    let types = exr_channels::types(&file);
+    let floats = ["R", "G", "B", "Z", "P.X", "P.Y", "P.Z", "key.t", "key.v", "key.w"];
+    let halves = ["A", "N.X", "N.Y", "N.Z", "key.A", "key.visibility"];
+    let of = |names: &[&str], kind| names.iter().map(|name| ((*name).to_owned(), kind)).collect::<Vec<_>>();
+    let directions = ["key.direction.X", "key.direction.Y", "key.direction.Z"];
+    let expected =
+        [of(&floats, SampleType::F32), of(&halves, SampleType::F16), of(&directions, SampleType::F16)]
+            .concat();
+    assert_eq!(types, expected.into_iter().collect());
+    assert!(exr_channels::picture(&file, ["R", "G", "B", "A"]) == exr_channels::beauty(&exr));
+    // The position is where the depth says, in the world: the matrix of the header takes it to its depth.
+    let [position, depth] =
+        [["P.X", "P.Y", "P.Z", "A"], ["Z", "Z", "Z", "A"]].map(|names| exr_channels::picture(&file, names));
+    let matrix = file.layer_data.attributes.world_to_camera.expect("the header has it");
+    let mut seen = 0;
+    for (at, depth) in position.pixels().zip(depth.pixels()).filter(|(at, _)| at[3] > 0.0) {
+        let z = (0..3).map(|row| at[row] * matrix[4 * row + 2]).sum::<f32>() + matrix[14];
+        // A sum of four products of numbers below 8.
+        assert!((z + depth[0]).abs() < 4.0 * 8.0 * f32::EPSILON * 4.0, "{at:?} {depth:?}");
+        seen += 1;
+    }
+    assert!(seen > 96 * 54 / 2);
+    // The PNG beside it is that of the same drawing: its tone mapping grows with the radiance.
+    let (png, beauty) = (image::open(&png).expect("a PNG").into_rgb8(), exr_channels::beauty(&exr));
+    let bright = |y: u32, x: u32| (beauty.get_pixel(x, y)[1], png.get_pixel(x, y)[1]);
+    let mut pixels: Vec<_> =
+        (0..54).flat_map(|y| (0..96).map(move |x| (y, x))).map(|(y, x)| bright(y, x)).collect();
+    pixels.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (dark, light) = (pixels[pixels.len() / 4].1, pixels[3 * pixels.len() / 4].1);
+    assert!(dark < light, "{dark} {light}");
+    let chromaticities = file.attributes.chromaticities.expect("the header has them");
+    assert_eq!((chromaticities.red.x(), chromaticities.white.y()), (0.64, 0.329));
+    for (args, words) in [
+        (vec!["--aov", "depth,normal", "-o", "a.png"], "a PNG shows one quantity"),
+        (vec!["--light", "key", "-o", "a.png"], "beauty is not of one light"),
+    ] {
+        let done = run(&[&size[..], &args].concat());
+        assert!(done.code == 2 && done.stderr.contains(words), "{}", done.stderr);
+    }
+}
+
 #[test]
 fn render_draws_a_wireframe_of_the_shadow_map() {
     let folder = Folder::new();
-    let drawn = rendered(&folder, "out.exr", &["--aov", "wireframe"]).into_rgba32f();
+    let drawn = exr_channels::open(&rendered(&folder, "out.exr", &["--aov", "wireframe"]));
+    let drawn = exr_channels::picture(&drawn, ["t", "edge", "edge", "A"]);
     let on_triangle: Vec<_> = drawn.pixels().filter(|pixel| pixel[3] == 1.0).collect();
     assert!(on_triangle.len() > 100 && on_triangle.iter().all(|pixel| pixel[0] > 0.0 && pixel[0] < 1.0));
     let scene = folder.path("scene.gltf");

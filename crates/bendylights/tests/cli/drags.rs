@@ -32,10 +32,10 @@ fn a_shadow_goes_where_it_is_put() {
             (&json!("landed"), &Value::Null, &Value::Null),
             "{answer}"
         );
-        assert!(answer["residual_px"].as_f64().expect("pixels") < 0.5);
+        assert!(answer["residualPx"].as_f64().expect("pixels") < 0.5);
         let folder = Folder::new();
         let light = folder.file("light.json", answer["light"].to_string());
-        let points = json!([answer["pivot_world"], answer["to_world"]]).to_string();
+        let points = json!([answer["pivotWorld"], answer["toWorld"]]).to_string();
         let text = printed(&["eval", &light, "--scene", "demo:vases", "--precision", "0"], &points);
         let places: Vec<Value> = serde_json::from_str(&text).expect("an array");
         let number = |place: usize, field: &str| places[place][field].as_f64().expect("a number");
@@ -74,7 +74,7 @@ fn what_cannot_be_dragged_is_refused_with_a_reason() {
         let mut drag = asked("shadow", SHADOW, LIT);
         change(&mut drag);
         let answer = drags(&json!([drag]))[0].clone();
-        assert_eq!((&answer["status"], &answer["residual_px"]), (&json!("refused"), &Value::Null));
+        assert_eq!((&answer["status"], &answer["residualPx"]), (&json!("refused"), &Value::Null));
         answer["reason"].clone()
     };
     assert_eq!(reason(&|drag| drag["points"] = json!([0])), "noSuchPoint");

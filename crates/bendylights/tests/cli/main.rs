@@ -8,6 +8,7 @@ mod commands;
 mod deploy;
 mod drags;
 mod eval_fixture;
+mod exr_channels;
 mod help;
 mod hostile;
 mod logs;

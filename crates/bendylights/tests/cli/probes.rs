@@ -26,7 +26,7 @@ fn a_probe_says_what_eval_says_of_the_point() {
         json!([{"light": 0, "kind": "hotspot", "size": [640, 360], "from": [430.5, 265.5], "to": [1e9, 0]}]);
     let dragged: Value =
         serde_json::from_str(&printed(&["drag", "demo:vases", "-"], &asked.to_string())).expect("an array");
-    assert_eq!(dragged[0]["from_world"], probed["seen"]["position"], "a drag sees the same");
+    assert_eq!(dragged[0]["fromWorld"], probed["seen"]["position"], "a drag sees the same");
     let file = folder.file("light.json", dragged[0]["light"].to_string());
     let points = json!([probed["seen"]["position"]]).to_string();
     let evaluated = printed(&["eval", &file, "--scene", "demo:vases", "--precision", "0"], &points);

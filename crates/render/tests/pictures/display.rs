@@ -1,7 +1,7 @@
 //! The bytes of a screen.
 
 use glam::DVec3;
-use render::{Aov, PictureFormat, RenderError, View};
+use render::{Aov, Background, FileNeeds, RenderError, View};
 use scene::Material;
 
 use crate::support::{floor, instances, named, renderer, scene_of, spot, view};
@@ -70,7 +70,7 @@ fn exposure_multiplies_radiance_before_tone_mapping() {
     for exposure in [-32.0, -6.5, -1.0, 0.0, 0.25, 1.0, 3.0, 20.0, 32.0] {
         let view = View { exposure, ..view.clone() };
         let shown = renderer.render_display(&view, &[]).unwrap();
-        let file = raw.clone().into_file(&view, &[], PictureFormat::Png).unwrap();
+        let file = raw.to_png(&view, &[], Background::Black).unwrap();
         let file = image::load_from_memory(&file).unwrap().into_rgb8();
         let pixels = [&shown[16..19], &file.get_pixel(1, 1).0];
         let off = |stops: f64| {
@@ -91,7 +91,7 @@ fn exposure_multiplies_radiance_before_tone_mapping() {
     let view = View { exposure: 32.0, ..view };
     assert_eq!(blinding.render_display(&view, &[]).unwrap()[16..20], [255; 4]);
     let raw = blinding.render(&view, &[]).unwrap();
-    let file = raw.into_file(&view, &[], PictureFormat::Png).unwrap();
+    let file = raw.to_png(&view, &[], Background::Black).unwrap();
     assert_eq!(image::load_from_memory(&file).unwrap().into_rgb8().get_pixel(1, 1).0, [255; 3]);
     for exposure in [-32.1, 33.0, f64::NAN, f64::INFINITY] {
         let refused = renderer.render_display(&View { exposure, ..view.clone() }, &[]);
@@ -106,34 +106,47 @@ fn the_background_is_black() {
     assert_eq!(renderer(&scene).render_display(&view, &[]).unwrap(), [0, 0, 0, 255].repeat(9));
 }
 
-/// A PNG holds the bytes of the screen, or the values made readable; an EXR the values themselves.
+/// A PNG holds the picture of the screen, or the values made readable.
 #[test]
 fn files_hold_the_picture() {
     let mut renderer = renderer(&scene_of([floor(1.0, 0.0)], vec![Material::default()]));
-    let mut view = view(DVec3::Y * 2.0, DVec3::ZERO, [4, 3], Aov::Beauty);
+    let view = view(DVec3::Y * 2.0, DVec3::ZERO, [4, 3], Aov::Beauty);
     let lights = instances(&[named(spot(DVec3::Y * 3.0, DVec3::ZERO))]);
-    let mut decoded = |view: &View, format| {
-        let file = renderer.render_file(view, &lights, format, |_| {}).unwrap();
-        image::load_from_memory(&file).unwrap()
-    };
-    let (png, exr) = (decoded(&view, PictureFormat::Png), decoded(&view, PictureFormat::Exr));
-    view.aov = Aov::Depth;
-    let depth = decoded(&view, PictureFormat::Png);
-    let raw = decoded(&view, PictureFormat::Exr);
-    assert_eq!(raw.into_rgba32f().into_raw(), renderer.render(&view, &lights).unwrap().pixels.as_flattened());
-    assert_eq!(png.into_rgba8().into_raw(), renderer.render_display(&view, &lights).unwrap());
-    view.aov = Aov::Beauty;
-    let beauty = renderer.render(&view, &lights).unwrap();
-    assert_eq!(exr.into_rgba32f().into_raw(), beauty.pixels.as_flattened());
+    let decoded = |file: Vec<u8>| image::load_from_memory(&file).unwrap().into_rgb8();
     // The middle is nearest, so brightest.
-    let shades: Vec<u8> = depth.into_rgb8().pixels().map(|pixel| pixel.0[0]).collect();
+    let depth = View { aov: Aov::Depth, ..view.clone() };
+    let far = renderer.render(&depth, &lights).unwrap().to_png(&depth, &lights, Background::Black).unwrap();
+    let shades: Vec<u8> = decoded(far).pixels().map(|pixel| pixel.0[0]).collect();
     assert_eq!(shades.iter().max(), Some(&255));
-    // Another renderer's picture becomes the same file: rounding apart, which f32's power function decides.
-    let file = beauty.clone().into_file(&view, &lights, PictureFormat::Png).unwrap();
-    let ours = image::load_from_memory(&file).unwrap().into_rgb8();
     let screen = renderer.render_display(&view, &lights).unwrap();
-    let screen = screen.as_chunks::<4>().0.iter().flat_map(|pixel| &pixel[..3]);
-    assert!(ours.as_raw().iter().zip(screen).all(|(a, b)| a.abs_diff(*b) <= 1));
+    let screen: Vec<u8> = screen.as_chunks::<4>().0.iter().flat_map(|pixel| pixel[..3].to_vec()).collect();
+    // By itself and beside an EXR it has the bytes of the screen.
+    for exr in [false, true] {
+        let needs = FileNeeds::of(Aov::Beauty, Some(Background::Black), exr);
+        let pixels = renderer.render_for_files(&view, &lights, needs, |_| {}).unwrap();
+        assert_eq!(pixels.values().is_some(), exr);
+        assert_eq!(decoded(pixels.to_png(&view, &lights, Background::Black).unwrap()).into_raw(), screen);
+    }
+    // Of the values of another renderer the same, rounding apart, which f32's power function decides.
+    let beauty = renderer.render(&view, &lights).unwrap();
+    let ours = decoded(beauty.to_png(&view, &lights, Background::Black).unwrap());
+    assert!(ours.as_raw().iter().zip(&screen).all(|(a, b)| a.abs_diff(*b) <= 1));
     // The planted fault: one AOV taken for another.
     assert_ne!(beauty, renderer.render(&View { aov: Aov::Depth, ..view }, &lights).unwrap());
+}
+
+/// A position lies where its depth says, by whichever way it is drawn.
+#[test]
+fn positions_are_those_of_depths() {
+    let mut renderer = renderer(&scene_of([floor(1.0, 0.0)], vec![Material::default()]));
+    let view = view(DVec3::new(0.3, 2.0, 0.4), DVec3::ZERO, [9, 7], Aov::Position);
+    let drawn = renderer.render(&view, &[]).unwrap();
+    let tiled = renderer.render_for_files(&view, &[], FileNeeds::Values, |_| {}).unwrap();
+    assert!(tiled.values() == Some(&drawn));
+    let seen: Vec<_> = drawn.pixels.iter().filter(|pixel| pixel[3] > 0.0).collect();
+    assert!(seen.len() > 9);
+    for [x, y, z, _] in seen {
+        // On the floor, to what a depth of 2.5 is kept to: half a step of 1 / z over a near plane of 0.01, 2^-25 * 2.5^2 / 0.01.
+        assert!(y.abs() < 2e-5 && x.abs() <= 1.0 && z.abs() <= 1.0, "{x} {y} {z}");
+    }
 }

@@ -7,8 +7,8 @@ use glam::DVec3;
 use light::parameters::{CONE_ANGLE, INTENSITY, NAME, RANGE, SHADOW_ENABLE, SHADOW_LINK, TRANSLATION};
 use light::{Light, LightInstance, Links};
 use render::{
-    Aov, Backend, Gpu, MemoryBudget, MemoryKind, Picture, PictureFormat, Pixels, Renderer, TiledPicture,
-    View, ViewSlot,
+    Aov, Backend, FileNeeds, Gpu, MemoryBudget, MemoryKind, Picture, Pixels, Renderer, TiledPicture, View,
+    ViewSlot,
 };
 use scene::{Material, Scene};
 
@@ -59,7 +59,7 @@ fn pictures(
 ) -> (Picture, Pixels, u64) {
     let whole = renderer.render(&camera(1), lights).unwrap();
     let mut most = memory.total();
-    let mut picture = TiledPicture::for_file(&camera(2), lights, PictureFormat::Exr).unwrap();
+    let mut picture = TiledPicture::for_files(&camera(2), lights, FileNeeds::Values).unwrap();
     while !renderer.draw_some(&mut picture, Duration::ZERO).unwrap() {
         most = most.max(memory.total());
     }
@@ -161,7 +161,7 @@ fn what_nobody_looks_at_is_given_back() {
         assert_eq!(memory.total(), before);
 
         // A still that is given up in the middle.
-        let mut still = TiledPicture::for_file(&camera(3), &lights, PictureFormat::Exr).unwrap();
+        let mut still = TiledPicture::for_files(&camera(3), &lights, FileNeeds::Values).unwrap();
         for _ in 0..4 {
             assert!(!renderer.draw_some(&mut still, Duration::ZERO).unwrap());
         }
@@ -185,7 +185,7 @@ fn what_nobody_looks_at_is_given_back() {
             moved[0].set(TRANSLATION.to(translation));
             instances(&moved)
         };
-        let mut still = TiledPicture::for_file(&camera(4), &lights, PictureFormat::Exr).unwrap();
+        let mut still = TiledPicture::for_files(&camera(4), &lights, FileNeeds::Values).unwrap();
         let before = renderer.counts().shadow;
         while renderer.counts().shadow == before {
             assert!(!renderer.draw_some(&mut still, Duration::ZERO).unwrap());

@@ -19,7 +19,7 @@ impl IntoResponse for ServerError {
         let mut answer = (status, json(&ErrorBody { error: problem })).into_response();
         // For who counts them.
         answer.extensions_mut().insert(code);
-        if status == StatusCode::SERVICE_UNAVAILABLE {
+        if matches!(status, StatusCode::SERVICE_UNAVAILABLE | StatusCode::TOO_MANY_REQUESTS) {
             answer.headers_mut().insert(header::RETRY_AFTER, RETRY_AFTER.as_secs().into());
         }
         answer
@@ -29,6 +29,11 @@ impl IntoResponse for ServerError {
 /// A body of JSON.
 pub fn json(value: &impl Serialize) -> Response {
     ([(header::CONTENT_TYPE, "application/json")], json_text(value)).into_response()
+}
+
+/// A body of another kind.
+pub fn file(kind: &'static str, bytes: Vec<u8>) -> Response {
+    ([(header::CONTENT_TYPE, kind)], bytes).into_response()
 }
 
 /// A line of JSON.

@@ -1,6 +1,6 @@
 //! Answers that stay the same while the server runs, with a tag by which clients keep them (SPEC, HTTP-24).
 
-use axum::body::{Body, Bytes};
+use axum::body::Bytes;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use document::AssetHash;
@@ -35,13 +35,21 @@ pub fn tag(hash: &str) -> HeaderValue {
 
 /// `answer` with its tag; 304 without a body where the request says that it has that one.
 pub fn tagged(asked: &HeaderMap, tag: HeaderValue, mut answer: Response) -> Response {
-    if asked.get_all(header::IF_NONE_MATCH).iter().any(|known| names(known, &tag)) {
-        *answer.status_mut() = StatusCode::NOT_MODIFIED;
-        *answer.body_mut() = Body::empty();
-        answer.headers_mut().remove(header::CONTENT_TYPE);
+    if is_known(asked, &tag) {
+        return not_modified(tag);
     }
     answer.headers_mut().insert(header::ETAG, tag);
     answer
+}
+
+/// Whether a request says that it has what has that tag.
+pub fn is_known(asked: &HeaderMap, tag: &HeaderValue) -> bool {
+    asked.get_all(header::IF_NONE_MATCH).iter().any(|known| names(known, tag))
+}
+
+/// 304 without a body.
+pub fn not_modified(tag: HeaderValue) -> Response {
+    (StatusCode::NOT_MODIFIED, [(header::ETAG, tag)]).into_response()
 }
 
 /// Whether a list of tags has this one or is `*`. A weak tag counts too: RFC 9110, section 13.1.2.

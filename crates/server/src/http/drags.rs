@@ -93,9 +93,12 @@ fn question(asked: &Drag, document: &Document, scene: &Decoded) -> Result<Questi
     let camera = match &asked.camera {
         None => default_camera(document, scene, f64::from(size[0]) / f64::from(size[1])),
         Some(wanted) => {
-            let names = document.cameras().values().map(|camera| camera.name.as_str());
-            let place = wanted.place_in(names).ok_or_else(|| none_named("camera", wanted))?;
-            document.cameras().values().nth(place).cloned().ok_or(ServerError::Fault)?
+            let id = match wanted {
+                NameOrIndex::Index(index) => document.cameras().keys().nth(*index).copied(),
+                NameOrIndex::Name(name) => Some(document.find_camera(name).map_err(edit::Refusal::from)?),
+            };
+            let camera = id.and_then(|id| document.cameras().get(&id));
+            camera.cloned().ok_or_else(|| none_at("camera", wanted))?
         }
     };
     let light =
@@ -105,12 +108,14 @@ fn question(asked: &Drag, document: &Document, scene: &Decoded) -> Result<Questi
 
 /// The light of that name, or of that index among all.
 fn light_named(document: &Document, wanted: &NameOrIndex) -> Result<LightId, ServerError> {
-    let names = document.lights().values().map(|placed| placed.light.light().name());
-    let place = wanted.place_in(names).ok_or_else(|| none_named("light", wanted))?;
-    document.lights().keys().nth(place).copied().ok_or(ServerError::Fault)
+    match wanted {
+        NameOrIndex::Index(index) => document.lights().keys().nth(*index).copied(),
+        NameOrIndex::Name(name) => Some(document.find_light(name).map_err(edit::Refusal::from)?),
+    }
+    .ok_or_else(|| none_at("light", wanted))
 }
 
-fn none_named(what: &'static str, wanted: &NameOrIndex) -> ServerError {
+fn none_at(what: &'static str, wanted: &NameOrIndex) -> ServerError {
     let remedy = "give the name or the index of one of the document's";
     ServerError::NotFound { what, name: wanted.to_string().chars().take(64).collect(), remedy }
 }

@@ -2,12 +2,14 @@
 
 mod answer;
 mod assets;
+mod compress;
 mod constant;
 mod count;
 mod drags;
 mod guard;
 mod page;
 mod pick;
+mod picture_files;
 mod probe;
 mod read;
 mod render;
@@ -66,6 +68,8 @@ pub fn router(state: Arc<AppState>) -> Router {
         .layer(middleware::from_fn_with_state(Arc::clone(&state), guard::pace))
         .layer(middleware::map_response(guard::believe_no_guesses))
         .layer(middleware::from_fn_with_state(Arc::clone(&state), count::count_requests))
+        .layer(compress::compression())
+        .layer(middleware::map_response(compress::weaken_tag))
         .with_state(state)
 }
 

@@ -1,64 +1,161 @@
-//! `GET /sessions/S/render`: a picture of the document, as it is or as it was.
+//! `GET /sessions/S/render`: pictures of the document, as it is, as it was, or with something set for them alone.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use axum::extract::State;
-use axum::http::{HeaderName, HeaderValue, Uri, header};
-use axum::response::IntoResponse;
-use document::Document;
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Uri, header};
+use document::{AssetHash, Context, Document, edited};
+use light::LightInstance;
 use protocol::{
-    FrameQuality, RenderFormat, RenderLimits, RenderParameters, RenderRequest, TraceLine, TraceWhat,
+    Aovs, CameraChoice, Command, FrameQuality, RenderBackground, RenderFormat, RenderLimits,
+    RenderParameters, RenderRefusal, RenderRequest, TraceLine, TraceWhat,
 };
-use render::{PictureFormat, RenderError};
-use scene::{Camera, framing_camera};
+use render::{Background, ExrFile, Origin, Pixels, Wanted, wanted};
+use scene::{Camera, View, framing_camera};
 
-use super::answer::Answer;
+use super::answer::{Answer, file};
+use super::constant::{is_known, not_modified, tag};
+use super::picture_files::{Drawn, Files};
 use super::read::{SessionName, read_query};
 use crate::ServerError;
-use crate::background;
+use crate::background as in_background;
+use crate::limits::MAX_PICTURE_BYTES;
 use crate::picture_stats::{micros, on_the_wire};
 use crate::renderer::{Lease, Output, Place, Request, Urgency};
+use crate::request::valid_camera;
 use crate::room::{Message, Snapshot};
 use crate::scenes::Decoded;
 use crate::state::AppState;
+use crate::trace::PictureTrace;
 use crate::turns::Payer;
 
 /// The header that tells what a picture lacks.
 const NOTE: HeaderName = HeaderName::from_static("x-bendylights-note");
 
-/// The picture that the address asks for. It waits behind the views.
-pub async fn render(State(state): State<Arc<AppState>>, SessionName(name): SessionName, uri: Uri) -> Answer {
+/// The pictures that an address asks for, known but not drawn.
+struct Asked {
+    document: Document,
+    scene: Decoded,
+    /// The view but for its quantity and its light.
+    view: View,
+    /// The lights that shine.
+    lights: Vec<LightInstance>,
+    /// What of it is drawn.
+    pictures: Vec<Wanted>,
+    /// What the header of an EXR says.
+    origin: Origin,
+}
+
+/// The pictures that the address asks for. They wait behind the views.
+pub async fn render(
+    State(state): State<Arc<AppState>>,
+    SessionName(name): SessionName,
+    headers: HeaderMap,
+    uri: Uri,
+) -> Answer {
     let query: RenderParameters = read_query(&uri)?;
-    let (seq, format) = (query.at, query.format);
-    let asked = query.request()?;
-    let _permit = state.stills.take(&name)?;
-    let Snapshot { name, mut document, mut scene, lease: session, .. } =
+    let (request, formats) = (query.request()?, query.formats()?);
+    request.check_light()?;
+    let Snapshot { name, epoch, seq, document, scene, lease: session, .. } =
         state.rooms.find(&name).await?.request(Message::Snapshot).await?;
-    let session_name = name.clone();
-    if let Some(seq) = seq {
-        let replayed = state.backend.storage.read(move |store| store.replay(&name, Some(seq)));
-        document = replayed.await?.document().clone();
-        scene = state.backend.scenes.of(&document).await?;
-    }
-    let notes = headers(&document, &scene);
-    let picture_format = match format {
-        RenderFormat::Png => PictureFormat::Png,
-        RenderFormat::Exr => PictureFormat::Exr,
+    // The document as it is by its hash, or where the file says it by its record; as it was it is what that record left.
+    let of = match query.at {
+        None if !formats.contains(&RenderFormat::Exr) => document.hash().to_string(),
+        at => format!("{epoch} {}", at.unwrap_or(seq)),
     };
-    let leases = (session, state.backend.renders.lease());
-    let payer = Payer::program(&session_name);
-    let request = request(&asked, picture_format, (&document, &scene), (leases, payer))?;
-    let (view, lights, asked_at) = (request.view.clone(), request.lights.clone(), Instant::now());
+    // Another run may have another driver.
+    let all = format!("{} {of} {name} {}", state.backend.run, uri.query().unwrap_or_default());
+    let tag = tag(&AssetHash::of(all.as_bytes()).hex());
+    if is_known(&headers, &tag) {
+        return Ok(not_modified(tag));
+    }
+    let _permit = state.stills.take(&name)?;
+    let (document, scene, seq) = match query.at {
+        None => (document, scene, seq),
+        Some(at) => {
+            let session = name.clone();
+            let replayed = state.backend.storage.read(move |store| store.replay(&session, Some(at)));
+            let document = replayed.await?.document().clone();
+            let scene = state.backend.scenes.of(&document).await?;
+            (document, scene, at)
+        }
+    };
+    let viewer = state.backend.renders.lease();
+    let mut asked = asked(&query, &request, (document, scene), &viewer)?;
+    asked.origin.name = Some(name.clone());
+    asked.origin.seq = Some(seq);
+    let notes = notes(&asked);
+    let background = match query.background {
+        RenderBackground::Black => Background::Black,
+        RenderBackground::Transparent => Background::Transparent,
+    };
+    let mut files = Files::new(&formats, background, &asked.view);
+    let payer = Payer::program(&name);
+    let mut last: Option<(PictureTrace, Duration)> = None;
+    for Wanted { aov, light, name: called } in asked.pictures {
+        let view = View { aov, light, ..asked.view.clone() };
+        let lights = asked.lights.clone();
+        let request = Request {
+            scene: Arc::clone(&asked.scene.posed),
+            view: view.clone(),
+            session: Arc::clone(&session),
+            viewer: Arc::clone(&viewer),
+            payer: payer.clone(),
+            lights: lights.clone(),
+            output: Output::File(files.needs(aov)),
+            urgency: Urgency::Still,
+            place: Place::since(Instant::now()),
+        };
+        let (pixels, trace) = draw(&state, &name, request).await?;
+        let drawn = Drawn { view, lights, light: called, pixels };
+        if let Some((trace, took)) = last.take() {
+            trace.encoded(took);
+        }
+        // Compressing takes seconds, in which the renderer can draw for others.
+        let added = in_background::run(move || {
+            let began = Instant::now();
+            (files.add(&drawn), began.elapsed())
+        });
+        let (added, took) = added.await?;
+        files = added?;
+        last = Some((trace, took));
+    }
+    let (view, origin) = (asked.view, asked.origin);
+    let finished = in_background::run(move || {
+        let began = Instant::now();
+        let finished = files.finish(&view, &origin);
+        if let Some((trace, took)) = last {
+            trace.encoded(took + began.elapsed());
+        }
+        finished
+    });
+    let (kind, bytes) = finished.await??;
+    let mut response = file(kind, bytes);
+    response.headers_mut().insert(header::ETAG, tag);
+    for note in notes {
+        response.headers_mut().append(NOTE, note);
+    }
+    Ok(response)
+}
+
+/// Draws one quantity; its pixels, and the line of the trace that is to be told how long its encoding takes.
+async fn draw(
+    state: &AppState,
+    session: &str,
+    request: Request,
+) -> Result<(Pixels, PictureTrace), ServerError> {
+    let (size, asked_at) = ([request.view.width, request.view.height], Instant::now());
     let drawn = state.backend.renders.draw(request).await;
     // Of a server that stops, the renderer's end is no fault.
     let stopped = matches!(drawn, Err(ServerError::Fault)) && state.backend.draining.is_cancelled();
     let drawn = if stopped { Err(ServerError::Draining) } else { drawn }?;
     let trace = state.backend.trace.drawn(|| TraceLine {
         time: drawn.started.saturating_duration_since(state.backend.started).as_secs_f64(),
-        session: session_name,
+        session: session.into(),
         what: TraceWhat::Still {},
-        size: [view.width, view.height],
+        size,
         quality: FrameQuality::Settled,
         wait_us: micros(drawn.started.saturating_duration_since(asked_at)),
         render_us: micros(drawn.took),
@@ -66,27 +163,71 @@ pub async fn render(State(state): State<Arc<AppState>>, SessionName(name): Sessi
         passes: on_the_wire(&drawn.passes),
         left_out: 0,
     });
-    // Compressing takes seconds, in which the renderer can draw for others.
-    let file = background::run(move || {
-        let began = Instant::now();
-        let file = drawn.pixels.into_file(&view, &lights, picture_format)?;
-        trace.encoded(began.elapsed());
-        Ok::<_, RenderError>(file)
-    });
-    let file = file.await??;
-    let kind = match format {
-        RenderFormat::Png => "image/png",
-        RenderFormat::Exr => "image/x-exr",
-    };
-    let mut response = ([(header::CONTENT_TYPE, kind)], file).into_response();
-    for note in notes {
-        response.headers_mut().append(NOTE, note);
-    }
-    Ok(response)
+    Ok((drawn.pixels, trace))
 }
 
-/// What the picture lacks: the notes of its scene, and a sentence for each light that it leaves out.
-fn headers(document: &Document, scene: &Decoded) -> Vec<HeaderValue> {
+/// What the address asks for, in a document.
+fn asked(
+    query: &RenderParameters,
+    request: &RenderRequest,
+    (document, scene): (Document, Decoded),
+    viewer: &Lease,
+) -> Result<Asked, ServerError> {
+    let refused = |error| ServerError::from(edit::Refusal::Edit(error));
+    let (mut document, set) = (document, query.set()?);
+    let reach = scene.posed.reach();
+    for (address, value) in &set {
+        let target = document.address_by_id(address).map_err(refused)?;
+        let command = Command::Set { target, value: value.clone() }.try_into()?;
+        let context = Context { reach, loaded: None, solved: None };
+        document = edited(&document, &command, context).map_err(refused)?.document;
+    }
+    let mut lights = document.instances();
+    let mut origin = Origin {
+        document_hash: Some(document.hash().to_string()),
+        scene: document.scene().map(|scene| scene.asset.to_string()),
+        set: (!set.is_empty()).then(|| query.set.clone()).flatten(),
+        ..Origin::default()
+    };
+    if let Some(called) = query.lights()? {
+        let ids: Result<BTreeSet<_>, _> = called.iter().map(|light| document.find_light(light)).collect();
+        let ids = ids.map_err(refused)?;
+        lights.retain(|light| ids.contains(&light.id));
+        let names: Vec<&str> = lights.iter().map(|light| light.light.light().name()).collect();
+        origin.lights = serde_json::to_string(&names).ok();
+    }
+    let light = match &request.light {
+        None => 0,
+        Some(called) => {
+            let id = document.find_light(called).map_err(refused)?;
+            let place = lights.iter().position(|light| light.id == id);
+            place.ok_or_else(|| {
+                ServerError::BadMessage("`light` is not one of `lights`: add it to them".into())
+            })?
+        }
+    };
+    let camera = match &request.camera {
+        None => default_camera(&document, &scene, request.framing_aspect()),
+        Some(CameraChoice::Own(camera)) => valid_camera((**camera).clone())?,
+        Some(CameraChoice::Named(called)) => {
+            let id = document.find_camera(called).map_err(refused)?;
+            document.cameras().get(&id).cloned().ok_or(ServerError::Fault)?
+        }
+    };
+    let of_each = request.aovs == Aovs::All && request.light.is_none();
+    let pictures = wanted(request.aovs.each(), (!of_each).then_some(light), &lights);
+    let view = request.view(camera, light, RenderLimits::HTTP, viewer.slot());
+    let pixels = view.width as usize * view.height as usize;
+    let bytes: usize = pictures.iter().map(|of| pixels * ExrFile::bytes_a_pixel(of.aov)).sum();
+    if bytes > MAX_PICTURE_BYTES {
+        return Err(RenderRefusal::TooMuch { limit_mib: MAX_PICTURE_BYTES >> 20 }.into());
+    }
+    Ok(Asked { document, scene, view, lights, pictures, origin })
+}
+
+/// What the pictures lack: the notes of their scene, and a sentence for each light that they leave out.
+fn notes(asked: &Asked) -> Vec<HeaderValue> {
+    let Asked { document, scene, .. } = asked;
     let left_out = scene.posed.reach().left_out(document.lights().values().map(|placed| &*placed.light));
     let sentences = scene.notes.iter().cloned().chain(left_out.into_iter().map(|why| why.to_string()));
     // Names can have any letters; a header's value has those of ASCII.
@@ -94,52 +235,8 @@ fn headers(document: &Document, scene: &Decoded) -> Vec<HeaderValue> {
     sentences.filter_map(|sentence| HeaderValue::from_str(&plain(sentence)).ok()).collect()
 }
 
-fn request(
-    asked: &RenderRequest,
-    format: PictureFormat,
-    (document, scene): (&Document, &Decoded),
-    ((session, viewer), payer): ((Arc<Lease>, Arc<Lease>), Payer),
-) -> Result<Request, ServerError> {
-    let light = asked.light.as_deref().map_or(Ok(0), |wanted| choose_light(document, wanted))?;
-    let camera = match &asked.camera {
-        Some(wanted) => choose_camera(document, wanted)?,
-        None => default_camera(document, scene, asked.framing_aspect()),
-    };
-    Ok(Request {
-        scene: Arc::clone(&scene.posed),
-        view: asked.view(camera, light, RenderLimits::HTTP, viewer.slot()),
-        session,
-        viewer,
-        payer,
-        lights: document.instances(),
-        output: Output::File(format),
-        urgency: Urgency::Still,
-        place: Place::since(Instant::now()),
-    })
-}
-
-/// The index of a light by its id or its name.
-fn choose_light(document: &Document, wanted: &str) -> Result<usize, ServerError> {
-    let by_id = document.lights().keys().position(|id| id.to_string() == wanted);
-    let by_name = || document.lights().values().position(|placed| placed.light.light().name() == wanted);
-    by_id.or_else(by_name).ok_or_else(|| not_found("light", wanted))
-}
-
-/// A camera by its id or its name.
-fn choose_camera(document: &Document, wanted: &str) -> Result<Camera, ServerError> {
-    let cameras = document.cameras();
-    let by_id = cameras.iter().find(|(id, _)| id.to_string() == wanted).map(|(_, camera)| camera);
-    let by_name = || cameras.values().find(|camera| camera.name == wanted);
-    by_id.or_else(by_name).cloned().ok_or_else(|| not_found("camera", wanted))
-}
-
 /// The first camera, or one that sees everything in a picture of that width over height.
 pub fn default_camera(document: &Document, scene: &Decoded, aspect: f64) -> Camera {
     let first = document.cameras().values().next().cloned();
-    first.unwrap_or_else(|| framing_camera(&scene.posed.reach(), aspect))
-}
-
-fn not_found(what: &'static str, wanted: &str) -> ServerError {
-    let remedy = "give the id or the name of one of the document's";
-    ServerError::NotFound { what, name: wanted.chars().take(64).collect(), remedy }
+    first.unwrap_or_else(|| framing_camera(&scene.posed.subject(), aspect))
 }

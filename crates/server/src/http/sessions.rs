@@ -7,7 +7,7 @@ use axum::body::{Body, Bytes};
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, Uri, header};
 use axum::response::{IntoResponse, Response};
-use document::{Command, Context};
+use document::{Command, Context, Document};
 use edit::{Actor, Request, Session, Sources};
 use futures_util::stream::{iter, try_unfold};
 use protocol::{
@@ -19,13 +19,14 @@ use tokio::task::spawn_blocking;
 use tokio_util::sync::CancellationToken;
 
 use super::answer::{Answer, created, json};
+use super::constant::{is_known, not_modified, tag};
 use super::read::{SessionName, read_json, read_query};
 use crate::ServerError;
 use crate::access::{Credential, Principal, random_digits};
 use crate::connections::Connection;
 use crate::in_flight::InFlight;
 use crate::limits::{LOG_PAGE_BYTES, MAX_EDITS, MAX_LOG_RECORDS, MAX_NODES_LISTED, MESSAGE_COST_EDITS};
-use crate::request::{Step, actor, edit_request, step};
+use crate::request::{Asked, Step, actor, edit_request, step};
 use crate::room::{Message, time_ms};
 use crate::scenes::{Decoded, Scenes};
 use crate::state::AppState;
@@ -51,7 +52,7 @@ pub async fn create(State(state): State<Arc<AppState>>, headers: HeaderMap, body
         None => None,
         Some(scene) => {
             let command = protocol::Command::LoadScene { scene, name: None };
-            Some(edit_request(command, None, &state.backend.scenes).await?)
+            Some(edit_request(command, None, &state.backend.scenes).await?.of(&Document::default())?)
         }
     };
     let mut session = Session::default();
@@ -79,14 +80,20 @@ pub async fn show(
     State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Connection>,
     SessionName(name): SessionName,
+    asked: HeaderMap,
 ) -> Answer {
     let snapshot = state.rooms.find(&name).await?.request(Message::Snapshot).await?;
+    let hash = snapshot.document.hash().to_string();
+    let tag = tag(&format!("{}.{}.{hash}", snapshot.epoch, snapshot.seq));
+    if is_known(&asked, &tag) {
+        return Ok(not_modified(tag));
+    }
     state.backend.in_flight.check()?;
     let state = SessionState {
         name: snapshot.name,
         epoch: snapshot.epoch,
         seq: snapshot.seq,
-        hash: snapshot.document.hash().to_string(),
+        hash,
         document: protocol::Document::default(),
         notes: snapshot.scene.notes.to_vec(),
     };
@@ -98,6 +105,7 @@ pub async fn show(
     let headers = [
         (header::CONTENT_TYPE, HeaderValue::from_static("application/json")),
         (header::CONTENT_LENGTH, length.into()),
+        (header::ETAG, tag),
     ];
     Ok((headers, Body::from_stream(iter(pieces.map(Ok::<_, ServerError>)))).into_response())
 }
@@ -143,8 +151,8 @@ async fn parse_edit(edit: Edit, scenes: &Scenes) -> Result<Step, ServerError> {
     let Edit { op_id, base_seq, command, undo, redo } = edit;
     let request = match (command, undo, redo) {
         (Some(command), None, None) => edit_request(command, base_seq, scenes).await,
-        (None, Some(scope), None) => Ok(Request::Undo(scope.into())),
-        (None, None, Some(scope)) => Ok(Request::Redo(scope.into())),
+        (None, Some(scope), None) => Ok(Asked::Request(Request::Undo(scope.into()))),
+        (None, None, Some(scope)) => Ok(Asked::Request(Request::Redo(scope.into()))),
         _ => {
             let sentence = "an edit has exactly one of `command`, `undo` and `redo`: divide it";
             Err(ServerError::BadMessage(sentence.into()))

@@ -6,7 +6,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use light::LightInstance;
-use render::{Backend, PassRun, PictureFormat, Pixels, RenderError, View, ViewSlot};
+use render::{Backend, FileNeeds, PassRun, Pixels, RenderError, View, ViewSlot};
 use scene::PosedScene;
 use tokio::sync::{mpsc, oneshot, watch};
 
@@ -38,8 +38,8 @@ pub enum Readiness {
 pub enum Output {
     /// As a screen shows it.
     Display,
-    /// As a file of that format holds it.
-    File(PictureFormat),
+    /// What its files need.
+    File(FileNeeds),
 }
 
 /// Somebody the renderer keeps things for: a session, a view, a still. When the last clone is dropped, those go.

@@ -333,7 +333,7 @@ fn draw(
             let mut begun = match (picture.take(), output) {
                 (Some(begun), _) => begun,
                 (None, Output::Display) => TiledPicture::for_screen(view, lights)?,
-                (None, Output::File(format)) => TiledPicture::for_file(view, lights, *format)?,
+                (None, Output::File(needs)) => TiledPicture::for_files(view, lights, *needs)?,
             };
             if renderer.draw_some(&mut begun, turn)? {
                 Some(begun.into_pixels())

@@ -16,7 +16,7 @@ use crate::access::Principal;
 use crate::limits::{MAX_CLIENTS, MAX_TAIL, MAX_TAIL_BYTES, MAX_VIEW_SIDE};
 use crate::outbox::{Outbox, Text};
 use crate::outboxes::ClientId;
-use crate::request::ClientRequest;
+use crate::request::{Asked, ClientRequest};
 
 /// One connection.
 pub(super) struct Client {
@@ -40,7 +40,7 @@ impl Client {
         let committed = |gesture: &String| {
             self.line.iter().any(|message| match message {
                 Message::Client { request: ClientRequest::Step(step), .. } => {
-                    matches!(&step.request, Ok(Request::Commit(id)) if id == gesture)
+                    matches!(&step.request, Ok(Asked::Request(Request::Commit(id))) if id == gesture)
                 }
                 _ => false,
             })

@@ -21,7 +21,7 @@ use super::tick::Tick;
 use crate::ServerError;
 use crate::limits::{MAX_SOLVE_TRIES, MAX_TICK};
 use crate::outboxes::ClientId;
-use crate::request::{ClientRequest, Step, needs_scene};
+use crate::request::{Asked, ClientRequest, Step, needs_scene};
 use crate::turns::Payer;
 
 impl Room {
@@ -52,7 +52,7 @@ impl Room {
         solves: &mut Solves,
         tick: &Tick,
     ) -> Poll<Found> {
-        let Ok(request) = &step.request else { return Poll::Ready(None) };
+        let Ok(Asked::Request(request)) = &step.request else { return Poll::Ready(None) };
         // What came before is not carried out.
         if tick.earlier_outcome(&step.op_id, actor).is_some() {
             return Poll::Ready(None);

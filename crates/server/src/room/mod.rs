@@ -284,7 +284,7 @@ impl Room {
 impl OpenScene {
     async fn of(document: &Document, scenes: &Scenes) -> Result<Self, ServerError> {
         let decoded = scenes.of(document).await?;
-        let framing = scene::framing_camera(&decoded.posed.reach(), scene::DEFAULT_ASPECT);
+        let framing = scene::framing_camera(&decoded.posed.subject(), scene::DEFAULT_ASPECT);
         Ok(Self { bounds: Bounds::of(&decoded.posed), framing, decoded })
     }
 }

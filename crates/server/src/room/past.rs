@@ -79,7 +79,7 @@ fn step(
     actor_id: &str,
     find_record: FindRecord,
 ) -> Option<HistoryStep> {
-    let TakenBack { target, changes, .. } =
+    let TakenBack { target, changes, passed, .. } =
         session.taken_back(request, actor_id, find_record).ok().flatten()?;
     let done: Vec<Change> = match request {
         Request::Undo(_) => changes.iter().rev().map(Change::inverse).collect(),
@@ -90,5 +90,5 @@ fn step(
         Action::Undo { target: step, .. } => find_record(step)?.actor,
         _ => record.actor,
     };
-    Some(HistoryStep { seq: target, actor: (&by).into(), what: deed(&done, session.document()) })
+    Some(HistoryStep { seq: target, actor: (&by).into(), what: deed(&done, session.document()), passed })
 }

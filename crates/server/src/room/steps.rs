@@ -53,6 +53,7 @@ impl Room {
         tick: &mut Tick,
     ) -> Answer {
         let Step { op_id, request } = step;
+        let request = request.and_then(|asked| asked.of(self.session.document()));
         let request = request.map(|request| (request, found));
         let (outcome, is_new) = self.outcome_of(&op_id, request, &principal.actor, tick).await;
         Answer { result: EditResult { op_id, outcome }, is_new }
@@ -75,10 +76,7 @@ impl Room {
             Err(error) => Err(error),
         };
         let outcome = match carried_out {
-            Ok(record) => {
-                let (rebased, skipped) = (record.action.rebased(), record.action.skipped().to_vec());
-                Outcome::Committed { seq: record.seq, rebased, skipped }
-            }
+            Ok(record) => Outcome::Committed((&record).into()),
             Err(error) if error.is_of_the_moment() => return (refused(&error), true),
             Err(error) => {
                 let (actor_id, op_id) = key.clone();

@@ -15,6 +15,7 @@ mod patience;
 mod pictures;
 mod probes;
 mod scenes;
+mod scripts;
 mod server;
 mod sessions;
 mod slow;

@@ -2,7 +2,7 @@
 
 use light::parameters::CONE_ANGLE;
 use protocol::{
-    ClientMessage, Command, ErrorCode, GestureState, GestureStatus, Outcome, Scope, ServerMessage,
+    ClientMessage, Command, Committed, ErrorCode, GestureState, GestureStatus, Outcome, Scope, ServerMessage,
 };
 use rusqlite::{Connection, TransactionBehavior};
 use serde_json::{Value, json};
@@ -43,7 +43,7 @@ async fn edit(client: &mut Client, op_id: &str, base_seq: u64, command: Command)
 }
 
 fn committed(seq: u64) -> Outcome {
-    Outcome::Committed { seq, rebased: false, skipped: Vec::new() }
+    Outcome::Committed(Committed { seq, ..Committed::default() })
 }
 
 fn has_ended(state: &GestureState) -> bool {
@@ -60,8 +60,8 @@ async fn an_operation_that_comes_again_gets_its_first_answer() {
     let theirs = edit(&mut ben, "x", known, cone_angle(30.0)).await;
     assert_eq!(theirs, committed(known + 1));
     let rebased = edit(&mut ada, "x", known, cone_angle(31.0)).await;
-    let skipped = Vec::new();
-    assert_eq!(rebased, Outcome::Committed { seq: known + 2, rebased: true, skipped }, "another actor's x");
+    let expected = Committed { seq: known + 2, rebased: true, ..Committed::default() };
+    assert_eq!(rebased, Outcome::Committed(expected), "another actor's x");
     let folded = edit(&mut ada, "y", known, cone_angle(95.0)).await;
     assert!(matches!(&folded, Outcome::Rejected(problem) if problem.code == ErrorCode::InvalidLight));
     ada.say(&ClientMessage::Undo { op_id: "z".into(), scope: Scope::Mine }).await;

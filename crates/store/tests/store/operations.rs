@@ -3,7 +3,7 @@
 use document::Command;
 use edit::Action;
 use light::LightId;
-use protocol::{ErrorCode, Outcome, Problem};
+use protocol::{Committed, ErrorCode, Outcome, Problem};
 use rusqlite::Connection;
 use store::{Batch, MAX_REJECTIONS, Rejection, Store, StoreError};
 
@@ -36,7 +36,7 @@ fn an_operation_has_its_first_outcome() {
     let store = folder.store();
     let outcome =
         |session: &str, actor: &str, op: &str| store.outcome(session, actor, op).expect("an answer");
-    let committed = Outcome::Committed { seq: 7, rebased: false, skipped: Vec::new() };
+    let committed = Outcome::Committed(Committed { seq: 7, ..Committed::default() });
     assert_eq!(outcome("main", "a", "op 7"), Some(committed));
     assert_eq!(outcome("main", "a", "x"), Some(Outcome::Rejected(folded("it folds"))));
     for (session, actor, op) in
@@ -79,7 +79,7 @@ fn an_outcome_is_read_of_its_own_line_alone() {
     let fault = "DROP TRIGGER record_stays; UPDATE record SET json = '' WHERE seq = 1";
     database.execute_batch(fault).expect("a planted fault");
     store.records("main", 3, 1).expect_err("the light is gone");
-    let committed = Outcome::Committed { seq: 3, rebased: false, skipped: Vec::new() };
+    let committed = Outcome::Committed(Committed { seq: 3, ..Committed::default() });
     assert_eq!(store.outcome("main", "a", "op 3").expect("an answer"), Some(committed));
 }
 
@@ -103,7 +103,8 @@ fn an_outcome_that_is_referred_to_is_found() {
     }
     store.append(&[log.batch("main")]).expect("a commit");
     for seq in [8, 9] {
-        let committed = Outcome::Committed { seq, rebased: false, skipped: skipped.clone() };
+        let skipped = skipped.clone();
+        let committed = Outcome::Committed(Committed { seq, skipped, ..Committed::default() });
         assert_eq!(store.outcome("main", "a", &format!("op {seq}")).expect("an answer"), Some(committed));
     }
 }

@@ -162,7 +162,7 @@ fn sound(whose: &str, aov: Aov, pixel: [f64; 4], tally: &mut Tally) -> Check {
         Aov::Vw => x.abs().max(y.abs()) < 1.0 + 1e-5,
         Aov::Beauty | Aov::Depth => x.min(y).min(z) >= 0.0,
         Aov::Wireframe => (0.0..=1.0).contains(&y),
-        Aov::T | Aov::Normal => true,
+        Aov::T | Aov::Normal | Aov::Position => true,
     };
     let sound = pixel.iter().all(|x| x.is_finite()) && (alpha == 0.0 || alpha == 1.0) && in_range;
     tally.holds(sound, || format!("a pixel of the {whose}'s {} is {pixel:?}", aov.name()))

@@ -1,0 +1,61 @@
+//! Lights and cameras by what a text calls them: an id in digits, or a name that one of them alone has.
+
+use std::fmt::Display;
+
+use light::LightId;
+
+use crate::{CameraId, Document, EditError};
+
+/// Ids that are said where several have a name.
+const SAID: usize = 8;
+
+impl Document {
+    /// The light of that id or name. An id comes before a name that is written like it.
+    pub fn find_light(&self, called: &str) -> Result<LightId, EditError> {
+        let names = self.lights().iter().map(|(id, placed)| (*id, placed.light.light().name()));
+        find("light", called, names)
+    }
+
+    /// The camera of that id or name, as [`Self::find_light`] takes them.
+    pub fn find_camera(&self, called: &str) -> Result<CameraId, EditError> {
+        find("camera", called, self.cameras().iter().map(|(id, camera)| (*id, camera.name.as_str())))
+    }
+
+    /// An address with the id in place of a name: `/lights/key/exposure` becomes `/lights/3/exposure`. In a name `~1` stands for
+    /// `/`, and `~0` for `~`, as in JSON pointers (RFC 6901). What is no address stays as it is.
+    pub fn address_by_id(&self, address: &str) -> Result<String, EditError> {
+        let mut parts: Vec<&str> = address.splitn(4, '/').collect();
+        let ["", kind, called, _] = parts[..] else { return Ok(address.into()) };
+        let called = called.replace("~1", "/").replace("~0", "~");
+        let id = match kind {
+            "lights" => self.find_light(&called)?.to_string(),
+            "cameras" => self.find_camera(&called)?.to_string(),
+            _ => return Ok(address.into()),
+        };
+        parts[2] = &id;
+        Ok(parts.join("/"))
+    }
+}
+
+fn find<'a, Id: Copy + Display>(
+    what: &'static str,
+    called: &str,
+    names: impl Iterator<Item = (Id, &'a str)> + Clone,
+) -> Result<Id, EditError> {
+    if let Some((id, _)) = names.clone().find(|(id, _)| id.to_string() == called) {
+        return Ok(id);
+    }
+    let of_name: Vec<Id> = names.filter(|(_, name)| *name == called).map(|(id, _)| id).collect();
+    match of_name[..] {
+        [id] => Ok(id),
+        [] => Err(EditError::NoneCalled { what, name: said(called) }),
+        _ => {
+            let ids: Vec<String> = of_name.iter().take(SAID).map(Id::to_string).collect();
+            Err(EditError::SeveralCalled { what, name: said(called), ids: ids.join(", ") })
+        }
+    }
+}
+
+fn said(name: &str) -> String {
+    crate::naming::quoted(name).unwrap_or_else(|| "“”".into())
+}

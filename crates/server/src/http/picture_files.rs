@@ -1,0 +1,88 @@
+//! The files of one request for pictures.
+
+use std::io::{Cursor, Write as _};
+
+use light::LightInstance;
+use protocol::RenderFormat;
+use render::{Aov, Background, ExrFile, FileNeeds, Origin, Pixels, RenderError};
+use scene::View;
+use zip::write::{SimpleFileOptions, ZipWriter};
+use zip::{CompressionMethod, result::ZipResult};
+
+/// What is drawn of a request.
+pub struct Drawn {
+    /// From where, and which quantity of which light.
+    pub view: View,
+    /// Under which lights.
+    pub lights: Vec<LightInstance>,
+    /// What files call the light that it is of, where there are pictures of several.
+    pub light: Option<String>,
+    /// What was drawn.
+    pub pixels: Pixels,
+}
+
+/// The files, as far as they are made.
+pub struct Files {
+    background: Background,
+    exr: Option<ExrFile>,
+    /// PNGs by their names, where they are wanted.
+    pngs: Option<Vec<(String, Vec<u8>)>>,
+}
+
+impl Files {
+    /// Nothing is in them.
+    pub fn new(formats: &[RenderFormat], background: Background, view: &View) -> Self {
+        let size = [view.width, view.height];
+        Self {
+            background,
+            exr: formats.contains(&RenderFormat::Exr).then(|| ExrFile::new(size)),
+            pngs: formats.contains(&RenderFormat::Png).then(Vec::new),
+        }
+    }
+
+    /// What they need of a quantity.
+    pub fn needs(&self, aov: Aov) -> FileNeeds {
+        FileNeeds::of(aov, self.pngs.is_some().then_some(self.background), self.exr.is_some())
+    }
+
+    /// Takes in one quantity. Takes a while.
+    pub fn add(mut self, drawn: &Drawn) -> Result<Self, RenderError> {
+        let Drawn { view, lights, light, pixels } = drawn;
+        if let (Some(exr), Some(picture)) = (&mut self.exr, pixels.values()) {
+            exr.add(view.aov, light.as_deref(), picture);
+        }
+        if let Some(pngs) = &mut self.pngs {
+            let of_light = light.as_ref().map(|name| format!("{name}.")).unwrap_or_default();
+            let png = pixels.to_png(view, lights, self.background)?;
+            pngs.push((format!("{of_light}{}.png", view.aov.name()), png));
+        }
+        Ok(self)
+    }
+
+    /// The bytes that answer the request, and their media type: the file, or a ZIP of several. Takes a while.
+    pub fn finish(self, view: &View, origin: &Origin) -> Result<(&'static str, Vec<u8>), RenderError> {
+        let exr = self.exr.map(|exr| exr.into_bytes(view, origin)).transpose()?;
+        let mut pngs = self.pngs.unwrap_or_default();
+        match (exr, &mut pngs[..]) {
+            (Some(exr), []) => Ok(("image/x-exr", exr)),
+            (None, [(_, png)]) => Ok(("image/png", std::mem::take(png))),
+            (exr, _) => {
+                let exr = exr.map(|exr| ("picture.exr".to_owned(), exr));
+                let files: Vec<_> = pngs.into_iter().chain(exr).collect();
+                let zip = zipped(&files).map_err(|why| RenderError::Encode(why.to_string()))?;
+                Ok(("application/zip", zip))
+            }
+        }
+    }
+}
+
+/// A ZIP of files that are compressed already.
+fn zipped(files: &[(String, Vec<u8>)]) -> ZipResult<Vec<u8>> {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+    for (name, bytes) in files {
+        zip.start_file(name.as_str(), stored)?;
+        zip.write_all(bytes)?;
+    }
+    Ok(zip.finish()?.into_inner())
+}
