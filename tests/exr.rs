@@ -37,18 +37,9 @@ fn other_programs_read_channels_types_and_where_a_picture_comes_from() {
     let file = folder.path().join("all.exr");
     let render = ["render", "demo:vases", "--size", "64x36", "--samples", "4", "--aov", "all", "-q", "-o"];
     done(Command::new(program()).args(render).arg(&file));
-    let floats = ["R", "G", "B", "Z", "P.X", "P.Y", "P.Z", "key.t", "key.v", "key.w"];
-    let halves = [
-        "A",
-        "N.X",
-        "N.Y",
-        "N.Z",
-        "key.A",
-        "key.visibility",
-        "key.direction.X",
-        "key.direction.Y",
-        "key.direction.Z",
-    ];
+    let floats = ["R", "G", "B", "A", "key.A", "Z", "P.X", "P.Y", "P.Z", "key.t", "key.v", "key.w"];
+    let halves =
+        ["N.X", "N.Y", "N.Z", "key.visibility", "key.direction.X", "key.direction.Y", "key.direction.Z"];
     let of = |names: &[&str], kind: &str| {
         names.iter().map(|name| ((*name).to_owned(), json!(kind))).collect::<Vec<_>>()
     };

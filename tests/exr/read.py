@@ -26,23 +26,27 @@ def near(found, expected):
 
 
 def with_openexr(path, expected):
+    types = {"float16": "half", "float32": "float"}
+    # What a file gives is gone with it.
     with OpenEXR.File(path, separate_channels=True) as file:
         header, channels = file.header(), file.channels()
-    types = {"float16": "half", "float32": "float"}
-    found = {name: types[str(channel.pixels.dtype)] for name, channel in channels.items()}
-    check(found == expected["channels"], f"OpenEXR finds {found}")
-    height, width = channels["A"].pixels.shape
-    check([width, height] == expected["size"], f"OpenEXR finds {width} x {height}")
-    for name, value in expected["attributes"].items():
-        check(header.get(name) == value, f"OpenEXR finds {header.get(name)!r} as {name}, not {value!r}")
-    check(header["compression"] == OpenEXR.ZIP_COMPRESSION, "it is not compressed by ZIP")
-    chromaticities = header["chromaticities"]
-    check(near(chromaticities[:2], RED) and near(chromaticities[6:], WHITE), f"OpenEXR finds {chromaticities}")
-    matrix = [float(x) for row in header["worldToCamera"] for x in row]
-    check(near(matrix, expected["matrix"]), f"OpenEXR finds {matrix}")
-    alpha, depth = channels["A"].pixels, channels["Z"].pixels
-    seen = depth[alpha == 1]
-    check(seen.size > 0 and bool((seen > 0).all()), "depths of what is seen are more than 0")
+        found = {name: types[str(channel.pixels.dtype)] for name, channel in channels.items()}
+        check(found == expected["channels"], f"OpenEXR finds {found}")
+        height, width = channels["A"].pixels.shape
+        check([width, height] == expected["size"], f"OpenEXR finds {width} x {height}")
+        for name, value in expected["attributes"].items():
+            check(header.get(name) == value, f"OpenEXR finds {header.get(name)!r} as {name}, not {value!r}")
+        check(header["compression"] == OpenEXR.ZIP_COMPRESSION, "it is not compressed by ZIP")
+        chromaticities = header["chromaticities"]
+        check(near(chromaticities[:2], RED) and near(chromaticities[6:], WHITE), f"OpenEXR finds {chromaticities}")
+        matrix = [float(x) for row in header["worldToCamera"] for x in row]
+        check(near(matrix, expected["matrix"]), f"OpenEXR finds {matrix}")
+        alpha, depth = channels["A"].pixels, channels["Z"].pixels
+        seen = depth[alpha == 1]
+        check(seen.size > 0 and bool((seen > 0).all()), "depths of what is seen are more than 0")
+    # As people read it who want colours: channels of a group in one array, for which they have to be of one type.
+    with OpenEXR.File(path) as file:
+        check(file.channels()["RGBA"].pixels.shape == (*reversed(expected["size"]), 4), "it has no RGBA")
 
 
 def with_openimageio(path, expected):

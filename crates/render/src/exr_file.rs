@@ -11,7 +11,7 @@
 //! | direction | `direction.X`, `direction.Y`, `direction.Z` | half |
 //! | visibility | `visibility` | half |
 //!
-//! `A` is the share of a pixel in which something is seen; of quantities of a light, in which it reaches something. Where several
+//! `A`, float, is the share of a pixel in which something is seen; of quantities of a light, in which it reaches something. Where several
 //! lights are in one file their channels have the light's name before them: `key.visibility`, `key.A`. Half holds a unit vector to
 //! 2.4e-4 and a share to as much; sums of radiance need more.
 
@@ -52,6 +52,9 @@ pub struct ExrFile {
     channels: Vec<AnyChannel<FlatSamples>>,
 }
 
+/// Float like the colours: programs read `RGBA` as one, which have to be of one type for that.
+const ALPHA: (&str, usize, bool) = ("A", 3, false);
+
 /// The channels of a quantity: names, which of a pixel's four values, and whether half serves.
 fn channels_of(aov: Aov) -> &'static [(&'static str, usize, bool)] {
     match aov {
@@ -76,7 +79,7 @@ impl ExrFile {
     /// Bytes of a pixel that a quantity takes, its alpha included.
     pub fn bytes_a_pixel(aov: Aov) -> usize {
         let of = |&(_, _, half): &(&str, usize, bool)| if half { 2 } else { 4 };
-        channels_of(aov).iter().map(of).sum::<usize>() + 2
+        channels_of(aov).iter().chain([&ALPHA]).map(of).sum()
     }
 
     /// Adds what `picture` holds of a quantity. `light` stands before the names of channels, where the file has those of several lights.
@@ -85,19 +88,16 @@ impl ExrFile {
         let value = |index: usize| {
             picture.pixels.iter().map(move |pixel| match aov {
                 // Nothing is at any distance.
-                Aov::Depth if pixel[3] == 0.0 => f32::INFINITY,
+                Aov::Depth if pixel[3] == 0.0 && index == 0 => f32::INFINITY,
                 _ => pixel[index],
             })
         };
-        let alpha = ("A", 3, true);
-        for &(name, index, half) in channels_of(aov).iter().chain([&alpha]) {
+        for &(name, index, half) in channels_of(aov).iter().chain([&ALPHA]) {
             let name = prefixed(name);
             if self.channels.iter().any(|channel| channel.name == *name.as_str()) {
                 continue;
             }
-            let samples = if name.ends_with('A') && index == 3 {
-                FlatSamples::F16(picture.pixels.iter().map(|pixel| f16::from_f32(pixel[3])).collect())
-            } else if half {
+            let samples = if half {
                 FlatSamples::F16(value(index).map(f16::from_f32).collect())
             } else {
                 FlatSamples::F32(value(index).collect())

@@ -32,6 +32,9 @@ export interface NumberProps extends FieldProps<number> {
 
 const whatever = (value: number) => value;
 
+/** How long it is said that a number was the nearest that may be set. */
+const NOTE_MS = 4000;
+
 /** A number to type, to step by arrow keys and, where it has a tag, to scrub by dragging that. */
 export function NumberField({ tag, ...props }: NumberProps & { tag?: string }) {
   const {
@@ -53,6 +56,12 @@ export function NumberField({ tag, ...props }: NumberProps & { tag?: string }) {
   /** What is to be said of what was typed. */
   const [note, setNote] = useState<{ text: string; isWrong: boolean } | null>(null);
   const noteId = useId();
+  // What was taken otherwise is said for a while; what was not is said until it is mended.
+  useEffect(() => {
+    if (note === null || note.isWrong) return undefined;
+    const timer = setTimeout(() => setNote(null), NOTE_MS);
+    return () => clearTimeout(timer);
+  }, [note]);
 
   const finish = () => {
     presses.commit();

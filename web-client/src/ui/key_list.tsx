@@ -94,7 +94,8 @@ export function KeyList() {
       class="key-list"
       ref={dialog}
       aria-labelledby="key-list"
-      onClose={() => (showKeys.value = false)}
+      // By Escape. The event that it is closed comes late: by then it may be about to open again.
+      onCancel={() => (showKeys.value = false)}
       onClick={(event) => {
         if (isOutside(event)) showKeys.value = false;
       }}

@@ -68,19 +68,19 @@ async function overtakenStepsAreSaid(ada, http) {
       edits: [{ command: { type: "set", target, value } }],
     });
   await edit("Ada", "/lights/key/exposure", 1);
-  await edit("Ada", "/lights/key/range", 30);
-  await edit("Bob", "/lights/key/range", 20);
+  await edit("Ada", "/lights/key/coneAngle", 31);
+  await edit("Bob", "/lights/key/coneAngle", 32);
   const seq = (await (await http("")).json()).seq;
   await settled(ada, seq);
   await undoIs(ada, "Undo the exposure of “key”");
   await ada.keyboard.press("Control+z");
-  await ada.getByText("Bob has changed the range of “key” since: it stays.").waitFor();
+  await ada.getByText("Bob has changed the cone angle of “key” since: it stays.").waitFor();
   expect((await seqOf(ada)) === seq, "The first press must take nothing back.");
   await ada.keyboard.press("Control+z");
   await reached(ada, seq + 1);
   const { document } = await (await http("")).json();
-  const { exposure = 0, range } = document.lights[0].light;
-  expect(exposure === 0 && range === 20, "The second press takes back the step before, and Bob's stays.");
+  const { exposure = 0, coneAngle } = document.lights[0].light;
+  expect(exposure === 0 && coneAngle === 32, "The second press takes back the step before, and Bob's stays.");
 }
 
 /** Ada holds a control point; Bob sees it move and who holds it, and cannot take it. */

@@ -13,6 +13,11 @@ const NEAR = 1e-6;
 await runBrowserTest(async ({ open, picture, http }) => {
   const page = await open("Ada");
   const canvas = await page.locator("canvas").boundingBox();
+  // Wheels count whole pixels of the page.
+  for (const place of PLACES) {
+    place.x = (Math.round(canvas.x + place.x * canvas.width) - canvas.x) / canvas.width;
+    place.y = (Math.round(canvas.y + place.y * canvas.height) - canvas.y) / canvas.height;
+  }
   for (const place of PLACES) await turnsAboutWhatIsPressed(page, http, canvas, place);
   await zoomGoesToThePointer(page, http, canvas, PLACES[1]);
   await reloadKeeps(page, picture);
@@ -99,7 +104,9 @@ async function thePictureStays(open, picture, size) {
 }
 
 /** The camera that the page looks through. */
-const cameraOf = (page) => page.evaluate(() => JSON.parse(document.getElementById("page").dataset.camera));
+function cameraOf(page) {
+  return page.evaluate(() => JSON.parse(document.getElementById("page").dataset.camera));
+}
 
 /** What is seen at a place of the picture, a share of its sides. */
 async function seenAt(page, http, canvas, { x, y }) {
@@ -111,7 +118,9 @@ async function seenAt(page, http, canvas, { x, y }) {
   return seen.position;
 }
 
-const apart = (a, b) => Math.hypot(...a.map((x, k) => x - b[k]));
+function apart(a, b) {
+  return Math.hypot(...a.map((x, k) => x - b[k]));
+}
 
 async function turnsAboutWhatIsPressed(page, http, canvas, place) {
   const at = { x: canvas.x + place.x * canvas.width, y: canvas.y + place.y * canvas.height };

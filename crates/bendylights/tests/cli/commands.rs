@@ -314,7 +314,7 @@ fn render_writes_exr_with_the_values_themselves() {
     let folder = Folder::new();
     let file = exr_channels::open(&rendered(&folder, "out.exr", &["--aov", "depth"]));
     let types = exr_channels::types(&file);
-    assert_eq!(types, [("A".into(), SampleType::F16), ("Z".into(), SampleType::F32)].into());
+    assert_eq!(types, [("A".into(), SampleType::F32), ("Z".into(), SampleType::F32)].into());
     let picture = exr_channels::picture(&file, ["Z", "Z", "Z", "A"]);
     assert_eq!(
         picture.get_pixel(0, 0).0,
@@ -337,8 +337,8 @@ fn render_puts_all_quantities_in_one_file() {
     printed(&[&size[..], &["-o", &png, "-o", &exr]].concat(), "");
     let file = exr_channels::open(&all);
     let types = exr_channels::types(&file);
-    let floats = ["R", "G", "B", "Z", "P.X", "P.Y", "P.Z", "key.t", "key.v", "key.w"];
-    let halves = ["A", "N.X", "N.Y", "N.Z", "key.A", "key.visibility"];
+    let floats = ["R", "G", "B", "A", "key.A", "Z", "P.X", "P.Y", "P.Z", "key.t", "key.v", "key.w"];
+    let halves = ["N.X", "N.Y", "N.Z", "key.visibility"];
     let of = |names: &[&str], kind| names.iter().map(|name| ((*name).to_owned(), kind)).collect::<Vec<_>>();
     let directions = ["key.direction.X", "key.direction.Y", "key.direction.Z"];
     let expected =
