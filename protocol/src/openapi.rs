@@ -192,7 +192,7 @@ fn of_pictures(g: &mut SchemaGenerator) -> Vec<Operation> {
             summary: "The point of the scene that a camera has in the middle of its picture.",
             body: Some(json_content(&name::<Pick>(g))),
             answer: json_content(&name::<Picked>(g)),
-            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_SESSION, OF_PICTURE, &[Code::InvalidCamera]],
+            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_SESSION, &[Code::InvalidCamera]],
             ..of_session.clone()
         },
         Operation {

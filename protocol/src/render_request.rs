@@ -182,8 +182,12 @@ impl RenderRequest {
         View { samples, aov, light, fill, exposure, slot, ..View::beauty(camera, size) }
     }
 
-    /// Refuses a light where no quantity is of one.
-    pub fn check_light(&self) -> Result<(), RenderRefusal> {
+    /// Refuses a light where no quantity is of one, and a drawing of a light's map beside what a camera sees.
+    pub fn check_quantities(&self) -> Result<(), RenderRefusal> {
+        let aovs = self.aovs.each();
+        if aovs.len() > 1 && aovs.contains(&Aov::Wireframe) {
+            return Err(RenderRefusal::NotOfCamera);
+        }
         if self.light.is_some() && !self.aovs.each().iter().any(|aov| aov.is_of_light()) {
             return Err(RenderRefusal::OfNoLight(self.aovs.names()));
         }
@@ -344,6 +348,9 @@ pub enum RenderRefusal {
         "{0} is not of one light: leave `light` out, or ask for t, vw, direction, visibility or wireframe"
     )]
     OfNoLight(String),
+    /// A wireframe beside other quantities.
+    #[error("a wireframe is the light's view and not the camera's: ask for it alone")]
+    NotOfCamera,
     /// Another kind of file.
     #[error("the format is `{0}`: give png, exr, or png,exr")]
     Format(String),
@@ -377,6 +384,7 @@ impl RenderRefusal {
             | Self::Fill(_)
             | Self::Exposure(_)
             | Self::OfNoLight(_)
+            | Self::NotOfCamera
             | Self::Format(_)
             | Self::Json { .. } => ErrorCode::BadMessage,
             Self::TooLarge { .. } | Self::TooManySamples { .. } | Self::TooMuch { .. } => ErrorCode::TooLarge,

@@ -99,7 +99,7 @@ impl PictureArgs {
 
     /// The index of the light that the picture is of, among those of `whose`. `scene` is what has none.
     pub fn choose_light(&self, scene: &str, whose: &str, lights: &[LightInstance]) -> Result<usize, Error> {
-        RenderRequest::from(self).check_light()?;
+        RenderRequest::from(self).check_quantities()?;
         if let (Aovs::Listed(aovs), []) = (&self.aov, lights)
             && let Some(aov) = aovs.iter().find(|aov| aov.is_of_light())
         {

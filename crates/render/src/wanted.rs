@@ -20,12 +20,14 @@ pub struct Wanted {
     pub name: Option<String>,
 }
 
-/// The pictures of `aovs`. What is of a light is of that of index `light`; where that is `None` of each light that shines.
+/// The pictures of `aovs`. What is of a light is of that of index `light`; where that is `None` of each light that shines. Beside what
+/// a camera sees of all lights a light has its name, since both have an alpha.
 pub fn wanted(aovs: &[Aov], light: Option<usize>, lights: &[LightInstance]) -> Vec<Wanted> {
     let mut names: Vec<String> = Vec::new();
     for light in lights {
         names.push(free_name(light.light.light().name(), &names));
     }
+    let names_one = aovs.iter().any(|aov| !aov.is_of_light());
     let shine = |index: &usize| !lights[*index].light.light_filter().is_dark();
     let each = |aov| {
         let of = |light: usize| Wanted { aov, light, name: Some(names[light].clone()) };
@@ -33,6 +35,9 @@ pub fn wanted(aovs: &[Aov], light: Option<usize>, lights: &[LightInstance]) -> V
     };
     let pictures = |aov: &Aov| match light {
         None if aov.is_of_light() => each(*aov),
+        Some(light) if names_one && aov.is_of_light() && light < lights.len() => {
+            vec![Wanted { aov: *aov, light, name: Some(names[light].clone()) }]
+        }
         of => vec![Wanted { aov: *aov, light: of.unwrap_or_default(), name: None }],
     };
     aovs.iter().flat_map(pictures).collect()

@@ -23,7 +23,7 @@ pub const MAX_SOCKETS: usize = 256;
 pub const MAX_REQUESTS: usize = 64;
 /// Pictures for HTTP that are rendered or wait for it.
 pub const MAX_STILLS: usize = 8;
-/// Bytes of the pictures that a request has drawn, before they are compressed: a beauty of 4096 x 4096 has 224 MiB.
+/// Bytes of the pictures that a request has drawn, before they are compressed: a beauty of 4096 x 4096 has all of it.
 pub const MAX_PICTURE_BYTES: usize = 256 << 20;
 /// Probes of pixels, and picks, whose rays are followed at once, a millisecond or so each; others wait.
 pub const MAX_PROBES: usize = 4;

@@ -57,7 +57,7 @@ pub async fn render(
 ) -> Answer {
     let query: RenderParameters = read_query(&uri)?;
     let (request, formats) = (query.request()?, query.formats()?);
-    request.check_light()?;
+    request.check_quantities()?;
     let Snapshot { name, epoch, seq, document, scene, lease: session, .. } =
         state.rooms.find(&name).await?.request(Message::Snapshot).await?;
     // The document as it is by its hash, or where the file says it by its record; as it was it is what that record left.

@@ -177,6 +177,7 @@ fn a_picture_is_asked_for_as_it_would_be_after_an_edit() {
         ("&light=key".to_owned(), (400, "badMessage")),
         ("&aov=depth,normal&light=key".to_owned(), (400, "badMessage")),
         ("&aov=t&light=key&lights=second".to_owned(), (400, "badMessage")),
+        ("&aov=t,wireframe&format=exr".to_owned(), (400, "badMessage")),
         ("&lights=nobody".to_owned(), (404, "notFound")),
         (format!("&set={}", encoded(&json!({"/lights/key/exposure": "much"}))), (400, "badMessage")),
         (format!("&set={}", encoded(&json!({"/lights/key/radius": -1}))), (400, "badMessage")),
@@ -240,6 +241,11 @@ fn several_files_come_of_one_drawing() {
     let names: Vec<String> =
         one.layer_data.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();
     assert_eq!(names, ["A", "t", "visibility"]);
+    // Beside what the camera sees they have one, or two alphas would have the same.
+    let both = channels(&drawn("files", "&aov=depth,t&light=second&format=exr"));
+    let names: Vec<String> =
+        both.layer_data.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();
+    assert_eq!(names, ["A", "Z", "second.A", "second.t"]);
 }
 
 /// Rules: HTTP-24
