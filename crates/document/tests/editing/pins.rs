@@ -39,7 +39,7 @@ fn a_pin_comes_changes_and_goes() {
     take_back(&mut document, &soft);
     assert_eq!(document.hash(), with);
     let gone = done(&mut document, &Command::RemovePin(id));
-    assert_eq!((document.hash(), deed(&gone, &document)), (before, format!("removing pin {id} of “key”")));
+    assert_eq!((document.hash(), deed(&gone, &document)), (before, "removing a pin of “key”".to_owned()));
     let other = added(&mut document, BENDY);
     assert!(other > id, "no number is used twice");
 }
