@@ -95,13 +95,10 @@ pub enum ClientRequest {
 }
 
 impl ClientRequest {
-    /// Whether it changes what there is to be seen: then somebody waits for a picture of it.
+    /// Whether it changes what its sender sees already: then that one waits for each picture of it. Whoever opens a view waits for
+    /// the first like those who watch: else views opened by the dozen take turns with the hand of another, one each.
     pub fn is_of_a_hand(&self) -> bool {
-        self.edits()
-            || matches!(
-                self,
-                Self::OpenView { .. } | Self::SetCamera { .. } | Self::SetView { .. } | Self::Resize(_)
-            )
+        self.edits() || matches!(self, Self::SetCamera { .. } | Self::SetView { .. } | Self::Resize(_))
     }
 
     /// Whether it may change the document, or what is being dragged in it.
