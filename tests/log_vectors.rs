@@ -215,7 +215,7 @@ fn newest_logs() -> Vec<PathBuf> {
     let mut logs: Vec<_> =
         VECTORS.iter().map(|vector| folder().join(format!("{}.jsonl", vector.name))).collect();
     let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("logs");
-    logs.extend(["format-3.jsonl", "format-4.jsonl"].map(|name| kept.join(name)));
+    logs.extend(["format-3.jsonl", "format-4.jsonl", "format-5.jsonl"].map(|name| kept.join(name)));
     logs
 }
 

@@ -40,6 +40,12 @@ const OLD_LOGS: &[OldLog] = &[
         records: 60,
         hash: "5f0aa993b13873a8e5447787bcdda76c746c308c28aa2119a56c07e9c6ea4fd6",
     },
+    OldLog {
+        file: "format-5.jsonl",
+        format: 5,
+        records: 63,
+        hash: "a419a0fdfc3136bbd70d61fa174532c13f892e9cbdc5213ac9c3e0fbfb9b0365",
+    },
 ];
 
 fn folder() -> PathBuf {
@@ -182,6 +188,8 @@ fn old_logs_hold_everything_their_format_has() {
     for part in [r#"{"sameAs":{"record":"#, r#""rebased":true"#, r#""proof":""#] {
         assert!(OLD_LOGS[1..].iter().all(|log| text(log).contains(part)), "{part}");
     }
+    // What format 5 added.
+    assert!(OLD_LOGS[4..].iter().all(|log| text(log).contains(r#""action":{"type":"group""#)));
 }
 
 /// Every `type` within `value`.

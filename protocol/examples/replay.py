@@ -5,7 +5,7 @@
 
 Applies the changes of every record, with --to up to record N, to an empty document, and holds
 document and lines to the log's checkpoints. Prints one line of JSON where all is right, else one
-sentence on standard error, and exits with 1; with 2 for formats other than 3 and 4 (REC-5).
+sentence on standard error, and exits with 1; with 2 for formats other than 3 to 5 (REC-5).
 """
 
 import argparse
@@ -334,7 +334,7 @@ def parse(line: bytes, where: str) -> dict[str, Any]:
 
 def check_format(format: int, taken: tuple[int, ...], what: str) -> None:
     if format not in taken:
-        raise OtherFormat(f"{what} is of format {format}, and this reader takes formats 3 and 4")
+        raise OtherFormat(f"{what} is of format {format}, and this reader takes formats 3 to 5")
 
 
 def check_seq(seq: int, expected: int, what: str) -> None:
@@ -365,7 +365,7 @@ def replay(log: Path, to: int | None) -> dict[str, Any]:
         header = parse(header_line, "the header")
         if "format" not in header or "session" not in header:
             raise Fault("the first line is no header")
-        check_format(header["format"], (2, 3, 4), "the header")
+        check_format(header["format"], (2, 3, 4, 5), "the header")
         lines, known = [header_line[:-1]], {}  # from here on lines[seq] is that of record seq
         proof = sha256(lines[0]).hexdigest() if header["format"] >= 4 else "0" * 64
         for line in file:
@@ -380,7 +380,7 @@ def replay(log: Path, to: int | None) -> dict[str, Any]:
                     check(value["checkpoint"], document_hash(document), proof, right)
                     right, checkpoints = seq, checkpoints + 1
                     continue
-                check_format(value["format"], (3, 4), f"record {value['seq']}")
+                check_format(value["format"], (3, 4, 5), f"record {value['seq']}")
                 check_seq(value["seq"], seq + 1, "record")
                 seq += 1
                 lines.append(line[:-1])

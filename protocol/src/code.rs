@@ -200,6 +200,7 @@ impl From<&Refusal> for ErrorCode {
     fn from(refusal: &Refusal) -> Self {
         match refusal {
             Refusal::Edit(error) => error.into(),
+            Refusal::OfGroup { reason, .. } => (&**reason).into(),
             Refusal::Locked { .. } => Self::Locked,
             Refusal::Stale { .. } => Self::Stale,
             Refusal::NothingToUndo { .. } => Self::NothingToUndo,

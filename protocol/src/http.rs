@@ -73,6 +73,13 @@ pub struct Edits {
     pub actor: Option<Actor>,
     /// What to do, in order.
     pub edits: Vec<Edit>,
+    /// Whether all of it is one step, done as a whole or not at all. Then each edit has a command and no `opId`, and none loads a
+    /// scene.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub atomic: bool,
+    /// The sender's name for such a step, as an edit has one otherwise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub op_id: Option<String>,
 }
 
 /// One of [`Edits`]: exactly one of `command`, `undo` and `redo`.
@@ -100,7 +107,7 @@ pub struct Edit {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct EditResults {
-    /// One an edit, in order.
+    /// One an edit, in order; one of all where they are one step.
     pub results: Vec<EditResult>,
     /// The latest record.
     pub seq: u64,

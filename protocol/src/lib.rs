@@ -68,7 +68,8 @@ pub use probe::{
     ProbedPlace, ProbedSurface,
 };
 pub use record::{
-    Action, Actor, Change, ControlPoints, FORMAT, MAX_RECORD_BYTES, PlacedLight, Record, Scope,
+    Action, Actor, Change, ControlPoints, FORMAT, MAX_RECORD_BYTES, PlacedLight, Record, RecordedCommand,
+    Scope,
 };
 pub use render_request::{
     Aovs, CameraChoice, RenderBackground, RenderFormat, RenderLimits, RenderParameters, RenderRefusal,

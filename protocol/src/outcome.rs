@@ -41,6 +41,8 @@ pub struct Committed {
     pub added: Added,
     /// How it ended where it drags a feature.
     pub outcome: Option<Box<DragOutcome>>,
+    /// The same of each command of a group, where one of them drags a feature.
+    pub outcomes: Vec<Option<DragOutcome>>,
 }
 
 /// Ids of what a command brought into the document: what it adds, and what a scene comes with.
@@ -61,8 +63,9 @@ pub struct Added {
 impl From<&edit::Record> for Committed {
     fn from(record: &edit::Record) -> Self {
         let action = &record.action;
-        let (mut added, mut dragged) = (Added::default(), None);
-        if let Some((_, outcome)) = action.command() {
+        let (mut added, mut dragged, mut outcomes) = (Added::default(), None, Vec::new());
+        let commands = action.commands();
+        if !commands.is_empty() {
             for change in &record.changes {
                 match change {
                     document::Change::Light { light, old: None, new: Some(_) } => added.lights.push(light.0),
@@ -73,10 +76,16 @@ impl From<&edit::Record> for Committed {
                     _ => {}
                 }
             }
-            dragged = outcome.map(|outcome| Box::new(outcome.into()));
+            let ended: Vec<Option<DragOutcome>> =
+                commands.into_iter().map(|(_, outcome)| outcome.map(Into::into)).collect();
+            if matches!(action, edit::Action::Group { .. }) {
+                outcomes = where_dragged(ended);
+            } else {
+                dragged = ended.into_iter().next().flatten().map(Box::new);
+            }
         }
         let (rebased, skipped) = (action.rebased(), action.skipped().to_vec());
-        Self { seq: record.seq, rebased, skipped, added, outcome: dragged }
+        Self { seq: record.seq, rebased, skipped, added, outcome: dragged, outcomes }
     }
 }
 
@@ -85,9 +94,9 @@ impl Committed {
     /// these too.
     pub fn in_line(line: &str) -> Option<Self> {
         let LineAction { seq, action } = serde_json::from_str(line).ok()?;
-        let ActionInLine { kind, rebased, skipped, outcome } = action;
+        let ActionInLine { kind, rebased, skipped, outcome, edits } = action;
         let mut added = Added::default();
-        if matches!(kind, ActionKind::Edit | ActionKind::Gesture) {
+        if matches!(kind, ActionKind::Edit | ActionKind::Gesture | ActionKind::Group) {
             let LineChanges { changes } = serde_json::from_str(line).ok()?;
             for change in changes.iter().filter(|change| change.old.is_none() && change.new.is_some()) {
                 added.lights.extend(change.light);
@@ -95,8 +104,14 @@ impl Committed {
                 added.pins.extend(change.pin);
             }
         }
-        Some(Self { seq, rebased, skipped, added, outcome })
+        let outcomes = where_dragged(edits.into_iter().map(|edit| edit.outcome).collect());
+        Some(Self { seq, rebased, skipped, added, outcome, outcomes })
     }
+}
+
+/// How the commands of a group ended, or nothing where none drags a feature.
+fn where_dragged(outcomes: Vec<Option<DragOutcome>>) -> Vec<Option<DragOutcome>> {
+    if outcomes.iter().any(Option::is_some) { outcomes } else { Vec::new() }
 }
 
 /// Of a record's line what its sender is told, but for ids.
@@ -117,6 +132,17 @@ struct ActionInLine {
     skipped: Vec<String>,
     #[serde(default)]
     outcome: Option<Box<DragOutcome>>,
+    #[serde(default)]
+    edits: Vec<CommandInLine>,
+}
+
+#[derive(Deserialize)]
+struct CommandInLine {
+    // A reference has none.
+    #[serde(rename = "command")]
+    _command: IgnoredAny,
+    #[serde(default)]
+    outcome: Option<DragOutcome>,
 }
 
 #[derive(Deserialize)]
@@ -124,6 +150,7 @@ struct ActionInLine {
 enum ActionKind {
     Edit,
     Gesture,
+    Group,
     Undo,
     Redo,
 }
@@ -244,6 +271,9 @@ struct EditResultJson {
     /// How it ended where it drags a feature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     outcome: Option<Box<DragOutcome>>,
+    /// The same of each edit of an atomic request, `null` of one that drags no feature; left out where none does.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    outcomes: Vec<Option<DragOutcome>>,
     /// Why it was rejected or is unknown, for programs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     code: Option<ErrorCode>,
@@ -329,16 +359,17 @@ fn parts(problem: Option<Problem>) -> (Option<ErrorCode>, Option<String>) {
 
 impl From<EditResult> for EditResultJson {
     fn from(EditResult { op_id, outcome }: EditResult) -> Self {
-        let (status, Committed { seq, skipped, added, outcome, .. }, problem) = match outcome {
+        let (status, committed, problem) = match outcome {
             Outcome::Committed(committed) if committed.rebased => (EditStatus::Rebased, committed, None),
             Outcome::Committed(committed) => (EditStatus::Committed, committed, None),
             Outcome::Rejected(problem) => (EditStatus::Rejected, Committed::default(), Some(problem)),
             Outcome::Unknown(problem) => (EditStatus::Unknown, Committed::default(), Some(problem)),
         };
+        let Committed { seq, skipped, added, outcome, outcomes, rebased: _ } = committed;
         let seq = problem.is_none().then_some(seq);
         let added = (added != Added::default()).then_some(added);
         let (code, message) = parts(problem);
-        Self { op_id, status, seq, skipped, added, outcome, code, message }
+        Self { op_id, status, seq, skipped, added, outcome, outcomes, code, message }
     }
 }
 
@@ -346,12 +377,12 @@ impl TryFrom<EditResultJson> for EditResult {
     type Error = &'static str;
 
     fn try_from(json: EditResultJson) -> Result<Self, &'static str> {
-        let EditResultJson { op_id, status, seq, skipped, added, outcome, code, message } = json;
+        let EditResultJson { op_id, status, seq, skipped, added, outcome, outcomes, code, message } = json;
         let problem = problem(code, message)?;
         let outcome = match (status, seq, problem) {
             (EditStatus::Committed | EditStatus::Rebased, Some(seq), None) => {
                 let (rebased, added) = (status == EditStatus::Rebased, added.unwrap_or_default());
-                Outcome::Committed(Committed { seq, rebased, skipped, added, outcome })
+                Outcome::Committed(Committed { seq, rebased, skipped, added, outcome, outcomes })
             }
             (EditStatus::Committed | EditStatus::Rebased, ..) => {
                 return Err("what was committed has a `seq` and neither `code` nor `message`");
@@ -417,7 +448,7 @@ mod tests {
     fn what_is_told_of_a_record_is_in_its_line() {
         let line = |action: &str, changes: &str| {
             let who = r#""timeMs":0,"actor":{"id":"a","name":"A"},"opId":"x""#;
-            let text = format!(r#"{{"format":4,"seq":7,{who},"action":{action},"changes":{changes}}}"#);
+            let text = format!(r#"{{"format":5,"seq":7,{who},"action":{action},"changes":{changes}}}"#);
             Committed::in_line(&text)
         };
         let held = r#"{"sameAs":{"record":1,"at":2,"hash":"0"}}"#;
@@ -434,6 +465,11 @@ mod tests {
         assert_eq!(line(&edit, held), None);
         assert_eq!(line(&edit, &format!("[{held}]")), None);
         assert_eq!(line(held, "[]"), None);
+        let group = |edits: &str| line(&format!(r#"{{"type":"group","edits":{edits}}}"#), &changes);
+        let grouped = group(&format!(r#"[{{"command":{held}}},{{"command":{{}}}}]"#)).expect("told");
+        assert_eq!((grouped.added.lights, grouped.outcomes), (vec![3], vec![]));
+        assert_eq!(group(held), None);
+        assert_eq!(group(&format!("[{held}]")), None);
         // What comes back by an undo has the id that it had.
         let undo = r#"{"type":"undo","scope":"mine","target":1,"skipped":["it stays"]}"#;
         let undone = Committed { seq: 7, skipped: vec!["it stays".into()], ..Committed::default() };

@@ -16,8 +16,8 @@ use crate::{
 
 /// The format of records and logs that this version writes. Earlier ones are upgraded when they are read: 1 knew neither
 /// `rebased` nor references; up to 2 a document's hash was over the fields that lights had then; up to 3 a log's proof did
-/// not cover its header.
-pub const FORMAT: u32 = 4;
+/// not cover its header; up to 4 a record had one command at most.
+pub const FORMAT: u32 = 5;
 
 /// Bytes of one record in JSON, in full. One that replaces a document at its limits (256 lights of 258 control points)
 /// by another such takes 28 MiB.
@@ -113,10 +113,27 @@ pub enum Action {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         outcome: Option<Box<DragOutcome>>,
     },
+    /// Commands as one step.
+    Group {
+        edits: Vec<RecordedCommand>,
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        rebased: bool,
+    },
     /// Taking back a step.
     Undo { scope: Scope, target: u64, skipped: Vec<String> },
     /// Taking back an undo.
     Redo { scope: Scope, target: u64, skipped: Vec<String> },
+}
+
+/// [`edit::RecordedCommand`] in JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct RecordedCommand {
+    /// What was done.
+    pub command: Command,
+    /// How that ended where it drags a feature.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outcome: Option<Box<DragOutcome>>,
 }
 
 /// [`edit::Record`] in JSON.
@@ -160,13 +177,15 @@ impl Record {
 
     /// What it holds that formats 1 and 2 did not have, and that their hashes would pass over.
     fn younger_than_format_3(&self) -> Option<&'static str> {
+        let of_command = |command: &Command| match command {
+            Command::AddLight { light } => light.younger_than_format_3(),
+            Command::SetLight { parameter, .. } => younger(&[Owner::Spot, Owner::Bendy], &parameter.0),
+            Command::SetPoint { parameter, .. } => younger(&[Owner::Point], &parameter.0),
+            _ => None,
+        };
         let commanded = match &self.action {
-            Action::Edit { command, .. } | Action::Gesture { command, .. } => match command {
-                Command::AddLight { light } => light.younger_than_format_3(),
-                Command::SetLight { parameter, .. } => younger(&[Owner::Spot, Owner::Bendy], &parameter.0),
-                Command::SetPoint { parameter, .. } => younger(&[Owner::Point], &parameter.0),
-                _ => None,
-            },
+            Action::Edit { command, .. } | Action::Gesture { command, .. } => of_command(command),
+            Action::Group { .. } => Some("group"),
             Action::Undo { .. } | Action::Redo { .. } => None,
         };
         commanded.or_else(|| self.changes.iter().find_map(Change::younger_than_format_3))
@@ -391,6 +410,13 @@ impl From<&edit::Record> for Record {
             edit::Action::Gesture { command, rebased, outcome } => {
                 Action::Gesture { command: (&command).into(), rebased, outcome: from_outcome(outcome) }
             }
+            edit::Action::Group { edits, rebased } => {
+                let recorded = |edit: edit::RecordedCommand| {
+                    let edit::RecordedCommand { command, outcome } = edit;
+                    RecordedCommand { command: (&command).into(), outcome: from_outcome(outcome) }
+                };
+                Action::Group { edits: edits.into_iter().map(recorded).collect(), rebased }
+            }
             edit::Action::Undo { scope, target, skipped } => {
                 Action::Undo { scope: scope.into(), target, skipped }
             }
@@ -424,6 +450,14 @@ impl TryFrom<Record> for edit::Record {
             }
             Action::Gesture { command, rebased, outcome } => {
                 edit::Action::Gesture { command: command.try_into()?, rebased, outcome: to_outcome(outcome)? }
+            }
+            Action::Group { edits, rebased } => {
+                let recorded = |RecordedCommand { command, outcome }: RecordedCommand| {
+                    let (command, outcome) = (command.try_into()?, to_outcome(outcome)?);
+                    Ok::<_, Refused>(edit::RecordedCommand { command, outcome })
+                };
+                let edits = edits.into_iter().map(recorded).collect::<Result<_, _>>()?;
+                edit::Action::Group { edits, rebased }
             }
             Action::Undo { scope, target, skipped } => {
                 edit::Action::Undo { scope: scope.into(), target, skipped }

@@ -1,8 +1,11 @@
 //! `bendylights replay --resolve`: drags solved again, beside what the log has of them.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use document::{AssetHash, Command, Context, Document, EditError, SolvedDrag, edited, solve_drag};
+use document::{
+    AssetHash, Command, Context, Document, DragOutcome, EditError, SolvedDrag, edited, solve_drag,
+};
 use drag::SOLVER;
 use edit::Session;
 use glam::DQuat;
@@ -17,7 +20,7 @@ use crate::known_scenes;
 /// What came of solving again.
 #[derive(Clone, Copy, Debug, Default)]
 struct Resolved {
-    /// Drags in the log: of features and of control points.
+    /// Drags in the log, of features and of control points; those of a light in a group are one.
     drags: usize,
     /// Those that came to the log's light to the last bit.
     same: usize,
@@ -49,28 +52,38 @@ impl<'a> Resolver<'a> {
 
     /// Takes in a record, after which the session is as `after`.
     pub fn visit(&mut self, record: &Record, after: &Session) {
-        let (Action::Edit { command, .. } | Action::Gesture { command, .. }) = &record.action else { return };
-        if !matches!(command, WireCommand::DragFeature { .. } | WireCommand::DragPoint { .. }) {
+        if !holds_drag(&record.action) {
             return;
         }
         // It was read and replayed already.
         let Ok(record) = edit::Record::try_from(record.clone()) else { return };
-        let Some((command, outcome)) = record.action.command() else { return };
-        let Some(light) = command.light() else { return };
         let mut before = after.document().clone();
         let inverses: Vec<_> = record.changes.iter().rev().map(document::Change::inverse).collect();
         if before.apply(&inverses).is_err() {
             return;
         }
-        self.resolved.drags += 1;
-        let is_of_this = |solver: &str, version: u32| (solver, version) == SOLVER;
-        if outcome.is_some_and(|outcome| !is_of_this(&outcome.solver, outcome.version)) {
-            self.resolved.other_solver += 1;
+        let commands = record.action.commands();
+        let is_drag =
+            |command: &Command| matches!(command, Command::DragFeature { .. } | Command::DragPoint { .. });
+        let drags = commands.iter().filter(|(command, _)| is_drag(command));
+        let dragged: BTreeSet<LightId> = drags.filter_map(|(command, _)| command.light()).collect();
+        self.resolved.drags += dragged.len();
+        let is_of_other = |(_, outcome): &(_, Option<&DragOutcome>)| {
+            outcome.is_some_and(|outcome| (outcome.solver.as_str(), outcome.version) != SOLVER)
+        };
+        self.resolved.other_solver += commands.iter().filter(|command| is_of_other(command)).count();
+        for (command, _) in commands {
+            match self.again(&before, command, record.seq) {
+                Some(Ok(again)) => before = again,
+                Some(Err(_)) => {
+                    self.resolved.refused += dragged.len();
+                    return;
+                }
+                None => return,
+            }
         }
-        match self.again(&before, command, record.seq) {
-            Some(Ok(again)) => self.compare(&again, after.document(), light, record.seq),
-            Some(Err(_)) => self.resolved.refused += 1,
-            None => {}
+        for light in dragged {
+            self.compare(&before, after.document(), light, record.seq);
         }
     }
 
@@ -139,6 +152,18 @@ impl<'a> Resolver<'a> {
             "other_solver": other_solver,
         });
         self.missing.map_or(Ok(answer.to_string()), Err)
+    }
+}
+
+/// Whether anything in it is solved where it is carried out.
+fn holds_drag(action: &Action) -> bool {
+    let is_drag = |command: &WireCommand| {
+        matches!(command, WireCommand::DragFeature { .. } | WireCommand::DragPoint { .. })
+    };
+    match action {
+        Action::Edit { command, .. } | Action::Gesture { command, .. } => is_drag(command),
+        Action::Group { edits, .. } => edits.iter().any(|edit| is_drag(&edit.command)),
+        Action::Undo { .. } | Action::Redo { .. } => false,
     }
 }
 

@@ -237,6 +237,18 @@ impl Change {
         }
     }
 
+    /// Leads to where `later`, a change of the same property of a light or camera, does.
+    pub(crate) fn go_on_to(&mut self, later: &Self) {
+        match (self, later) {
+            (Self::LightParameter { new, .. }, Self::LightParameter { new: later, .. })
+            | (Self::Point { new, .. }, Self::Point { new: later, .. }) => new.clone_from(later),
+            (Self::CameraParameter { new, .. }, Self::CameraParameter { new: later, .. }) => {
+                new.clone_from(later);
+            }
+            _ => {}
+        }
+    }
+
     /// Whether old and new are values of one property that can be.
     pub(crate) fn is_of_one_property(&self) -> bool {
         match self {

@@ -12,7 +12,7 @@ use crate::{Change, Document, DragOutcome, EditError, FeatureDrag, PlacedLight};
 pub const MAX_CHOSEN_POINTS: usize = 128;
 
 /// A drag of a feature, solved.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SolvedDrag {
     /// How it ended.
     pub outcome: DragOutcome,

@@ -11,6 +11,7 @@ mod command;
 mod document;
 mod feature_drag;
 mod features;
+mod group;
 mod hash;
 mod named;
 mod naming;
@@ -29,6 +30,7 @@ pub use document::{
 };
 pub use feature_drag::{DragOutcome, FeatureDrag};
 pub use features::{MAX_CHOSEN_POINTS, SolvedDrag, solve_drag, solve_drag_within};
+pub use group::{EditedTogether, GroupedCommand, edited_together};
 pub use hash::{DocumentHash, FIRST_FORMAT_OF_HASH, was_in_format_2};
 pub use naming::deed;
 pub use parameters::{Target, parameters};

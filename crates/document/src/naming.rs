@@ -71,9 +71,13 @@ impl Change {
             Self::Light { old: None, .. } | Self::Camera { old: None, .. } | Self::Pin { old: None, .. } => {
                 format!("adding {subject}")
             }
-            Self::Light { old: Some(_), new: Some(new), .. } => {
-                let is_bent = new.light.light().owner() == Owner::Bendy;
-                format!("{} {subject}", if is_bent { "bending" } else { "straightening" })
+            Self::Light { old: Some(old), new: Some(new), .. } => {
+                match [old, new].map(|placed| placed.light.light().owner() == Owner::Bendy) {
+                    [false, true] => format!("bending {subject}"),
+                    [true, false] => format!("straightening {subject}"),
+                    // Of a group, which does more to it.
+                    _ => subject,
+                }
             }
             Self::Light { new: None, .. } | Self::Camera { new: None, .. } | Self::Pin { new: None, .. } => {
                 format!("removing {subject}")

@@ -65,7 +65,7 @@ impl History {
     /// Whether what `action` takes back, if it is an undo or a redo, is there for that person to take back.
     pub fn is_in_effect(&self, actor_id: &str, action: &Action) -> bool {
         match action {
-            Action::Edit { .. } | Action::Gesture { .. } => true,
+            Action::Edit { .. } | Action::Gesture { .. } | Action::Group { .. } => true,
             Action::Undo { scope, target, .. } => {
                 let mine = |by: &Arc<str>| *scope == Scope::Session || **by == *actor_id;
                 self.steps.get(target).is_some_and(mine)
@@ -79,7 +79,7 @@ impl History {
     /// Takes in record `seq`. What it takes back is in effect.
     pub fn note(&mut self, seq: u64, actor_id: &str, action: &Action) {
         match *action {
-            Action::Edit { .. } | Action::Gesture { .. } => {
+            Action::Edit { .. } | Action::Gesture { .. } | Action::Group { .. } => {
                 self.undos = Undos::default();
                 self.set_undos(actor_id, Undos::default());
                 self.add_step(seq, &self.name_of(actor_id));

@@ -13,7 +13,7 @@ mod undo;
 
 pub use gesture::{Gesture, LEASE_MS, MAX_GESTURES};
 pub use history::{MAX_UNDO_DEPTH, PastUndo};
-pub use record::{Action, Actor, Record, Scope};
+pub use record::{Action, Actor, Record, RecordedCommand, Scope};
 pub use refusal::{Refusal, ReplayError};
-pub use session::{MAX_RECORDS, Past, Request, Session, Sources};
+pub use session::{GroupedEdit, MAX_RECORDS, Past, Request, Session, Sources};
 pub use undo::{FindRecord, MAX_PASSED, TakenBack};

@@ -58,6 +58,13 @@ pub enum Action {
         /// As of an edit.
         outcome: Option<Box<DragOutcome>>,
     },
+    /// Commands as one step.
+    Group {
+        /// In order.
+        edits: Vec<RecordedCommand>,
+        /// As of an edit, of any of them.
+        rebased: bool,
+    },
     /// Taking back a step.
     Undo {
         /// Whose steps were looked at.
@@ -78,29 +85,43 @@ pub enum Action {
     },
 }
 
+/// A command of a group.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordedCommand {
+    /// As it was sent, with ids for names.
+    pub command: Command,
+    /// How it ended where it drags a feature.
+    pub outcome: Option<Box<DragOutcome>>,
+}
+
 impl Action {
     /// What undo or redo left as it was.
     pub fn skipped(&self) -> &[String] {
         match self {
-            Self::Edit { .. } | Self::Gesture { .. } => &[],
+            Self::Edit { .. } | Self::Gesture { .. } | Self::Group { .. } => &[],
             Self::Undo { skipped, .. } | Self::Redo { skipped, .. } => skipped,
         }
     }
 
-    /// The command, and how it ended where it drags a feature; `None` of undo and redo.
-    pub fn command(&self) -> Option<(&Command, Option<&DragOutcome>)> {
+    /// The commands, and how each ended that drags a feature; none of undo and redo.
+    pub fn commands(&self) -> Vec<(&Command, Option<&DragOutcome>)> {
         match self {
             Self::Edit { command, outcome, .. } | Self::Gesture { command, outcome, .. } => {
-                Some((command, outcome.as_deref()))
+                vec![(command, outcome.as_deref())]
             }
-            Self::Undo { .. } | Self::Redo { .. } => None,
+            Self::Group { edits, .. } => {
+                edits.iter().map(|edit| (&edit.command, edit.outcome.as_deref())).collect()
+            }
+            Self::Undo { .. } | Self::Redo { .. } => Vec::new(),
         }
     }
 
     /// Whether somebody else came in between.
     pub fn rebased(&self) -> bool {
         match self {
-            Self::Edit { rebased, .. } | Self::Gesture { rebased, .. } => *rebased,
+            Self::Edit { rebased, .. } | Self::Gesture { rebased, .. } | Self::Group { rebased, .. } => {
+                *rebased
+            }
             Self::Undo { .. } | Self::Redo { .. } => false,
         }
     }

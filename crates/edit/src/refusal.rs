@@ -54,6 +54,14 @@ pub enum Refusal {
     /// A drag's command is not of its light.
     #[error("a gesture on {0} can only change that light: begin another gesture")]
     OtherLight(String),
+    /// A command of a group is refused, and so is the group.
+    #[error("edit {number} of the group: {reason}; nothing of the group was done")]
+    OfGroup {
+        /// Which, counted from 1.
+        number: usize,
+        /// Why.
+        reason: Box<Self>,
+    },
     /// A limit of the session.
     #[error("a session has at most {limit} {what}: {remedy}")]
     TooMany {
@@ -64,6 +72,13 @@ pub enum Refusal {
         /// What to do.
         remedy: &'static str,
     },
+}
+
+impl Refusal {
+    /// Why a group is refused: for its command of that index.
+    pub fn of_group(index: usize, reason: Self) -> Self {
+        Self::OfGroup { number: index + 1, reason: Box::new(reason) }
+    }
 }
 
 fn but(passed: Option<&str>) -> String {

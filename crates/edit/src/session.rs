@@ -3,14 +3,17 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use document::{Change, Command, Context, Document, Edited, edited};
+use document::{
+    Change, Command, Context, Document, EditError, Edited, EditedTogether, GroupedCommand, edited,
+    edited_together,
+};
 use light::LightId;
 use rpds::RedBlackTreeMapSync;
 
 use crate::gesture::{Gesture, LEASE_MS, MAX_GESTURES, Shown};
 use crate::history::{History, PastUndo};
 use crate::undo::TakenBack;
-use crate::{Action, Actor, Record, Refusal, ReplayError, Scope};
+use crate::{Action, Actor, Record, RecordedCommand, Refusal, ReplayError, Scope};
 
 /// Records that a log has at most.
 pub const MAX_RECORDS: usize = 1_000_000;
@@ -25,12 +28,23 @@ pub enum Request {
         /// What to do.
         command: Command,
     },
+    /// Carry out commands as one step, all or none.
+    Group(Vec<GroupedEdit>),
     /// Commit a gesture of this name.
     Commit(String),
     /// Take back a step.
     Undo(Scope),
     /// Take back an undo.
     Redo(Scope),
+}
+
+/// An edit of a group.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupedEdit {
+    /// As in [`Request::Edit`].
+    pub base_seq: Option<u64>,
+    /// What to do, and where the drag in it leads.
+    pub grouped: GroupedCommand,
 }
 
 /// What a session needs of its owner to carry out a request.
@@ -183,6 +197,24 @@ impl Session {
                 let mut edited = edited(&self.document, &command, sources.context)?;
                 (Action::Edit { command, rebased, outcome: edited.outcome.take().map(Box::new) }, edited)
             }
+            Request::Group(edits) => {
+                let mut rebased = false;
+                for (index, GroupedEdit { base_seq, grouped }) in edits.iter().enumerate() {
+                    let is_rebased = self.check_base(&grouped.command, actor, *base_seq);
+                    rebased |= is_rebased.map_err(|refusal| Refusal::of_group(index, refusal))?;
+                }
+                let commands = edits.iter().map(|edit| &edit.grouped);
+                let together = edited_together(&self.document, commands, sources.context.reach);
+                let of_group = |(index, error): (usize, EditError)| Refusal::of_group(index, error.into());
+                let EditedTogether { changes, document, outcomes } = together.map_err(of_group)?;
+                let commands = edits.into_iter().map(|edit| edit.grouped.command).zip(outcomes);
+                let recorded = |(command, outcome): (_, Option<_>)| RecordedCommand {
+                    command,
+                    outcome: outcome.map(Box::new),
+                };
+                let edits = commands.map(recorded).collect();
+                (Action::Group { edits, rebased }, Edited { changes, document, outcome: None })
+            }
             Request::Commit(id) => {
                 let gesture = self.end_gesture(&id, actor)?;
                 let Some(command) = gesture.command else {
@@ -272,7 +304,7 @@ impl Session {
         now_ms: u64,
     ) -> Result<&Gesture, Refusal> {
         if !self.document.lights().contains_key(&light) {
-            return Err(document::EditError::NoLight(light).into());
+            return Err(EditError::NoLight(light).into());
         }
         self.check_numbering(light, base_seq)?;
         self.check_lock(light, actor)?;

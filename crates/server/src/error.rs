@@ -104,6 +104,14 @@ pub enum ServerError {
     /// What the session refuses.
     #[error(transparent)]
     Refused(#[from] Refusal),
+    /// An edit of a group that cannot be read.
+    #[error("edit {number} of the group: {reason}; nothing of the group was done")]
+    OfGroup {
+        /// Which, counted from 1.
+        number: usize,
+        /// What is wrong with it.
+        reason: Box<ServerError>,
+    },
     /// Views that are drawn smaller while they move. Said, and nothing is refused.
     #[error(
         "your views have more than {MAX_MOVING_PIXELS} pixels that move at once, so they are drawn smaller until they rest: \
@@ -219,6 +227,7 @@ impl ServerError {
             Self::Picture(refusal) => refusal.code(),
             Self::BadCommand(refused) => refused.code(),
             Self::Refused(refusal) => refusal.into(),
+            Self::OfGroup { reason, .. } => reason.code(),
             Self::NotFound { .. } | Self::NoRoute(_) => ErrorCode::NotFound,
             Self::MethodNotAllowed { .. } => ErrorCode::MethodNotAllowed,
             Self::NotJson(_) => ErrorCode::UnsupportedMediaType,

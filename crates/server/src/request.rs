@@ -1,7 +1,7 @@
 //! What clients and programs request of a session, read from what they send.
 
 use document::{Command, Document};
-use edit::{Actor, Request};
+use edit::{Actor, Scope};
 use light::LightId;
 use protocol::{ClientMessage, Interaction, ProbeCamera, ViewSource};
 use scene::Camera;
@@ -137,12 +137,34 @@ pub struct Step {
 /// What is asked for, before a document answers it.
 #[derive(Debug)]
 pub enum Asked {
+    /// A command.
+    Edit(AskedEdit),
+    /// Commands as one step, each in the document that those before it leave.
+    Group(Vec<AskedEdit>),
+    /// To commit a gesture of this name.
+    Commit(String),
+    /// To take back a step.
+    Undo(Scope),
+    /// To take back an undo.
+    Redo(Scope),
+}
+
+/// A command, and the latest record that its sender knew.
+#[derive(Clone, Debug)]
+pub struct AskedEdit {
+    /// `None` where the sender does not say.
+    pub base_seq: Option<u64>,
+    /// What to do.
+    pub command: AskedCommand,
+}
+
+/// What to do, by ids or names.
+#[derive(Clone, Debug)]
+pub enum AskedCommand {
     /// What means the same in every document.
-    Request(Request),
+    Command(Command),
     /// Setting what an address names, by ids or names.
     Set {
-        /// The latest record that the sender knew.
-        base_seq: Option<u64>,
         /// As in [`protocol::Command::Set`], with names or ids.
         target: String,
         /// As in [`protocol::Command::Set`].
@@ -150,24 +172,32 @@ pub enum Asked {
     },
 }
 
-impl Asked {
-    /// The request that it is in `document`.
-    pub fn of(self, document: &Document) -> Result<Request, ServerError> {
+impl AskedCommand {
+    /// The command that it is in `document`.
+    pub fn of(&self, document: &Document) -> Result<Command, ServerError> {
         match self {
-            Self::Request(request) => Ok(request),
-            Self::Set { base_seq, target, value } => {
-                let target = document.address_by_id(&target).map_err(edit::Refusal::from)?;
-                let command = protocol::Command::Set { target, value }.try_into()?;
-                Ok(Request::Edit { base_seq, command })
+            Self::Command(command) => Ok(command.clone()),
+            Self::Set { target, value } => {
+                let target = document.address_by_id(target).map_err(edit::Refusal::from)?;
+                Ok(protocol::Command::Set { target, value: value.clone() }.try_into()?)
             }
         }
+    }
+
+    /// Whether the scene has something to say of it ([`needs_scene`]).
+    fn needs_scene(&self) -> bool {
+        matches!(self, Self::Command(command) if needs_scene(command))
     }
 }
 
 impl Step {
     /// Whether the scene has something to say of it ([`needs_scene`]), unless it came before.
     pub fn needs_scene(&self) -> bool {
-        matches!(&self.request, Ok(Asked::Request(Request::Edit { command, .. })) if needs_scene(command))
+        match &self.request {
+            Ok(Asked::Edit(edit)) => edit.command.needs_scene(),
+            Ok(Asked::Group(edits)) => edits.iter().any(|edit| edit.command.needs_scene()),
+            Ok(Asked::Commit(_) | Asked::Undo(_) | Asked::Redo(_)) | Err(_) => false,
+        }
     }
 }
 
@@ -214,18 +244,17 @@ async fn parse(message: ClientMessage, scenes: &Scenes) -> Result<ClientRequest,
         ClientMessage::Ack { frame } => ClientRequest::Ack(frame),
         ClientMessage::RequestKeyFrame { frame } => ClientRequest::RequestKeyFrame(frame),
         ClientMessage::Edit { op_id, base_seq, command } => {
-            let request = edit_request(command, Some(base_seq), scenes).await;
-            ClientRequest::Step(step(op_id, request)?)
+            let request = asked_edit(command, Some(base_seq), scenes).await;
+            ClientRequest::Step(step(op_id, request.map(Asked::Edit))?)
         }
-        ClientMessage::GestureCommit { gesture, op_id } => ClientRequest::Step(step(
-            op_id,
-            label(gesture).map(|gesture| Asked::Request(Request::Commit(gesture))),
-        )?),
+        ClientMessage::GestureCommit { gesture, op_id } => {
+            ClientRequest::Step(step(op_id, label(gesture).map(Asked::Commit))?)
+        }
         ClientMessage::Undo { op_id, scope } => {
-            ClientRequest::Step(step(op_id, Ok(Asked::Request(Request::Undo(scope.into()))))?)
+            ClientRequest::Step(step(op_id, Ok(Asked::Undo(scope.into())))?)
         }
         ClientMessage::Redo { op_id, scope } => {
-            ClientRequest::Step(step(op_id, Ok(Asked::Request(Request::Redo(scope.into()))))?)
+            ClientRequest::Step(step(op_id, Ok(Asked::Redo(scope.into())))?)
         }
         ClientMessage::GestureBegin { gesture, light, base_seq } => {
             ClientRequest::BeginGesture { gesture: label(gesture)?, light: LightId(light), base_seq }
@@ -249,15 +278,15 @@ pub fn step(op_id: String, request: Result<Asked, ServerError>) -> Result<Step, 
     Ok(Step { op_id: label(op_id)?, request })
 }
 
-/// The request for a command. A scene that it loads is decoded here, outside of the session's task, a demo's
+/// A command as it is asked for. A scene that it loads is decoded here, outside of the session's task, a demo's
 /// name becomes that of its bytes, and what it is called is looked up where the command does not say.
-pub async fn edit_request(
+pub async fn asked_edit(
     mut command: protocol::Command,
     base_seq: Option<u64>,
     scenes: &Scenes,
-) -> Result<Asked, ServerError> {
+) -> Result<AskedEdit, ServerError> {
     if let protocol::Command::Set { target, value } = command {
-        return Ok(Asked::Set { base_seq, target, value });
+        return Ok(AskedEdit { base_seq, command: AskedCommand::Set { target, value } });
     }
     if let protocol::Command::LoadScene { scene, name } = &mut command {
         name.as_deref().map_or(Ok(()), check_scene_name)?;
@@ -265,7 +294,7 @@ pub async fn edit_request(
         *scene = asset.to_string();
         name.get_or_insert(called);
     }
-    Ok(Asked::Request(Request::Edit { base_seq, command: command.try_into()? }))
+    Ok(AskedEdit { base_seq, command: AskedCommand::Command(command.try_into()?) })
 }
 
 /// Who it is, within limits.

@@ -321,7 +321,7 @@ export type State = SnapshotState | TailState;
 /**
  * `edit::Action` in JSON; `type` says which.
  */
-export type Action = EditAction | GestureAction | UndoAction | RedoAction;
+export type Action = EditAction | GestureAction | GroupAction | UndoAction | RedoAction;
 export type ServerResync = Resync & {
   type: "resync";
 };
@@ -2731,6 +2731,21 @@ export interface GestureAction {
   type: "gesture";
 }
 /**
+ * Commands as one step.
+ */
+export interface GroupAction {
+  edits: RecordedCommand[];
+  rebased?: boolean;
+  type: "group";
+}
+/**
+ * `edit::RecordedCommand` in JSON.
+ */
+export interface RecordedCommand {
+  command: Command;
+  outcome?: DragOutcome;
+}
+/**
  * Taking back a step.
  */
 export interface UndoAction {
@@ -2807,6 +2822,10 @@ export interface EditResult {
    */
   opId: string;
   outcome?: DragOutcome;
+  /**
+   * The same of each edit of an atomic request, `null` of one that drags no feature; left out where none does.
+   */
+  outcomes?: (DragOutcome | null)[];
   /**
    * Its record, where it was committed.
    */

@@ -1,6 +1,7 @@
 //! What holds for every sequence of commands.
 
-use document::{AssetHash, Change, Document, Edited};
+use document::{AssetHash, Change, Command, Document, Edited, GroupedCommand, edited_together};
+use light::Reach;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -12,7 +13,7 @@ const SCENES: &[AssetHash] = &[ROOM, YARD];
 /// Carries out what is valid of `commands`, and calls `check` with the document before, the changes, and the document
 /// after.
 fn each_step(
-    commands: Vec<document::Command>,
+    commands: Vec<Command>,
     mut check: impl FnMut(&Document, &[Change], &Document) -> Result<(), TestCaseError>,
 ) -> Result<(), TestCaseError> {
     let mut document = sample();
@@ -30,6 +31,22 @@ fn each_step(
         check(&before, &changes, &document)?;
     }
     Ok(())
+}
+
+/// Those of `commands` that are valid one after the other, and the document that they leave.
+fn valid(document: &Document, commands: Vec<Command>) -> (Vec<GroupedCommand>, Document) {
+    let mut draft = document.clone();
+    let mut grouped = Vec::new();
+    for command in commands {
+        let command = aimed(command, &draft);
+        let loads = matches!(command, Command::LoadScene { .. });
+        let Some(Edited { document: after, .. }) = edit(&draft, &command).ok().filter(|_| !loads) else {
+            continue;
+        };
+        draft = after;
+        grouped.push(GroupedCommand { command, solved: None });
+    }
+    (grouped, draft)
 }
 
 proptest! {
@@ -86,6 +103,32 @@ proptest! {
             }
             Ok(())
         })?;
+    }
+}
+
+proptest! {
+    /// Rules: CMD-17, REC-2, REC-9
+    #[test]
+    fn a_group_is_one_change_of_each_property(
+        first in vec(command(SCENES), 0..20),
+        group in vec(command(SCENES), 1..30),
+    ) {
+        let (_, before) = valid(&sample(), first);
+        let (group, one_by_one) = valid(&before, group);
+        let together = edited_together(&before, &group, Reach::default()).expect("valid one by one");
+        // By hash: to go from 0 to -0 and back is no change.
+        prop_assert_eq!(together.document.hash(), one_by_one.hash());
+        for (index, change) in together.changes.iter().enumerate() {
+            prop_assert!(*change != change.inverse(), "nothing changes to itself");
+            let others = together.changes[..index].iter();
+            let pins = |change: &Change| matches!(change, Change::Pin { .. });
+            let again = others.filter(|other| pins(other) == pins(change)).find(|other| other.overrides(change));
+            prop_assert!(again.is_none(), "{:?} and {:?}", again, change);
+        }
+        let mut back = together.document.clone();
+        let inverses: Vec<_> = together.changes.iter().rev().map(Change::inverse).collect();
+        back.apply(&inverses).expect("what was done can be taken back");
+        prop_assert_eq!(back.hash(), before.hash());
     }
 }
 

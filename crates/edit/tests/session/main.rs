@@ -2,6 +2,7 @@
 
 mod checks;
 mod gestures;
+mod groups;
 mod model;
 mod properties;
 #[path = "../../../document/tests/editing/random.rs"]

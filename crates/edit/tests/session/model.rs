@@ -10,13 +10,13 @@ use crate::properties::{Step, play, request};
 use crate::support::{Studio, angle};
 
 fn is_edit(record: &Record) -> bool {
-    matches!(record.action, Action::Edit { .. } | Action::Gesture { .. })
+    matches!(record.action, Action::Edit { .. } | Action::Gesture { .. } | Action::Group { .. })
 }
 
 fn target(record: &Record) -> Option<u64> {
     match record.action {
         Action::Undo { target, .. } | Action::Redo { target, .. } => Some(target),
-        Action::Edit { .. } | Action::Gesture { .. } => None,
+        Action::Edit { .. } | Action::Gesture { .. } | Action::Group { .. } => None,
     }
 }
 
@@ -82,7 +82,7 @@ proptest! {
             let expected = match step {
                 Step::Undo(scope) => undo_target(&studio.log, studio.session.document(), who, scope),
                 Step::Redo(scope) => redo_target(&studio.log, studio.session.document(), who, scope),
-                Step::Edit(_) => {
+                Step::Edit(_) | Step::Group(_) => {
                     let _ = studio.ask(who, request(step, &studio));
                     continue;
                 }

@@ -1,7 +1,7 @@
 //! What holds for every sequence of requests.
 
-use document::Command;
-use edit::{Request, Scope, Session};
+use document::{Command, Context, GroupedCommand, edited};
+use edit::{GroupedEdit, Request, Scope, Session};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -12,6 +12,7 @@ use crate::support::{SCENES, Studio};
 #[derive(Clone, Debug)]
 pub enum Step {
     Edit(Box<Command>),
+    Group(Vec<Command>),
     Undo(Scope),
     Redo(Scope),
 }
@@ -24,6 +25,7 @@ pub fn play(actors: &'static [&'static str], steps: usize) -> impl Strategy<Valu
     let scope = || prop_oneof![2 => Just(Scope::Mine), 1 => Just(Scope::Session)];
     let step = prop_oneof![
         4 => command(SCENES).prop_map(|command| Step::Edit(Box::new(command))),
+        1 => vec(command(SCENES), 1..8).prop_map(Step::Group),
         1 => scope().prop_map(Step::Undo),
         1 => scope().prop_map(Step::Redo),
     ];
@@ -36,9 +38,26 @@ pub fn request(step: Step, studio: &Studio) -> Request {
         Step::Edit(command) => {
             Request::Edit { base_seq: None, command: aimed(*command, studio.session.document()) }
         }
+        Step::Group(commands) => {
+            let mut draft = studio.session.document().clone();
+            let mut edits = Vec::new();
+            for command in commands {
+                let command = aimed(command, &draft);
+                // A group that is refused for one of them is shown in `groups`.
+                let Ok(after) = edited(&draft, &command, Context::default()) else { continue };
+                draft = after.document;
+                edits.push(grouped(command));
+            }
+            Request::Group(edits)
+        }
         Step::Undo(scope) => Request::Undo(scope),
         Step::Redo(scope) => Request::Redo(scope),
     }
+}
+
+/// A command of a group, which drags no feature.
+pub fn grouped(command: Command) -> GroupedEdit {
+    GroupedEdit { base_seq: None, grouped: GroupedCommand { command, solved: None } }
 }
 
 fn played(play: Play) -> Studio {
@@ -130,6 +149,9 @@ proptest! {
             let request = match record.action.clone() {
                 edit::Action::Edit { command, .. } | edit::Action::Gesture { command, .. } => {
                     Request::Edit { base_seq: None, command }
+                }
+                edit::Action::Group { edits, .. } => {
+                    Request::Group(edits.into_iter().map(|edit| grouped(edit.command)).collect())
                 }
                 edit::Action::Undo { scope, .. } => Request::Undo(scope),
                 edit::Action::Redo { scope, .. } => Request::Redo(scope),

@@ -25,9 +25,11 @@ use crate::ServerError;
 use crate::access::{Credential, Principal, random_digits};
 use crate::connections::Connection;
 use crate::in_flight::InFlight;
-use crate::limits::{LOG_PAGE_BYTES, MAX_EDITS, MAX_LOG_RECORDS, MAX_NODES_LISTED, MESSAGE_COST_EDITS};
-use crate::request::{Asked, Step, actor, edit_request, step};
-use crate::room::{Message, time_ms};
+use crate::limits::{
+    LOG_PAGE_BYTES, MAX_EDITS, MAX_LOG_RECORDS, MAX_NODES_LISTED, MAX_TICK, MESSAGE_COST_EDITS,
+};
+use crate::request::{Asked, AskedEdit, Step, actor, asked_edit, step};
+use crate::room::{Message, of_group, time_ms};
 use crate::scenes::{Decoded, Scenes};
 use crate::state::AppState;
 use crate::storage::Storage;
@@ -52,21 +54,21 @@ pub async fn create(State(state): State<Arc<AppState>>, headers: HeaderMap, body
         None => None,
         Some(scene) => {
             let command = protocol::Command::LoadScene { scene, name: None };
-            Some(edit_request(command, None, &state.backend.scenes).await?.of(&Document::default())?)
+            let asked = asked_edit(command, None, &state.backend.scenes).await?;
+            Some(asked.command.of(&Document::default())?)
         }
     };
     let mut session = Session::default();
     let (mut records, mut notes) = (Vec::new(), Vec::new());
-    if let Some(load) = load {
-        let scene = match &load {
-            Request::Edit { command: Command::LoadScene { asset, .. }, .. } => {
-                state.backend.scenes.load(*asset).await?
-            }
+    if let Some(command) = load {
+        let scene = match &command {
+            Command::LoadScene { asset, .. } => state.backend.scenes.load(*asset).await?,
             _ => Decoded::default(),
         };
         notes = scene.notes.to_vec();
         let context = Context { reach: scene.posed.reach(), loaded: Some(&scene.contents), solved: None };
         let sources = Sources { context, taken_back: None };
+        let load = Request::Edit { base_seq: None, command };
         records.push(session.request(load, &program(), &new_op_id()?, time_ms(), sources)?);
     }
     let hash = session.document().hash();
@@ -127,18 +129,30 @@ pub async fn edit(
     headers: HeaderMap,
     body: Bytes,
 ) -> Answer {
-    let Edits { actor: who, edits } = read_json(&headers, &body)?;
+    let Edits { actor: who, edits, atomic, op_id } = read_json(&headers, &body)?;
     if edits.len() > MAX_EDITS {
         return Err(ServerError::TooLarge { what: "a request", limit: MAX_EDITS, unit: "edits" });
     }
     let principal = Principal { credential, actor: who.map_or_else(|| Ok(program()), actor)? };
-    let mut steps = Vec::with_capacity(edits.len());
-    for edit in edits {
-        steps.push(parse_edit(edit, &state.backend.scenes).await?);
-    }
+    let count = edits.len();
+    let steps = match (atomic, op_id) {
+        (true, op_id) => vec![parse_group(op_id, edits, &state.backend.scenes).await?],
+        (false, None) => {
+            let mut steps = Vec::with_capacity(count);
+            for edit in edits {
+                steps.push(parse_edit(edit, &state.backend.scenes).await?);
+            }
+            steps
+        }
+        (false, Some(_)) => {
+            let sentence =
+                "`opId` beside `edits` names one step: give each edit its own, or ask for `\"atomic\": true`";
+            return Err(ServerError::BadMessage(sentence.into()));
+        }
+    };
     let room = state.rooms.find(&name).await?;
     let payer = Payer::new(&name.as_str().into(), &principal.actor.id);
-    state.backend.edit_pacing.wait(&payer, MESSAGE_COST_EDITS + steps.len() as f64).await;
+    state.backend.edit_pacing.wait(&payer, MESSAGE_COST_EDITS + count as f64).await;
     // Where the connection ends this future is dropped.
     let gone = CancellationToken::new();
     let _waits = gone.clone().drop_guard();
@@ -150,15 +164,49 @@ pub async fn edit(
 async fn parse_edit(edit: Edit, scenes: &Scenes) -> Result<Step, ServerError> {
     let Edit { op_id, base_seq, command, undo, redo } = edit;
     let request = match (command, undo, redo) {
-        (Some(command), None, None) => edit_request(command, base_seq, scenes).await,
-        (None, Some(scope), None) => Ok(Asked::Request(Request::Undo(scope.into()))),
-        (None, None, Some(scope)) => Ok(Asked::Request(Request::Redo(scope.into()))),
+        (Some(command), None, None) => asked_edit(command, base_seq, scenes).await.map(Asked::Edit),
+        (None, Some(scope), None) => Ok(Asked::Undo(scope.into())),
+        (None, None, Some(scope)) => Ok(Asked::Redo(scope.into())),
         _ => {
             let sentence = "an edit has exactly one of `command`, `undo` and `redo`: divide it";
             Err(ServerError::BadMessage(sentence.into()))
         }
     };
     step(op_id.map_or_else(new_op_id, Ok)?, request)
+}
+
+/// Edits that are one step. What is wrong with one of them is what is wrong with the step.
+async fn parse_group(op_id: Option<String>, edits: Vec<Edit>, scenes: &Scenes) -> Result<Step, ServerError> {
+    if edits.len() > MAX_TICK {
+        return Err(ServerError::TooLarge { what: "an atomic request", limit: MAX_TICK, unit: "edits" });
+    }
+    let mut asked = Vec::with_capacity(edits.len());
+    let mut refused = None;
+    for (index, edit) in edits.into_iter().enumerate() {
+        match parse_grouped(edit, scenes).await {
+            Ok(edit) => asked.push(edit),
+            Err(error) => {
+                refused = Some(of_group(index, error));
+                break;
+            }
+        }
+    }
+    let request = refused.map_or(Ok(Asked::Group(asked)), Err);
+    step(op_id.map_or_else(new_op_id, Ok)?, request)
+}
+
+async fn parse_grouped(edit: Edit, scenes: &Scenes) -> Result<AskedEdit, ServerError> {
+    let sentence = match edit {
+        Edit { command: Some(protocol::Command::LoadScene { .. }), .. } => {
+            "`loadScene` changes what all else is about: send it in a request of its own"
+        }
+        Edit { op_id: None, base_seq, command: Some(command), undo: None, redo: None } => {
+            return asked_edit(command, base_seq, scenes).await;
+        }
+        Edit { op_id: Some(_), .. } => "an atomic request is one step: give it one `opId`, beside `edits`",
+        _ => "an edit of an atomic request has a `command` and no `undo` or `redo`: send those by themselves",
+    };
+    Err(ServerError::BadMessage(sentence.into()))
 }
 
 /// Who edits where nobody is named.

@@ -2,7 +2,6 @@
 
 use std::collections::VecDeque;
 
-use edit::Request;
 use protocol::{
     Document, GestureState, GestureStatus, Presence, Resync, ServerMessage, Settings, State, Welcome,
 };
@@ -40,7 +39,7 @@ impl Client {
         let committed = |gesture: &String| {
             self.line.iter().any(|message| match message {
                 Message::Client { request: ClientRequest::Step(step), .. } => {
-                    matches!(&step.request, Ok(Asked::Request(Request::Commit(id))) if id == gesture)
+                    matches!(&step.request, Ok(Asked::Commit(id)) if id == gesture)
                 }
                 _ => false,
             })

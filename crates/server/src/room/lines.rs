@@ -8,7 +8,7 @@
 use std::task::Poll;
 
 use document::Command;
-use edit::{Actor, Request};
+use edit::Actor;
 use tokio::sync::OwnedSemaphorePermit;
 use tokio::task::{Id, JoinError};
 use tokio_util::sync::CancellationToken;
@@ -16,12 +16,12 @@ use tokio_util::sync::CancellationToken;
 use super::Room;
 use super::clients::Client;
 use super::message::Message;
-use super::solving::{Found, Solved, Solves, solve};
+use super::solving::{Found, Solved, Solves, ToSolve, solve};
 use super::tick::Tick;
 use crate::ServerError;
 use crate::limits::{MAX_SOLVE_TRIES, MAX_TICK};
 use crate::outboxes::ClientId;
-use crate::request::{Asked, ClientRequest, Step, needs_scene};
+use crate::request::{Asked, AskedCommand, AskedEdit, ClientRequest, Step, needs_scene};
 use crate::turns::Payer;
 
 impl Room {
@@ -52,24 +52,39 @@ impl Room {
         solves: &mut Solves,
         tick: &Tick,
     ) -> Poll<Found> {
-        let Ok(Asked::Request(request)) = &step.request else { return Poll::Ready(None) };
+        let Ok(asked) = &step.request else { return Poll::Ready(None) };
         // What came before is not carried out.
         if tick.earlier_outcome(&step.op_id, actor).is_some() {
             return Poll::Ready(None);
         }
         let of_gesture;
-        let command = match request {
-            Request::Edit { command, .. } => Some(command),
-            Request::Commit(id) => {
+        let command = match asked {
+            Asked::Edit(AskedEdit { command: AskedCommand::Command(command), .. }) => Some(command),
+            Asked::Group(edits) => return self.solution_of_group(edits, (actor, gone), solves),
+            Asked::Commit(id) => {
                 of_gesture = self.gesture_of(id, actor).and_then(|gesture| gesture.command);
                 // A light that is bent was solved for when it was: nothing is left out of the command.
                 of_gesture.as_ref().filter(|command| !matches!(command, Command::BendLight { .. }))
             }
-            Request::Undo(_) | Request::Redo(_) => None,
+            Asked::Edit(_) | Asked::Undo(_) | Asked::Redo(_) => None,
         };
         match command {
             Some(command) => self.solution(command, (actor, gone), solves),
             None => Poll::Ready(None),
+        }
+    }
+
+    /// The edits of a group with what the scene says of them; as [`Self::solution`].
+    fn solution_of_group(
+        &mut self,
+        edits: &[AskedEdit],
+        asker: (&Actor, Option<&CancellationToken>),
+        solves: &mut Solves,
+    ) -> Poll<Found> {
+        let reach = self.scene.decoded.posed.reach();
+        match solves.found_of_group(edits, self.session.document(), reach) {
+            Poll::Pending => self.begin_solve(|| ToSolve::Group(edits.to_vec()), asker, solves),
+            found @ Poll::Ready(_) => found,
         }
     }
 
@@ -88,16 +103,27 @@ impl Room {
         if let Some(found) = solves.found(command, document) {
             return Poll::Ready(Some(found));
         }
+        self.begin_solve(|| ToSolve::Command(Box::new(command.clone())), (actor, gone), solves)
+    }
+
+    /// Has something solved that is waited for, unless it was too often.
+    fn begin_solve(
+        &mut self,
+        what: impl FnOnce() -> ToSolve,
+        (actor, gone): (&Actor, Option<&CancellationToken>),
+        solves: &mut Solves,
+    ) -> Poll<Found> {
         if !solves.may_begin() {
             solves.stop_waiting();
             return Poll::Ready(Some(Err(ServerError::KeepsChanging(MAX_SOLVE_TRIES))));
         }
-        let (command, document, scene) = (command.clone(), document.clone(), self.scene.decoded.clone());
-        let (solver, payer) = (self.backend.solver.clone(), Payer::new(&self.name, &actor.id));
+        let (what, document) = (what(), self.session.document().clone());
+        let (scene, solver) = (self.scene.decoded.clone(), self.backend.solver.clone());
+        let payer = Payer::new(&self.name, &actor.id);
         let gone = gone.cloned().unwrap_or_default();
         solves.begin(self.solving.spawn(async move {
             tokio::select! {
-                solved = solve(command, document, scene, (&solver, payer)) => solved,
+                solved = solve(what, document, scene, (&solver, payer)) => solved,
                 () = gone.cancelled() => Err(ServerError::Fault),
             }
         }));
@@ -105,7 +131,7 @@ impl Room {
     }
 
     /// Keeps what a solve has come to for whoever waits for it, who goes on in the next tick.
-    pub(super) fn take_solved(&mut self, ended: Result<(Id, Result<Solved, ServerError>), JoinError>) {
+    pub(super) fn take_solved(&mut self, ended: Result<(Id, Result<Vec<Solved>, ServerError>), JoinError>) {
         let task = ended.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
         let of_clients = self.clients.values_mut().map(|client| &mut client.solves);
         let mut all = of_clients.chain(self.batches.iter_mut().map(|batch| &mut batch.solves));

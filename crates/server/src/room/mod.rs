@@ -9,6 +9,7 @@ mod clients;
 mod commit;
 mod directory;
 mod gestures;
+mod grouping;
 mod inbox;
 mod lines;
 mod message;
@@ -33,6 +34,7 @@ use tokio::task::{JoinHandle, JoinSet, spawn_blocking};
 use tokio::time::{Instant, sleep_until};
 
 pub use directory::Rooms;
+pub use grouping::of_group;
 pub use message::{Join, Message, RoomHandle, Snapshot};
 pub use steps::time_ms;
 
@@ -79,7 +81,7 @@ struct Room {
     /// What they ask of pixels.
     probes: Probes,
     /// Commands of theirs that are being solved.
-    solving: JoinSet<Result<Solved, ServerError>>,
+    solving: JoinSet<Result<Vec<Solved>, ServerError>>,
     last_client: ClientId,
     /// What programs have asked for and is not all carried out, next first.
     batches: VecDeque<Batch>,

@@ -2,13 +2,18 @@
 //! and how far a light reaches that is bent.
 
 use std::cell::RefCell;
+use std::task::Poll;
 
 use document::{Command, Document, EditError, SolvedDrag, resolved, solve_drag_within};
 use drag::Work;
+use edit::{GroupedEdit, Refusal, Request};
+use light::Reach;
 use tokio::task::{AbortHandle, Id};
 
+use super::grouping::grouped;
 use crate::ServerError;
 use crate::limits::MAX_SOLVE_TRIES;
+use crate::request::{Asked, AskedEdit};
 use crate::scenes::Decoded;
 use crate::solver::{Solver, Turn};
 use crate::turns::Payer;
@@ -20,6 +25,8 @@ pub(super) enum Solution {
     Drag(SolvedDrag),
     /// How a light is bent: the command with nothing left out.
     Bend(Command),
+    /// The edits of a group, in the document that those before leave.
+    Group(Vec<GroupedEdit>),
 }
 
 /// What a command led to, and from where.
@@ -35,8 +42,9 @@ pub(super) struct Solved {
 pub(super) struct Solves {
     /// The one that is waited for.
     under_way: Option<AbortHandle>,
-    /// What was solved last, so that a commit need not solve again what the last update did.
-    last: Option<Box<Solved>>,
+    /// What was solved last, so that a commit need not solve again what the last update did; of a group one for each command that
+    /// needs the scene.
+    last: Vec<Solved>,
     /// Why the latest could not be solved, until the step that waited for it is told.
     failed: Option<ServerError>,
     /// How many were begun for the step that is next.
@@ -54,7 +62,30 @@ pub(super) fn with_solution(
     Ok(match found.transpose()? {
         Some(Solution::Drag(solved)) => (command, Some(solved)),
         Some(Solution::Bend(command)) => (command, None),
-        None => (command, None),
+        Some(Solution::Group(_)) | None => (command, None),
+    })
+}
+
+/// What is asked for as a request of a session with this document, and where the drag in it leads. Of a group what was found is the
+/// request.
+pub(super) fn request_of(
+    asked: Asked,
+    found: Found,
+    document: &Document,
+) -> Result<(Request, Option<SolvedDrag>), ServerError> {
+    Ok(match (asked, found) {
+        (Asked::Edit(AskedEdit { base_seq, command }), found) => {
+            let (command, solved) = with_solution(command.of(document)?, found)?;
+            (Request::Edit { base_seq, command }, solved)
+        }
+        (Asked::Group(_), Some(Ok(Solution::Group(edits)))) => (Request::Group(edits), None),
+        (Asked::Group(_), Some(Err(error))) => return Err(error),
+        (Asked::Group(_), _) => return Err(ServerError::Fault),
+        // What stands in its way now is said where the gesture ends.
+        (Asked::Commit(id), Some(Ok(Solution::Drag(solved)))) => (Request::Commit(id), Some(solved)),
+        (Asked::Commit(id), _) => (Request::Commit(id), None),
+        (Asked::Undo(scope), _) => (Request::Undo(scope), None),
+        (Asked::Redo(scope), _) => (Request::Redo(scope), None),
     })
 }
 
@@ -71,7 +102,7 @@ impl Solved {
     }
 
     pub fn answer(&self) -> Result<Solution, ServerError> {
-        self.result.clone().map_err(|refused| edit::Refusal::from(refused).into())
+        self.result.clone().map_err(|refused| Refusal::from(refused).into())
     }
 }
 
@@ -83,13 +114,39 @@ impl Solves {
 
     /// What was found of the command last, if it would lead to the same from `document`.
     pub fn found(&mut self, command: &Command, document: &Document) -> Found {
-        if let Some(error) = self.failed.take() {
+        let found = self.failure().map(Err).or_else(|| self.known(command, document));
+        if found.is_some() {
             self.begun = 0;
-            return Some(Err(error));
         }
-        let last = self.last.as_deref().filter(|last| last.answers(command, document))?;
+        found
+    }
+
+    /// The same of a group; pending where something of it has to be solved.
+    pub fn found_of_group(&mut self, edits: &[AskedEdit], document: &Document, reach: Reach) -> Poll<Found> {
+        if let Some(error) = self.failure() {
+            self.begun = 0;
+            return Poll::Ready(Some(Err(error)));
+        }
+        let mut is_missing = false;
+        let known = grouped(edits, document, reach, |command, draft| {
+            self.known(command, draft).unwrap_or_else(|| {
+                is_missing = true;
+                Err(ServerError::Fault)
+            })
+        });
+        if is_missing {
+            return Poll::Pending;
+        }
         self.begun = 0;
-        Some(last.answer())
+        Poll::Ready(Some(known.map(Solution::Group)))
+    }
+
+    fn failure(&mut self) -> Option<ServerError> {
+        self.failed.take()
+    }
+
+    fn known(&self, command: &Command, document: &Document) -> Found {
+        Some(self.last.iter().find(|last| last.answers(command, document))?.answer())
     }
 
     /// Whether the step that is next may be solved once more.
@@ -109,10 +166,10 @@ impl Solves {
     }
 
     /// Keeps what the solve that was waited for has come to.
-    pub fn end(&mut self, solved: Result<Solved, ServerError>) {
+    pub fn end(&mut self, solved: Result<Vec<Solved>, ServerError>) {
         self.under_way = None;
         match solved {
-            Ok(solved) => self.last = Some(Box::new(solved)),
+            Ok(solved) => self.last = solved,
             Err(error) => self.failed = Some(error),
         }
     }
@@ -126,25 +183,47 @@ impl Solves {
     }
 }
 
-/// Solves a command that needs it, on a thread of its own and in turns with others.
+/// What is to be solved: a command, or what needs it of a group.
+pub(super) enum ToSolve {
+    Command(Box<Command>),
+    Group(Vec<AskedEdit>),
+}
+
+/// Solves it from `document` on, on a thread of its own and in turns with others.
 pub(super) async fn solve(
-    command: Command,
+    what: ToSolve,
     document: Document,
     scene: Decoded,
     (solver, payer): (&Solver, Payer),
-) -> Result<Solved, ServerError> {
-    let bvh = scene.bvh().await?;
+) -> Result<Vec<Solved>, ServerError> {
+    let (bvh, reach) = (scene.bvh().await?, scene.posed.reach());
     let solve = move |turn: &mut Turn| {
         let turn = RefCell::new(turn);
         let goes_on = |steps| turn.borrow_mut().goes_on(steps);
-        let result = match &command {
-            Command::DragFeature { light, drag } => {
-                let work = Work::new(&goes_on);
-                solve_drag_within(&document, *light, drag, &bvh, &work).map(Solution::Drag)
-            }
-            other => Ok(Solution::Bend(resolved(other.clone(), &document, &bvh))),
+        let solved = |command: &Command, document: &Document| {
+            let result = match command {
+                Command::DragFeature { light, drag } => {
+                    let work = Work::new(&goes_on);
+                    solve_drag_within(document, *light, drag, &bvh, &work).map(Solution::Drag)
+                }
+                other => Ok(Solution::Bend(resolved(other.clone(), document, &bvh))),
+            };
+            Solved { command: command.clone(), document: document.clone(), result }
         };
-        Solved { command, document, result }
+        match what {
+            ToSolve::Command(command) => vec![solved(&command, &document)],
+            ToSolve::Group(edits) => {
+                let mut all = Vec::new();
+                // What is refused of it is found again where the group is carried out.
+                let _ = grouped(&edits, &document, reach, |command, draft| {
+                    let solved = solved(command, draft);
+                    let answer = solved.answer();
+                    all.push(solved);
+                    answer
+                });
+                all
+            }
+        }
     };
     solver.run(payer, solve).await
 }

@@ -4,12 +4,12 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use document::{Change, Command, Context, SceneContents};
+use document::{Change, Command, Context, SceneContents, SolvedDrag};
 use edit::{Actor, Record, Request, Sources, TakenBack};
 use protocol::{EditResult, GestureStatus, Outcome, ServerMessage};
 use store::Rejection;
 
-use super::solving::{Found, Solution, with_solution};
+use super::solving::{Found, request_of};
 use super::tick::{Answer, EarlierOutcomes, OperationKey, Outgoing, Tick, refused};
 use super::{OpenScene, Room};
 use crate::ServerError;
@@ -53,8 +53,7 @@ impl Room {
         tick: &mut Tick,
     ) -> Answer {
         let Step { op_id, request } = step;
-        let request = request.and_then(|asked| asked.of(self.session.document()));
-        let request = request.map(|request| (request, found));
+        let request = request.and_then(|asked| request_of(asked, found, self.session.document()));
         let (outcome, is_new) = self.outcome_of(&op_id, request, &principal.actor, tick).await;
         Answer { result: EditResult { op_id, outcome }, is_new }
     }
@@ -63,7 +62,7 @@ impl Room {
     async fn outcome_of(
         &mut self,
         op_id: &str,
-        request: Result<(Request, Found), ServerError>,
+        request: Result<(Request, Option<SolvedDrag>), ServerError>,
         actor: &Actor,
         tick: &mut Tick,
     ) -> (Outcome, bool) {
@@ -72,7 +71,7 @@ impl Room {
         }
         let key = (actor.id.clone(), op_id.to_owned());
         let carried_out = match request {
-            Ok((request, found)) => self.carry_out(request, found, actor, op_id, tick).await,
+            Ok(request) => self.carry_out(request, actor, op_id, tick).await,
             Err(error) => Err(error),
         };
         let outcome = match carried_out {
@@ -90,28 +89,15 @@ impl Room {
 
     async fn carry_out(
         &mut self,
-        request: Request,
-        found: Found,
+        (request, solved): (Request, Option<SolvedDrag>),
         actor: &Actor,
         op_id: &str,
         tick: &mut Tick,
     ) -> Result<Record, ServerError> {
-        let (request, solved) = match request {
-            Request::Edit { base_seq, command } => {
-                let (command, solved) = with_solution(command, found)?;
-                (Request::Edit { base_seq, command }, solved)
-            }
-            // What stands in its way now is said where the gesture ends.
-            Request::Commit(_) => match found {
-                Some(Ok(Solution::Drag(solved))) => (request, Some(solved)),
-                _ => (request, None),
-            },
-            Request::Undo(_) | Request::Redo(_) => (request, None),
-        };
         let Sourced { loaded, taken_back } = self.sources_of(&request, actor, tick).await?;
         let held = match &request {
             Request::Commit(id) => self.gesture_of(id, actor),
-            Request::Edit { .. } | Request::Undo(_) | Request::Redo(_) => None,
+            Request::Edit { .. } | Request::Group(_) | Request::Undo(_) | Request::Redo(_) => None,
         };
         tick.before.get_or_insert_with(|| Box::new((self.session.clone(), self.scene.clone())));
         let reach = self.scene.decoded.posed.reach();

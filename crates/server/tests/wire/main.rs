@@ -5,6 +5,7 @@ mod client;
 mod documented;
 mod drain;
 mod errors;
+mod groups;
 mod hello;
 mod limits;
 mod methods;
