@@ -9,6 +9,7 @@ const NEEDS: &[(&str, &str)] = &[
     ("needs ../shared/assets", "shared_assets"),
     ("needs strace", ""),
     ("needs systemd-analyze", ""),
+    ("needs jq: make test-packages", ""),
     ("needs Python", ""),
     ("needs nginx and Caddy", ""),
     ("needs the page and a browser: make page test-packages", ""),
