@@ -182,7 +182,10 @@ impl From<&EditError> for ErrorCode {
             EditError::SeveralCalled { .. } => Self::Ambiguous,
             EditError::WrongKind { .. } | EditError::NoPointParameter(_) => Self::WrongKind,
             EditError::Source => Self::Source,
-            EditError::NotDragged { .. } | EditError::InvalidPin | EditError::NoPicture => Self::Drag,
+            EditError::NotDragged { .. }
+            | EditError::PinDoesNotHold { .. }
+            | EditError::InvalidPin
+            | EditError::NoPicture => Self::Drag,
             EditError::NotSolved(_) => Self::Fault,
             EditError::InvalidLight { reason, .. } => reason.into(),
             EditError::OutOfReach(_) => Self::InvalidLight,

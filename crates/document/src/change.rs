@@ -140,8 +140,16 @@ pub enum EditError {
     NotDragged {
         /// Which light, as [`Document::light_name`](crate::Document::light_name) says it.
         light: String,
-        /// Why; a pin by the number of its [`PinId`].
+        /// Why, other than for a pin.
         reason: Refusal,
+    },
+    /// A pin that holds what is not so, which no drag can keep.
+    #[error("{light}: its pin {pin} does not hold before anything moves: remove it, or make it soft")]
+    PinDoesNotHold {
+        /// Which light, as [`Document::light_name`](crate::Document::light_name) says it.
+        light: String,
+        /// What the pin keeps, in quotes.
+        pin: String,
     },
     /// No such control point.
     #[error("{light} has {count} control points and none with index {point}: choose 0 to {}", count - 1)]
@@ -339,8 +347,8 @@ fn sentence(reason: Refusal) -> String {
         Refusal::NoWeight => {
             "no control point that is chosen does anything where the drag begins: choose one that does".into()
         }
-        Refusal::PinDoesNotHold(pin) => {
-            format!("pin {pin} does not hold before anything moves: remove it, or make it soft")
+        Refusal::PinDoesNotHold(_) => {
+            "a pin of it does not hold before anything moves: remove it, or make it soft".into()
         }
     }
 }

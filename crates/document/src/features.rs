@@ -6,7 +6,7 @@ use light::{Light, LightId, MAX_NAME_BYTES};
 use raycast::Bvh;
 
 use crate::points::moved_points;
-use crate::{Change, Document, DragOutcome, EditError, FeatureDrag, PlacedLight};
+use crate::{Change, Document, DragOutcome, EditError, FeatureDrag, PinId, PlacedLight};
 
 /// Control points that can be chosen for a drag. With more hardly any drag lands within the bound of its work.
 pub const MAX_CHOSEN_POINTS: usize = 128;
@@ -85,7 +85,13 @@ pub(crate) fn dragged_feature(
     solved: &SolvedDrag,
 ) -> Result<Vec<Change>, EditError> {
     if let Status::Refused(reason) = solved.outcome.status {
-        return Err(EditError::NotDragged { light: document.light_name(id), reason });
+        let light = document.light_name(id);
+        return Err(match reason {
+            Refusal::PinDoesNotHold(pin) => {
+                EditError::PinDoesNotHold { light, pin: document.pin_name(PinId(pin as u64)) }
+            }
+            reason => EditError::NotDragged { light, reason },
+        });
     }
     let (light, moved) = (placed.light.light(), &solved.light);
     let placement = [TRANSLATION.row(), ROTATION.row()].into_iter().filter_map(|parameter| {

@@ -2,8 +2,10 @@
 
 use std::fmt::Write;
 
-use crate::{CameraId, Change, Document};
+use drag::PinKind;
 use light::{LightId, Owner};
+
+use crate::{CameraId, Change, Document, LightPin, PinId};
 
 /// Characters of a name that are said.
 const SAID: usize = 40;
@@ -19,6 +21,21 @@ impl Document {
     pub fn camera_name(&self, id: CameraId) -> String {
         let name = self.cameras().get(&id).map(|camera| camera.name.as_str());
         quoted(name.unwrap_or_default()).unwrap_or_else(|| format!("camera {id}"))
+    }
+}
+
+impl Document {
+    /// A pin by what it keeps, in quotes, as the page lists it: `“This shadow of blue vase”`.
+    pub fn pin_name(&self, id: PinId) -> String {
+        let Some(LightPin { pin, .. }) = self.pins().get(&id) else { return format!("pin {id}") };
+        let kept = match pin.kind {
+            PinKind::Direction => "Look",
+            PinKind::Lit => "Lit",
+            PinKind::Shadowed => "In shadow",
+            PinKind::Shadow => "This shadow",
+        };
+        let text = pin.caster.as_ref().map_or_else(|| kept.into(), |caster| format!("{kept} of {caster}"));
+        quoted(&text).unwrap_or(text)
     }
 }
 

@@ -218,7 +218,10 @@ fn pins_of_the_document_hold_and_are_named_by_their_ids() {
     done(&mut before, &add(PinKind::Shadowed, LIGHT));
     let (wrong, _) = before.pins_of(LIGHT).last().expect("a pin");
     let error = dragged(&before, &shadow(None, 45.0)).map(|_| ()).expect_err("it does not hold");
-    let reason = Refusal::PinDoesNotHold(wrong.0 as usize);
-    assert_eq!(error, EditError::NotDragged { light: before.light_name(LIGHT), reason });
-    assert!(error.to_string().contains(&format!("pin {wrong}")));
+    let (light, pin) = (before.light_name(LIGHT), before.pin_name(wrong));
+    assert!(
+        error.to_string().contains("its pin “In shadow") && !error.to_string().contains(&wrong.to_string()),
+        "{error}"
+    );
+    assert_eq!(error, EditError::PinDoesNotHold { light, pin });
 }
