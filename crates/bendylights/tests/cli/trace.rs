@@ -42,7 +42,12 @@ impl Served {
     }
 
     fn still(&self) {
-        let answer = self.address.get("/sessions/main/render?size=64x36").expect("answered");
+        self.still_as("png");
+    }
+
+    fn still_as(&self, format: &str) {
+        let path = format!("/sessions/main/render?size=64x36&format={format}");
+        let answer = self.address.get(&path).expect("answered");
         assert_eq!(answer.status, 200, "{}", answer.text());
     }
 
@@ -119,6 +124,18 @@ fn every_picture_has_a_line_that_says_what_ran() {
     assert_eq!(map(first).map(|run| (run.light, run.cause)), Some((Some(1), Cause::First)));
     assert_eq!(edited.passes.iter().map(|run| run.pass).collect::<Vec<_>>(), [Pass::Display]);
     assert!(still.passes.iter().any(|run| run.pass == Pass::Lighting), "{text}");
+}
+
+/// Rules: HTTP-30
+#[test]
+fn two_files_of_a_picture_are_one_drawing() {
+    let folder = Folder::new();
+    let trace = folder.path("trace.jsonl");
+    let server = Served::start(&folder, &trace);
+    // The planted fault, each file drawn by itself, has four.
+    ["png", "exr", "png,exr"].iter().for_each(|format| server.still_as(format));
+    server.stop();
+    assert_eq!(std::fs::read_to_string(&trace).expect("text").lines().count(), 3);
 }
 
 #[test]
