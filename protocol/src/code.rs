@@ -100,6 +100,10 @@ codes! {
     Stalled = "stalled", 408;
     /// The name is taken.
     Exists = "exists", 409;
+    /// The session is not archived, and only what is archived can be deleted.
+    NotArchived = "notArchived", 409;
+    /// People are in the session.
+    InUse = "inUse", 409;
     /// The name is that of several, whose ids the sentence says.
     Ambiguous = "ambiguous", 409;
     /// A size over its limit, which the sentence names.

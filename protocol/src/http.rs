@@ -11,21 +11,72 @@ use crate::{Actor, Camera, Command, Document, EditResult, Problem, Scope, Vec3};
 pub struct NewSession {
     /// 1 to 64 of `a-z A-Z 0-9 - _ .`, the first a letter or a digit.
     pub name: String,
+    /// What people call it: 1 to 256 bytes of a line of text; its name by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub title: Option<String>,
     /// Scene to load: `"demo:NAME"` or `"sha256:HEX"`; an empty document by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scene: Option<String>,
+    /// Who loads it; by default `{"id": "api", "name": "API"}`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub actor: Option<Actor>,
+}
+
+/// `PATCH /sessions/S`. What is left out stays.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct SessionChange {
+    /// What people call it: 1 to 256 bytes of a line of text.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub title: Option<String>,
+    /// `true` archives it, `false` brings it back.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub archived: Option<bool>,
+}
+
+/// `POST /sessions/S/duplicate`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Duplicate {
+    /// The new session's name, as in [`NewSession`].
+    pub name: String,
+    /// What people call the new one; its name by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub title: Option<String>,
 }
 
 /// An entry of `GET /sessions`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct SessionEntry {
-    /// The session's name.
+    /// What addresses and its log call it; it stays.
     pub name: String,
+    /// What people call it, by default its name.
+    pub title: String,
+    /// Names the history that `seq` counts in. Both together name a picture of it.
+    pub epoch: String,
     /// The latest record.
     pub seq: u64,
     /// How many clients are connected.
     pub clients: usize,
+    /// What those who are connected are called, each person once, in the order in which they came.
+    pub people: Vec<String>,
+    /// It is left out of the list that does not ask for those, and can be deleted.
+    pub archived: bool,
+    /// When it was made on this server, in milliseconds since 1970; `null` where that is not known.
+    pub made_ms: Option<u64>,
+    /// Its latest record; `null` before the first.
+    pub changed: Option<LastChange>,
+}
+
+/// The latest record of a session.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct LastChange {
+    /// When it was made, in milliseconds since 1970.
+    pub time_ms: u64,
+    /// What who made it is called.
+    pub actor: String,
 }
 
 /// `GET /sessions`.
@@ -34,6 +85,26 @@ pub struct SessionEntry {
 pub struct SessionList {
     /// In the order of names.
     pub sessions: Vec<SessionEntry>,
+}
+
+/// `GET /scenes`: the scenes that come with the server.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct DemoScenes {
+    /// In the order in which they are offered.
+    pub demos: Vec<DemoScene>,
+}
+
+/// One of [`DemoScenes`].
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct DemoScene {
+    /// What [`NewSession`] and `loadScene` take: `"demo:NAME"`.
+    pub scene: String,
+    /// For people.
+    pub name: String,
+    /// What is to be seen in it.
+    pub shows: String,
 }
 
 /// `GET /sessions/S` and the answer to `POST /sessions`.

@@ -46,8 +46,8 @@ pub use error::{FileError, Refused};
 pub use evaluation::{Evaluation, TubePoint, Visibility};
 pub use held::{CompactLine, MIN_HELD_BYTES, Place, compact};
 pub use http::{
-    Asset, Edit, EditResults, Edits, ErrorBody, NewSession, Pick, Picked, SceneNodes, SessionEntry,
-    SessionList, SessionState,
+    Asset, DemoScene, DemoScenes, Duplicate, Edit, EditResults, Edits, ErrorBody, LastChange, NewSession,
+    Pick, Picked, SceneNodes, SessionChange, SessionEntry, SessionList, SessionState,
 };
 pub use log_file::{
     Checkpoint, CheckpointLine, FIRST_PROOF, FindLine, LogHeader, LogLine, LogReader, ReadError, next_proof,

@@ -10,8 +10,9 @@ use crate::ErrorCode as Code;
 use crate::drag_file::{Drag, Dragged};
 use crate::schema::{Face, definitions, generator, name};
 use crate::{
-    Aovs, Asset, Document, EditResults, Edits, ErrorBody, NewSession, PROTOCOL, ParameterTable, Pick, Picked,
-    ProbeRequest, Probed, Record, RenderLimits, RenderRequest, SceneNodes, SessionList, SessionState,
+    Aovs, Asset, DemoScenes, Document, Duplicate, EditResults, Edits, ErrorBody, NewSession, PROTOCOL,
+    ParameterTable, Pick, Picked, ProbeRequest, Probed, Record, RenderLimits, RenderRequest, SceneNodes,
+    SessionChange, SessionEntry, SessionList, SessionState,
 };
 
 /// Where schemas stand.
@@ -49,6 +50,8 @@ const OF_NEW_SESSION: &[Code] = &[
     Code::Storage,
     Code::UnknownOutcome,
 ];
+/// What changing the list of sessions comes to.
+const OF_LIST: &[Code] = &[Code::NotFound, Code::Storage, Code::UnknownOutcome];
 /// What a picture comes to.
 const OF_PICTURE: &[Code] = &[Code::Render];
 /// What setting a parameter comes to.
@@ -71,7 +74,7 @@ struct Operation {
     body: Option<Value>,
     /// The status where it is not refused.
     status: u16,
-    /// Content of the answer, by media type.
+    /// Content of the answer, by media type; null where it has none.
     answer: Value,
     /// Headers of the answer by their names, where it has any of its own.
     headers: Value,
@@ -89,8 +92,9 @@ pub fn openapi() -> Value {
     name::<Document>(&mut generator);
     name::<Record>(&mut generator);
     let mut paths: BTreeMap<&str, Map<String, Value>> = BTreeMap::new();
-    let operations = of_sessions(&mut generator)
+    let operations = of_session_list(&mut generator)
         .into_iter()
+        .chain(of_sessions(&mut generator))
         .chain(of_pictures(&mut generator))
         .chain(of_scenes(&mut generator))
         .chain(of_service(&mut generator));
@@ -119,10 +123,14 @@ fn of_session() -> Operation {
     Operation { parameters: vec![session], tag: "sessions", ..Operation::default() }
 }
 
-fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
-    let state = json_content(&name::<SessionState>(g));
+/// The list of sessions, and what is done with whole ones.
+fn of_session_list(g: &mut SchemaGenerator) -> Vec<Operation> {
+    let entry = json_content(&name::<SessionEntry>(g));
     let of_session = of_session();
     let of_all = Operation { tag: "sessions", ..Operation::default() };
+    let archived =
+        query("archived", "Those that are archived too.", &json!({"type": "boolean", "default": false}));
+    let named = query("name", "This one alone, where there is one of that name.", &json!({"type": "string"}));
     vec![
         Operation {
             path: "/sessions",
@@ -130,7 +138,7 @@ fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
             summary: "List the sessions.",
             answer: json_content(&name::<SessionList>(g)),
             codes: &[ANYBODY, WITH_TOKEN, OF_STORE],
-            ..of_all.clone()
+            ..of_all.clone().with(vec![archived, named])
         },
         Operation {
             path: "/sessions",
@@ -139,10 +147,47 @@ fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
             summary: "Make a session, with its scene or, on an error, not at all.",
             body: Some(json_content(&name::<NewSession>(g))),
             status: 201,
-            answer: state.clone(),
+            answer: json_content(&name::<SessionState>(g)),
             codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_NEW_SESSION],
             ..of_all
         },
+        Operation {
+            path: "/sessions/{session}",
+            method: "patch",
+            id: "changeSession",
+            summary: "Say what people call a session, archive it, or bring it back.",
+            body: Some(json_content(&name::<SessionChange>(g))),
+            answer: entry.clone(),
+            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_LIST, &[Code::BadName]],
+            ..of_session.clone()
+        },
+        Operation {
+            path: "/sessions/{session}",
+            method: "delete",
+            id: "deleteSession",
+            summary: "Delete an archived session, with its log, for good.",
+            status: 204,
+            codes: &[ANYBODY, WITH_TOKEN, OF_LIST, &[Code::NotArchived, Code::InUse]],
+            ..of_session.clone()
+        },
+        Operation {
+            path: "/sessions/{session}/duplicate",
+            method: "post",
+            id: "duplicateSession",
+            summary: "Make a session with all of this one's log.",
+            body: Some(json_content(&name::<Duplicate>(g))),
+            status: 201,
+            answer: entry,
+            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_LIST, &[Code::BadName, Code::Exists]],
+            ..of_session
+        },
+    ]
+}
+
+fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
+    let state = json_content(&name::<SessionState>(g));
+    let of_session = of_session();
+    vec![
         Operation {
             path: "/sessions/{session}",
             id: "getSession",
@@ -257,7 +302,17 @@ fn of_scenes(g: &mut SchemaGenerator) -> Vec<Operation> {
         codes: &[ANYBODY, WITH_TOKEN, OF_UPLOAD],
         ..Operation::default()
     };
-    vec![upload.with(vec![name_of_scene])]
+    let listed = Operation {
+        path: "/scenes",
+        id: "listScenes",
+        tag: "scenes",
+        summary: "The scenes that come with the server, as `createSession` and `loadScene` take them.",
+        answer: json_content(&name::<DemoScenes>(g)),
+        has_tag: true,
+        codes: &[ANYBODY, WITH_TOKEN],
+        ..Operation::default()
+    };
+    vec![upload.with(vec![name_of_scene]), listed]
 }
 
 fn of_service(g: &mut SchemaGenerator) -> Vec<Operation> {
@@ -340,7 +395,10 @@ impl Operation {
             by_status.entry(code.http_status()).or_default().push(*code);
         }
         let mut responses = Map::new();
-        let mut done = json!({"description": "Done.", "content": self.answer});
+        let mut done = json!({"description": "Done."});
+        if !self.answer.is_null() {
+            done["content"] = self.answer;
+        }
         if !self.headers.is_null() {
             done["headers"] = self.headers;
         }

@@ -5,7 +5,8 @@ use serde_json::{Map, Value, json};
 
 use crate::variants::name_variants;
 use crate::{
-    ClientMessage, LogHeader, PROTOCOL, ParameterTable, Record, SceneNodes, ServerMessage, TraceLine,
+    ClientMessage, DemoScenes, LogHeader, PROTOCOL, ParameterTable, Record, SceneNodes, ServerMessage,
+    SessionList, TraceLine,
 };
 
 /// Which of a type's two faces a schema describes.
@@ -27,12 +28,14 @@ pub fn json_schema(face: Face) -> Value {
         name::<crate::CheckpointLine>(&mut generator),
         name::<ParameterTable>(&mut generator),
         name::<SceneNodes>(&mut generator),
+        name::<SessionList>(&mut generator),
+        name::<DemoScenes>(&mut generator),
         name::<TraceLine>(&mut generator),
     ];
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": format!("BendyLights protocol {PROTOCOL}"),
-        "description": "Messages of the socket, lines of a log file, the table of parameters, the nodes of a scene and lines of a trace; SPEC.md says what they mean.",
+        "description": "Messages of the socket, lines of a log file, the table of parameters, the nodes of a scene, lists of sessions and of scenes, and lines of a trace; SPEC.md says what they mean.",
         "anyOf": messages.into_iter().chain(lines).collect::<Vec<_>>(),
         "$defs": definitions(generator, "#/$defs"),
     })

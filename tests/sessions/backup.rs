@@ -99,7 +99,8 @@ fn make_data(data: &Path) {
 /// Sessions with their hashes, and the scenes whose bytes are whole; `None` of a folder that is no data folder.
 fn holds(data: &Path) -> Option<(BTreeMap<String, String>, usize)> {
     let store = Store::open(data).ok()?;
-    let rows = store.sessions().ok()?;
+    let rows = store.sessions().ok()?.into_iter().map(|row| store.session(&row.name));
+    let rows = rows.collect::<Result<Vec<_>, _>>().ok()?;
     let sessions =
         rows.into_iter().map(|row| (row.name.clone(), store.replay(&row.name, None).map(|_| row.hash)));
     let sessions = sessions.map(|(name, hash)| Some((name, hash.ok()?))).collect::<Option<_>>()?;

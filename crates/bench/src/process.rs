@@ -24,10 +24,11 @@ pub struct Address {
 impl FromStr for Address {
     type Err = BenchError;
 
-    /// Reads what `bendylights serve` prints: `http://HOST:PORT/#token=TOKEN`.
+    /// Reads what `bendylights serve` prints: `http://HOST:PORT/#token=TOKEN`, and a session behind it or none.
     fn from_str(line: &str) -> Result<Self, BenchError> {
         let parts = line.trim().strip_prefix("http://").and_then(|rest| rest.split_once("/#token="));
         let (host, token) = parts.ok_or_else(|| BenchError::Address(line.into()))?;
+        let token = token.split('&').next().unwrap_or_default();
         Ok(Self { host: host.into(), token: token.into() })
     }
 }

@@ -14,12 +14,13 @@ use crate::error::Error;
 use crate::gpu::BackendArgs;
 use crate::usage::{DATA, ListenAddress};
 
-/// The session that every server has.
+/// The session that a new folder has.
 const SESSION: &str = "main";
 
 #[derive(clap::Args)]
 #[command(after_help = "\
-Prints the address to open, with the token that lets its bearer in. Whoever has the address can edit and see everything.
+Prints the address to open, with the token that lets its bearer in: of the list of sessions or, with --scene, of that
+scene's session. Whoever has the address can edit and see everything.
 With --token-file it is printed without the token, as for a service whose standard output many can read; the page then
 asks for that.
 
@@ -92,8 +93,10 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if args.token_file.is_none() {
         page.push(format!("token={}", server.token().digits()));
     }
-    if let (Some(kept), Some(scene)) = (kept, &args.scene) {
-        say(&format!("note: session `{SESSION}` keeps {kept}; {scene} is served as session `{name}`"));
+    if let Some(scene) = &args.scene {
+        if let Some(kept) = kept {
+            say(&format!("note: session `{SESSION}` keeps {kept}; {scene} is served as session `{name}`"));
+        }
         page.push(format!("session={name}"));
     }
     let page = if page.is_empty() { format!("{place}/") } else { format!("{place}/#{}", page.join("&")) };

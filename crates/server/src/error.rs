@@ -128,6 +128,17 @@ pub enum ServerError {
         /// What to do.
         remedy: &'static str,
     },
+    /// A session that is to go, and has people in it.
+    #[error(
+        "{} in session `{session}`, which cannot be deleted while anybody is: ask them to leave it",
+        said(people)
+    )]
+    InUse {
+        /// Its name.
+        session: String,
+        /// What its clients are called.
+        people: Vec<String>,
+    },
     /// No such page.
     #[error("{0} is not an address of this server: /openapi.json lists them")]
     NoRoute(String),
@@ -229,6 +240,7 @@ impl ServerError {
             Self::Refused(refusal) => refusal.into(),
             Self::OfGroup { reason, .. } => reason.code(),
             Self::NotFound { .. } | Self::NoRoute(_) => ErrorCode::NotFound,
+            Self::InUse { .. } => ErrorCode::InUse,
             Self::MethodNotAllowed { .. } => ErrorCode::MethodNotAllowed,
             Self::NotJson(_) => ErrorCode::UnsupportedMediaType,
             Self::TooLarge { .. } => ErrorCode::TooLarge,
@@ -279,6 +291,16 @@ const WRITE_FAILED: &str =
     "the server cannot write to its disk, nothing was changed: tell whoever runs it, and try again";
 const OUTCOME_UNKNOWN: &str = "the server's disk failed, and this may have been done or not: tell whoever runs it, then look, \
     or send it again under the same name";
+
+/// Who is there, as far as a sentence has the room.
+fn said(people: &[String]) -> String {
+    match people {
+        [] => "somebody is".into(),
+        [one] => format!("{one} is"),
+        [first, second] => format!("{first} and {second} are"),
+        [first, others @ ..] => format!("{first} and {} others are", others.len()),
+    }
+}
 
 impl From<FileError> for ServerError {
     fn from(error: FileError) -> Self {

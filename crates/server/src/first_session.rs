@@ -28,10 +28,16 @@ pub struct StartSession {
 
 /// Makes the first session, with its scene as its first record, or nothing. A session that has no record yet, as a start
 /// that was cut off could leave it once, is given the scene too. Where it holds another scene than `scene`, that gets a
-/// session of its own, which a second start with that scene finds again.
+/// session of its own, which a second start with that scene finds again. A folder that has sessions and not this one, as
+/// where people have deleted it, gets it for a scene alone.
 pub fn ensure(store: &mut Store, name: &str, scene: Option<&str>) -> Result<StartSession, ServerError> {
-    let is_begun = store.sessions()?.into_iter().any(|row| row.name == name && row.seq > 0);
+    let sessions = store.sessions()?;
+    let is_begun = sessions.iter().any(|row| row.name == name && row.seq > 0);
     let first = StartSession { name: name.into(), kept: None };
+    let has_only_others = !sessions.is_empty() && sessions.iter().all(|row| row.name != name);
+    if has_only_others && scene.is_none() {
+        return Ok(first);
+    }
     if !is_begun {
         let scene = scene.unwrap_or(FIRST_SCENE);
         begin(store, name, scene, &bytes_of(scene)?)?;
@@ -79,7 +85,7 @@ fn begin(store: &mut Store, name: &str, scene: &str, bytes: &[u8]) -> Result<(),
     let (records, hash) = (&[record], session.document().hash());
     let first = Batch { session: name, records, rejections: &[], hash };
     match store.session(name) {
-        Err(StoreError::NoSession(_)) => drop(store.begin_session(&first)?),
+        Err(StoreError::NoSession(_)) => drop(store.begin_session(&first, None)?),
         Err(error) => return Err(error.into()),
         Ok(_) => drop(store.append(&[first])?),
     }

@@ -326,12 +326,33 @@ mod tests {
         let names: Vec<_> =
             store.sessions().expect("a list").into_iter().map(|row| (row.name, row.seq)).collect();
         assert_eq!(names, ["main", "my-room", "my-room-2"].map(|name| (name.to_owned(), 1)));
-        // A session that cannot be read is not the scene's, and keeps nobody from starting.
         drop(store);
+        // A session that cannot be read is not the scene's, and keeps nobody from starting.
         let database =
             rusqlite::Connection::open(data.path().join("bendylights.sqlite")).expect("a database");
         let fault = "DROP TRIGGER record_stays; UPDATE record SET json = 'damaged'";
         database.execute_batch(fault).expect("a planted fault");
         assert_eq!(start(Some(&scene)), of("my-room-3", Some("what it has")));
+    }
+
+    /// Rules: HTTP-35
+    #[test]
+    fn a_first_session_that_was_deleted_stays_so_but_for_a_scene() {
+        let data = tempfile::tempdir().expect("a folder");
+        let start = |scene: Option<&str>| {
+            let config = Config { scene: scene.map(str::to_owned), ..config(data.path()) };
+            Data::open(&config).expect("a start").store
+        };
+        let names = |store: &Store| -> Vec<String> {
+            store.sessions().expect("a list").into_iter().map(|row| row.name).collect()
+        };
+        let mut store = start(None);
+        store.create_session("other").expect("a session");
+        let archived = store::SessionChange { archived: Some(true), ..Default::default() };
+        store.change_session("main", &archived).expect("archived");
+        store.delete_session("main").expect("deleted");
+        drop(store);
+        assert_eq!(names(&start(None)), ["other"]);
+        assert_eq!(names(&start(Some("demo:arbor"))), ["main", "other"]);
     }
 }

@@ -7,7 +7,7 @@ use std::thread;
 use document::{AssetHash, DocumentHash};
 use edit::Record;
 use protocol::SessionCheckpoint;
-use store::{Batch, Rejection, Store, StoreError, Tail};
+use store::{Batch, Rejection, SessionChange, SessionSummary, Store, StoreError, Tail};
 use tokio::sync::{mpsc, oneshot};
 use tokio::task::spawn_blocking;
 
@@ -27,10 +27,8 @@ pub struct Storage {
 enum Write {
     /// Records and rejections of a session; answered with what its log has grown by.
     Commit(Commit, oneshot::Sender<Result<Tail, StoreError>>),
-    /// A new session with its first records; answered with its epoch.
-    Begin(Commit, oneshot::Sender<Result<String, StoreError>>),
-    /// A session's checkpoint; answered with its bytes.
-    Checkpoint(Arc<str>, Box<SessionCheckpoint>, oneshot::Sender<Result<u64, StoreError>>),
+    /// What is a transaction of its own, and answers by itself.
+    Alone(Box<dyn FnOnce(&mut Store) + Send>),
 }
 
 /// What happened in one session, in order.
@@ -63,17 +61,40 @@ impl Storage {
         written(answer).await
     }
 
-    /// Makes a session that begins with `records`, all of it or nothing, and gives its epoch.
+    /// Makes a session, by people `title`, that begins with `records`, all of it or nothing, and gives its epoch.
     pub async fn begin_session(
         &self,
         session: &str,
+        title: Option<String>,
         records: Vec<Record>,
         hash: DocumentHash,
     ) -> Result<String, ServerError> {
-        let (done, answer) = oneshot::channel();
         let first = Commit { session: session.into(), records, rejections: Vec::new(), hash };
-        self.write(Write::Begin(first, done)).await?;
-        written(answer).await
+        self.alone(move |store| store.begin_session(&first.batch(), title.as_deref())).await
+    }
+
+    /// Changes what the list says of a session.
+    pub async fn change_session(
+        &self,
+        name: String,
+        change: SessionChange,
+    ) -> Result<SessionSummary, ServerError> {
+        self.alone(move |store| store.change_session(&name, &change)).await
+    }
+
+    /// Makes session `copy` of `name`, all of it or nothing.
+    pub async fn duplicate_session(
+        &self,
+        name: String,
+        copy: String,
+        title: Option<String>,
+    ) -> Result<SessionSummary, ServerError> {
+        self.alone(move |store| store.duplicate_session(&name, &copy, title.as_deref())).await
+    }
+
+    /// Takes an archived session away. It must not be open.
+    pub async fn delete_session(&self, name: Arc<str>) -> Result<(), ServerError> {
+        self.alone(move |store| store.delete_session(&name)).await
     }
 
     /// Keeps a session's checkpoint, in place of an earlier one; gives its bytes.
@@ -82,8 +103,18 @@ impl Storage {
         session: &Arc<str>,
         checkpoint: SessionCheckpoint,
     ) -> Result<u64, ServerError> {
+        let session = Arc::clone(session);
+        self.alone(move |store| store.keep_checkpoint(&session, &checkpoint)).await
+    }
+
+    /// Does `work` in the store's turn; it is on disk when this returns.
+    async fn alone<T: Send + 'static>(
+        &self,
+        work: impl FnOnce(&mut Store) -> Result<T, StoreError> + Send + 'static,
+    ) -> Result<T, ServerError> {
         let (done, answer) = oneshot::channel();
-        self.write(Write::Checkpoint(Arc::clone(session), Box::new(checkpoint), done)).await?;
+        // Nobody may be waiting any more; it is done all the same.
+        self.write(Write::Alone(Box::new(move |store| drop(done.send(work(store)))))).await?;
         written(answer).await
     }
 
@@ -156,13 +187,9 @@ fn write_until_closed(mut store: Store, mut inbox: mpsc::Receiver<Write>, metric
     while inbox.blocking_recv_many(&mut waiting, COMMIT_QUEUE) > 0 {
         let mut commits = Vec::new();
         for write in waiting.drain(..) {
-            // Nobody may be waiting any more; it is done all the same.
             match write {
                 Write::Commit(commit, done) => commits.push((commit, done)),
-                Write::Begin(first, done) => drop(done.send(store.begin_session(&first.batch()))),
-                Write::Checkpoint(session, checkpoint, done) => {
-                    drop(done.send(store.keep_checkpoint(&session, &checkpoint)));
-                }
+                Write::Alone(work) => work(&mut store),
             }
         }
         if !commits.is_empty() {

@@ -165,10 +165,14 @@ pub fn check_folder(data: &Path) -> Result<(), StoreError> {
     if data.is_file() { Err(StoreError::NotAFolder(data.into())) } else { Ok(()) }
 }
 
-/// Refuses what cannot be what people call a scene: nothing, too much, what no line of text holds, or what stands for
-/// bytes that were no UTF-8.
+/// Refuses what cannot be what people call a scene.
 pub fn check_scene_name(name: &str) -> Result<(), StoreError> {
+    if is_label(name) { Ok(()) } else { Err(StoreError::BadSceneName) }
+}
+
+/// Whether people can call something so: not nothing, not too much, nothing that no line of text holds, and nothing that
+/// stands for bytes that were no UTF-8.
+pub(crate) fn is_label(name: &str) -> bool {
     let is_text = !name.contains(|c: char| c.is_control() || c == char::REPLACEMENT_CHARACTER);
-    let is_name = (1..=MAX_NAME_BYTES).contains(&name.len()) && name.trim() == name && is_text;
-    if is_name { Ok(()) } else { Err(StoreError::BadSceneName) }
+    (1..=MAX_NAME_BYTES).contains(&name.len()) && name.trim() == name && is_text
 }

@@ -71,6 +71,15 @@ pub enum StoreError {
          choose another, in UTF-8"
     )]
     BadSceneName,
+    /// Not what people call a session.
+    #[error(
+        "a session's title has 1 to {MAX_NAME_BYTES} bytes, begins and ends without a space and has no control characters: \
+         choose another"
+    )]
+    BadTitle,
+    /// Only what is archived can be deleted.
+    #[error("session `{0}` is not archived, and only what is archived can be deleted: archive it first")]
+    NotArchived(String),
     /// The name is taken.
     #[error("there is a session `{0}` already: choose another name")]
     Exists(String),
@@ -183,7 +192,8 @@ impl StoreError {
         match self {
             Self::NoSession(_) | Self::NoRecord { .. } => ErrorCode::NotFound,
             Self::Exists(_) => ErrorCode::Exists,
-            Self::BadName(_) | Self::BadSceneName => ErrorCode::BadName,
+            Self::BadName(_) | Self::BadSceneName | Self::BadTitle => ErrorCode::BadName,
+            Self::NotArchived(_) => ErrorCode::NotArchived,
             Self::TooManySessions | Self::TooManyRecords => ErrorCode::TooMany,
             Self::RecordTooLarge | Self::AssetTooLarge => ErrorCode::TooLarge,
             Self::Replay(ReplayError::Record { reason: EditError::UnknownAsset(_), .. }) => {

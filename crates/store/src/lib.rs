@@ -16,6 +16,7 @@ mod limits;
 mod log_file;
 mod operations;
 mod records;
+mod session_list;
 mod sessions;
 mod sqlite;
 mod store;
@@ -30,6 +31,7 @@ pub use limits::{MAX_ASSET_BYTES, MAX_NAME_CHARS, MAX_PAGE_BYTES, MAX_REJECTIONS
 pub use log_file::{ReplayedLog, check_log, replay_log, visit_log};
 pub use protocol::MAX_RECORD_BYTES;
 pub use records::{Batch, Tail};
+pub use session_list::SessionChange;
 pub use sqlite::DATABASE;
 pub use store::{FILES, Store};
-pub use stored::{Rejection, SessionRow};
+pub use stored::{LastChange, Rejection, SessionRow, SessionSummary};

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 
 use document::{AssetHash, EditError};
 use edit::{ReplayError, Session};
-use protocol::{Checkpoint, FileError, LogHeader, LogLine, LogReader, Record};
+use protocol::{Checkpoint, FORMAT, FileError, LogHeader, LogLine, LogReader, Record};
 
 use crate::difference::{Difference, Differing};
 use crate::records::{insert_record, take_in};
@@ -89,7 +89,7 @@ impl Store {
         let (header, lines) = open(log)?;
         self.database.write(|writer| {
             let name = name.unwrap_or(&header.session);
-            let (key, _) = insert_session(writer, name)?;
+            let (key, _) = insert_session(writer, name, None, FORMAT)?;
             // Of the lines as they are stored, in this version's format, whatever the file's was.
             let mut proof = writer.find(name)?.row.proof;
             walk(&header, lines, None, |passed| match passed {

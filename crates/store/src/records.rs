@@ -52,11 +52,11 @@ impl Store {
         })
     }
 
-    /// Makes a session called `first.session` that begins with `first`, all of it or, on an error, nothing. Gives its
-    /// epoch.
-    pub fn begin_session(&mut self, first: &Batch<'_>) -> Result<String, StoreError> {
+    /// Makes a session called `first.session`, by people `title`, that begins with `first`, all of it or, on an error,
+    /// nothing. Gives its epoch.
+    pub fn begin_session(&mut self, first: &Batch<'_>, title: Option<&str>) -> Result<String, StoreError> {
         self.database.write(|writer| {
-            let (_, epoch) = insert_session(writer, first.session)?;
+            let (_, epoch) = insert_session(writer, first.session, title, FORMAT)?;
             insert_batch(writer, &writer.find(first.session)?, first)?;
             Ok(epoch)
         })
@@ -195,9 +195,15 @@ pub(crate) fn insert_record(
         return Err(StoreError::RecordTooLarge);
     }
     let line = compact(&json, record.seq, |hash| writer.place_of(key, hash))?;
-    let (actor_id, op_id) = (&*record.actor.id, &*record.op_id);
-    let new =
-        NewRecord { seq: record.seq, actor_id, op_id, line: &line.text, first_holds: &line.first_holds };
+    let new = NewRecord {
+        seq: record.seq,
+        time_ms: record.time_ms,
+        actor_id: &record.actor.id,
+        actor_name: &record.actor.name,
+        op_id: &record.op_id,
+        line: &line.text,
+        first_holds: &line.first_holds,
+    };
     writer.insert_record(key, &new)?;
     *proof = next_proof(proof, &line.text);
     Ok(json.len())

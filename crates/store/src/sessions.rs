@@ -1,8 +1,9 @@
-//! The sessions of a data folder.
+//! The sessions of a data folder: their names, and what their logs come to.
 
 use document::FIRST_FORMAT_OF_HASH;
-use protocol::Record;
+use protocol::{FORMAT, Record};
 
+use crate::assets::is_label;
 use crate::limits::{MAX_NAME_CHARS, MAX_SESSIONS};
 use crate::sqlite::Writer;
 use crate::stored::{SessionKey, SessionRow};
@@ -11,12 +12,7 @@ use crate::{Store, StoreError};
 impl Store {
     /// Makes a session with an empty document, and gives its epoch.
     pub fn create_session(&mut self, name: &str) -> Result<String, StoreError> {
-        self.database.write(|writer| Ok(insert_session(writer, name)?.1))
-    }
-
-    /// All sessions, in the order of names.
-    pub fn sessions(&self) -> Result<Vec<SessionRow>, StoreError> {
-        self.database.sessions()
+        self.database.write(|writer| Ok(insert_session(writer, name, None, FORMAT)?.1))
     }
 
     /// The hash of a session's document, as this version makes it: the one in its row but where an earlier version has
@@ -40,12 +36,18 @@ impl Store {
 }
 
 /// A new session's key and its epoch.
-pub(crate) fn insert_session(writer: &Writer, name: &str) -> Result<(SessionKey, String), StoreError> {
+pub(crate) fn insert_session(
+    writer: &Writer,
+    name: &str,
+    title: Option<&str>,
+    format: u32,
+) -> Result<(SessionKey, String), StoreError> {
     check_name(name)?;
+    title.map_or(Ok(()), check_title)?;
     if writer.count_sessions()? >= MAX_SESSIONS {
         return Err(StoreError::TooManySessions);
     }
-    writer.insert_session(name)?.ok_or_else(|| StoreError::Exists(name.into()))
+    writer.insert_session(name, title, format)?.ok_or_else(|| StoreError::Exists(name.into()))
 }
 
 /// Refuses what cannot name a session.
@@ -54,4 +56,9 @@ pub(crate) fn check_name(name: &str) -> Result<(), StoreError> {
     let starts = |c: char| c.is_ascii_alphanumeric();
     let is_name = name.len() <= MAX_NAME_CHARS && name.starts_with(starts) && name.chars().all(allowed);
     if is_name { Ok(()) } else { Err(StoreError::BadName(name.into())) }
+}
+
+/// Refuses what cannot be what people call a session.
+pub(crate) fn check_title(title: &str) -> Result<(), StoreError> {
+    if is_label(title) { Ok(()) } else { Err(StoreError::BadTitle) }
 }

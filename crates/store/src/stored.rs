@@ -37,6 +37,34 @@ impl SessionRow {
     }
 }
 
+/// What a list says of a session.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SessionSummary {
+    /// What addresses, commands and its log call it; it stays.
+    pub name: String,
+    /// What people call it, by default its name.
+    pub title: String,
+    /// Names its history, as in [`SessionRow`].
+    pub epoch: String,
+    /// The latest record, 0 before the first.
+    pub seq: u64,
+    /// Nobody works on it, and it can be deleted.
+    pub is_archived: bool,
+    /// When it was made in this folder, in milliseconds since 1970.
+    pub made_ms: Option<u64>,
+    /// `None` before the first record.
+    pub changed: Option<LastChange>,
+}
+
+/// Of a session's latest record.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LastChange {
+    /// In milliseconds since 1970.
+    pub time_ms: u64,
+    /// Who made it.
+    pub actor_name: String,
+}
+
 /// The database's own name for a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SessionKey(pub i64);
@@ -61,7 +89,9 @@ pub struct StoredRecord {
 /// A record to keep, the next of its log.
 pub struct NewRecord<'a> {
     pub seq: u64,
+    pub time_ms: u64,
     pub actor_id: &'a str,
+    pub actor_name: &'a str,
     pub op_id: &'a str,
     /// Its line in a log file.
     pub line: &'a str,

@@ -72,6 +72,19 @@ fn a_log_goes_in_and_comes_out_as_it_was() {
         (&json!("main"), &json!(43), &json!(HASH))
     );
     assert_ne!(rows[0]["epoch"], rows[1]["epoch"], "two histories");
+    // What the page lists is listed here: titles, and what is archived where that is asked for.
+    let mut store = store::Store::open(std::path::Path::new(&data)).expect("a store");
+    let change = store::SessionChange { title: Some("Shot 10".into()), archived: Some(true) };
+    store.change_session("b.2", &change).expect("archived");
+    drop(store);
+    assert!(!printed(&["sessions", "--data", &data]).contains("b.2"), "it is left out");
+    let table = printed(&["sessions", "--data", &data, "--archived"]);
+    assert!(table.lines().nth(1).is_some_and(|line| line.ends_with("  Shot 10")), "{table}");
+    let rows = printed(&["sessions", "--data", &data, "--archived", "--json"]);
+    let rows: Value = serde_json::from_str(&rows).expect("JSON");
+    let said = |row: usize| [&rows[row]["title"], &rows[row]["archived"]].map(Clone::clone);
+    assert_eq!([said(0), said(1)], [[json!("Shot 10"), json!(true)], [json!("main"), json!(false)]]);
+    assert!(rows[0]["madeMs"].is_u64() && rows[0]["changedMs"].is_u64(), "{rows}");
     let names = ["data", "log.jsonl", "newest.jsonl", "out.jsonl", "upgraded.jsonl"];
     assert_eq!(folder.names(), names, "and nothing else");
 }

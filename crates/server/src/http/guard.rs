@@ -82,7 +82,7 @@ pub async fn limit_requests(
     let in_flight = &state.backend.in_flight;
     let (body, held) = read_body(body, in_flight).await?;
     // A picture has been drawn, and there are few at once (`MAX_STILLS`).
-    let is_done = head.method == Method::POST || head.uri.path().ends_with("/render");
+    let is_done = !head.method.is_safe() || head.uri.path().ends_with("/render");
     let permit = state.requests.take(&session)?;
     let answer = next.run(Request::from_parts(head, body.into())).await;
     drop((permit, held));

@@ -13,6 +13,7 @@ mod picture_files;
 mod probe;
 mod read;
 mod render;
+mod session_list;
 mod sessions;
 mod upgrade;
 
@@ -35,13 +36,19 @@ use answer::Answer;
 use constant::Constant;
 
 static OPENAPI: LazyLock<Constant> = LazyLock::new(|| Constant::json(&protocol::openapi()));
+static SCENES: LazyLock<Constant> = LazyLock::new(|| Constant::json(&session_list::scenes()));
 static PARAMETERS: LazyLock<Constant> = LazyLock::new(|| Constant::json(&protocol::parameter_table()));
 
 /// Every route.
 pub fn router(state: Arc<AppState>) -> Router {
     let needs_token = Router::new()
-        .route("/sessions", get(sessions::list).post(sessions::create))
-        .route("/sessions/{name}", get(sessions::show))
+        .route("/sessions", get(session_list::list).post(sessions::create))
+        .route(
+            "/sessions/{name}",
+            get(sessions::show).patch(session_list::change).delete(session_list::delete),
+        )
+        .route("/sessions/{name}/duplicate", post(session_list::duplicate))
+        .route("/scenes", get(|headers: HeaderMap| async move { SCENES.answer(&headers) }))
         .route("/sessions/{name}/edits", post(sessions::edit))
         .route("/sessions/{name}/nodes", get(sessions::nodes))
         .route("/sessions/{name}/log", get(sessions::log))

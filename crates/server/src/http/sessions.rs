@@ -1,4 +1,4 @@
-//! `/sessions` and what is below it, but for pictures.
+//! A session: made, read, edited. Its pictures are `render`'s, what the list says of it `session_list`'s.
 
 use std::sync::Arc;
 
@@ -10,11 +10,9 @@ use axum::response::{IntoResponse, Response};
 use document::{Command, Context, Document};
 use edit::{Actor, Request, Session, Sources};
 use futures_util::stream::{iter, try_unfold};
-use protocol::{
-    Edit, Edits, NewSession, SceneNodes, SessionEntry, SessionList, SessionState, json_around_document,
-};
+use protocol::{Edit, Edits, NewSession, SceneNodes, SessionState, json_around_document};
 use serde::Deserialize;
-use store::{SessionRow, Store};
+use store::Store;
 use tokio::task::spawn_blocking;
 use tokio_util::sync::CancellationToken;
 
@@ -35,21 +33,10 @@ use crate::state::AppState;
 use crate::storage::Storage;
 use crate::turns::Payer;
 
-/// `GET /sessions`.
-pub async fn list(State(state): State<Arc<AppState>>) -> Answer {
-    let rows = state.backend.storage.read(Store::sessions).await?;
-    let clients = state.rooms.count_clients().await?;
-    let entry = |row: SessionRow| SessionEntry {
-        clients: clients.get(row.name.as_str()).copied().unwrap_or_default(),
-        name: row.name,
-        seq: row.seq,
-    };
-    Ok(json(&SessionList { sessions: rows.into_iter().map(entry).collect() }))
-}
-
 /// `POST /sessions`.
 pub async fn create(State(state): State<Arc<AppState>>, headers: HeaderMap, body: Bytes) -> Answer {
-    let NewSession { name, scene } = read_json(&headers, &body)?;
+    let NewSession { name, title, scene, actor: who } = read_json(&headers, &body)?;
+    let who = who.map_or_else(|| Ok(program()), actor)?;
     let load = match scene {
         None => None,
         Some(scene) => {
@@ -69,10 +56,10 @@ pub async fn create(State(state): State<Arc<AppState>>, headers: HeaderMap, body
         let context = Context { reach: scene.posed.reach(), loaded: Some(&scene.contents), solved: None };
         let sources = Sources { context, taken_back: None };
         let load = Request::Edit { base_seq: None, command };
-        records.push(session.request(load, &program(), &new_op_id()?, time_ms(), sources)?);
+        records.push(session.request(load, &who, &new_op_id()?, time_ms(), sources)?);
     }
     let hash = session.document().hash();
-    let epoch = state.backend.storage.begin_session(&name, records, hash).await?;
+    let epoch = state.backend.storage.begin_session(&name, title, records, hash).await?;
     let (seq, document) = (session.seq(), session.document().into());
     Ok(created(&SessionState { name, epoch, seq, hash: hash.to_string(), document, notes }))
 }

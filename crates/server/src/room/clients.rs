@@ -104,7 +104,7 @@ impl Room {
             }
         }
         self.presence_changed = true;
-        self.note_client_count();
+        self.note_clients();
         if joined.send(id).is_err() {
             let mut tick = Tick::default();
             self.leave(id, &mut tick);
@@ -175,7 +175,7 @@ impl Room {
             self.end_gesture(gesture, GestureStatus::Cancelled { refused: None }, tick);
         }
         self.presence_changed = true;
-        self.note_client_count();
+        self.note_clients();
     }
 
     /// Lets go of clients whose connection is over, though they have not said so; once what they sent is carried out.

@@ -1,9 +1,10 @@
 //! Which sessions are open, and the one way to open them: a task that nobody can race.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
+use edit::Actor;
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio::task::JoinHandle;
 
@@ -29,7 +30,12 @@ enum DirectoryRequest {
         name: Arc<str>,
         number: u64,
     },
-    CountClients(oneshot::Sender<BTreeMap<Arc<str>, usize>>),
+    Clients(oneshot::Sender<BTreeMap<Arc<str>, Vec<Actor>>>),
+    /// Close the room of a session that nobody is in, and delete that.
+    Delete {
+        name: String,
+        reply: Reply<()>,
+    },
     /// Close all rooms and open no more; answered when they have ended.
     Drain(oneshot::Sender<()>),
 }
@@ -45,9 +51,20 @@ struct Entry {
 /// What the directory sees of an open session.
 #[derive(Debug, Default)]
 pub(super) struct RoomStatus {
-    pub clients: AtomicUsize,
+    clients: Mutex<Vec<Actor>>,
     /// When it was last sent anything, in milliseconds since the server started.
     pub used_ms: AtomicU64,
+}
+
+impl RoomStatus {
+    /// Who is connected, a client each.
+    pub fn set_clients(&self, clients: Vec<Actor>) {
+        *self.clients.lock().unwrap_or_else(PoisonError::into_inner) = clients;
+    }
+
+    fn clients(&self) -> Vec<Actor> {
+        self.clients.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
 }
 
 impl Rooms {
@@ -68,11 +85,19 @@ impl Rooms {
         found.await.map_err(|_| ServerError::Draining)??.opened().await
     }
 
-    /// How many clients each open session has.
-    pub async fn count_clients(&self) -> Result<BTreeMap<Arc<str>, usize>, ServerError> {
-        let (reply, counts) = oneshot::channel();
-        self.requests.send(DirectoryRequest::CountClients(reply)).await.map_err(|_| ServerError::Draining)?;
-        counts.await.map_err(|_| ServerError::Draining)
+    /// Who is connected to each open session, a client each, in the order in which they came.
+    pub async fn clients(&self) -> Result<BTreeMap<Arc<str>, Vec<Actor>>, ServerError> {
+        let (reply, clients) = oneshot::channel();
+        self.requests.send(DirectoryRequest::Clients(reply)).await.map_err(|_| ServerError::Draining)?;
+        clients.await.map_err(|_| ServerError::Draining)
+    }
+
+    /// Deletes an archived session that nobody is in.
+    pub async fn delete(&self, name: &str) -> Result<(), ServerError> {
+        let (reply, deleted) = oneshot::channel();
+        let request = DirectoryRequest::Delete { name: name.into(), reply };
+        self.requests.send(request).await.map_err(|_| ServerError::Draining)?;
+        deleted.await.map_err(|_| ServerError::Draining)?
     }
 
     /// Closes all sessions. Returns when each has committed what it had accepted and told its clients.
@@ -104,7 +129,8 @@ impl Directory {
             match request {
                 DirectoryRequest::Find { name, reply } => drop(reply.send(self.find(name.into()))),
                 DirectoryRequest::Idle { name, number } => self.retire(&name, number),
-                DirectoryRequest::CountClients(reply) => drop(reply.send(self.count_clients())),
+                DirectoryRequest::Clients(reply) => drop(reply.send(self.clients())),
+                DirectoryRequest::Delete { name, reply } => self.delete(name.into(), reply),
                 DirectoryRequest::Drain(done) => {
                     inbox.close();
                     self.drain().await;
@@ -162,9 +188,34 @@ impl Directory {
         }
     }
 
-    fn count_clients(&self) -> BTreeMap<Arc<str>, usize> {
-        let count = |entry: &Entry| entry.status.clients.load(Ordering::Relaxed);
-        self.entries.iter().map(|(name, entry)| (Arc::clone(name), count(entry))).collect()
+    fn clients(&self) -> BTreeMap<Arc<str>, Vec<Actor>> {
+        self.entries.iter().map(|(name, entry)| (Arc::clone(name), entry.status.clients())).collect()
+    }
+
+    /// Deletes a session once its room, where it has one, has ended. Its task takes the room's place meanwhile: whoever asks
+    /// for the session waits for it, and finds none then.
+    fn delete(&mut self, name: Arc<str>, reply: Reply<()>) {
+        let people = self.entries.get(&name).map_or_else(Vec::new, |entry| entry.status.clients());
+        if !people.is_empty() {
+            let people = people.into_iter().map(|actor| actor.name).collect();
+            return drop(reply.send(Err(ServerError::InUse { session: name.to_string(), people })));
+        }
+        let before = self.entries.remove(&name);
+        let (session, storage) = (Arc::clone(&name), self.backend.storage.clone());
+        let task = tokio::spawn(async move {
+            if let Some(Entry { handle, task, .. }) = before {
+                if let Some(handle) = handle {
+                    // What programs have asked it for is finished. One that is over needs no word.
+                    let _ = handle.send(Message::Drain).await;
+                }
+                let _ = task.await;
+            }
+            // Whoever asked may not be waiting any more.
+            let _ = reply.send(storage.delete_session(session).await);
+        });
+        self.last_number += 1;
+        let (number, status) = (self.last_number, Arc::default());
+        self.entries.insert(name, Entry { number, handle: None, status, task });
     }
 
     async fn drain(&mut self) {

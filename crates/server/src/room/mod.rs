@@ -278,8 +278,8 @@ impl Room {
         self.status.used_ms.store(used_ms, Ordering::Relaxed);
     }
 
-    fn note_client_count(&self) {
-        self.status.clients.store(self.clients.len(), Ordering::Relaxed);
+    fn note_clients(&self) {
+        self.status.set_clients(self.clients.values().map(|client| client.principal.actor.clone()).collect());
     }
 }
 

@@ -18,6 +18,7 @@ mod probes;
 mod scenes;
 mod scripts;
 mod server;
+mod session_list;
 mod sessions;
 mod slow;
 mod strangers;

@@ -10,13 +10,15 @@ const METHODS: [&str; 6] = ["GET", "HEAD", "POST", "PUT", "PATCH", "DELETE"];
 fn a_known_address_says_which_methods_it_takes() {
     let addresses = [
         ("/sessions", "GET,HEAD,POST"),
-        ("/sessions/main", "GET,HEAD"),
+        ("/sessions/main", "GET,HEAD,PATCH,DELETE"),
+        ("/sessions/main/duplicate", "POST"),
         ("/sessions/main/edits", "POST"),
         ("/sessions/main/log", "GET,HEAD"),
         ("/sessions/main/render", "GET,HEAD"),
         ("/sessions/main/pick", "POST"),
         ("/sessions/main/probe", "POST"),
         ("/metrics", "GET,HEAD"),
+        ("/scenes", "GET,HEAD"),
         ("/assets", "POST"),
         ("/healthz", "GET,HEAD"),
         ("/readyz", "GET,HEAD"),

@@ -26,7 +26,7 @@ pub use write::Writer;
 /// The database's name in the data folder.
 pub const DATABASE: &str = "bendylights.sqlite";
 /// The database's `user_version`.
-const SCHEMA_VERSION: u32 = 3;
+const SCHEMA_VERSION: u32 = 4;
 /// How long to wait for another program that is writing.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 
@@ -77,8 +77,11 @@ impl Database {
         if mode != "wal" {
             return Err(StoreError::NoWriteAheadLog(path));
         }
-        // FULL: a commit returns once its part of the write-ahead log is on the disk.
-        connection.execute_batch("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON")?;
+        // FULL: a commit returns once its part of the write-ahead log is on the disk. What is deleted or replaced is
+        // overwritten, so that nothing of a deleted session is left in the file, earlier checkpoints neither.
+        connection.execute_batch(
+            "PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON; PRAGMA secure_delete = ON",
+        )?;
         match schema_version(&connection)? {
             0..SCHEMA_VERSION => upgrade_schema(&mut connection)?,
             SCHEMA_VERSION => {}
@@ -110,6 +113,15 @@ impl Database {
             self.is_unsettled = false;
         }
         Ok(Writer(self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?))
+    }
+
+    /// Empties the write-ahead log, in which what was deleted stands as it was. Where somebody is reading, as a backup
+    /// does for long, later commits do so: none waits for it.
+    pub fn forget(&self) -> Result<(), StoreError> {
+        self.connection.busy_timeout(Duration::ZERO)?;
+        // What was deleted is so in any case.
+        let _ = self.empty_log();
+        Ok(self.connection.busy_timeout(BUSY_TIMEOUT)?)
     }
 
     /// Moves what is committed from the write-ahead log into the database, and empties the log, on the disk too.
@@ -147,6 +159,9 @@ fn upgrade_schema(connection: &mut Connection) -> Result<(), StoreError> {
     }
     if schema_version(&transaction)? == 2 {
         transaction.execute_batch(include_str!("schema-3.sql"))?;
+    }
+    if schema_version(&transaction)? == 3 {
+        transaction.execute_batch(include_str!("schema-4.sql"))?;
     }
     Ok(transaction.commit()?)
 }

@@ -4,28 +4,38 @@ use std::ops::{ControlFlow, RangeInclusive};
 
 use document::Document;
 use protocol::{ErrorCode, Problem};
-use rusqlite::{Connection, OptionalExtension, Row, named_params, params};
+use rusqlite::{CachedStatement, Connection, OptionalExtension, Row, named_params, params};
 
 use super::Database;
 use crate::StoreError;
-use crate::stored::{Found, SessionKey, SessionRow, StoredCheckpoint, StoredRecord};
+use crate::stored::{
+    Found, LastChange, SessionKey, SessionRow, SessionSummary, StoredCheckpoint, StoredRecord,
+};
 
-/// Each session with its latest record. `:name` is a session's name, or null for all of them.
-const SESSIONS: &str = "
+/// A session with its latest record.
+const SESSION: &str = "
     SELECT name, epoch, format, coalesce(seq, 0) AS seq, coalesce(hash, :empty) AS hash, proof, id
     FROM session
     LEFT JOIN record ON session = id AND seq = (SELECT max(seq) FROM record WHERE session = id)
-    WHERE :name IS NULL OR name = :name
-    ORDER BY name";
+    WHERE name = :name";
+
+/// What is said of sessions in a list. It takes no record's line: the latest number stands in an index.
+const SUMMARIES: &str = "
+    SELECT name, coalesce(title, name) AS title, epoch, archived, made_ms, changed_ms, changed_by,
+        coalesce((SELECT max(seq) FROM record WHERE session = id), 0) AS seq
+    FROM session";
 
 impl Database {
     /// All sessions, in the order of names.
-    pub fn sessions(&self) -> Result<Vec<SessionRow>, StoreError> {
-        let mut statement = self.connection.prepare_cached(SESSIONS)?;
-        let empty = Document::default().hash().to_string();
-        let all = named_params! {":name": None::<&str>, ":empty": empty};
-        let rows = statement.query_map(all, session_row)?;
+    pub fn summaries(&self) -> Result<Vec<SessionSummary>, StoreError> {
+        let mut statement = summaries(&self.connection, "ORDER BY name")?;
+        let rows = statement.query_map([], summary)?;
         Ok(rows.collect::<Result<_, _>>()?)
+    }
+
+    /// What the list says of the session of that name.
+    pub fn summary(&self, name: &str) -> Result<SessionSummary, StoreError> {
+        find_summary(&self.connection, name)
     }
 
     /// The session of that name.
@@ -40,18 +50,7 @@ impl Database {
         range: RangeInclusive<u64>,
         mut visit: impl FnMut(StoredRecord) -> Result<ControlFlow<()>, StoreError>,
     ) -> Result<(), StoreError> {
-        let select = "
-            SELECT seq, json, hash, proof FROM record WHERE session = ? AND seq BETWEEN ? AND ? ORDER BY seq";
-        let mut statement = self.connection.prepare_cached(select)?;
-        let mut rows = statement.query(params![key.0, range.start(), range.end()])?;
-        while let Some(row) = rows.next()? {
-            let (seq, line) = (row.get("seq")?, row.get("json")?);
-            let record = StoredRecord { seq, line, hash: row.get("hash")?, proof: row.get("proof")? };
-            if visit(record)?.is_break() {
-                break;
-            }
-        }
-        Ok(())
+        visit_records(&self.connection, key, range, &mut visit)
     }
 
     /// The line of record `seq`, with its references.
@@ -99,9 +98,30 @@ impl Database {
     }
 }
 
+/// Gives records in order to `visit`, until it says that it has enough.
+pub(super) fn visit_records(
+    connection: &Connection,
+    key: SessionKey,
+    range: RangeInclusive<u64>,
+    visit: &mut dyn FnMut(StoredRecord) -> Result<ControlFlow<()>, StoreError>,
+) -> Result<(), StoreError> {
+    let select = "
+        SELECT seq, json, hash, proof FROM record WHERE session = ? AND seq BETWEEN ? AND ? ORDER BY seq";
+    let mut statement = connection.prepare_cached(select)?;
+    let mut rows = statement.query(params![key.0, range.start(), range.end()])?;
+    while let Some(row) = rows.next()? {
+        let (seq, line) = (row.get("seq")?, row.get("json")?);
+        let record = StoredRecord { seq, line, hash: row.get("hash")?, proof: row.get("proof")? };
+        if visit(record)?.is_break() {
+            break;
+        }
+    }
+    Ok(())
+}
+
 /// The session of that name.
 pub(super) fn find(connection: &Connection, name: &str) -> Result<Found, StoreError> {
-    let mut statement = connection.prepare_cached(SESSIONS)?;
+    let mut statement = connection.prepare_cached(SESSION)?;
     let empty = Document::default().hash().to_string();
     let params = named_params! {":name": name, ":empty": empty};
     let found = statement
@@ -123,4 +143,28 @@ fn session_row(row: &Row<'_>) -> rusqlite::Result<SessionRow> {
     };
     row.proof = noted.unwrap_or_else(|| row.first_proof());
     Ok(row)
+}
+
+/// What the list says of the session of that name.
+pub(super) fn find_summary(connection: &Connection, name: &str) -> Result<SessionSummary, StoreError> {
+    let found = summaries(connection, "WHERE name = ?")?.query_row([name], summary).optional()?;
+    found.ok_or_else(|| StoreError::NoSession(name.into()))
+}
+
+fn summaries<'a>(connection: &'a Connection, which: &str) -> rusqlite::Result<CachedStatement<'a>> {
+    connection.prepare_cached(&format!("{SUMMARIES} {which}"))
+}
+
+fn summary(row: &Row<'_>) -> rusqlite::Result<SessionSummary> {
+    let changed_ms: Option<u64> = row.get("changed_ms")?;
+    let actor_name: Option<String> = row.get("changed_by")?;
+    Ok(SessionSummary {
+        name: row.get("name")?,
+        title: row.get("title")?,
+        epoch: row.get("epoch")?,
+        seq: row.get("seq")?,
+        is_archived: row.get("archived")?,
+        made_ms: row.get("made_ms")?,
+        changed: changed_ms.zip(actor_name).map(|(time_ms, actor_name)| LastChange { time_ms, actor_name }),
+    })
 }

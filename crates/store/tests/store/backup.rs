@@ -80,7 +80,7 @@ fn a_backup_is_never_written_over_and_leaves_nothing_where_it_fails() {
     let newer = Connection::open(folder.data().join("bendylights.sqlite")).expect("a database");
     newer.pragma_update(None, "user_version", 99).expect("a pragma");
     assert!(refused(&to).to_string().contains("schema 99"));
-    newer.pragma_update(None, "user_version", 3).expect("a pragma");
+    newer.pragma_update(None, "user_version", 4).expect("a pragma");
     // A damaged page, in the middle of the file.
     stored_log(&mut store, "second", 400);
     drop((store, newer));

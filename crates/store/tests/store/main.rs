@@ -3,8 +3,10 @@
 mod assets;
 mod backup;
 mod checkpoints;
+mod kills;
 mod log_files;
 mod operations;
 mod records;
+mod session_list;
 mod sessions;
 mod support;

@@ -1,0 +1,114 @@
+//! The list of sessions, and what is done with whole ones.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use axum::body::Bytes;
+use axum::extract::State;
+use axum::http::{HeaderMap, StatusCode, Uri};
+use axum::response::IntoResponse;
+use edit::Actor;
+use protocol::{DemoScene, DemoScenes, Duplicate, LastChange, SessionChange, SessionEntry, SessionList};
+use serde::Deserialize;
+use store::{SessionSummary, StoreError};
+
+use super::answer::{Answer, created, json};
+use super::read::{SessionName, read_json, read_query};
+use crate::ServerError;
+use crate::scenes::DEMO;
+use crate::state::AppState;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ListQuery {
+    archived: Option<bool>,
+    name: Option<String>,
+}
+
+/// `GET /sessions`. No session is opened for it, and no log is read.
+pub async fn list(State(state): State<Arc<AppState>>, uri: Uri) -> Answer {
+    let ListQuery { archived, name } = read_query(&uri)?;
+    let with_archived = archived.unwrap_or(name.is_some());
+    let summaries = state.backend.storage.read(move |store| match name {
+        None => store.sessions(),
+        Some(name) => match store.summary(&name) {
+            Err(StoreError::NoSession(_)) => Ok(Vec::new()),
+            found => Ok(vec![found?]),
+        },
+    });
+    let summaries = summaries.await?;
+    let clients = state.rooms.clients().await?;
+    let listed = summaries.into_iter().filter(|session| with_archived || !session.is_archived);
+    let entry = |session: SessionSummary| {
+        let here = clients.get(session.name.as_str()).map_or(&[][..], Vec::as_slice);
+        entry(session, here)
+    };
+    Ok(json(&SessionList { sessions: listed.map(entry).collect() }))
+}
+
+/// What the list says of a session in which those clients are.
+fn entry(session: SessionSummary, clients: &[Actor]) -> SessionEntry {
+    let SessionSummary { name, title, epoch, seq, is_archived, made_ms, changed } = session;
+    let mut known = BTreeSet::new();
+    let people = clients.iter().filter(|actor| known.insert(&actor.id)).map(|actor| actor.name.clone());
+    SessionEntry {
+        name,
+        title,
+        epoch,
+        seq,
+        clients: clients.len(),
+        people: people.collect(),
+        archived: is_archived,
+        made_ms,
+        changed: changed.map(|change| LastChange { time_ms: change.time_ms, actor: change.actor_name }),
+    }
+}
+
+/// `PATCH /sessions/S`.
+pub async fn change(
+    State(state): State<Arc<AppState>>,
+    SessionName(name): SessionName,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Answer {
+    let SessionChange { title, archived } = read_json(&headers, &body)?;
+    let change = store::SessionChange { title, archived };
+    let summary = state.backend.storage.change_session(name, change).await?;
+    let clients = state.rooms.clients().await?;
+    let here = clients.get(summary.name.as_str()).map_or(&[][..], Vec::as_slice);
+    Ok(json(&entry(summary, here)))
+}
+
+/// `POST /sessions/S/duplicate`.
+pub async fn duplicate(
+    State(state): State<Arc<AppState>>,
+    SessionName(original): SessionName,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Answer {
+    let Duplicate { name, title } = read_json(&headers, &body)?;
+    let made = state.backend.storage.duplicate_session(original, name, title).await?;
+    Ok(created(&entry(made, &[])))
+}
+
+/// `DELETE /sessions/S`.
+pub async fn delete(State(state): State<Arc<AppState>>, SessionName(name): SessionName) -> Answer {
+    let asked = name.clone();
+    let summary = state.backend.storage.read(move |store| store.summary(&asked)).await?;
+    // Before its room is closed.
+    if !summary.is_archived {
+        return Err(ServerError::Store(StoreError::NotArchived(name)));
+    }
+    state.rooms.delete(&name).await?;
+    Ok(StatusCode::NO_CONTENT.into_response())
+}
+
+/// `GET /scenes`.
+pub fn scenes() -> DemoScenes {
+    let demo = |(name, shows): &(&str, &str)| DemoScene {
+        scene: format!("{DEMO}{name}"),
+        name: (*name).into(),
+        shows: (*shows).into(),
+    };
+    DemoScenes { demos: assets::DEMO_NAMES.iter().map(demo).collect() }
+}
