@@ -65,6 +65,16 @@ fn fields_follow_from_the_table_of_parameters() {
     in_a_browser("parameters.mjs");
 }
 
+/// The front page by mouse and by keys: sessions are begun, renamed, duplicated, archived, brought back and deleted; links lead
+/// to the session that they name, or here; pictures are drawn of what is in sight, and once.
+///
+/// Rules: HTTP-24, HTTP-32, HTTP-33, HTTP-34, HTTP-35, HTTP-36
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn the_front_page_lists_sessions_and_does_what_is_done_with_them() {
+    in_a_browser("front.mjs");
+}
+
 /// Where the address has no token the page asks for it, and says where a wrong one is.
 ///
 /// Rules: HTTP-1

@@ -2,19 +2,21 @@
 
 import { useEffect, useRef } from "preact/hooks";
 
-import { signIn } from "./address";
+import { addressOf, signIn } from "./address";
 import { CameraList } from "./camera_list";
-import { KeyList } from "./key_list";
+import { KeyList, SESSION_KEYS } from "./key_list";
 import { LightList } from "./light_list";
 import { LightPanel } from "./light_panel";
 import { usePage } from "./page";
 import { sentence } from "./sentence";
 import { StatusBar } from "./status_bar";
+import { Toasts } from "./toasts";
 import { TopBar } from "./top_bar";
 import { Viewport } from "./viewport";
 
 export function App() {
-  const { session } = usePage();
+  const page = usePage();
+  const { session } = page;
   const state = session.connection.value;
   return (
     <>
@@ -29,25 +31,11 @@ export function App() {
           <LightPanel />
         </aside>
         <StatusBar />
-        <Toasts />
-        <KeyList />
+        <Toasts toasts={page.toasts} />
+        <KeyList shown={page.showKeys} keys={SESSION_KEYS} />
       </div>
       {state.kind === "refused" && <Refusal why={state.message} again={session.reconnect} />}
     </>
-  );
-}
-
-function Toasts() {
-  const { toasts } = usePage();
-  const close = (key: number) => (toasts.value = toasts.value.filter((toast) => toast.key !== key));
-  return (
-    <div class="toasts" role="log" aria-label="Messages">
-      {toasts.value.map(({ key, message }) => (
-        <button key={key} class="toast" title="Dismiss" onClick={() => close(key)}>
-          {sentence(message)}
-        </button>
-      ))}
-    </div>
   );
 }
 
@@ -72,6 +60,9 @@ export function Refusal({ why, again }: RefusalProps) {
       <button class="solid" ref={button} onClick={again}>
         Try again
       </button>
+      <a class="quiet" href={addressOf(null)}>
+        All sessions
+      </a>
     </div>
   );
 }

@@ -1,10 +1,31 @@
 // What keys and the pointer do, on demand.
 
+import type { Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 
-import { usePage } from "./page";
+type Keys = readonly [where: string, rows: readonly [keys: string, what: string][]][];
 
-const KEYS: readonly [where: string, rows: readonly [keys: string, what: string][]][] = [
+export const FRONT_KEYS: Keys = [
+  [
+    "Session",
+    [
+      ["Tab, arrows, Home, End", "Go to another one"],
+      ["Enter", "Open it"],
+      ["F2", "Rename it"],
+      ["D", "Duplicate it"],
+      ["Delete", "Archive it; an archived one, delete it"],
+    ],
+  ],
+  [
+    "Everywhere",
+    [
+      ["N", "New session"],
+      ["?", "This list"],
+    ],
+  ],
+];
+
+export const SESSION_KEYS: Keys = [
   [
     "View",
     [
@@ -80,14 +101,13 @@ function isOutside({ currentTarget, clientX, clientY }: MouseEvent): boolean {
 }
 
 /** The list, while the page shows it. */
-export function KeyList() {
-  const { showKeys } = usePage();
+export function KeyList({ shown, keys }: { shown: Signal<boolean>; keys: Keys }) {
   const dialog = useRef<HTMLDialogElement>(null);
-  const shown = showKeys.value;
+  const isShown = shown.value;
   useEffect(() => {
-    if (shown) dialog.current?.showModal();
+    if (isShown) dialog.current?.showModal();
     else dialog.current?.close();
-  }, [shown]);
+  }, [isShown]);
   return (
     // biome-ignore lint/a11y/useKeyWithClickEvents: Escape closes it too
     <dialog
@@ -95,20 +115,20 @@ export function KeyList() {
       ref={dialog}
       aria-labelledby="key-list"
       // By Escape. The event that it is closed comes late: by then it may be about to open again.
-      onCancel={() => (showKeys.value = false)}
+      onCancel={() => (shown.value = false)}
       onClick={(event) => {
-        if (isOutside(event)) showKeys.value = false;
+        if (isOutside(event)) shown.value = false;
       }}
     >
-      {shown && (
+      {isShown && (
         <>
           <header>
             <h2 id="key-list">Keys</h2>
-            <button class="quiet" onClick={() => (showKeys.value = false)}>
+            <button class="quiet" onClick={() => (shown.value = false)}>
               Close
             </button>
           </header>
-          {KEYS.map(([where, rows]) => (
+          {keys.map(([where, rows]) => (
             <section key={where}>
               <h3>{where}</h3>
               <dl>

@@ -1,12 +1,15 @@
 // Starts the page.
 
-import { effect } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
 import { render } from "preact";
 
 import { startSession } from "../core/session";
 import { readAddress } from "./address";
-import type { Camera, ParameterTable } from "../core/protocol";
+import type { Camera, ParameterTable, SessionEntry } from "../core/protocol";
 import { App, Refusal, SignIn } from "./app";
+import { FrontProvider, startFront } from "./front/front";
+import { FrontPage } from "./front/front_page";
+import { Refused, serverOf } from "./front/server";
 import { browserHost, fetchNodes, fetchTable, pickPoint } from "./host";
 import { keepPage, restorePage } from "./kept";
 import { bindKeys } from "./keys";
@@ -20,9 +23,11 @@ import "./style/viewport.css";
 import "./style/directing.css";
 import "./style/tools.css";
 import "./style/layout.css";
+import "./style/front.css";
 
 const root = document.getElementById("page") as HTMLElement;
-const { token, session: name } = readAddress();
+const { token, session: named } = readAddress();
+const server = serverOf(token);
 addEventListener("hashchange", () => location.reload());
 
 if (token === "") {
@@ -31,16 +36,48 @@ if (token === "") {
   void open();
 }
 
-/** Nothing can be shown of a document before it is known what stands in it. */
+/** The session that the address names or, where it names none that there is, the list of all. */
 async function open(): Promise<void> {
-  const answer = await fetchTable(token);
-  render(null, root);
-  if ("table" in answer) start(answer.table);
-  else if (answer.isTokenWrong) render(<SignIn why={answer.why} />, root);
-  else render(<Refusal why={answer.why} again={() => void open()} />, root);
+  try {
+    const entry = named === null ? null : await server.entry(named);
+    if (entry === null) await list();
+    else await enter(entry);
+  } catch (error) {
+    if (!(error instanceof Refused)) throw error;
+    refuse(error.message, error.status === 401);
+  }
 }
 
-function start(table: ParameterTable): void {
+function refuse(why: string, isTokenWrong: boolean): void {
+  render(null, root);
+  if (isTokenWrong) render(<SignIn why={why} />, root);
+  else render(<Refusal why={why} again={() => void open()} />, root);
+}
+
+/** Nothing can be shown of a document before it is known what stands in it. */
+async function enter({ name, title }: SessionEntry): Promise<void> {
+  const answer = await fetchTable(token);
+  render(null, root);
+  if ("table" in answer) start(answer.table, name, title);
+  else refuse(answer.why, answer.isTokenWrong);
+}
+
+async function list(): Promise<void> {
+  const sessions = await server.list();
+  const front = startFront({ server, sessions, missing: named, actor: readActor(), toasts: startToasts() });
+  document.title = "BendyLights";
+  render(null, root);
+  render(
+    <FrontProvider value={front}>
+      <FrontPage />
+    </FrontProvider>,
+    root,
+  );
+  front.demos.value = await server.demos();
+}
+
+function start(table: ParameterTable, name: string, titled: string): void {
+  const title = signal(titled);
   const toasts = startToasts();
   const host = browserHost();
   const screen = canvasScreen();
@@ -58,13 +95,14 @@ function start(table: ParameterTable): void {
     session,
     screen,
     name,
+    title,
     pick: (camera: Camera) => pickPoint(token, name, camera),
     toasts,
     fetchNodes: () => fetchNodes(token, name),
   });
   effect(() => keepActor(session.actor.value));
   effect(() => {
-    document.title = `${name} - BendyLights`;
+    document.title = `${title.value} - BendyLights`;
     showState(root);
   });
   restorePage(page);
@@ -73,13 +111,23 @@ function start(table: ParameterTable): void {
   addEventListener("pagehide", page.presses.commit);
   addEventListener("pagehide", () => keepPage(page));
   addEventListener("online", session.wake);
-  document.addEventListener("visibilitychange", () => document.hidden || session.wake());
+  document.addEventListener("visibilitychange", () => {
+    if (document.hidden) return;
+    session.wake();
+    void retitle();
+  });
   render(
     <PageProvider value={page}>
       <App />
     </PageProvider>,
     root,
   );
+
+  /** It may have been called otherwise while nobody looked here. */
+  async function retitle(): Promise<void> {
+    const entry = await server.entry(name).catch(() => null);
+    title.value = entry?.title ?? title.value;
+  }
 
   /** What tests and people with developer tools can read off the page's root element. */
   function showState({ dataset }: HTMLElement): void {

@@ -26,6 +26,8 @@ export interface Page {
   presses: Presses;
   screen: Screen;
   name: string;
+  /** What people call the session. */
+  title: Signal<string>;
   /** The point of the scene in the middle of a camera's picture, if there is one. */
   pick(camera: Camera): Promise<Vec3 | null>;
   selectedLight: Signal<LightId | null>;
@@ -89,13 +91,15 @@ export interface PageParts {
   session: Session;
   screen: Screen;
   name: string;
+  title: Signal<string>;
   pick: Page["pick"];
   toasts: Toasts;
   /** Asks for the nodes of the session's scene; `null` where there is no answer. */
   fetchNodes(): Promise<SceneNodes | null>;
 }
 
-export function startPage({ host, session, screen, name, pick, toasts, fetchNodes }: PageParts): Page {
+export function startPage(parts: PageParts): Page {
+  const { host, session, screen, name, title, pick, toasts, fetchNodes } = parts;
   const presses = startPresses(host, session);
   const selectedLight = signal<LightId | null>(null);
   const page: Page = {
@@ -103,6 +107,7 @@ export function startPage({ host, session, screen, name, pick, toasts, fetchNode
     presses,
     screen,
     name,
+    title,
     pick,
     selectedLight,
     selectedPoint: signal(null),

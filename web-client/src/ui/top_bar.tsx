@@ -4,6 +4,7 @@ import { useState } from "preact/hooks";
 
 import type { ConnectionState } from "../core/connection";
 import type { HistoryStep, Presence, Scope } from "../core/protocol";
+import { addressOf } from "./address";
 import { TextField } from "./fields";
 import { Icon } from "./icons";
 import { canEdit, usePage } from "./page";
@@ -14,12 +15,15 @@ import { redo, undo } from "./undoing";
 
 export function TopBar() {
   const page = usePage();
-  const { session, name } = page;
+  const { session, name, title } = page;
   return (
     <header class="top-bar">
+      <a class="quiet all-sessions" href={addressOf(null)} title="All sessions" aria-label="All sessions">
+        <Icon name="sessions" />
+      </a>
       <h1>BendyLights</h1>
-      <span class="session-name" title="Session">
-        {name}
+      <span class="session-name" title={title.value === name ? "Session" : `Session ${name}`}>
+        {title}
       </span>
       <SceneName />
       <UndoButtons />

@@ -1,0 +1,110 @@
+// The front page: all sessions, in place of one.
+
+import { useEffect } from "preact/hooks";
+
+import type { SessionEntry } from "../../core/protocol";
+import { Icon } from "../icons";
+import { FRONT_KEYS, KeyList } from "../key_list";
+import { QuietButton } from "../quiet_button";
+import { Toasts } from "../toasts";
+import { Archive } from "./archive";
+import { Card } from "./card";
+import { useFront } from "./front";
+import { bindFrontKeys } from "./keys";
+import { NewSession } from "./new_session";
+
+/** With more sessions than these they are looked for by name. */
+const MANY = 12;
+/** How often the list is asked for while the page is looked at. */
+const REFRESH_MS = 5_000;
+
+export function FrontPage() {
+  const front = useFront();
+  const { showKeys, making, find, missing, toasts, refresh, count } = front;
+  useEffect(() => {
+    // One that fails says nothing: the next may come.
+    const again = () => document.hidden || refresh().catch(() => {});
+    const timer = setInterval(again, REFRESH_MS);
+    document.addEventListener("visibilitychange", again);
+    return () => {
+      clearInterval(timer);
+      document.removeEventListener("visibilitychange", again);
+    };
+  }, [refresh]);
+  useEffect(() => bindFrontKeys(front), [front]);
+  return (
+    <div class="front">
+      <header class="top-bar">
+        <h1>BendyLights</h1>
+        <span class="spring" />
+        {count.value > MANY && (
+          <input
+            class="text find"
+            type="search"
+            aria-label="Find sessions"
+            placeholder="Find"
+            value={find.value}
+            onInput={(event) => (find.value = event.currentTarget.value)}
+          />
+        )}
+        <QuietButton title="Keys" press={() => (showKeys.value = true)}>
+          Keys
+        </QuietButton>
+        <button class="solid" onClick={() => (making.value = true)}>
+          <Icon name="plus" />
+          New session
+        </button>
+      </header>
+      <main class="front-main">
+        {missing !== null && (
+          <p class="front-note" role="alert">
+            There is no session called “{missing}” here. It may have been deleted, or its link is not whole.
+          </p>
+        )}
+        <Sessions />
+        <Archive />
+      </main>
+      <NewSession />
+      <Toasts toasts={toasts.list} />
+      <KeyList shown={showKeys} keys={FRONT_KEYS} />
+    </div>
+  );
+}
+
+function Sessions() {
+  const { current, count, find } = useFront();
+  return (
+    <section aria-label="Sessions">
+      <h2 class="front-heading">Sessions</h2>
+      {count.value === 0 && <p class="front-empty">No sessions yet. Begin a new one.</p>}
+      {count.value > 0 && current.value.length === 0 && (
+        <p class="front-empty">No session has “{find.value.trim()}” in its name.</p>
+      )}
+      <ul class="cards">
+        {current.value.map((session) => (
+          <Card key={session.name} session={session}>
+            <CurrentActions session={session} />
+          </Card>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+function CurrentActions({ session }: { session: SessionEntry }) {
+  const { renaming, duplicate, archive } = useFront();
+  const { name, title } = session;
+  return (
+    <>
+      <QuietButton title="Rename" label={`Rename ${title}`} press={() => (renaming.value = name)}>
+        <Icon name="pencil" />
+      </QuietButton>
+      <QuietButton title="Duplicate" label={`Duplicate ${title}`} press={() => void duplicate(session)}>
+        <Icon name="copy" />
+      </QuietButton>
+      <QuietButton title="Archive" label={`Archive ${title}`} press={() => void archive(session, true)}>
+        <Icon name="archive" />
+      </QuietButton>
+    </>
+  );
+}
