@@ -273,6 +273,13 @@ pub enum ServerMessage {
         /// The server's clock, in microseconds since it started.
         server_time_us: u64,
     },
+    /// What the list says of the session was changed.
+    SessionChanged {
+        /// What people call it.
+        title: String,
+        /// Whether it is archived.
+        archived: bool,
+    },
     /// The server stops.
     Draining {
         /// When to try again.

@@ -178,7 +178,7 @@ fn of_session_list(g: &mut SchemaGenerator) -> Vec<Operation> {
             body: Some(json_content(&name::<Duplicate>(g))),
             status: 201,
             answer: entry,
-            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_LIST, &[Code::BadName, Code::Exists]],
+            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_LIST, &[Code::BadName, Code::Exists, Code::BadLog]],
             ..of_session
         },
     ]

@@ -138,6 +138,7 @@ fn from_the_server() -> Vec<Value> {
         json!({"type": "presence", "clients": [presence]}),
         json!({"type": "viewConfig", "width": 686, "height": 382, "source": {"follow": 2}}),
         json!({"type": "pong", "sent": 1234.5, "serverTimeUs": 9}),
+        json!({"type": "sessionChanged", "title": "Shot 10", "archived": false}),
         json!({"type": "draining", "retryAfterMs": 1000}),
         json!({"type": "error", "code": "badMessage", "message": "m", "fatal": false}),
     ]

@@ -2,7 +2,7 @@
 
 import type { Host, SocketEvents } from "../src/core/connection";
 import type { ClientMessage, ServerMessage } from "../src/core/protocol";
-import { type Session, startSession } from "../src/core/session";
+import { type Listed, type Session, startSession } from "../src/core/session";
 import { TABLE } from "./parameters_fixture";
 
 export interface FakeSocket {
@@ -86,7 +86,11 @@ export function fakeHost(): FakeHost {
 }
 
 /** A session of a person called Me whose pictures go nowhere. */
-export const sessionOn = (host: Host, notify: (message: string) => void = () => {}): Session =>
+export const sessionOn = (
+  host: Host,
+  notify: (message: string) => void = () => {},
+  listed: (listed: Listed) => void = () => {},
+): Session =>
   startSession({
     host,
     token: "secret",
@@ -95,4 +99,5 @@ export const sessionOn = (host: Host, notify: (message: string) => void = () => 
     actor: { id: "me", name: "Me" },
     screen: { decode: () => Promise.resolve(null), draw: () => {} },
     notify,
+    listed,
   });

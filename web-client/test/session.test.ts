@@ -3,7 +3,7 @@ import { beforeEach, describe, expect, test } from "vitest";
 import { aspectOf } from "../src/core/camera";
 import { isAtLimit, lightOf } from "../src/core/document";
 import type { Change, ClientMessage, Command, ServerMessage, Welcome } from "../src/core/protocol";
-import type { Session } from "../src/core/session";
+import type { Listed, Session } from "../src/core/session";
 import type { Vec3 } from "../src/core/vector";
 import { BENDY, CAMERA, log, radiusChange, record, STATS, WELCOME } from "./examples";
 import { type FakeHost, fakeHost, sessionOn } from "./fake_host";
@@ -11,11 +11,16 @@ import { type FakeHost, fakeHost, sessionOn } from "./fake_host";
 let host: FakeHost;
 let session: Session;
 let notices: string[];
+let listed: Listed[];
 
 beforeEach(() => {
   host = fakeHost();
-  notices = [];
-  session = sessionOn(host, (message) => notices.push(message));
+  [notices, listed] = [[], []];
+  session = sessionOn(
+    host,
+    (message) => notices.push(message),
+    (now) => listed.push(now),
+  );
   session.viewer.resize(640, 360);
 });
 
@@ -50,6 +55,12 @@ function reconnect(changed: Partial<Welcome>): void {
   host.pass(1000);
   welcome(changed);
 }
+
+test("what the list says of the session is told when it changes", () => {
+  welcome();
+  receive({ type: "sessionChanged", title: "Shot 10", archived: true });
+  expect(listed).toMatchObject([{ title: "Shot 10", archived: true }]);
+});
 
 const dragTo = (to: Vec3): Command => ({
   type: "dragPoint",

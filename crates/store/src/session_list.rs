@@ -3,7 +3,7 @@
 use protocol::next_proof;
 
 use crate::sessions::{check_title, insert_session};
-use crate::stored::{Found, SessionSummary};
+use crate::stored::{Found, SessionSummary, StoredRecord};
 use crate::{Store, StoreError};
 
 /// What is to be another about a session; what is `None` stays.
@@ -46,7 +46,8 @@ impl Store {
     }
 
     /// Makes a session `copy` with all of the log of `name`, line for line, and its checkpoint; all of it or, on an error,
-    /// nothing. Its proofs are its own, since they cover its name.
+    /// nothing. Its proofs are its own, since they cover its name; so those of `name` are held to first, and lines that
+    /// were changed get no others.
     pub fn duplicate_session(
         &mut self,
         name: &str,
@@ -56,11 +57,14 @@ impl Store {
         self.database.write(|writer| {
             let Found { key: original, row } = writer.find(name)?;
             let (key, _) = insert_session(writer, copy, title, row.format)?;
-            let mut proof = writer.find(copy)?.row.proof;
+            let (mut of_original, mut of_copy) = (row.first_proof(), writer.find(copy)?.row.proof);
             writer.copy_log(original, key)?;
-            writer.visit_all_records(original, |record| {
-                proof = next_proof(&proof, &record.line);
-                record.hash.map_or(Ok(()), |hash| writer.note_hash(key, record.seq, &hash, &proof))
+            writer.visit_all_records(original, |StoredRecord { seq, line, hash, proof }| {
+                (of_original, of_copy) = (next_proof(&of_original, &line), next_proof(&of_copy, &line));
+                if proof.is_some_and(|noted| noted != of_original) {
+                    return Err(StoreError::Unproven { seq });
+                }
+                hash.map_or(Ok(()), |hash| writer.note_hash(key, seq, &hash, &of_copy))
             })?;
             writer.summary(copy)
         })

@@ -181,6 +181,7 @@ export type ServerMessage =
   | ServerViewConfig
   | ServerStats
   | ServerPong
+  | ServerSessionChanged
   | ServerDraining
   | ServerError;
 export type ServerWelcome = Welcome & {
@@ -3190,6 +3191,20 @@ export interface ServerPong {
    */
   serverTimeUs: number;
   type: "pong";
+}
+/**
+ * What the list says of the session was changed.
+ */
+export interface ServerSessionChanged {
+  /**
+   * Whether it is archived.
+   */
+  archived: boolean;
+  /**
+   * What people call it.
+   */
+  title: string;
+  type: "sessionChanged";
 }
 /**
  * The server stops.

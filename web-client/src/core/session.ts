@@ -84,6 +84,14 @@ export interface SessionOptions<T> {
   screen: Screen<T>;
   /** A sentence for the person at the page. */
   notify(message: string): void;
+  /** What the list of sessions says of it was changed. */
+  listed(listed: Listed): void;
+}
+
+/** What the list of sessions says of one. */
+export interface Listed {
+  title: string;
+  archived: boolean;
 }
 
 /** The version of the protocol that this page speaks. */
@@ -244,6 +252,9 @@ export function startSession<T>(options: SessionOptions<T>): Session {
         break;
       case "error":
         if (!message.fatal) notify(message.message);
+        break;
+      case "sessionChanged":
+        options.listed(message);
         break;
       case "viewConfig":
       case "pong":

@@ -3,7 +3,7 @@
 import { effect, signal } from "@preact/signals";
 import { render } from "preact";
 
-import { startSession } from "../core/session";
+import { type Listed, startSession } from "../core/session";
 import { readAddress } from "./address";
 import type { Camera, ParameterTable, SessionEntry } from "../core/protocol";
 import { App, Refusal, SignIn } from "./app";
@@ -55,10 +55,10 @@ function refuse(why: string, isTokenWrong: boolean): void {
 }
 
 /** Nothing can be shown of a document before it is known what stands in it. */
-async function enter({ name, title }: SessionEntry): Promise<void> {
+async function enter({ name, title, archived }: SessionEntry): Promise<void> {
   const answer = await fetchTable(token);
   render(null, root);
-  if ("table" in answer) start(answer.table, name, title);
+  if ("table" in answer) start(answer.table, name, { title, archived });
   else refuse(answer.why, answer.isTokenWrong);
 }
 
@@ -76,8 +76,8 @@ async function list(): Promise<void> {
   front.demos.value = await server.demos();
 }
 
-function start(table: ParameterTable, name: string, titled: string): void {
-  const title = signal(titled);
+function start(table: ParameterTable, name: string, asListed: Listed): void {
+  const listed = signal(asListed);
   const toasts = startToasts();
   const host = browserHost();
   const screen = canvasScreen();
@@ -89,20 +89,25 @@ function start(table: ParameterTable, name: string, titled: string): void {
     actor: readActor(),
     screen,
     notify: toasts.add,
+    listed: ({ title, archived }) => (listed.value = { title, archived }),
   });
   const page = startPage({
     host,
     session,
     screen,
     name,
-    title,
+    listed,
     pick: (camera: Camera) => pickPoint(token, name, camera),
     toasts,
     fetchNodes: () => fetchNodes(token, name),
   });
   effect(() => keepActor(session.actor.value));
   effect(() => {
-    document.title = `${title.value} - BendyLights`;
+    // It may have been called otherwise before, or while the page was not connected.
+    if (session.connection.value.kind === "connected") void relist();
+  });
+  effect(() => {
+    document.title = `${listed.value.title} - BendyLights`;
     showState(root);
   });
   restorePage(page);
@@ -112,9 +117,7 @@ function start(table: ParameterTable, name: string, titled: string): void {
   addEventListener("pagehide", () => keepPage(page));
   addEventListener("online", session.wake);
   document.addEventListener("visibilitychange", () => {
-    if (document.hidden) return;
-    session.wake();
-    void retitle();
+    if (!document.hidden) session.wake();
   });
   render(
     <PageProvider value={page}>
@@ -123,10 +126,9 @@ function start(table: ParameterTable, name: string, titled: string): void {
     root,
   );
 
-  /** It may have been called otherwise while nobody looked here. */
-  async function retitle(): Promise<void> {
+  async function relist(): Promise<void> {
     const entry = await server.entry(name).catch(() => null);
-    title.value = entry?.title ?? title.value;
+    if (entry !== null) listed.value = { title: entry.title, archived: entry.archived };
   }
 
   /** What tests and people with developer tools can read off the page's root element. */

@@ -8,7 +8,7 @@ import type { Pixel } from "../core/camera";
 import type { Host } from "../core/connection";
 import type { LightId } from "../core/ids";
 import type { Camera, SceneNodes, Scope } from "../core/protocol";
-import type { Session } from "../core/session";
+import type { Listed, Session } from "../core/session";
 import type { Vec3 } from "../core/vector";
 import type { Aiming, Excursion } from "./directing";
 import { committing, type Presses, startPresses } from "./presses";
@@ -26,8 +26,8 @@ export interface Page {
   presses: Presses;
   screen: Screen;
   name: string;
-  /** What people call the session. */
-  title: Signal<string>;
+  /** What the list of sessions says of it. */
+  listed: Signal<Listed>;
   /** The point of the scene in the middle of a camera's picture, if there is one. */
   pick(camera: Camera): Promise<Vec3 | null>;
   selectedLight: Signal<LightId | null>;
@@ -91,7 +91,7 @@ export interface PageParts {
   session: Session;
   screen: Screen;
   name: string;
-  title: Signal<string>;
+  listed: Signal<Listed>;
   pick: Page["pick"];
   toasts: Toasts;
   /** Asks for the nodes of the session's scene; `null` where there is no answer. */
@@ -99,7 +99,7 @@ export interface PageParts {
 }
 
 export function startPage(parts: PageParts): Page {
-  const { host, session, screen, name, title, pick, toasts, fetchNodes } = parts;
+  const { host, session, screen, name, listed, pick, toasts, fetchNodes } = parts;
   const presses = startPresses(host, session);
   const selectedLight = signal<LightId | null>(null);
   const page: Page = {
@@ -107,7 +107,7 @@ export function startPage(parts: PageParts): Page {
     presses,
     screen,
     name,
-    title,
+    listed,
     pick,
     selectedLight,
     selectedPoint: signal(null),

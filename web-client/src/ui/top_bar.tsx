@@ -15,16 +15,25 @@ import { redo, undo } from "./undoing";
 
 export function TopBar() {
   const page = usePage();
-  const { session, name, title } = page;
+  const { session, name, listed } = page;
+  const { title, archived } = listed.value;
   return (
     <header class="top-bar">
       <a class="quiet all-sessions" href={addressOf(null)} title="All sessions" aria-label="All sessions">
         <Icon name="sessions" />
       </a>
       <h1>BendyLights</h1>
-      <span class="session-name" title={title.value === name ? "Session" : `Session ${name}`}>
+      <span class="session-name" title={title === name ? "Session" : `Session ${name}`}>
         {title}
       </span>
+      {archived && (
+        <span
+          class="archived-note"
+          title="It is left out of the list of sessions until it is brought back there"
+        >
+          Archived
+        </span>
+      )}
       <SceneName />
       <UndoButtons />
       <span class="spring" />

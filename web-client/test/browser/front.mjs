@@ -194,7 +194,10 @@ async function whoIsThere(open, page) {
   const { session } = Object.fromEntries(new URLSearchParams(new URL(ada.url()).hash.slice(1)));
   const people = page.locator(`[data-session="${session}"] .card-people`);
   await people.getByText("Ada Lovelace").waitFor();
+  await api("PATCH", `/sessions/${session}`, { title: "Ada's shot" });
+  await ada.locator(".session-name").getByText("Ada's shot").waitFor();
   await api("PATCH", `/sessions/${session}`, { archived: true });
+  await ada.getByText("Archived", { exact: true }).waitFor();
   await page.getByRole("button", { name: "Archived (1)" }).waitFor();
   if ((await page.getByRole("button", { name: "Archived" }).getAttribute("aria-expanded")) === "false")
     await page.getByRole("button", { name: "Archived" }).click();
@@ -206,7 +209,7 @@ async function whoIsThere(open, page) {
   await settled(ada);
   await ada.context().close();
   await people.waitFor({ state: "detached" });
-  await api("PATCH", `/sessions/${session}`, { archived: false });
+  await api("PATCH", `/sessions/${session}`, { archived: false, title: session });
 }
 
 /** A card's link, given to somebody else, opens that session and no other. */

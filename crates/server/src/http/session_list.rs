@@ -74,6 +74,7 @@ pub async fn change(
     let SessionChange { title, archived } = read_json(&headers, &body)?;
     let change = store::SessionChange { title, archived };
     let summary = state.backend.storage.change_session(name, change).await?;
+    state.rooms.tell_change(&summary.name, &summary.title, summary.is_archived).await;
     let clients = state.rooms.clients().await?;
     let here = clients.get(summary.name.as_str()).map_or(&[][..], Vec::as_slice);
     Ok(json(&entry(summary, here)))

@@ -31,6 +31,11 @@ enum DirectoryRequest {
         number: u64,
     },
     Clients(oneshot::Sender<BTreeMap<Arc<str>, Vec<Actor>>>),
+    /// The session where it is open.
+    FindOpen {
+        name: String,
+        reply: oneshot::Sender<Option<RoomHandle>>,
+    },
     /// Close the room of a session that nobody is in, and delete that.
     Delete {
         name: String,
@@ -92,6 +97,18 @@ impl Rooms {
         clients.await.map_err(|_| ServerError::Draining)
     }
 
+    /// Tells who is in a session that what the list says of it was changed. It is not opened for that.
+    pub async fn tell_change(&self, name: &str, title: &str, archived: bool) {
+        let (reply, found) = oneshot::channel();
+        let request = DirectoryRequest::FindOpen { name: name.into(), reply };
+        // A server that stops, or a session that ends, has nobody to tell.
+        if self.requests.send(request).await.is_ok()
+            && let Ok(Some(room)) = found.await
+        {
+            let _ = room.send(Message::Changed { title: title.into(), archived }).await;
+        }
+    }
+
     /// Deletes an archived session that nobody is in.
     pub async fn delete(&self, name: &str) -> Result<(), ServerError> {
         let (reply, deleted) = oneshot::channel();
@@ -130,6 +147,10 @@ impl Directory {
                 DirectoryRequest::Find { name, reply } => drop(reply.send(self.find(name.into()))),
                 DirectoryRequest::Idle { name, number } => self.retire(&name, number),
                 DirectoryRequest::Clients(reply) => drop(reply.send(self.clients())),
+                DirectoryRequest::FindOpen { name, reply } => {
+                    let entry = self.entries.get(name.as_str());
+                    drop(reply.send(entry.and_then(|entry| entry.handle.clone())));
+                }
                 DirectoryRequest::Delete { name, reply } => self.delete(name.into(), reply),
                 DirectoryRequest::Drain(done) => {
                     inbox.close();

@@ -47,7 +47,9 @@ impl Room {
                     self.batches.push_back(Batch::new(principal, steps, (reply, gone)));
                 }
                 Message::Client { .. } | Message::Leave(_) => behind.push(message),
-                Message::Join(_) | Message::Snapshot(_) | Message::Drain => afterwards.push(message),
+                Message::Join(_) | Message::Snapshot(_) | Message::Changed { .. } | Message::Drain => {
+                    afterwards.push(message);
+                }
             }
         }
         // What was solved is shown, even if it is outrun by now: else a slow drag never would be.
@@ -61,7 +63,11 @@ impl Room {
                     self.handle(client, request, place, &mut tick).await;
                 }
                 Message::Leave(client) => self.leave(client, &mut tick),
-                Message::Edit { .. } | Message::Join(_) | Message::Snapshot(_) | Message::Drain => {}
+                Message::Edit { .. }
+                | Message::Join(_)
+                | Message::Snapshot(_)
+                | Message::Changed { .. }
+                | Message::Drain => {}
             }
         }
         self.carry_out_batches(&mut tick).await;
@@ -74,6 +80,9 @@ impl Room {
             match message {
                 Message::Join(join) => self.join(*join).await,
                 Message::Snapshot(reply) => drop(reply.send(Ok(self.snapshot()))),
+                Message::Changed { title, archived } => {
+                    self.outboxes.broadcast(&ServerMessage::SessionChanged { title, archived }, None);
+                }
                 Message::Drain => self.drain(),
                 Message::Client { .. } | Message::Edit { .. } | Message::Leave(_) => {}
             }

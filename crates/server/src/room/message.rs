@@ -48,6 +48,13 @@ pub enum Message {
     },
     /// A program wants to see the session.
     Snapshot(Reply<Snapshot>),
+    /// What the list says of the session was changed.
+    Changed {
+        /// What people call it.
+        title: String,
+        /// Whether it is archived.
+        archived: bool,
+    },
     /// The server is asked to stop: finish what is waiting and end.
     Drain,
 }
@@ -58,7 +65,9 @@ impl Message {
         match self {
             Self::Client { client, request, .. } => request.edits().then_some(*client),
             Self::Leave(client) => Some(*client),
-            Self::Join(_) | Self::Edit { .. } | Self::Snapshot(_) | Self::Drain => None,
+            Self::Join(_) | Self::Edit { .. } | Self::Snapshot(_) | Self::Changed { .. } | Self::Drain => {
+                None
+            }
         }
     }
 
@@ -77,7 +86,9 @@ impl Message {
                     if later == gesture
             ),
             Self::Leave(_) => true,
-            Self::Join(_) | Self::Edit { .. } | Self::Snapshot(_) | Self::Drain => false,
+            Self::Join(_) | Self::Edit { .. } | Self::Snapshot(_) | Self::Changed { .. } | Self::Drain => {
+                false
+            }
         }
     }
 

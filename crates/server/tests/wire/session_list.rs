@@ -104,7 +104,7 @@ async fn a_hundred_sessions_are_listed_and_none_is_opened() {
     own.stop().1.await.unwrap().unwrap();
 }
 
-/// Rules: HTTP-33
+/// Rules: HTTP-33, SOCK-14
 #[tokio::test]
 async fn a_session_gets_a_title_and_is_archived_while_people_work_in_it() {
     new_session(&SHARED, "titled");
@@ -112,11 +112,17 @@ async fn a_session_gets_a_title_and_is_archived_while_people_work_in_it() {
     let answer = patch(&SHARED, "titled", &json!({"title": "Küche, abends"}));
     assert_eq!((answer.status, &answer.json()["title"]), (200, &json!("Küche, abends")));
     assert_eq!(answer.json()["people"], json!(["Ada"]));
+    let told = |came| match came {
+        Came::Control(ServerMessage::SessionChanged { title, archived }) => Some((title, archived)),
+        _ => None,
+    };
+    assert_eq!(ada.until(told).await, ("Küche, abends".into(), false));
     let answer = patch(&SHARED, "titled", &json!({"archived": true}));
     assert_eq!(
         (&answer.json()["title"], &answer.json()["archived"]),
         (&json!("Küche, abends"), &json!(true))
     );
+    assert_eq!(ada.until(told).await, ("Küche, abends".into(), true));
     assert_eq!(entry(&SHARED, "", "titled"), None, "it is hidden");
     assert_eq!(entry(&SHARED, "?archived=false", "titled"), None);
     assert_eq!(entry(&SHARED, "?archived=true", "titled"), Some(answer.json()));

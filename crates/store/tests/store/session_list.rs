@@ -131,6 +131,22 @@ fn a_duplicate_has_the_whole_log_and_proofs_of_its_own() {
     assert_eq!(store.sessions().expect("a list").len(), 2, "what is refused leaves nothing");
 }
 
+/// Rules: HTTP-34, LOG-4
+#[test]
+fn a_duplicate_proves_no_line_that_was_changed() {
+    let folder = Folder::new();
+    let mut store = folder.store();
+    stored_log(&mut store, "main", 20);
+    let database = Connection::open(folder.data().join(DATABASE)).expect("a database");
+    let fault =
+        "DROP TRIGGER record_stays; UPDATE record SET json = replace(json, 'Ada', 'Eve') WHERE seq = 7";
+    database.execute_batch(fault).expect("planted");
+    let refused = store.duplicate_session("main", "copy", None).expect_err("a changed line");
+    assert_eq!(refused.code(), ErrorCode::BadLog);
+    assert!(matches!(refused, StoreError::Unproven { seq: 10 }), "the next that has a proof: {refused}");
+    assert_eq!(store.sessions().expect("a list").len(), 1, "nothing of it is left");
+}
+
 /// Rules: HTTP-34, REC-5
 #[test]
 fn a_log_of_an_earlier_format_is_duplicated_as_it_stands() {

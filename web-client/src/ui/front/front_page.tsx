@@ -1,6 +1,6 @@
 // The front page: all sessions, in place of one.
 
-import { useEffect } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 
 import type { SessionEntry } from "../../core/protocol";
 import { Icon } from "../icons";
@@ -17,20 +17,22 @@ import { NewSession } from "./new_session";
 const MANY = 12;
 /** How often the list is asked for while the page is looked at. */
 const REFRESH_MS = 5_000;
+/** Cards that are there at once; more come on demand. */
+const PAGE = 200;
+const STALE = "The server does not answer: what stands here may be old.";
 
 export function FrontPage() {
   const front = useFront();
   const { showKeys, making, find, missing, toasts, refresh, count } = front;
   useEffect(() => {
-    // One that fails says nothing: the next may come.
-    const again = () => document.hidden || refresh().catch(() => {});
+    const again = () => document.hidden || refresh().catch(() => toasts.add(STALE));
     const timer = setInterval(again, REFRESH_MS);
     document.addEventListener("visibilitychange", again);
     return () => {
       clearInterval(timer);
       document.removeEventListener("visibilitychange", again);
     };
-  }, [refresh]);
+  }, [refresh, toasts]);
   useEffect(() => bindFrontKeys(front), [front]);
   return (
     <div class="front">
@@ -73,6 +75,8 @@ export function FrontPage() {
 
 function Sessions() {
   const { current, count, find } = useFront();
+  const [most, setMost] = useState(PAGE);
+  const left = current.value.length - most;
   return (
     <section aria-label="Sessions">
       <h2 class="front-heading">Sessions</h2>
@@ -81,12 +85,17 @@ function Sessions() {
         <p class="front-empty">No session has “{find.value.trim()}” in its name.</p>
       )}
       <ul class="cards">
-        {current.value.map((session) => (
+        {current.value.slice(0, most).map((session) => (
           <Card key={session.name} session={session}>
             <CurrentActions session={session} />
           </Card>
         ))}
       </ul>
+      {left > 0 && (
+        <button class="solid more" onClick={() => setMost(most + PAGE)}>
+          Show more ({left} left)
+        </button>
+      )}
     </section>
   );
 }
