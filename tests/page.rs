@@ -152,6 +152,15 @@ fn nodes_are_linked_on_the_page() {
     in_a_browser("links.mjs");
 }
 
+/// Long names of lights, cameras and people keep their ends on three screens.
+///
+/// Rules: CMD-8
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn long_names_lose_their_middle() {
+    in_a_browser("names.mjs");
+}
+
 /// Says on the page how far out a light's edge lies around its axis.
 ///
 /// Rules: CURVE-1

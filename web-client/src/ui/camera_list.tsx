@@ -6,6 +6,7 @@ import type { Camera, DocumentCamera } from "../core/protocol";
 import { CameraFormat } from "./camera_format";
 import { Icon } from "./icons";
 import { focusBeside } from "./list_focus";
+import { Name } from "./name";
 import { canEdit, usePage } from "./page";
 import { QuietButton } from "./quiet_button";
 
@@ -51,9 +52,9 @@ function CameraRow({ entry: { id, camera }, disabled }: { entry: DocumentCamera;
   const isSeen = own.value !== null && following.value === null && seeTheSame(own.value.camera, camera);
   return (
     <li class="item" data-camera={id} aria-current={isSeen}>
-      <button class="item-name" title="Look from here" onClick={() => session.viewer.jump(camera)}>
+      <button class="item-name" onClick={() => session.viewer.jump(camera)}>
         <Icon name="camera" />
-        <span class="clipped">{name}</span>
+        <Name name={name} title={`${name}: look from here`} />
       </button>
       <QuietButton
         class="item-action"

@@ -7,6 +7,7 @@ import type { DocumentLight } from "../core/protocol";
 import { Icon } from "./icons";
 import { isFree, isMuted, toggleMute, toggleSolo } from "./light_actions";
 import { focusBeside } from "./list_focus";
+import { Name } from "./name";
 import { addLight } from "./new_lights";
 import { canEdit, selectLight, usePage } from "./page";
 import { colorOf } from "./person";
@@ -71,7 +72,7 @@ function LightRow({ entry, disabled }: { entry: DocumentLight; disabled: boolean
     >
       <button class="item-name" onClick={() => selectLight(page, id)}>
         <Icon name={light.type} />
-        <span class="clipped">{name}</span>
+        <Name name={name} />
       </button>
       {others.map(({ client, actor }) => (
         <span

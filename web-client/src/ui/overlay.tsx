@@ -1,6 +1,7 @@
 // The lights drawn over the picture: curve and tube. What can be grabbed is in handles.tsx.
 
 import { type Pixel, project, type View } from "../core/camera";
+import { clipMiddle, LONGEST_TAG } from "../core/clipping";
 import { segmentCount } from "../core/curve";
 import { lightLabel } from "../core/document";
 import type { Drawn } from "../core/handles";
@@ -108,13 +109,14 @@ function NameTag({ entry, view, at, size }: OverlayProps & { entry: DocumentLigh
   const { id, light } = entry;
   const { session } = usePage();
   const holder = session.gestures.value.find((gesture) => gesture.light === id)?.client;
+  const name = clipMiddle(lightLabel(entry), LONGEST_TAG);
   const source = project(view, light.transform.translation);
   const wanted: Pixel =
     source === null ? { x: 0, y: 0 } : { x: at.x + source.x + 12, y: at.y + source.y - 10 };
   if (holder === undefined) {
     return source === null ? null : (
       <text class="light-name" {...wanted}>
-        {lightLabel(entry)}
+        {name}
       </text>
     );
   }
@@ -122,7 +124,7 @@ function NameTag({ entry, view, at, size }: OverlayProps & { entry: DocumentLigh
   const y = Math.min(Math.max(wanted.y, 10 + TAG.height), size.height - TAG.height);
   return (
     <text class="light-name" x={x} y={y} style={{ fill: colorOf(holder) }}>
-      {lightLabel(entry)} is held by {nameOf(session.people.value, holder)}
+      {name} is held by {clipMiddle(nameOf(session.people.value, holder), LONGEST_TAG)}
     </text>
   );
 }

@@ -4,6 +4,7 @@ import type { LightId } from "../core/ids";
 import type { Pin } from "../core/protocol";
 import { PIN_TEXTS, pinsOf } from "../core/tools";
 import { Icon } from "./icons";
+import { Name } from "./name";
 import { usePage } from "./page";
 import { QuietButton } from "./quiet_button";
 import { FoldingSection } from "./sections";
@@ -21,7 +22,7 @@ export function PinPanel({ id, disabled }: { id: LightId; disabled: boolean }) {
       <ul class="pins">
         {pins.map(({ id: number, pin }) => (
           <li key={number} data-current={toolbox.selectedPin.value === number}>
-            <span class="clipped">{textOf(pin)}</span>
+            <Name name={textOf(pin)} />
             <QuietButton
               title={pin.hard ? "It holds whatever is asked" : "It holds as far as what is asked lets it"}
               label={`Hard: ${textOf(pin)}`}

@@ -1,10 +1,12 @@
 // Why the pixel under the pointer is lit or not, while that is asked for: a panel beside it, and the way of the light.
 
 import { type Pixel, project, type Size, type View } from "../core/camera";
+import { clipMiddle, LONGEST_TAG } from "../core/clipping";
 import { lightLabel } from "../core/document";
 import { drawnWay, mattering, splitAt } from "../core/probed";
 import type { Probed, ProbedLight } from "../core/protocol";
 import { Line } from "./lines";
+import { Name } from "./name";
 import { type Page, usePage } from "./page";
 import { nodeName, placeText, shareText, stateText } from "./probe_texts";
 import { useProbed } from "./use_probed";
@@ -59,7 +61,7 @@ export function Way({ view, probed: { path, shadowedBy } }: { view: View; probed
         <g class="obstacle" transform={`translate(${met.x.toFixed(2)} ${met.y.toFixed(2)})`}>
           <circle class="mark" r={4.5} />
           <text class="light-name" x={9} y={-7}>
-            {nodeName(shadowedBy.node)}
+            {clipMiddle(nodeName(shadowedBy.node), LONGEST_TAG)}
           </text>
         </g>
       )}
@@ -111,7 +113,9 @@ function Panel({ found, way, at, size }: PanelProps) {
       aria-label="Lights at the pointer"
       style={besideOf(at, size, lights.length)}
     >
-      <h2 class="clipped">{seen === null ? "Nothing is seen here" : nodeName(seen.node)}</h2>
+      <h2>
+        <Name name={seen === null ? "Nothing is seen here" : nodeName(seen.node)} />
+      </h2>
       {lights.length > 0 && (
         <ul>
           {lights.map((probed) => {
@@ -119,7 +123,7 @@ function Panel({ found, way, at, size }: PanelProps) {
             const place = placeText(probed);
             return (
               <li key={probed.light} data-state={probed.state} data-way={probed.light === way?.light}>
-                <span class="clipped">{entry === undefined ? probed.name : lightLabel(entry)}</span>
+                <Name name={entry === undefined ? probed.name : lightLabel(entry)} />
                 <span class="share">{shareText(probed)}</span>
                 <span class="why clipped">
                   {stateText(probed, entry?.light.type)}

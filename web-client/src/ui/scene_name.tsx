@@ -1,6 +1,7 @@
 // What the scene is called, and what of its file is not drawn.
 
 import { Icon } from "./icons";
+import { Name } from "./name";
 import { usePage } from "./page";
 import { sentence } from "./sentence";
 
@@ -13,8 +14,11 @@ export function SceneName() {
   const { scene } = session.document.value;
   return (
     <>
-      <span class="scene-name clipped" title={`Scene ${scene?.name ?? ""}`}>
-        {scene?.name.replace(HASH, "scene $1") ?? "no scene"}
+      <span class="scene-name">
+        <Name
+          name={scene?.name.replace(HASH, "scene $1") ?? "no scene"}
+          title={`Scene ${scene?.name ?? ""}`}
+        />
       </span>
       <Notes notes={session.notes.value} />
     </>

@@ -7,6 +7,7 @@ import type { HistoryStep, Presence, Scope } from "../core/protocol";
 import { addressOf } from "./address";
 import { TextField } from "./fields";
 import { Icon } from "./icons";
+import { Name } from "./name";
 import { canEdit, usePage } from "./page";
 import { colorOf } from "./person";
 import { QuietButton } from "./quiet_button";
@@ -22,19 +23,21 @@ export function TopBar() {
       <a class="quiet all-sessions" href={addressOf(null)} title="All sessions" aria-label="All sessions">
         <Icon name="sessions" />
       </a>
-      <h1>BendyLights</h1>
-      <span class="session-name" title={title === name ? "Session" : `Session ${name}`}>
-        {title}
-      </span>
-      {archived && (
-        <span
-          class="archived-note"
-          title="It is left out of the list of sessions until it is brought back there"
-        >
-          Archived
+      <div class="where">
+        <h1>BendyLights</h1>
+        <span class="session-name">
+          <Name name={title} title={title === name ? "Session" : `Session ${name}`} />
         </span>
-      )}
-      <SceneName />
+        {archived && (
+          <span
+            class="archived-note"
+            title="It is left out of the list of sessions until it is brought back there"
+          >
+            Archived
+          </span>
+        )}
+        <SceneName />
+      </div>
       <UndoButtons />
       <span class="spring" />
       <People />
@@ -142,7 +145,7 @@ function Other({ person: { client, actor, following } }: { person: Presence }) {
         onClick={() => viewer.follow(followed ? null : client)}
       >
         <span class="dot" style={{ background: colorOf(client) }} />
-        <span class="clipped">{actor.name}</span>
+        <Name name={actor.name} title={title} />
         {(followed || followsMe) && <Icon name="view" />}
       </button>
     </li>
@@ -165,12 +168,11 @@ function Self() {
         <TextField label="Your name" value={name} set={rename} disabled={false} autofocus />
       ) : (
         <button
-          class="clipped"
-          title="You. Change your name"
+          class="self-name"
           aria-label={`${name}, you. Change your name`}
           onClick={() => setEditing(true)}
         >
-          {name}
+          <Name name={name} title={`${name}, you. Change your name`} />
         </button>
       )}
     </li>
