@@ -161,6 +161,15 @@ fn long_names_lose_their_middle() {
     in_a_browser("names.mjs");
 }
 
+/// Counts colours of what the page shows where a person's system has its own.
+///
+/// Rules: SOCK-7
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn the_systems_colours_show_all_that_the_pages_own_do() {
+    in_a_browser("forced_colors.mjs");
+}
+
 /// Says on the page how far out a light's edge lies around its axis.
 ///
 /// Rules: CURVE-1

@@ -24,6 +24,7 @@ import "./style/directing.css";
 import "./style/tools.css";
 import "./style/layout.css";
 import "./style/front.css";
+import "./style/forced.css";
 
 const root = document.getElementById("page") as HTMLElement;
 const { token, session: named } = readAddress();

@@ -11,6 +11,9 @@ const SCREENS = {
   phone: { width: 390, height: 844, context: FINGERS },
   "phone on its side": { width: 844, height: 390, context: FINGERS },
   "200 %": { width: 640, height: 400, context: { deviceScaleFactor: 2 } },
+  "desktop, with text of 200 %": { width: 1280, height: 800, text: "200%" },
+  "tablet, with text of 200 %": { width: 820, height: 1180, text: "200%" },
+  "phone, with text of 200 %": { width: 390, height: 844, text: "200%" },
 };
 /** WCAG 2.2, 2.5.8. */
 const LEAST_TARGET_PX = 24;
@@ -28,8 +31,10 @@ const same = (a, b) => length(sub(a, b)) < 1e-9;
 await runBrowserTest(async ({ open, picture, http }) => {
   const light = { type: "spot", name: "rim", range: 5, transform: { translation: [1, 3, 1] } };
   await http("/edits", { edits: [{ command: { type: "addLight", light } }] });
-  for (const [name, { width, height, context }] of Object.entries(SCREENS)) {
+  for (const [name, { width, height, context, text = "" }] of Object.entries(SCREENS)) {
     const page = await open(`Ada on ${name}`, { width, height }, { context, shows: anyPicture });
+    await page.evaluate((text) => (document.documentElement.style.fontSize = text), text);
+    await picture(page, name);
     await everythingIsInReach(page, name);
     await picture(page, name);
     await page.context().close();
@@ -60,6 +65,7 @@ async function everythingIsInReach(page, screen) {
     ],
     [".light-tools button { width: 40px; overflow: hidden }", "has text that is cut off"],
     [".gate { top: 90vh !important }", "the picture is not in sight"],
+    [".number input { font-size: 60px }", "has digits that are cut off"],
   ];
   for (const [style, fault] of planted) {
     await page.evaluate(dress, style);
@@ -130,6 +136,8 @@ function walk(leastPx) {
     if (hit === null || !control.contains(hit)) say(control, `is covered by ${hit?.className}`);
     const text = control.scrollWidth > control.clientWidth + 1 && control.querySelector(".clipped") === null;
     if (text && control.matches("button:not(.clipped)")) say(control, "has text that is cut off");
+    if (control.matches(".number input") && control.scrollWidth > control.clientWidth + 1)
+      say(control, "has digits that are cut off");
     const gate = document.querySelector(".gate").getBoundingClientRect();
     if (!inWindow(gate)) say(control, "can be used while the picture is not in sight");
   }
@@ -142,6 +150,7 @@ function walk(leastPx) {
   for (const said of document.querySelectorAll(
     ".top-bar > :not(.spring), .status-bar > :not(.spring, .keys)",
   )) {
+    said.scrollIntoView({ block: "nearest", inline: "nearest" });
     const [box, bar] = [said, said.parentElement].map((e) => e.getBoundingClientRect());
     if (!inWindow(box) || box.bottom > bar.bottom + 0.5 || box.right > bar.right) say(said, "is cut off");
   }
