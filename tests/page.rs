@@ -143,6 +143,16 @@ fn a_light_of_shared_assets_is_bent_in_place_on_the_page() {
     on_a_server_of(file, |address| run_in_browser("bend.mjs", address, Some(&bounds)));
 }
 
+/// Drops a folder and picks files, which become one file that is sent and loaded; cancels one on its way, and reads why others are
+/// refused.
+///
+/// Rules: HTTP-10, HTTP-11
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn scenes_of_ones_own_are_opened_on_the_page() {
+    in_a_browser("open_scene.mjs");
+}
+
 /// Picks nodes of the scene that a light leaves out, and takes them back.
 ///
 /// Rules: LINK-3, HTTP-20

@@ -7,7 +7,9 @@ import { CameraList } from "./camera_list";
 import { KeyList, SESSION_KEYS } from "./key_list";
 import { LightList } from "./light_list";
 import { LightPanel } from "./light_panel";
+import { OpeningPanel } from "./opening_panel";
 import { usePage } from "./page";
+import { DropTarget } from "./scene_menu";
 import { sentence } from "./sentence";
 import { StatusBar } from "./status_bar";
 import { Toasts } from "./toasts";
@@ -31,8 +33,12 @@ export function App() {
           <LightPanel />
         </aside>
         <StatusBar />
-        <Toasts toasts={page.toasts} />
+        <div class="corner">
+          <OpeningPanel />
+          <Toasts toasts={page.toasts} />
+        </div>
         <KeyList shown={page.showKeys} keys={SESSION_KEYS} />
+        <DropTarget />
       </div>
       {state.kind === "refused" && <Refusal why={state.message} again={session.reconnect} />}
     </>

@@ -3,6 +3,7 @@
 import type { Host } from "../core/connection";
 import type { Camera, ParameterTable, SceneNodes } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
+import type { SendingEvents } from "./opening";
 
 /** Opens sockets at the server that the page came from. */
 export function browserHost(): Host {
@@ -94,6 +95,35 @@ export async function fetchNodes(token: string, session: string): Promise<SceneN
   }
 }
 
+/** Sends a scene's file to the server, which keeps it under `name`, or where that is empty under the file's own. */
+export function sendScene(token: string, file: Blob, name: string, events: SendingEvents): () => void {
+  // `fetch` does not tell how much has gone.
+  const request = new XMLHttpRequest();
+  request.open("POST", name === "" ? "/assets" : `/assets?name=${encodeURIComponent(name)}`);
+  request.setRequestHeader("authorization", `Bearer ${token}`);
+  request.upload.onprogress = ({ loaded, total }) => events.progress(loaded, total);
+  request.upload.onload = events.sent;
+  request.onload = () => {
+    const { asset, error } = answerOf(request.responseText);
+    if (request.status === 201 && asset !== undefined) events.kept(asset);
+    else events.failed(error?.message ?? `The server answered with ${request.status}: try again.`);
+  };
+  request.onerror = () => events.failed(BROKEN);
+  request.send(file);
+  return () => request.abort();
+}
+
+function answerOf(text: string): { asset?: string; error?: { message: string } } {
+  try {
+    return JSON.parse(text) as ReturnType<typeof answerOf>;
+  } catch {
+    // Something between here and the server has answered.
+    return {};
+  }
+}
+
+const BROKEN =
+  "The connection broke while it was sent, or a file was changed meanwhile. The server has kept nothing of it: try again.";
 const NO_ANSWER =
   "The server does not answer, so the page cannot know what can be set on lights. Try again once it does.";
 const OLD_SERVER =

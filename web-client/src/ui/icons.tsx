@@ -5,6 +5,7 @@ const PATHS = {
   redo: "m10.5 3 3 3-3 3M13.5 6h-7a4 4 0 0 0 0 8H10",
   reset: "M4 5.5A5 5 0 1 1 3 8.8M3.5 2.5v3.5H7",
   note: "M3.5 2.5h6l3 3v8h-9zM9.5 2.5v3h3M6 8.5h4M6 11h4",
+  open: "M1.5 13V3.5h4.5l1.5 2h6v2M1.5 13l2-5.5h11.5l-2 5.5z",
   plus: "M8 3v10M3 8h10",
   minus: "M3 8h10",
   close: "m4 4 8 8M12 4l-8 8",

@@ -10,7 +10,7 @@ import { App, Refusal, SignIn } from "./app";
 import { FrontProvider, startFront } from "./front/front";
 import { FrontPage } from "./front/front_page";
 import { Refused, serverOf } from "./front/server";
-import { browserHost, fetchNodes, fetchTable, pickPoint } from "./host";
+import { browserHost, fetchNodes, fetchTable, pickPoint, sendScene } from "./host";
 import { keepPage, restorePage } from "./kept";
 import { bindKeys } from "./keys";
 import { PageProvider, startPage, startToasts } from "./page";
@@ -101,6 +101,7 @@ function start(table: ParameterTable, name: string, asListed: Listed): void {
     pick: (camera: Camera) => pickPoint(token, name, camera),
     toasts,
     fetchNodes: () => fetchNodes(token, name),
+    sendScene: (file, scene, events) => sendScene(token, file, scene, events),
   });
   effect(() => keepActor(session.actor.value));
   effect(() => {

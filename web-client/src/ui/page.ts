@@ -11,6 +11,7 @@ import type { Camera, SceneNodes, Scope } from "../core/protocol";
 import type { Listed, Session } from "../core/session";
 import type { Vec3 } from "../core/vector";
 import type { Aiming, Excursion } from "./directing";
+import type { Opening, SendScene } from "./opening";
 import { committing, type Presses, startPresses } from "./presses";
 import type { Screen } from "./screen";
 import { startTools, type Toolbox } from "./toolbox";
@@ -61,6 +62,9 @@ export interface Page {
   toldOvertaken: Signal<number | null>;
   /** The nodes of the scene; `null` while they are not known. */
   nodes: Signal<SceneNodes | null>;
+  sendScene: SendScene;
+  /** A scene of this person's own that is on its way. */
+  opening: Signal<Opening | null>;
 }
 
 const TOAST_MS = 6000;
@@ -96,10 +100,11 @@ export interface PageParts {
   toasts: Toasts;
   /** Asks for the nodes of the session's scene; `null` where there is no answer. */
   fetchNodes(): Promise<SceneNodes | null>;
+  sendScene: SendScene;
 }
 
 export function startPage(parts: PageParts): Page {
-  const { host, session, screen, name, listed, pick, toasts, fetchNodes } = parts;
+  const { host, session, screen, name, listed, pick, toasts, fetchNodes, sendScene } = parts;
   const presses = startPresses(host, session);
   const selectedLight = signal<LightId | null>(null);
   const page: Page = {
@@ -125,6 +130,8 @@ export function startPage(parts: PageParts): Page {
     say: toasts.add,
     toldOvertaken: signal(null),
     nodes: signal(null),
+    sendScene,
+    opening: signal<Opening | null>(null),
   };
   effect(() => session.select(selectedLight.value));
   effect(() => followLights(page));

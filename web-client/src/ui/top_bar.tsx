@@ -11,6 +11,7 @@ import { Name } from "./name";
 import { canEdit, usePage } from "./page";
 import { colorOf } from "./person";
 import { QuietButton } from "./quiet_button";
+import { SceneMenu } from "./scene_menu";
 import { SceneName } from "./scene_name";
 import { redo, undo } from "./undoing";
 
@@ -37,6 +38,7 @@ export function TopBar() {
           </span>
         )}
         <SceneName />
+        <SceneMenu />
       </div>
       <UndoButtons />
       <span class="spring" />

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
-use axum::body::Body;
+use axum::body::{Body, HttpBody};
 use axum::extract::State;
 use axum::http::Uri;
 use serde::Deserialize;
@@ -28,6 +28,7 @@ pub async fn add(State(state): State<Arc<AppState>>, uri: Uri, body: Body) -> An
     let Query { name } = read_query(&uri)?;
     // Before the file has come, which may take long.
     name.as_deref().map_or(Ok(()), check_scene_name)?;
+    check_length(body.size_hint().exact().unwrap_or_default())?;
     let too_many = |_| ServerError::TooMany { what: "scenes on their way here", limit: MAX_UPLOADS };
     let _permit = state.uploads.try_acquire().map_err(too_many)?;
     let file = receive(body, state.backend.storage.folder()).await?;
@@ -42,12 +43,15 @@ async fn receive(body: Body, folder: &Path) -> Result<File, ServerError> {
     let (mut parts, mut length) = (body.into_data_stream(), 0);
     while let Some(part) = next_part(&mut parts).await? {
         length += part.len() as u64;
-        if length > MAX_ASSET_BYTES {
-            let (what, limit) = ("a scene's file", MAX_ASSET_BYTES as usize);
-            return Err(ServerError::TooLarge { what, limit, unit: "bytes" });
-        }
+        check_length(length)?;
         file.write_all(&part).await.map_err(unusable)?;
     }
     file.flush().await.map_err(unusable)?;
     Ok(file.into_std().await)
+}
+
+fn check_length(length: u64) -> Result<(), ServerError> {
+    let (what, limit) = ("a scene's file", MAX_ASSET_BYTES as usize);
+    let is_too_large = length > MAX_ASSET_BYTES;
+    if is_too_large { Err(ServerError::TooLarge { what, limit, unit: "bytes" }) } else { Ok(()) }
 }

@@ -23,3 +23,4 @@ mod sessions;
 mod slow;
 mod strangers;
 mod unread;
+mod uploads;
