@@ -153,9 +153,9 @@ fn scenes_of_ones_own_are_opened_on_the_page() {
     in_a_browser("open_scene.mjs");
 }
 
-/// Picks nodes of the scene that a light leaves out, and takes them back.
+/// Chooses nodes of the scene that a light leaves out, in their tree and in the picture, and takes them back.
 ///
-/// Rules: LINK-3, HTTP-20
+/// Rules: LINK-3, HTTP-20, PROBE-1
 #[test]
 #[ignore = "needs the page and a browser: make page test-packages"]
 fn nodes_are_linked_on_the_page() {

@@ -30,7 +30,8 @@ export const canAim = (page: Page, id: LightId): boolean =>
   isFree(page, id) && lightOf(page.session.document.value, id)?.type !== "omni";
 
 /** The next click in the picture aims the selected light, or no longer does. Keys go to the picture too. */
-export function toggleAiming({ aiming }: Page): void {
+export function toggleAiming({ aiming, linking }: Page): void {
+  linking.value = null;
   aiming.value = aiming.value === "off" ? "on" : "off";
   if (aiming.value === "on") document.querySelector<HTMLElement>(".stage")?.focus({ preventScroll: true });
 }

@@ -70,8 +70,9 @@ function taskFor(page: Page, event: KeyboardEvent): (() => void) | null {
 
 /** Out of what a press on the picture would do. */
 function leaving(page: Page): (() => void) | null {
-  const { aiming, toolbox } = page;
+  const { aiming, linking, toolbox } = page;
   if (aiming.value !== "off") return () => (aiming.value = "off");
+  if (linking.value !== null) return () => (linking.value = null);
   if (toolbox.tool.value === "select" || toolbox.dragged.value !== null) return null;
   return () => takeTool(page, "select");
 }

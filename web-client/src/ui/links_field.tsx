@@ -1,83 +1,110 @@
 // The nodes of the scene that count for a light: those to include, and those to exclude.
 
-import { useId, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 
 import { type LinkList, type LinksValue, pathsOf, withPaths } from "../core/links";
+import type { Parameter } from "../core/protocol";
 import { type Binding, through } from "./binding";
 import type { FieldProps } from "./fields";
 import { Icon } from "./icons";
+import { toggleLinking } from "./linking";
+import { Name } from "./name";
+import { NodeList } from "./node_list";
 import { usePage } from "./page";
 import { QuietButton } from "./quiet_button";
 import { Row } from "./row";
 
-const LISTS: { list: LinkList; label: string; hint: string }[] = [
-  { list: "include", label: "Only", hint: "all" },
-  { list: "exclude", label: "Not", hint: "none" },
+const LISTS: readonly { list: LinkList; tag: string; none: string; title: string }[] = [
+  { list: "include", tag: "Only", none: "all", title: "What is chosen counts, and nothing else" },
+  { list: "exclude", tag: "Not", none: "none", title: "What is chosen does not count" },
 ];
 
-/** Two lists of nodes' paths, each with a field that offers those of the scene. */
-export function LinksField(props: FieldProps<LinksValue>) {
-  const { label, value, binding, disabled } = props;
-  const nodes = useId();
+/** What is chosen, and what more can be: in the tree of nodes, or in the picture. */
+export function LinksField({ row, ...props }: FieldProps<LinksValue> & { row: Parameter }) {
+  const page = usePage();
+  const { label, doc, value, binding, disabled } = props;
+  const { linking, selectedLight } = page;
+  const [list, setList] = useState<LinkList>("include");
+  const [isOpen, setOpen] = useState(false);
+  const set = (paths: readonly string[]) => binding.set(withPaths(value, list, paths));
+  const toggle = (path: string) => {
+    const paths = pathsOf(value, list);
+    set(paths.includes(path) ? paths.filter((other) => other !== path) : [...paths, path]);
+  };
+  const tagOf = (path: string) => LISTS.find((each) => pathsOf(value, each.list).includes(path))?.tag;
+  const light = selectedLight.value;
+  const picks = linking.value?.light === light && linking.value?.row.name === row.name;
+  const choose = (next: LinkList) => {
+    setList(next);
+    if (picks && light !== null) toggleLinking(page, light, row, next);
+  };
   return (
     <Row {...props}>
       <div class="links">
-        {LISTS.map(({ list, label: name, hint }) => (
-          <PathList
-            key={list}
-            label={`${label}: ${name.toLowerCase()}`}
-            tag={name}
-            hint={hint}
-            doc={props.doc}
-            paths={pathsOf(value, list)}
-            binding={through(binding, (paths: readonly string[]) => withPaths(value, list, paths))}
-            nodes={nodes}
+        {LISTS.map((each) => (
+          <Paths
+            key={each.list}
+            {...each}
+            label={`${label}: ${each.tag.toLowerCase()}`}
+            paths={pathsOf(value, each.list)}
+            binding={through(binding, (paths: readonly string[]) => withPaths(value, each.list, paths))}
             disabled={disabled}
           />
         ))}
-        <datalist id={nodes}>
-          {usePage().nodes.value?.paths.map((path) => (
-            <option key={path} value={path} />
-          ))}
-        </datalist>
+        <div class="links-tools">
+          <div class="toggle" role="group" aria-label={`${label}: what is chosen next`}>
+            {LISTS.map(({ list: each, tag, title }) => (
+              <button
+                key={each}
+                title={title}
+                aria-label={`${label}: ${tag.toLowerCase()}`}
+                aria-pressed={list === each}
+                onClick={() => choose(each)}
+              >
+                {tag}
+              </button>
+            ))}
+          </div>
+          <QuietButton
+            title={`Choose nodes. ${doc ?? ""}`}
+            label={`${label}: choose nodes`}
+            expanded={isOpen}
+            press={() => setOpen(!isOpen)}
+          >
+            <Icon name="fold" /> Nodes
+          </QuietButton>
+          <QuietButton
+            title="Click objects in the picture (Escape ends it)"
+            label={`${label}: pick in the picture`}
+            pressed={picks}
+            disabled={disabled || light === null}
+            press={() => light !== null && toggleLinking(page, light, row, list)}
+          >
+            <Icon name="aim" />
+          </QuietButton>
+        </div>
+        {isOpen && <NodeList label={label} tagOf={tagOf} disabled={disabled} choose={toggle} />}
       </div>
     </Row>
   );
 }
 
-interface PathListProps {
+interface PathsProps {
   label: string;
-  /** Before the field. */
+  /** Before the paths. */
   tag: string;
   /** What it means that there is no path. */
-  hint: string;
-  doc?: string | undefined;
+  none: string;
   paths: readonly string[];
   binding: Binding<readonly string[]>;
-  /** The id of the list of what can be picked. */
-  nodes: string;
   disabled: boolean;
 }
 
-function PathList({ label, tag, hint, doc, paths, binding, nodes, disabled }: PathListProps) {
-  const nodesHere = usePage().nodes.value;
-  const known = nodesHere?.paths ?? [];
-  const noteId = useId();
-  /** What was typed and names nothing. */
-  const [refused, setRefused] = useState<string | null>(null);
-  const add = (input: HTMLInputElement) => {
-    const path = input.value.trim();
-    // A light that is to light nothing but what is not there would light nothing.
-    if (path !== "" && nodesHere?.leftOut === 0 && !known.includes(path)) {
-      setRefused(path);
-      return;
-    }
-    input.value = "";
-    if (path !== "" && !paths.includes(path)) binding.set([...paths, path]);
-  };
+function Paths({ label, tag, none, paths, binding, disabled }: PathsProps) {
   return (
-    <div class="path-list">
+    <div class="path-list" role="group" aria-label={label}>
       <span class="path-tag">{tag}</span>
+      {paths.length === 0 && <span class="path-none">{none}</span>}
       {paths.map((path) => (
         <Path
           key={path}
@@ -87,40 +114,9 @@ function PathList({ label, tag, hint, doc, paths, binding, nodes, disabled }: Pa
           remove={() => binding.set(paths.filter((other) => other !== path))}
         />
       ))}
-      <input
-        class="text"
-        aria-label={label}
-        title={doc}
-        list={nodes}
-        placeholder={paths.length === 0 ? hint : "more"}
-        disabled={disabled}
-        aria-invalid={refused !== null}
-        aria-describedby={refused === null ? undefined : noteId}
-        onInput={(event) => {
-          setRefused(null);
-          if (isPick(event)) add(event.currentTarget);
-        }}
-        onKeyDown={(event) => {
-          if (event.key === "Enter") add(event.currentTarget);
-          if (event.key !== "Escape") return;
-          setRefused(null);
-          event.currentTarget.value = "";
-        }}
-        // What was only begun is no path.
-        onBlur={(event) => known.includes(event.currentTarget.value.trim()) && add(event.currentTarget)}
-      />
-      {refused !== null && (
-        <p class="path-note" id={noteId} role="status">
-          “{refused}” names nothing in this scene: pick one of the list
-        </p>
-      )}
     </div>
   );
 }
-
-/** Whether a whole path came at once, from the list. */
-const isPick = (event: Event): boolean =>
-  !(event instanceof InputEvent) || event.inputType === "insertReplacementText";
 
 interface PathProps {
   path: string;
@@ -134,8 +130,8 @@ function Path({ path, label, disabled, remove }: PathProps) {
   const isMissing = nodes !== null && nodes.leftOut === 0 && !nodes.paths.includes(path);
   const missing = isMissing ? " names nothing in this scene and has no effect" : "";
   return (
-    <span class="path" data-missing={isMissing} title={path + missing}>
-      <span class="clipped">{path}</span>
+    <span class="path" data-missing={isMissing}>
+      <Name name={path} title={path + missing} />
       <QuietButton
         title={`Take ${path} out`}
         label={`Take ${path} out of ${label}${missing === "" ? "" : `: it${missing}`}`}

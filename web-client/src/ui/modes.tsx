@@ -1,10 +1,11 @@
-// What is said over the picture while a click aims a light, or while one looks through a light.
+// What is said over the picture while a click aims a light or links an object, or while one looks through a light.
 
 import type { ComponentChildren } from "preact";
 
 import { seeTheSame } from "../core/camera";
 import { lightName } from "../core/document";
 import { type Aiming as AimingState, lookBack } from "./directing";
+import { isLinking, linkingText } from "./linking";
 import { usePage } from "./page";
 
 export function Modes() {
@@ -12,6 +13,7 @@ export function Modes() {
     <>
       <LookingThrough />
       <Aiming />
+      <Linking />
       <ToolSays />
     </>
   );
@@ -48,6 +50,21 @@ function Aiming() {
     <Mode>
       <span>{said[aiming.value]}</span>
       <button class="quiet" onClick={() => (aiming.value = "off")}>
+        Stop
+      </button>
+    </Mode>
+  );
+}
+
+function Linking() {
+  const page = usePage();
+  const { linking } = page;
+  const { value } = linking;
+  if (value === null || !isLinking(page)) return null;
+  return (
+    <Mode>
+      <span>{linkingText(page, value)}</span>
+      <button class="quiet" onClick={() => (linking.value = null)}>
         Stop
       </button>
     </Mode>

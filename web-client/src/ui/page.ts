@@ -11,6 +11,7 @@ import type { Camera, SceneNodes, Scope } from "../core/protocol";
 import type { Listed, Session } from "../core/session";
 import type { Vec3 } from "../core/vector";
 import type { Aiming, Excursion } from "./directing";
+import type { Linking } from "./linking";
 import type { Opening, SendScene } from "./opening";
 import { committing, type Presses, startPresses } from "./presses";
 import type { Screen } from "./screen";
@@ -40,6 +41,8 @@ export interface Page {
   snaps: Signal<boolean>;
   toolbox: Toolbox;
   aiming: Signal<Aiming>;
+  /** What clicks in the picture link to a light, while they do. */
+  linking: Signal<Linking | null>;
   /** The view through a light, while one has not gone back from it. */
   excursion: Signal<Excursion | null>;
   scope: Signal<Scope>;
@@ -120,6 +123,7 @@ export function startPage(parts: PageParts): Page {
     snaps: signal(false),
     toolbox: startTools(),
     aiming: signal<Aiming>("off"),
+    linking: signal<Linking | null>(null),
     excursion: signal<Excursion | null>(null),
     scope: signal<Scope>("mine"),
     showHandles: signal(true),

@@ -78,7 +78,7 @@ export function ParameterField({ row, value, initial, among, binding, disabled }
         </Row>
       );
     case "links":
-      return <LinksField {...props<LinksValue>()} />;
+      return <LinksField row={row} {...props<LinksValue>()} />;
     case "periodicCurve":
       return <CurveField kind={kind} {...props<PeriodicCurve>()} />;
     case "projection":

@@ -5,6 +5,7 @@ import { viewSizeOf } from "../core/frame";
 import { orbit, pan } from "../core/navigation";
 import { type PixelQuestion, questionAt } from "../core/probing";
 import { aimAt, isAiming } from "./directing";
+import { isLinking, linkAt } from "./linking";
 import type { Vec3 } from "../core/vector";
 import type { Page } from "./page";
 import { followPointer } from "./pointer";
@@ -32,12 +33,18 @@ export function pressPicture(down: PointerEvent, page: Page, size: Size): void {
   down.preventDefault();
   const stage = down.currentTarget as HTMLElement;
   stage.focus({ preventScroll: true });
-  const aims = isAiming(page);
+  const click = clickOf(page);
   // A finger cannot hover: while pixels are asked about, it points at them.
-  if (down.pointerType === "touch" && isProbing(page) && !aims) return;
-  // A click that aims leaves drags to the view.
-  const aim = () => aimAt(page, questionOn(stage, page, inPicture(stage, down)));
-  navigate(down, page, size, aims ? aim : null);
+  if (down.pointerType === "touch" && isProbing(page) && click === null) return;
+  // Such a click leaves drags to the view.
+  const take = () => click?.(page, questionOn(stage, page, inPicture(stage, down)));
+  navigate(down, page, size, click === null ? null : take);
+}
+
+/** What a click in the picture is for, where a person has said so before: then neither handles nor tools get it. */
+export function clickOf(page: Page): ((page: Page, question: PixelQuestion | null) => void) | null {
+  if (isAiming(page)) return aimAt;
+  return isLinking(page) ? linkAt : null;
 }
 
 /** Alt with the left button or the left button on nothing orbits, about what is seen under the press; shift or the middle button

@@ -14,10 +14,9 @@ import {
   takenLight,
   type Tool,
 } from "../core/tools";
-import { isAiming } from "./directing";
 import { isFree } from "./light_actions";
 import { type Page, selectLight } from "./page";
-import { inPicture, questionOn } from "./picture_press";
+import { clickOf, inPicture, questionOn } from "./picture_press";
 import { followPointer } from "./pointer";
 
 /** Takes up a tool; what the last one said is gone. */
@@ -117,7 +116,7 @@ function takeFeature(page: Page, kind: DragKind, question: PixelQuestion): Taken
 export function pressTool(down: PointerEvent, page: Page): boolean {
   const stage = down.currentTarget as HTMLElement;
   const kind = page.toolbox.tool.value;
-  if (kind === "select" || isAiming(page) || down.button !== 0 || down.altKey) return false;
+  if (kind === "select" || clickOf(page) !== null || down.button !== 0 || down.altKey) return false;
   const question = questionOn(stage, page, inPicture(stage, down));
   if (question === null) return false;
   down.preventDefault();

@@ -10,7 +10,7 @@ import { viewSizeOf } from "../core/frame";
 import { pinch, zoomTo } from "../core/navigation";
 import type { PixelQuestion } from "../core/probing";
 import { outcomeText } from "../core/tools";
-import { aimAt, isAiming, middleOf } from "./directing";
+import { middleOf } from "./directing";
 import { twoFingers } from "./fingers";
 import { fitLight, fitScene } from "./fitting";
 import { FilmGate } from "./gate";
@@ -19,7 +19,7 @@ import { Modes } from "./modes";
 import { Overlay } from "./overlay";
 import { type Page, usePage } from "./page";
 import { colorOf, nameOf } from "./person";
-import { hovering, inPicture, pressPicture, questionOn } from "./picture_press";
+import { clickOf, hovering, inPicture, pressPicture, questionOn } from "./picture_press";
 import { isProbing, ProbeView } from "./probe_view";
 import { QuietButton } from "./quiet_button";
 import { sentence } from "./sentence";
@@ -58,7 +58,8 @@ export function Viewport() {
     [session, size],
   );
   const { onPointerDown: point, ...hover } = hovering(page);
-  const aims = isAiming(page);
+  const click = clickOf(page);
+  const aims = click !== null;
   const tool = page.toolbox.tool.value;
   const keys = useMemo(() => toolKeys(page, () => hereOf(page, stage.current)), [page]);
   return (
@@ -78,8 +79,8 @@ export function Viewport() {
           role="application"
           aria-label="View: arrow keys orbit, with Shift they pan, plus and minus zoom"
           onKeyDown={(event) => {
-            if (aims && event.key === "Enter") aimAt(page, middleOf(page));
-            else if (!aims && keys(event)) event.preventDefault();
+            if (click !== null && event.key === "Enter") click(page, middleOf(page));
+            else if (click === null && keys(event)) event.preventDefault();
             else pressView(event, page, view);
           }}
           onPointerDown={(event) => {

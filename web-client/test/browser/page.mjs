@@ -29,7 +29,7 @@ const CHROMIUM = {
 /**
  * Runs `test` in a new session of the scene that the server was started with. `open(name)` opens a page for a person called so (see openPage),
  * `visit(fragment)` another address of the server, `picture(page, name)` takes a screenshot and holds what it shows to the
- * rules of accessibility, `http(path, body)` asks the server about the session, `facts` are what the command line says of
+ * rules of accessibility, `http(path, body)` asks the server about the session, `send(path, body)` posts JSON elsewhere on it and gives the answer, `facts` are what the command line says of
  * the scene. The command line is `ADDRESS FOLDER [FACTS]`, the address as the server printed it, facts in JSON; a failure is one sentence on standard error and exit code 1.
  */
 export async function runBrowserTest(test) {
@@ -61,7 +61,15 @@ export async function runBrowserTest(test) {
       return page;
     };
     const http = (path, body) => ask(session, path, body);
-    await test({ open, visit, picture, http, facts: facts === undefined ? undefined : JSON.parse(facts) });
+    const send = async (path, body) => (await sendTo(session, path, body)).json();
+    await test({
+      open,
+      visit,
+      picture,
+      http,
+      send,
+      facts: facts === undefined ? undefined : JSON.parse(facts),
+    });
   } catch (error) {
     for (const [k, page] of pages.entries()) await screenshot(page, `failed-${k}`).catch(() => {});
     console.error(error instanceof Error ? error.message : String(error));
@@ -87,12 +95,18 @@ async function newSession(address) {
 }
 
 /** The server's answer to a GET of `/sessions/S` and `path`, or with a body to a POST. */
-async function ask(session, path, body) {
+function ask(session, path, body) {
+  const name = new URLSearchParams(new URL(session).hash.slice(1)).get("session");
+  return sendTo(session, `/sessions/${name}${path}`, body);
+}
+
+/** The server's answer to a GET of `path`, or with a body to a POST. */
+async function sendTo(session, path, body) {
   const { origin, hash } = new URL(session);
-  const { token, session: name } = Object.fromEntries(new URLSearchParams(hash.slice(1)));
+  const token = new URLSearchParams(hash.slice(1)).get("token");
   const headers = { authorization: `Bearer ${token}`, "content-type": "application/json" };
   const request = body === undefined ? {} : { method: "POST", body: JSON.stringify(body) };
-  const answer = await fetch(`${origin}/sessions/${name}${path}`, { headers, ...request });
+  const answer = await fetch(`${origin}${path}`, { headers, ...request });
   expect(answer.ok, `The server refuses ${path}: ${answer.status} ${await answer.clone().text()}`);
   return answer;
 }
