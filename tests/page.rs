@@ -171,6 +171,15 @@ fn long_names_lose_their_middle() {
     in_a_browser("names.mjs");
 }
 
+/// Removes a light with its pins once that is agreed to, and one thing at once.
+///
+/// Rules: DOC-6
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn trash_asks_where_more_than_one_thing_goes() {
+    in_a_browser("removing.mjs");
+}
+
 /// Counts colours of what the page shows where a person's system has its own.
 ///
 /// Rules: SOCK-7

@@ -9,6 +9,7 @@ import { LightList } from "./light_list";
 import { LightPanel } from "./light_panel";
 import { OpeningPanel } from "./opening_panel";
 import { usePage } from "./page";
+import { RemovalQuestion } from "./removing";
 import { DropTarget } from "./scene_menu";
 import { sentence } from "./sentence";
 import { StatusBar } from "./status_bar";
@@ -38,6 +39,7 @@ export function App() {
           <Toasts toasts={page.toasts} />
         </div>
         <KeyList shown={page.showKeys} keys={SESSION_KEYS} />
+        <RemovalQuestion />
         <DropTarget />
       </div>
       {state.kind === "refused" && <Refusal why={state.message} again={session.reconnect} />}

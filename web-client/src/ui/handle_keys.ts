@@ -3,8 +3,8 @@
 import { isRemovable } from "../core/curve";
 import type { Drawn, Handle } from "../core/handles";
 import { NO_STEPS, nudge, type Steps } from "../core/nudge";
-import type { Command } from "../core/protocol";
 import type { Page } from "./page";
+import { removeLight } from "./removing";
 import { stepsOf } from "./presses";
 
 const WAYS: { [key: string]: Steps } = {
@@ -47,18 +47,14 @@ function press(event: KeyboardEvent, page: Page, handle: Handle, drawn: Drawn, w
   });
 }
 
-function remove(event: KeyboardEvent, { session }: Page, handle: Handle, drawn: Drawn): void {
-  const command = removal(handle, drawn);
-  if (command === null) return;
-  // What has the focus goes.
-  (event.currentTarget as Element).closest<HTMLElement>(".stage")?.focus();
-  session.edit(command);
-}
-
 /** Removes the control point, or at its source the light; both can be undone. */
-function removal(handle: Handle, { id, light }: Drawn): Command | null {
-  if (handle.kind === "source") return { type: "removeLight", light: id };
-  if (handle.kind !== "point" || light.type !== "bendy") return null;
-  if (!isRemovable(light.points.length, handle.point)) return null;
-  return { type: "removePoint", light: id, point: handle.point };
+function remove(event: KeyboardEvent, page: Page, handle: Handle, { id, light }: Drawn): void {
+  const stage = (event.currentTarget as Element).closest<HTMLElement>(".stage");
+  // What has the focus goes.
+  const leave = () => stage?.focus();
+  if (handle.kind === "source") removeLight(page, id, leave);
+  if (handle.kind !== "point" || light.type !== "bendy") return;
+  if (!isRemovable(light.points.length, handle.point)) return;
+  leave();
+  page.session.edit({ type: "removePoint", light: id, point: handle.point });
 }

@@ -3,14 +3,13 @@
 import { copyName, lightOf } from "../core/document";
 import type { LightId } from "../core/ids";
 import type { Light } from "../core/protocol";
-import { canEdit, type Page } from "./page";
+import { canEdit, holderOf, type Page } from "./page";
 
 /** Whether it is switched off, for everybody. */
 export const isMuted = (light: Light): boolean => light.enabled === false;
 
 /** Whether nobody else drags the light, and edits can be made at all. */
-export const isFree = (page: Page, id: LightId): boolean =>
-  canEdit(page) && !page.session.gestures.value.some((gesture) => gesture.light === id);
+export const isFree = (page: Page, id: LightId): boolean => canEdit(page) && holderOf(page, id) === null;
 
 /** Switches the light off, or on again, for everybody. */
 export function toggleMute({ session }: Page, id: LightId): void {

@@ -9,9 +9,10 @@ import { isFree, isMuted, toggleMute, toggleSolo } from "./light_actions";
 import { focusBeside } from "./list_focus";
 import { Name } from "./name";
 import { addLight } from "./new_lights";
-import { canEdit, selectLight, usePage } from "./page";
+import { canEdit, holderOf, selectLight, usePage } from "./page";
 import { colorOf } from "./person";
 import { QuietButton } from "./quiet_button";
+import { removeLight } from "./removing";
 
 /** What can be added, what bends first. */
 const ADDED = [
@@ -51,7 +52,7 @@ function LightRow({ entry, disabled }: { entry: DocumentLight; disabled: boolean
   const { session, selectedLight } = page;
   const { id, light } = entry;
   const others = session.people.value.filter((p) => p.selection === id && p.client !== session.client.value);
-  const held = session.gestures.value.some((gesture) => gesture.light === id);
+  const held = holderOf(page, id) !== null;
   const selected = selectedLight.value === id;
   const { shownSettings, following } = session.viewer;
   const name = lightLabel(entry);
@@ -115,8 +116,7 @@ function LightRow({ entry, disabled }: { entry: DocumentLight; disabled: boolean
         label={`Remove ${name}`}
         disabled={disabled || held}
         press={(button) => {
-          focusBeside(button);
-          session.edit({ type: "removeLight", light: id });
+          removeLight(page, id, () => focusBeside(button));
         }}
       >
         <Icon name="trash" />

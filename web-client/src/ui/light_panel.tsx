@@ -10,12 +10,13 @@ import { lightBinding } from "./binding";
 import { toggleAiming, toggleLookThrough } from "./directing";
 import { Icon } from "./icons";
 import { bendLight, duplicateLight, hasCone, straightenLight } from "./light_actions";
-import { canEdit, usePage } from "./page";
+import { canEdit, holderOf, usePage } from "./page";
 import { ParameterField } from "./parameter_field";
 import { nameOf } from "./person";
 import { PinPanel } from "./pin_panel";
 import { PointPanel } from "./point_panel";
 import { QuietButton } from "./quiet_button";
+import { removeLight } from "./removing";
 import { FoldingSection } from "./sections";
 
 const HEADINGS: { [T in Light["type"]]: string } = {
@@ -36,12 +37,12 @@ export function LightPanel() {
   if (id === null || light === undefined) {
     return <p class="hint">Select a light to see its parameters.</p>;
   }
-  const holder = session.gestures.value.find((gesture) => gesture.light === id)?.client;
-  const disabled = !canEdit(page) || holder !== undefined;
+  const holder = holderOf(page, id);
+  const disabled = !canEdit(page) || holder !== null;
   return (
     // Another light is another panel: drafts and drags of the one must not end up in the other.
     <div key={id}>
-      {holder !== undefined && (
+      {holder !== null && (
         <p class="held">
           <Icon name="lock" /> {nameOf(session.people.value, holder)} is dragging this light.
         </p>
@@ -123,7 +124,7 @@ function LightTools({ id, light, disabled }: { id: LightId; light: Light; disabl
       <QuietButton
         title="Remove this light"
         disabled={disabled}
-        press={() => page.session.edit({ type: "removeLight", light: id })}
+        press={() => removeLight(page, id, () => {})}
       >
         <Icon name="trash" /> Remove
       </QuietButton>

@@ -6,13 +6,14 @@ import { useContext } from "preact/hooks";
 
 import type { Pixel } from "../core/camera";
 import type { Host } from "../core/connection";
-import type { LightId } from "../core/ids";
+import type { ClientId, LightId } from "../core/ids";
 import type { Camera, SceneNodes, Scope } from "../core/protocol";
 import type { Listed, Session } from "../core/session";
 import type { Vec3 } from "../core/vector";
 import type { Aiming, Excursion } from "./directing";
 import type { Linking } from "./linking";
 import type { Opening, SendScene } from "./opening";
+import type { Removal } from "./removing";
 import { committing, type Presses, startPresses } from "./presses";
 import type { Screen } from "./screen";
 import { startTools, type Toolbox } from "./toolbox";
@@ -58,6 +59,8 @@ export interface Page {
     /** The pointer in the picture as it is shown; `null` where it is elsewhere. */
     at: Signal<Pixel | null>;
   };
+  /** A light that goes with its pins once it is agreed to. */
+  removal: Signal<Removal | null>;
   toasts: Signal<readonly Toast[]>;
   /** Tells the person at the page. */
   say(message: string): void;
@@ -130,6 +133,7 @@ export function startPage(parts: PageParts): Page {
     showGate: signal(true),
     showKeys: signal(false),
     probe: { held: signal(false), on: signal(false), at: signal<Pixel | null>(null) },
+    removal: signal<Removal | null>(null),
     toasts: toasts.list,
     say: toasts.add,
     toldOvertaken: signal(null),
@@ -184,6 +188,10 @@ export function usePage(): Page {
   if (page === null) throw new Error("A component of the page stands outside of it.");
   return page;
 }
+
+/** Who else drags the light now. */
+export const holderOf = ({ session }: Page, light: LightId): ClientId | null =>
+  session.gestures.value.find((gesture) => gesture.light === light)?.client ?? null;
 
 /** Whether edits can be made now. */
 export const canEdit = (page: Page): boolean => page.session.connection.value.kind === "connected";
