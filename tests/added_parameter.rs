@@ -38,6 +38,7 @@ static DIMMER: Parameter = Parameter {
         ..Number::ANY
     }),
     animates: true,
+    needs: None,
     group: "Test",
     label: "Dimmer",
     doc: "A row that only a test has.",

@@ -56,9 +56,10 @@ fn what_is_ones_own_is_and_lights_come_and_go_dark() {
     in_a_browser("own_view.mjs");
 }
 
-/// Defaults come back, a parameter that the page has never heard of is a field, and without a table the page says so.
+/// Defaults come back, what does nothing is hidden, a parameter that the page has never heard of is a field, and without a
+/// table the page says so.
 ///
-/// Rules: CMD-1
+/// Rules: CMD-1, HTTP-19
 #[test]
 #[ignore = "needs the page and a browser: make page test-packages"]
 fn fields_follow_from_the_table_of_parameters() {

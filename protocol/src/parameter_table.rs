@@ -38,12 +38,38 @@ pub struct Parameter {
     pub touches: ParameterTouches,
     /// Whether keyframes may drive it.
     pub animates: bool,
+    /// What another of the same owner has to be for it to have an effect; left out where it always has.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub needs: Option<ParameterNeeds>,
+    /// Which of those that have it have it for later alone, such as a spotlight that may be bent: no picture shows it of them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub idle_of: Vec<ParameterOwner>,
     /// The heading that it stands under.
     pub group: String,
     /// Its name for people.
     pub label: String,
     /// A sentence about it.
     pub doc: String,
+}
+
+/// [`light::Needs`] in JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct ParameterNeeds {
+    /// The other's name.
+    pub parameter: String,
+    /// What it has to be.
+    pub value: ParameterNeeded,
+}
+
+/// [`light::Needed`] in JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub enum ParameterNeeded {
+    /// One of these.
+    OneOf(Vec<Value>),
+    /// Any but these.
+    NoneOf(Vec<Value>),
 }
 
 /// [`light::Owner`] in JSON.
@@ -245,10 +271,26 @@ impl From<&light::Parameter> for Parameter {
                 light::Touches::Scene => ParameterTouches::Scene,
             },
             animates: row.animates,
+            needs: row.needs.map(Into::into),
+            idle_of: row.of.iter().filter(|of| row.is_idle_of(of.owner)).map(|of| of.owner.into()).collect(),
             group: row.group.into(),
             label: row.label.into(),
             doc: row.doc.into(),
         }
+    }
+}
+
+impl From<light::Needs> for ParameterNeeds {
+    fn from(light::Needs { parameter, value }: light::Needs) -> Self {
+        let written = |values: &[light::Value<&'static str>]| {
+            let json = |value: &light::Value<&'static str>| serde_json::to_value(Written(&value.to_value()));
+            values.iter().filter_map(|value| json(value).ok()).collect()
+        };
+        let value = match value {
+            light::Needed::OneOf(values) => ParameterNeeded::OneOf(written(values)),
+            light::Needed::NoneOf(values) => ParameterNeeded::NoneOf(written(values)),
+        };
+        Self { parameter: parameter.into(), value }
     }
 }
 

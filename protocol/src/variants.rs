@@ -12,6 +12,7 @@ const UNIONS: &[(&str, [&str; 2])] = &[
     ("Light", ["", ""]),
     ("LightParameter", ["Light", ""]),
     ("ParameterKind", ["", "Kind"]),
+    ("ParameterNeeded", ["Needed", ""]),
     ("PointParameter", ["Point", ""]),
     ("ProbeCamera", ["Probe", "Camera"]),
     ("Projection", ["", "Projection"]),

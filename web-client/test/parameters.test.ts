@@ -5,6 +5,7 @@ import type { Parameter, ParameterTable } from "../src/core/protocol";
 import {
   clampTo,
   firstValue,
+  hasEffect,
   isSameValue,
   rowsOf,
   sectionsOf,
@@ -25,6 +26,30 @@ function row(owner: Owner, name: string): Parameter {
   if (found === undefined) throw new Error(`no row ${name} of ${owner}`);
   return found;
 }
+
+test("what does nothing for a light as it is has no effect", () => {
+  const effect = (owner: Owner, name: string, json: object) =>
+    hasEffect(TABLE, owner, row(owner, name), json);
+  const cases: [owner: Owner, name: string, json: object, shown: boolean][] = [
+    ["spot", "colorTemperature", {}, false],
+    ["spot", "colorTemperature", { enableColorTemperature: true }, true],
+    ["spot", "coneSoftness", {}, true],
+    ["spot", "coneSoftness", { profile: "cosine" }, false],
+    ["spot", "nearEdge", { cutOn: 2 }, true],
+    ["spot", "nearEdge", {}, false],
+    // The default of another shape's counts there.
+    ["spot", "decayStart", {}, true],
+    ["bendy", "decayStart", {}, false],
+    ["bendy", "scale", {}, true],
+    ["spot", "scale", {}, false],
+    ["spot", "name", {}, true],
+    ["camera", "name", {}, true],
+  ];
+  for (const [owner, name, json, shown] of cases) expect(effect(owner, name, json), name).toBe(shown);
+  // One that hangs on what the table lacks is shown.
+  const lost = { ...UNHEARD, needs: { parameter: "nobody", value: { oneOf: [1] } } };
+  expect(hasEffect(TABLE, "spot", lost, {})).toBe(true);
+});
 
 const kindOf = (owner: Owner, name: string): NumberKind => row(owner, name).kind as NumberKind;
 

@@ -16,6 +16,7 @@ const CAMERA: Parameter = Parameter {
     of: OF_CAMERA,
     kind: Kind::Projection,
     animates: true,
+    needs: None,
     group: "Camera",
     label: "",
     doc: "",

@@ -64,8 +64,8 @@ pub use frame::perpendicular_up;
 pub use lanes::{Lanes, Mask};
 pub use links::{Links, MAX_LINK_BYTES, MAX_LINKS};
 pub use parameter::{
-    Backing, Choice, Key, Kind, MAX_EXTENT, MAX_NAME_BYTES, Number, Of, Owner, Parameter, Scale, Setting,
-    Touches, Typed, Value,
+    Backing, Choice, Key, Kind, MAX_EXTENT, MAX_NAME_BYTES, Needed, Needs, Number, Of, Owner, Parameter,
+    Scale, Setting, Touches, Typed, Value,
 };
 pub use parameters::{add_parameters, parameter_of, parameters, parameters_of};
 pub use part::Part;

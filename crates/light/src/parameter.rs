@@ -33,6 +33,8 @@ pub struct Parameter {
     pub kind: Kind,
     /// Whether keyframes may drive it.
     pub animates: bool,
+    /// What another has to be for it to have an effect; `None` where it always has.
+    pub needs: Option<Needs>,
     /// The heading that it stands under, for people.
     pub group: &'static str,
     /// Its name for people.
@@ -51,6 +53,35 @@ pub struct Of {
     pub default: Option<Value<&'static str>>,
     /// What a change of it makes stale.
     pub touches: Touches,
+}
+
+/// What another parameter of the same owner has to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Needs {
+    /// The other's name.
+    pub parameter: &'static str,
+    /// Its value.
+    pub value: Needed,
+}
+
+/// Values of which one is needed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Needed {
+    /// One of these.
+    OneOf(&'static [Value<&'static str>]),
+    /// Any but these.
+    NoneOf(&'static [Value<&'static str>]),
+}
+
+impl Needed {
+    /// Whether this value will do.
+    pub fn is_met_by(&self, value: &Value) -> bool {
+        let has = |values: &[Value<&'static str>]| values.iter().any(|one| one.to_value() == *value);
+        match self {
+            Self::OneOf(values) => has(values),
+            Self::NoneOf(values) => !has(values),
+        }
+    }
 }
 
 /// What can have parameters. Hashes of lights begin with its number, so that none ever changes: new ones come last.
@@ -428,6 +459,12 @@ macro_rules! choices {
 pub(crate) use choices;
 
 impl Parameter {
+    /// Whether a picture shows it of others but not of `owner`.
+    pub fn is_idle_of(&self, owner: Owner) -> bool {
+        let of_owner = self.of(owner).map(|of| of.touches);
+        of_owner == Some(Touches::Nothing) && self.touches() != Touches::Nothing
+    }
+
     /// What a change of it makes stale, whatever has it.
     pub fn touches(&self) -> Touches {
         self.of.iter().map(|of| of.touches).max().unwrap_or(Touches::Nothing)

@@ -9,7 +9,8 @@ use std::sync::OnceLock;
 use glam::{DQuat, DVec3};
 
 use crate::parameter::{
-    Key, Kind, MAX_EXTENT, MAX_NAME_BYTES, Number, Of, Owner, Parameter, Scale, Setting, Touches, Value,
+    Key, Kind, MAX_EXTENT, MAX_NAME_BYTES, Needed, Needs, Number, Of, Owner, Parameter, Scale, Setting,
+    Touches, Value,
 };
 use crate::{
     ControlPoint, CrossSection, Decay, Direction, EndMode, Frame, Links, PeriodicCurve, ProfileCurve,
@@ -57,10 +58,22 @@ const ROW: Parameter = Parameter {
     of: &[],
     kind: Kind::Color,
     animates: true,
+    needs: None,
     group: "",
     label: "",
     doc: "",
 };
+
+const fn only_with(parameter: &'static str, values: &'static [Value<&'static str>]) -> Needs {
+    Needs { parameter, value: Needed::OneOf(values) }
+}
+
+const fn not_with(parameter: &'static str, values: &'static [Value<&'static str>]) -> Needs {
+    Needs { parameter, value: Needed::NoneOf(values) }
+}
+
+const SUPERELLIPSE: Needs = only_with("crossSection", &[Value::Choice(CrossSection::Superellipse.name())]);
+const SHADOWS: Needs = only_with("shadowEnable", &[Value::Flag(true)]);
 
 /// A factor of light.
 const FACTOR: Number =
@@ -205,6 +218,7 @@ rows! { LIGHT_ROWS:
             step: 50.0,
             ..Number::ANY
         }),
+        needs: Some(only_with("enableColorTemperature", &[Value::Flag(true)])),
         group: "Emission",
         label: "Kelvin",
         ..ROW
@@ -246,6 +260,7 @@ rows! { LIGHT_ROWS:
         path: "decayStart",
         of: &sourced(Value::Number(0.0), Radiance),
         kind: Kind::Number(LENGTH),
+        needs: Some(not_with("decay", &[Value::Choice(Decay::None.name())])),
         group: "Distance",
         label: "Decay start",
         ..ROW
@@ -264,6 +279,7 @@ rows! { LIGHT_ROWS:
         path: "nearEdge",
         of: &sourced(Value::Number(0.0), Radiance),
         kind: Kind::Number(LENGTH),
+        needs: Some(not_with("cutOn", &[Value::Absent])),
         group: "Distance",
         label: "Near edge",
         ..ROW
@@ -282,6 +298,7 @@ rows! { LIGHT_ROWS:
         path: "farEdge",
         of: &sourced(Value::Number(0.0), Radiance),
         kind: Kind::Number(LENGTH),
+        needs: Some(not_with("cutOff", &[Value::Absent])),
         group: "Distance",
         label: "Far edge",
         ..ROW
@@ -313,6 +330,7 @@ rows! { LIGHT_ROWS:
             slider: Some([0.0, 1.0]),
             ..Number::ANY
         }),
+        needs: Some(not_with("profile", &[Value::Choice(ProfileCurve::Cosine.name())])),
         group: "Shape",
         label: "Softness",
         ..ROW
@@ -339,6 +357,10 @@ rows! { LIGHT_ROWS:
             scale: Scale::Logarithmic,
             ..Number::ANY
         }),
+        needs: Some(only_with(
+            "profile",
+            &[Value::Choice(ProfileCurve::Power.name()), Value::Choice(ProfileCurve::Cosine.name())],
+        )),
         group: "Shape",
         label: "Profile power",
         ..ROW
@@ -358,6 +380,7 @@ rows! { LIGHT_ROWS:
         path: "sectionWidth",
         of: &conical(Value::Number(1.0), Radiance),
         kind: Kind::Number(HALF_EXTENT),
+        needs: Some(SUPERELLIPSE),
         group: "Section",
         label: "Width",
         ..ROW
@@ -367,6 +390,7 @@ rows! { LIGHT_ROWS:
         path: "sectionHeight",
         of: &conical(Value::Number(1.0), Radiance),
         kind: Kind::Number(HALF_EXTENT),
+        needs: Some(SUPERELLIPSE),
         group: "Section",
         label: "Height",
         ..ROW
@@ -382,6 +406,7 @@ rows! { LIGHT_ROWS:
             slider: Some([0.0, 1.0]),
             ..Number::ANY
         }),
+        needs: Some(SUPERELLIPSE),
         group: "Section",
         label: "Roundness",
         ..ROW
@@ -485,6 +510,7 @@ rows! { LIGHT_ROWS:
         path: "shadowColor",
         of: &every(Value::Vector(DVec3::ZERO), Radiance),
         kind: Kind::Color,
+        needs: Some(SHADOWS),
         group: "Shadow",
         label: "Shadow color",
         ..ROW
@@ -505,6 +531,7 @@ rows! { LIGHT_ROWS:
         of: &every(Value::Absent, ShadowMap),
         kind: Kind::Links,
         animates: false,
+        needs: Some(SHADOWS),
         group: "Links",
         label: "Shadows",
         ..ROW

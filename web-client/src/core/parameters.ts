@@ -29,6 +29,17 @@ export function sectionsOf(table: ParameterTable, owner: Owner): Section[] {
   return groups.map((group) => ({ group, rows: rows.filter((row) => row.group === group) }));
 }
 
+/** Whether a picture can show the row's value of this owner, whose JSON is given, as the owner is now. */
+export function hasEffect(table: ParameterTable, owner: Owner, row: Parameter, json: object): boolean {
+  const { needs, idleOf = [] } = row;
+  if (idleOf.includes(owner)) return false;
+  const other = needs === undefined ? undefined : rowOf(table, owner, needs.parameter);
+  if (needs === undefined || other === undefined) return true;
+  const value = valueIn(other, owner, json);
+  const isAmong = (values: readonly unknown[]) => values.some((one) => isSameValue(one, value));
+  return "oneOf" in needs.value ? isAmong(needs.value.oneOf) : !isAmong(needs.value.noneOf);
+}
+
 /** A number is an index in a list. */
 type Path = readonly (string | number)[];
 

@@ -408,6 +408,17 @@ export type Pass = "gbuffer" | "shadowMap" | "lighting" | "layer" | "sum" | "dis
  */
 export type FrameQuality = "moving" | "settled";
 /**
+ * `light::Owner` in JSON.
+ *
+ * - `spot`: A light of type `spot`.
+ * - `bendy`: A light of type `bendy`.
+ * - `omni`: A light of type `omni`.
+ * - `directional`: A light of type `directional`.
+ * - `point`: A control point of a `bendy` light.
+ * - `camera`: A camera.
+ */
+export type ParameterOwner = "spot" | "bendy" | "omni" | "directional" | "point" | "camera";
+/**
  * `light::Kind` in JSON.
  */
 export type ParameterKind =
@@ -429,16 +440,9 @@ export type ParameterKind =
  */
 export type ParameterScale = "linear" | "logarithmic";
 /**
- * `light::Owner` in JSON.
- *
- * - `spot`: A light of type `spot`.
- * - `bendy`: A light of type `bendy`.
- * - `omni`: A light of type `omni`.
- * - `directional`: A light of type `directional`.
- * - `point`: A control point of a `bendy` light.
- * - `camera`: A camera.
+ * `light::Needed` in JSON.
  */
-export type ParameterOwner = "spot" | "bendy" | "omni" | "directional" | "point" | "camera";
+export type ParameterNeeded = NeededOneOf | NeededNoneOf;
 /**
  * `light::Touches` in JSON.
  *
@@ -3304,6 +3308,10 @@ export interface Parameter {
    * The heading that it stands under.
    */
   group: string;
+  /**
+   * Which of those that have it have it for later alone, such as a spotlight that may be bent: no picture shows it of them.
+   */
+  idleOf?: ParameterOwner[];
   kind: ParameterKind;
   /**
    * Its name for people.
@@ -3313,6 +3321,7 @@ export interface Parameter {
    * The word for it in commands, light files and logs.
    */
   name: string;
+  needs?: ParameterNeeds;
   /**
    * What has it.
    */
@@ -3476,6 +3485,28 @@ export interface PeriodicCurveKind {
  */
 export interface ProjectionKind {
   type: "projection";
+}
+/**
+ * `light::Needs` in JSON.
+ */
+export interface ParameterNeeds {
+  /**
+   * The other's name.
+   */
+  parameter: string;
+  value: ParameterNeeded;
+}
+/**
+ * One of these.
+ */
+export interface NeededOneOf {
+  oneOf: unknown[];
+}
+/**
+ * Any but these.
+ */
+export interface NeededNoneOf {
+  noneOf: unknown[];
 }
 /**
  * `GET /sessions/S/nodes`.

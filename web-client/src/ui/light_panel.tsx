@@ -4,8 +4,8 @@ import { Fragment } from "preact";
 
 import { lightOf } from "../core/document";
 import type { LightId } from "../core/ids";
-import { type Section, sectionsOf, setParameter, valueIn } from "../core/parameters";
-import type { Light } from "../core/protocol";
+import { hasEffect, type Section, sectionsOf, setParameter, valueIn } from "../core/parameters";
+import type { Light, ParameterTable } from "../core/protocol";
 import { lightBinding } from "./binding";
 import { toggleAiming, toggleLookThrough } from "./directing";
 import { Icon } from "./icons";
@@ -48,7 +48,7 @@ export function LightPanel() {
         </p>
       )}
       <LightTools id={id} light={light} disabled={disabled} />
-      {sectionsOf(session.table, light.type).map((section, k) => (
+      {shownSections(session.table, light).map((section, k) => (
         <Fragment key={section.group}>
           <FoldingSection
             group={section.group}
@@ -64,6 +64,14 @@ export function LightPanel() {
       ))}
     </div>
   );
+}
+
+/** The fields that do something for the light as it is. */
+function shownSections(table: ParameterTable, light: Light): Section[] {
+  return sectionsOf(table, light.type).flatMap(({ group, rows }) => {
+    const shown = rows.filter((row) => hasEffect(table, light.type, row, light));
+    return shown.length === 0 ? [] : [{ group, rows: shown }];
+  });
 }
 
 /** What can be done with the light as a whole. */

@@ -28,6 +28,7 @@ const GAIN = {
 await runBrowserTest(async ({ open, picture }) => {
   const page = await open("Ada", { width: 1440, height: 860 }, { prepare: tellOfGain });
   await resets(page, picture);
+  await whatDoesNothingIsHidden(page, picture);
   await somethingUnheard(page, picture);
   await noTable(open, picture);
 });
@@ -79,6 +80,36 @@ async function resets(page, picture) {
   await page.getByText("Cone angle", { exact: true }).dblclick();
   await settled(page);
   expect((await seqOf(page)) === seq + 3, "A double click at the default must do nothing.");
+}
+
+/** Fields come with what they need, and go with it; a light of another shape has others. */
+async function whatDoesNothingIsHidden(page, picture) {
+  const kelvin = field(page, "Kelvin");
+  const seq = await seqOf(page);
+  const before = JSON.stringify(await page.locator("canvas").boundingBox());
+  expect((await kelvin.count()) === 0, "Without a temperature there is none to set.");
+  await page.getByRole("checkbox", { name: "Temperature" }).focus();
+  await page.keyboard.press("Space");
+  await reached(page, seq + 1);
+  await kelvin.waitFor();
+  const power = field(page, "Profile power");
+  expect((await power.count()) === 0, "The smooth profile has no exponent.");
+  await page.getByRole("combobox", { name: "Profile" }).selectOption("cosine");
+  await reached(page, seq + 2);
+  await power.waitFor();
+  expect((await field(page, "Softness").count()) === 0, "A cosine begins at the axis: it has no softness.");
+  await unfold(page, "Section");
+  expect((await field(page, "Roundness").count()) === 0, "A circle has no roundness.");
+  await page.getByRole("combobox", { name: "Outline" }).selectOption("superellipse");
+  await reached(page, seq + 3);
+  await field(page, "Roundness").waitFor();
+  await picture(page, "1-what-does-something");
+  for (let step = 0; step < 3; step += 1) await page.keyboard.press("Control+z");
+  await reached(page, seq + 6);
+  await kelvin.waitFor({ state: "detached" });
+  await settled(page);
+  const now = JSON.stringify(await page.locator("canvas").boundingBox());
+  expect(now === before, `Fields that come and go must leave the picture at ${before}; it is at ${now}.`);
 }
 
 async function somethingUnheard(page, picture) {

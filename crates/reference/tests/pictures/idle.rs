@@ -1,0 +1,94 @@
+//! Parameters that have no effect because of another, as the table says.
+
+use glam::{DAffine3, DQuat, DVec3};
+use light::parameters::{CUT_OFF, CUT_ON, NAME, parameters_of};
+use light::{Kind, Light, Links, Parameter, Setting, Value};
+use scene::{Aov, Scene};
+
+use crate::support::{floor, render, scene_of, sphere, spot, view};
+
+/// A floor with a ball over it, which throws a shadow.
+fn stage() -> Scene {
+    let ball = DAffine3::from_scale_rotation_translation(DVec3::splat(0.4), DQuat::IDENTITY, DVec3::Y);
+    let mut scene = scene_of([floor(3.0), (sphere(12), ball)]);
+    for (node, name) in scene.nodes.iter_mut().zip(["floor", "ball"]) {
+        node.name = name.into();
+    }
+    scene
+}
+
+/// A light of each shape, all of which shine on the ball.
+fn lights() -> [Light; 4] {
+    let (source, target) = (DVec3::new(1.0, 3.0, 0.5), DVec3::Y);
+    let spot = spot(source, target);
+    let bent = light::bend(&spot, 3).expect("bent");
+    let placed = |light: Light| light.placed(spot.transform());
+    [placed(Light::omni()), placed(Light::directional()), spot.clone(), bent]
+}
+
+/// A value that is not the row's default.
+fn another(row: &Parameter) -> Value {
+    match row.kind {
+        Kind::Number(number) => Value::Number(match number.unit {
+            "K" => 2000.0,
+            "world units" => 2.5,
+            _ => 0.6,
+        }),
+        Kind::Color => Value::Vector(DVec3::splat(0.5)),
+        Kind::Links => Value::Links(Links::new(Vec::new(), vec!["ball".into()]).expect("few")),
+        _ => panic!("{row:?}: say what else it can be"),
+    }
+}
+
+/// Values of the parameter that another hangs on.
+fn all_of(row: &Parameter) -> Vec<Value> {
+    match row.kind {
+        Kind::Flag => vec![Value::Flag(false), Value::Flag(true)],
+        Kind::Choice(choices) => choices.iter().map(|choice| Value::Choice(choice.name)).collect(),
+        // Within the way of the light to the floor.
+        Kind::Number(_) if row.name == CUT_ON.name => vec![Value::Absent, Value::Number(3.2)],
+        Kind::Number(_) if row.name == CUT_OFF.name => vec![Value::Absent, Value::Number(1.8)],
+        _ => panic!("{row:?}: say what it can be"),
+    }
+}
+
+fn set(light: &Light, parameter: &'static Parameter, value: Value) -> Light {
+    let mut light = light.clone();
+    light.set(Setting { parameter, value });
+    light
+}
+
+/// Whether the picture of a light changes with the parameter.
+fn has_effect(light: &Light, row: &'static Parameter) -> bool {
+    let (scene, view) = (stage(), view(DVec3::new(0.5, 4.0, 3.0), DVec3::ZERO, Aov::Beauty));
+    let picture = |light: Light| render(&scene, &view, &[light]).pixels;
+    picture(light.clone()) != picture(set(light, row, another(row)))
+}
+
+#[test]
+fn what_needs_another_has_an_effect_with_it_and_none_without() {
+    for light in lights() {
+        let rows = parameters_of(light.owner());
+        for row in rows.iter().copied() {
+            let Some(needs) = row.needs else { continue };
+            let other = rows.iter().copied().find(|other| other.name == needs.parameter);
+            let other = other.unwrap_or_else(|| panic!("{:?} lacks {}", light.owner(), needs.parameter));
+            for value in all_of(other) {
+                let with = set(&light, other, value.clone());
+                let expected = needs.value.is_met_by(&value);
+                assert_eq!(has_effect(&with, row), expected, "{row:?} of {:?}, {value:?}", light.owner());
+            }
+        }
+    }
+}
+
+/// A spotlight's scale is for when it is bent.
+#[test]
+fn what_is_idle_of_an_owner_has_no_effect_there() {
+    for light in lights() {
+        for row in parameters_of(light.owner()).iter().copied().filter(|row| row.is_idle_of(light.owner())) {
+            assert!(!has_effect(&light, row), "{row:?} of {:?}", light.owner());
+        }
+        assert!(!NAME.is_idle_of(light.owner()), "no picture shows a name of anything");
+    }
+}
