@@ -3,7 +3,7 @@
 import { isRemovable } from "../core/curve";
 import type { Drawn, Handle } from "../core/handles";
 import { NO_STEPS, nudge, type Steps } from "../core/nudge";
-import type { Page } from "./page";
+import { type Page, reachFor } from "./page";
 import { removeLight } from "./removing";
 import { stepsOf } from "./presses";
 
@@ -29,6 +29,7 @@ export function pressHandle(event: KeyboardEvent, page: Page, handle: Handle, dr
   if (way === undefined && !REMOVERS.includes(event.key)) return;
   event.preventDefault();
   event.stopPropagation();
+  if (!reachFor(page, drawn.id)) return;
   if (way === undefined) remove(event, page, handle, drawn);
   else press(event, page, handle, drawn, way);
 }

@@ -22,7 +22,7 @@ import { dragHandle } from "./handle_drag";
 import { pressHandle } from "./handle_keys";
 import { described, titleOf } from "./handle_texts";
 import { pathOf } from "./lines";
-import { canEdit, type Page, usePage } from "./page";
+import { canEdit, type Page, reachFor, usePage } from "./page";
 
 interface HandlesProps {
   drawn: Drawn;
@@ -44,8 +44,8 @@ export function Handles({ drawn, locked }: HandlesProps) {
     ...described(handle, drawn),
     onFocus: () => select(page, handle),
     onBlur: page.presses.commit,
-    onPointerDown: (event) => startDrag(event, page, handle, drawn, disabled),
-    onKeyDown: (event) => disabled || pressHandle(event, page, handle, drawn),
+    onPointerDown: (event) => startDrag(event, page, handle, drawn),
+    onKeyDown: (event) => pressHandle(event, page, handle, drawn),
   });
   return (
     <g data-disabled={disabled}>
@@ -153,14 +153,14 @@ function select({ selectedPoint }: Page, handle: Handle): void {
 }
 
 /** Selects what is grabbed, and drags it until the pointer is let go of. */
-function startDrag(down: PointerEvent, page: Page, handle: Handle, drawn: Drawn, disabled: boolean): void {
+function startDrag(down: PointerEvent, page: Page, handle: Handle, drawn: Drawn): void {
   if (down.button !== 0 || down.altKey) return;
   down.stopPropagation();
   down.preventDefault();
   // Keys then go on from where the pointer leaves it.
   (down.currentTarget as SVGElement).focus({ preventScroll: true });
   select(page, handle);
-  if (disabled) return;
+  if (!reachFor(page, drawn.id)) return;
   const movable = isMovable(handle) ? handle : null;
   dragHandle(down, page, { drawn, grab: (from) => grab(handle, drawn, from), movable });
 }

@@ -1,4 +1,5 @@
-// What is said over the picture while a click aims a light or links an object, or while one looks through a light.
+// What is said over the picture while a click aims a light or links an object, while one looks through a light, or where somebody else
+// has what one reaches for.
 
 import type { ComponentChildren } from "preact";
 
@@ -6,7 +7,8 @@ import { seeTheSame } from "../core/camera";
 import { lightName } from "../core/document";
 import { type Aiming as AimingState, lookBack } from "./directing";
 import { isLinking, linkingText } from "./linking";
-import { usePage } from "./page";
+import { holderOf, usePage } from "./page";
+import { nameOf } from "./person";
 
 export function Modes() {
   return (
@@ -15,6 +17,7 @@ export function Modes() {
       <Aiming />
       <Linking />
       <ToolSays />
+      <Held />
     </>
   );
 }
@@ -75,6 +78,21 @@ function Linking() {
 function ToolSays() {
   const { said } = usePage().toolbox;
   return said.value === null ? null : <Mode>{said.value}</Mode>;
+}
+
+/** Who has the light that was reached for. */
+function Held() {
+  const page = usePage();
+  const { session, reachedFor } = page;
+  const light = reachedFor.value;
+  const holder = light === null ? null : holderOf(page, light);
+  if (light === null || holder === null) return null;
+  const who = nameOf(session.people.value, holder);
+  return (
+    <Mode>
+      {who} holds {lightName(session.document.value, light)}: take it once {who} lets go
+    </Mode>
+  );
 }
 
 /** A press on it is none on the picture, which would keep the pointer to itself. */

@@ -61,6 +61,8 @@ export interface Page {
   };
   /** A light that goes with its pins once it is agreed to. */
   removal: Signal<Removal | null>;
+  /** The light that was reached for while somebody else drags it, as long as that goes on. */
+  reachedFor: Signal<LightId | null>;
   toasts: Signal<readonly Toast[]>;
   /** Tells the person at the page. */
   say(message: string): void;
@@ -134,6 +136,7 @@ export function startPage(parts: PageParts): Page {
     showKeys: signal(false),
     probe: { held: signal(false), on: signal(false), at: signal<Pixel | null>(null) },
     removal: signal<Removal | null>(null),
+    reachedFor: signal<LightId | null>(null),
     toasts: toasts.list,
     say: toasts.add,
     toldOvertaken: signal(null),
@@ -143,6 +146,10 @@ export function startPage(parts: PageParts): Page {
   };
   effect(() => session.select(selectedLight.value));
   effect(() => followLights(page));
+  effect(() => {
+    const { value } = page.reachedFor;
+    if (value !== null && holderOf(page, value) === null) page.reachedFor.value = null;
+  });
   followScene(page, fetchNodes);
   return page;
 }
@@ -192,6 +199,13 @@ export function usePage(): Page {
 /** Who else drags the light now. */
 export const holderOf = ({ session }: Page, light: LightId): ClientId | null =>
   session.gestures.value.find((gesture) => gesture.light === light)?.client ?? null;
+
+/** Reaches for a light: whether it can be dragged now. Where somebody else has it, the page says who. */
+export function reachFor(page: Page, light: LightId): boolean {
+  const isFree = holderOf(page, light) === null;
+  page.reachedFor.value = isFree ? null : light;
+  return isFree && canEdit(page);
+}
 
 /** Whether edits can be made now. */
 export const canEdit = (page: Page): boolean => page.session.connection.value.kind === "connected";

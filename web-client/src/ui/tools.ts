@@ -1,7 +1,7 @@
 // Tools at work: a shadow or a highlight is taken in the picture and follows the pointer, or keys; places are pinned.
 
 import type { Pixel } from "../core/camera";
-import { lightName, lightOf } from "../core/document";
+import { lightOf } from "../core/document";
 import type { Drag } from "../core/drags";
 import type { PixelQuestion } from "../core/probing";
 import type { DragKind, ProbedLight } from "../core/protocol";
@@ -15,7 +15,7 @@ import {
   type Tool,
 } from "../core/tools";
 import { isFree } from "./light_actions";
-import { type Page, selectLight } from "./page";
+import { type Page, reachFor, selectLight } from "./page";
 import { clickOf, inPicture, questionOn } from "./picture_press";
 import { followPointer } from "./pointer";
 
@@ -65,10 +65,7 @@ function takeFeature(page: Page, kind: DragKind, question: PixelQuestion): Taken
     const light = lightOf(session.document.value, id);
     const seen = seenBy(page, question.size);
     if (light === undefined || seen === null) return;
-    if (!isFree(page, id)) {
-      toolbox.said.value = `${lightName(session.document.value, id)} cannot be dragged now: wait until it is let go`;
-      return;
-    }
+    if (!reachFor(page, id)) return;
     selectLight(page, id);
     // A highlight goes on from its centre, so that it does not jump under the pointer.
     const from =

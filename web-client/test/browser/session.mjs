@@ -27,6 +27,7 @@ await runBrowserTest(async ({ open, picture, http }) => {
   expect((await seqOf(ada)) === before.seq, "A drag that is under way must not be in the log.");
   await ada.mouse.up();
   for (const page of [ada, bob]) await settled(page, before.seq + 1);
+  await bob.getByText("Ada holds").waitFor({ state: "hidden" });
   await picture(ada, "3-bent");
   expect((await pixels(ada)) !== before.ada, "The picture must change when a control point is dragged.");
   expect((await pixels(bob)) !== before.bob, "The other page's picture must change with the drag.");
@@ -102,6 +103,26 @@ async function aDragIsSeenLive(ada, bob, picture) {
   );
   const said = await bob.getByText("is held by Ada").count();
   expect(said > 0, "The other page must say who holds the light.");
+  await whatIsHeldIsNotTaken(bob, picture);
+}
+
+/** Whoever reaches for what another holds is told whose it is, by the pointer and by keys; nothing moves. */
+async function whatIsHeldIsNotTaken(bob, picture) {
+  const [before, rectangle] = [await seqOf(bob), JSON.stringify(await bob.locator("canvas").boundingBox())];
+  const told = bob.getByText("Ada holds “key”: take it once Ada lets go");
+  expect((await told.count()) === 0, "Nobody is told before he reaches for it.");
+  await startDragging(bob, "point-2", { x: 20, y: 10 });
+  await told.waitFor();
+  await picture(bob, "2-reached-for");
+  const now = JSON.stringify(await bob.locator("canvas").boundingBox());
+  expect(now === rectangle, `The picture must stay at ${rectangle}; it is at ${now}.`);
+  await bob.mouse.up();
+  await bob.reload();
+  await bob.locator('.light[data-held="true"]').waitFor();
+  await bob.locator('[data-handle="point-2"]').focus();
+  await bob.keyboard.press("ArrowRight");
+  await told.waitFor();
+  expect((await seqOf(bob)) === before, "What another holds must not move.");
 }
 
 /** Waits until the undo button says so; it is grey where it would do nothing. */
