@@ -190,6 +190,15 @@ fn the_systems_colours_show_all_that_the_pages_own_do() {
     in_a_browser("forced_colors.mjs");
 }
 
+/// Asks the server what is seen where each hint points, closes them, and opens another scene.
+///
+/// Rules: HTTP-22
+#[test]
+#[ignore = "needs the page and a browser: make page test-packages"]
+fn hints_are_on_the_demo_once() {
+    in_a_browser("hints.mjs");
+}
+
 /// Says on the page how far out a light's edge lies around its axis.
 ///
 /// Rules: CURVE-1

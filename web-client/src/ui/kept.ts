@@ -1,4 +1,5 @@
 // What stays of a session's page over a reload of its tab: from where it looks, what is selected, the tool, what is shown.
+// Of the browser: whether its person has seen the hints.
 
 import type { Orbit } from "../core/navigation";
 import type { ViewSettings } from "../core/protocol";
@@ -16,6 +17,13 @@ interface Kept {
   showGate: boolean;
   snaps: boolean;
 }
+
+const HINTS_KEY = "bendylights.hints";
+
+/** Whether this browser has shown the demo's hints to their end. */
+export const areHintsSeen = (): boolean => localStorage.getItem(HINTS_KEY) === "seen";
+
+export const keepHintsSeen = (): void => localStorage.setItem(HINTS_KEY, "seen");
 
 const keyOf = (session: string) => `bendylights.page.${session}`;
 

@@ -11,7 +11,7 @@ import { FrontProvider, startFront } from "./front/front";
 import { FrontPage } from "./front/front_page";
 import { Refused, serverOf } from "./front/server";
 import { browserHost, fetchNodes, fetchTable, pickPoint, sendScene } from "./host";
-import { keepPage, restorePage } from "./kept";
+import { areHintsSeen, keepPage, restorePage } from "./kept";
 import { bindKeys } from "./keys";
 import { PageProvider, startPage, startToasts } from "./page";
 import { keepActor, readActor } from "./person";
@@ -113,6 +113,7 @@ function start(table: ParameterTable, name: string, asListed: Listed): void {
     showState(root);
   });
   restorePage(page);
+  if (!areHintsSeen()) page.hint.value = 0;
   bindKeys(page);
   // A page that goes takes its drags with it, but for what was done.
   addEventListener("pagehide", page.presses.commit);

@@ -70,6 +70,8 @@ export interface Page {
   toldOvertaken: Signal<number | null>;
   /** The nodes of the scene; `null` while they are not known. */
   nodes: Signal<SceneNodes | null>;
+  /** Which hint on the demo scene is next; `null` once they have been seen. */
+  hint: Signal<number | null>;
   sendScene: SendScene;
   /** A scene of this person's own that is on its way. */
   opening: Signal<Opening | null>;
@@ -141,6 +143,7 @@ export function startPage(parts: PageParts): Page {
     say: toasts.add,
     toldOvertaken: signal(null),
     nodes: signal(null),
+    hint: signal<number | null>(null),
     sendScene,
     opening: signal<Opening | null>(null),
   };

@@ -14,6 +14,7 @@ import { middleOf } from "./directing";
 import { twoFingers } from "./fingers";
 import { fitLight, fitScene } from "./fitting";
 import { FilmGate } from "./gate";
+import { Hints } from "./hints";
 import { Icon } from "./icons";
 import { Modes } from "./modes";
 import { Overlay } from "./overlay";
@@ -117,6 +118,7 @@ export function Viewport() {
           <Modes />
           <DragRefusal />
         </div>
+        {view !== null && <Hints view={view} at={picture} size={size} />}
         <ToolChoices />
         <StatsPanel />
       </div>

@@ -113,16 +113,24 @@ async function sendTo(session, path, body) {
 
 /**
  * A page of the session for a person of its own, called `name`, once it shows a settled picture. `context` is told to the
- * browser (touch, pixels), `prepare` sees the page before it loads anything, and `shows` waits for what is wanted of it.
+ * browser (touch, pixels), `prepare` sees the page before it loads anything, `shows` waits for what is wanted of it, and `hints` says whether it is the browser's first visit.
  */
-async function openPage(browser, address, name, viewport, { context: wanted, prepare, shows = settled }) {
+async function openPage(
+  browser,
+  address,
+  name,
+  viewport,
+  { context: wanted, prepare, shows = settled, hints = false },
+) {
   const context = await browser.newContext({ viewport, ...wanted });
   await context.addInitScript(
-    (actor) => {
+    ([actor, hints]) => {
+      // They lie over what tests press.
+      if (!hints) localStorage.setItem("bendylights.hints", "seen");
       if (localStorage.getItem("bendylights.actor") === null)
         localStorage.setItem("bendylights.actor", actor);
     },
-    JSON.stringify({ id: `test-${name}`, name }),
+    [JSON.stringify({ id: `test-${name}`, name }), hints],
   );
   const page = await context.newPage();
   page.setDefaultTimeout(PATIENCE_MS);
