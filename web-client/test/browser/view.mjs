@@ -1,12 +1,13 @@
 // The view: what it turns about and goes to, what of it a reload keeps, fields that reckon, and a list of keys that goes as it came.
 
-import { expect, field, pixels, runBrowserTest, seqOf, settled } from "./page.mjs";
+import { expect, field, pixels, runBrowserTest, seqOf, settled, unfold } from "./page.mjs";
 
 /** Where something is seen in the demo: on the table, and on a vase. */
 const PLACES = [
   { x: 0.35, y: 0.72 },
   { x: 0.62, y: 0.5 },
 ];
+const PIN = { light: 1, kind: "lit", at: [0, 0, 0], hard: true };
 /** World units; the demo is some 4 across. The turn is rounded in single steps of the pointer. */
 const NEAR = 1e-6;
 
@@ -28,12 +29,12 @@ await runBrowserTest(async ({ open, picture, http }) => {
     [820, 1180],
     [390, 844],
   ]) {
-    await thePictureStays(open, picture, { width, height });
+    await thePictureStays(open, picture, http, { width, height });
   }
 });
 
 /** Whatever is done, the picture is where it was. */
-async function thePictureStays(open, picture, size) {
+async function thePictureStays(open, picture, http, size) {
   const name = `${size.width}x${size.height}`;
   const page = await open(`Cleo ${name}`, size);
   const rectangle = () =>
@@ -83,6 +84,20 @@ async function thePictureStays(open, picture, size) {
     ],
     ["somebody comes", async () => other.push(await open(`Dora of a name that is rather long ${name}`))],
     ["one's own view again", () => press("ArrowRight")],
+    ["a menu of scenes", () => button("Open a scene").click()],
+    ["no menu", () => page.keyboard.press("Escape")],
+    ["files over the page", () => dragFiles(page, "dragEnter")],
+    ["no files", () => dragFiles(page, "dragCancel")],
+    ["what is no scene", () => page.evaluate(dropNothing)],
+    ["nothing of it", () => button("Close").click()],
+    ["links", () => unfold(page, "Links")],
+    ["nodes", () => button("Lights: choose nodes").click()],
+    ["picking in the picture", () => button("Lights: pick in the picture").click()],
+    ["no picking", () => press("Escape")],
+    ["a pin", () => http("/edits", { edits: [{ command: { type: "addPin", pin: PIN } }] })],
+    ["a question", () => button("Remove key").click()],
+    ["no answer", () => button("Keep").click()],
+    ["no pin", () => http("/edits", { edits: [{ undo: "session" }] })],
     ["the keys", () => page.keyboard.press("?")],
     ["no keys", () => page.keyboard.press("?")],
     ["nearer", () => press("+")],
@@ -101,6 +116,20 @@ async function thePictureStays(open, picture, size) {
   await picture(page, `3-tool-${name}`);
   for (const page of other) await page.close();
   await page.close();
+}
+
+/** Files that a pointer has with it, over the page. */
+async function dragFiles(page, type) {
+  const device = await page.context().newCDPSession(page);
+  const data = { items: [], files: [import.meta.filename], dragOperationsMask: 1 };
+  await device.send("Input.dispatchDragEvent", { type, x: 100, y: 300, data });
+}
+
+/** Runs in the page: lets go of a file that is no scene. */
+function dropNothing() {
+  const dataTransfer = new DataTransfer();
+  dataTransfer.items.add(new File(["x"], "notes.txt"));
+  document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
 }
 
 /** The camera that the page looks through. */
