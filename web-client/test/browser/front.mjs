@@ -137,7 +137,9 @@ async function byKeys(page, picture) {
   await page.keyboard.press("Escape");
   expect((await named("Untitled")) !== undefined, "Escape leaves a name as it was.");
   await page.keyboard.press("F2");
-  await page.keyboard.type("By keys");
+  await page.keyboard.type("By ");
+  await page.waitForResponse((answer) => new URL(answer.url()).pathname === "/sessions");
+  await page.keyboard.type("keys");
   await page.keyboard.press("Enter");
   await link(page, "By keys").waitFor();
   await page.waitForFunction(() => document.activeElement.getAttribute("aria-label")?.startsWith("By keys,"));

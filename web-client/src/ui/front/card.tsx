@@ -84,7 +84,8 @@ function Title({ session }: { session: SessionEntry }) {
       class="text"
       ref={input}
       aria-label={`New name of ${session.title}`}
-      value={session.title}
+      // Not `value`, to which a list that comes meanwhile would set it back.
+      defaultValue={session.title}
       maxLength={120}
       onKeyDown={(event) => {
         event.stopPropagation();
