@@ -59,7 +59,7 @@ pub enum Refusal {
     OfGroup {
         /// Which, counted from 1.
         number: usize,
-        /// Why.
+        /// What stands in that one's way.
         reason: Box<Self>,
     },
     /// A limit of the session.
