@@ -74,7 +74,7 @@ fn ten_lines_light_a_shot() {
         assert!(has(channel), "no channel {channel}");
     }
     assert!(!has("rim.shine"), "a channel that is in no file");
-    let log = beside.server.get("/sessions/shot-020/log").expect("answered").text().to_owned();
+    let log = beside.server.get("/sessions/shot-020/log").expect("answered").text();
     let deeds = ["loadScene", "addLight", "bendLight", "dragFeature"];
     assert!(
         log.lines().count() == 4

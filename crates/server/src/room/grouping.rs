@@ -1,28 +1,25 @@
 //! Edits that are one step: each is read in the document that those before it leave, names and all.
 
-use document::{Command, Context, Document, GroupedCommand, edited};
+use document::{Command, Context, Document, GroupedCommand, SolvedDrag, edited};
 use edit::{GroupedEdit, Refusal};
 use light::Reach;
 
-use super::solving::{Solution, with_solution};
 use crate::ServerError;
-use crate::request::{AskedEdit, needs_scene};
+use crate::request::AskedEdit;
 
-/// The edits as they are carried out from `document` on. `solution_of` says what the scene does of a command in a document. Where one
-/// is refused the sentence says which.
+/// The edits as they are carried out from `document` on. `solved` gives a command with what the scene says of it in a document, and
+/// where the drag in it leads. Where one is refused the sentence says which.
 pub(super) fn grouped(
     asked: &[AskedEdit],
     document: &Document,
     reach: Reach,
-    mut solution_of: impl FnMut(&Command, &Document) -> Result<Solution, ServerError>,
+    mut solved: impl FnMut(Command, &Document) -> Result<(Command, Option<SolvedDrag>), ServerError>,
 ) -> Result<Vec<GroupedEdit>, ServerError> {
     let mut draft = document.clone();
     let mut edits = Vec::with_capacity(asked.len());
     for (index, AskedEdit { base_seq, command }) in asked.iter().enumerate() {
         let mut next = || {
-            let command = command.of(&draft)?;
-            let found = needs_scene(&command).then(|| solution_of(&command, &draft));
-            let (command, solved) = with_solution(command, found)?;
+            let (command, solved) = solved(command.of(&draft)?, &draft)?;
             let context = Context { reach, loaded: None, solved: solved.as_ref() };
             draft = edited(&draft, &command, context).map_err(Refusal::from)?.document;
             Ok(GroupedEdit { base_seq: *base_seq, grouped: GroupedCommand { command, solved } })

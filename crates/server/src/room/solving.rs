@@ -13,7 +13,7 @@ use tokio::task::{AbortHandle, Id};
 use super::grouping::grouped;
 use crate::ServerError;
 use crate::limits::MAX_SOLVE_TRIES;
-use crate::request::{Asked, AskedEdit};
+use crate::request::{Asked, AskedEdit, needs_scene};
 use crate::scenes::Decoded;
 use crate::solver::{Solver, Turn};
 use crate::turns::Payer;
@@ -129,10 +129,13 @@ impl Solves {
         }
         let mut is_missing = false;
         let known = grouped(edits, document, reach, |command, draft| {
-            self.known(command, draft).unwrap_or_else(|| {
-                is_missing = true;
-                Err(ServerError::Fault)
-            })
+            let found = needs_scene(&command).then(|| {
+                self.known(&command, draft).unwrap_or_else(|| {
+                    is_missing = true;
+                    Err(ServerError::Fault)
+                })
+            });
+            with_solution(command, found)
         });
         if is_missing {
             return Poll::Pending;
@@ -216,10 +219,13 @@ pub(super) async fn solve(
                 let mut all = Vec::new();
                 // What is refused of it is found again where the group is carried out.
                 let _ = grouped(&edits, &document, reach, |command, draft| {
-                    let solved = solved(command, draft);
-                    let answer = solved.answer();
-                    all.push(solved);
-                    answer
+                    let found = needs_scene(&command).then(|| {
+                        let solved = solved(&command, draft);
+                        let answer = solved.answer();
+                        all.push(solved);
+                        answer
+                    });
+                    with_solution(command, found)
                 });
                 all
             }

@@ -109,7 +109,7 @@ fn a_duplicate_has_the_whole_log_and_proofs_of_its_own() {
     assert_ne!(copy.epoch, main.epoch, "another history from here on");
     let [of_main, of_copy] = ["main", "copy"].map(|name| exported(&store, name));
     let records = |lines: &[String]| -> Vec<String> {
-        lines.iter().filter(|line| line.starts_with("{\"format\":4,\"seq\"")).cloned().collect()
+        lines.iter().filter(|line| line.starts_with("{\"format\":5,\"seq\"")).cloned().collect()
     };
     assert_eq!(records(&of_main), records(&of_copy));
     assert_eq!(records(&of_main).len(), 42);
