@@ -133,7 +133,9 @@ fn two_files_of_a_picture_are_one_drawing() {
     let trace = folder.path("trace.jsonl");
     let server = Served::start(&folder, &trace);
     // The planted fault, each file drawn by itself, has four.
-    ["png", "exr", "png,exr"].iter().for_each(|format| server.still_as(format));
+    for format in ["png", "exr", "png,exr"] {
+        server.still_as(format);
+    }
     server.stop();
     assert_eq!(std::fs::read_to_string(&trace).expect("text").lines().count(), 3);
 }
