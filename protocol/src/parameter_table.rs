@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Bound;
 
 use light::Owner;
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -67,9 +67,14 @@ pub struct ParameterNeeds {
 #[serde(rename_all = "camelCase")]
 pub enum ParameterNeeded {
     /// One of these.
-    OneOf(Vec<Value>),
+    OneOf(#[schemars(schema_with = "values")] Vec<Value>),
     /// Any but these.
-    NoneOf(Vec<Value>),
+    NoneOf(#[schemars(schema_with = "values")] Vec<Value>),
+}
+
+/// Makers of clients take no `true` for what any item may be.
+fn values(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({"type": "array", "items": {"type": ["boolean", "number", "string", "null"]}})
 }
 
 /// [`light::Owner`] in JSON.

@@ -3500,13 +3500,13 @@ export interface ParameterNeeds {
  * One of these.
  */
 export interface NeededOneOf {
-  oneOf: unknown[];
+  oneOf: (boolean | number | string | null)[];
 }
 /**
  * Any but these.
  */
 export interface NeededNoneOf {
-  noneOf: unknown[];
+  noneOf: (boolean | number | string | null)[];
 }
 /**
  * `GET /sessions/S/nodes`.

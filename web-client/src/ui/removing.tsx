@@ -1,6 +1,6 @@
 // Lights that are removed: at once, or where more goes with them once a person has said so.
 
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 
 import { lightName, lightOf } from "../core/document";
 import type { LightId } from "../core/ids";
@@ -35,7 +35,8 @@ export function RemovalQuestion() {
   // Somebody else may have removed it meanwhile.
   const asked = value !== null && lightOf(document, value.light) !== undefined ? value : null;
   const isAsked = asked !== null;
-  useEffect(() => {
+  // Before the next key comes, which is for the question.
+  useLayoutEffect(() => {
     if (isAsked) dialog.current?.showModal();
     else dialog.current?.close();
   }, [isAsked]);

@@ -50,6 +50,7 @@ async function lightsWithPinsAreAskedFor(page, picture, name) {
   expect(focused, "The focus must go back to where it was.");
 
   await page.keyboard.press("Enter");
+  await question(page).waitFor();
   await page.keyboard.press("Tab");
   await page.keyboard.press("Enter");
   await reached(page, seq + 1);
