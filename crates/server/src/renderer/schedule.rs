@@ -51,7 +51,7 @@ pub struct Waiting {
     pub urgency: Urgency,
     /// What whoever it is drawn for has been charged.
     pub charged: Charged,
-    /// When it was last worked on, or since when it waits.
+    /// When it was last worked on, or since when it waits; of a watched one the latter.
     pub touched: Instant,
 }
 
