@@ -86,6 +86,8 @@ pub const MAX_MESSAGE_BYTES: usize = 1 << 20;
 pub const MAX_BODY_BYTES: usize = 8 << 20;
 /// Edits in one request.
 pub const MAX_EDITS: usize = 1_000;
+/// Edits in one request that are one step: a session's task carries them out at once, as many as those of a tick.
+pub const MAX_GROUP_EDITS: usize = MAX_TICK;
 /// Drags of features that a request asks of at most; one takes some milliseconds.
 pub const MAX_DRAGS: usize = 1_000;
 /// Records in one answer of the log.

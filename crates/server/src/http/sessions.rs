@@ -24,7 +24,7 @@ use crate::access::{Credential, Principal, random_digits};
 use crate::connections::Connection;
 use crate::in_flight::InFlight;
 use crate::limits::{
-    LOG_PAGE_BYTES, MAX_EDITS, MAX_LOG_RECORDS, MAX_NODES_LISTED, MAX_TICK, MESSAGE_COST_EDITS,
+    LOG_PAGE_BYTES, MAX_EDITS, MAX_GROUP_EDITS, MAX_LOG_RECORDS, MAX_NODES_LISTED, MESSAGE_COST_EDITS,
 };
 use crate::request::{Asked, AskedEdit, Step, actor, asked_edit, step};
 use crate::room::{Message, of_group, time_ms};
@@ -164,8 +164,12 @@ async fn parse_edit(edit: Edit, scenes: &Scenes) -> Result<Step, ServerError> {
 
 /// Edits that are one step. What is wrong with one of them is what is wrong with the step.
 async fn parse_group(op_id: Option<String>, edits: Vec<Edit>, scenes: &Scenes) -> Result<Step, ServerError> {
-    if edits.len() > MAX_TICK {
-        return Err(ServerError::TooLarge { what: "an atomic request", limit: MAX_TICK, unit: "edits" });
+    if edits.len() > MAX_GROUP_EDITS {
+        return Err(ServerError::TooLarge {
+            what: "an atomic request",
+            limit: MAX_GROUP_EDITS,
+            unit: "edits",
+        });
     }
     let mut asked = Vec::with_capacity(edits.len());
     let mut refused = None;

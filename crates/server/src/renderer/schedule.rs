@@ -51,8 +51,10 @@ pub struct Waiting {
     pub urgency: Urgency,
     /// What whoever it is drawn for has been charged.
     pub charged: Charged,
-    /// When it was last worked on, or since when it waits; of a watched one the latter.
+    /// When it was last worked on, or since when it waits.
     pub touched: Instant,
+    /// Since when it waits, worked on or not.
+    pub since: Instant,
 }
 
 /// What to do.
@@ -190,7 +192,11 @@ fn account(urgency: Urgency) -> Option<usize> {
 
 fn least_charged(waiting: &[Waiting], urgency: Urgency) -> Option<usize> {
     let of_it = waiting.iter().enumerate().filter(|(_, task)| task.urgency == urgency);
-    let order = |a: &Waiting, b: &Waiting| a.charged.order(&b.charged).then(a.touched.cmp(&b.touched));
+    // Of what one client watches the oldest is drawn to its end: of thirty views that are opened at once, a turn each in turn, none
+    // would show anything for long.
+    let waits_from = |task: &Waiting| if urgency == Urgency::Watched { task.since } else { task.touched };
+    let order =
+        |a: &Waiting, b: &Waiting| a.charged.order(&b.charged).then(waits_from(a).cmp(&waits_from(b)));
     Some(of_it.min_by(|(_, a), (_, b)| order(a, b))?.0)
 }
 

@@ -144,7 +144,7 @@ impl RenderLoop {
         let waiting = self.waiting.iter().enumerate().filter(|(_, task)| !is_aside(task));
         let seen = waiting.map(|(index, task)| {
             let (urgency, charged) = (task.request.urgency, self.charges.of(&task.request.payer));
-            (index, Waiting { urgency, charged, touched: task.touched })
+            (index, Waiting { urgency, charged, touched: task.touched, since: task.request.place.since })
         });
         seen.unzip()
     }
@@ -257,11 +257,7 @@ impl RenderLoop {
         let is_new = worker.viewers.len() == 1 && task.turns == 0;
         let report = worker.draw(drawing, turn, &self.turn_end);
         let ended = Instant::now();
-        // Of views that one client watches the one that waits longest is drawn to its end: where thirty are opened at once and each had
-        // a turn, none would show anything for long.
-        if task.request.urgency != Urgency::Watched {
-            task.touched = ended;
-        }
+        task.touched = ended;
         task.took += ended - began;
         task.turns += 1;
         let urgency = task.request.urgency;

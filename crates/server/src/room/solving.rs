@@ -114,7 +114,7 @@ impl Solves {
 
     /// What was found of the command last, if it would lead to the same from `document`.
     pub fn found(&mut self, command: &Command, document: &Document) -> Found {
-        let found = self.failure().map(Err).or_else(|| self.known(command, document));
+        let found = self.failed.take().map(Err).or_else(|| self.known(command, document));
         if found.is_some() {
             self.begun = 0;
         }
@@ -123,7 +123,7 @@ impl Solves {
 
     /// The same of a group; pending where something of it has to be solved.
     pub fn found_of_group(&mut self, edits: &[AskedEdit], document: &Document, reach: Reach) -> Poll<Found> {
-        if let Some(error) = self.failure() {
+        if let Some(error) = self.failed.take() {
             self.begun = 0;
             return Poll::Ready(Some(Err(error)));
         }
@@ -142,10 +142,6 @@ impl Solves {
         }
         self.begun = 0;
         Poll::Ready(Some(known.map(Solution::Group)))
-    }
-
-    fn failure(&mut self) -> Option<ServerError> {
-        self.failed.take()
     }
 
     fn known(&self, command: &Command, document: &Document) -> Found {

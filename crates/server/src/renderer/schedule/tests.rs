@@ -20,7 +20,35 @@ struct Outcome {
 
 /// What waits for somebody, all of one client.
 fn waits(urgency: Urgency, touched: Instant) -> Waiting {
-    Waiting { urgency, charged: Charges::default().of(&Payer::program("shot")), touched }
+    Waiting { urgency, charged: Charges::default().of(&Payer::program("shot")), touched, since: touched }
+}
+
+/// Turns until the first of `views` pictures of `urgency`, all of one client and each of ten turns, is drawn.
+fn turns_until_one_is_drawn(urgency: Urgency, views: u64) -> usize {
+    let start = Instant::now();
+    let mut left: Vec<(Waiting, u32)> =
+        (0..views).map(|n| (waits(urgency, start + Duration::from_millis(n)), 10)).collect();
+    let mut schedule = Schedule::new();
+    let mut now = start + Duration::from_secs(1);
+    let mut turns = 0;
+    while left.iter().all(|(_, turns)| *turns > 0) {
+        let waiting: Vec<Waiting> = left.iter().map(|(waiting, _)| *waiting).collect();
+        let began = now;
+        now += TURN_WHILE_MOVING;
+        let Turn::Draw(index, _) = schedule.next(began, &waiting) else { continue };
+        schedule.note(urgency, [began, now]);
+        left[index].0.touched = now;
+        left[index].1 -= 1;
+        turns += 1;
+    }
+    turns
+}
+
+/// The planted fault is the other order: of pictures at rest each has a turn before any has two.
+#[test]
+fn of_what_a_client_watches_the_oldest_is_drawn_to_its_end() {
+    assert_eq!(turns_until_one_is_drawn(Urgency::Watched, 30), 10);
+    assert_eq!(turns_until_one_is_drawn(Urgency::Settling, 30), 30 * 9 + 1);
 }
 
 /// A turn that is over: whose, from when to when.

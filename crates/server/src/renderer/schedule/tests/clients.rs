@@ -50,6 +50,7 @@ fn play(clients: &[Client], seconds: u64, fault: Fault) -> Vec<Duration> {
                 urgency: Urgency::Moving,
                 charged: charges.of(&payers[views[view].client]),
                 touched: views[view].asks_at,
+                since: views[view].asks_at,
             })
             .collect();
         match schedule.next(now, &waiting) {
@@ -139,6 +140,7 @@ fn turns_before_a_hand(pays: impl Fn(&mut Schedule, [Instant; 2])) -> usize {
             urgency,
             charged: charges.of(payer),
             touched: now,
+            since: now,
         });
         let Turn::Draw(index, turn) = schedule.next(now, &waiting) else { panic!("somebody waits") };
         let began = now;
