@@ -192,6 +192,6 @@ fn a_row_is_a_field_on_the_page() {
         assert!(Instant::now() < until, "it gets ready");
         std::thread::sleep(Duration::from_millis(50));
     }
-    run_in_browser("added_parameter.mjs", &own.address, None);
+    run_in_browser("added_parameter.mjs", &own.address, Some("main"), None);
     own.runtime.shutdown_timeout(Duration::from_secs(10));
 }

@@ -5,16 +5,22 @@ use std::process::Command;
 
 use bench::Address;
 
-/// Runs a script in Chromium on a session of the scene of `main` of the server there, with what it is told of the scene, as
-/// JSON. It fails with a sentence, also where one of its pictures
+/// Runs a script in Chromium on a new session of the scene of session `of` of the server there, or without one, with what it is
+/// told as JSON. It fails with a sentence, also where one of its pictures
 /// breaks a rule of accessibility.
-pub fn run_in_browser(script: &str, Address { host, token }: &Address, facts: Option<&str>) {
+pub fn run_in_browser(
+    script: &str,
+    Address { host, token }: &Address,
+    of: Option<&str>,
+    facts: Option<&str>,
+) {
     let client = Path::new(env!("CARGO_MANIFEST_DIR")).join("../web-client");
     let is_built =
         client.join("node_modules/playwright-core").is_dir() && client.join("dist/index.html").is_file();
     assert!(is_built, "the page is not built: `make page` builds it");
     let pictures = tempfile::tempdir().expect("a folder");
-    let address = format!("http://{host}/#token={token}&session=main");
+    let session = of.map(|name| format!("&session={name}")).unwrap_or_default();
+    let address = format!("http://{host}/#token={token}{session}");
     let script = client.join("test/browser").join(script);
     let mut node = Command::new("node");
     let status = node.arg(script).arg(address).arg(pictures.path()).args(facts).status().expect("node runs");

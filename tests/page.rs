@@ -11,6 +11,9 @@ use bench::{Address, ServerProcess};
 use browser::run_in_browser;
 use program::program;
 
+/// The session of a server that was started with a scene.
+const MAIN: Option<&str> = Some("main");
+
 /// Drags a control point in one page while a second one watches, undoes it, and compares pixels.
 ///
 /// Rules: SOCK-3, FRAME-1, FRAME-2, FRAME-4, UNDO-1
@@ -141,7 +144,19 @@ fn a_light_of_shared_assets_is_bent_in_place_on_the_page() {
     let loaded = assets::load(Path::new(file)).expect("the scene is sound");
     let (low, high) = scene::world_bounds(&loaded.scene).expect("it has a size");
     let bounds = format!("[{:?}, {:?}]", low.to_array(), high.to_array());
-    on_a_server_of(file, |address| run_in_browser("bend.mjs", address, Some(&bounds)));
+    on_a_server_of(file, |address| run_in_browser("bend.mjs", address, MAIN, Some(&bounds)));
+}
+
+/// From an empty folder: a file of another maker's is dropped on the front page, its key is bent, a shadow dragged, the page
+/// loaded anew, and the work goes on.
+///
+/// Rules: HTTP-10, CMD-12, CMD-15
+#[test]
+#[ignore = "needs ../shared/assets, the page and a browser: make page test-packages"]
+fn a_file_of_shared_assets_is_lit_by_the_mouse_from_an_empty_folder() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/assets/scenes/bedroom.glb");
+    assert!(Path::new(file).is_file(), "{file} is missing");
+    on_a_server(&[], |address| run_in_browser("journey.mjs", address, None, Some(&format!("{file:?}"))));
 }
 
 /// Drops a folder and picks files, which become one file that is sent and loaded; cancels one on its way, and reads why others are
@@ -247,12 +262,16 @@ fn a_scene_has_its_name_on_the_page_and_says_what_is_not_drawn() {
 
 /// Runs a script on a server of its own, which has the demo.
 fn in_a_browser(script: &str) {
-    on_a_server_of("demo:vases", |address| run_in_browser(script, address, None));
+    on_a_server_of("demo:vases", |address| run_in_browser(script, address, MAIN, None));
 }
 
 fn on_a_server_of(scene: &str, test: impl FnOnce(&Address)) {
+    on_a_server(&["--scene", scene], test);
+}
+
+fn on_a_server(arguments: &[&str], test: impl FnOnce(&Address)) {
     let data = tempfile::tempdir().expect("a folder");
-    let server = ServerProcess::start(program(), data.path(), &["--scene", scene]).expect("started");
+    let server = ServerProcess::start(program(), data.path(), arguments).expect("started");
     server.wait_until_ready().expect("ready");
     test(&server.address);
 }

@@ -4,13 +4,14 @@ import { useEffect, useRef } from "preact/hooks";
 
 import { addressOf, signIn } from "./address";
 import { CameraList } from "./camera_list";
+import { DropTarget } from "./drop_target";
 import { KeyList, SESSION_KEYS } from "./key_list";
 import { LightList } from "./light_list";
 import { LightPanel } from "./light_panel";
 import { OpeningPanel } from "./opening_panel";
 import { usePage } from "./page";
 import { RemovalQuestion } from "./removing";
-import { DropTarget } from "./scene_menu";
+import { MENU_BUTTON } from "./scene_menu";
 import { sentence } from "./sentence";
 import { StatusBar } from "./status_bar";
 import { Toasts } from "./toasts";
@@ -35,7 +36,7 @@ export function App() {
         </aside>
         <StatusBar />
         <div class="corner">
-          <OpeningPanel />
+          <OpeningPanel opener={MENU_BUTTON} />
           <Toasts toasts={page.toasts} />
         </div>
         <KeyList shown={page.showKeys} keys={SESSION_KEYS} />

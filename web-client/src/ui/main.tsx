@@ -13,8 +13,10 @@ import { Refused, serverOf } from "./front/server";
 import { browserHost, fetchNodes, fetchTable, pickPoint, sendScene } from "./host";
 import { areHintsSeen, keepPage, restorePage } from "./kept";
 import { bindKeys } from "./keys";
+import { OpeningProvider, type SendScene, startOpening } from "./opening";
 import { PageProvider, startPage, startToasts } from "./page";
 import { keepActor, readActor } from "./person";
+import { loadScene, sceneHindrance } from "./scene_loading";
 import { canvasScreen } from "./screen";
 import "./style/page.css";
 import "./style/fields.css";
@@ -29,6 +31,7 @@ import "./style/forced.css";
 const root = document.getElementById("page") as HTMLElement;
 const { token, session: named } = readAddress();
 const server = serverOf(token);
+const send: SendScene = (file, scene, events) => sendScene(token, file, scene, events);
 addEventListener("hashchange", () => location.reload());
 
 if (token === "") {
@@ -65,12 +68,16 @@ async function enter({ name, title, archived }: SessionEntry): Promise<void> {
 
 async function list(): Promise<void> {
   const sessions = await server.list();
-  const front = startFront({ server, sessions, missing: named, actor: readActor(), toasts: startToasts() });
+  const toasts = startToasts();
+  const front = startFront({ server, sessions, missing: named, actor: readActor(), toasts });
+  const opening = startOpening({ send, load: front.begin, hindrance: () => null, say: toasts.add });
   document.title = "BendyLights";
   render(null, root);
   render(
     <FrontProvider value={front}>
-      <FrontPage />
+      <OpeningProvider value={opening}>
+        <FrontPage />
+      </OpeningProvider>
     </FrontProvider>,
     root,
   );
@@ -101,7 +108,12 @@ function start(table: ParameterTable, name: string, asListed: Listed): void {
     pick: (camera: Camera) => pickPoint(token, name, camera),
     toasts,
     fetchNodes: () => fetchNodes(token, name),
-    sendScene: (file, scene, events) => sendScene(token, file, scene, events),
+  });
+  const opening = startOpening({
+    send,
+    load: (asset) => loadScene(page, asset),
+    hindrance: () => sceneHindrance(page),
+    say: toasts.add,
   });
   effect(() => keepActor(session.actor.value));
   effect(() => {
@@ -124,7 +136,9 @@ function start(table: ParameterTable, name: string, asListed: Listed): void {
   });
   render(
     <PageProvider value={page}>
-      <App />
+      <OpeningProvider value={opening}>
+        <App />
+      </OpeningProvider>
     </PageProvider>,
     root,
   );

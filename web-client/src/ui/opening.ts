@@ -1,8 +1,10 @@
-// A scene from a person's own disk: made one file, sent to the server, and loaded into the session.
+// A scene from a person's own disk: made one file, sent to the server, and loaded.
+
+import { type Signal, signal } from "@preact/signals";
+import { createContext } from "preact";
+import { useContext } from "preact/hooks";
 
 import { type Given, isGltf, pack, type Packed, sceneAmong, sceneNameOf } from "../core/gltf_pack";
-import { fitScene } from "./fitting";
-import { canEdit, type Page } from "./page";
 
 /** A scene on its way. */
 export type Opening =
@@ -11,6 +13,7 @@ export type Opening =
   | { kind: "sending"; name: string; sent: number; size: number; stop(): void }
   /** All of it is with the server, which reads it. */
   | { kind: "reading"; name: string; stop(): void }
+  | { kind: "loading"; name: string }
   | { kind: "failed"; name: string; why: string; again: (() => void) | null };
 
 /** What is told of a file that is sent. After `stop` nothing is. */
@@ -25,33 +28,78 @@ export interface SendingEvents {
 /** Sends a scene's file; the answer stops that. */
 export type SendScene = (file: Blob, name: string, events: SendingEvents) => () => void;
 
-const SCENE = "the scene";
+export interface OpeningParts {
+  send: SendScene;
+  /** Loads what the server has kept, under a title that may be empty; a sentence says why not. */
+  load(asset: string, title: string): Promise<string | null>;
+  /** Why no scene can be opened now, if none can. */
+  hindrance(): string | null;
+  say(message: string): void;
+}
 
-/** Opens the scene among files that were picked or dropped. */
-export function openScene(page: Page, given: readonly Given<File>[]): void {
-  const { opening } = page;
-  if (!canEdit(page)) {
-    page.say("Not connected: no scene can be opened now. Try again once the page is connected.");
-    return;
+/** Opens one scene at a time. */
+export interface SceneOpening {
+  state: Signal<Opening | null>;
+  /** Opens the scene among files that were picked or dropped. It is called `title`, or where that is empty as its file is. */
+  open(given: readonly Given<File>[], title?: string): void;
+  /** Says of files that they cannot be opened. */
+  fail(why: string): void;
+}
+
+const SCENE = "the scene";
+const BUSY = "A scene is on its way already: wait for it, or cancel it first.";
+
+export function startOpening({ send, load, hindrance, say }: OpeningParts): SceneOpening {
+  const state = signal<Opening | null>(null);
+  const fail = (why: string, name = SCENE, again: (() => void) | null = null) =>
+    (state.value = { kind: "failed", name, why, again });
+
+  function sendFile(file: Blob, name: string, title: string): void {
+    const shown = name || SCENE;
+    let cancel = () => {};
+    const stop = () => {
+      state.value = null;
+      cancel();
+    };
+    state.value = { kind: "sending", name: shown, sent: 0, size: file.size, stop };
+    cancel = send(file, name, {
+      progress: (sent, size) => (state.value = { kind: "sending", name: shown, sent, size, stop }),
+      sent: () => (state.value = { kind: "reading", name: shown, stop }),
+      kept: (asset) => void loadAsset(asset, shown, title || name),
+      failed: (why) => fail(why, shown, () => sendFile(file, name, title)),
+    });
   }
-  if (opening.value !== null && opening.value.kind !== "failed") {
-    page.say("A scene is on its way already: wait for it, or cancel it first.");
-    return;
+
+  async function loadAsset(asset: string, shown: string, title: string): Promise<void> {
+    state.value = { kind: "loading", name: shown };
+    const why = await load(asset, title);
+    if (why === null) state.value = null;
+    else fail(why, shown, () => void loadAsset(asset, shown, title));
   }
-  const found = sceneAmong(given);
-  if ("why" in found) {
-    opening.value = { kind: "failed", name: SCENE, why: found.why, again: null };
-    return;
-  }
-  const { scene } = found;
-  const name = sceneNameOf(scene.path);
-  const packing: Opening = { kind: "packing", name: name || SCENE, stop: () => (opening.value = null) };
-  opening.value = packing;
-  void asOneFile(scene, given).then((packed) => {
-    if (opening.value !== packing) return;
-    if ("parts" in packed) send(page, new Blob(packed.parts), name);
-    else opening.value = { kind: "failed", name: packing.name, why: packed.why, again: null };
-  });
+
+  return {
+    state,
+    open(given, title = "") {
+      const why = hindrance();
+      if (why !== null) return say(why);
+      if (state.value !== null && state.value.kind !== "failed") return say(BUSY);
+      const found = sceneAmong(given);
+      if ("why" in found) {
+        fail(found.why);
+        return;
+      }
+      const { scene } = found;
+      const name = sceneNameOf(scene.path);
+      const packing: Opening = { kind: "packing", name: name || SCENE, stop: () => (state.value = null) };
+      state.value = packing;
+      void asOneFile(scene, given).then((packed) => {
+        if (state.value !== packing) return;
+        if ("parts" in packed) sendFile(new Blob(packed.parts), name, title);
+        else fail(packed.why, packing.name);
+      });
+    },
+    fail,
+  };
 }
 
 async function asOneFile(scene: Given<File>, given: readonly Given<File>[]): Promise<Packed<File>> {
@@ -63,36 +111,12 @@ async function asOneFile(scene: Given<File>, given: readonly Given<File>[]): Pro
   }
 }
 
-function send(page: Page, file: Blob, name: string): void {
-  const { opening } = page;
-  const shown = name || SCENE;
-  let cancel = () => {};
-  const stop = () => {
-    opening.value = null;
-    cancel();
-  };
-  opening.value = { kind: "sending", name: shown, sent: 0, size: file.size, stop };
-  cancel = page.sendScene(file, name, {
-    progress: (sent, size) => (opening.value = { kind: "sending", name: shown, sent, size, stop }),
-    sent: () => (opening.value = { kind: "reading", name: shown, stop }),
-    kept: (asset) => load(page, asset, shown),
-    failed: (why) =>
-      (opening.value = { kind: "failed", name: shown, why, again: () => send(page, file, name) }),
-  });
-}
+const OpeningContext = createContext<SceneOpening | null>(null);
+export const OpeningProvider = OpeningContext.Provider;
 
-/** Loads what the server has kept, and looks at it as its first camera does. */
-function load(page: Page, scene: string, name: string): void {
-  const { opening, session } = page;
-  if (!canEdit(page)) {
-    const why = "The server has it, but this page is not connected: load it once it is.";
-    opening.value = { kind: "failed", name, why, again: () => load(page, scene, name) };
-    return;
-  }
-  opening.value = null;
-  session.edit({ type: "loadScene", scene }, () => {
-    const [first] = session.document.value.cameras;
-    if (first === undefined) fitScene(page);
-    else session.viewer.jump(first.camera);
-  });
+/** What opens scenes where a component is: in a session, or as a new one. */
+export function useOpening(): SceneOpening {
+  const opening = useContext(OpeningContext);
+  if (opening === null) throw new Error("A component that opens scenes stands where none can be opened.");
+  return opening;
 }

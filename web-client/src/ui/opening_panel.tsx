@@ -3,22 +3,24 @@
 import type { ComponentChildren } from "preact";
 
 import { Name } from "./name";
-import type { Opening } from "./opening";
-import { usePage } from "./page";
-import { MENU_BUTTON } from "./scene_menu";
+import { type Opening, useOpening } from "./opening";
 import { sentence } from "./sentence";
 
 const MEGABYTE = 1e6;
 const megabytes = (bytes: number) => (bytes / MEGABYTE).toFixed(bytes < 10 * MEGABYTE ? 1 : 0);
 
-export function OpeningPanel() {
-  const { opening } = usePage();
-  const { value } = opening;
+interface OpeningPanelProps {
+  /** The id of the button that opens scenes, which gets the focus once the panel is closed. */
+  opener: string;
+}
+
+export function OpeningPanel({ opener }: OpeningPanelProps) {
+  const { state } = useOpening();
+  const { value } = state;
   if (value === null) return null;
   const close = (end: () => void) => {
     end();
-    // What had the focus goes.
-    document.getElementById(MENU_BUTTON)?.focus();
+    document.getElementById(opener)?.focus();
   };
   if (value.kind === "failed") {
     const { name, why, again } = value;
@@ -31,7 +33,7 @@ export function OpeningPanel() {
               Try again
             </button>
           )}
-          <button class="solid" onClick={() => close(() => (opening.value = null))}>
+          <button class="solid" onClick={() => close(() => (state.value = null))}>
             Close
           </button>
         </div>
@@ -48,9 +50,11 @@ export function OpeningPanel() {
             {megabytes(value.sent)} of {megabytes(value.size)} MB
           </span>
         )}
-        <button class="solid" onClick={() => close(value.stop)}>
-          Cancel
-        </button>
+        {value.kind !== "loading" && (
+          <button class="solid" onClick={() => close(value.stop)}>
+            Cancel
+          </button>
+        )}
       </div>
     </Panel>
   );
@@ -60,6 +64,7 @@ const SAID = {
   packing: "Its files are put together",
   sending: "It is sent to the server",
   reading: "The server reads it",
+  loading: "It is loaded",
 } as const;
 
 /** Without a share, while nobody knows how long it takes. */

@@ -12,7 +12,6 @@ import type { Listed, Session } from "../core/session";
 import type { Vec3 } from "../core/vector";
 import type { Aiming, Excursion } from "./directing";
 import type { Linking } from "./linking";
-import type { Opening, SendScene } from "./opening";
 import type { Removal } from "./removing";
 import { committing, type Presses, startPresses } from "./presses";
 import type { Screen } from "./screen";
@@ -72,9 +71,6 @@ export interface Page {
   nodes: Signal<SceneNodes | null>;
   /** Which hint on the demo scene is next; `null` once they have been seen. */
   hint: Signal<number | null>;
-  sendScene: SendScene;
-  /** A scene of this person's own that is on its way. */
-  opening: Signal<Opening | null>;
 }
 
 const TOAST_MS = 6000;
@@ -110,11 +106,10 @@ export interface PageParts {
   toasts: Toasts;
   /** Asks for the nodes of the session's scene; `null` where there is no answer. */
   fetchNodes(): Promise<SceneNodes | null>;
-  sendScene: SendScene;
 }
 
 export function startPage(parts: PageParts): Page {
-  const { host, session, screen, name, listed, pick, toasts, fetchNodes, sendScene } = parts;
+  const { host, session, screen, name, listed, pick, toasts, fetchNodes } = parts;
   const presses = startPresses(host, session);
   const selectedLight = signal<LightId | null>(null);
   const page: Page = {
@@ -144,8 +139,6 @@ export function startPage(parts: PageParts): Page {
     toldOvertaken: signal(null),
     nodes: signal(null),
     hint: signal<number | null>(null),
-    sendScene,
-    opening: signal<Opening | null>(null),
   };
   effect(() => session.select(selectedLight.value));
   effect(() => followLights(page));

@@ -27,7 +27,7 @@ const CHROMIUM = {
 };
 
 /**
- * Runs `test` in a new session of the scene that the server was started with. `open(name)` opens a page for a person called so (see openPage),
+ * Runs `test` in a new session of the scene of the session that the address names; where it names none, without one. `open(name)` opens a page for a person called so (see openPage),
  * `visit(fragment)` another address of the server, `picture(page, name)` takes a screenshot and holds what it shows to the
  * rules of accessibility, `http(path, body)` asks the server about the session, `send(path, body)` posts JSON elsewhere on it and gives the answer, `facts` are what the command line says of
  * the scene. The command line is `ADDRESS FOLDER [FACTS]`, the address as the server printed it, facts in JSON; a failure is one sentence on standard error and exit code 1.
@@ -48,7 +48,8 @@ export async function runBrowserTest(test) {
   };
   const pages = [];
   try {
-    const session = await newSession(address);
+    const namesOne = new URLSearchParams(new URL(address).hash.slice(1)).has("session");
+    const session = namesOne ? await newSession(address) : null;
     const open = async (name, viewport = { width: 1280, height: 760 }, options = {}) => {
       const page = await openPage(browser, session, name, viewport, options);
       pages.push(page);
@@ -61,7 +62,7 @@ export async function runBrowserTest(test) {
       return page;
     };
     const http = (path, body) => ask(session, path, body);
-    const send = async (path, body) => (await sendTo(session, path, body)).json();
+    const send = async (path, body) => (await sendTo(address, path, body)).json();
     await test({
       open,
       visit,
@@ -101,8 +102,8 @@ function ask(session, path, body) {
 }
 
 /** The server's answer to a GET of `path`, or with a body to a POST. */
-async function sendTo(session, path, body) {
-  const { origin, hash } = new URL(session);
+async function sendTo(address, path, body) {
+  const { origin, hash } = new URL(address);
   const token = new URLSearchParams(hash.slice(1)).get("token");
   const headers = { authorization: `Bearer ${token}`, "content-type": "application/json" };
   const request = body === undefined ? {} : { method: "POST", body: JSON.stringify(body) };

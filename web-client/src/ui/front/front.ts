@@ -36,6 +36,8 @@ export interface Front {
   toasts: Toasts;
   refresh(): Promise<void>;
   create(title: string, scene: string | null): Promise<void>;
+  /** Makes a session of a scene that the server has, and leads there; a sentence says why not. */
+  begin(asset: string, title: string): Promise<string | null>;
   rename(session: SessionEntry, title: string): Promise<void>;
   duplicate(session: SessionEntry): Promise<void>;
   archive(session: SessionEntry, archived: boolean): Promise<void>;
@@ -94,6 +96,12 @@ export function startFront({ server, sessions, missing, actor, toasts }: FrontPa
     }
   }
 
+  /** Makes a session and leads there. */
+  async function begin(typed: string, of: { scene?: string }): Promise<void> {
+    const title = typed === "" ? freeTitle(UNTITLED, titles()) : typed;
+    goTo(await named(title, (name) => server.create({ name, title, actor, ...of })));
+  }
+
   return {
     current: computed(() => matching(all.value, find.value).filter(({ archived }) => !archived)),
     archived: computed(() => matching(all.value, find.value).filter(({ archived }) => archived)),
@@ -110,14 +118,17 @@ export function startFront({ server, sessions, missing, actor, toasts }: FrontPa
     thumbnails: startThumbnails(server),
     toasts,
     refresh,
-    async create(typed, scene) {
-      const title = typed === "" ? freeTitle(UNTITLED, titles()) : typed;
-      const of = scene === null ? {} : { scene };
-      let made = "";
-      const isMade = await carryOut(async () => {
-        made = await named(title, (name) => server.create({ name, title, actor, ...of }));
-      });
-      if (isMade) goTo(made);
+    async create(title, scene) {
+      await carryOut(() => begin(title, scene === null ? {} : { scene }));
+    },
+    async begin(scene, title) {
+      try {
+        await begin(title, { scene });
+        return null;
+      } catch (error) {
+        if (!(error instanceof Refused)) throw error;
+        return error.message;
+      }
     },
     async rename(session, title) {
       await carryOut(() => server.change(session.name, { title }));

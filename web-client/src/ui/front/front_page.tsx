@@ -3,8 +3,10 @@
 import { useEffect, useState } from "preact/hooks";
 
 import type { SessionEntry } from "../../core/protocol";
+import { DropTarget } from "../drop_target";
 import { Icon } from "../icons";
 import { FRONT_KEYS, KeyList } from "../key_list";
+import { OpeningPanel } from "../opening_panel";
 import { QuietButton } from "../quiet_button";
 import { Toasts } from "../toasts";
 import { Archive } from "./archive";
@@ -19,6 +21,7 @@ const MANY = 12;
 const REFRESH_MS = 5_000;
 /** Cards that are there at once; more come on demand. */
 const PAGE = 200;
+const OPENER = "new-session-button";
 const STALE = "The server does not answer: what stands here may be old.";
 
 export function FrontPage() {
@@ -52,7 +55,7 @@ export function FrontPage() {
         <QuietButton title="Keys" press={() => (showKeys.value = true)}>
           Keys
         </QuietButton>
-        <button class="solid" onClick={() => (making.value = true)}>
+        <button id={OPENER} class="solid" onClick={() => (making.value = true)}>
           <Icon name="plus" />
           New session
         </button>
@@ -67,7 +70,11 @@ export function FrontPage() {
         <Archive />
       </main>
       <NewSession />
-      <Toasts toasts={toasts.list} />
+      <div class="corner">
+        <OpeningPanel opener={OPENER} />
+        <Toasts toasts={toasts.list} />
+      </div>
+      <DropTarget />
       <KeyList shown={showKeys} keys={FRONT_KEYS} />
     </div>
   );
@@ -80,7 +87,12 @@ function Sessions() {
   return (
     <section aria-label="Sessions">
       <h2 class="front-heading">Sessions</h2>
-      {count.value === 0 && <p class="front-empty">No sessions yet. Begin a new one.</p>}
+      {count.value === 0 && (
+        <p class="front-empty">
+          No sessions yet. Begin a new one, or drop a scene of your own here: a .glb, a .gltf with its files,
+          or a folder.
+        </p>
+      )}
       {count.value > 0 && current.value.length === 0 && (
         <p class="front-empty">No session has “{find.value.trim()}” in its name.</p>
       )}

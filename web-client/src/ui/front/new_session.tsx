@@ -2,6 +2,8 @@
 
 import { useEffect, useRef, useState } from "preact/hooks";
 
+import { pickFiles } from "../given_files";
+import { useOpening } from "../opening";
 import { sentence } from "../sentence";
 import { useFront } from "./front";
 
@@ -9,6 +11,7 @@ const EMPTY = "empty";
 
 export function NewSession() {
   const { making, demos, create } = useFront();
+  const opening = useOpening();
   const dialog = useRef<HTMLDialogElement>(null);
   const isShown = making.value;
   useEffect(() => {
@@ -16,12 +19,23 @@ export function NewSession() {
     else dialog.current?.close();
   }, [isShown]);
   const close = () => (making.value = false);
+  const isOpening = opening.state.value !== null;
+  useEffect(() => {
+    // A scene was dropped.
+    if (isOpening) making.value = false;
+  }, [isOpening, making]);
   return (
     <dialog class="front-dialog" ref={dialog} aria-labelledby="new-session" onCancel={close}>
       {isShown && (
         <Form
           scenes={demos.value}
           cancel={close}
+          pick={(title, folder) =>
+            pickFiles(folder, (given) => {
+              close();
+              opening.open(given, title);
+            })
+          }
           make={(title, scene) => {
             close();
             void create(title, scene);
@@ -36,9 +50,11 @@ interface FormProps {
   scenes: readonly { scene: string; name: string; shows: string }[];
   cancel(): void;
   make(title: string, scene: string | null): void;
+  /** Makes one of files, or of a folder, that a person picks. */
+  pick(title: string, folder: boolean): void;
 }
 
-function Form({ scenes, cancel, make }: FormProps) {
+function Form({ scenes, cancel, make, pick }: FormProps) {
   const title = useRef<HTMLInputElement>(null);
   const [scene, setScene] = useState(scenes[0]?.scene ?? EMPTY);
   const choices = [
@@ -47,11 +63,12 @@ function Form({ scenes, cancel, make }: FormProps) {
       name: sentence(name),
       shows: sentence(shows),
     })),
-    { value: EMPTY, name: "Empty", shows: "No scene: a program loads one of your own" },
+    { value: EMPTY, name: "Empty", shows: "No scene yet: you or a program can load one later" },
   ];
+  const typed = () => title.current?.value.trim() ?? "";
   const submit = (event: Event) => {
     event.preventDefault();
-    make(title.current?.value.trim() ?? "", scene === EMPTY ? null : scene);
+    make(typed(), scene === EMPTY ? null : scene);
   };
   return (
     <form onSubmit={submit}>
@@ -78,6 +95,17 @@ function Form({ scenes, cancel, make }: FormProps) {
           </label>
         ))}
       </fieldset>
+      <div class="front-own" role="group" aria-label="A scene of your own">
+        <p>
+          Or a scene of your own: a .glb, or a .gltf together with its files. They can be dropped here too.
+        </p>
+        <button class="solid" type="button" onClick={() => pick(typed(), false)}>
+          Pick files
+        </button>
+        <button class="solid" type="button" onClick={() => pick(typed(), true)}>
+          Pick a folder
+        </button>
+      </div>
       <div class="dialog-buttons">
         <button class="solid" type="button" onClick={cancel}>
           Cancel
