@@ -1,6 +1,10 @@
 // The front page: sessions with their pictures, made, named, copied, archived, brought back and deleted, by mouse and by
 // keys; a link to one opens it, and a link to none leads here.
 
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+
 import { expect, runBrowserTest, settled } from "./page.mjs";
 
 const ADDRESS = new URL(process.argv[2]);
@@ -37,6 +41,7 @@ await runBrowserTest(async ({ open, visit, picture }) => {
   await byMouse(page, picture);
   await byKeys(page, picture);
   await backAndForth(page);
+  await aSceneOfOnesOwn(page, picture);
   await nowhere(visit, picture);
   await whoIsThere(open, page);
   await aStrangersLink(visit, page);
@@ -100,6 +105,44 @@ async function byMouse(page, picture) {
   await asked.getByRole("button", { name: "Delete", exact: true }).click();
   await page.getByText("“Shot 010 copy” is deleted.").waitFor();
   expect((await named("Shot 010 copy")) === undefined, "What is deleted is gone.");
+}
+
+/** Files are picked in the dialog: what is no scene is refused in a sentence, a scene becomes a session of the typed name. */
+async function aSceneOfOnesOwn(page, picture) {
+  const folder = mkdtempSync(join(tmpdir(), "scenes-"));
+  const file = (name, text) => {
+    writeFileSync(join(folder, name), text);
+    return join(folder, name);
+  };
+  const pick = async (file) => {
+    await page.getByRole("button", { name: "New session" }).click();
+    const dialog = page.getByRole("dialog", { name: "New session" });
+    await dialog.getByLabel("Name").fill("My room");
+    const [chooser] = await Promise.all([
+      page.waitForEvent("filechooser"),
+      dialog.getByRole("button", { name: "Pick files" }).click(),
+    ]);
+    await chooser.setFiles([file]);
+    await dialog.waitFor({ state: "hidden" });
+  };
+  try {
+    await pick(file("broken.gltf", "{}"));
+    const panel = page.getByRole("region", { name: "A scene on its way" });
+    await panel.getByRole("alert").waitFor();
+    await picture(page, "4-no-scene");
+    await panel.getByRole("button", { name: "Close" }).click();
+    const isBack = await page.evaluate(() => document.activeElement.textContent.includes("New session"));
+    expect(isBack, "Closing must give the focus back to what makes sessions.");
+    expect((await named("My room")) === undefined, "What is no scene makes no session.");
+    await pick(file("room.gltf", JSON.stringify({ asset: { version: "2.0" }, nodes: [{ name: "wall" }] })));
+    await settled(page);
+    expect(hash(page).includes("session=my-room"), `The address must name it: ${hash(page)}`);
+    await page.locator(".scene-name", { hasText: "room" }).waitFor();
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
+  await page.goBack();
+  await link(page, "My room").waitFor();
 }
 
 /** The same by keys alone. */
