@@ -75,7 +75,7 @@ impl SessionCheckpoint {
 
     /// One line of JSON.
     pub fn to_json(&self) -> String {
-        crate::log_file::to_line(self)
+        crate::log_line::to_line(self)
     }
 
     /// The session that goes on from here.

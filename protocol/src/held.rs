@@ -10,7 +10,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::log_file::{FindLine, ReadError};
+use crate::log_line::{FindLine, ReadError, to_line};
 use crate::{FileError, MAX_RECORD_BYTES};
 
 /// Objects and arrays with more bytes of JSON than this are written once.
@@ -102,7 +102,7 @@ impl<E, F: FnMut(&str) -> Result<Option<Place>, E>> Writer<'_, F> {
         self.copy_to(span.start);
         if let Some(Place { record, at }) = place {
             let reference = Reference { same_as: Target { record, at, hash } };
-            self.line.text.push_str(&crate::log_file::to_line(&reference));
+            self.line.text.push_str(&to_line(&reference));
             self.copied = span.end;
         } else {
             let at = self.line.text.len();

@@ -17,6 +17,7 @@ mod http;
 mod light;
 pub mod light_file;
 mod log_file;
+mod log_line;
 mod message;
 mod openapi;
 mod outcome;
@@ -49,9 +50,8 @@ pub use http::{
     Asset, DemoScene, DemoScenes, Duplicate, Edit, EditResults, Edits, ErrorBody, LastChange, NewSession,
     Pick, Picked, SceneNodes, SessionChange, SessionEntry, SessionList, SessionState,
 };
-pub use log_file::{
-    Checkpoint, CheckpointLine, FIRST_PROOF, FindLine, LogHeader, LogLine, LogReader, ReadError, next_proof,
-};
+pub use log_file::{Checkpoint, CheckpointLine, FIRST_PROOF, LogHeader, LogLine, LogReader, next_proof};
+pub use log_line::{FindLine, ReadError};
 pub use message::{
     ClientMessage, History, HistoryStep, HistorySteps, Interaction, PROTOCOL, Presence, Reduction, Resync,
     ServerMessage, Settings, State, ViewSettings, ViewSource, Welcome, parse_body,

@@ -9,6 +9,7 @@ use sha2::{Digest, Sha256};
 
 use crate::error::from_json;
 use crate::held::{HeldLines, MIN_HELD_BYTES};
+use crate::log_line::{FindLine, ReadError, to_line};
 use crate::record::known_format;
 use crate::{FileError, Record};
 
@@ -59,24 +60,6 @@ pub const FIRST_PROOF: &str = "0000000000000000000000000000000000000000000000000
 /// in the log, without its end. So it covers all that a record says, who did it, when and under which name included.
 pub fn next_proof(before: &str, line: &str) -> String {
     format!("{:x}", Sha256::new().chain_update(before).chain_update(line).finalize())
-}
-
-/// Gives the lines of earlier records.
-pub type FindLine<'a, E> = dyn FnMut(u64) -> Result<Option<String>, E> + 'a;
-
-/// Why a line is not read.
-#[derive(Debug)]
-pub enum ReadError<E> {
-    /// It is no record, or refers to what is not there.
-    Line(FileError),
-    /// An earlier line could not be had.
-    Source(E),
-}
-
-impl<E> From<FileError> for ReadError<E> {
-    fn from(reason: FileError) -> Self {
-        Self::Line(reason)
-    }
 }
 
 /// Reads the lines of a log after its header, in order: resolves references and keeps the proof.
@@ -203,8 +186,4 @@ impl LogHeader {
             _ => next_proof("", line),
         }
     }
-}
-
-pub(crate) fn to_line(value: &impl Serialize) -> String {
-    serde_json::to_string(value).expect("plain data with string keys")
 }

@@ -26,7 +26,6 @@ pub const MAX_RECORD_BYTES: usize = 32 << 20;
 /// [`document::Change`] in JSON; `type` says which (SPEC, section 3).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "camelCase", deny_unknown_fields)]
-#[expect(missing_docs, reason = "the fields are those of document::Change, one by one")]
 pub enum Change {
     /// Another scene's geometry.
     Scene { old: Option<SceneRef>, new: Option<SceneRef> },
@@ -95,7 +94,6 @@ pub enum Scope {
 /// [`edit::Action`] in JSON; `type` says which.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "camelCase", deny_unknown_fields)]
-#[expect(missing_docs, reason = "the fields are those of edit::Action, one by one")]
 pub enum Action {
     /// A command.
     Edit {
@@ -193,7 +191,7 @@ impl Record {
 
     /// One line of JSON, in full.
     pub fn to_json(&self) -> String {
-        crate::log_file::to_line(self)
+        crate::log_line::to_line(self)
     }
 }
 

@@ -9,8 +9,9 @@ use plotters::prelude::*;
 use protocol::ClientMessage;
 use serde::Serialize;
 
-use crate::circle::{GESTURE, Quantiles, decode, drag_in_a_circle, open_view};
-use crate::{BenchError, Client, Incoming, ServerProcess};
+use crate::chart::{self, Area, BLUE, ChartResult, GREY};
+use crate::circle::{GESTURE, decode, drag_in_a_circle, open_view};
+use crate::{BenchError, Client, Incoming, Quantiles, ServerProcess};
 
 /// Sizes of views in pixels, and clients that have one; all but one of those only watch.
 const SIZES: [[u32; 2]; 2] = [[686, 382], [1280, 720]];
@@ -31,7 +32,7 @@ pub struct Case {
     /// The same of each that watches, the mean of all; `null` where nobody does.
     pub watched_frames_per_second: Option<f64>,
     /// From sending an update to having decoded the first frame that shows it or a later one, by the one that drags.
-    pub edit_to_decoded: Quantiles,
+    pub edit_to_decoded_ms: Quantiles,
     /// Bytes of a moving frame of the one that drags, the middle of all.
     pub frame_bytes_p50: usize,
     /// Bytes a second of its frames.
@@ -81,7 +82,7 @@ fn measure_one(
         viewers,
         frames_per_second: bytes.len() as f64 / seconds,
         watched_frames_per_second,
-        edit_to_decoded: drag.edit_to_decoded(),
+        edit_to_decoded_ms: drag.edit_to_decoded_ms(),
         frame_bytes_p50: bytes.get(bytes.len() / 2).copied().unwrap_or(0),
         bytes_per_second: bytes.iter().sum::<usize>() as f64 / seconds,
     })
@@ -101,13 +102,9 @@ fn watch(mut client: Client, is_over: &AtomicBool) -> Result<f64, BenchError> {
 }
 
 /// Two bars a case, p50 and p95, with the frames a second above.
-pub(crate) fn draw(
-    area: &DrawingArea<SVGBackend<'_>, plotters::coord::Shift>,
-    cases: &[Case],
-) -> Result<(), Box<dyn std::error::Error>> {
-    const BARS: [(&str, RGBColor, f64); 2] =
-        [("p50", RGBColor(0x2f, 0x6d, 0xb5), 0.1), ("p95", RGBColor(0xb0, 0xb0, 0xb0), 0.5)];
-    let top = cases.iter().map(|case| case.edit_to_decoded.p95_ms).fold(1.0, f64::max) * 1.25;
+pub(crate) fn draw(area: &Area, cases: &[Case]) -> ChartResult {
+    const BARS: [(&str, RGBColor, f64); 2] = [("p50", BLUE, 0.1), ("p95", GREY, 0.5)];
+    let top = cases.iter().map(|case| case.edit_to_decoded_ms.p95).fold(1.0, f64::max) * 1.25;
     let mut plot = ChartBuilder::on(area)
         .caption("edit to decoded frame, by size and viewers", ("sans-serif", 20))
         .margin(12)
@@ -117,27 +114,20 @@ pub(crate) fn draw(
     plot.configure_mesh().y_desc("ms").disable_x_mesh().disable_x_axis().draw()?;
     for (name, color, from) in BARS {
         let ms = |case: &Case| {
-            if name == "p50" { case.edit_to_decoded.p50_ms } else { case.edit_to_decoded.p95_ms }
+            if name == "p50" { case.edit_to_decoded_ms.p50 } else { case.edit_to_decoded_ms.p95 }
         };
         let bar = |(k, case): (usize, &Case)| {
             let x = k as f64 + from;
             Rectangle::new([(x, 0.0), (x + 0.35, ms(case))], color.filled())
         };
-        plot.draw_series(cases.iter().enumerate().map(bar))?
-            .label(name)
-            .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 12, y + 5)], color.filled()));
+        plot.draw_series(cases.iter().enumerate().map(bar))?.label(name).legend(chart::swatch(color));
     }
     let label = |(k, case): (usize, &Case)| {
         let Case { width, height, viewers, frames_per_second, .. } = case;
         let of = if *viewers == 1 { "viewer" } else { "viewers" };
         let text = format!("{width}x{height}, {viewers} {of}, {frames_per_second:.0}/s");
-        Text::new(text, (k as f64 + 0.06, case.edit_to_decoded.p95_ms + 0.06 * top), ("sans-serif", 14))
+        Text::new(text, (k as f64 + 0.06, case.edit_to_decoded_ms.p95 + 0.06 * top), ("sans-serif", 14))
     };
     plot.draw_series(cases.iter().enumerate().map(label))?;
-    plot.configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.3))
-        .draw()?;
-    Ok(())
+    chart::key(&mut plot, SeriesLabelPosition::UpperLeft)
 }

@@ -9,23 +9,13 @@ use serde::Serialize;
 use stream::FrameHeader;
 
 use crate::dragged::Circle;
-use crate::{BenchError, Client, Incoming, Tiles};
+use crate::{BenchError, Client, Incoming, Quantiles, Tiles};
 
 /// A page sends at most one update an animation frame.
 pub(crate) const ANIMATION_FRAME: Duration = Duration::from_micros(16_667);
 
 /// The client's name for its drag.
 pub(crate) const GESTURE: &str = "bench";
-
-/// Milliseconds of the middle and of the slow end of many.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct Quantiles {
-    /// Half are faster.
-    pub p50_ms: f64,
-    /// 95 in 100 are faster.
-    pub p95_ms: f64,
-}
 
 /// The way of an update to the screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -161,8 +151,8 @@ impl Drag {
     }
 
     /// From each update to its picture.
-    pub fn edit_to_decoded(&self) -> Quantiles {
-        quantiles(self.latencies_ms.clone())
+    pub fn edit_to_decoded_ms(&self) -> Quantiles {
+        Quantiles::of(self.latencies_ms.iter().copied())
     }
 
     /// Bytes of each frame, the least first.
@@ -184,27 +174,4 @@ pub(crate) fn decode(header: &FrameHeader, tiles: &Tiles, picture: &mut RgbImage
 
 pub(crate) fn ms(duration: Duration) -> f64 {
     duration.as_secs_f64() * 1000.0
-}
-
-/// Of values in any order; 0 of none.
-pub(crate) fn quantiles(mut values: Vec<f64>) -> Quantiles {
-    values.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        let index = (share * values.len() as f64).ceil() as usize;
-        values.get(index.saturating_sub(1)).copied().unwrap_or(0.0)
-    };
-    Quantiles { p50_ms: at(0.5), p95_ms: at(0.95) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quantiles_are_values_that_were_measured() {
-        let hundred: Vec<f64> = (1..=100).rev().map(f64::from).collect();
-        assert_eq!(quantiles(hundred), Quantiles { p50_ms: 50.0, p95_ms: 95.0 });
-        assert_eq!(quantiles(vec![7.0]), Quantiles { p50_ms: 7.0, p95_ms: 7.0 });
-        assert_eq!(quantiles(Vec::new()), Quantiles { p50_ms: 0.0, p95_ms: 0.0 });
-    }
 }

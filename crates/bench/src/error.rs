@@ -14,7 +14,6 @@ use thiserror::Error;
 pub enum BenchError {
     /// The server could not be started.
     #[error("the server {program} does not start: {reason}")]
-    #[expect(missing_docs, reason = "its fields are what their names say")]
     Start { program: String, reason: String },
     /// The server's first line is not an address.
     #[error("`{0}` is no address of a server: it should look like http://127.0.0.1:8080/#token=...")]
@@ -56,7 +55,6 @@ pub enum BenchError {
     Io(#[from] std::io::Error),
     /// What a process uses could not be read.
     #[error("{}: cannot be read ({reason}): `bench neighbours` needs Linux's /proc", file.display())]
-    #[expect(missing_docs, reason = "its fields are what their names say")]
     Usage { file: PathBuf, reason: String },
     /// A folder without other renderers.
     #[error("{}: holds no peers: each is a folder in it with a bench.py; name another with --peers", .0.display())]
@@ -69,7 +67,6 @@ pub enum BenchError {
     NoPython(PathBuf),
     /// Another renderer could not be measured.
     #[error("{} cannot be measured by {} ({reason}); try it by hand", script.display(), python.display())]
-    #[expect(missing_docs, reason = "its fields are what their names say")]
     Peer { script: PathBuf, python: PathBuf, reason: String },
     /// The picture of the result could not be drawn.
     #[error("the chart cannot be drawn: {0}")]

@@ -7,6 +7,7 @@
 
 mod bent;
 mod cases;
+mod chart;
 mod circle;
 mod client;
 pub mod compare;
@@ -18,10 +19,12 @@ pub mod log;
 pub mod neighbours;
 mod peers;
 mod process;
+mod progress;
+mod quantiles;
 pub mod session;
 pub mod shadow;
 mod solids;
-mod spread;
+pub mod solver;
 pub mod stills;
 pub mod sweep;
 
@@ -30,4 +33,5 @@ pub use client::{Client, Incoming, Known, Tiles};
 pub use error::BenchError;
 pub use peers::Peers;
 pub use process::{Address, Response, ServerProcess};
-pub use spread::Spread;
+pub use progress::Progress;
+pub use quantiles::Quantiles;

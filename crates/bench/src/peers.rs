@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use serde::Deserialize;
 
-use crate::{BenchError, Spread};
+use crate::{BenchError, Quantiles};
 
 /// What measures one renderer: `DIR/NAME/bench.py FRAMES`.
 const SCRIPT: &str = "bench.py";
@@ -36,7 +36,7 @@ pub(crate) struct Peer {
     pub version: String,
     /// Milliseconds a frame: the least and the middle of the medians of its runs. Its fastest frame may be one in which
     /// nothing moved.
-    pub wall_ms: Spread,
+    pub wall_ms: Quantiles,
 }
 
 impl Peer {
@@ -46,7 +46,7 @@ impl Peer {
         for Line { name, version, .. } in lines {
             if peers.iter().all(|peer| peer.name != *name) {
                 let of_it = lines.iter().filter(|line| line.name == *name);
-                let wall_ms = Spread::of(of_it.map(|line| line.ms_median).collect());
+                let wall_ms = Quantiles::of(of_it.map(|line| line.ms_median));
                 peers.push(Self { name: name.clone(), version: version.clone(), wall_ms });
             }
         }
@@ -137,10 +137,12 @@ mod tests {
     fn a_peer_has_the_least_and_the_middle_of_its_runs() {
         let line = |name: &str, ms_median| Line { name: name.into(), version: "1".into(), ms_median };
         let lines = [line("b", 9.0), line("a", 2.0), line("b", 7.0), line("a", 5.0), line("b", 8.0)];
-        let found: Vec<_> =
-            Peer::all(&lines).into_iter().map(|Peer { name, wall_ms, .. }| (name, wall_ms)).collect();
+        let found: Vec<_> = Peer::all(&lines)
+            .into_iter()
+            .map(|Peer { name, wall_ms, .. }| (name, wall_ms.min, wall_ms.p50))
+            .collect();
         let expected = [("b", 7.0, 8.0), ("a", 2.0, 2.0)];
-        let expected = expected.map(|(name, min, median)| (name.to_owned(), Spread { min, median }));
+        let expected = expected.map(|(name, min, median)| (name.to_owned(), min, median));
         assert_eq!(found, expected);
     }
 }

@@ -141,6 +141,12 @@ pub enum Error {
     /// A measurement that could not be made.
     #[error(transparent)]
     Bench(#[from] BenchError),
+    /// The light model's solver gave wrong answers.
+    #[error(
+        "the solver is wrong: {wrong} roots wrong and {nan} not a number; keep the answer's `firstWrong`, whose family and \
+         index give the case again"
+    )]
+    SolverWrong { wrong: u64, nan: u64 },
     /// A server that lets one client take from another more than it may.
     #[error(
         "{rows}: bounds are missed; `missed` of each row says which, and `alone` beside `with` by how much"
@@ -158,6 +164,7 @@ impl Error {
             Self::Cli(error) => error.exit_code(),
             Self::Server(ServerError::Store(StoreError::NotAFolder(_))) => 2,
             Self::Missed { .. }
+            | Self::SolverWrong { .. }
             | Self::Store(StoreError::Io { .. } | StoreError::Database(_) | StoreError::Unwritable(_))
             | Self::NoRuntime(_)
             | Self::Server(

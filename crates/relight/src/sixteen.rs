@@ -1,4 +1,4 @@
-//! The light model's solver for sixteen points at once, for `bendylights-studies solver` to measure.
+//! The light model's solver for sixteen points at once, for `bendylights bench solver` to measure.
 
 use glam::Vec3;
 use light::{Curve, Lanes, Roots, increasing_roots};

@@ -199,10 +199,19 @@ impl Gpu {
 
 /// Reversed z: what is nearer has more.
 pub(crate) fn nearer_wins() -> wgpu::DepthStencilState {
+    depth_test(wgpu::CompareFunction::Greater)
+}
+
+/// Of bent shadow maps, whose depth grows along the light.
+pub(crate) fn least_depth_wins() -> wgpu::DepthStencilState {
+    depth_test(wgpu::CompareFunction::Less)
+}
+
+fn depth_test(passes: wgpu::CompareFunction) -> wgpu::DepthStencilState {
     wgpu::DepthStencilState {
         format: DEPTH_FORMAT,
         depth_write_enabled: Some(true),
-        depth_compare: Some(wgpu::CompareFunction::Greater),
+        depth_compare: Some(passes),
         stencil: wgpu::StencilState::default(),
         bias: wgpu::DepthBiasState::default(),
     }

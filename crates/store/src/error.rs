@@ -31,7 +31,6 @@ pub enum StoreError {
     BackupIsThere(PathBuf),
     /// A file or folder that the system would not read or write.
     #[error("{}: cannot be used ({reason}); check that you may write there and that the disk is not full", path.display())]
-    #[expect(missing_docs, reason = "its fields are what their names say")]
     Io { path: PathBuf, reason: io::Error },
     /// The database could not.
     #[error(
@@ -125,19 +124,15 @@ pub enum StoreError {
     Unwritable(io::Error),
     /// A line of a log file that is not UTF-8. Lines count from 1.
     #[error("line {line}: is not UTF-8 text; give a file that `bendylights export` wrote")]
-    #[expect(missing_docs, reason = "its fields are what their names say")]
     NotText { line: u64 },
     /// A line of a log file that does not have the right shape. Lines count from 1.
     #[error("line {line}: {reason}")]
-    #[expect(missing_docs, reason = "its fields are what their names say")]
     Line { line: u64, reason: FileError },
     /// A stored record that does not have the right shape.
     #[error("record {seq} is damaged: {reason}")]
-    #[expect(missing_docs, reason = "its fields are what their names say")]
     DamagedRecord { seq: u64, reason: FileError },
     /// A record without a meaning.
     #[error("record {seq}: {reason}")]
-    #[expect(missing_docs, reason = "its fields are what their names say")]
     Meaningless { seq: u64, reason: Refused },
     /// A log file without its end.
     #[error("the log ends without a checkpoint: it was cut short; export it again")]

@@ -18,20 +18,6 @@ pub enum StudyError {
     /// A scene could not be read.
     #[error(transparent)]
     Asset(#[from] AssetError),
-    /// The scene has nothing to compare directions of.
-    #[error("this scene has no BendyLight: name one that has, or bend a spotlight with `bendylights bend`")]
-    NoBendyLight,
-    /// The product's own solver gave wrong answers.
-    #[error(
-        "the solver is wrong: {wrong} roots wrong and {nan} not a number; keep the answer's `firstWrong`, whose family and \
-         index give the case again"
-    )]
-    SolverWrong {
-        /// Missed, made up or over the bars.
-        wrong: u64,
-        /// Not a number.
-        nan: u64,
-    },
     /// A property of `stress` does not hold.
     #[error(
         "{count} of the properties do not hold, the first of them `{property}`: the answer has the simplest case of each, \
@@ -45,9 +31,6 @@ pub enum StudyError {
         /// The seed of its case.
         seed: u64,
     },
-    /// The picture of the result could not be drawn.
-    #[error("the chart cannot be drawn: {0}")]
-    Chart(String),
     /// An answer or a file could not be written.
     #[error(transparent)]
     Cli(#[from] CliError),
@@ -58,10 +41,9 @@ impl StudyError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Cli(error) => error.exit_code(),
-            Self::SolverWrong { .. }
-            | Self::Broken { .. }
+            Self::Broken { .. }
             | Self::Render(RenderError::NoAdapter(_) | RenderError::DeviceLost(_) | RenderError::Gpu(_)) => 1,
-            Self::Render(_) | Self::Light(_) | Self::Asset(_) | Self::NoBendyLight | Self::Chart(_) => 2,
+            Self::Render(_) | Self::Light(_) | Self::Asset(_) => 2,
         }
     }
 }

@@ -6,7 +6,7 @@ mod commands;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use commands::{direction, drags, solver, stress, work};
+use commands::{drags, stress, work};
 
 /// Studies of the light model: what its decisions rest on, measured again, and what breaks it.
 #[derive(Parser)]
@@ -18,12 +18,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Study {
-    /// From where should light be said to arrive? Along the tube, along its path, or in between, at bends and joints
-    Direction(direction::Args),
     /// Do drags land? Random ones, beside a slow solver that says which of them could
     Drags(drags::Args),
-    /// Which solver finds a point's place in a light, how fast, how accurately, and does it ever fail?
-    Solver(solver::Args),
     /// Does anything break, for any light and scene? Random and unkind cases against bounds, for as long as you like
     Stress(stress::Args),
     /// What do drags cost? Counted steps and seconds, and a search for the most expensive one
@@ -32,8 +28,6 @@ enum Study {
 
 const EXAMPLES: &str = "\
 Examples:
-  bendylights-studies solver -o solver.svg
-  bendylights-studies direction -o direction.svg --pictures .
   bendylights-studies stress --minutes 10
   bendylights-studies drags --drags 100
 
@@ -41,9 +35,7 @@ Examples:
 
 fn main() -> ExitCode {
     let done = match Cli::parse().study {
-        Study::Direction(args) => direction::run(&args),
         Study::Drags(args) => drags::run(&args),
-        Study::Solver(args) => solver::run(&args),
         Study::Stress(args) => stress::run(&args),
         Study::Work(args) => work::run(&args),
     };

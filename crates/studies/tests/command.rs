@@ -5,7 +5,7 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-const STUDIES: [&str; 4] = ["direction", "drags", "solver", "stress"];
+const STUDIES: [&str; 3] = ["drags", "stress", "work"];
 
 fn run(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_bendylights-studies")).args(args).output().expect("the binary runs")
@@ -60,25 +60,9 @@ fn the_readme_and_the_help_show_commands_that_exist() {
         assert_eq!(unknown_words(text), [""; 0]);
     }
     assert_eq!(
-        unknown_words("bendylights-studies solver --quick\nbendylights-studies paint"),
+        unknown_words("bendylights-studies drags --quick\nbendylights-studies paint"),
         ["--quick", "no study paint"]
     );
-}
-
-#[test]
-fn each_study_answers_and_draws_its_chart() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = |name: &str| folder.path().join(name).display().to_string();
-    let (solver, _) = answer(&["solver", "--inputs", "100", "--only", "ours", "-o", &path("solver.svg")], 0);
-    assert_eq!(solver["ours"]["wrong"], 0);
-    let pictures = path("pictures");
-    let direction = ["direction", "--size", "32x18", "-o", &path("direction.svg"), "--pictures", &pictures];
-    let (direction, _) = answer(&direction, 0);
-    assert!(direction["grid"].as_array().is_some_and(|grid| !grid.is_empty()));
-    for chart in ["solver.svg", "direction.svg"] {
-        assert!(std::fs::read_to_string(path(chart)).expect("a chart").starts_with("<svg"), "{chart}");
-    }
-    assert!(folder.path().join("pictures/panels.png").is_file());
 }
 
 #[test]
@@ -116,10 +100,8 @@ fn a_property_that_does_not_hold_gives_its_case_and_exit_code_1() {
 #[test]
 fn bad_usage_exits_with_2_and_says_what_is_allowed() {
     for (args, must_say) in [
-        (&["solver", "-o", "chart.png"][..], "name it OUT.svg"),
-        (&["solver", "--only", "guess"], "ours"),
-        (&["direction", "--size", "0x10"], "1 to 8192"),
-        (&["direction", "-o", "/nowhere/out.svg"], "check the folder"),
+        (&["drags", "--size", "0x10"][..], "1 to 8192"),
+        (&["drags", "--failures", "/dev/null/failures"], "check"),
         (&["stress", "--only", "beauty"], "lone-plane"),
         (&["stress", "--minutes", "0"], "number of minutes"),
         (&["shadow"], "Usage"),

@@ -4,22 +4,9 @@ import { aimedAt, cameraThrough } from "../core/aiming";
 import { lightName, lightOf } from "../core/document";
 import { viewSizeOf } from "../core/frame";
 import type { LightId } from "../core/ids";
-import type { Orbit } from "../core/navigation";
 import { questionAt, type PixelQuestion } from "../core/probing";
-import type { Camera } from "../core/protocol";
 import { isFree } from "./light_actions";
 import type { Page } from "./page";
-
-/** Whether the next click in the picture is what the selected light is aimed at; `missed` where the last found nothing. */
-export type Aiming = "off" | "on" | "missed";
-
-/** A view through a light, and the one before it. */
-export interface Excursion {
-  light: LightId;
-  name: string;
-  camera: Camera;
-  before: Orbit;
-}
 
 /** Whether a click in the picture aims a light. */
 export const isAiming = ({ aiming, selectedLight }: Page): boolean =>

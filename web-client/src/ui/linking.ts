@@ -10,16 +10,6 @@ import type { Parameter } from "../core/protocol";
 import { isFree } from "./light_actions";
 import type { Page } from "./page";
 
-/** Where clicks in the picture put what they hit. */
-export interface Linking {
-  light: LightId;
-  /** The light's links to nodes that it lights, or to those that throw shadows in it. */
-  row: Parameter;
-  list: LinkList;
-  /** What came of the last click; `null` before the first. */
-  said: string | null;
-}
-
 /** Whether a click in the picture links an object to a light. */
 export const isLinking = ({ linking, selectedLight }: Page): boolean =>
   linking.value !== null && linking.value.light === selectedLight.value;

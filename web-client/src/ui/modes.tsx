@@ -5,7 +5,8 @@ import type { ComponentChildren } from "preact";
 
 import { seeTheSame } from "../core/camera";
 import { lightName } from "../core/document";
-import { type Aiming as AimingState, lookBack } from "./directing";
+import { lookBack } from "./directing";
+import type { Aiming as AimingState } from "./page_state";
 import { isLinking, linkingText } from "./linking";
 import { holderOf, usePage } from "./page";
 import { nameOf } from "./person";

@@ -6,13 +6,7 @@ import { lightName, lightOf } from "../core/document";
 import type { LightId } from "../core/ids";
 import { pinsOf } from "../core/tools";
 import { type Page, usePage } from "./page";
-
-/** A light that goes if a person says so. */
-export interface Removal {
-  light: LightId;
-  /** Gives the focus away before what has it goes. */
-  leave(): void;
-}
+import type { Removal } from "./page_state";
 
 /** Removes the light; one that takes pins with it only once a person has agreed. */
 export function removeLight(page: Page, light: LightId, leave: () => void): void {

@@ -5,7 +5,8 @@ use gltf::json::camera::{Camera, Type};
 use gltf::json::validation::Checked;
 use scene::Projection;
 
-use super::nodes::{Place, rigid};
+use super::nodes::Place;
+use super::placement::rigid;
 use super::{Source, name_or};
 use crate::notes::Notes;
 

@@ -4,7 +4,7 @@ use glam::DAffine3;
 use gltf::json::Node;
 
 use super::accessors::Integers;
-use super::nodes::compose;
+use super::placement::compose;
 use super::{Report, Source};
 use crate::fault::broken;
 use crate::{Fault, Limit};

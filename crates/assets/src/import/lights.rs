@@ -8,7 +8,8 @@ use gltf::json::validation::Checked;
 use light::parameters::{COLOR, CONE_ANGLE, CONE_SOFTNESS, INTENSITY, NAME, PROFILE, PROFILE_POWER, RANGE};
 use light::{CheckedLight, Light, ProfileCurve, Transform};
 
-use super::nodes::{Place, rigid};
+use super::nodes::Place;
+use super::placement::rigid;
 use super::{Source, name_or};
 use crate::notes::Notes;
 

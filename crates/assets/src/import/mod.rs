@@ -15,6 +15,7 @@ mod materials;
 mod meshes;
 mod nodes;
 mod pack;
+mod placement;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;

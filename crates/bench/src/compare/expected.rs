@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use reference::{LightSample, Reference, Source, Surface, reflected};
 use scene::{Fill, PosedScene, Scene, View};
 
-use super::scan::Crossing;
+use super::crossing::Crossing;
 use super::{Drawn, Verdict, rgb};
 
 /// A scene under one light and nothing else, seen by a camera.

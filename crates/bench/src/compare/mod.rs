@@ -5,6 +5,7 @@
 //! the shadow map and in pixels.
 
 mod boundary;
+mod crossing;
 mod expected;
 mod panels;
 mod scan;
@@ -18,6 +19,7 @@ use render::{Picture, RenderError, Renderer, ShadowFilter, ShadowSettings};
 use scene::{Aov, View};
 use serde::Serialize;
 
+use crate::Quantiles;
 use crate::compare::expected::Seen;
 
 pub use expected::{Expected, Subject};
@@ -94,19 +96,6 @@ pub struct Comparison {
     /// Indices of those that `off_edge` counts.
     #[serde(skip)]
     pub off_edge_pixels: Vec<usize>,
-}
-
-/// Quantiles of some values; 0 of none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Quantiles {
-    /// How many there were.
-    pub count: usize,
-    /// Half are at most this.
-    pub p50: f64,
-    /// 99 of 100 are at most this.
-    pub p99: f64,
-    /// The largest.
-    pub max: f64,
 }
 
 /// What the GPU makes of a [`Subject`].
@@ -191,7 +180,7 @@ impl Expected<'_> {
             off_edge: off_edge_pixels.len(),
             not_finite: count(Verdict::NotFinite),
             radiance_rmse: self.radiance_rmse(drawn, &verdicts),
-            displacement_texels: Quantiles::of(judged.iter().filter_map(|judged| judged.1).collect()),
+            displacement_texels: Quantiles::of(judged.iter().filter_map(|judged| judged.1)),
             displacement_pixels: Quantiles::of(self.displacements(&drawn.fine_visibility)),
             verdicts,
             off_edge_pixels,
@@ -299,17 +288,6 @@ fn reach(filter: ShadowFilter) -> f64 {
         ShadowFilter::Pcf3x3 => 2.0,
     };
     texels * std::f64::consts::SQRT_2
-}
-
-impl Quantiles {
-    fn of(mut values: Vec<f64>) -> Self {
-        values.sort_by(f64::total_cmp);
-        let at = |share: f64| {
-            let index = (share * values.len() as f64).ceil() as usize;
-            values.get(index.saturating_sub(1)).copied().unwrap_or(0.0)
-        };
-        Self { count: values.len(), p50: at(0.5), p99: at(0.99), max: at(1.0) }
-    }
 }
 
 impl Subject {

@@ -1,10 +1,10 @@
 //! Where scan lines cross shadows' edges, in the reference and in the picture.
 
-use glam::DVec2;
 use rayon::prelude::*;
 use render::Picture;
 
 use super::Expected;
+use super::crossing::{Axis, Crossing};
 use super::expected::Seen;
 
 /// The picture's visibility is drawn at this many times the size, so that its edges are known to a sixth of a
@@ -20,46 +20,6 @@ const COPLANAR: f64 = 0.3;
 /// Light that ends at an edge counts from this share of the brightest radiance on: nobody sees where less than that
 /// ends, at a light's rim or along a terminator.
 const VISIBLE: f64 = 0.01;
-
-/// A line of pixels' centres.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Axis {
-    Row,
-    Column,
-}
-
-/// Where a scan line crosses a shadow's edge by the reference.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Crossing {
-    axis: Axis,
-    /// Which row or column.
-    line: usize,
-    /// Pixels along it.
-    at: f64,
-    /// Sine of the angle between the line and the edge.
-    squareness: f64,
-    /// Whether the light ends there rather than begins.
-    falls: bool,
-}
-
-impl Axis {
-    /// The point of the picture that is `along` a line, in pixels.
-    fn point(self, line: f64, along: f64) -> DVec2 {
-        let across = line + 0.5;
-        match self {
-            Self::Row => DVec2::new(along, across),
-            Self::Column => DVec2::new(across, along),
-        }
-    }
-
-    /// The index in a picture of `width` of the pixel `along` a line.
-    fn index(self, width: usize, line: usize, along: usize) -> usize {
-        match self {
-            Self::Row => line * width + along,
-            Self::Column => along * width + line,
-        }
-    }
-}
 
 impl Expected<'_> {
     /// All crossings of rows and columns.

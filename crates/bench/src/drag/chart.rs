@@ -1,34 +1,24 @@
 //! How far from the cursor features end, and how long that takes, as an SVG.
 
 use drag::Feature;
-use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::measured::{LANDED_PX, Made, One};
 use super::trial::FEATURES;
-
-type Drawn = Result<(), Box<dyn std::error::Error>>;
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+use crate::BenchError;
+use crate::chart::{self, Area, BLUE, ChartResult, FAINT, GREEN, ORANGE, RED};
 
 /// One a feature, in their order.
-const COLORS: [RGBColor; 4] = [
-    RGBColor(0x2f, 0x6d, 0xb5),
-    RGBColor(0xe0, 0x8a, 0x1e),
-    RGBColor(0xd9, 0x48, 0x3b),
-    RGBColor(0x3a, 0x9a, 0x5c),
-];
+const COLORS: [RGBColor; 4] = [BLUE, ORANGE, RED, GREEN];
 
 /// Pixels and milliseconds that are drawn; what is less or more lies at the edge.
 const PX: (f64, f64) = (1e-3, 1e3);
 const MS: (f64, f64) = (1e-3, 1e2);
 
 /// Shares of drags over pixels above and milliseconds below: those of whole lights to the left, of control points to the right.
-pub(super) fn draw(all: &[Made]) -> Result<String, Box<dyn std::error::Error>> {
-    let mut svg = String::new();
-    {
-        let root = SVGBackend::with_string(&mut svg, (1000, 760)).into_drawing_area();
-        root.fill(&WHITE)?;
-        let panels = root.split_evenly((2, 2));
+pub(super) fn draw(all: &[Made]) -> Result<String, BenchError> {
+    chart::svg((1000, 760), "", |area| {
+        let panels = area.split_evenly((2, 2));
         for (deforms, name) in [(false, "the whole light moves"), (true, "chosen control points move")] {
             let of_kind: Vec<&Made> = all.iter().filter(|made| made.kind.deforms == deforms).collect();
             let column = usize::from(deforms);
@@ -37,9 +27,8 @@ pub(super) fn draw(all: &[Made]) -> Result<String, Box<dyn std::error::Error>> {
             let title = format!("how long does it take? {name}");
             panel(&panels[2 + column], (&title, "milliseconds"), MS, (&of_kind, |one| one.ms), false)?;
         }
-        root.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 /// Shares of drags: thick by the product, thin by the paper.
@@ -49,7 +38,7 @@ fn panel(
     (least, most): (f64, f64),
     (all, of): (&[&Made], fn(&One) -> f64),
     key: bool,
-) -> Drawn {
+) -> ChartResult {
     let mut plot = ChartBuilder::on(area)
         .caption(title, ("sans-serif", 15))
         .margin(12)
@@ -59,7 +48,7 @@ fn panel(
     plot.configure_mesh()
         .x_desc(unit)
         .y_desc("% of drags, at most so much")
-        .light_line_style(BLACK.mix(0.05))
+        .light_line_style(FAINT)
         .x_label_formatter(&|x| format!("{x}"))
         .y_label_formatter(&|y| format!("{y:.0}"))
         .draw()?;
@@ -76,19 +65,14 @@ fn panel(
         let ours = cumulative(values(|made| &made.ours), (least, most));
         let series = plot.draw_series(LineSeries::new(ours, color.stroke_width(3)))?;
         if key {
-            let swatch = move |(x, y)| PathElement::new([(x, y), (x + 18, y)], color.stroke_width(3));
-            series.label(name(feature)).legend(swatch);
+            series.label(name(feature)).legend(chart::line(color.stroke_width(3)));
         }
     }
     if key {
         plot.draw_series(std::iter::empty::<Circle<(f64, f64), i32>>())?
             .label("thin: the paper's formulas")
-            .legend(|(x, y)| PathElement::new([(x, y), (x + 18, y)], BLACK.mix(0.8)));
-        plot.configure_series_labels()
-            .position(SeriesLabelPosition::MiddleLeft)
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK.mix(0.3))
-            .draw()?;
+            .legend(chart::line(BLACK.mix(0.8)));
+        chart::key(&mut plot, SeriesLabelPosition::MiddleLeft)?;
     }
     Ok(())
 }

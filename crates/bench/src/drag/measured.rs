@@ -10,6 +10,7 @@ use super::off::{Off, distance_px};
 use super::paper;
 use super::stage::Stage;
 use super::trial::{Kind, Trial};
+use crate::{Progress, Quantiles};
 
 /// Pixels within which a feature lies under the cursor.
 pub(super) const LANDED_PX: f64 = 0.5;
@@ -54,7 +55,7 @@ pub struct KindReport {
     /// By the paper's formulas.
     pub paper: Side,
     /// Steps of the product's solver.
-    pub iterations: Spread,
+    pub iterations: Quantiles,
 }
 
 /// What one of the two made of the drags.
@@ -68,33 +69,11 @@ pub struct Side {
     /// How many features are not in the picture afterwards.
     pub lost: usize,
     /// From the cursor to the feature, in pixels.
-    pub px: Spread,
+    pub px: Quantiles,
     /// How far the equations are from holding at the cursor: in radii of shadow and hotspot, in radians of the others.
-    pub residual: Spread,
+    pub residual: Quantiles,
     /// Milliseconds, with the picks.
-    pub ms: Spread,
-}
-
-/// The middle and the far end of many; null where that many are lost or there are none.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Spread {
-    /// Half are less.
-    pub p50: Option<f64>,
-    /// 95 in 100 are less.
-    pub p95: Option<f64>,
-}
-
-impl Spread {
-    /// Of values in any order, infinite ones among them.
-    fn of(values: impl Iterator<Item = f64>) -> Self {
-        let mut values: Vec<f64> = values.collect();
-        values.sort_by(f64::total_cmp);
-        let at = |share: f64| {
-            let index = (share * values.len() as f64).ceil() as usize;
-            values.get(index.saturating_sub(1)).copied().filter(|value| value.is_finite())
-        };
-        Self { p50: at(0.5), p95: at(0.95) }
-    }
+    pub ms: Quantiles,
 }
 
 /// A drag, made twice.
@@ -132,15 +111,21 @@ impl One {
     }
 }
 
-/// Makes random drags of every kind in each scene; `progress` is called for each.
-pub(super) fn measured(stages: &[Stage], options: Options, progress: impl Fn()) -> (Report, Vec<Made>) {
-    let mut all = Vec::new();
+/// Makes random drags of every kind in each scene.
+pub(super) fn measured(
+    stages: &[Stage],
+    options: Options,
+    progress: impl Fn(Progress),
+) -> (Report, Vec<Made>) {
+    let (mut all, mut done) = (Vec::new(), 0);
+    let of = stages.len() * Kind::all().count() * options.drags;
     for stage in stages {
         for kind in Kind::all() {
             for number in 0..options.drags {
                 let trial = Trial::random(stage, kind, Trial::seed(options.seed, &stage.name, kind, number));
                 all.extend(trial.map(|trial| made(stage, &trial)));
-                progress();
+                done += 1;
+                progress(Progress { done, of, what: stage.name.clone() });
             }
         }
     }
@@ -172,7 +157,7 @@ fn made(stage: &Stage, trial: &Trial) -> Made {
 fn of_kind(kind: Kind, all: &[Made]) -> KindReport {
     let of_kind: Vec<&Made> = all.iter().filter(|made| made.kind == kind).collect();
     let side = |of: fn(&Made) -> &One| {
-        let values = |value: fn(&One) -> f64| Spread::of(of_kind.iter().map(move |made| value(of(made))));
+        let values = |value: fn(&One) -> f64| Quantiles::of(of_kind.iter().map(move |made| value(of(made))));
         let count = |is: fn(&One) -> bool| of_kind.iter().filter(|made| is(of(made))).count();
         Side {
             landed: count(|one| one.px <= LANDED_PX),
@@ -190,6 +175,6 @@ fn of_kind(kind: Kind, all: &[Made]) -> KindReport {
         drags: of_kind.len(),
         ours: side(|made| &made.ours),
         paper: side(|made| &made.paper),
-        iterations: Spread::of(of_kind.iter().map(|made| made.iterations as f64)),
+        iterations: Quantiles::of(of_kind.iter().map(|made| made.iterations as f64)),
     }
 }

@@ -9,17 +9,20 @@ mod stage;
 mod tests;
 mod trial;
 
-use crate::BenchError;
+use crate::{BenchError, Progress};
 
-pub use measured::{KindReport, Options, Report, Side, Spread};
+pub use measured::{KindReport, Options, Report, Side};
 pub use off::{Off, distance_px};
 pub use stage::Stage;
 pub use trial::{FEATURES, Kind, Trial};
 
-/// Makes random drags of every kind in each scene; `progress` is called for each. Returns what was measured and the chart,
-/// an SVG.
-pub fn run(stages: &[Stage], options: Options, progress: impl Fn()) -> Result<(Report, String), BenchError> {
+/// Makes random drags of every kind in each scene. Returns what was measured and the chart, an SVG.
+pub fn run(
+    stages: &[Stage],
+    options: Options,
+    progress: impl Fn(Progress),
+) -> Result<(Report, String), BenchError> {
     let (report, all) = measured::measured(stages, options, progress);
-    let chart = chart::draw(&all).map_err(|why| BenchError::Chart(why.to_string()))?;
+    let chart = chart::draw(&all)?;
     Ok((report, chart))
 }

@@ -2,14 +2,12 @@
 
 mod growth;
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 use render::Stage;
 
 use super::{BackendError, Contestant, Edit, EditReport, Report};
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), Box<dyn std::error::Error>>;
+use crate::BenchError;
+use crate::chart::{self, Area, ChartResult, FAINT};
 
 /// One a stage, in their order: the G-buffer and what is made of it grey, what makes maps blue and violet, what adds
 /// light warm, the rest green.
@@ -35,18 +33,15 @@ const HEIGHTS: [u32; 3] = [440, 60, 300];
 /// Height of a contestant's bar with its room.
 const BAR: u32 = 26;
 
-pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>> {
-    let mut svg = String::new();
-    {
-        let contest = HEIGHTS[1] + BAR * report.side_by_side.len() as u32;
-        let growth = if report.growth.is_empty() { 0 } else { HEIGHTS[2] };
-        let size = (WIDTH, 30 + HEIGHTS[0] + contest + growth);
-        let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        root.fill(&WHITE)?;
-        // The adapter's name has its driver's version.
-        let Report { scene, width, height, adapter, backend, .. } = report;
-        let title = format!("{scene}, {width} x {height} pixels, {adapter}, {backend}");
-        let (edits, rest) = root.titled(&title, ("sans-serif", 16))?.split_vertically(HEIGHTS[0]);
+pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
+    let contest = HEIGHTS[1] + BAR * report.side_by_side.len() as u32;
+    let growth = if report.growth.is_empty() { 0 } else { HEIGHTS[2] };
+    let size = (WIDTH, 30 + HEIGHTS[0] + contest + growth);
+    // The adapter's name has its driver's version.
+    let Report { scene, width, height, adapter, backend, .. } = report;
+    let title = format!("{scene}, {width} x {height} pixels, {adapter}, {backend}");
+    chart::svg(size, &title, |area| {
+        let (edits, rest) = area.split_vertically(HEIGHTS[0]);
         let (side_by_side, rest) = rest.split_vertically(contest);
         by_stages(&edits, report)?;
         contestants(&side_by_side, report)?;
@@ -55,16 +50,15 @@ pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>
                 growth::draw(area, axis, report)?;
             }
         }
-        root.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 /// A bar an edit and backend, its stages stacked, and a line across it for the whole frame.
-fn by_stages(area: &Area, report: &Report) -> Drawn {
+fn by_stages(area: &Area, report: &Report) -> ChartResult {
     let edits = &report.edits;
-    let all = |edit: &EditReport| edit.stages.iter().map(|stage| stage.costs.wall_ms.median).sum::<f64>();
-    let top = edits.iter().map(|edit| all(edit).max(edit.frame.wall_ms.median)).fold(1.0, f64::max);
+    let all = |edit: &EditReport| edit.stages.iter().map(|stage| stage.costs.wall_ms.p50).sum::<f64>();
+    let top = edits.iter().map(|edit| all(edit).max(edit.frame.wall_ms.p50)).fold(1.0, f64::max);
     let mut plot = ChartBuilder::on(area)
         .caption(caption(report), ("sans-serif", 15))
         .margin(12)
@@ -73,7 +67,7 @@ fn by_stages(area: &Area, report: &Report) -> Drawn {
         .build_cartesian_2d((0..Edit::ALL.len() - 1).into_segmented(), 0.0..1.08 * top)?;
     plot.configure_mesh()
         .disable_x_mesh()
-        .light_line_style(BLACK.mix(0.05))
+        .light_line_style(FAINT)
         .y_desc("wall ms, median")
         .x_label_style(("sans-serif", 13))
         .x_label_formatter(&|at| match at {
@@ -88,32 +82,25 @@ fn by_stages(area: &Area, report: &Report) -> Drawn {
     let width = (room - 24) / groups as u32;
     for (index, (stage, color)) in Stage::ALL.into_iter().zip(COLORS).enumerate() {
         let bar = |(at, edit): (usize, &EditReport)| {
-            let bottom: f64 = edit.stages[..index].iter().map(|stage| stage.costs.wall_ms.median).sum();
+            let bottom: f64 = edit.stages[..index].iter().map(|stage| stage.costs.wall_ms.p50).sum();
             let (left, group) = place(at);
             let right = SegmentValue::Exact(at % Edit::ALL.len() + 1);
-            let top = bottom + edit.stages[index].costs.wall_ms.median;
+            let top = bottom + edit.stages[index].costs.wall_ms.p50;
             let mut bar = Rectangle::new([(left, bottom), (right, top)], color.filled());
             let from = 12 + group * width;
             bar.set_margin(0, 0, from + 3, room.saturating_sub(from + width) + 3);
             bar
         };
-        plot.draw_series(edits.iter().enumerate().map(bar))?
-            .label(stage.name())
-            .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 12, y + 5)], color.filled()));
+        plot.draw_series(edits.iter().enumerate().map(bar))?.label(stage.name()).legend(chart::swatch(color));
     }
     let whole = |(at, edit): (usize, &EditReport)| {
         let (left, group) = place(at);
-        let (from, ms) = ((12 + group * width).cast_signed(), edit.frame.wall_ms.median);
+        let (from, ms) = ((12 + group * width).cast_signed(), edit.frame.wall_ms.p50);
         let ends = [(from, 0), (from + width.cast_signed(), 0)];
         EmptyElement::at((left, ms)) + PathElement::new(ends, BLACK.stroke_width(2))
     };
     plot.draw_series(edits.iter().enumerate().map(whole))?;
-    plot.configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.3))
-        .draw()?;
-    Ok(())
+    chart::key(&mut plot, SeriesLabelPosition::UpperRight)
 }
 
 /// What the bars of edits show, and how right they are.
@@ -133,7 +120,7 @@ fn color_of(backend: &str, report: &Report) -> RGBColor {
 }
 
 /// A bar each, to the median; the line in it is the minimum.
-fn contestants(area: &Area, report: &Report) -> Drawn {
+fn contestants(area: &Area, report: &Report) -> ChartResult {
     const LABELS: i32 = 190;
     let all: &[Contestant] = &report.side_by_side;
     let width = WIDTH.cast_signed();
@@ -142,17 +129,17 @@ fn contestants(area: &Area, report: &Report) -> Drawn {
         (14, 12),
         ("sans-serif", 15),
     ))?;
-    let slowest = all.iter().map(|one| one.wall_ms.median).fold(1.0, f64::max);
+    let slowest = all.iter().map(|one| one.wall_ms.p50).fold(1.0, f64::max);
     let scale = f64::from(width - LABELS - 190) / slowest;
     for (one, row) in all.iter().zip(0..) {
         let top = 40 + row * BAR.cast_signed();
-        let (median, min) = (one.wall_ms.median, one.wall_ms.min);
+        let (median, min) = (one.wall_ms.p50, one.wall_ms.min);
         let x = |ms: f64| LABELS + (ms * scale) as i32;
         let color = one.backend.map_or(COLORS[0], |backend| color_of(backend, report));
         area.draw(&Text::new(one.what.clone(), (14, top + 4), ("sans-serif", 13)))?;
         area.draw(&Rectangle::new([(LABELS, top), (x(median), top + 18)], color.filled()))?;
         area.draw(&PathElement::new([(x(min), top), (x(min), top + 18)], BLACK.stroke_width(2)))?;
-        let text = format!("{median:.1}, min {min:.1}; {:.2} of bent", one.to_bent.median);
+        let text = format!("{median:.1}, min {min:.1}; {:.2} of bent", one.to_bent.p50);
         area.draw(&Text::new(text, (x(median).min(width - 190) + 6, top + 4), ("sans-serif", 12)))?;
     }
     Ok(())

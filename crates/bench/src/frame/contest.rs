@@ -11,7 +11,7 @@ use super::side::timed;
 use super::subject::{Frame, Subject, crowd, instance, moved};
 use super::{Bench, Options};
 use crate::peers::{FEWEST_FRAMES, Line, Peer, RUNS};
-use crate::{BenchError, Peers, Spread};
+use crate::{BenchError, Peers, Quantiles};
 
 /// Whole frames of one kind.
 #[derive(Clone, Debug, Serialize)]
@@ -29,11 +29,11 @@ pub struct Contestant {
     pub version: Option<String>,
     /// Milliseconds a frame. Of another renderer, the least and the middle of the medians of its rounds: its fastest
     /// frame may be one in which nothing moved.
-    pub wall_ms: Spread,
+    pub wall_ms: Quantiles,
     /// Milliseconds a frame of the process on all cores; another renderer's is not known.
-    pub cpu_ms: Option<Spread>,
+    pub cpu_ms: Option<Quantiles>,
     /// Wall time over that of `bent` by the backend that is measured, minimum over minimum and median over median.
-    pub to_bent: Spread,
+    pub to_bent: Quantiles,
 }
 
 /// Ours.
@@ -164,7 +164,7 @@ pub(super) fn measured(bench: &mut Bench, subject: &Subject) -> Result<Vec<Conte
     contestants.extend(Peer::all(&lines.concat()).into_iter().map(Contestant::from));
     let bent = contestants[0].wall_ms;
     for Contestant { wall_ms, to_bent, .. } in &mut contestants {
-        *to_bent = Spread { min: wall_ms.min / bent.min, median: wall_ms.median / bent.median };
+        *to_bent = wall_ms.over(&bent);
     }
     Ok(contestants)
 }
@@ -189,7 +189,7 @@ fn entries(bench: &Bench, subject: &Subject) -> Result<Vec<Entry>, BenchError> {
 
 impl From<Peer> for Contestant {
     fn from(Peer { name, version, wall_ms }: Peer) -> Self {
-        let to_bent = Spread::default();
+        let to_bent = Quantiles::default();
         Self { what: name, backend: None, version: Some(version), wall_ms, cpu_ms: None, to_bent }
     }
 }
@@ -197,7 +197,7 @@ impl From<Peer> for Contestant {
 impl Entry {
     fn contestant(self) -> Contestant {
         let Self { what, backend, costs, .. } = self;
-        let (Costs { wall_ms, cpu_ms }, to_bent) = (Costs::of(&costs), Spread::default());
+        let (Costs { wall_ms, cpu_ms }, to_bent) = (Costs::of(&costs), Quantiles::default());
         Contestant { what, backend: Some(backend), version: None, wall_ms, cpu_ms: Some(cpu_ms), to_bent }
     }
 }

@@ -3,16 +3,16 @@
 use render::{Cost, Counters, Recording, Stage};
 use serde::Serialize;
 
-use crate::Spread;
+use crate::Quantiles;
 
 /// What some work took, of many times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Costs {
     /// Milliseconds that passed.
-    pub wall_ms: Spread,
+    pub wall_ms: Quantiles,
     /// Milliseconds of the whole process on all cores; with a driver that draws on the processor, its threads too.
-    pub cpu_ms: Spread,
+    pub cpu_ms: Quantiles,
 }
 
 /// What a stage took in the frames of an edit.
@@ -49,8 +49,8 @@ pub struct Counted {
 impl Costs {
     pub(super) fn of(costs: &[Cost]) -> Self {
         Self {
-            wall_ms: Spread::of(costs.iter().map(|cost| cost.wall_ms).collect()),
-            cpu_ms: Spread::of(costs.iter().map(|cost| cost.cpu_ms).collect()),
+            wall_ms: Quantiles::of(costs.iter().map(|cost| cost.wall_ms)),
+            cpu_ms: Quantiles::of(costs.iter().map(|cost| cost.cpu_ms)),
         }
     }
 }

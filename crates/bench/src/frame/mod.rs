@@ -23,7 +23,7 @@ use serde::Serialize;
 use self::error::SMALLER;
 use self::side::Side;
 use self::subject::Frame;
-use crate::{BenchError, Peers};
+use crate::{BenchError, Peers, Progress};
 
 pub use contest::Contestant;
 pub use costs::{Costs, Counted, StageCosts};
@@ -46,17 +46,6 @@ pub struct Options<'a> {
     pub peers: Option<&'a Peers>,
     /// Along which axes frames are to grow.
     pub growth: Option<&'a GrowthPlan>,
-}
-
-/// How far a measurement is.
-#[derive(Clone, Debug)]
-pub struct Progress {
-    /// Steps that are done.
-    pub done: usize,
-    /// Of so many.
-    pub of: usize,
-    /// What is measured.
-    pub what: String,
 }
 
 /// What was measured.
@@ -134,7 +123,7 @@ pub fn run(
         side_by_side,
         growth,
     };
-    let chart = chart::draw(&report).map_err(|why| BenchError::Chart(why.to_string()))?;
+    let chart = chart::draw(&report)?;
     Ok((report, chart))
 }
 

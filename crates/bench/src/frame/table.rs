@@ -46,17 +46,17 @@ fn group(text: &mut String, backend: &str, edits: &[EditReport]) -> std::fmt::Re
             "{:14}{:8.1}{:8.1}{:8.1}",
             edit.edit.name(),
             frame.wall_ms.min,
-            frame.wall_ms.median,
-            frame.cpu_ms.median
+            frame.wall_ms.p50,
+            frame.cpu_ms.p50
         )?;
         for stage in &edit.stages {
             if stage.runs == 0 {
                 write!(text, "{:>10}", "-")?;
             } else {
-                write!(text, "{:10.1}", stage.costs.wall_ms.median)?;
+                write!(text, "{:10.1}", stage.costs.wall_ms.p50)?;
             }
         }
-        writeln!(text, "{:8.1}", edit.encode.wall_ms.median)?;
+        writeln!(text, "{:8.1}", edit.encode.wall_ms.p50)?;
     }
     Ok(())
 }
@@ -65,10 +65,10 @@ fn contestants(text: &mut String, report: &Report) -> std::fmt::Result {
     writeln!(text, "side by side, wall ms:")?;
     writeln!(text, "{:24}{:>8}{:>8}{:>8}{:>24}", "", "min", "median", "cpu", "of bent: min, median")?;
     for one in &report.side_by_side {
-        let cpu = one.cpu_ms.map_or("-".into(), |cpu_ms| format!("{:.1}", cpu_ms.median));
+        let cpu = one.cpu_ms.map_or("-".into(), |cpu_ms| format!("{:.1}", cpu_ms.p50));
         let (wall_ms, to_bent) = (one.wall_ms, one.to_bent);
-        write!(text, "{:24}{:8.1}{:8.1}{cpu:>8}", one.what, wall_ms.min, wall_ms.median)?;
-        writeln!(text, "{:16.2}{:8.2}", to_bent.min, to_bent.median)?;
+        write!(text, "{:24}{:8.1}{:8.1}{cpu:>8}", one.what, wall_ms.min, wall_ms.p50)?;
+        writeln!(text, "{:16.2}{:8.2}", to_bent.min, to_bent.p50)?;
     }
     Ok(())
 }
@@ -81,7 +81,7 @@ fn growth(text: &mut String, report: &Report) -> std::fmt::Result {
             write!(text, "{value:>14}")?;
             for grown in [Some(grown), by_wgpu.as_ref()].into_iter().flatten() {
                 let (wall_ms, error) = (grown.frame.wall_ms, grown.error.radiance_rmse);
-                write!(text, "{:10.1}{:10.1}{error:12.1e}", wall_ms.min, wall_ms.median)?;
+                write!(text, "{:10.1}{:10.1}{error:12.1e}", wall_ms.min, wall_ms.p50)?;
             }
             writeln!(text)?;
         }

@@ -1,32 +1,23 @@
 //! Edits a second and opening time, as an SVG.
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::{IN_FLIGHT, Opening, Report};
+use crate::BenchError;
+use crate::chart::{self, Area, BLUE, ChartResult, FAINT, ORANGE, range};
 
 type Time = fn(&Opening) -> f64;
-type Drawn = Result<(), Box<dyn std::error::Error>>;
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-
-const BLUE: RGBColor = RGBColor(0x2f, 0x6d, 0xb5);
-const ORANGE: RGBColor = RGBColor(0xe0, 0x8a, 0x1e);
 
 /// Bars of rates to the left, opening time over the length of the log to the right.
-pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>> {
-    let mut svg = String::new();
-    {
-        let root = SVGBackend::with_string(&mut svg, (1000, 420)).into_drawing_area();
-        root.fill(&WHITE)?;
-        let panels = root.split_evenly((1, 2));
+pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
+    chart::svg((1000, 420), "", |area| {
+        let panels = area.split_evenly((1, 2));
         rates(&panels[0], report)?;
-        opening(&panels[1], &report.opening)?;
-        root.present()?;
-    }
-    Ok(svg)
+        opening(&panels[1], &report.opening)
+    })
 }
 
-fn rates(area: &Area, report: &Report) -> Drawn {
+fn rates(area: &Area, report: &Report) -> ChartResult {
     let in_flight = format!("acknowledged, {IN_FLIGHT} under way");
     let bars = [
         ("acknowledged, one at a time", report.acknowledged_one_at_a_time),
@@ -42,7 +33,7 @@ fn rates(area: &Area, report: &Report) -> Drawn {
         .build_cartesian_2d((1.0..10.0 * most).log_scale(), 0.0..bars.len() as f64)?;
     plot.configure_mesh()
         .x_desc("a second")
-        .light_line_style(BLACK.mix(0.05))
+        .light_line_style(FAINT)
         .disable_y_mesh()
         .disable_y_axis()
         .x_label_formatter(&|x| format!("{x:.0}"))
@@ -57,21 +48,23 @@ fn rates(area: &Area, report: &Report) -> Drawn {
     Ok(())
 }
 
-fn opening(area: &Area, opening: &[Opening]) -> Drawn {
-    let times = || opening.iter().flat_map(|o| [o.without_checkpoint_ms, o.reopened_ms]);
-    let (least, most) =
-        times().fold((f64::INFINITY, 1.0), |(low, high), x| (f64::min(low, x), f64::max(high, x)));
+fn opening(area: &Area, opening: &[Opening]) -> ChartResult {
+    let times = opening.iter().flat_map(|o| [o.without_checkpoint_ms, o.reopened_ms]);
+    let (least, most) = range(times);
     let longest = opening.iter().map(|o| o.records).max().unwrap_or(1) as f64;
     let mut plot = ChartBuilder::on(area)
         .caption("opening a session", ("sans-serif", 18))
         .margin(12)
         .x_label_area_size(36)
         .y_label_area_size(56)
-        .build_cartesian_2d((1.0..1.5 * longest).log_scale(), (0.5 * least..2.0 * most).log_scale())?;
+        .build_cartesian_2d(
+            (1.0..1.5 * longest).log_scale(),
+            (0.5 * least..2.0 * most.max(1.0)).log_scale(),
+        )?;
     plot.configure_mesh()
         .x_desc("records in its log")
         .y_desc("ms")
-        .light_line_style(BLACK.mix(0.05))
+        .light_line_style(FAINT)
         .x_label_formatter(&|x| format!("{x:.0}"))
         .draw()?;
     let lines: [(&str, RGBColor, Time); 2] = [
@@ -82,12 +75,7 @@ fn opening(area: &Area, opening: &[Opening]) -> Drawn {
         let line = opening.iter().map(|o| (o.records as f64, time(o)));
         plot.draw_series(LineSeries::new(line, color.stroke_width(2)).point_size(3))?
             .label(name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2)));
+            .legend(chart::line(color.stroke_width(2)));
     }
-    plot.configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.3))
-        .draw()?;
-    Ok(())
+    chart::key(&mut plot, SeriesLabelPosition::UpperLeft)
 }

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::circle::ms;
 use crate::dragged::Circle;
-use crate::{BenchError, Client, Incoming, ServerProcess};
+use crate::{BenchError, Client, Incoming, Progress, Quantiles, ServerProcess};
 
 /// Requests that a client has under way at once where it does not wait for each answer.
 pub const IN_FLIGHT: usize = 64;
@@ -59,10 +59,8 @@ pub struct Rate {
     pub count: usize,
     /// Of them.
     pub per_second: f64,
-    /// From sending one to its answer: half are faster. Null where none is answered.
-    pub p50_ms: Option<f64>,
-    /// 95 in 100 are faster.
-    pub p95_ms: Option<f64>,
+    /// From sending one to its answer; null where none is answered.
+    pub latency_ms: Option<Quantiles>,
 }
 
 /// How long a server takes until it answers for a session that was at rest.
@@ -79,17 +77,6 @@ pub struct Opening {
     pub reopened_ms: f64,
 }
 
-/// How far a measurement is.
-#[derive(Clone, Copy, Debug)]
-pub struct Progress {
-    /// Steps that are done.
-    pub done: usize,
-    /// Of so many.
-    pub of: usize,
-    /// The one at hand.
-    pub doing: &'static str,
-}
-
 /// Starts `program serve` on data of its own and measures. Returns what was measured and the chart, an SVG.
 pub fn run(
     program: &Path,
@@ -101,7 +88,7 @@ pub fn run(
     let lengths = lengths(options.edits);
     let (one_at_a_time, undos) = (ONE_AT_A_TIME.min(options.edits), options.edits.min(1_000));
     let of = one_at_a_time + options.edits + undos + lengths.len() * (1 + 3 * OPENINGS);
-    let say = |done: usize, doing: &'static str| progress(Progress { done, of, doing });
+    let say = |done: usize, what: &str| progress(Progress { done, of, what: what.into() });
 
     let mut logs = Vec::new();
     let server = ServerProcess::start(program, &data, &["--scene", "demo:vases"])?;
@@ -136,7 +123,7 @@ pub fn run(
         replayed,
         opening,
     };
-    let chart = chart::draw(&report).map_err(|why| BenchError::Chart(why.to_string()))?;
+    let chart = chart::draw(&report)?;
     Ok((report, chart))
 }
 
@@ -162,14 +149,10 @@ impl Answered {
         self.seconds += more.seconds;
     }
 
-    fn rate(mut self) -> Rate {
-        self.latencies_ms.sort_by(f64::total_cmp);
+    fn rate(self) -> Rate {
         let count = self.latencies_ms.len();
-        let at = |share: f64| {
-            let index = (share * count as f64).ceil() as usize;
-            self.latencies_ms.get(index.saturating_sub(1)).copied()
-        };
-        Rate { count, per_second: count as f64 / self.seconds.max(1e-9), p50_ms: at(0.5), p95_ms: at(0.95) }
+        let latency_ms = (count > 0).then(|| Quantiles::of(self.latencies_ms));
+        Rate { count, per_second: count as f64 / self.seconds.max(1e-9), latency_ms }
     }
 }
 
@@ -323,7 +306,7 @@ fn replay(program: &Path, log: &Path) -> Result<Rate, BenchError> {
         return Err(BenchError::Refused(format!("`replay` answered {text}")));
     };
     let per_second = records as f64 / seconds.max(1e-3);
-    Ok(Rate { count: records as usize, per_second, p50_ms: None, p95_ms: None })
+    Ok(Rate { count: records as usize, per_second, latency_ms: None })
 }
 
 /// What a command of the program answers.

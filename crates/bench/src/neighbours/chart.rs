@@ -1,16 +1,12 @@
 //! Bars of what the victim keeps beside each kind of other client, as an SVG.
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::judge::MOST_GAP;
 use super::{Report, RowReport};
+use crate::BenchError;
+use crate::chart::{self, Area, BLUE, ChartResult, FAINT, WRONG};
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), Box<dyn std::error::Error>>;
-
-const PASSES: RGBColor = RGBColor(0x2f, 0x6d, 0xb5);
-const MISSES: RGBColor = RGBColor(0xd0, 0x00, 0x30);
 /// Pixels of the picture's width, and of the height of a row and of all else.
 const WIDTH: u32 = 1100;
 const ROW: u32 = 26;
@@ -19,23 +15,14 @@ const REST: u32 = 110;
 const TOP_GAP: f64 = 4000.0;
 
 /// Left the share of its frames, right its longest gap, a row each; lines are the bounds.
-pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>> {
-    let mut svg = String::new();
-    {
-        let rows = report.rows.len() as u32;
-        let root = SVGBackend::with_string(&mut svg, (WIDTH, REST + ROW * rows)).into_drawing_area();
-        root.fill(&WHITE)?;
-        let title = format!(
-            "a drag at {}x{} beside one other client, over the same drag alone",
-            report.width, report.height
-        );
-        let root = root.titled(&title, ("sans-serif", 18))?;
-        let (left, right) = root.split_horizontally(WIDTH * 6 / 10);
+pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
+    let Report { width, height, rows, .. } = report;
+    let title = format!("a drag at {width}x{height} beside one other client, over the same drag alone");
+    chart::svg((WIDTH, REST + ROW * rows.len() as u32), &title, |area| {
+        let (left, right) = area.split_horizontally(WIDTH * 6 / 10);
         shares(&left, report)?;
-        gaps(&right, report)?;
-        root.present()?;
-    }
-    Ok(svg)
+        gaps(&right, report)
+    })
 }
 
 /// From where to where the `index`th of so many rows reaches, the first at the top.
@@ -45,10 +32,10 @@ fn rows_of(report: &Report) -> impl Iterator<Item = (f64, &RowReport)> {
 }
 
 fn color(passes: bool) -> ShapeStyle {
-    if passes { PASSES.filled() } else { MISSES.filled() }
+    if passes { BLUE.filled() } else { WRONG.filled() }
 }
 
-fn shares(area: &Area, report: &Report) -> Drawn {
+fn shares(area: &Area, report: &Report) -> ChartResult {
     let top = report.rows.len().max(1) as f64;
     let mut plot = ChartBuilder::on(area)
         .caption("share of its frames; red misses a bound, a line is the share's", ("sans-serif", 15))
@@ -56,7 +43,7 @@ fn shares(area: &Area, report: &Report) -> Drawn {
         .x_label_area_size(24)
         .y_label_area_size(150)
         .build_cartesian_2d(0.0..1.2, 0.0..top)?;
-    plot.configure_mesh().disable_y_mesh().disable_y_axis().light_line_style(BLACK.mix(0.05)).draw()?;
+    plot.configure_mesh().disable_y_mesh().disable_y_axis().light_line_style(FAINT).draw()?;
     for (y, row) in rows_of(report) {
         let bar = [(0.0, y - 0.15), (row.share.clamp(0.0, 1.2), y - 0.85)];
         plot.draw_series([Rectangle::new(bar, color(row.passes))])?;
@@ -76,14 +63,14 @@ fn shares(area: &Area, report: &Report) -> Drawn {
     Ok(())
 }
 
-fn gaps(area: &Area, report: &Report) -> Drawn {
+fn gaps(area: &Area, report: &Report) -> ChartResult {
     let top = report.rows.len().max(1) as f64;
     let mut plot = ChartBuilder::on(area)
         .caption("longest gap over the usual p95; the line is the bound", ("sans-serif", 15))
         .margin(8)
         .x_label_area_size(24)
         .build_cartesian_2d((0.5..TOP_GAP).log_scale(), 0.0..top)?;
-    plot.configure_mesh().disable_y_mesh().disable_y_axis().light_line_style(BLACK.mix(0.05)).draw()?;
+    plot.configure_mesh().disable_y_mesh().disable_y_axis().light_line_style(FAINT).draw()?;
     for (y, row) in rows_of(report) {
         let gap = if row.longest_gap_of_usual.is_finite() { row.longest_gap_of_usual } else { TOP_GAP };
         let bar = [(0.5, y - 0.15), (gap.clamp(0.5, TOP_GAP), y - 0.85)];

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::usage::BusyThread;
-use crate::circle::{Quantiles, ms, quantiles};
+use crate::Quantiles;
+use crate::circle::ms;
 
 /// Share of its frames that a victim keeps at least where the other client has nothing drawn.
 pub const LEAST_SHARE: f64 = 0.9;
@@ -69,7 +70,7 @@ pub struct Pace {
     /// Its drags of features.
     pub own_drags: usize,
     /// From sending one to its answer, or to where it was given up.
-    pub own_drag: Quantiles,
+    pub own_drag_ms: Quantiles,
 }
 
 impl Timeline {
@@ -100,11 +101,11 @@ impl Timeline {
         let a_second = |times: &[Instant]| times.iter().filter(|at| is_within(at)).count() as f64 / seconds;
         Pace {
             frames_per_second: a_second(&shown),
-            p95_gap_ms: quantiles(gaps.clone()).p95_ms,
+            p95_gap_ms: Quantiles::of(gaps.iter().copied()).p95,
             longest_gap_ms: gaps.into_iter().fold(0.0, f64::max),
             updates_per_second: a_second(&self.sent),
             own_drags: asked.len(),
-            own_drag: quantiles(asked),
+            own_drag_ms: Quantiles::of(asked),
         }
     }
 }
@@ -175,7 +176,7 @@ impl Measured<'_> {
 
     /// The median time of its own drags of features over the usual one.
     pub fn own_drag(&self) -> f64 {
-        of(self.with.own_drag.p50_ms, self.alone.own_drag.p50_ms)
+        of(self.with.own_drag_ms.p50, self.alone.own_drag_ms.p50)
     }
 
     pub fn least_share(&self) -> f64 {
@@ -259,7 +260,7 @@ mod tests {
         let usual = pace(usual);
         assert!((usual.frames_per_second - 50.0).abs() < 1e-9, "{usual:?}");
         assert!((usual.p95_gap_ms - 20.0).abs() < 1e-9 && (usual.longest_gap_ms - 20.0).abs() < 1e-9);
-        assert_eq!((usual.own_drags, usual.own_drag.p50_ms), (10, 20.0));
+        assert_eq!((usual.own_drags, usual.own_drag_ms.p50), (10, 20.0));
         assert_eq!(measured(usual).missed(), []);
     }
 

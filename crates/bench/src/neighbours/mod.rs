@@ -31,7 +31,7 @@ pub use self::other::{Deeds, Writes};
 pub use self::row::{ROWS, Row};
 pub use self::usage::BusyThread;
 use self::victim::Victim;
-use crate::{BenchError, ServerProcess};
+use crate::{BenchError, Progress, ServerProcess};
 
 /// How long the victim drags before anything is measured: by then its pictures are as they stay.
 const WARMS_UP: Duration = Duration::from_secs(3);
@@ -58,19 +58,6 @@ pub struct Options {
     pub many_actors: bool,
     /// Who draws; as the server chooses where nobody says.
     pub backend: Option<Backend>,
-}
-
-/// How far a run has come.
-#[derive(Clone, Copy, Debug)]
-pub struct Progress {
-    /// Steps done.
-    pub done: usize,
-    /// Steps in all.
-    pub of: usize,
-    /// The row that is measured.
-    pub row: Row,
-    /// What goes on in it.
-    pub step: &'static str,
 }
 
 /// What was measured.
@@ -168,7 +155,7 @@ pub fn run(
         let of = STEPS.len() * options.rows.len();
         let step = |step: usize| {
             let done = STEPS.len() * index + step;
-            progress(Progress { done, of, row: *row, step: STEPS[step] });
+            progress(Progress { done, of, what: format!("{}: {}", row.name(), STEPS[step]) });
         };
         rows.push(measure(program, *row, options, &step)?);
     }
@@ -180,7 +167,7 @@ pub fn run(
         many_actors: options.many_actors,
         rows,
     };
-    let chart = chart::draw(&report).map_err(|error| BenchError::Chart(error.to_string()))?;
+    let chart = chart::draw(&report)?;
     Ok((report, chart))
 }
 

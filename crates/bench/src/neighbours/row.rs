@@ -4,7 +4,6 @@ use serde::{Serialize, Serializer};
 
 /// What the other client does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(missing_docs, reason = "`what` says it")]
 pub enum Row {
     Nobody,
     Solves,

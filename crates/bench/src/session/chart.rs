@@ -1,22 +1,20 @@
 //! The drags side by side, and the cases below them, as an SVG.
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::{BackendDrag, Quantiles, Report, Stages};
-use crate::cases;
+use super::{BackendDrag, Report, Stages};
+use crate::chart::{self, Area, BLUE, ChartResult, FAINT, GREEN, GREY, ORANGE, VIOLET};
 use crate::circle::Shown;
+use crate::{BenchError, Quantiles, cases};
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), Box<dyn std::error::Error>>;
 type Stage = (&'static str, RGBColor, fn(&Stages<f64>) -> f64);
 
 const STAGES: [Stage; 5] = [
-    ("wait", RGBColor(0xb0, 0xb0, 0xb0), |s| s.wait),
-    ("render", RGBColor(0x2f, 0x6d, 0xb5), |s| s.render),
-    ("encode", RGBColor(0xe0, 0x8a, 0x1e), |s| s.encode),
-    ("send", RGBColor(0x7a, 0x5c, 0xa8), |s| s.send),
-    ("decode", RGBColor(0x3a, 0x9a, 0x5c), |s| s.decode),
+    ("wait", GREY, |s| s.wait),
+    ("render", BLUE, |s| s.render),
+    ("encode", ORANGE, |s| s.encode),
+    ("send", VIOLET, |s| s.send),
+    ("decode", GREEN, |s| s.decode),
 ];
 
 /// Pixels of the picture, and rows of them for the key of the stages and the drags.
@@ -27,26 +25,21 @@ const DRAGS: u32 = 400;
 const WIDE: f64 = 4.0;
 
 /// The frames of each drag of the report, in its order.
-pub(super) fn draw(shown: &[&[Shown]], report: &Report) -> Result<String, Box<dyn std::error::Error>> {
-    let mut svg = String::new();
-    {
-        let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        root.fill(&WHITE)?;
-        let Report { scene, width, height, .. } = report;
-        let title = format!("{scene}, {width} x {height} pixels: edit to decoded frame");
-        let (above, rest) = root.titled(&title, ("sans-serif", 18))?.split_vertically(KEY);
+pub(super) fn draw(shown: &[&[Shown]], report: &Report) -> Result<String, BenchError> {
+    let Report { scene, width, height, .. } = report;
+    let title = format!("{scene}, {width} x {height} pixels: edit to decoded frame");
+    chart::svg(SIZE, &title, |area| {
+        let (above, rest) = area.split_vertically(KEY);
         let (drags, below) = rest.split_vertically(DRAGS);
         key(&above)?;
-        let slow = report.drags.iter().map(|drag| drag.edit_to_decoded.p95_ms);
+        let slow = report.drags.iter().map(|drag| drag.edit_to_decoded_ms.p95);
         let top = shown.iter().copied().flatten().map(total).chain(slow).fold(0.0, f64::max) * 1.1 + 1.0;
         let areas = drags.split_evenly((1, shown.len().max(1)));
         for ((area, shown), drag) in areas.iter().zip(shown).zip(&report.drags) {
             one(area, shown, drag, top)?;
         }
-        cases::draw(&below, &report.cases)?;
-        root.present()?;
-    }
-    Ok(svg)
+        cases::draw(&below, &report.cases)
+    })
 }
 
 fn total(shown: &Shown) -> f64 {
@@ -54,7 +47,7 @@ fn total(shown: &Shown) -> f64 {
 }
 
 /// Which color is which stage. Within a plot it would hide bars.
-fn key(area: &Area) -> Drawn {
+fn key(area: &Area) -> ChartResult {
     for ((name, color, _), x) in STAGES.iter().zip((68..).step_by(100)) {
         area.draw(&Rectangle::new([(x, 8), (x + 12, 18)], color.filled()))?;
         area.draw(&Text::new(*name, (x + 18, 6), ("sans-serif", 14)))?;
@@ -63,11 +56,10 @@ fn key(area: &Area) -> Drawn {
 }
 
 /// A bar a frame, its stages stacked, and the quantiles of all updates as lines, up to `top` milliseconds.
-fn one(area: &Area, shown: &[Shown], drag: &BackendDrag, top: f64) -> Drawn {
-    let BackendDrag { backend, frames_per_second, edit_to_decoded, .. } = drag;
-    let Quantiles { p50_ms, p95_ms } = *edit_to_decoded;
-    let caption =
-        format!("{backend}: p50 {p50_ms:.0} ms, p95 {p95_ms:.0} ms, {frames_per_second:.0} frames/s");
+fn one(area: &Area, shown: &[Shown], drag: &BackendDrag, top: f64) -> ChartResult {
+    let BackendDrag { backend, frames_per_second, edit_to_decoded_ms, .. } = drag;
+    let Quantiles { p50, p95, .. } = *edit_to_decoded_ms;
+    let caption = format!("{backend}: p50 {p50:.0} ms, p95 {p95:.0} ms, {frames_per_second:.0} frames/s");
     let frames = shown.len().max(1) as f64;
     let mut plot = ChartBuilder::on(area)
         .caption(caption, ("sans-serif", 18))
@@ -77,7 +69,7 @@ fn one(area: &Area, shown: &[Shown], drag: &BackendDrag, top: f64) -> Drawn {
         .build_cartesian_2d(0.0..frames, 0.0..top)?;
     plot.configure_mesh()
         .disable_x_mesh()
-        .light_line_style(BLACK.mix(0.05))
+        .light_line_style(FAINT)
         .x_desc("frame of the drag")
         .y_desc("ms")
         .draw()?;
@@ -91,7 +83,7 @@ fn one(area: &Area, shown: &[Shown], drag: &BackendDrag, top: f64) -> Drawn {
         };
         plot.draw_series(shown.iter().enumerate().map(bar))?;
     }
-    for level in [p50_ms, p95_ms] {
+    for level in [p50, p95] {
         plot.draw_series(LineSeries::new([(0.0, level), (frames, level)], BLACK))?;
     }
     Ok(())
@@ -102,20 +94,20 @@ mod tests {
     use super::*;
 
     fn drag(backend: &'static str) -> BackendDrag {
-        let none = Quantiles { p50_ms: 0.0, p95_ms: 0.0 };
+        let none = Quantiles::default();
         BackendDrag {
             backend,
             frames: 1,
             frames_per_second: 1.0,
-            edit_to_decoded: none,
-            stages: Stages { wait: none, render: none, encode: none, send: none, decode: none },
+            edit_to_decoded_ms: none,
+            stages_ms: Stages { wait: none, render: none, encode: none, send: none, decode: none },
             release_to_lossless_ms: 0.0,
             frame_bytes_p50: 0,
         }
     }
 
     /// The chart of drags of one frame each, which is nothing but a render of so many milliseconds.
-    fn chart(drags: &[(&'static str, f64)]) -> String {
+    fn chart_of(drags: &[(&'static str, f64)]) -> String {
         let frame = |render| Shown { stages: Stages { render, ..Stages::default() }, bytes: 0 };
         let shown: Vec<[Shown; 1]> = drags.iter().map(|(_, ms)| [frame(*ms)]).collect();
         let report = Report {
@@ -141,14 +133,14 @@ mod tests {
 
     #[test]
     fn bars_of_both_backends_are_as_high_as_their_times() {
-        let both = chart(&[("native", 25.0), ("wgpu", 100.0)]);
+        let both = chart_of(&[("native", 25.0), ("wgpu", 100.0)]);
         assert!(both.contains("native: p50") && both.contains("wgpu: p50"));
         let [native, wgpu] = heights(&both)[..] else { panic!("{both}") };
         // Half a pixel at each end of a bar.
         let is_scaled = |low: f64, high: f64| (4.0 * low - high).abs() <= 4.0 + 1.0;
         assert!(is_scaled(native, wgpu), "{native} {wgpu}");
         // Alone, each has an axis of its own.
-        let [alone] = heights(&chart(&[("native", 25.0)]))[..] else { panic!("one bar") };
+        let [alone] = heights(&chart_of(&[("native", 25.0)]))[..] else { panic!("one bar") };
         assert!(!is_scaled(alone, wgpu), "{alone} {wgpu}");
     }
 }

@@ -11,12 +11,12 @@ use render::Backend;
 use serde::Serialize;
 
 use crate::cases::{self, Case};
-use crate::circle::{Drag, GESTURE, decode, drag_in_a_circle, ms, open_view, quantiles};
-pub use crate::circle::{Quantiles, Stages};
+pub use crate::circle::Stages;
+use crate::circle::{Drag, GESTURE, decode, drag_in_a_circle, ms, open_view};
 use crate::dragged::{Circle, bend_where_all_is_straight};
-use crate::frame::{Progress, backends};
+use crate::frame::backends;
 use crate::peers::{FEWEST_FRAMES, Peer, Peers, RUNS};
-use crate::{BenchError, Client, Incoming, ServerProcess, Spread};
+use crate::{BenchError, Client, Incoming, Progress, Quantiles, ServerProcess};
 
 /// What to measure.
 #[derive(Clone, Copy, Debug)]
@@ -71,9 +71,9 @@ pub struct BackendDrag {
     /// Frames a second during the drag.
     pub frames_per_second: f64,
     /// From sending an update to having decoded the first frame that shows it or a later one.
-    pub edit_to_decoded: Quantiles,
+    pub edit_to_decoded_ms: Quantiles,
     /// Where the time of the newest update of each frame went.
-    pub stages: Stages<Quantiles>,
+    pub stages_ms: Stages<Quantiles>,
     /// From letting go to having decoded the lossless picture.
     pub release_to_lossless_ms: f64,
     /// Bytes of a moving frame, the middle of all.
@@ -89,7 +89,7 @@ pub struct PeerFrames {
     /// As it says, too.
     pub version: String,
     /// Milliseconds a frame: the least and the middle of the medians of its runs.
-    pub wall_ms: Spread,
+    pub wall_ms: Quantiles,
     /// The first drag's middle edit to decoded frame over the middle of those.
     pub edit_to_decoded_over_it: f64,
 }
@@ -129,7 +129,7 @@ pub fn run(
         }
     }
     measured.reverse();
-    let p50_ms = measured.first().map_or(0.0, |(_, report)| report.edit_to_decoded.p50_ms);
+    let p50_ms = measured.first().map_or(0.0, |(_, report)| report.edit_to_decoded_ms.p50);
     let peers = options.peers.map_or(Ok(Vec::new()), |peers| beside(peers, p50_ms, &mut step))?;
     let (drags, reports): (Vec<Drag>, Vec<BackendDrag>) = measured.into_iter().unzip();
     let report = Report {
@@ -143,7 +143,7 @@ pub fn run(
         peers,
     };
     let shown: Vec<_> = drags.iter().map(|drag| &*drag.shown).collect();
-    let chart = chart::draw(&shown, &report).map_err(|error| BenchError::Chart(error.to_string()))?;
+    let chart = chart::draw(&shown, &report)?;
     Ok((report, chart))
 }
 
@@ -182,7 +182,7 @@ fn beside(peers: &Peers, p50_ms: f64, step: &mut impl FnMut(String)) -> Result<V
         }
     }
     let frames = |Peer { name, version, wall_ms }| {
-        let edit_to_decoded_over_it = p50_ms / wall_ms.median;
+        let edit_to_decoded_over_it = p50_ms / wall_ms.p50;
         PeerFrames { name, version, wall_ms, edit_to_decoded_over_it }
     };
     Ok(Peer::all(&lines).into_iter().map(frames).collect())
@@ -190,15 +190,14 @@ fn beside(peers: &Peers, p50_ms: f64, step: &mut impl FnMut(String)) -> Result<V
 
 impl BackendDrag {
     fn of(drag: &Drag, backend: Backend, seconds: f64, release_to_lossless_ms: f64) -> Self {
-        let stage =
-            |of: fn(&Stages<f64>) -> f64| quantiles(drag.shown.iter().map(|s| of(&s.stages)).collect());
+        let stage = |of: fn(&Stages<f64>) -> f64| Quantiles::of(drag.shown.iter().map(|s| of(&s.stages)));
         let bytes = drag.frame_bytes();
         Self {
             backend: backend.name(),
             frames: drag.shown.len(),
             frames_per_second: drag.shown.len() as f64 / seconds,
-            edit_to_decoded: drag.edit_to_decoded(),
-            stages: Stages {
+            edit_to_decoded_ms: drag.edit_to_decoded_ms(),
+            stages_ms: Stages {
                 wait: stage(|s| s.wait),
                 render: stage(|s| s.render),
                 encode: stage(|s| s.encode),

@@ -1,22 +1,14 @@
 //! Run time against error, a row a knob.
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 use render::ShadowSettings;
 
 use super::{Report, Run, SceneReport};
-
-type Drawing<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), Box<dyn std::error::Error>>;
+use crate::BenchError;
+use crate::chart::{self, Area, BLUE, ChartResult, FAINT, GREEN, ORANGE, RED, VIOLET, range};
 
 /// A colour a scene, in their order.
-const COLORS: [RGBColor; 5] = [
-    RGBColor(0x2f, 0x6d, 0xb5),
-    RGBColor(0xd9, 0x48, 0x3b),
-    RGBColor(0x3a, 0x9a, 0x5c),
-    RGBColor(0xe0, 0x8a, 0x1e),
-    RGBColor(0x7a, 0x5c, 0xa8),
-];
+const COLORS: [RGBColor; 5] = [BLUE, RED, GREEN, ORANGE, VIOLET];
 
 /// A knob: its name, whether a run has all others at their defaults, and what it is set to.
 struct Knob {
@@ -60,22 +52,17 @@ const MEASURES: [Measure; 2] = [
 ];
 
 /// An SVG.
-pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>> {
-    let mut svg = String::new();
-    {
-        let root = SVGBackend::with_string(&mut svg, (1100, 1644)).into_drawing_area();
-        root.fill(&WHITE)?;
-        let title = format!(
-            "bent shadows: run time against error, {} x {} pixels on {}",
-            report.width, report.height, report.adapter
-        );
-        let panels = root.titled(&title, ("sans-serif", 18))?.split_evenly((KNOBS.len(), MEASURES.len()));
+pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
+    let Report { width, height, adapter, .. } = report;
+    let title = format!("bent shadows: run time against error, {width} x {height} pixels on {adapter}");
+    chart::svg((1100, 1644), &title, |area| {
+        let panels = area.split_evenly((KNOBS.len(), MEASURES.len()));
         // One scale for a column, so that its panels can be compared.
         let ranges = MEASURES.map(|measure| {
             let errors = KNOBS.iter().flat_map(|knob| {
                 report.scenes.iter().flat_map(|scene| points(scene, knob, &measure)).map(|point| point.1)
             });
-            decades(errors.collect())
+            decades(range(errors))
         });
         let runs = report.scenes.iter().flat_map(|scene| &scene.runs);
         let slowest_ms = runs.map(milliseconds).fold(0.0, f64::max);
@@ -84,9 +71,8 @@ pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>
             let axes = Axes { end_ms: 1.15 * slowest_ms, errors: ranges[column] };
             panel(area, report, (&KNOBS[row], &MEASURES[column]), axes, index == 0)?;
         }
-        root.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
 /// What a panel spans.
@@ -97,12 +83,12 @@ struct Axes {
 }
 
 fn panel(
-    area: &Drawing,
+    area: &Area,
     report: &Report,
     (knob, measure): (&Knob, &Measure),
     Axes { end_ms, errors }: Axes,
     key: bool,
-) -> Drawn {
+) -> ChartResult {
     let points: Vec<Vec<_>> = report.scenes.iter().map(|scene| points(scene, knob, measure)).collect();
     let mut plot = ChartBuilder::on(area)
         .caption(knob.title, ("sans-serif", 15))
@@ -113,7 +99,7 @@ fn panel(
     plot.configure_mesh()
         .x_desc("shadow map and lighting, ms")
         .y_desc(measure.title)
-        .light_line_style(BLACK.mix(0.06))
+        .light_line_style(FAINT)
         .x_labels(12)
         .x_label_formatter(&|ms| format!("{ms:.0}"))
         .y_label_formatter(&|error| format!("{error}"))
@@ -123,8 +109,7 @@ fn panel(
         let line = points.iter().map(|point| (point.0, point.1));
         let series = plot.draw_series(LineSeries::new(line, color.mix(0.6)).point_size(3))?;
         if key {
-            let swatch = move |(x, y)| Rectangle::new([(x, y - 4), (x + 12, y + 4)], color.filled());
-            series.label(&scene.scene).legend(swatch);
+            series.label(&scene.scene).legend(chart::swatch(color));
         }
         for (ms, error, text) in points {
             let (x, y) = plot.backend_coord(&(*ms, *error));
@@ -137,11 +122,7 @@ fn panel(
         }
     }
     if key {
-        plot.configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK.mix(0.3))
-            .draw()?;
+        chart::key(&mut plot, SeriesLabelPosition::UpperRight)?;
     }
     Ok(())
 }
@@ -174,8 +155,6 @@ fn milliseconds(run: &Run) -> f64 {
 }
 
 /// Whole decades around some values, so that a logarithmic axis has its numbers.
-fn decades(values: Vec<f64>) -> (f64, f64) {
-    let (low, high) =
-        values.into_iter().fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
+fn decades((low, high): (f64, f64)) -> (f64, f64) {
     (10_f64.powf(low.log10().floor()), 10_f64.powf((1.2 * high).log10().ceil()))
 }

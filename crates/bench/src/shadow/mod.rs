@@ -11,8 +11,8 @@ use std::time::Instant;
 use render::{Gpu, Recording, Renderer, ShadowFilter, ShadowSettings, Stage};
 use serde::Serialize;
 
-use crate::BenchError;
 use crate::compare::{Comparison, Drawn, Expected, Subject};
+use crate::{BenchError, Progress};
 
 /// Texels along each side of a map.
 const RESOLUTIONS: [u32; 5] = [256, 512, 1024, 2048, 4096];
@@ -37,17 +37,6 @@ pub struct Options<'a> {
     pub height: u32,
     /// Folder, there already, for a picture of each run's differences.
     pub pictures: Option<&'a Path>,
-}
-
-/// How far a measurement is.
-#[derive(Clone, Copy, Debug)]
-pub struct Progress<'a> {
-    /// Steps that are done.
-    pub done: usize,
-    /// Of so many.
-    pub of: usize,
-    /// The scene at hand.
-    pub scene: &'a str,
 }
 
 /// What was measured.
@@ -142,14 +131,14 @@ pub fn run(
             progress(Progress {
                 done: index * steps + done,
                 of: subjects.len() * steps,
-                scene: &subject.name,
+                what: subject.name.clone(),
             });
         };
         scenes.push(run_scene(&mut renderer, subject, options.pictures, step)?);
     }
     let report =
         Report { adapter: gpu.adapter_name().into(), width: options.width, height: options.height, scenes };
-    let chart = chart::draw(&report).map_err(|why| BenchError::Chart(why.to_string()))?;
+    let chart = chart::draw(&report)?;
     Ok((report, chart))
 }
 

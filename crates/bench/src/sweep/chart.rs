@@ -3,23 +3,20 @@
 use plotters::prelude::*;
 
 use super::{Report, SHAPES};
+use crate::BenchError;
+use crate::chart::{self, BLUE, ORANGE, WRONG};
 
-const COLORS: [RGBColor; 2] = [RGBColor(0xd0, 0x6a, 0x1e), RGBColor(0x2f, 0x6d, 0xb5)];
-const WRONG: RGBColor = RGBColor(0xd0, 0x00, 0x30);
+const COLORS: [RGBColor; 2] = [ORANGE, BLUE];
 /// Errors below count as this: where all of a picture is dark they are 0.
 const LEAST_ERROR: f64 = 1e-6;
 
 /// A panel a shape: how long each pose's picture took, and how far its radiance is off; red rings are around those with wrong
 /// pixels.
-pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>> {
-    let mut svg = String::new();
-    {
-        let area = SVGBackend::with_string(&mut svg, (900, 640)).into_drawing_area();
-        area.fill(&WHITE)?;
-        let (width, height) = (report.width, report.height);
-        let title =
-            format!("random lights over random scenes, {width}x{height}: run time against error of radiance");
-        let area = area.titled(&title, ("sans-serif", 20))?;
+pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
+    let Report { width, height, .. } = report;
+    let title =
+        format!("random lights over random scenes, {width}x{height}: run time against error of radiance");
+    chart::svg((900, 640), &title, |area| {
         for (panel, (shape, _)) in area.split_evenly((2, 2)).iter().zip(SHAPES) {
             let mut plot = ChartBuilder::on(panel)
                 .caption(shape, ("sans-serif", 17))
@@ -47,17 +44,12 @@ pub(super) fn draw(report: &Report) -> Result<String, Box<dyn std::error::Error>
                 );
                 plot.draw_series(poses.iter().map(|pose| Circle::new(at(index, pose), 2, color.filled())))?
                     .label(label)
-                    .legend(move |(x, y)| Circle::new((x + 6, y), 4, color.filled()));
+                    .legend(chart::dot(color.filled()));
                 let wrong = poses.iter().filter(|pose| pose.by[index].wrong > 0);
                 plot.draw_series(wrong.map(|pose| Circle::new(at(index, pose), 5, WRONG.stroke_width(2))))?;
             }
-            plot.configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
-                .background_style(WHITE.mix(0.85))
-                .border_style(BLACK.mix(0.3))
-                .draw()?;
+            chart::key(&mut plot, SeriesLabelPosition::UpperRight)?;
         }
-        area.present()?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }

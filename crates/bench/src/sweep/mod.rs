@@ -24,7 +24,7 @@ use render::{Backend, Gpu, MemoryBudget, Renderer, ShadowSettings};
 use scene::{Aov, Camera, Scene, View};
 use serde::Serialize;
 
-use crate::BenchError;
+use crate::{BenchError, Progress};
 use judge::Judged;
 use stage::{Setting, Stage};
 
@@ -83,17 +83,6 @@ pub struct Options {
     pub only: Option<usize>,
     /// Folder, there already, for a picture of each pose with a wrong pixel.
     pub pictures: Option<PathBuf>,
-}
-
-/// How far a sweep is.
-#[derive(Clone, Copy, Debug)]
-pub struct Progress {
-    /// Poses that are done.
-    pub done: usize,
-    /// Of so many.
-    pub of: usize,
-    /// Wrong pixels so far, all backends together.
-    pub wrong: usize,
 }
 
 /// What a sweep found.
@@ -190,7 +179,7 @@ pub fn run(options: &Options, progress: impl Fn(Progress)) -> Result<(Report, St
     let mut renderers: Vec<Renderer> =
         gpus.iter().map(|gpu| Renderer::new(Arc::clone(gpu))).collect::<Result<_, _>>()?;
     let report = sweep(&mut renderers, gpus[0].adapter_name(), options, progress)?;
-    let chart = chart::draw(&report).map_err(|why| BenchError::Chart(why.to_string()))?;
+    let chart = chart::draw(&report)?;
     Ok((report, chart))
 }
 
@@ -225,7 +214,7 @@ pub fn sweep(
             let pose = posed(renderers, shape, number, &files, options)?;
             wrong += pose.by.iter().map(|drawn| drawn.wrong).sum::<usize>();
             poses.push(pose);
-            progress(Progress { done: poses.len(), of, wrong });
+            progress(Progress { done: poses.len(), of, what: format!("{wrong} pixels wrong") });
         }
     }
     let rows = shapes.flat_map(|(name, _)| {

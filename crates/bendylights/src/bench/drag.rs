@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use ::bench::drag::{self, Kind, Options, Stage};
+use ::bench::drag::{self, Options, Stage};
 use assets::Loaded;
-use cli::{Output, Size, answer, progress};
+use cli::Size;
 
+use super::measure;
 use crate::error::Error;
 use crate::render::open_scene;
 use crate::usage::whole;
@@ -47,7 +48,6 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
     let Size { width, height } = args.size;
     let stages: Result<Vec<Stage>, Error> = args
         .scenes
@@ -59,13 +59,6 @@ pub fn run(args: &Args) -> Result<(), Error> {
         .collect();
     let stages = stages?;
     let options = Options { drags: args.drags as usize, seed: args.seed };
-    let drags = stages.len() * Kind::all().count() * options.drags;
-    let bar = progress(drags as u64);
-    let result = drag::run(&stages, options, || bar.inc(1));
-    bar.finish_and_clear();
-    let (report, chart) = result.map_err(Error::Bench)?;
-    if let Some(output) = output {
-        output.write(chart.as_bytes())?;
-    }
-    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+    measure(args.output.as_deref(), |progress| drag::run(&stages, options, progress))?;
+    Ok(())
 }

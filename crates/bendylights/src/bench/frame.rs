@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use ::bench::frame::{self, GrowthPlan, Subject};
-use cli::{Output, Size, answer, progress, say};
+use cli::{Size, say};
 
-use super::{PeerArgs, name_of};
+use super::{PeerArgs, measure, name_of};
 use crate::error::Error;
 use crate::gpu::BackendArgs;
 use crate::picture::choose_camera;
@@ -67,26 +67,15 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     cli::without_window_system();
-    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
     let peers = args.peers.found()?;
     let subject = subject(args)?;
-    let bar = progress(0);
     let growth = args.growth.then(GrowthPlan::full);
     let repeats = args.repeats as usize;
     let (peers, growth) = (peers.as_ref(), growth.as_ref());
     let options = frame::Options { repeats, crowd: CROWD, backend: args.backend.wanted(), peers, growth };
-    let result = frame::run(&subject, options, &|progress| {
-        bar.set_length(progress.of as u64);
-        bar.set_position(progress.done as u64);
-        bar.set_message(progress.what);
-    });
-    bar.finish_and_clear();
-    let (report, chart) = result?;
-    if let Some(output) = output {
-        output.write(chart.as_bytes())?;
-    }
+    let report = measure(args.output.as_deref(), |progress| frame::run(&subject, options, progress))?;
     report.table().lines().for_each(say);
-    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+    Ok(())
 }
 
 /// The scene under its first light, from its first camera.

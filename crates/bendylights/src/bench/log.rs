@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use ::bench::log::{self, Options};
-use cli::{Output, answer, progress};
 
+use super::measure;
 use crate::error::Error;
 use crate::usage::whole;
 
@@ -30,18 +30,8 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
     let program = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
-    let bar = progress(0);
-    let result = log::run(&program, Options { edits: args.edits as usize }, |progress| {
-        bar.set_length(progress.of as u64);
-        bar.set_position(progress.done as u64);
-        bar.set_message(progress.doing);
-    });
-    bar.finish_and_clear();
-    let (report, chart) = result.map_err(Error::Bench)?;
-    if let Some(output) = output {
-        output.write(chart.as_bytes())?;
-    }
-    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+    let options = Options { edits: args.edits as usize };
+    measure(args.output.as_deref(), |progress| log::run(&program, options, progress))?;
+    Ok(())
 }

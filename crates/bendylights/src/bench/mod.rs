@@ -6,11 +6,14 @@ mod log;
 mod neighbours;
 mod session;
 mod shadow;
+mod solver;
 mod sweep;
 
 use std::path::{Path, PathBuf};
 
-use ::bench::{BenchError, Peers};
+use ::bench::{BenchError, Peers, Progress};
+use cli::{Output, answer, progress};
+use serde::Serialize;
 
 use crate::error::Error;
 
@@ -34,6 +37,8 @@ enum Question {
     Session(session::Args),
     /// What do bent shadows cost, and how wrong are they? Run time against error of resolution, splitting and filter
     Shadow(shadow::Args),
+    /// Which solver finds a point's place in a light, how fast, how accurately, and does it ever fail?
+    Solver(solver::Args),
     /// Are pictures right at first sight? Random lights of each shape over scenes on floors, in rooms and under roofs, both
     /// backends held to the reference
     Sweep(sweep::Args),
@@ -47,8 +52,31 @@ pub fn run(args: &Args) -> Result<(), Error> {
         Question::Neighbours(args) => neighbours::run(args),
         Question::Session(args) => session::run(args),
         Question::Shadow(args) => shadow::run(args),
+        Question::Solver(args) => solver::run(args),
         Question::Sweep(args) => sweep::run(args),
     }
+}
+
+/// Shows the progress of `run`, writes its chart to `output`, prints its report as JSON, and returns that.
+fn measure<R: Serialize>(
+    output: Option<&Path>,
+    run: impl FnOnce(&(dyn Fn(Progress) + Sync)) -> Result<(R, String), BenchError>,
+) -> Result<R, Error> {
+    // A chart that cannot be written is refused before the measurement, which may take long.
+    let output = output.map(Output::create_chart).transpose()?;
+    let bar = progress(0);
+    let result = run(&|Progress { done, of, what }| {
+        bar.set_length(of as u64);
+        bar.set_position(done as u64);
+        bar.set_message(what);
+    });
+    bar.finish_and_clear();
+    let (report, chart) = result?;
+    if let Some(output) = output {
+        output.write(chart.as_bytes())?;
+    }
+    answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?;
+    Ok(report)
 }
 
 /// Other renderers to measure beside.

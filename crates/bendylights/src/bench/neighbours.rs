@@ -4,8 +4,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use ::bench::neighbours::{self, ROWS, Row};
-use cli::{Output, Size, answer, progress};
+use cli::Size;
 
+use super::measure;
 use crate::error::Error;
 use crate::gpu::BackendArgs;
 use crate::usage::whole;
@@ -77,10 +78,8 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
     let this = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
     let program = args.program.as_deref().unwrap_or(&this);
-    let bar = progress(0);
     let is_wanted = |row: &Row| args.row.is_empty() || args.row.iter().any(|name| name == row.name());
     let options = neighbours::Options {
         rows: ROWS.into_iter().filter(is_wanted).collect(),
@@ -90,17 +89,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         many_actors: args.many_actors,
         backend: args.backend.wanted(),
     };
-    let result = neighbours::run(program, &options, &|progress| {
-        bar.set_length(progress.of as u64);
-        bar.set_position(progress.done as u64);
-        bar.set_message(format!("{}: {}", progress.row.name(), progress.step));
-    });
-    bar.finish_and_clear();
-    let (report, chart) = result.map_err(Error::Bench)?;
-    if let Some(output) = output {
-        output.write(chart.as_bytes())?;
-    }
-    answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?;
+    let report = measure(args.output.as_deref(), |progress| neighbours::run(program, &options, progress))?;
     let rows = report.missed();
     if rows.is_empty() { Ok(()) } else { Err(Error::Missed { rows: rows.join(", ") }) }
 }

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use ::bench::{session, stills};
-use cli::{Output, Size, answer, progress};
+use cli::{Size, answer};
 
-use super::{PeerArgs, name_of};
+use super::{PeerArgs, measure, name_of};
 use crate::error::Error;
 use crate::gpu::BackendArgs;
 use crate::render::open_lit;
@@ -22,8 +22,8 @@ of its own that has stopped by then. On a machine that does other work meanwhile
   drags    one a backend, the one that is measured first:
     backend              who drew shadows and lights
     frames, framesPerSecond
-    editToDecoded        from sending an update to having decoded a frame that shows it: p50Ms, p95Ms
-    stages               where the time of each frame's newest update went, p50Ms and p95Ms each:
+    editToDecodedMs      from sending an update to having decoded a frame that shows it: p50, p95
+    stagesMs             where the time of each frame's newest update went, p50 and p95 each:
       wait    from the change to the start of the render
       render  the picture, with its read-back
       encode  JPEG
@@ -79,14 +79,12 @@ pub fn run(args: &Args) -> Result<(), Error> {
         return beside_stills(args, count);
     }
     cli::without_window_system();
-    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
     let peers = args.peers.found()?;
     // What the server would refuse is said here, before it is started.
     if open_lit(&args.scene, None)?.contents.lights.is_empty() {
         return Err(Error::NothingLit(args.scene.clone()));
     }
     let program = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
-    let bar = progress(0);
     let options = session::Options {
         scene: &args.scene,
         name: &name_of(&args.scene),
@@ -96,17 +94,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
         backend: args.backend.wanted(),
         peers: peers.as_ref(),
     };
-    let result = session::run(&program, &options, &|progress| {
-        bar.set_length(progress.of as u64);
-        bar.set_position(progress.done as u64);
-        bar.set_message(progress.what);
-    });
-    bar.finish_and_clear();
-    let (report, chart) = result.map_err(Error::Bench)?;
-    if let Some(output) = output {
-        output.write(chart.as_bytes())?;
-    }
-    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+    measure(args.output.as_deref(), |progress| session::run(&program, &options, progress))?;
+    Ok(())
 }
 
 fn beside_stills(args: &Args, count: u64) -> Result<(), Error> {

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use ::bench::shadow;
-use cli::{Output, Size, answer, progress};
+use cli::Size;
 
+use super::measure;
 use crate::error::Error;
 use crate::gpu;
 
@@ -35,20 +36,10 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     cli::without_window_system();
-    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
     cli::make_folder(args.pictures.as_deref())?;
-    let bar = progress(0);
     let Size { width, height } = args.size;
     let options = shadow::Options { width, height, pictures: args.pictures.as_deref() };
-    let result = shadow::run(&gpu::open()?, options, |progress| {
-        bar.set_length(progress.of as u64);
-        bar.set_position(progress.done as u64);
-        bar.set_message(progress.scene.to_owned());
-    });
-    bar.finish_and_clear();
-    let (report, chart) = result.map_err(Error::Bench)?;
-    if let Some(output) = output {
-        output.write(chart.as_bytes())?;
-    }
-    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+    let gpu = gpu::open()?;
+    measure(args.output.as_deref(), |progress| shadow::run(&gpu, options, progress))?;
+    Ok(())
 }

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use ::bench::sweep;
-use cli::{Output, Size, answer, progress};
+use cli::Size;
 
-use super::name_of;
+use super::{measure, name_of};
 use crate::error::Error;
 use crate::render::open_scene;
 use crate::usage::whole;
@@ -60,13 +60,11 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     cli::without_window_system();
-    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
     cli::make_folder(args.pictures.as_deref())?;
     let file = |scene: &String| {
         let loaded = open_scene(scene)?;
         Ok(sweep::SceneFile { name: name_of(scene), scene: loaded.scene, cameras: loaded.contents.cameras })
     };
-    let bar = progress(0);
     let options = sweep::Options {
         poses: args.poses as usize,
         seed: args.seed,
@@ -79,15 +77,6 @@ pub fn run(args: &Args) -> Result<(), Error> {
         only: args.pose,
         pictures: args.pictures.clone(),
     };
-    let result = sweep::run(&options, |progress| {
-        bar.set_length(progress.of as u64);
-        bar.set_position(progress.done as u64);
-        bar.set_message(format!("{} pixels wrong", progress.wrong));
-    });
-    bar.finish_and_clear();
-    let (report, chart) = result.map_err(Error::Bench)?;
-    if let Some(output) = output {
-        output.write(chart.as_bytes())?;
-    }
-    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+    measure(args.output.as_deref(), |progress| sweep::run(&options, progress))?;
+    Ok(())
 }

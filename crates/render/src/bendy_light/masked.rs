@@ -5,11 +5,11 @@ use std::mem::offset_of;
 use wgpu::{Buffer, BufferBinding, RenderPass, RenderPipeline, VertexBufferLayout, VertexStepMode};
 
 use super::gpu_structs::BentCounts;
-use super::shadow::nearer_wins;
 use super::shadow_buffers::{Buffers, VERTEX_BYTES};
 use crate::alpha_test::AlphaTests;
 use crate::geometry::Geometry;
 use crate::gpu_structs::Mat4;
+use crate::pipeline::least_depth_wins;
 use crate::{Gpu, shaders};
 
 #[cfg(test)]
@@ -41,7 +41,7 @@ impl MaskedDraw {
                 buffers: &[layout(&mapped), layout(&place)],
             },
             primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: Some(nearer_wins()),
+            depth_stencil: Some(least_depth_wins()),
             multisample: wgpu::MultisampleState::default(),
             fragment: Some(wgpu::FragmentState {
                 module: &module,

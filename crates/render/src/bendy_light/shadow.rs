@@ -24,7 +24,7 @@ use super::{gpu_structs, tube_from_scene};
 use crate::casters::{Casters, Casting};
 use crate::gpu_scene::GpuScene;
 use crate::memory::{Evictable, MemoryKind};
-use crate::pipeline::{DEPTH_FORMAT, MapTarget};
+use crate::pipeline::{MapTarget, least_depth_wins};
 use crate::shadow_settings::Culling;
 use crate::stages::Stage;
 use crate::{Gpu, RenderError, ShadowSettings, readback, shaders};
@@ -345,17 +345,6 @@ fn bind(
     })
 }
 
-/// Depth grows along the light.
-pub(super) fn nearer_wins() -> wgpu::DepthStencilState {
-    wgpu::DepthStencilState {
-        format: DEPTH_FORMAT,
-        depth_write_enabled: Some(true),
-        depth_compare: Some(wgpu::CompareFunction::Less),
-        stencil: wgpu::StencilState::default(),
-        bias: wgpu::DepthBiasState::default(),
-    }
-}
-
 fn draw_pipeline(gpu: &Gpu) -> RenderPipeline {
     let module = gpu.module("bent shadow", shaders::BENT_SHADOW);
     let mapped = wgpu::VertexBufferLayout {
@@ -374,7 +363,7 @@ fn draw_pipeline(gpu: &Gpu) -> RenderPipeline {
         },
         // Both sides cast: what light meets does not depend on which side was modelled.
         primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(nearer_wins()),
+        depth_stencil: Some(least_depth_wins()),
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
             module: &module,

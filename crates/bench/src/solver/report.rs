@@ -1,12 +1,12 @@
-//! What `bendylights-studies solver` answers.
+//! What `bendylights bench solver` answers.
 
 use serde::Serialize;
 
 use super::family::{FAMILIES, Family};
-use super::histogram::Histogram;
 use super::judge::{Tally, WrongCase};
 use super::method::Method;
 use super::width::Precision;
+use crate::Quantiles;
 
 /// The whole answer.
 #[derive(Debug, Serialize)]
@@ -91,18 +91,6 @@ pub struct Accuracy {
     pub first_wrong: Option<WrongCase>,
 }
 
-/// Of a distribution.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub struct Quantiles {
-    /// Median.
-    pub p50: f64,
-    /// What one in a thousand exceeds.
-    pub p999: f64,
-    /// Largest.
-    pub max: f64,
-}
-
 /// Many solves at once.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
@@ -126,13 +114,11 @@ impl Verdict {
 impl Accuracy {
     /// Of what was counted.
     pub fn of(tally: &Tally) -> Self {
-        let quantiles =
-            |h: &Histogram| Quantiles { p50: h.quantile(0.5), p999: h.quantile(0.999), max: h.max() };
         let Tally { inputs, missed, spurious, inaccurate, nan, first_wrong, .. } = *tally;
         Self {
             inputs,
-            error_u: quantiles(&tally.error),
-            error_eps_cond: quantiles(&tally.error_eps_cond),
+            error_u: tally.error.quantiles(),
+            error_eps_cond: tally.error_eps_cond.quantiles(),
             missed,
             spurious,
             inaccurate,

@@ -1,11 +1,12 @@
-//! `bendylights-studies solver`: which solver, how fast, how accurate, and does it ever fail.
+//! `bendylights bench solver`: which solver, how fast, how accurate, and does it ever fail.
 
 use std::path::PathBuf;
 
-use cli::{Output, answer, progress};
+use ::bench::solver::{self, METHODS, Method};
 use render::Gpu;
-use studies::StudyError;
-use studies::solver::{self, FAMILIES, METHODS, Method};
+
+use super::measure;
+use crate::error::Error;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -17,11 +18,12 @@ near the evolute, ...), and compares the answers with roots known to thirty digi
              (inaccurate), NaN. errorU is in the curve's own parameter, and large where the question itself is
              ill-conditioned; errorEpsCond divides by that condition and the width's epsilon: about 1 is as good as
              the width can, and the bars are stated in it
-  eightWide  the product's solver eight at once on one core, and on the adapter: solves a second
+  sixteenWide, adapter
+             the product's solver sixteen at once on one core, and on the adapter: solves a second
 
 Examples:
-  bendylights-studies solver -o solver.svg
-  bendylights-studies solver --only ours --inputs 6700000     1e8 inputs, each in f32 and f64; some minutes")]
+  bendylights bench solver -o solver.svg
+  bendylights bench solver --only ours --inputs 6700000     1e8 inputs, each in f32 and f64; some minutes")]
 pub struct Args {
     /// Points of each of the 15 families
     #[arg(long, default_value_t = 60_000, value_name = "N", value_parser = clap::value_parser!(u64).range(100..=1_000_000_000))]
@@ -39,19 +41,13 @@ fn method(name: &str) -> Result<Method, serde_json::Error> {
     serde_json::from_value(name.into())
 }
 
-pub fn run(args: &Args) -> Result<(), StudyError> {
+pub fn run(args: &Args) -> Result<(), Error> {
     cli::without_window_system();
-    let output = args.output.as_deref().map(Output::create_chart).transpose()?;
     let methods = if args.only.is_empty() { METHODS.to_vec() } else { args.only.clone() };
-    let bar = progress(args.inputs * FAMILIES.len() as u64);
     let options = solver::Options { inputs_per_family: args.inputs, methods };
     // Without an adapter the processor's figures are still worth having.
-    let report = solver::run(&options, Gpu::new().ok().as_ref(), |judged| bar.inc(judged))?;
-    bar.finish_and_clear();
-    if let Some(output) = output {
-        output.write(solver::chart(&report)?.as_bytes())?;
-    }
-    answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?;
+    let gpu = Gpu::new().ok();
+    let report = measure(args.output.as_deref(), |progress| solver::run(&options, gpu.as_ref(), progress))?;
     let (wrong, nan) = (report.ours.wrong, report.ours.nan);
-    if wrong + nan > 0 { Err(StudyError::SolverWrong { wrong, nan }) } else { Ok(()) }
+    if wrong + nan > 0 { Err(Error::SolverWrong { wrong, nan }) } else { Ok(()) }
 }

@@ -5,11 +5,11 @@ use plotters::prelude::*;
 use super::family::FAMILIES;
 use super::report::{Measured, Report};
 use super::width::Precision;
+use crate::BenchError;
+use crate::chart::{self, BLUE, ChartResult, ORANGE, range};
 
-const WIDTHS: [(Precision, RGBColor, &str); 2] = [
-    (Precision::F32, RGBColor(0x2f, 0x6d, 0xb5), "f32"),
-    (Precision::F64, RGBColor(0xc8, 0x5a, 0x17), "f64"),
-];
+const WIDTHS: [(Precision, RGBColor, &str); 2] =
+    [(Precision::F32, BLUE, "f32"), (Precision::F64, ORANGE, "f64")];
 /// Height of a label and width of its letters, in pixels.
 const LINE: i32 = 15;
 const LETTER: i32 = 7;
@@ -17,18 +17,15 @@ const LETTER: i32 = 7;
 type Plot<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 
 /// A marker a method and width, filled where nothing was wrong, and each width's Pareto front.
-pub fn chart(report: &Report) -> Result<String, Box<dyn std::error::Error>> {
+pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
     let methods = &report.methods;
-    let mut svg = String::new();
-    {
-        let root = SVGBackend::with_string(&mut svg, (1000, 640)).into_drawing_area();
-        root.fill(&WHITE)?;
+    chart::svg((1000, 640), "", |area| {
         let (fastest, slowest) = range(methods.iter().map(|m| m.nanoseconds));
         let (least, most) = range(methods.iter().map(Measured::error));
         let cases = report.inputs_per_family * FAMILIES.len() as u64;
         let caption =
             format!("Where is the curve square to a point? {cases} points, {} kinds", FAMILIES.len());
-        let mut plot = ChartBuilder::on(&root)
+        let mut plot = ChartBuilder::on(area)
             .caption(caption, ("sans-serif", 20))
             .margin(14)
             .x_label_area_size(44)
@@ -47,22 +44,17 @@ pub fn chart(report: &Report) -> Result<String, Box<dyn std::error::Error>> {
             let of_width: Vec<_> = methods.iter().filter(|m| m.precision == precision).collect();
             let line = plot.draw_series(LineSeries::new(front(&of_width, slowest * 1.9), color.mix(0.5)))?;
             line.label(format!("{name}, and what is fastest for its error"))
-                .legend(move |(x, y)| Circle::new((x + 6, y), 5, color.filled()));
+                .legend(chart::dot(color.filled()));
         }
         let hollow = WIDTHS[0].1.stroke_width(2);
         plot.draw_series(std::iter::empty::<Circle<(f64, f64), i32>>())?
             .label("hollow: some roots missed, made up, over the bars or no number")
-            .legend(move |(x, y)| Circle::new((x + 6, y), 5, hollow));
+            .legend(chart::dot(hollow));
         draw_markers(&mut plot, methods)?;
         draw_labels(&mut plot, methods)?;
-        plot.configure_series_labels()
-            .position(SeriesLabelPosition::MiddleLeft)
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK.mix(0.3))
-            .draw()?;
-        root.present()?;
-    }
-    Ok(svg)
+        chart::key(&mut plot, SeriesLabelPosition::MiddleLeft)?;
+        Ok(())
+    })
 }
 
 /// The steps of what is fastest for each error, up to the time `end`.
@@ -74,7 +66,7 @@ fn front(methods: &[&Measured], end: f64) -> Vec<(f64, f64)> {
     best.iter().zip(until).flat_map(|(&(from, error), until)| [(from, error), (until, error)]).collect()
 }
 
-fn draw_markers(plot: &mut Plot<'_, '_>, methods: &[Measured]) -> Result<(), Box<dyn std::error::Error>> {
+fn draw_markers(plot: &mut Plot<'_, '_>, methods: &[Measured]) -> ChartResult {
     for method in methods {
         let color = color(method);
         let style = if failures(method).is_empty() { color.filled() } else { color.stroke_width(2) };
@@ -84,7 +76,7 @@ fn draw_markers(plot: &mut Plot<'_, '_>, methods: &[Measured]) -> Result<(), Box
 }
 
 /// Each marker's name beside it, moved down where another stands there, with a line back to its marker.
-fn draw_labels(plot: &mut Plot<'_, '_>, methods: &[Measured]) -> Result<(), Box<dyn std::error::Error>> {
+fn draw_labels(plot: &mut Plot<'_, '_>, methods: &[Measured]) -> ChartResult {
     let mut markers: Vec<_> =
         methods.iter().map(|m| (plot.backend_coord(&(m.nanoseconds, m.error())), m)).collect();
     markers.sort_by_key(|((_, y), _)| *y);
@@ -136,8 +128,4 @@ fn failures(method: &Measured) -> String {
         if percent < 0.01 { format!("{count} {what}") } else { format!("{percent:.2} % {what}") }
     });
     words.collect::<Vec<_>>().join(", ")
-}
-
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    values.fold((f64::INFINITY, 0.0), |(low, high), x| (low.min(x), high.max(x)))
 }

@@ -20,14 +20,17 @@ mod method;
 mod report;
 #[cfg(test)]
 mod tests;
+mod timing;
 mod truth;
 mod width;
 
 pub use family::{FAMILIES, Family};
 pub use judge::WrongCase;
 pub use method::{METHODS, Method};
-pub use report::{Accuracy, InFamily, Measured, Quantiles, Report, Throughput, Verdict};
+pub use report::{Accuracy, InFamily, Measured, Report, Throughput, Verdict};
 pub use width::Precision;
+
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::Vec3;
 use light::Curve;
@@ -38,9 +41,9 @@ use render::Gpu;
 use self::family::Case;
 use self::found::Found;
 use self::judge::{Bars, Tally};
+use self::timing::nanoseconds;
 use self::width::Width;
-use crate::StudyError;
-use crate::timing::nanoseconds;
+use crate::{BenchError, Progress};
 
 /// Cases that one thread judges in one go.
 const CHUNK: u64 = 4096;
@@ -62,16 +65,26 @@ pub struct Options {
     pub methods: Vec<Method>,
 }
 
-/// Judges and times the methods; `judged` is called with the number of cases that have just been judged.
+/// Judges and times the methods. Returns what was measured and the chart, an SVG.
 ///
 /// Cases are made as they are needed and every thread keeps counts only, so any number can be asked for. The adapter
 /// is left out where `gpu` is `None`.
-pub fn run(options: &Options, gpu: Option<&Gpu>, judged: impl Fn(u64) + Sync) -> Result<Report, StudyError> {
+pub fn run(
+    options: &Options,
+    gpu: Option<&Gpu>,
+    progress: impl Fn(Progress) + Sync,
+) -> Result<(Report, String), BenchError> {
     let mut contestants = vec![Method::Ours];
     contestants.extend(options.methods.iter().filter(|&&m| m != Method::Ours));
     // In f32 each, then in f64 each.
     let mut times = times_in::<f32>(&contestants);
     times.extend(times_in::<f64>(&contestants));
+    let of = options.inputs_per_family as usize * FAMILIES.len();
+    let done = AtomicUsize::new(0);
+    let judged = |count: u64| {
+        let done = done.fetch_add(count as usize, Ordering::Relaxed) + count as usize;
+        progress(Progress { done, of, what: String::new() });
+    };
     let tallies = FAMILIES.map(|family| judge(family, options.inputs_per_family, &contestants, &judged));
 
     let measured = times.iter().enumerate().map(|(row, times)| {
@@ -87,18 +100,15 @@ pub fn run(options: &Options, gpu: Option<&Gpu>, judged: impl Fn(u64) + Sync) ->
     Measured::find_front(&mut methods);
     let ours = tallies.iter().flat_map(|of_family| [&of_family[0], &of_family[contestants.len()]]);
     let in_bulk = options.inputs_per_family.min(MOST_IN_BULK);
-    Ok(Report {
+    let report = Report {
         inputs_per_family: options.inputs_per_family,
         ours: Verdict::of(&Tally::sum(ours)),
         methods,
         sixteen_wide: sixteen_wide(in_bulk),
         adapter: gpu.map(|gpu| on_adapter(gpu, in_bulk)).transpose()?,
-    })
-}
-
-/// Run time against error as an SVG.
-pub fn chart(report: &Report) -> Result<String, StudyError> {
-    chart::chart(report).map_err(|error| StudyError::Chart(error.to_string()))
+    };
+    let chart = chart::draw(&report)?;
+    Ok((report, chart))
 }
 
 /// Nanoseconds a solve in `F` of each method, in each family.
@@ -182,7 +192,7 @@ fn sixteen(family: Family, first: u64) -> [(Curve<f32>, Vec3); SIXTEEN] {
 }
 
 /// The shaders' twin over the first `inputs` cases of each family.
-fn on_adapter(gpu: &Gpu, inputs: u64) -> Result<Throughput, StudyError> {
+fn on_adapter(gpu: &Gpu, inputs: u64) -> Result<Throughput, BenchError> {
     let mut tally = Tally::default();
     let mut seconds = 0.0;
     for family in FAMILIES {

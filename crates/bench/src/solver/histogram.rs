@@ -1,5 +1,7 @@
 //! Quantiles of any number of values in little memory.
 
+use crate::Quantiles;
+
 /// Values per doubling: bins are 4 % wide.
 const BINS_AN_OCTAVE: f64 = 16.0;
 /// The smallest value that is told from zero is `2^-LOWEST`.
@@ -37,7 +39,7 @@ impl Histogram {
     }
 
     /// The value that a `share` of all does not exceed, at most 4 % too large; 0 of none.
-    pub fn quantile(&self, share: f64) -> f64 {
+    fn quantile(&self, share: f64) -> f64 {
         let wanted = (share * self.count as f64).ceil() as u64;
         let mut seen = 0;
         for (bin, count) in self.bins.iter().enumerate() {
@@ -50,9 +52,9 @@ impl Histogram {
         self.max
     }
 
-    /// The largest value, exactly.
-    pub fn max(&self) -> f64 {
-        self.max
+    /// Quantiles of all values, at most 4 % too large.
+    pub fn quantiles(&self) -> Quantiles {
+        Quantiles::from_shares(self.count, |share| self.quantile(share))
     }
 }
 
@@ -70,7 +72,7 @@ mod tests {
             let quantile = low.quantile(share);
             assert!((exact..=1.045 * exact).contains(&quantile), "{share}: {quantile}");
         }
-        assert_eq!(low.max(), 1000.0);
+        assert_eq!(low.quantiles().max, 1000.0);
         assert_eq!(Histogram::default().quantile(0.5), 0.0);
         low.record(0.0);
         assert_eq!(low.quantile(0.0), 0.0);

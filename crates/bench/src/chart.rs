@@ -1,0 +1,71 @@
+//! Parts that all charts share: the SVG, its colours, and keys of lines and boxes.
+
+use plotters::chart::SeriesLabelPosition;
+use plotters::coord::{CoordTranslate, Shift};
+use plotters::prelude::*;
+
+use crate::BenchError;
+
+pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+/// Plotters' errors name the backend's lifetime, so they are boxed until the chart is done.
+pub(crate) type ChartResult = Result<(), Box<dyn std::error::Error>>;
+
+pub(crate) const BLUE: RGBColor = RGBColor(0x2f, 0x6d, 0xb5);
+pub(crate) const ORANGE: RGBColor = RGBColor(0xe0, 0x8a, 0x1e);
+pub(crate) const RED: RGBColor = RGBColor(0xd9, 0x48, 0x3b);
+pub(crate) const GREEN: RGBColor = RGBColor(0x3a, 0x9a, 0x5c);
+pub(crate) const VIOLET: RGBColor = RGBColor(0x7a, 0x5c, 0xa8);
+pub(crate) const GREY: RGBColor = RGBColor(0xb0, 0xb0, 0xb0);
+/// Marks what is wrong.
+pub(crate) const WRONG: RGBColor = RGBColor(0xd0, 0x00, 0x30);
+/// Lines of a grid between those with numbers.
+pub(crate) const FAINT: RGBAColor = RGBAColor(0, 0, 0, 0.05);
+
+/// An SVG of so many pixels, white, with `title` above what `draw` draws.
+pub(crate) fn svg(
+    size: (u32, u32),
+    title: &str,
+    draw: impl FnOnce(&Area) -> ChartResult,
+) -> Result<String, BenchError> {
+    let mut svg = String::new();
+    let drawn = || -> ChartResult {
+        let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        root.fill(&WHITE)?;
+        draw(&if title.is_empty() { root.clone() } else { root.titled(title, ("sans-serif", 18))? })?;
+        Ok(root.present()?)
+    };
+    drawn().map_err(|why| BenchError::Chart(why.to_string()))?;
+    Ok(svg)
+}
+
+/// Names the series of a plot, in a box at `position`.
+pub(crate) fn key<'a, 'b: 'a, T: CoordTranslate>(
+    plot: &mut ChartContext<'a, SVGBackend<'b>, T>,
+    position: SeriesLabelPosition,
+) -> ChartResult {
+    let mut labels = plot.configure_series_labels();
+    labels.position(position).background_style(WHITE.mix(0.85)).border_style(BLACK.mix(0.3));
+    Ok(labels.draw()?)
+}
+
+/// A line in a key.
+pub(crate) fn line(style: impl Into<ShapeStyle>) -> impl Fn((i32, i32)) -> PathElement<(i32, i32)> {
+    let style = style.into();
+    move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style)
+}
+
+/// A box in a key.
+pub(crate) fn swatch(color: RGBColor) -> impl Fn((i32, i32)) -> Rectangle<(i32, i32)> {
+    move |(x, y)| Rectangle::new([(x, y - 5), (x + 12, y + 5)], color.filled())
+}
+
+/// A dot in a key.
+pub(crate) fn dot(style: impl Into<ShapeStyle>) -> impl Fn((i32, i32)) -> Circle<(i32, i32), i32> {
+    let style = style.into();
+    move |(x, y)| Circle::new((x + 6, y), 5, style)
+}
+
+/// The least and the greatest of positive values.
+pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, 0.0), |(low, high), x| (low.min(x), high.max(x)))
+}
