@@ -50,7 +50,7 @@ SHARED_ASSETS := $(or $(wildcard ../shared/assets),$(filter true,$(CI)))
 PACKAGES := gcc g++ libc6-dev libvulkan1 mesa-vulkan-drivers
 # Where Debian 12, whose lavapipe is of Mesa 22, keeps one of Mesa 25. That one jumps over branches in shaders; 22 runs both sides.
 BACKPORTS := http://deb.debian.org/debian
-# A browser for the page, strace to see that what is acknowledged is on disk, curl and jq for the README's commands, systemd-analyze
+# A browser for the page, strace to see that what is acknowledged is on disk, curl and jq for the commands of README and docs, systemd-analyze
 # for the units in deploy/, nginx and Caddy for its snippets, and Python for the tools that check openapi.json.
 TEST_PACKAGES := chromium strace curl jq systemd nginx-light caddy python3 python3-venv
 

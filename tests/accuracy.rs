@@ -60,7 +60,7 @@ fn scenes_folder() -> PathBuf {
     folder
 }
 
-/// Pixels: those of the README's table, or as the environment says.
+/// Pixels: those of the table in docs/accuracy.md, or as the environment says.
 fn size() -> [u32; 2] {
     let Ok(size) = std::env::var("BENDYLIGHTS_ACCURACY_SIZE") else { return [686, 382] };
     let (width, height) = size.split_once('x').expect("the size is written WIDTHxHEIGHT");
@@ -127,7 +127,7 @@ fn compared_with(
     (drawn, comparison)
 }
 
-/// What the README says of a picture, column by column; why not, or nothing.
+/// What docs/accuracy.md says of a picture, column by column; why not, or nothing.
 fn fault(subject: &Subject, found: &Comparison) -> Option<&'static str> {
     let Comparison { pixels, .. } = *found;
     // The bedroom's carpets have two layers in one place; no other scene has.

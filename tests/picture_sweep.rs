@@ -42,7 +42,7 @@ fn allowed(row: &Row) -> usize {
     if row.shape == "bendy" { row.calm.div_ceil(100_000) } else { 0 }
 }
 
-/// Holds rows to what the README says.
+/// Holds rows to what docs/accuracy.md says.
 fn are_right(report: &Report) {
     for row in &report.rows {
         println!("{}", serde_json::to_string(row).expect("plain data"));

@@ -1,7 +1,5 @@
-//! How this repository is written, where a habit can be checked.
+//! Habits of this repository that can be checked.
 
-mod docs;
 mod ignored;
-mod markdown;
 #[path = "../sources.rs"]
 mod sources;

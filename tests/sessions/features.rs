@@ -13,7 +13,7 @@ const SIZE: [u32; 2] = [640, 360];
 /// In the shadow of the blue vase's neck.
 const SHADOW: [f64; 2] = [430.5, 265.5];
 
-/// The README's drag: that shadow goes down the table by `down` pixels.
+/// The drag of docs/command-line.md: that shadow goes down the table by `down` pixels.
 fn drag(mirror: &Mirror, points: Option<Vec<usize>>, down: f64) -> Command {
     let camera = mirror.document.cameras().values().next().expect("the demo has a camera");
     Command::DragFeature {

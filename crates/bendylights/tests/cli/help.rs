@@ -1,4 +1,4 @@
-//! `--help` teaches, and the README's commands are those of the program.
+//! `--help` teaches, and the commands of README and docs are those of the program.
 
 use crate::program::run;
 
@@ -62,10 +62,18 @@ fn unknown_words(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn the_readme_shows_commands_that_exist() {
-    let readme = include_str!("../../../../README.md");
-    assert!(readme.lines().filter(|line| line.trim().starts_with("bendylights ")).count() >= 4);
-    assert_eq!(unknown_words(readme), [""; 0]);
+fn readme_and_docs_show_commands_that_exist() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let docs = std::fs::read_dir(format!("{root}/docs")).expect("a folder");
+    let mut pages: Vec<_> = docs.map(|page| page.expect("a page").path()).collect();
+    pages.push(format!("{root}/README.md").into());
+    let mut count = 0;
+    for page in pages.iter().filter(|page| page.extension().is_some_and(|extension| extension == "md")) {
+        let text = std::fs::read_to_string(page).expect("text");
+        count += text.lines().filter(|line| line.trim().starts_with("bendylights ")).count();
+        assert_eq!(unknown_words(&text), [""; 0], "{}", page.display());
+    }
+    assert!(count >= 30, "{count} commands");
     let planted = "bendylights render demo:vases --quality 3 -o out.png\nbendylights paint";
     assert_eq!(unknown_words(planted).len(), 2);
 }

@@ -52,7 +52,7 @@ impl Drawn {
         Some((seen, point))
     }
 
-    /// The README's drag: the shadow of the blue vase's neck goes down the table, by three control points of the demo's light.
+    /// The drag of docs/command-line.md: the shadow of the blue vase's neck goes down the table, by three control points of the demo's light.
     pub fn trial_of_the_demo(&self, shadow_link: Option<Links>) -> Trial {
         let demo = assets::demo("vases").expect("it is one of the demos");
         let light = demo.contents.lights[0].light().clone().with(SHADOW_LINK, shadow_link);
